@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/signal.h"
+
+namespace dttmm {
+
+/// The model as read, checked and converted: SI units, world axes unless said otherwise, every name resolved to an index.
+/// Nothing below this layer reads text.
+
+struct Marker {
+    std::string name;
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();      ///< in the body's axes, from the body's origin [m]
+    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< the marker's axes in the body's axes
+};
+
+struct Body {
+    std::string name;
+    double mass = 0;                                               ///< [kg]
+    Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero();      ///< in the body's axes [m]
+    Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();             ///< about the centre of mass, body axes [kg m²]
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();            ///< of the body's origin [m]
+    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();        ///< the body's axes in the world
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();            ///< of the body's origin [m/s]
+    Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();    ///< world axes [rad/s]
+    std::vector<Marker> markers;
+};
+
+/// A place on a body: one of its markers, or the body itself (its origin; for a load, its centre of mass).
+struct Attachment {
+    int body = -1;    ///< index into Model::bodies; -1 is the ground
+    int marker = -1;  ///< index into Body::markers; -1 is the body itself
+};
+
+struct Load {
+    Attachment on;
+    Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit vector, world axes
+    bool is_moment = false;                               ///< a moment [N m] instead of a force [N]
+    Signal signal;                                        ///< magnitude along `direction` against time
+};
+
+struct Element {
+    std::string name;
+    int type = -1;  ///< index into the catalogue the model was read with
+    Attachment from, to;
+    std::vector<double> values;  ///< numbers of all parameters of the type, in the order declared
+    std::string place;           ///< "file:line:column", for errors found later
+};
+
+enum class Coupling { implicit, explicit_ };
+
+/// Velocity formula of the explicit coupling; ignored by the implicit one.
+enum class ExplicitScheme { fox_euler, bdf1, bdf2, houbolt, park };
+
+struct SimulationSettings {
+    double duration = 0;  ///< [s]
+    double step = 0;      ///< [s]
+    Coupling coupling = Coupling::implicit;
+    ExplicitScheme scheme = ExplicitScheme::fox_euler;
+    Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  ///< [m/s²]
+};
+
+struct OutputSettings {
+    int every = 1;                      ///< one row per so many steps
+    std::vector<std::string> channels;  ///< glob patterns; empty: the default channels
+};
+
+struct Parameter {
+    std::string name;
+    double value = 0;  ///< SI
+    std::string unit;  ///< the SI unit of `value` as text, "1" for a pure number; empty for the result of an expression
+    std::string text;  ///< as written in the file or by --set
+};
+
+struct Model {
+    std::string path;    ///< of the model file
+    std::string source;  ///< the text of the model file
+    std::string title;
+    std::vector<Parameter> parameters;
+    SimulationSettings simulation;
+    OutputSettings output;
+    std::vector<Body> bodies;
+    std::vector<Load> loads;
+    std::vector<Element> elements;
+    std::vector<std::string> warnings;  ///< each with its place, ready to print
+};
+
+}  // namespace dttmm

@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ * Copyright (c) 2026 the dttmm authors
+ *
+ * The C interface between the dttmm host, which owns the rigid bodies, and a plugin, which solves the elastic network
+ * between them. Both halves include this header and nothing else of each other. Plain C11.
+ *
+ * Conventions, valid for every declaration below
+ * ----------------------------------------------
+ * Units     SI: m, kg, s, rad, N, N m.
+ * Frame     world axes, right-handed, unless a comment says otherwise. Matrices are row-major.
+ * Order     a pose change is [translation x y z; rotation x y z], a wrench [force x y z; moment x y z].
+ * Wrench    acts on the host's body, at the port's position.
+ * Memory    whoever calls owns every buffer it passes; what a plugin returns by pointer lives as long as the instance or,
+ *           for the table and what it points to, as long as the library stays loaded. No allocated memory crosses.
+ * Errors    every function that can fail returns a dttmm_status; on anything but DTTMM_OK it has filled *error (which the
+ *           caller owns and which is never NULL) and the instance is as before the call. No exception crosses.
+ * Threads   one thread at a time per instance; different instances may be used by different threads. No statics.
+ * Phases    create -> [linearise] -> start -> { begin_step -> evaluate* -> commit_step | discard_step }* -> destroy.
+ *           A comment in [brackets] names the phases in which a function may be called.
+ * Versions  a table starts with its size and version. Minor versions append members; a host reads only what `size` covers.
+ */
+#ifndef DTTMM_PLUGIN_H
+#define DTTMM_PLUGIN_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define DTTMM_PLUGIN_MAJOR 1u
+#define DTTMM_PLUGIN_MINOR 0u
+
+/* The one symbol a plugin exports: `const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major)`. */
+#define DTTMM_PLUGIN_ENTRY "dttmm_plugin_entry"
+
+#if defined(__GNUC__)
+#define DTTMM_EXPORT __attribute__((visibility("default")))
+#else
+#define DTTMM_EXPORT
+#endif
+
+typedef int32_t dttmm_status;
+enum {
+    DTTMM_OK = 0,
+    DTTMM_DISCARD = 1,         /* this step cannot be done; the instance is unchanged, the host may discard and retry */
+    DTTMM_ERROR_ARGUMENT = -1, /* a null pointer, a size or a value outside its range */
+    DTTMM_ERROR_PHASE = -2,    /* called out of order */
+    DTTMM_ERROR_MODEL = -3,    /* the network cannot be solved as described: error->element names the element */
+    DTTMM_ERROR_SINGULAR = -4, /* a system of transfer equations is singular or badly conditioned */
+    DTTMM_ERROR_NUMERIC = -5,  /* a result is not finite */
+    DTTMM_ERROR_MEMORY = -6,   /* out of memory */
+    DTTMM_ERROR_INTERNAL = -7  /* a fault of the plugin */
+};
+
+typedef struct dttmm_error {
+    int32_t element; /* index into dttmm_network.elements, or -1 */
+    char text[508];  /* UTF-8, zero-terminated: place, fault, cure */
+} dttmm_error;
+
+/* ---- Element types, declared as data: the host checks the model file against them and converts the units ---- */
+
+enum {
+    DTTMM_PARAMETER_REQUIRED = 1u, /* the model must give it; otherwise default_value stands for every number */
+    DTTMM_PARAMETER_SPREADS = 2u   /* a single number in the model stands for all `count` numbers */
+};
+
+typedef struct dttmm_parameter {
+    const char *name;          /* the key in the model file */
+    const char *unit;          /* as UDUNITS-2 reads it, e.g. "N/m"; "1" for a pure number */
+    uint32_t count;            /* how many numbers, at least 1 */
+    uint32_t flags;            /* DTTMM_PARAMETER_... */
+    double default_value;      /* SI */
+    double minimum, maximum;   /* SI, both included; every number is finite whatever the bounds */
+    const char *documentation; /* one line */
+} dttmm_parameter;
+
+typedef struct dttmm_element_type {
+    const char *name; /* the `type` of the model file */
+    uint32_t parameter_count;
+    const dttmm_parameter *parameters;
+    const char *documentation; /* one line */
+} dttmm_element_type;
+
+/* ---- The network: a connected set of elements, solved together ---- */
+
+enum {
+    DTTMM_NODE_GROUND = 0, /* fixed in the world */
+    DTTMM_NODE_PORT = 1    /* moves with a body of the host */
+};
+
+typedef struct dttmm_node {
+    const char *name;
+    uint32_t kind;      /* DTTMM_NODE_... */
+    double position[3]; /* at the start [m] */
+    double rotation[9]; /* axes of the node in the world at the start: v_world = rotation * v_node */
+} dttmm_node;
+
+typedef struct dttmm_element {
+    const char *name;
+    uint32_t type;     /* index into dttmm_plugin.element_types */
+    uint32_t from, to; /* indices into dttmm_network.nodes */
+    const double *values; /* the numbers of all parameters of the type, in the order declared */
+} dttmm_element;
+
+/* The time scheme. Centred: every quantity of the network stands at t_n, the middle of three instants,
+ *     x'' = (x+ - 2x + x-)/h^2,   x' = (gamma x+ + (1 - 2 gamma) x + (gamma - 1) x-)/h,
+ *     elastic forces weighted  beta (.)+ + (1/2 + gamma - 2 beta) (.) + (1/2 - gamma + beta) (.)-.
+ * The others are explicit: the wrench over the step is the force law at t_n, the velocity in it from the named formula. */
+enum {
+    DTTMM_SCHEME_CENTRED = 0,
+    DTTMM_SCHEME_FOX_EULER = 1,
+    DTTMM_SCHEME_BDF1 = 2,
+    DTTMM_SCHEME_BDF2 = 3,
+    DTTMM_SCHEME_HOUBOLT = 4,
+    DTTMM_SCHEME_PARK = 5
+};
+
+typedef struct dttmm_network {
+    uint32_t node_count;
+    const dttmm_node *nodes; /* port p of every call below is the p-th node of kind DTTMM_NODE_PORT */
+    uint32_t element_count;
+    const dttmm_element *elements;
+    uint32_t scheme;    /* DTTMM_SCHEME_... */
+    double beta, gamma; /* of the centred scheme */
+} dttmm_network;
+
+typedef struct dttmm_instance dttmm_instance;
+
+/* Motion of a port at the end of a step of size h. The velocities are those over the step: `position` has moved by
+ * h * velocity, `rotation` has turned by the rotation vector h * angular_velocity (world axes).
+ * In linearise and start, which have no step before them: the velocities at that instant. */
+typedef struct dttmm_motion {
+    double position[3];
+    double rotation[9];
+    double velocity[3];
+    double angular_velocity[3];
+} dttmm_motion;
+
+typedef struct dttmm_step {
+    uint64_t index; /* n */
+    double time;    /* t_n, the start of the step [s] */
+    double size;    /* h [s], the same from start to the next start */
+} dttmm_step;
+
+typedef struct dttmm_channel {
+    const char *name; /* e.g. "force.x"; "strain_energy" and "dissipated_energy" enter the host's energy ledger */
+    const char *unit;
+    uint32_t element; /* index into dttmm_network.elements */
+} dttmm_channel;
+
+typedef struct dttmm_plugin {
+    uint32_t size;         /* sizeof(dttmm_plugin) as the plugin was compiled */
+    uint32_t major, minor; /* DTTMM_PLUGIN_MAJOR, DTTMM_PLUGIN_MINOR as the plugin was compiled */
+    const char *name;
+    const char *version;
+    uint32_t element_type_count;
+    const dttmm_element_type *element_types;
+
+    /* Builds an instance for a network. Copies what it needs: the description may go after the call. Structural faults are
+     * found here. On failure *instance is NULL. */
+    dttmm_status (*create)(const dttmm_network *network, dttmm_instance **instance, dttmm_error *error);
+
+    /* Frees an instance; NULL is allowed. [any] */
+    void (*destroy)(dttmm_instance *instance);
+
+    /* The force law at one instant, no time scheme in it: wrench (6 per port) at the given poses and velocities and, where
+     * not NULL, stiffness = -d(wrench)/d(pose) and damping = -d(wrench)/d(velocity), each 6P x 6P row-major for P ports.
+     * Pure. [after create] */
+    dttmm_status (*linearise)(const dttmm_instance *instance, const dttmm_motion *ports, double *wrench, double *stiffness,
+                              double *damping, dttmm_error *error);
+
+    /* Sets the memory of the scheme to the initial conditions at step->time: poses, velocities and accelerations of the ports
+     * (6 per port: linear, angular) at that instant. [after create; may be called again to start anew] */
+    dttmm_status (*start)(dttmm_instance *instance, const dttmm_step *step, const dttmm_motion *ports,
+                          const double *accelerations, dttmm_error *error);
+
+    /* Opens the step from step->time to step->time + step->size. [after start, no step open] */
+    dttmm_status (*begin_step)(dttmm_instance *instance, const dttmm_step *step, dttmm_error *error);
+
+    /* The wrench on every port (6 per port) that acts over the open step if the ports end it as in `trial`, and, where not
+     * NULL, stiffness = -d(wrench)/d(trial pose), 6P x 6P row-major. Pure: any number of calls in any order. [step open] */
+    dttmm_status (*evaluate)(const dttmm_instance *instance, const dttmm_motion *trial, double *wrench, double *stiffness,
+                             dttmm_error *error);
+
+    /* Ends the open step with the motion the host accepted: the only call that moves time. [step open] */
+    dttmm_status (*commit_step)(dttmm_instance *instance, const dttmm_motion *accepted, dttmm_error *error);
+
+    /* Ends the open step as if it had not been begun. [step open] */
+    dttmm_status (*discard_step)(dttmm_instance *instance, dttmm_error *error);
+
+    /* Non-zero when evaluate depends on its trial: the host has to solve for the end of the step. [after create] */
+    int32_t (*is_implicit)(const dttmm_instance *instance);
+
+    /* How external loads are to be weighted over a step, so that they stand at the instant the network's forces stand at:
+     * weights[0] at the end of the step, [1] at its start, [2] one step before. [after create] */
+    void (*load_weights)(const dttmm_instance *instance, double weights[3]);
+
+    /* The whole state that changes from step to step, exact to the bit. [after start, no step open] */
+    size_t (*state_size)(const dttmm_instance *instance);
+    dttmm_status (*save_state)(const dttmm_instance *instance, void *buffer, size_t size, dttmm_error *error);
+    dttmm_status (*restore_state)(dttmm_instance *instance, const void *buffer, size_t size, dttmm_error *error);
+
+    /* Named results. The values stand at the start t_n of the step last committed, the latest instant whose centred
+     * velocity is known. An element's force is positive when its `to` end is displaced in the positive direction relative
+     * to `from`, in the axes of the `from` end. [channels: after create; outputs: after a commit] */
+    uint32_t (*channel_count)(const dttmm_instance *instance);
+    const dttmm_channel *(*channels)(const dttmm_instance *instance);
+    dttmm_status (*outputs)(const dttmm_instance *instance, double *values, dttmm_error *error);
+} dttmm_plugin;
+
+typedef const dttmm_plugin *(*dttmm_plugin_entry_function)(uint32_t host_major);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -32,7 +32,7 @@ extern "C" {
 #define DTTMM_PLUGIN_MAJOR 1u
 #define DTTMM_PLUGIN_MINOR 0u
 
-/* The one symbol a plugin exports: `const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major)`. */
+/* The one symbol a plugin exports; declared at the end. */
 #define DTTMM_PLUGIN_ENTRY "dttmm_plugin_entry"
 
 #if defined(__GNUC__)
@@ -210,7 +210,9 @@ typedef struct dttmm_plugin {
     dttmm_status (*outputs)(const dttmm_instance *instance, double *values, dttmm_error *error);
 } dttmm_plugin;
 
+/* The entry, exported as DTTMM_PLUGIN_ENTRY: the table, or NULL if the plugin does not speak the host's major version. */
 typedef const dttmm_plugin *(*dttmm_plugin_entry_function)(uint32_t host_major);
+DTTMM_EXPORT const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major);
 
 #ifdef __cplusplus
 }

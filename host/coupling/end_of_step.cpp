@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "coupling/end_of_step.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "coupling/rotation_step.h"
+#include "model/error.h"
+
+namespace dttmm {
+
+namespace {
+
+/// A kept rate of convergence is trusted a decade less with every step that did not measure it anew.
+constexpr double kForget = 10;
+
+/// Slower than this, the matrix is formed anew.
+constexpr double kSlowestContraction = 0.1;
+
+/// Positions are known to a few units in the last place of their size.
+constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
+
+double farthest_marker(const Body& body) {
+    double reach = 0;
+    for (const Marker& marker : body.markers) reach = std::max(reach, (marker.position - body.center_of_mass).norm());
+    return reach;
+}
+
+}  // namespace
+
+EndOfStep::EndOfStep(const Model& model, const Networks& networks)
+    : matrix_(static_cast<int>(model.bodies.size()), networks.neighbours()) {
+    for (const Body& body : model.bodies)
+        inertias_.push_back({body.name, body.mass, body.inertia, body.inertia.trace() / 2, farthest_marker(body)});
+    const size_t n = inertias_.size();
+    for (auto* list : {&u_, &previous_u_, &correction_, &free_momentum_, &feedback_}) list->assign(n, Vector6::Zero());
+    wrenches_.resize(6 * n);
+    right_hand_side_.resize(static_cast<Eigen::Index>(6 * n));
+    solution_.resize(static_cast<Eigen::Index>(6 * n));
+    solver_.analyzePattern(matrix_.upper());
+}
+
+std::vector<BodyState> EndOfStep::start(const dttmm_step& step, const std::vector<BodyState>& at, Networks& networks, Loads& loads) {
+    h_ = step.size;
+    time_ = step.time;
+    trial_ = at;
+    stiffness_wanted_ = true;
+    contraction_ = 1;
+    scale_ = 0;
+
+    // a = M⁻¹ f,  α = I⁻¹ (m − ω × I ω) at t0
+    loads.start(step.time, step.size);
+    std::fill(wrenches_.begin(), wrenches_.end(), 0.0);
+    networks.linearise(at, wrenches_.data(), nullptr);
+    loads.begin_step(step);
+    loads.add_at_start(at, wrenches_.data());
+    loads.start(step.time, step.size);
+    std::vector<double> accelerations(wrenches_.size());
+    std::vector<BodyState> half_step_back = at;
+    for (size_t b = 0; b < at.size(); ++b) {
+        const Eigen::Map<const Eigen::Vector3d> force(&wrenches_[6 * b]), moment(&wrenches_[6 * b + 3]);
+        const Eigen::Matrix3d I = at[b].rotation * inertias_[b].J * at[b].rotation.transpose();
+        const Eigen::Vector3d& w = at[b].angular_velocity;
+        Eigen::Map<Eigen::Vector3d> a(&accelerations[6 * b]), alpha(&accelerations[6 * b + 3]);
+        a = force / inertias_[b].mass;
+        alpha = I.inverse() * (moment - w.cross(I * w));
+        half_step_back[b].velocity -= 0.5 * h_ * a;
+        half_step_back[b].angular_velocity -= 0.5 * h_ * alpha;
+        previous_u_[b].head<3>() = half_step_back[b].velocity - h_ * a;
+        previous_u_[b].tail<3>() = half_step_back[b].angular_velocity - h_ * alpha;
+    }
+    networks.start(step, at, accelerations.data());
+    return half_step_back;
+}
+
+/// Angular momentum half way through a step that starts at R with the angular velocity w:
+///     L = R_{½} J R_{½}ᵀ w = exp(h w~/2) R J Rᵀ w,   for the exponential leaves w alone
+Eigen::Vector3d EndOfStep::momentum_over_step(size_t body, const Eigen::Matrix3d& R, const Eigen::Vector3d& w) const {
+    const Eigen::Vector3d L = R * (inertias_[body].J * (R.transpose() * w));
+    return RotationStep(0.5 * h_ * w).apply(L);
+}
+
+void EndOfStep::predict(const std::vector<BodyState>& now) {
+    for (size_t b = 0; b < now.size(); ++b) {
+        Vector6 before;
+        before << now[b].velocity, now[b].angular_velocity;
+        u_[b] = 2 * before - previous_u_[b];
+        previous_u_[b] = before;
+    }
+}
+
+void EndOfStep::place_trial(const std::vector<BodyState>& now) {
+    for (size_t b = 0; b < now.size(); ++b) {
+        trial_[b].velocity = u_[b].head<3>();
+        trial_[b].angular_velocity = u_[b].tail<3>();
+        trial_[b].position = now[b].position + h_ * trial_[b].velocity;
+        trial_[b].rotation = RotationStep(h_ * trial_[b].angular_velocity).apply(now[b].rotation);
+    }
+}
+
+void EndOfStep::evaluate(const std::vector<BodyState>& now, Networks& networks) {
+    std::fill(wrenches_.begin(), wrenches_.end(), 0.0);
+    ++passes_;
+    if (!stiffness_wanted_) {
+        networks.evaluate(trial_, wrenches_.data());
+        return;
+    }
+    matrix_.set_zero();
+    networks.evaluate(trial_, wrenches_.data(), [this](int row, int column, const BlockMatrix::Block& S) {
+        matrix_.add(row, column, h_ * h_ * S);
+    });
+    factor(now);
+}
+
+/// Adds the inertia to the stiffness in the matrix, and factors.
+void EndOfStep::factor(const std::vector<BodyState>& now) {
+    for (size_t b = 0; b < now.size(); ++b) {
+        BlockMatrix::Block M = BlockMatrix::Block::Zero();
+        M.diagonal().head<3>().setConstant(inertias_[b].mass);
+        M.bottomRightCorner<3, 3>() = now[b].rotation * inertias_[b].J * now[b].rotation.transpose();
+        matrix_.add(static_cast<int>(b), static_cast<int>(b), M);
+    }
+    solver_.factorize(matrix_.upper());
+    ++factorisations_;
+    stiffness_wanted_ = false;
+    if (solver_.info() != Eigen::Success)
+        throw Error(ExitCode::numerical_failure,
+                    fmt::format("t = {:.9g} s: the matrix of the end of the step, M + h² S, is singular", time_));
+}
+
+/// One correction δ = K⁻¹ (P− + h f − P(u)), applied to u. Returns its norm.
+double EndOfStep::correct(const std::vector<BodyState>& now) {
+    for (size_t b = 0; b < now.size(); ++b) {
+        Vector6 r = free_momentum_[b] + h_ * Eigen::Map<const Vector6>(&wrenches_[6 * b]);
+        r.head<3>() -= inertias_[b].mass * u_[b].head<3>();
+        r.tail<3>() -= momentum_over_step(b, now[b].rotation, u_[b].tail<3>());
+        right_hand_side_.segment<6>(matrix_.index(static_cast<int>(b))) = r;
+    }
+    solution_ = solver_.solve(right_hand_side_);
+    for (size_t b = 0; b < now.size(); ++b) {
+        correction_[b] = solution_.segment<6>(matrix_.index(static_cast<int>(b)));
+        u_[b] += correction_[b];
+    }
+    return norm(correction_);
+}
+
+/// Square root of twice the kinetic energy, rotations weighted with the larger moments of inertia.
+double EndOfStep::norm(const std::vector<Vector6>& u) const {
+    double sum = 0;
+    for (size_t b = 0; b < u.size(); ++b)
+        sum += inertias_[b].mass * u[b].head<3>().squaredNorm() + inertias_[b].largest * u[b].tail<3>().squaredNorm();
+    return std::sqrt(sum);
+}
+
+/// Norm of the velocities that rounding of the positions feigns: nothing below it can be asked for.
+double EndOfStep::rounding_floor(const std::vector<BodyState>& now) const {
+    double sum = 0;
+    for (size_t b = 0; b < now.size(); ++b)
+        sum += inertias_[b].mass * (now[b].position.squaredNorm() + inertias_[b].reach * inertias_[b].reach);
+    return kRounding / h_ * std::sqrt(sum);
+}
+
+const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& networks, const Loads& loads) {
+    std::fill(wrenches_.begin(), wrenches_.end(), 0.0);
+    loads.add_over_step(now, wrenches_.data());
+    for (size_t b = 0; b < now.size(); ++b) {
+        // R of the step before: L = exp(−h w~/2) R J Rᵀ w with R at its end
+        const Eigen::Vector3d& w = now[b].angular_velocity;
+        const Eigen::Vector3d L = now[b].rotation * (inertias_[b].J * (now[b].rotation.transpose() * w));
+        free_momentum_[b] = h_ * Eigen::Map<const Vector6>(&wrenches_[6 * b]);
+        free_momentum_[b].head<3>() += inertias_[b].mass * now[b].velocity;
+        free_momentum_[b].tail<3>() += RotationStep(-0.5 * h_ * w).apply(L);
+    }
+
+    predict(now);
+    contraction_ = std::min(1.0, kForget * contraction_);
+    const double floor = rounding_floor(now);
+    double previous = 0;
+    for (int pass = 0; pass < kMostPasses; ++pass) {
+        if (pass == 0 || networks.is_implicit() || stiffness_wanted_) {
+            place_trial(now);
+            evaluate(now, networks);
+        }
+        const double correction = correct(now);
+        scale_ = std::max(0.99 * scale_, norm(u_));
+        if (!std::isfinite(correction)) fail(correction);
+        if (pass > 0) {
+            const double rate = correction / previous;
+            contraction_ = rate < 1 ? rate / (1 - rate) : 1e3;
+            if (rate > kSlowestContraction) stiffness_wanted_ = true;
+        }
+        if (contraction_ * correction <= kTolerance * scale_ || correction <= floor) {
+            form_feedback(now);
+            return feedback_;
+        }
+        previous = correction;
+    }
+    fail(previous);
+}
+
+void EndOfStep::form_feedback(const std::vector<BodyState>& now) {
+    for (size_t b = 0; b < now.size(); ++b) {
+        const Eigen::Matrix3d& R = now[b].rotation;
+        const Eigen::Vector3d spin_up = u_[b].tail<3>() - now[b].angular_velocity;
+        feedback_[b].head<3>() = inertias_[b].mass / h_ * (u_[b].head<3>() - now[b].velocity);
+        feedback_[b].tail<3>() = R * (inertias_[b].J * (R.transpose() * spin_up)) / h_;
+    }
+}
+
+void EndOfStep::fail(double correction) const {
+    size_t worst = 0;
+    for (size_t b = 1; b < correction_.size(); ++b)
+        if (!(correction_[b].squaredNorm() <= correction_[worst].squaredNorm())) worst = b;
+    throw Error(ExitCode::numerical_failure,
+                fmt::format("t = {:.9g} s: the end of the step was not found in {} passes (last correction {:.1e} of the motion), worst "
+                            "at body \"{}\"; try a smaller step",
+                            time_, kMostPasses, scale_ > 0 ? correction / scale_ : correction, inertias_[worst].name));
+}
+
+}  // namespace dttmm

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/SparseCholesky>
+#include <vector>
+
+#include "coupling/block_matrix.h"
+#include "coupling/loads.h"
+#include "coupling/networks.h"
+#include "model/model.h"
+#include "world/world.h"
+
+namespace dttmm {
+
+/// What acts on the bodies over a step, for ODE: [force; moment about the centre of mass] per body, world axes.
+using Feedback = std::vector<Eigen::Matrix<double, 6, 1>>;
+
+/// Finds the motion at the end of a step that agrees with the wrench the networks answer to it, for all coupled bodies at once.
+///
+/// ODE moves a free body by  v+ = v + h M⁻¹ f,  x+ = x + h v+. Its momentum over the step, P = [m v; L(ω)], therefore obeys
+///     P(u) = P− + h (f_loads + f_networks(x + h u)),     u = [v; ω] over the step, 6 per body,
+/// where L(ω) = R_{n+1/2} J R_{n+1/2}ᵀ ω is the angular momentum half way through the step: the centred gyroscopic moment, which
+/// keeps the angular momentum of a free body to rounding. Newton's method with the matrix
+///     K = ∂P/∂u + h² S,     S: stiffness of the networks seen from the centres of mass,
+/// symmetric, sparse, factored once and kept while it converges fast. For explicit schemes S is zero and u follows at once:
+/// there is one path for both.
+///
+/// A step is accepted when the estimated remaining error, (rate of convergence) × (last correction), is below kTolerance of
+/// the motion or at rounding, both in the kinetic-energy norm; the rate of the previous steps may be used, so a linear model takes one pass.
+/// Source of the acceptance rule: Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.8.
+class EndOfStep {
+public:
+    static constexpr double kTolerance = 1e-10;
+    static constexpr int kMostPasses = 50;
+
+    EndOfStep(const Model& model, const Networks& networks);
+
+    /// Initial conditions: from the motion at t0 = step.time with the velocities of that instant, starts loads and networks,
+    /// and returns the motion with the velocities half a step back, as a leap-frog host wants them.
+    std::vector<BodyState> start(const dttmm_step& step, const std::vector<BodyState>& at, Networks& networks, Loads& loads);
+
+    /// `now`: poses at t_n, velocities over the step before. Networks and loads have begun the step.
+    /// Throws Error(numerical_failure) naming the worst body when it does not converge.
+    const Feedback& solve(const std::vector<BodyState>& now, Networks& networks, const Loads& loads);
+
+    /// Evaluations of the networks over all steps so far, and matrix factorisations.
+    long passes() const { return passes_; }
+    long factorisations() const { return factorisations_; }
+
+private:
+    using Vector6 = Eigen::Matrix<double, 6, 1>;
+    struct Inertia {
+        std::string name;
+        double mass;
+        Eigen::Matrix3d J;  ///< body axes
+        double largest;     ///< moment of inertia
+        double reach;       ///< farthest marker from the centre of mass [m]
+    };
+
+    void predict(const std::vector<BodyState>& now);
+    void place_trial(const std::vector<BodyState>& now);
+    void evaluate(const std::vector<BodyState>& now, Networks& networks);
+    void factor(const std::vector<BodyState>& now);
+    double correct(const std::vector<BodyState>& now);
+    double norm(const std::vector<Vector6>& u) const;
+    double rounding_floor(const std::vector<BodyState>& now) const;
+    Eigen::Vector3d momentum_over_step(size_t body, const Eigen::Matrix3d& R, const Eigen::Vector3d& w) const;
+    void form_feedback(const std::vector<BodyState>& now);
+    [[noreturn]] void fail(double correction) const;
+
+    double h_ = 0, time_ = 0;
+    std::vector<Inertia> inertias_;
+    std::vector<Vector6> u_, previous_u_, correction_;  ///< motion over the step, over the one before, last change of it
+    std::vector<Vector6> free_momentum_;                ///< P− + h f_loads
+    std::vector<double> wrenches_;
+    std::vector<BodyState> trial_;
+    Feedback feedback_;
+
+    BlockMatrix matrix_;
+    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Upper, Eigen::NaturalOrdering<int>> solver_;
+    Eigen::VectorXd right_hand_side_, solution_;
+    bool stiffness_wanted_ = true;  ///< by the next evaluation, which then factors the matrix anew
+    double contraction_ = 1;  ///< rate of convergence θ/(1 − θ) last seen, grown by kForget per step since
+    double scale_ = 0;        ///< of the motion, kinetic-energy norm
+    long passes_ = 0, factorisations_ = 0;
+};
+
+}  // namespace dttmm

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "coupling/loads.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "model/error.h"
+
+namespace dttmm {
+
+namespace {
+
+/// ODE aborts on overflow; no machine needs more.
+constexpr double kLargestLoad = 1e15;  // N or N m
+
+Eigen::Vector3d arm_of(const Body& body, const Attachment& on) {
+    if (on.marker < 0) return Eigen::Vector3d::Zero();
+    return body.markers[static_cast<size_t>(on.marker)].position - body.center_of_mass;
+}
+
+}  // namespace
+
+Loads::Loads(const Model& model, const double weights[3]) : weights_{weights[0], weights[1], weights[2]} {
+    for (const Body& body : model.bodies) weight_forces_.push_back(body.mass * model.simulation.gravity);
+    for (const Load& load : model.loads)
+        loads_.push_back({load, arm_of(model.bodies[static_cast<size_t>(load.on.body)], load.on)});
+    magnitudes_.resize(loads_.size());
+}
+
+double Loads::magnitude(size_t load, double time) const {
+    const double value = loads_[load].load.signal.value(time);
+    if (!(std::abs(value) <= kLargestLoad))
+        throw Error(ExitCode::numerical_failure,
+                    fmt::format("load {} at t = {} s: its value is {}, not a finite number up to {:.0e}", load + 1, time, value, kLargestLoad));
+    return value;
+}
+
+void Loads::start(double t0, double h) {
+    for (size_t i = 0; i < loads_.size(); ++i) {
+        Magnitude& m = magnitudes_[i];
+        m.after = magnitude(i, t0);
+        m.now = 2 * m.after - magnitude(i, t0 + h);  // so that the first step finds f(t0) as its weighted value
+    }
+}
+
+void Loads::begin_step(const dttmm_step& step) {
+    const double end = step.time + step.size;
+    for (size_t i = 0; i < loads_.size(); ++i) {
+        Magnitude& m = magnitudes_[i];
+        m.before = m.now;
+        m.now = m.after;
+        m.after = magnitude(i, end);
+        m.over_step = weights_[0] * m.after + weights_[1] * m.now + weights_[2] * m.before;
+    }
+}
+
+void Loads::add(const std::vector<BodyState>& now, double Magnitude::*magnitude, double* wrenches) const {
+    for (size_t b = 0; b < weight_forces_.size(); ++b) Eigen::Map<Eigen::Vector3d>(wrenches + 6 * b) += weight_forces_[b];
+    for (size_t i = 0; i < loads_.size(); ++i) {
+        const Load& load = loads_[i].load;
+        const auto body = static_cast<size_t>(load.on.body);
+        const Eigen::Vector3d value = magnitudes_[i].*magnitude * load.direction;
+        Eigen::Map<Eigen::Vector3d> force(wrenches + 6 * body), moment(wrenches + 6 * body + 3);
+        if (load.is_moment) {
+            moment += value;
+        } else {
+            force += value;
+            moment += (now[body].rotation * loads_[i].arm).cross(value);
+        }
+    }
+}
+
+double Loads::power_at_start(const std::vector<BodyState>& before, const std::vector<BodyState>& after) const {
+    double power = 0;
+    for (size_t i = 0; i < loads_.size(); ++i) {
+        const Load& load = loads_[i].load;
+        const BodyState &from = before[static_cast<size_t>(load.on.body)], &to = after[static_cast<size_t>(load.on.body)];
+        Eigen::Vector3d rate = 0.5 * (from.angular_velocity + to.angular_velocity);
+        if (!load.is_moment) rate = 0.5 * (from.velocity + to.velocity) + rate.cross(from.rotation * loads_[i].arm);
+        power += magnitudes_[i].now * load.direction.dot(rate);
+    }
+    return power;
+}
+
+}  // namespace dttmm

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "dttmm_plugin.h"
+#include "model/model.h"
+#include "world/world.h"
+
+namespace dttmm {
+
+/// Gravity and the loads of the model. Over a step a load is weighted as the scheme weights the network's forces,
+///     w+ f(t_{n+1}) + w0 f(t_n) + w− f(t_{n−1}),
+/// so that both stand at the same instant.
+class Loads {
+public:
+    Loads(const Model& model, const double weights[3]);
+
+    /// Forgets the past; t0 [s] is the start of the coming step, h [s] its size.
+    void start(double t0, double h);
+
+    /// Moves on to the step that starts at step.time. Before the first step the loads are continued linearly.
+    void begin_step(const dttmm_step& step);
+
+    /// Adds the wrench over the open step, [force; moment about the centre of mass] in world axes, 6 per body.
+    void add_over_step(const std::vector<BodyState>& now, double* wrenches) const { add(now, &Magnitude::over_step, wrenches); }
+
+    /// Adds the wrench at the instant t_n that the step starts from.
+    void add_at_start(const std::vector<BodyState>& now, double* wrenches) const { add(now, &Magnitude::now, wrenches); }
+
+    /// Power of the loads (without gravity) at t_n [W]; the velocities there are the means of those over the steps `before`
+    /// and `after`, the poses those of `before`.
+    double power_at_start(const std::vector<BodyState>& before, const std::vector<BodyState>& after) const;
+
+private:
+    /// Of one load: at t_{n−1}, t_n, t_{n+1}, and weighted [N or N m].
+    struct Magnitude {
+        double before = 0, now = 0, after = 0, over_step = 0;
+    };
+    struct Placed {
+        Load load;
+        Eigen::Vector3d arm;  ///< from the centre of mass, body axes [m]
+    };
+    void add(const std::vector<BodyState>& now, double Magnitude::*magnitude, double* wrenches) const;
+    double magnitude(size_t load, double time) const;
+
+    double weights_[3];
+    std::vector<Eigen::Vector3d> weight_forces_;  ///< m g of every body [N]
+    std::vector<Placed> loads_;
+    std::vector<Magnitude> magnitudes_;
+};
+
+}  // namespace dttmm

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "loader/network_instance.h"
+#include "loader/plugins.h"
+#include "model/model.h"
+#include "world/world.h"
+
+namespace dttmm {
+
+/// All elastic networks of a model as one function of the bodies' motion: body poses in, body wrenches out. It knows where
+/// the ports sit on the bodies; the element laws are the plugins'. Wrenches on a body are [force; moment about the centre of
+/// mass] in world axes, with the lever arms of t_n.
+class Networks {
+public:
+    using Block = Eigen::Matrix<double, 6, 6>;
+    /// Receives −∂(wrench on body row)/∂(pose of body column), world axes, centre of mass.
+    using StiffnessSink = std::function<void(int row_body, int column_body, const Block&)>;
+
+    /// Splits the model into networks and creates each in its plugin. Throws Error with the place in the model file when a
+    /// plugin refuses one, or when networks of different plugins weight loads differently.
+    Networks(const Model& model, const Plugins& plugins);
+
+    /// True if the wrench over a step depends on the end of the step: then the coupling has to solve for it.
+    bool is_implicit() const { return is_implicit_; }
+    /// How loads are weighted over a step: at its end, at its start, one step before.
+    const double* load_weights() const { return weights_; }
+    /// Pairs of bodies that share a network.
+    const std::vector<std::pair<int, int>>& neighbours() const { return neighbours_; }
+
+    /// The force law at one instant (no time scheme): adds the wrenches of the networks; stiffness is handed out if wanted.
+    void linearise(const std::vector<BodyState>& at, double* wrenches, const StiffnessSink* stiffness);
+
+    /// Initial conditions: poses and velocities at that instant, accelerations 6 per body (linear of the centre of mass, angular).
+    void start(const dttmm_step& step, const std::vector<BodyState>& at, const double* accelerations);
+
+    void begin_step(const dttmm_step& step);
+    /// Adds the wrenches that act over the open step if the bodies end it as in `trial`. Throws Error(numerical_failure) naming
+    /// element and body when one is not finite or beyond 1e15 N.
+    void evaluate(const std::vector<BodyState>& trial, double* wrenches);
+    /// The same, and hands out the stiffness of that wrench.
+    void evaluate(const std::vector<BodyState>& trial, double* wrenches, const StiffnessSink& stiffness);
+    void commit_step(const std::vector<BodyState>& accepted);
+
+    const std::vector<NetworkInstance>& instances() const { return instances_; }
+    /// Results of all networks, one after the other, at the start of the step last committed.
+    void outputs(double* values) const;
+    size_t output_count() const;
+
+private:
+    /// A marker on a body that a network is attached to.
+    struct Port {
+        int body;
+        Eigen::Vector3d arm;       ///< from the centre of mass, body axes [m]
+        bool turned;               ///< the marker's axes are not the body's
+        Eigen::Matrix3d rotation;  ///< marker axes in body axes
+    };
+    /// Where a network's ports and its wrenches begin in the arrays below.
+    struct Slot {
+        size_t port, wrench;
+    };
+
+    void add_network(const Model& model, const Plugins& plugins, const Element& element);
+    Port port_at(const Model& model, const Attachment& at) const;
+    void gather(const std::vector<BodyState>& motion, double step_size);
+    void scatter(size_t network, double* wrenches) const;
+    void hand_out(size_t network, const std::vector<double>& port_stiffness, const StiffnessSink& sink) const;
+    [[noreturn]] void refuse_wrench(size_t network, size_t port) const;
+    void refuse_mixed_weights() const;
+
+    std::vector<NetworkInstance> instances_;
+    std::vector<Slot> slots_;
+    std::vector<Port> ports_;
+    std::vector<std::string> body_names_;
+    std::vector<std::pair<int, int>> neighbours_;
+    double weights_[3] = {0, 1, 0};
+    bool is_implicit_ = false;
+
+    double step_size_ = 0;
+    double time_ = 0;
+    std::vector<dttmm_motion> motions_;       ///< of every port, as last gathered
+    std::vector<Eigen::Vector3d> positions_;  ///< of every port at t_n
+    std::vector<Eigen::Vector3d> arms_;       ///< world axes, at t_n
+    std::vector<double> wrenches_;            ///< of every port; a guard word follows each network's part
+    std::vector<double> stiffness_;           ///< of the network at hand
+};
+
+}  // namespace dttmm

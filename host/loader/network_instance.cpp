@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "loader/network_instance.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <utility>
+
+namespace dttmm {
+
+namespace {
+
+ExitCode exit_code(dttmm_status status) {
+    switch (status) {
+        case DTTMM_ERROR_MODEL: return ExitCode::model_invalid;
+        case DTTMM_DISCARD:
+        case DTTMM_ERROR_SINGULAR:
+        case DTTMM_ERROR_NUMERIC: return ExitCode::numerical_failure;
+        case DTTMM_ERROR_MEMORY: return ExitCode::resource_limit;
+        default: return ExitCode::plugin_failure;
+    }
+}
+
+}  // namespace
+
+NetworkInstance::NetworkInstance(const PluginLibrary& plugin, const dttmm_network& network)
+    : plugin_(plugin), table_(&plugin.table()) {
+    for (uint32_t n = 0; n < network.node_count; ++n) port_count_ += network.nodes[n].kind == DTTMM_NODE_PORT;
+    for (uint32_t e = 0; e < network.element_count; ++e) element_names_.emplace_back(network.elements[e].name);
+    dttmm_error error;
+    check(table_->create(&network, &instance_, cleared(error)), error);
+    if (instance_ == nullptr) fail(DTTMM_ERROR_INTERNAL, {-1, "create returned no instance"});
+    for (uint32_t c = 0; c < channel_count(); ++c)
+        if (!channel(c).name || !channel(c).unit || channel(c).element >= network.element_count)
+            fail(DTTMM_ERROR_INTERNAL, {-1, "an output channel is not well declared"});
+}
+
+NetworkInstance::~NetworkInstance() {
+    if (instance_) table_->destroy(instance_);
+}
+
+NetworkInstance::NetworkInstance(NetworkInstance&& other) noexcept
+    : plugin_(other.plugin_),
+      table_(other.table_),
+      instance_(std::exchange(other.instance_, nullptr)),
+      port_count_(other.port_count_),
+      element_names_(std::move(other.element_names_)) {}
+
+std::vector<unsigned char> NetworkInstance::save_state() const {
+    std::vector<unsigned char> state(table_->state_size(instance_));
+    dttmm_error error;
+    check(table_->save_state(instance_, state.data(), state.size(), cleared(error)), error);
+    return state;
+}
+
+void NetworkInstance::restore_state(const std::vector<unsigned char>& state) {
+    dttmm_error error;
+    check(table_->restore_state(instance_, state.data(), state.size(), cleared(error)), error);
+}
+
+void NetworkInstance::fail(dttmm_status status, const dttmm_error& error) const {
+    const size_t length = ::strnlen(error.text, sizeof error.text);
+    const std::string text = length > 0 ? std::string(error.text, length) : fmt::format("status {} without a text", status);
+    const bool named = error.element >= 0 && static_cast<size_t>(error.element) < element_names_.size();
+    const std::string& first = element_names_.empty() ? plugin_.name() : element_names_[named ? static_cast<size_t>(error.element) : 0];
+    const std::string place = named || element_names_.size() == 1 ? fmt::format("element \"{}\"", first)
+                                                                  : fmt::format("network of element \"{}\"", first);
+    throw Error(exit_code(status), fmt::format("{} (plugin {}): {}", place, plugin_.name(), text));
+}
+
+}  // namespace dttmm

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "loader/plugin_library.h"
+#include "model/error.h"
+
+namespace dttmm {
+
+/// One network inside a plugin: the C interface as a C++ object. Arguments, units and phases are those of dttmm_plugin.h.
+/// A failure becomes Error: numerical_failure for DTTMM_DISCARD, _SINGULAR and _NUMERIC, model_invalid for what create refuses,
+/// resource_limit for memory, plugin_failure for the rest. Its text begins with the plugin's and, where known, the element's
+/// name. The calls of a step are inline: one compare and one indirect call each.
+class NetworkInstance {
+public:
+    NetworkInstance(const PluginLibrary& plugin, const dttmm_network& network);
+    ~NetworkInstance();
+    NetworkInstance(NetworkInstance&& other) noexcept;
+    NetworkInstance(const NetworkInstance&) = delete;
+    NetworkInstance& operator=(const NetworkInstance&) = delete;
+    NetworkInstance& operator=(NetworkInstance&&) = delete;
+
+    int port_count() const { return port_count_; }
+    bool is_implicit() const { return table_->is_implicit(instance_) != 0; }
+    void load_weights(double weights[3]) const { table_->load_weights(instance_, weights); }
+
+    void linearise(const dttmm_motion* ports, double* wrench, double* stiffness, double* damping) const {
+        dttmm_error error;
+        check(table_->linearise(instance_, ports, wrench, stiffness, damping, cleared(error)), error);
+    }
+    void start(const dttmm_step& step, const dttmm_motion* ports, const double* accelerations) {
+        dttmm_error error;
+        check(table_->start(instance_, &step, ports, accelerations, cleared(error)), error);
+    }
+    void begin_step(const dttmm_step& step) {
+        dttmm_error error;
+        check(table_->begin_step(instance_, &step, cleared(error)), error);
+    }
+    void evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const {
+        dttmm_error error;
+        check(table_->evaluate(instance_, trial, wrench, stiffness, cleared(error)), error);
+    }
+    void commit_step(const dttmm_motion* accepted) {
+        dttmm_error error;
+        check(table_->commit_step(instance_, accepted, cleared(error)), error);
+    }
+    void discard_step() {
+        dttmm_error error;
+        check(table_->discard_step(instance_, cleared(error)), error);
+    }
+
+    std::vector<unsigned char> save_state() const;
+    void restore_state(const std::vector<unsigned char>& state);
+
+    uint32_t channel_count() const { return table_->channel_count(instance_); }
+    const dttmm_channel& channel(uint32_t index) const { return table_->channels(instance_)[index]; }
+    void outputs(double* values) const {
+        dttmm_error error;
+        check(table_->outputs(instance_, values, cleared(error)), error);
+    }
+    const std::string& element_name(uint32_t element) const { return element_names_[element]; }
+
+private:
+    static dttmm_error* cleared(dttmm_error& error) {
+        error.element = -1;
+        error.text[0] = '\0';
+        return &error;
+    }
+    void check(dttmm_status status, const dttmm_error& error) const {
+        if (status != DTTMM_OK) [[unlikely]]
+            fail(status, error);
+    }
+    [[noreturn]] void fail(dttmm_status status, const dttmm_error& error) const;
+
+    PluginLibrary plugin_;
+    const dttmm_plugin* table_;
+    dttmm_instance* instance_ = nullptr;
+    int port_count_ = 0;
+    std::vector<std::string> element_names_;
+};
+
+}  // namespace dttmm

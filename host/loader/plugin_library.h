@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "dttmm_plugin.h"
+
+namespace dttmm {
+
+/// A plugin's function table, checked: right version, whole, no null function. The built-in plugin is linked in; a foreign one
+/// is a shared library, loaded only because the user gave its path. Stays loaded as long as a copy of this object lives.
+class PluginLibrary {
+public:
+    /// The plugin that comes with dttmm.
+    static PluginLibrary built_in();
+
+    /// Loads `file`. Throws Error(plugin_failure) when it is missing, no regular file, writable for everybody, no library of
+    /// this machine, without the entry symbol, of another major version, or incomplete.
+    static PluginLibrary load(const std::filesystem::path& file);
+
+    const dttmm_plugin& table() const { return *table_; }
+    const std::string& name() const { return name_; }
+
+private:
+    PluginLibrary(std::string name, const dttmm_plugin* table, std::shared_ptr<void> handle);
+    std::string name_;
+    const dttmm_plugin* table_;
+    std::shared_ptr<void> handle_;
+};
+
+}  // namespace dttmm

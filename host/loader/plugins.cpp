@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "loader/plugins.h"
+
+#include <fmt/format.h>
+
+#include "model/error.h"
+
+namespace dttmm {
+
+Plugins::Plugins(const std::vector<std::string>& files) {
+    add(PluginLibrary::built_in());
+    for (const std::string& file : files) add(PluginLibrary::load(file));
+}
+
+void Plugins::add(PluginLibrary library) {
+    const dttmm_plugin& table = library.table();
+    for (uint32_t t = 0; t < table.element_type_count; ++t) {
+        const dttmm_element_type& type = table.element_types[t];
+        if (const int other = catalogue_.find(type.name); other >= 0)
+            throw Error(ExitCode::plugin_failure,
+                        fmt::format("plugin {}: its element type \"{}\" is already declared by plugin {}", library.name(), type.name,
+                                    catalogue_.plugins[static_cast<size_t>(other)]));
+        catalogue_.add(library.name(), type);
+        places_.emplace_back(libraries_.size(), t);
+    }
+    libraries_.push_back(std::move(library));
+}
+
+std::pair<const PluginLibrary*, uint32_t> Plugins::resolve(int type) const {
+    const auto& [library, index] = places_[static_cast<size_t>(type)];
+    return {&libraries_[library], index};
+}
+
+}  // namespace dttmm

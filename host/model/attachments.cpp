@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model/attachments.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "model/names.h"
+#include "model/wording.h"
+
+namespace dttmm {
+namespace {
+
+std::vector<std::string> names_of(const auto& things) {
+    std::vector<std::string> names;
+    for (const auto& thing : things) names.push_back(thing.name);
+    return names;
+}
+
+}  // namespace
+
+Attachments::Attachments(const std::vector<Body>& bodies) : bodies_(bodies) {
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+        if (!bodies[i].name.empty()) index_.emplace(bodies[i].name, static_cast<int>(i));
+}
+
+std::optional<Attachment> Attachments::read(const TableReader& table, const char* key) const {
+    const auto text = table.text(key);
+    if (!text) return std::nullopt;
+    const std::string name = normalise_name(*text);
+    if (name == "ground") return Attachment{};
+    const auto fail = [&](const std::string& message) {
+        table.error(table.find(key)->value.place, fmt::format("{}: {}", key, message));
+        return std::nullopt;
+    };
+    const std::size_t dot = name.find('.');
+    const auto found = index_.find(name.substr(0, dot));
+    if (found == index_.end()) {
+        std::vector<std::string> known = names_of(bodies_);
+        known.emplace_back("ground");
+        return fail(fmt::format("there is no body {}{}", quote(name.substr(0, dot)), suggestion(name.substr(0, dot), known)));
+    }
+    if (dot == name.npos) return Attachment{found->second, -1};
+    const std::string marker_name = name.substr(dot + 1);
+    const auto& markers = bodies_[static_cast<std::size_t>(found->second)].markers;
+    const auto marker = std::find_if(markers.begin(), markers.end(), [&](const Marker& m) { return m.name == marker_name; });
+    if (marker == markers.end())
+        return fail(fmt::format("body {} has no marker {}{}", quote(found->first), quote(marker_name), suggestion(marker_name, names_of(markers))));
+    return Attachment{found->second, static_cast<int>(marker - markers.begin())};
+}
+
+Eigen::Vector3d Attachments::position(const Attachment& attachment) const {
+    const Body& body = bodies_[static_cast<std::size_t>(attachment.body)];
+    if (attachment.marker < 0) return body.position;
+    return body.position + body.rotation * body.markers[static_cast<std::size_t>(attachment.marker)].position;
+}
+
+}  // namespace dttmm

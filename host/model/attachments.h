@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/model.h"
+#include "model/table_reader.h"
+
+namespace dttmm {
+
+/// Finds what "ground", "body" and "body.marker" mean.
+class Attachments {
+public:
+    explicit Attachments(const std::vector<Body>& bodies);
+
+    /// The place that `key` of a table names. An unknown name is reported with the nearest; returns nothing then.
+    std::optional<Attachment> read(const TableReader& table, const char* key) const;
+
+    /// Where it is in the world at the start [m]; not for the ground.
+    Eigen::Vector3d position(const Attachment& attachment) const;
+
+private:
+    const std::vector<Body>& bodies_;
+    std::map<std::string, int, std::less<>> index_;
+};
+
+}  // namespace dttmm

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model/diagnostics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace dttmm {
+
+Place Diagnostics::option_place(std::string option) {
+    options_.push_back(std::move(option));
+    return {0, static_cast<int>(options_.size())};
+}
+
+std::string Diagnostics::place_text(Place place) const {
+    if (place.line > 0) return fmt::format("{}:{}:{}", file_, place.line, place.column);
+    return place.column > 0 ? options_.at(static_cast<std::size_t>(place.column) - 1) : file_;
+}
+
+std::string Diagnostics::line_text(Place place) const {
+    return place.line > 0 ? fmt::format("line {}", place.line) : place_text(place);
+}
+
+void Diagnostics::throw_if_errors() const {
+    if (errors_.empty()) return;
+    const std::vector<std::string> lines = texts(errors_);
+    const std::size_t shown = std::min<std::size_t>(lines.size(), kMostShown);
+    std::string text;
+    for (std::size_t i = 0; i < shown; ++i) text += (i ? "\n" : "") + lines[i];
+    if (lines.size() > shown) text += fmt::format("\nand {} more error{}", lines.size() - shown, lines.size() - shown == 1 ? "" : "s");
+    throw ModelError(text);
+}
+
+std::vector<std::string> Diagnostics::warning_texts() const { return texts(warnings_); }
+
+std::vector<std::string> Diagnostics::texts(std::vector<Diagnostic> diagnostics) const {
+    std::stable_sort(diagnostics.begin(), diagnostics.end(), [](const auto& a, const auto& b) { return a.place < b.place; });
+    std::vector<std::string> result;
+    for (const Diagnostic& d : diagnostics) result.push_back(place_text(d.place) + ": " + d.text);
+    return result;
+}
+
+}  // namespace dttmm

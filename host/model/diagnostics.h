@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/error.h"
+
+namespace dttmm {
+
+/// A place in the model file, both counted from 1, columns in characters. Line 0 is a command-line option, numbered by
+/// Diagnostics::option_place.
+struct Place {
+    int line = 0;
+    int column = 0;
+    auto operator<=>(const Place&) const = default;
+};
+
+/// The model cannot be run as written: every fault found, one per line, in the order of the file.
+class ModelError : public Error {
+public:
+    explicit ModelError(const std::string& text) : Error(ExitCode::model_invalid, text) {}
+};
+
+/// Collects what is wrong with one model file, so that all of it can be told in one go.
+class Diagnostics {
+public:
+    static constexpr int kMostShown = 50;
+
+    explicit Diagnostics(std::string file) : file_(std::move(file)) {}
+
+    void error(Place place, std::string text) { errors_.push_back({place, std::move(text)}); }
+    void warning(Place place, std::string text) { warnings_.push_back({place, std::move(text)}); }
+
+    /// A place that reads `option`, e.g. "--step", instead of a line of the file.
+    Place option_place(std::string option);
+
+    /// "file:line:column", or the option.
+    std::string place_text(Place place) const;
+
+    /// "line 12", or the option: the other place a message speaks of.
+    std::string line_text(Place place) const;
+
+    bool has_errors() const { return !errors_.empty(); }
+
+    /// Throws ModelError if there was an error; at most kMostShown are spelt out.
+    void throw_if_errors() const;
+
+    /// The warnings in the order of the file, each with its place.
+    std::vector<std::string> warning_texts() const;
+
+private:
+    struct Diagnostic {
+        Place place;
+        std::string text;
+    };
+    std::vector<std::string> texts(std::vector<Diagnostic> diagnostics) const;
+
+    std::string file_;
+    std::vector<std::string> options_;
+    std::vector<Diagnostic> errors_, warnings_;
+};
+
+}  // namespace dttmm

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "dttmm_plugin.h"
+
+namespace dttmm {
+
+/// The element types of all loaded plugins: what an [[element]] of the model may be. The types belong to the plugins and
+/// live as long as these stay loaded.
+struct ElementCatalogue {
+    std::vector<const dttmm_element_type*> types;
+    std::vector<std::string> plugins;  ///< plugins[i] is the name of the plugin that declares types[i]
+
+    void add(std::string_view plugin, const dttmm_element_type& type) {
+        types.push_back(&type);
+        plugins.emplace_back(plugin);
+    }
+
+    /// Index of the type called `name`; -1 if no plugin declares it.
+    int find(std::string_view name) const {
+        for (std::size_t i = 0; i < types.size(); ++i)
+            if (name == types[i]->name) return static_cast<int>(i);
+        return -1;
+    }
+};
+
+}  // namespace dttmm

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model/name_registry.h"
+
+#include <fmt/format.h>
+
+#include "model/names.h"
+#include "model/wording.h"
+
+namespace dttmm {
+
+std::string NameRegistry::add(const ReadContext& context, Place place, const std::string& name) {
+    const std::string normal = normalise_name(name);
+    if (const auto fault = find_name_fault(normal)) {
+        context.diagnostics.error(place, fmt::format("{} name {} {}", kind_, quote(name), *fault));
+        return normal;
+    }
+    const auto [other, is_new] = places_.emplace(normal, place);
+    if (!is_new)
+        context.diagnostics.error(place, fmt::format("{} name {} on line {} is taken already, on line {}", kind_, quote(normal),
+                                                     place.line, other->second.line));
+    return normal;
+}
+
+std::string NameRegistry::add_from(const TableReader& table) {
+    const auto name = table.text("name");
+    return name ? add(table.context(), table.find("name")->value.place, *name) : std::string();
+}
+
+const Place* NameRegistry::find(const std::string& name) const {
+    const auto found = places_.find(name);
+    return found == places_.end() ? nullptr : &found->second;
+}
+
+std::string entry_label(const char* kind, const TomlValue& entry, std::size_t index) {
+    const TomlMember* name = entry.find("name");
+    if (!name || !name->value.is_text()) return fmt::format("{} number {}", kind, index + 1);
+    return fmt::format("{} {}", kind, quote(name->value.string));
+}
+
+std::string entry_note(const char* kind, std::size_t index) { return fmt::format(" in [[{}]] number {}", kind, index + 1); }
+
+const std::vector<TomlValue>& read_entries(const TableReader& file, const char* kind) {
+    static const std::vector<TomlValue> none;
+    const TomlMember* member = file.find(kind);
+    if (!member) return none;
+    if (member->value.is_array()) return member->value.items;
+    file.error(member->place, fmt::format("{0} must be a list of tables; write [[{0}]]", kind));
+    return none;
+}
+
+}  // namespace dttmm

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model/parameters.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/names.h"
+#include "model/units.h"
+#include "model/wording.h"
+
+namespace dttmm {
+
+Parameters::Parameters(const TomlValue* table, const Overrides& overrides, Diagnostics& diagnostics) : diagnostics_(diagnostics) {
+    if (table && !table->is_table()) {
+        diagnostics.error(table->place, "parameters must be a table: [parameters]");
+        table = nullptr;
+    }
+    if (table)
+        for (const TomlMember& member : table->members) read_entry(member);
+    for (const auto& [name, text] : overrides) override_entry(name, text);
+    const Constants known = stand_ins();
+    for (Entry& entry : entries_) find_needs(entry, known);
+    resolve_all();
+    report_circles();
+}
+
+void Parameters::read_entry(const TomlMember& member) {
+    const std::string name = normalise_name(member.key);
+    if (const auto fault = find_name_fault(name))
+        return diagnostics_.error(member.place, fmt::format("parameter {} {}", quote(name), *fault));
+    if (name == "t" || name == "pi")
+        return diagnostics_.error(member.place, fmt::format("parameter \"{}\" has the name of {} in expressions; choose another", name,
+                                                            name == "t" ? "the time" : "a constant"));
+    if (const Entry* other = find(name))
+        return diagnostics_.error(member.place,
+                                  fmt::format("parameter {} exists already, {}", quote(name), diagnostics_.line_text(other->place)));
+    if (name.find('-') != name.npos)
+        diagnostics_.warning(member.place, fmt::format("parameter {} cannot be used: '-' is minus in an expression; use '_'", quote(name)));
+    Entry entry;
+    entry.parameter.name = name;
+    entry.place = member.place;
+    read_value(entry, member.value);
+    index_[name] = entries_.size();
+    entries_.push_back(std::move(entry));
+}
+
+void Parameters::override_entry(const std::string& given_name, const std::string& text) {
+    const std::string name = normalise_name(given_name);
+    const auto found = index_.find(name);
+    if (found == index_.end())
+        throw Error(ExitCode::usage, fmt::format("--set {}: the model has no such parameter{}", name, suggestion(name, names())));
+    if (text.empty()) throw Error(ExitCode::usage, fmt::format("--set {0}: no value; write --set {0}=VALUE", name));
+    Entry& entry = entries_[found->second];
+    entry.place = diagnostics_.option_place("--set " + name);
+    entry.expression.clear();
+    entry.is_faulty = false;
+    read_text(entry, text);
+}
+
+void Parameters::read_value(Entry& entry, const TomlValue& value) {
+    if (value.is_text()) return read_text(entry, value.string);
+    entry.parameter.text = number_text(value.number);
+    entry.parameter.unit = "1";
+    entry.parameter.value = value.number;
+    if (!value.is_number()) return fail(entry, fmt::format("must be a number, a quantity or an expression, not {}", kind_text(value.kind)));
+    if (!std::isfinite(value.number)) fail(entry, "must be finite, got " + number_text(value.number));
+}
+
+void Parameters::read_text(Entry& entry, const std::string& text) {
+    entry.parameter.text = text;
+    if (text.starts_with("=")) {
+        entry.expression = text.substr(1);
+        if (entry.expression.empty()) fail(entry, "nothing follows the \"=\"");
+        return;
+    }
+    try {
+        const Quantity quantity = parse_quantity(text);
+        entry.parameter.value = quantity.value;
+        entry.parameter.unit = quantity.unit;
+    } catch (const Error& error) {
+        if (error.code() != ExitCode::model_invalid) throw;
+        fail(entry, error.what());
+    }
+}
+
+Constants Parameters::stand_ins() const {
+    Constants result;
+    for (const std::string& name : names()) result[name] = 1;
+    return result;
+}
+
+void Parameters::find_needs(Entry& entry, const Constants& known) {
+    if (entry.expression.empty() || entry.is_faulty) return;
+    try {
+        Expression(entry.expression, known);  // names and syntax are checked before any value is known
+    } catch (const Error& error) {
+        return fail(entry, error.what());
+    }
+    for (const std::string& name : expression_names(entry.expression))
+        if (const auto found = index_.find(name); found != index_.end()) entry.needs.push_back(found->second);
+}
+
+void Parameters::resolve_all() {
+    // Kahn (1962): whoever needs nothing unresolved is next.
+    std::vector<std::size_t> missing(entries_.size());
+    std::vector<std::vector<std::size_t>> needed_by(entries_.size());
+    std::vector<std::size_t> ready;
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+        missing[i] = entries_[i].needs.size();
+        for (const std::size_t need : entries_[i].needs) needed_by[need].push_back(i);
+        if (missing[i] == 0) ready.push_back(i);
+    }
+    while (!ready.empty()) {
+        const std::size_t next = ready.back();
+        ready.pop_back();
+        resolve(entries_[next]);
+        for (const std::size_t dependent : needed_by[next])
+            if (--missing[dependent] == 0) ready.push_back(dependent);
+    }
+}
+
+void Parameters::resolve(Entry& entry) {
+    entry.is_resolved = true;
+    const auto is_faulty = [&](std::size_t need) { return entries_[need].is_faulty; };
+    if (std::any_of(entry.needs.begin(), entry.needs.end(), is_faulty)) entry.is_faulty = true;
+    if (entry.is_faulty) return;
+    if (!entry.expression.empty()) {
+        try {
+            entry.parameter.value = evaluate_expression(entry.expression, constants_);
+        } catch (const Error& error) {
+            return fail(entry, error.what());
+        }
+        const Entry* same = find(bare_name(entry.expression));
+        entry.parameter.unit = same ? same->parameter.unit : std::string();
+    }
+    constants_[entry.parameter.name] = entry.parameter.value;
+}
+
+void Parameters::report_circles() {
+    std::vector<bool> is_seen(entries_.size());
+    for (std::size_t start = 0; start < entries_.size(); ++start) {
+        if (entries_[start].is_resolved || is_seen[start]) continue;
+        // Whoever is left needs someone who is left: following these ends in a circle.
+        std::vector<std::size_t> way;
+        std::size_t at = start;
+        while (!is_seen[at]) {
+            is_seen[at] = true;
+            way.push_back(at);
+            const auto& needs = entries_[at].needs;
+            at = *std::find_if(needs.begin(), needs.end(), [&](std::size_t need) { return !entries_[need].is_resolved; });
+        }
+        const auto circle = std::find(way.begin(), way.end(), at);
+        if (circle == way.end()) continue;  // leads into a circle told before
+        std::vector<std::string> names;
+        for (auto i = circle; i != way.end(); ++i) names.push_back(entries_[*i].parameter.name);
+        names.push_back(entries_[at].parameter.name);
+        fail(entries_[at], fmt::format("depends on itself: {}", fmt::join(names, " -> ")));
+    }
+    for (Entry& entry : entries_) entry.is_faulty |= !entry.is_resolved;
+}
+
+void Parameters::fail(Entry& entry, const std::string& text) {
+    entry.is_faulty = true;
+    diagnostics_.error(entry.place, fmt::format("parameter {}: {}", quote(entry.parameter.name), text));
+}
+
+std::optional<double> Parameters::evaluate(std::string_view expression, std::string_view wanted) const {
+    if (rests_on_fault(expression)) return std::nullopt;
+    const double value = evaluate_expression(expression, constants_);
+    const Entry* same = find(bare_name(expression));
+    const bool has_unit = same && !same->parameter.unit.empty() && same->parameter.unit != "1";
+    if (has_unit && !measures(same->parameter.unit, wanted))
+        throw Error(ExitCode::model_invalid,
+                    fmt::format("expected a value in {}, got {}, which is {} ({}); accepted here: {}", wanted,
+                                quote("=" + std::string(expression)), quote(same->parameter.text), diagnostics_.line_text(same->place),
+                                listed(accepted_units(wanted))));
+    return value;
+}
+
+bool Parameters::rests_on_fault(std::string_view expression) const {
+    const auto names = expression_names(expression);
+    return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+        const Entry* entry = find(name);
+        return entry && entry->is_faulty;
+    });
+}
+
+std::vector<Parameter> Parameters::all() const {
+    std::vector<Parameter> result;
+    for (const Entry& entry : entries_) result.push_back(entry.parameter);
+    return result;
+}
+
+const Parameters::Entry* Parameters::find(std::string_view name) const {
+    const auto found = index_.find(name);
+    return found == index_.end() ? nullptr : &entries_[found->second];
+}
+
+std::vector<std::string> Parameters::names() const {
+    std::vector<std::string> result;
+    for (const auto& [name, index] : index_) result.push_back(name);
+    return result;
+}
+
+}  // namespace dttmm

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "model/diagnostics.h"
+#include "model/expression.h"
+#include "model/model.h"
+#include "model/toml_document.h"
+
+namespace dttmm {
+
+/// The [parameters] of a model file after --set: each a number, a quantity or an expression over others, resolved in the
+/// order of their dependence.
+class Parameters {
+public:
+    using Overrides = std::vector<std::pair<std::string, std::string>>;
+
+    /// `table` may be null. Faults of the file go to `diagnostics`; an override without value or of an unknown name throws
+    /// Error(usage).
+    Parameters(const TomlValue* table, const Overrides& overrides, Diagnostics& diagnostics);
+
+    /// The SI value of an expression (without its "=") that must measure what the SI unit `wanted` measures. The name of a
+    /// parameter alone keeps that parameter's unit; anything more is a plain SI number. Nothing if it rests on a parameter
+    /// whose fault has been told; throws Error(model_invalid) for a fault of its own.
+    std::optional<double> evaluate(std::string_view expression, std::string_view wanted) const;
+
+    /// Whether an expression rests on a parameter whose fault has been told.
+    bool rests_on_fault(std::string_view expression) const;
+
+    /// The values of all that resolved.
+    const Constants& constants() const { return constants_; }
+
+    /// In the order of the file.
+    std::vector<Parameter> all() const;
+
+private:
+    struct Entry {
+        Parameter parameter;
+        Place place;
+        std::string expression;          ///< without "="; empty for a number or quantity
+        std::vector<std::size_t> needs;  ///< indices of the parameters in the expression
+        bool is_resolved = false;
+        bool is_faulty = false;
+    };
+
+    void read_entry(const TomlMember& member);
+    void override_entry(const std::string& name, const std::string& text);
+    void read_text(Entry& entry, const std::string& text);
+    void read_value(Entry& entry, const TomlValue& value);
+    void find_needs(Entry& entry, const Constants& known);
+    Constants stand_ins() const;  ///< every name with some value
+    void resolve_all();
+    void resolve(Entry& entry);
+    void report_circles();
+    void fail(Entry& entry, const std::string& text);
+    const Entry* find(std::string_view name) const;
+    std::vector<std::string> names() const;
+
+    Diagnostics& diagnostics_;
+    std::vector<Entry> entries_;
+    std::map<std::string, std::size_t, std::less<>> index_;
+    Constants constants_;
+};
+
+}  // namespace dttmm

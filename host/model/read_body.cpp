@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model/read_body.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "model/read_rotation.h"
+#include "model/rigid_body.h"
+#include "model/wording.h"
+
+namespace dttmm {
+namespace {
+
+constexpr double kFarthest = 1e6;  // [m] beyond it a small motion is lost in rounding
+constexpr double kFar = 1e4;       // [m]
+constexpr Bounds kOnBody = {-kFarthest, kFarthest};  // coordinates in the body's axes [m]
+
+const std::vector<std::string> kShapes = {"box", "cylinder", "tube", "sphere"};
+
+/// Axis of a cylinder or tube: 0, 1, 2 for x, y, z.
+int read_axis(const TableReader& table) { return table.choice("axis", {"x", "y", "z"}, 2).value_or(2); }
+
+std::optional<MassProperties> read_tube(const TableReader& table, const TomlMember& member, double density) {
+    const auto sizes = read_numbers(table.context(), member.value, table.what("tube"), "m", 3, false, kPositive);
+    if (!sizes) return std::nullopt;
+    const double outer = (*sizes)[0], inner = (*sizes)[1], length = (*sizes)[2];
+    if (inner < outer) return make_tube(density, outer, inner, length, read_axis(table));
+    table.error(member.value.place, fmt::format("tube = [outer diameter, inner diameter, length]: the inner diameter must be "
+                                                "less than the outer ({} m), got {} m", outer, inner));
+    return std::nullopt;
+}
+
+/// Mass and inertia of the shape the table gives, about the shape's centre.
+std::optional<MassProperties> read_shape(const TableReader& table, const TomlMember& shape, double density) {
+    const auto numbers = [&](std::size_t count) {
+        return read_numbers(table.context(), shape.value, table.what(shape.key), "m", count, false, kPositive);
+    };
+    if (shape.key == "tube") return read_tube(table, shape, density);
+    const auto sizes = numbers(shape.key == "box" ? 3 : shape.key == "cylinder" ? 2 : 1);
+    if (!sizes) return std::nullopt;
+    if (shape.key == "box") return make_box(density, {(*sizes)[0], (*sizes)[1], (*sizes)[2]});
+    if (shape.key == "cylinder") return make_tube(density, (*sizes)[0], 0, (*sizes)[1], read_axis(table));
+    return make_sphere(density, (*sizes)[0]);
+}
+
+std::optional<MassProperties> read_density_and_shape(const TableReader& table) {
+    for (const char* key : {"mass", "inertia"})
+        if (const TomlMember* member = table.find(key))
+            table.error(member->place, fmt::format("\"{}\" and a density exclude each other: give mass and inertia, or density and a shape", key));
+    const auto density = table.number("density", "kg/m^3", kPositive);
+    const TomlMember* shape = table.require_one(kShapes);
+    if (!shape) return std::nullopt;
+    const bool is_round = shape->key == "cylinder" || shape->key == "tube";
+    if (table.find("axis") && !is_round) table.error(table.find("axis")->place, fmt::format("a {} has no axis", shape->key));
+    auto properties = read_shape(table, *shape, density.value_or(1));  // the shape is checked whatever the density
+    return density ? properties : std::nullopt;
+}
+
+/// The symmetric tensor of `inertia = { xx, yy, zz, xy, xz, yz }` (tensor entries, not products of inertia) or `[xx, yy, zz]`.
+std::optional<Eigen::Matrix3d> read_inertia(const TableReader& body) {
+    const TomlMember* member = body.require("inertia");
+    if (!member) return std::nullopt;
+    if (!member->value.is_table()) {
+        const auto moments = read_vector(body.context(), member->value, body.what("inertia"), "kg*m^2");
+        return moments ? std::optional<Eigen::Matrix3d>(moments->asDiagonal()) : std::nullopt;
+    }
+    const TableReader table(body.context(), member->value, body.what("inertia"), {"xx", "yy", "zz", "xy", "xz", "yz"});
+    const auto xx = table.number("xx", "kg*m^2"), yy = table.number("yy", "kg*m^2"), zz = table.number("zz", "kg*m^2");
+    const auto xy = table.number("xy", "kg*m^2", {}, 0), xz = table.number("xz", "kg*m^2", {}, 0), yz = table.number("yz", "kg*m^2", {}, 0);
+    if (!xx || !yy || !zz || !xy || !xz || !yz) return std::nullopt;
+    return Eigen::Matrix3d{{*xx, *xy, *xz}, {*xy, *yy, *yz}, {*xz, *yz, *zz}};
+}
+
+std::optional<MassProperties> read_mass_and_inertia(const TableReader& table) {
+    for (const std::string& shape : kShapes)
+        if (const TomlMember* member = table.find(shape)) table.error(member->place, "a shape needs a density, and no mass or inertia");
+    if (const TomlMember* axis = table.find("axis")) table.error(axis->place, "axis belongs to a cylinder or tube");
+    const auto mass = table.number("mass", "kg");
+    const auto inertia = read_inertia(table);
+    if (mass) {
+        if (const auto fault = find_mass_fault(*mass)) {
+            table.error(table.find("mass")->value.place, *fault);
+            return std::nullopt;
+        }
+    }
+    if (inertia) {
+        if (const auto fault = find_inertia_fault(*inertia)) table.error(table.find("inertia")->value.place, *fault);
+    }
+    return mass && inertia ? std::optional(MassProperties{*mass, *inertia}) : std::nullopt;
+}
+
+void read_mass_properties(const TableReader& table, Body& body) {
+    const bool has_shape = std::any_of(kShapes.begin(), kShapes.end(), [&](const auto& key) { return table.find(key); });
+    const bool by_density = table.find("density") || (has_shape && !table.find("mass"));
+    const auto properties = by_density ? read_density_and_shape(table) : read_mass_and_inertia(table);
+    if (!properties) return;
+    if (by_density) {
+        auto fault = find_mass_fault(properties->mass);
+        if (!fault) fault = find_inertia_fault(properties->inertia);
+        if (fault) return table.error(table.find("density")->value.place, *fault);
+    }
+    body.mass = properties->mass;
+    body.inertia = properties->inertia;
+}
+
+Marker read_marker(const TableReader& body, const TomlMember& member, NameRegistry& names) {
+    const ReadContext& context = body.context();
+    Marker marker;
+    marker.name = names.add(context, member.place, member.key);
+    const std::string label = body.what("marker " + quote(member.key));
+    if (!member.value.is_table()) {
+        marker.position = read_vector(context, member.value, label, "m", kOnBody).value_or(marker.position);
+        return marker;
+    }
+    const TableReader table(context, member.value, label, {"position", "rotation", "quaternion"});
+    marker.position = table.vector("position", "m", Eigen::Vector3d::Zero(), kOnBody).value_or(marker.position);
+    marker.rotation = read_rotation(table).value_or(marker.rotation);
+    return marker;
+}
+
+void read_markers(const TableReader& table, Body& body) {
+    const TomlMember* markers = table.find("markers");
+    if (!markers) return;
+    if (!markers->value.is_table())
+        return table.error(markers->value.place, fmt::format("markers must be a table of name = [x, y, z], got {}", kind_text(markers->value.kind)));
+    NameRegistry names("marker");
+    for (const TomlMember& member : markers->value.members) body.markers.push_back(read_marker(table, member, names));
+}
+
+void check_position(const TableReader& table, const Body& body) {
+    const double distance = body.position.cwiseAbs().maxCoeff();
+    if (distance <= kFar) return;
+    const Place place = table.find("position")->value.place;
+    if (distance > kFarthest)
+        return table.error(place, fmt::format("position must be within {} m of the origin in every direction, got {} m", kFarthest, distance));
+    table.warning(place, fmt::format("position is {} m from the origin: small motions lose digits; move the origin", distance));
+}
+
+Body read_body(const ReadContext& context, const TomlValue& entry, std::size_t index, NameRegistry& names) {
+    const TableReader table(context, entry, entry_label("body", entry, index),
+                            {"name", "mass", "inertia", "density", "box", "cylinder", "tube", "sphere", "axis", "center_of_mass", "position",
+                             "rotation", "quaternion", "velocity", "angular_velocity", "markers"},
+                            entry_note("body", index));
+    Body body;
+    if (!table.is_valid()) return body;
+    const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+    body.name = names.add_from(table);
+    if (body.name == "ground" || body.name == "time" || body.name == "energy")
+        table.error(table.find("name")->value.place, fmt::format("the name \"{}\" is reserved", body.name));
+    read_mass_properties(table, body);
+    body.center_of_mass = table.vector("center_of_mass", "m", zero, kOnBody).value_or(zero);
+    body.position = table.vector("position", "m", zero).value_or(zero);
+    body.rotation = read_rotation(table).value_or(body.rotation);
+    body.velocity = table.vector("velocity", "m/s", zero).value_or(zero);
+    body.angular_velocity = table.vector("angular_velocity", "rad/s", zero).value_or(zero);
+    read_markers(table, body);
+    check_position(table, body);
+    return body;
+}
+
+}  // namespace
+
+std::vector<Body> read_bodies(const TableReader& file, NameRegistry& names) {
+    std::vector<Body> bodies;
+    for (const TomlValue& entry : read_entries(file, "body")) bodies.push_back(read_body(file.context(), entry, bodies.size(), names));
+    return bodies;
+}
+
+}  // namespace dttmm

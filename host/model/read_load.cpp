@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model/read_load.h"
+
+#include "model/name_registry.h"
+#include "model/read_rotation.h"
+#include "model/read_signal.h"
+
+namespace dttmm {
+namespace {
+
+std::optional<Load> read_load(const ReadContext& context, const TomlValue& entry, std::size_t index, const Attachments& attachments) {
+    const TableReader table(context, entry, entry_label("load", entry, index), {"on", "direction", "force", "moment"},
+                            entry_note("load", index));
+    if (!table.is_valid()) return std::nullopt;
+    const auto on = attachments.read(table, "on");
+    const auto direction = read_direction(table, "direction");
+    const TomlMember* magnitude = table.require_one({"force", "moment"});
+    if (on && on->body < 0) table.error(table.find("on")->value.place, "a load on the ground moves nothing");
+    if (!magnitude) return std::nullopt;
+    const bool is_moment = magnitude->key == "moment";
+    const auto signal = read_signal(context, magnitude->value, table.what(magnitude->key), is_moment ? "N*m" : "N");
+    if (!on || !direction || !signal) return std::nullopt;
+    return Load{*on, *direction, is_moment, *signal};
+}
+
+}  // namespace
+
+std::vector<Load> read_loads(const TableReader& file, const Attachments& attachments) {
+    std::vector<Load> loads;
+    std::size_t index = 0;
+    for (const TomlValue& entry : read_entries(file, "load"))
+        if (auto load = read_load(file.context(), entry, index++, attachments)) loads.push_back(std::move(*load));
+    return loads;
+}
+
+}  // namespace dttmm

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model/read_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include "model/attachments.h"
+#include "model/name_registry.h"
+#include "model/read_body.h"
+#include "model/read_element.h"
+#include "model/read_load.h"
+#include "model/toml_text.h"
+#include "model/wording.h"
+
+namespace dttmm {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFormat = "dttmm/1";
+const std::vector<std::string> kKeys = {"format", "title", "parameters", "simulation", "output", "body", "load", "element"};
+const std::vector<std::string> kLaterKeys = {"joint", "nodes", "modes", "dofs"};
+
+std::string read_text(const fs::path& file) {
+    const auto fail = [&](const std::string& why) { throw Error(ExitCode::input_output, fmt::format("{}: {}", file.string(), why)); };
+    std::error_code error;
+    const fs::file_status status = fs::status(file, error);
+    if (!fs::exists(status)) fail(error ? "cannot be read: " + error.message() : "there is no such file");
+    if (!fs::is_regular_file(status)) fail("is not a regular file");
+    errno = 0;
+    std::ifstream stream(file, std::ios::binary);
+    std::string text(std::min<std::uintmax_t>(stream ? fs::file_size(file, error) : 0, kLargestFile + 1), '\0');
+    if (stream) stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+    if (!stream) fail(fmt::format("cannot be read: {}", errno ? std::strerror(errno) : "it changed while it was read"));
+    return text;
+}
+
+/// Whether the file says it is of the format this version reads; reports where not.
+bool check_format(const TableReader& file) {
+    const TomlMember* format = file.find("format");
+    if (!format) {
+        file.error({1, 1}, fmt::format("no format key; begin the file with: format = \"{}\"", kFormat));
+        return false;
+    }
+    if (format->value.is_text() && format->value.string == kFormat) return true;
+    const std::string got = format->value.is_text() ? quote(format->value.string) : std::string(kind_text(format->value.kind));
+    file.error(format->value.place, fmt::format("format {} is not supported; supported: \"{}\"", got, kFormat));
+    return false;
+}
+
+/// Whether the file asks for nothing that only later versions can do; reports what it asks for.
+bool check_later_keys(const TableReader& file) {
+    bool is_free = true;
+    for (const std::string& key : kLaterKeys) {
+        const TomlMember* member = file.find(key);
+        if (!member) continue;
+        file.error(member->place, fmt::format("this version cannot run a model with \"{}\" yet", key));
+        is_free = false;
+    }
+    return is_free;
+}
+
+/// A body that nothing holds, drives or pulls stays where it is: most likely something was forgotten.
+void warn_free_bodies(const TableReader& file, const Model& model) {
+    if (!model.simulation.gravity.isZero(0)) return;
+    const auto touches = [](const Element& element, int body) { return element.from.body == body || element.to.body == body; };
+    const std::vector<TomlValue>& entries = read_entries(file, "body");
+    std::vector<bool> is_touched(model.bodies.size());
+    for (const Load& load : model.loads) is_touched[static_cast<std::size_t>(load.on.body)] = true;
+    for (int body = 0; body < static_cast<int>(model.bodies.size()); ++body) {
+        const auto i = static_cast<std::size_t>(body);
+        const bool is_held = std::any_of(model.elements.begin(), model.elements.end(), [&](const Element& e) { return touches(e, body); });
+        if (!is_held && !is_touched[i])
+            file.warning(entries[i].place, fmt::format("body {}: free body: no element, load or gravity acts on it", quote(model.bodies[i].name)));
+    }
+}
+
+void read_contents(const TableReader& file, const ElementCatalogue& catalogue, const ModelOverrides& overrides, Model& model) {
+    NameRegistry body_names("body");
+    model.title = file.text("title", "").value_or("");
+    model.simulation = read_simulation(file, overrides);
+    model.output = read_output(file, model.simulation);
+    model.bodies = read_bodies(file, body_names);
+    if (!file.find("body")) file.error(file.place(), "no body: at least one [[body]] is needed");
+    const Attachments attachments(model.bodies);
+    model.loads = read_loads(file, attachments);
+    model.elements = read_elements(file, catalogue, attachments, body_names);
+}
+
+}  // namespace
+
+Model read_model(const fs::path& file, const ElementCatalogue& catalogue, const ModelOverrides& overrides) {
+    return parse_model(read_text(file), file, catalogue, overrides);
+}
+
+Model parse_model(std::string_view text, const fs::path& file, const ElementCatalogue& catalogue, const ModelOverrides& overrides) {
+    Diagnostics diagnostics(file.string());
+    const auto document = parse_toml(text, diagnostics);
+    diagnostics.throw_if_errors();
+    Model model;
+    model.path = file.string();
+    model.source = text;
+
+    const TomlMember* table = document->find("parameters");
+    const bool is_empty = document->members.empty();
+    const Parameters parameters(table ? &table->value : nullptr, is_empty ? Parameters::Overrides{} : overrides.parameters, diagnostics);
+    model.parameters = parameters.all();
+
+    const ReadContext context{parameters, diagnostics, file.parent_path()};
+    std::vector<std::string> keys = kKeys;
+    for (const std::string& key : kLaterKeys)
+        if (document->find(key)) keys.push_back(key);  // known, and refused for a reason of its own
+    const TableReader root(context, *document, "", keys);
+    const bool is_supported = check_format(root);
+    if (check_later_keys(root) && (is_supported || (!is_empty && !root.find("format")))) read_contents(root, catalogue, overrides, model);
+    diagnostics.throw_if_errors();
+    warn_free_bodies(root, model);
+    model.warnings = diagnostics.warning_texts();
+    return model;
+}
+
+}  // namespace dttmm

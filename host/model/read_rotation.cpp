@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model/read_rotation.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace dttmm {
+namespace {
+
+constexpr double kNormTolerance = 1e-6;
+
+std::optional<Eigen::Matrix3d> read_axis_and_angle(const TableReader& outer, const TomlMember& member) {
+    const TableReader table(outer.context(), member.value, outer.what("rotation"), {"axis", "angle"});
+    if (!table.is_valid()) return std::nullopt;
+    const auto axis = read_direction(table, "axis");
+    const auto angle = table.number("angle", "rad");
+    if (!axis || !angle) return std::nullopt;
+    return Eigen::AngleAxisd(*angle, *axis).toRotationMatrix();
+}
+
+std::optional<Eigen::Matrix3d> read_quaternion(const TableReader& table, const TomlMember& member) {
+    const auto q = read_numbers(table.context(), member.value, table.what("quaternion"), "1", 4);
+    if (!q) return std::nullopt;
+    const Eigen::Quaterniond quaternion((*q)[0], (*q)[1], (*q)[2], (*q)[3]);
+    const double norm = std::hypot(quaternion.w(), quaternion.vec().stableNorm());
+    if (!(std::abs(norm - 1) <= kNormTolerance)) {
+        table.error(member.value.place, fmt::format("quaternion [w, x, y, z] must have norm 1 to within {}, got {}", kNormTolerance, norm));
+        return std::nullopt;
+    }
+    return quaternion.normalized().toRotationMatrix();
+}
+
+}  // namespace
+
+std::optional<Eigen::Matrix3d> read_rotation(const TableReader& table) {
+    const TomlMember* rotation = table.find("rotation");
+    const TomlMember* quaternion = table.find("quaternion");
+    if (rotation && quaternion) table.require_one(kRotationKeys);
+    if (rotation) return read_axis_and_angle(table, *rotation);
+    if (quaternion) return read_quaternion(table, *quaternion);
+    return Eigen::Matrix3d::Identity();
+}
+
+std::optional<Eigen::Vector3d> read_direction(const TableReader& table, const char* key) {
+    const auto direction = table.vector(key, "1");
+    if (!direction) return std::nullopt;
+    if (direction->stableNorm() > 0) return direction->stableNormalized();
+    table.error(table.find(key)->value.place, fmt::format("{} must not be zero", key));
+    return std::nullopt;
+}
+
+}  // namespace dttmm

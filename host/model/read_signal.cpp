@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model/read_signal.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "model/signal_shapes.h"
+#include "model/table_file.h"
+#include "model/wording.h"
+
+namespace dttmm {
+namespace {
+
+template <class Shape, class... Arguments>
+Signal make_signal(Arguments&&... arguments) {
+    return Signal(std::make_shared<const Shape>(std::forward<Arguments>(arguments)...));
+}
+
+std::optional<Signal> read_constant(const ReadContext& context, const TomlValue& value, const std::string& what, std::string_view unit) {
+    const auto number = read_number(context, value, what, unit);
+    return number ? std::optional(make_signal<ConstantSignal>(*number)) : std::nullopt;
+}
+
+std::optional<Signal> read_expression(const ReadContext& context, const TomlValue& value, const std::string& what,
+                                      std::string_view unit) {
+    const std::string_view text = std::string_view(value.string).substr(1);
+    const auto names = expression_names(text);
+    if (std::find(names.begin(), names.end(), "t") == names.end()) return read_constant(context, value, what, unit);
+    if (context.parameters.rests_on_fault(text)) return std::nullopt;
+    try {
+        Expression expression(text, context.parameters.constants(), true);
+        if (std::isfinite(expression.value(0))) return make_signal<ExpressionSignal>(std::move(expression));
+        context.diagnostics.error(value.place, fmt::format("{}: the value of {} is not finite at t = 0", what, quote(value.string)));
+    } catch (const Error& error) {
+        context.diagnostics.error(value.place, fmt::format("{}: {}", what, error.what()));
+    }
+    return std::nullopt;
+}
+
+std::optional<Signal> read_expression_table(const TableReader& table, std::string_view unit) {
+    const TomlMember* member = table.require("value");
+    if (!member) return std::nullopt;
+    if (!member->value.is_text() || !member->value.string.starts_with("=")) {
+        table.error(member->value.place, "value must be a text that begins with \"=\"");
+        return std::nullopt;
+    }
+    return read_expression(table.context(), member->value, table.what("value"), unit);
+}
+
+std::optional<Signal> read_step(const TableReader& table, std::string_view unit) {
+    const auto from = table.number("from", unit, {}, 0);
+    const auto to = table.number("to", unit);
+    const auto start = table.number("start", "s", {}, 0);
+    const auto end = table.number("end", "s");
+    if (!from || !to || !start || !end) return std::nullopt;
+    if (*end < *start) {
+        table.error(table.find("end")->value.place, fmt::format("end must not lie before start ({} s), got {} s", *start, *end));
+        return std::nullopt;
+    }
+    return make_signal<StepSignal>(*from, *to, *start, *end);
+}
+
+std::optional<Signal> read_haversine(const TableReader& table, std::string_view unit) {
+    const auto peak = table.number("peak", unit);
+    const auto start = table.number("start", "s", {}, 0);
+    const auto width = table.number("width", "s", kPositive);
+    if (!peak || !start || !width) return std::nullopt;
+    return make_signal<PulseSignal>(*peak, *start, *width);
+}
+
+std::optional<double> read_pulse_count(const TableReader& table) {
+    const auto count = table.number("count", "1", {1, 1e9}, 1);
+    if (!count || *count == std::round(*count)) return count;
+    table.error(table.find("count")->value.place, fmt::format("count must be a whole number, got {}", *count));
+    return std::nullopt;
+}
+
+std::optional<Signal> read_pulse(const TableReader& table, std::string_view unit) {
+    const auto peak = table.number("peak", unit);
+    const auto start = table.number("start", "s", {}, 0);
+    const auto width = table.number("width", "s", kPositive);
+    const auto count = read_pulse_count(table);
+    const bool repeats = count && *count > 1;
+    const auto period = repeats ? table.number("period", "s", kPositive) : table.number("period", "s", kPositive, 0);
+    if (!peak || !start || !width || !count || !period) return std::nullopt;
+    if (repeats && *period < *width) {
+        table.error(table.find("period")->value.place, fmt::format("period must be ≥ width ({} s), got {} s", *width, *period));
+        return std::nullopt;
+    }
+    return make_signal<PulseSignal>(*peak, *start, *width, *period, *count);
+}
+
+std::optional<Signal> read_sine(const TableReader& table, std::string_view unit) {
+    const auto amplitude = table.number("amplitude", unit);
+    const auto frequency = table.number("frequency", "Hz", kNotNegative);
+    const auto phase = table.number("phase", "rad", {}, 0);
+    const auto offset = table.number("offset", unit, {}, 0);
+    const auto start = table.number("start", "s", {}, 0);
+    if (!amplitude || !frequency || !phase || !offset || !start) return std::nullopt;
+    return make_signal<SineSignal>(*amplitude, *frequency, *phase, *offset, *start);
+}
+
+std::optional<std::vector<double>> read_column(const TableReader& table, const char* key, std::string_view unit) {
+    const TomlMember* member = table.require(key);
+    if (!member) return std::nullopt;
+    return read_numbers(table.context(), member->value, table.what(key), unit, std::max<std::size_t>(member->value.items.size(), 1));
+}
+
+std::optional<Signal> read_inline_table(const TableReader& table, std::string_view unit) {
+    const auto times = read_column(table, "times", "s");
+    const auto values = read_column(table, "values", unit);
+    if (!times || !values) return std::nullopt;
+    const TomlValue& place = table.find("times")->value;
+    if (times->size() != values->size()) {
+        table.error(place.place, fmt::format("times and values must be of one length, got {} and {}", times->size(), values->size()));
+        return std::nullopt;
+    }
+    for (std::size_t i = 1; i < times->size(); ++i) {
+        if ((*times)[i] > (*times)[i - 1]) continue;
+        table.error(place.is_array() ? place.items[i].place : place.place,
+                    fmt::format("times must increase: row {} ({} s) does not come after row {} ({} s)", i + 1, (*times)[i], i, (*times)[i - 1]));
+        return std::nullopt;
+    }
+    return make_signal<TableSignal>(*times, *values);
+}
+
+std::optional<Signal> read_file_table(const TableReader& table) {
+    const auto name = table.text("file");
+    if (!name) return std::nullopt;
+    for (const char* key : {"times", "values"})
+        if (const TomlMember* member = table.find(key)) table.error(member->place, fmt::format("{} and file exclude each other", key));
+    try {
+        TimeTable columns = read_table_file(table.context().folder, *name);
+        return make_signal<TableSignal>(std::move(columns.times), std::move(columns.values));
+    } catch (const Error& error) {
+        table.error(table.find("file")->value.place, error.what());
+        return std::nullopt;
+    }
+}
+
+std::optional<Signal> read_table(const TableReader& table, std::string_view unit) {
+    return table.find("file") ? read_file_table(table) : read_inline_table(table, unit);
+}
+
+std::optional<Signal> read_constant_table(const TableReader& table, std::string_view unit) {
+    const auto number = table.number("value", unit);
+    return number ? std::optional(make_signal<ConstantSignal>(*number)) : std::nullopt;
+}
+
+struct ShapeReader {
+    std::string type;
+    std::vector<std::string> keys;
+    std::optional<Signal> (*read)(const TableReader& table, std::string_view unit);
+};
+
+const std::vector<ShapeReader>& shape_readers() {
+    static const std::vector<ShapeReader> readers = {
+        {"constant", {"value"}, read_constant_table},
+        {"step", {"from", "to", "start", "end"}, read_step},
+        {"haversine", {"peak", "start", "width"}, read_haversine},
+        {"pulse", {"peak", "start", "width", "period", "count"}, read_pulse},
+        {"sine", {"amplitude", "frequency", "phase", "offset", "start"}, read_sine},
+        {"table", {"times", "values", "file"}, [](const TableReader& table, std::string_view unit) { return read_table(table, unit); }},
+        {"expression", {"value"}, read_expression_table},
+    };
+    return readers;
+}
+
+std::optional<Signal> read_shape(const ReadContext& context, const TomlValue& value, const std::string& what, std::string_view unit) {
+    const TomlMember* type = value.find("type");
+    std::vector<std::string> types;
+    for (const ShapeReader& reader : shape_readers()) {
+        types.push_back(reader.type);
+        if (!type || type->value.string != reader.type) continue;
+        std::vector<std::string> keys = reader.keys;
+        keys.emplace_back("type");
+        return reader.read(TableReader(context, value, what, keys), unit);
+    }
+    if (!type) {
+        context.diagnostics.error(value.place, fmt::format("{}: missing key \"type\"; one of {}", what, listed(types)));
+    } else {
+        const std::string hint = suggestion(type->value.string, types);
+        context.diagnostics.error(type->value.place, fmt::format("{}: unknown type {} of a signal{}", what, quote(type->value.string), hint));
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Signal> read_signal(const ReadContext& context, const TomlValue& value, const std::string& what,
+                                  std::string_view unit) {
+    if (value.is_table()) return read_shape(context, value, what, unit);
+    if (value.is_text() && value.string.starts_with("=")) return read_expression(context, value, what, unit);
+    return read_constant(context, value, what, unit);
+}
+
+}  // namespace dttmm

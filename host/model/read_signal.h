@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "model/signal.h"
+#include "model/table_reader.h"
+
+namespace dttmm {
+
+/// A signal whose value is in the SI unit `unit`: a number or quantity (constant), "=expression of t", or a table with a
+/// `type` of signal_shapes.h. Reports faults and then returns nothing.
+std::optional<Signal> read_signal(const ReadContext& context, const TomlValue& value, const std::string& what,
+                                  std::string_view unit);
+
+}  // namespace dttmm

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "model/model.h"
+#include "model/table_reader.h"
+
+namespace dttmm {
+
+/// What the command line says instead of [simulation]: texts as in the file, e.g. "1 ms".
+struct SimulationOverrides {
+    std::optional<std::string> step, duration, coupling;
+};
+
+/// [simulation]: step 1e-9 s to 1 s, and a duration that is a whole number of steps, at most 1e10. Faults are reported.
+SimulationSettings read_simulation(const TableReader& file, const SimulationOverrides& overrides);
+
+/// [output]: its step is a whole number of time steps and divides the duration, so that the end is a row. Faults are reported.
+OutputSettings read_output(const TableReader& file, const SimulationSettings& simulation);
+
+}  // namespace dttmm

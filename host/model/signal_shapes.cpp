@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model/signal_shapes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace dttmm {
+namespace {
+constexpr double kTwoPi = 2 * std::numbers::pi;
+}
+
+double ConstantSignal::value(double) const { return value_; }
+
+double StepSignal::value(double time) const {
+    if (time < start_) return from_;
+    if (time >= end_) return to_;
+    const double s = (time - start_) / (end_ - start_);
+    return from_ + (to_ - from_) * s * s * (3 - 2 * s);
+}
+
+double PulseSignal::value(double time) const {
+    const double since_start = time - start_;
+    if (since_start < 0) return 0;
+    const double pulse = period_ > 0 ? std::min(std::floor(since_start / period_), count_ - 1) : 0;
+    const double u = since_start - pulse * period_;
+    return u < width_ ? 0.5 * peak_ * (1 - std::cos(kTwoPi * u / width_)) : 0;
+}
+
+double SineSignal::value(double time) const {
+    if (time < start_) return offset_;
+    return offset_ + amplitude_ * std::sin(kTwoPi * frequency_ * (time - start_) + phase_);
+}
+
+double TableSignal::value(double time) const {
+    const auto after = std::upper_bound(times_.begin(), times_.end(), time);
+    if (after == times_.begin()) return values_.front();
+    if (after == times_.end()) return values_.back();
+    const auto i = static_cast<std::size_t>(after - times_.begin());
+    const double s = (time - times_[i - 1]) / (times_[i] - times_[i - 1]);
+    return (1 - s) * values_[i - 1] + s * values_[i];
+}
+
+double ExpressionSignal::value(double time) const { return expression_.value(time); }
+
+}  // namespace dttmm

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "model/expression.h"
+#include "model/signal.h"
+
+namespace dttmm {
+
+/// The shapes a signal can have; t is the time, all of it in [s], the value in whatever unit the signal has.
+
+/// f(t) = value
+class ConstantSignal : public Signal::Shape {
+public:
+    explicit ConstantSignal(double value) : value_(value) {}
+    double value(double time) const override;
+
+private:
+    double value_;
+};
+
+/// f(t) = from + (to - from) (3 s² - 2 s³),  s = (t - start)/(end - start) held within 0 and 1. A jump at `start` if end = start.
+class StepSignal : public Signal::Shape {
+public:
+    StepSignal(double from, double to, double start, double end) : from_(from), to_(to), start_(start), end_(end) {}
+    double value(double time) const override;
+
+private:
+    double from_, to_, start_, end_;
+};
+
+/// `count` haversines, `period` apart: f(t) = peak/2 (1 - cos(2 pi u/width)) where 0 <= u <= width, else 0;
+/// u = t - start - i period, i the number of the pulse. One haversine is a pulse with count 1.
+class PulseSignal : public Signal::Shape {
+public:
+    PulseSignal(double peak, double start, double width, double period = 0, double count = 1)
+        : peak_(peak), start_(start), width_(width), period_(period), count_(count) {}
+    double value(double time) const override;
+
+private:
+    double peak_, start_, width_, period_, count_;
+};
+
+/// f(t) = offset + amplitude sin(2 pi frequency (t - start) + phase) from `start` on, `offset` before. Frequency in [Hz],
+/// phase in [rad].
+class SineSignal : public Signal::Shape {
+public:
+    SineSignal(double amplitude, double frequency, double phase, double offset, double start)
+        : amplitude_(amplitude), frequency_(frequency), phase_(phase), offset_(offset), start_(start) {}
+    double value(double time) const override;
+
+private:
+    double amplitude_, frequency_, phase_, offset_, start_;
+};
+
+/// Linear between the given points, the first and last value held outside. `times` increase strictly; at least one point.
+class TableSignal : public Signal::Shape {
+public:
+    TableSignal(std::vector<double> times, std::vector<double> values) : times_(std::move(times)), values_(std::move(values)) {}
+    double value(double time) const override;
+
+private:
+    std::vector<double> times_, values_;
+};
+
+/// f(t) = the value of an expression of t. One thread at a time.
+class ExpressionSignal : public Signal::Shape {
+public:
+    explicit ExpressionSignal(Expression expression) : expression_(std::move(expression)) {}
+    double value(double time) const override;
+
+private:
+    Expression expression_;
+};
+
+}  // namespace dttmm

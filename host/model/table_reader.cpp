@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model/table_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/units.h"
+#include "model/wording.h"
+
+namespace dttmm {
+namespace {
+
+std::string with_unit(double value, std::string_view unit) {
+    return unit == "1" ? number_text(value) : fmt::format("{} {}", number_text(value), unit);
+}
+
+/// The value as the user wrote it, with the number it stands for where that does not show.
+std::string written(const TomlValue& value, double number, std::string_view unit) {
+    if (!value.is_text()) return number_text(number);
+    if (value.string.starts_with("=")) return fmt::format("{} = {}", quote(value.string), with_unit(number, unit));
+    const std::string text = quote(value.string);
+    return text.substr(1, text.size() - 2);
+}
+
+/// The bound that `number` breaks; empty if it breaks none.
+std::string broken_bound(double number, const Bounds& bounds, std::string_view unit) {
+    if (number > bounds.maximum) return "≤ " + with_unit(bounds.maximum, unit);
+    if (number < bounds.minimum || (bounds.excludes_minimum && number == bounds.minimum))
+        return (bounds.excludes_minimum ? "> " : "≥ ") + with_unit(bounds.minimum, unit);
+    return {};
+}
+
+/// The SI value of a number, quantity or expression; throws Error with the fault.
+std::optional<double> evaluate(const ReadContext& context, const TomlValue& value, std::string_view unit) {
+    if (value.is_number()) return value.number;
+    if (!value.is_text())
+        throw Error(ExitCode::model_invalid, fmt::format("expected a number in {}, got {}", unit, kind_text(value.kind)));
+    if (!value.string.starts_with("=")) return parse_quantity(value.string, unit);
+    return context.parameters.evaluate(std::string_view(value.string).substr(1), unit);
+}
+
+}  // namespace
+
+std::optional<double> read_number(const ReadContext& context, const TomlValue& value, const std::string& what,
+                                  std::string_view unit, const Bounds& bounds) {
+    const auto fail = [&](const std::string& text) {
+        context.diagnostics.error(value.place, what + text);
+        return std::nullopt;
+    };
+    try {
+        const std::optional<double> number = evaluate(context, value, unit);
+        if (!number) return std::nullopt;
+        if (!std::isfinite(*number)) return fail(fmt::format(" must be finite, got {}", number_text(*number)));
+        if (const std::string bound = broken_bound(*number, bounds, unit); !bound.empty())
+            return fail(fmt::format(" must be {}, got {}", bound, written(value, *number, unit)));
+        return *number + 0.0;  // no negative zero
+    } catch (const Error& error) {
+        if (error.code() != ExitCode::model_invalid) throw;
+        return fail(fmt::format(": {}", error.what()));
+    }
+}
+
+std::optional<std::vector<double>> read_numbers(const ReadContext& context, const TomlValue& value, const std::string& what,
+                                                std::string_view unit, std::size_t count, bool spreads, const Bounds& bounds) {
+    if (!value.is_array() && (count == 1 || spreads)) {
+        const auto number = read_number(context, value, what, unit, bounds);
+        return number ? std::optional(std::vector<double>(count, *number)) : std::nullopt;
+    }
+    if (!value.is_array() || value.items.size() != count) {
+        const std::string got = value.is_array() ? std::to_string(value.items.size()) : std::string(kind_text(value.kind));
+        context.diagnostics.error(value.place, fmt::format("{} wants {} number{}, got {}", what, count, count == 1 ? "" : "s", got));
+        return std::nullopt;
+    }
+    std::vector<double> numbers;
+    for (const TomlValue& item : value.items)
+        if (const auto number = read_number(context, item, what, unit, bounds)) numbers.push_back(*number);
+    return numbers.size() == count ? std::optional(numbers) : std::nullopt;
+}
+
+std::optional<Eigen::Vector3d> read_vector(const ReadContext& context, const TomlValue& value, const std::string& what,
+                                           std::string_view unit, const Bounds& bounds) {
+    const auto numbers = read_numbers(context, value, what, unit, 3, false, bounds);
+    return numbers ? std::optional(Eigen::Vector3d(numbers->data())) : std::nullopt;
+}
+
+TableReader::TableReader(const ReadContext& context, const TomlValue& value, std::string label, std::vector<std::string> keys,
+                         std::string note)
+    : context_(context), value_(value), label_(std::move(label)) {
+    if (!value.is_table()) {
+        error(value.place, fmt::format("expected a table, got {}", kind_text(value.kind)));
+        return;
+    }
+    for (const TomlMember& member : value.members)
+        if (std::find(keys.begin(), keys.end(), member.key) == keys.end())
+            error(member.place, fmt::format("unknown key {}{}{}", quote(member.key), note, suggestion(member.key, keys)));
+}
+
+const TomlMember* TableReader::require(std::string_view key) const {
+    const TomlMember* member = value_.find(key);
+    if (!member && is_valid()) error(value_.place, fmt::format("missing key \"{}\"", key));
+    return member;
+}
+
+const TomlMember* TableReader::require_one(const std::vector<std::string>& keys) const {
+    const TomlMember* first = nullptr;
+    for (const std::string& key : keys) {
+        const TomlMember* member = value_.find(key);
+        if (member && first)
+            error(member->place, fmt::format("\"{}\" and \"{}\" exclude each other; give one of: {}", first->key, key, listed(keys)));
+        if (!first) first = member;
+    }
+    if (!first && is_valid()) error(value_.place, fmt::format("missing key: one of {}", listed(keys)));
+    return first;
+}
+
+std::optional<double> TableReader::number(std::string_view key, std::string_view unit, const Bounds& bounds) const {
+    const TomlMember* member = require(key);
+    return member ? read_number(context_, member->value, what(key), unit, bounds) : std::nullopt;
+}
+
+std::optional<double> TableReader::number(std::string_view key, std::string_view unit, const Bounds& bounds, double fallback) const {
+    return find(key) ? number(key, unit, bounds) : fallback;
+}
+
+std::optional<Eigen::Vector3d> TableReader::vector(std::string_view key, std::string_view unit, const Bounds& bounds) const {
+    const TomlMember* member = require(key);
+    return member ? read_vector(context_, member->value, what(key), unit, bounds) : std::nullopt;
+}
+
+std::optional<Eigen::Vector3d> TableReader::vector(std::string_view key, std::string_view unit, const Eigen::Vector3d& fallback,
+                                                   const Bounds& bounds) const {
+    return find(key) ? vector(key, unit, bounds) : fallback;
+}
+
+std::optional<std::string> TableReader::text(std::string_view key) const {
+    const TomlMember* member = require(key);
+    if (!member) return std::nullopt;
+    if (member->value.is_text()) return member->value.string;
+    error(member->value.place, fmt::format("{} must be a text, got {}", key, kind_text(member->value.kind)));
+    return std::nullopt;
+}
+
+std::optional<std::string> TableReader::text(std::string_view key, const std::string& fallback) const {
+    return find(key) ? text(key) : fallback;
+}
+
+std::optional<int> TableReader::choice(std::string_view key, const std::vector<std::string>& words, int fallback) const {
+    if (!find(key)) return fallback;
+    const auto word = text(key);
+    if (!word) return std::nullopt;
+    const auto found = std::find(words.begin(), words.end(), *word);
+    if (found != words.end()) return static_cast<int>(found - words.begin());
+    error(find(key)->value.place, fmt::format("{} must be one of: {}; got {}", key, listed(words), quote(*word)));
+    return std::nullopt;
+}
+
+std::string TableReader::what(std::string_view key) const { return labelled(std::string(key)); }
+
+void TableReader::error(Place place, const std::string& text) const { context_.diagnostics.error(place, labelled(text)); }
+
+void TableReader::warning(Place place, const std::string& text) const { context_.diagnostics.warning(place, labelled(text)); }
+
+std::string TableReader::labelled(const std::string& text) const { return label_.empty() ? text : label_ + ": " + text; }
+
+}  // namespace dttmm

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model/units.h"
+
+#include <fmt/format.h>
+#include <udunits2.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "model/error.h"
+#include "model/wording.h"
+
+namespace dttmm {
+namespace {
+
+[[noreturn]] void fail(const std::string& text) { throw Error(ExitCode::model_invalid, text); }
+
+/// A unit as scale times a product of powers of SI base units.
+struct Unit {
+    double scale = 1;                   ///< of one such unit [SI]
+    std::map<std::string, int> powers;  ///< exponent of every base unit that occurs
+
+    bool operator==(const Unit&) const = default;
+};
+
+/// Exponents without the radian, which is no dimension of its own.
+std::map<std::string, int> dimension(const Unit& unit) {
+    auto powers = unit.powers;
+    powers.erase("rad");
+    return powers;
+}
+
+int radians(const Unit& unit) {
+    const auto found = unit.powers.find("rad");
+    return found == unit.powers.end() ? 0 : found->second;
+}
+
+/// UDUNITS multiplies scales in binary: an inch becomes 0.025400000000000002 m. Where a decimal of at most 12 digits lies
+/// within four units in the last place, that decimal is meant.
+double snap_to_decimal(double scale) {
+    double decimal = 0;
+    const std::string text = fmt::format("{:.12g}", scale);
+    std::from_chars(text.data(), text.data() + text.size(), decimal);
+    return std::abs(decimal - scale) <= 4 * 2.3e-16 * std::abs(scale) ? decimal : scale;
+}
+
+/// value * scale, correctly rounded for the decimal fractions: 35 mm are 35 / 1000 m, not 35 * 0.001 m.
+double apply_scale(double value, double scale) {
+    const double inverse = snap_to_decimal(1 / scale);
+    const bool is_fraction = scale < 1 && inverse == std::round(inverse) && std::abs(inverse * scale - 1) < 1e-15;
+    return is_fraction ? value / inverse : value * scale;
+}
+
+/// Owner of UDUNITS' one unit system and of its parser, which keeps globals.
+class UnitSystem {
+public:
+    static UnitSystem& instance() {
+        static UnitSystem system;
+        return system;
+    }
+
+    /// Nothing if `text` is no unit, or none that only multiplies.
+    std::optional<Unit> parse(const std::string& text) {
+        const std::scoped_lock lock(mutex_);
+        const UnitPointer unit(ut_parse(system_.get(), text.c_str(), UT_UTF8), &ut_free);
+        if (!unit) return std::nullopt;
+        Unit result;
+        if (ut_accept_visitor(unit.get(), &kVisitor, &result) != UT_SUCCESS) return std::nullopt;
+        result.scale = snap_to_decimal(result.scale);
+        std::erase_if(result.powers, [](const auto& power) { return power.second == 0; });
+        if (!std::isfinite(result.scale) || result.scale <= 0) return std::nullopt;
+        return result;
+    }
+
+private:
+    using UnitPointer = std::unique_ptr<ut_unit, decltype(&ut_free)>;
+    using SystemPointer = std::unique_ptr<ut_system, decltype(&ut_free_system)>;
+
+    UnitSystem() : system_(nullptr, &ut_free_system) {
+        ut_set_error_message_handler(&ut_ignore);  // faults are told by us, with their place
+        system_.reset(ut_read_xml(nullptr));
+        if (!system_)
+            throw Error(ExitCode::input_output,
+                        "cannot read the unit database of UDUNITS-2; is it installed, and UDUNITS2_XML_PATH unset or right?");
+        const UnitPointer degree(ut_parse(system_.get(), "arc_degree", UT_UTF8), &ut_free);
+        ut_map_symbol_to_unit("deg", UT_ASCII, degree.get());
+    }
+
+    static std::string symbol(const ut_unit* unit) {
+        const char* text = ut_get_symbol(unit, UT_ASCII);
+        return text ? text : "?";
+    }
+
+    static ut_status visit_basic(const ut_unit* unit, void* result) {
+        static_cast<Unit*>(result)->powers[symbol(unit)] += 1;
+        return UT_SUCCESS;
+    }
+
+    static ut_status visit_product(const ut_unit*, int count, const ut_unit* const* units, const int* powers, void* result) {
+        for (int i = 0; i < count; ++i) static_cast<Unit*>(result)->powers[symbol(units[i])] += powers[i];
+        return UT_SUCCESS;
+    }
+
+    static ut_status visit_galilean(const ut_unit*, double scale, const ut_unit* underlying, double offset, void* result) {
+        if (offset != 0) return UT_MEANINGLESS;
+        static_cast<Unit*>(result)->scale *= scale;
+        return ut_accept_visitor(underlying, &kVisitor, result);
+    }
+
+    static ut_status visit_timestamp(const ut_unit*, const ut_unit*, double, void*) { return UT_MEANINGLESS; }
+    static ut_status visit_logarithmic(const ut_unit*, double, const ut_unit*, void*) { return UT_MEANINGLESS; }
+
+    static constexpr ut_visitor kVisitor = {visit_basic, visit_product, visit_galilean, visit_timestamp, visit_logarithmic};
+
+    std::mutex mutex_;
+    SystemPointer system_;
+};
+
+/// Usual units by dimension, the SI unit of each row first. Of rows of one dimension the first names it.
+const std::vector<std::vector<std::string>>& usual_units() {
+    static const std::vector<std::vector<std::string>> units = {
+        {"1", "%"},
+        {"m", "mm", "cm", "um", "km", "in"},
+        {"kg", "g", "t"},
+        {"s", "ms", "us", "min"},
+        {"rad", "deg", "mrad"},
+        {"N", "kN", "MN", "mN", "kgf", "lbf"},
+        {"N*m", "kN*m", "N*mm"},
+        {"N/m", "N/mm", "kN/m", "kN/mm", "MN/m"},
+        {"N*s/m", "N*s/mm", "kN*s/m", "kN*s/mm"},
+        {"N*m/rad", "kN*m/rad", "N*mm/rad", "N*m/deg"},
+        {"N*m*s/rad", "kN*m*s/rad", "N*mm*s/rad"},
+        {"kg/m^3", "g/cm^3", "t/m^3"},
+        {"kg*m^2", "kg*mm^2", "g*mm^2"},
+        {"kg/m", "g/mm"},
+        {"m^2", "mm^2", "cm^2"},
+        {"m^3", "mm^3", "cm^3"},
+        {"m^4", "mm^4", "cm^4"},
+        {"m/s", "mm/s", "km/h"},
+        {"m/s^2", "mm/s^2"},
+        {"Hz", "kHz", "1/s"},
+        {"rad/s", "deg/s", "rpm"},
+        {"rad/s^2", "deg/s^2"},
+        {"Pa", "kPa", "MPa", "GPa", "N/mm^2"},
+        {"N*m^2", "N*mm^2", "kN*m^2"},
+    };
+    return units;
+}
+
+std::optional<Unit> parse_unit(std::string_view text) { return UnitSystem::instance().parse(std::string(text)); }
+
+/// The SI unit with the dimension of `unit` as text.
+std::string si_text(const Unit& unit) {
+    for (const auto& row : usual_units())
+        if (parse_unit(row.front())->powers == unit.powers) return row.front();
+    std::string text;
+    for (const auto& [base, power] : unit.powers)
+        text += (text.empty() ? "" : "*") + base + (power == 1 ? std::string() : fmt::format("^{}", power));
+    return text;
+}
+
+std::string accepted_text(std::string_view wanted) { return listed(accepted_units(wanted)); }
+
+bool is_cycles(std::string_view unit) { return unit.find("Hz") != unit.npos || unit.find("hertz") != unit.npos; }
+
+std::string_view trimmed(std::string_view text) {
+    constexpr const char* kBlanks = " \t\r\n";
+    const std::size_t begin = std::min(text.find_first_not_of(kBlanks), text.size());
+    return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
+}
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+struct NumberAndUnit {
+    double number;
+    std::string_view unit;  ///< empty for a plain number
+};
+
+/// Splits "500 N/mm" and "500N/mm".
+NumberAndUnit split_quantity(std::string_view text) {
+    std::string_view rest = trimmed(text);
+    if (rest.empty()) fail("expected a number, got an empty text");
+    if (rest.size() > 200) fail(fmt::format("expected a number with a unit, got a text of {} bytes", rest.size()));
+    if (rest.front() == '+') rest.remove_prefix(1);
+    double number = 0;
+    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
+    if (error == std::errc::result_out_of_range)
+        fail(fmt::format("the number in {} is out of range: it must lie within 1e-307 and 1e308", quote(text)));
+    if (error != std::errc()) fail(fmt::format("expected a number with a unit, e.g. \"20 mm\", got {}", quote(text)));
+    if (!std::isfinite(number)) fail(fmt::format("{} is not finite", quote(text)));
+    rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
+    if (rest.size() > 1 && rest[0] == ',' && is_digit(rest[1]))
+        fail(fmt::format("the decimal sign is a point: write {} with '.' instead of ','", quote(text)));
+    return {number, trimmed(rest)};
+}
+
+/// Reads a unit as written by a user; `cure` tells what would be right.
+Unit read_unit(std::string_view unit, std::string_view text, const std::string& cure) {
+    const bool is_inverse = unit.starts_with("1/");
+    const bool starts_well = is_inverse || !(is_digit(unit[0]) || unit[0] == '+' || unit[0] == '-' || unit[0] == '.');
+    const auto result = starts_well ? parse_unit(unit) : std::nullopt;
+    if (!result) fail(fmt::format("unknown unit {} in {}{}", quote(unit), quote(text), cure));
+    return *result;
+}
+
+double checked_value(double number, const Unit& unit, std::string_view text) {
+    const double value = apply_scale(number, unit.scale);
+    if (!std::isfinite(value)) fail(fmt::format("{} is out of range in SI units", quote(text)));
+    return value;
+}
+
+}  // namespace
+
+Quantity parse_quantity(std::string_view text) {
+    const auto [number, unit_text] = split_quantity(text);
+    if (unit_text.empty()) return {number, "1"};
+    const Unit unit = read_unit(unit_text, text, "");
+    return {checked_value(number, unit, text), is_cycles(unit_text) ? "Hz" : si_text(unit)};
+}
+
+double parse_quantity(std::string_view text, std::string_view wanted) {
+    const auto [number, unit_text] = split_quantity(text);
+    if (unit_text.empty()) return number;
+    const Unit unit = read_unit(unit_text, text, fmt::format("; accepted here: {}", accepted_text(wanted)));
+    if (!measures(unit_text, wanted))
+        fail(fmt::format("expected a value in {}, got {}; accepted here: {}", wanted, quote(text), accepted_text(wanted)));
+    return checked_value(number, unit, text);
+}
+
+bool measures(std::string_view unit, std::string_view wanted) {
+    const auto given = parse_unit(unit);
+    const auto asked = parse_unit(wanted);
+    if (!given || !asked || dimension(*given) != dimension(*asked)) return false;
+    if (radians(*given) == radians(*asked)) return true;
+    return radians(*given) == 0 && !is_cycles(unit);
+}
+
+std::vector<std::string> accepted_units(std::string_view wanted) {
+    const auto asked = parse_unit(wanted);
+    for (const auto& row : usual_units()) {
+        if (!asked || parse_unit(row.front())->powers != asked->powers) continue;
+        std::vector<std::string> units = row;
+        if (std::find(units.begin(), units.end(), wanted) == units.end()) units.insert(units.begin(), std::string(wanted));
+        return units;
+    }
+    return {std::string(wanted)};
+}
+
+}  // namespace dttmm

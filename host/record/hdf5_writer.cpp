@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "record/hdf5_writer.h"
+
+#include <fmt/format.h>
+#include <hdf5.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cassert>
+#include <mutex>
+#include <optional>
+#include <string_view>
+
+#include "model/error.h"
+#include "record/atomic_file.h"
+
+namespace dttmm {
+
+namespace {
+
+constexpr hsize_t kRowsPerChunk = 1024;
+
+/// The library, ours while this lives: one thread at a time, its own error printing off.
+class Hdf5Turn {
+public:
+    Hdf5Turn() : lock_(mutex()) {
+        // At exit HDF5 1.10 would flush files that a full disk kept from closing, and crash on them (SIGSEGV).
+        [[maybe_unused]] static const herr_t never_at_exit = H5dont_atexit();
+        H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+    }
+
+private:
+    static std::mutex& mutex() {
+        static std::mutex instance;
+        return instance;
+    }
+    std::lock_guard<std::mutex> lock_;
+};
+
+/// Owns one HDF5 identifier and the function that closes its kind.
+class Handle {
+public:
+    Handle(hid_t id, herr_t (*closer)(hid_t)) : id_(id), closer_(closer) {}
+    Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, H5I_INVALID_HID)), closer_(other.closer_) {}
+    Handle& operator=(Handle&&) = delete;
+    ~Handle() { close(); }
+
+    operator hid_t() const { return id_; }
+    /// Negative on failure; closed for us either way.
+    herr_t close() { return id_ < 0 ? 0 : closer_(std::exchange(id_, H5I_INVALID_HID)); }
+
+private:
+    hid_t id_;
+    herr_t (*closer_)(hid_t);
+};
+
+/// Called by HDF5 from the place of the fault outwards: keeps the first text.
+herr_t keep_first(unsigned, const H5E_error2_t* error, void* text) {
+    auto& kept = *static_cast<std::string*>(text);
+    if (kept.empty() && error->desc != nullptr) kept = error->desc;
+    return 0;
+}
+
+/// "File too large" out of "... errno = 27, error message = 'File too large', buf = ...", or HDF5's own text.
+std::string last_fault() {
+    std::string text;
+    H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, &keep_first, &text);
+    constexpr std::string_view key = "error message = '";
+    const std::size_t start = text.find(key);
+    if (start == std::string::npos) return text.empty() ? "unknown fault in HDF5" : text;
+    const std::size_t from = start + key.size();
+    return text.substr(from, text.find('\'', from) - from);
+}
+
+Handle make_text_type() {
+    Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
+    H5Tset_size(type, H5T_VARIABLE);
+    H5Tset_cset(type, H5T_CSET_UTF8);
+    return type;
+}
+
+}  // namespace
+
+class Hdf5Writer::Implementation {
+public:
+    Implementation(const std::filesystem::path& path, const std::vector<Channel>& channels, const Attributes& attributes);
+
+    void write_row(std::span<const double> values);
+    void write_waiting_rows();
+    void close();
+    void publish() { part_.publish(); }
+
+private:
+    template <typename Result>
+    Result check(Result result, std::string_view fault) const;
+
+    Handle create_file() const;
+    Handle create_dataset(const std::string& name) const;
+    void write_attribute(hid_t owner, const std::string& name, const std::string& text) const;
+    void append(hid_t dataset, const double* values) const;
+
+    PartFile part_;  // declared first: removed last
+    Handle file_;
+    std::vector<Handle> datasets_;
+    std::vector<double> waiting_;  ///< channels x kRowsPerChunk: each channel's values stand together
+    hsize_t rows_waiting_ = 0;
+    hsize_t rows_written_ = 0;
+};
+
+template <typename Result>
+Result Hdf5Writer::Implementation::check(Result result, std::string_view fault) const {
+    if (result >= 0) return result;
+    throw Error(ExitCode::input_output, fmt::format("{}: {}: {}; free some space or choose another folder with -o",
+                                                    part_.path().string(), fault, last_fault()));
+}
+
+Hdf5Writer::Implementation::Implementation(const std::filesystem::path& path, const std::vector<Channel>& channels,
+                                           const Attributes& attributes)
+    : part_(path), file_(create_file()), waiting_(channels.size() * kRowsPerChunk) {
+    for (const auto& [name, text] : attributes) write_attribute(file_, name, text);
+    for (const Channel& channel : channels) {
+        datasets_.push_back(create_dataset(channel.name));
+        write_attribute(datasets_.back(), "unit", channel.unit);
+    }
+}
+
+Handle Hdf5Writer::Implementation::create_file() const {
+    ::unlink(part_.path().c_str());  // what a killed run left, or a link: never written through
+    const Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);
+    H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);  // closing the file closes whatever a failure left open in it
+    H5Pset_file_locking(access, false, true);        // the results folder is locked already, and not every disk can lock
+    return Handle(check(H5Fcreate(part_.path().c_str(), H5F_ACC_EXCL, H5P_DEFAULT, access), "cannot create"), &H5Fclose);
+}
+
+Handle Hdf5Writer::Implementation::create_dataset(const std::string& name) const {
+    const hsize_t none = 0, unlimited = H5S_UNLIMITED, chunk = kRowsPerChunk;
+    const Handle space(H5Screate_simple(1, &none, &unlimited), &H5Sclose);
+    const Handle link(H5Pcreate(H5P_LINK_CREATE), &H5Pclose);
+    const Handle layout(H5Pcreate(H5P_DATASET_CREATE), &H5Pclose);
+    const Handle access(H5Pcreate(H5P_DATASET_ACCESS), &H5Pclose);
+    H5Pset_char_encoding(link, H5T_CSET_UTF8);
+    H5Pset_chunk(layout, 1, &chunk);
+    H5Pset_chunk_cache(access, 0, 0, 0);  // chunks are written whole: a cache of 1 MiB per channel would hold nothing of use
+    return Handle(check(H5Dcreate2(file_, name.c_str(), H5T_NATIVE_DOUBLE, space, link, layout, access), "cannot write"),
+                  &H5Dclose);
+}
+
+void Hdf5Writer::Implementation::write_attribute(hid_t owner, const std::string& name, const std::string& text) const {
+    const Handle type = make_text_type();
+    const Handle space(H5Screate(H5S_SCALAR), &H5Sclose);
+    const Handle creation(H5Pcreate(H5P_ATTRIBUTE_CREATE), &H5Pclose);
+    H5Pset_char_encoding(creation, H5T_CSET_UTF8);
+    const Handle attribute(check(H5Acreate2(owner, name.c_str(), type, space, creation, H5P_DEFAULT), "cannot write"),
+                           &H5Aclose);
+    const char* const start = text.c_str();
+    check(H5Awrite(attribute, type, &start), "cannot write");
+}
+
+void Hdf5Writer::Implementation::write_row(std::span<const double> values) {
+    assert(values.size() == datasets_.size());
+    if (rows_waiting_ == kRowsPerChunk) {
+        const Hdf5Turn turn;
+        write_waiting_rows();
+    }
+    for (std::size_t i = 0; i < values.size(); ++i) waiting_[i * kRowsPerChunk + rows_waiting_] = values[i];
+    ++rows_waiting_;
+}
+
+void Hdf5Writer::Implementation::write_waiting_rows() {
+    if (rows_waiting_ == 0) return;
+    for (std::size_t i = 0; i < datasets_.size(); ++i) append(datasets_[i], &waiting_[i * kRowsPerChunk]);
+    rows_written_ += rows_waiting_;
+    rows_waiting_ = 0;
+}
+
+void Hdf5Writer::Implementation::append(hid_t dataset, const double* values) const {
+    const hsize_t rows = rows_written_ + rows_waiting_;
+    check(H5Dset_extent(dataset, &rows), "cannot write");
+    const Handle in_memory(H5Screate_simple(1, &rows_waiting_, nullptr), &H5Sclose);
+    const Handle in_file(check(H5Dget_space(dataset), "cannot write"), &H5Sclose);
+    check(H5Sselect_hyperslab(in_file, H5S_SELECT_SET, &rows_written_, nullptr, &rows_waiting_, nullptr), "cannot write");
+    check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, in_memory, in_file, H5P_DEFAULT, values), "cannot write");
+}
+
+void Hdf5Writer::Implementation::close() {
+    for (Handle& dataset : datasets_) check(dataset.close(), "cannot write");
+    check(file_.close(), "cannot write");
+}
+
+Hdf5Writer::Hdf5Writer(const std::filesystem::path& path, const std::vector<Channel>& channels,
+                       const Attributes& attributes) {
+    const Hdf5Turn turn;
+    implementation_ = std::make_unique<Implementation>(path, channels, attributes);
+}
+
+Hdf5Writer::~Hdf5Writer() {
+    const Hdf5Turn turn;
+    implementation_.reset();
+}
+
+void Hdf5Writer::write_row(std::span<const double> values) {
+    implementation_->write_row(values);
+}
+
+void Hdf5Writer::publish() {
+    {
+        const Hdf5Turn turn;
+        implementation_->write_waiting_rows();
+        implementation_->close();
+    }
+    implementation_->publish();
+}
+
+}  // namespace dttmm

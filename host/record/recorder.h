@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "record/channels.h"
+#include "record/csv_writer.h"
+#include "record/hdf5_writer.h"
+#include "record/results_folder.h"
+
+namespace dttmm {
+
+/// What one channel did over all closed rows, in the channel's unit; all zero before the first row.
+struct ChannelStatistics {
+    double peak = 0;       ///< largest magnitude
+    double peak_time = 0;  ///< of its first occurrence [s]
+    double minimum = 0;
+    double maximum = 0;
+    double final = 0;  ///< in the last row
+};
+
+/// Takes one row of numbers per output time: the selected channels go to history.csv and history.h5, and every channel,
+/// selected or not, to its statistics. Nothing is allocated per row. Destroyed without finish(), it leaves history.csv
+/// with all rows closed so far and no history.h5.
+class Recorder {
+public:
+    /// selection: indices into `all` as select_channels gives them. Throws Error(input_output), or Error(internal_error) for
+    /// channels that check_channels refuses.
+    Recorder(const ResultsFolder& folder, std::vector<Channel> all, std::vector<int> selection,
+             const Attributes& attributes);
+    /// Statistics only: nothing is written.
+    explicit Recorder(std::vector<Channel> all);
+
+    /// values: one per channel of `all`; the first is the time [s]. Throws Error(internal_error) that names a channel whose
+    /// value is not finite; the row is then neither written nor counted. Throws Error(input_output) when it cannot be
+    /// written.
+    void close_row(std::span<const double> values);
+    /// Brings history.csv to the disk and publishes history.h5; the last call. Throws Error(input_output).
+    void finish();
+
+    const std::vector<Channel>& channels() const { return channels_; }
+    /// channel: index into channels().
+    const ChannelStatistics& statistics(int channel) const { return statistics_[static_cast<std::size_t>(channel)]; }
+    /// Number of rows closed.
+    long rows() const { return rows_; }
+
+private:
+    void check_row(std::span<const double> values) const;
+    void count_row(std::span<const double> values);
+    void write_row(std::span<const double> values);
+
+    std::vector<Channel> channels_;
+    std::vector<ChannelStatistics> statistics_;
+    long rows_ = 0;
+
+    std::vector<int> selection_;
+    std::vector<double> selected_values_;
+    std::optional<CsvWriter> csv_;
+    std::optional<Hdf5Writer> hdf5_;
+};
+
+}  // namespace dttmm

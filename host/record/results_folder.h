@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+#include "record/file.h"
+
+namespace dttmm {
+
+enum class Claim {
+    replace,  ///< old results are removed
+    keep,     ///< old results stay: a sweep goes on where it stopped
+};
+
+/// A folder that belongs to one run for as long as this lives; what the run has written stays.
+/// It is ours when it holds the file `.dttmm-results` and beside it nothing but names that runs write: history.csv,
+/// history.h5, summary.json, modes.csv, sweep.csv, each also as `.part`, and folders `case-*` that are ours in the same
+/// sense. The marker is locked while the run lives and says on which host and in which process.
+class ResultsFolder {
+public:
+    /// Claims `path`: a missing folder is made with its parents, an empty one taken, one of ours taken over. Anything else
+    /// (a foreign entry, a file, no permission, another run in it) throws Error(input_output) and leaves it untouched.
+    /// A symbolic link in the folder is removed as a link, never followed.
+    explicit ResultsFolder(std::filesystem::path path, Claim claim = Claim::replace);
+
+    const std::filesystem::path& path() const { return path_; }
+    /// Where the file `name` of the results is.
+    std::filesystem::path file(std::string_view name) const { return path_ / name; }
+
+private:
+    std::filesystem::path path_;
+    File marker_;  ///< open and locked
+};
+
+/// results/<model name>, seen from the current folder. The model name is the file's, without its ending, or that of the
+/// file's folder when the file is called "model": examples/four_bolt_plate/model.toml -> results/four_bolt_plate.
+std::filesystem::path default_results_path(const std::filesystem::path& model_path);
+
+}  // namespace dttmm

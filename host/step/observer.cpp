@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "step/observer.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <set>
+#include <string_view>
+
+namespace dttmm {
+
+namespace {
+
+constexpr const char* kAxes[] = {"x", "y", "z"};
+
+double* write(double* out, const Eigen::Vector3d& v) {
+    Eigen::Map<Eigen::Vector3d>{out} = v;
+    return out + 3;
+}
+
+/// Motion of a body at t_n, centre of mass.
+struct Centred {
+    Centred(const BodyState& before, const BodyState& after, double h)
+        : velocity(0.5 * (before.velocity + after.velocity)),
+          acceleration((after.velocity - before.velocity) / h),
+          angular_velocity(0.5 * (before.angular_velocity + after.angular_velocity)),
+          angular_acceleration((after.angular_velocity - before.angular_velocity) / h) {}
+    Eigen::Vector3d velocity_at(const Eigen::Vector3d& arm) const { return velocity + angular_velocity.cross(arm); }
+    Eigen::Vector3d acceleration_at(const Eigen::Vector3d& arm) const {
+        return acceleration + angular_acceleration.cross(arm) + angular_velocity.cross(angular_velocity.cross(arm));
+    }
+    Eigen::Vector3d velocity, acceleration, angular_velocity, angular_acceleration;
+};
+
+/// Markers that an element or a load is attached to, as (body, marker).
+std::set<std::pair<int, int>> used_markers(const Model& model) {
+    std::set<std::pair<int, int>> used;
+    for (const Element& element : model.elements)
+        for (const Attachment& end : {element.from, element.to}) used.emplace(end.body, end.marker);
+    for (const Load& load : model.loads) used.emplace(load.on.body, load.on.marker);
+    return used;
+}
+
+}  // namespace
+
+Observer::Observer(const Model& model, const Networks& networks) : bodies_(model.bodies), gravity_(model.simulation.gravity) {
+    add_channel("time", "s");
+    declare_elements(networks);
+    declare_bodies(model);
+    declare_energies();
+    row_.resize(channels_.size());
+    outputs_.resize(networks.output_count());
+}
+
+void Observer::add_channel(const std::string& name, const char* unit, bool by_default) {
+    channels_.push_back({name, unit, by_default});
+}
+
+void Observer::add_vector(const std::string& name, const char* unit, bool by_default) {
+    for (const char* axis : kAxes) add_channel(name + "." + axis, unit, by_default);
+}
+
+void Observer::declare_elements(const Networks& networks) {
+    for (const NetworkInstance& instance : networks.instances()) {
+        for (uint32_t c = 0; c < instance.channel_count(); ++c) {
+            const dttmm_channel& channel = instance.channel(c);
+            const std::string_view name = channel.name;
+            sinks_.push_back(name == "strain_energy" ? Sink::strain : name == "dissipated_energy" ? Sink::dissipated : Sink::row);
+            if (sinks_.back() == Sink::row) add_channel(fmt::format("{}.{}", instance.element_name(channel.element), name), channel.unit);
+        }
+    }
+}
+
+void Observer::declare_bodies(const Model& model) {
+    const auto used = used_markers(model);
+    for (size_t b = 0; b < bodies_.size(); ++b) {
+        const std::string& name = bodies_[b].name;
+        add_vector(name + ".position", "m");
+        add_vector(name + ".velocity", "m/s");
+        add_vector(name + ".acceleration", "m/s^2");
+        add_vector(name + ".angular_velocity", "rad/s");
+        for (const char* part : {"w", "x", "y", "z"}) add_channel(name + ".quaternion." + part, "1");
+        for (size_t m = 0; m < bodies_[b].markers.size(); ++m) {
+            const Marker& marker = bodies_[b].markers[m];
+            const std::string point = name + "." + marker.name;
+            markers_.push_back({b, marker.position - bodies_[b].center_of_mass});
+            add_vector(point + ".acceleration", "m/s^2", used.contains({static_cast<int>(b), static_cast<int>(m)}));
+            add_vector(point + ".position", "m", false);
+            add_vector(point + ".velocity", "m/s", false);
+        }
+    }
+}
+
+void Observer::declare_energies() {
+    for (const char* part : {"kinetic", "strain", "dissipated", "work", "residual"}) add_channel(fmt::format("energy.{}", part), "J");
+}
+
+void Observer::advance(const Loads& loads, const std::vector<BodyState>& before, const std::vector<BodyState>& after, double h) {
+    const double power = loads.power_at_start(before, after);
+    if (ledger_.started) ledger_.load_work += 0.5 * h * (ledger_.load_power + power);
+    ledger_.load_power = power;
+    ledger_.started = true;
+}
+
+std::span<const double> Observer::row(double time, const Networks& networks, const std::vector<BodyState>& before,
+                                      const std::vector<BodyState>& after, double h) {
+    double strain = 0, dissipated = 0;
+    row_.front() = time;
+    double* out = write_elements(row_.data() + 1, networks, strain, dissipated);
+    out = write_bodies(out, before, after, h);
+
+    const double kinetic = kinetic_energy(before, after);
+    const double work = ledger_.load_work + gravity_work(before);
+    const double balance = kinetic + strain + dissipated - work;
+    if (!ledger_.opened) ledger_.initial = balance;
+    ledger_.opened = true;
+    for (double value : {kinetic, strain, dissipated, work, balance - ledger_.initial}) *out++ = value;
+    return row_;
+}
+
+double* Observer::write_elements(double* out, const Networks& networks, double& strain, double& dissipated) {
+    networks.outputs(outputs_.data());
+    for (size_t i = 0; i < outputs_.size(); ++i) {
+        switch (sinks_[i]) {
+            case Sink::row: *out++ = outputs_[i]; break;
+            case Sink::strain: strain += outputs_[i]; break;
+            case Sink::dissipated: dissipated += outputs_[i]; break;
+        }
+    }
+    return out;
+}
+
+double* Observer::write_bodies(double* out, const std::vector<BodyState>& before, const std::vector<BodyState>& after, double h) const {
+    auto marker = markers_.begin();
+    for (size_t b = 0; b < bodies_.size(); ++b) {
+        const Centred motion(before[b], after[b], h);
+        const Eigen::Vector3d origin = -(before[b].rotation * bodies_[b].center_of_mass);
+        out = write(out, before[b].position + origin);
+        out = write(out, motion.velocity_at(origin));
+        out = write(out, motion.acceleration_at(origin));
+        out = write(out, motion.angular_velocity);
+        const Eigen::Quaterniond q(before[b].rotation);
+        for (double part : {q.w(), q.x(), q.y(), q.z()}) *out++ = part;
+        for (; marker != markers_.end() && marker->body == b; ++marker) {
+            const Eigen::Vector3d arm = before[b].rotation * marker->arm;
+            out = write(out, motion.acceleration_at(arm));
+            out = write(out, before[b].position + arm);
+            out = write(out, motion.velocity_at(arm));
+        }
+    }
+    return out;
+}
+
+double Observer::kinetic_energy(const std::vector<BodyState>& before, const std::vector<BodyState>& after) const {
+    double twice = 0;
+    for (size_t b = 0; b < bodies_.size(); ++b) {
+        const Eigen::Vector3d v = 0.5 * (before[b].velocity + after[b].velocity);
+        const Eigen::Vector3d w = before[b].rotation.transpose() * (0.5 * (before[b].angular_velocity + after[b].angular_velocity));
+        twice += bodies_[b].mass * v.squaredNorm() + w.dot(bodies_[b].inertia * w);
+    }
+    return 0.5 * twice;
+}
+
+double Observer::gravity_work(const std::vector<BodyState>& at) const {
+    double work = 0;
+    for (size_t b = 0; b < bodies_.size(); ++b) {
+        const Eigen::Vector3d start = bodies_[b].position + bodies_[b].rotation * bodies_[b].center_of_mass;
+        work += bodies_[b].mass * gravity_.dot(at[b].position - start);
+    }
+    return work;
+}
+
+}  // namespace dttmm

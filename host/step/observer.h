@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "coupling/loads.h"
+#include "coupling/networks.h"
+#include "model/model.h"
+#include "record/channels.h"
+#include "world/world.h"
+
+namespace dttmm {
+
+/// Turns the state around an instant t_n into one row of numbers. ODE's velocities stand half a step aside, so at t_n
+///     v = (v_{n−1/2} + v_{n+1/2})/2,   a = (v_{n+1/2} − v_{n−1/2})/h,
+/// second order both, and likewise for rotations. A body's position, velocity and acceleration are those of its origin.
+/// Keeps the energy ledger  kinetic + strain + dissipated − work = initial + residual,  gravity counted as work.
+class Observer {
+public:
+    Observer(const Model& model, const Networks& networks);
+
+    /// One per number of a row; the first is "time".
+    const std::vector<Channel>& channels() const { return channels_; }
+
+    /// Adds the work of the loads from t_{n−1} to t_n; every step. `before`: poses at t_n, velocities over the step before;
+    /// `after`: one step later.
+    void advance(const Loads& loads, const std::vector<BodyState>& before, const std::vector<BodyState>& after, double h);
+
+    /// The row at t_n, after the step from t_n was committed and advance() was called. Valid until the next call.
+    std::span<const double> row(double time, const Networks& networks, const std::vector<BodyState>& before,
+                                const std::vector<BodyState>& after, double h);
+
+private:
+    /// A point of a body that is recorded.
+    struct Point {
+        size_t body;
+        Eigen::Vector3d arm;  ///< from the centre of mass, body axes [m]
+    };
+    struct Ledger {
+        double load_work = 0, load_power = 0;  ///< up to and at the last instant [J, W]
+        double initial = 0;                    ///< kinetic + strain − work of the first row [J]
+        bool started = false;                  ///< a step has been added
+        bool opened = false;                   ///< the first row has been written
+    };
+
+    void add_channel(const std::string& name, const char* unit, bool by_default = true);
+    void add_vector(const std::string& name, const char* unit, bool by_default = true);
+    void declare_elements(const Networks& networks);
+    void declare_bodies(const Model& model);
+    void declare_energies();
+    double* write_elements(double* out, const Networks& networks, double& strain, double& dissipated);
+    double* write_bodies(double* out, const std::vector<BodyState>& before, const std::vector<BodyState>& after, double h) const;
+    double kinetic_energy(const std::vector<BodyState>& before, const std::vector<BodyState>& after) const;
+    double gravity_work(const std::vector<BodyState>& at) const;
+
+    std::vector<Channel> channels_;
+    std::vector<Body> bodies_;
+    std::vector<Point> markers_;
+    Eigen::Vector3d gravity_;
+    std::vector<double> row_, outputs_;
+
+    /// What becomes of each output of the networks: a number of the row, or part of an energy.
+    enum class Sink : unsigned char { row, strain, dissipated };
+    std::vector<Sink> sinks_;
+    Ledger ledger_;
+};
+
+}  // namespace dttmm

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "step/simulation.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "model/error.h"
+
+namespace dttmm {
+
+namespace {
+
+/// Beyond these a machine has flown apart and ODE begins to lose digits.
+constexpr double kFarthest = 1e6;  // m
+constexpr double kFastest = 1e8;   // m/s and rad/s
+
+}  // namespace
+
+Simulation::Simulation(const Model& model, const Plugins& plugins)
+    : model_(model),
+      step_size_(model.simulation.step),
+      world_(model.bodies),
+      networks_(model, plugins),
+      loads_(model, networks_.load_weights()),
+      end_of_step_(model, networks_),
+      observer_(model, networks_),
+      now_(model.bodies.size()),
+      after_(model.bodies.size()) {
+    world_.read_states(now_);
+    fastest_ = find_fastest_mode(model, networks_, now_);
+    now_ = end_of_step_.start({0, 0.0, step_size_}, now_, networks_, loads_);
+    world_.set_states(now_);
+}
+
+uint64_t Simulation::step_count() const {
+    return static_cast<uint64_t>(std::llround(model_.simulation.duration / step_size_)) + 1;
+}
+
+void Simulation::step() {
+    const dttmm_step step{index_, time(), step_size_};
+    networks_.begin_step(step);
+    loads_.begin_step(step);
+    const Feedback& feedback = end_of_step_.solve(now_, networks_, loads_);  // calls evaluate at will
+    world_.apply(feedback);
+    world_.advance(step_size_);
+    world_.read_states(after_);
+    refuse_divergence();
+    networks_.commit_step(after_);
+    if (recorder_) observe();
+    now_.swap(after_);
+    ++index_;
+}
+
+void Simulation::observe() {
+    observer_.advance(loads_, now_, after_, step_size_);
+    if (index_ % static_cast<uint64_t>(model_.output.every) == 0)
+        recorder_->close_row(observer_.row(time(), networks_, now_, after_, step_size_));
+}
+
+void Simulation::refuse_divergence() const {
+    for (size_t b = 0; b < after_.size(); ++b) {
+        const BodyState& body = after_[b];
+        const bool sane = (body.position.array().abs() <= kFarthest).all() && (body.velocity.array().abs() <= kFastest).all() &&
+                          (body.angular_velocity.array().abs() <= kFastest).all();  // false for NaN
+        if (sane) [[likely]]
+            continue;
+        throw Error(ExitCode::numerical_failure,
+                    fmt::format("t = {:.9g} s: body \"{}\" has diverged: position ({:.4g}, {:.4g}, {:.4g}) m, velocity ({:.4g}, {:.4g}, "
+                                "{:.4g}) m/s. omega*h = {:.4g} with the fastest vibration at {:.6g} Hz (body \"{}\")",
+                                time() + step_size_, model_.bodies[b].name, body.position.x(), body.position.y(), body.position.z(),
+                                body.velocity.x(), body.velocity.y(), body.velocity.z(), fastest_.omega * step_size_,
+                                fastest_.omega / (2 * M_PI), fastest_.body));
+    }
+}
+
+}  // namespace dttmm

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "coupling/end_of_step.h"
+#include "coupling/loads.h"
+#include "coupling/networks.h"
+#include "coupling/stability.h"
+#include "loader/plugins.h"
+#include "model/model.h"
+#include "record/recorder.h"
+#include "step/observer.h"
+#include "world/world.h"
+
+namespace dttmm {
+
+/// A model in motion: the bodies in ODE, the networks in their plugins, and the coupling of both, step by step from t = 0.
+/// A row at t_n is known when the step from t_n is done; N rows apart by h take N steps, the last of which ends beyond the
+/// last row. The model and the plugins must outlive it.
+class Simulation {
+public:
+    /// Throws Error(model_invalid) with the place in the file when a plugin refuses a network.
+    Simulation(const Model& model, const Plugins& plugins);
+
+    /// Where rows go; without one nothing is observed. The recorder must have been made for channels().
+    void record_to(Recorder& recorder) { recorder_ = &recorder; }
+    const std::vector<Channel>& channels() const { return observer_.channels(); }
+
+    /// One time step. Throws Error(numerical_failure) when the motion diverges, naming time, body and ω h.
+    void step();
+
+    /// Start of the coming step [s], computed from the index, never accumulated.
+    double time() const { return static_cast<double>(index_) * step_size_; }
+    uint64_t index() const { return index_; }
+    double step_size() const { return step_size_; }
+    /// Steps that give a row at the end of the model's duration.
+    uint64_t step_count() const;
+
+    /// Bodies at time(), velocities over the step before.
+    const std::vector<BodyState>& bodies() const { return now_; }
+    const EndOfStep& end_of_step() const { return end_of_step_; }
+    const FastestMode& fastest_mode() const { return fastest_; }
+
+private:
+    void observe();
+    void refuse_divergence() const;
+
+    const Model& model_;
+    double step_size_;
+    uint64_t index_ = 0;
+    World world_;
+    Networks networks_;
+    Loads loads_;
+    EndOfStep end_of_step_;
+    Observer observer_;
+    Recorder* recorder_ = nullptr;
+    FastestMode fastest_;
+    std::vector<BodyState> now_, after_;  ///< at the start and at the end of the step
+};
+
+}  // namespace dttmm

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// The C interface of the built-in plugin: every function forwards to a Network and turns exceptions into a status and a text.
+#include <cstring>
+#include <new>
+
+#include "core/error.h"
+#include "dttmm_plugin.h"
+#include "element/registry.h"
+#include "network/network.h"
+
+struct dttmm_instance {
+    dttmm::Network network;
+};
+
+namespace {
+
+using dttmm::Error;
+
+void write_text(dttmm_error* error, int element, const char* text) noexcept {
+    error->element = element;
+    std::strncpy(error->text, text, sizeof error->text - 1);
+    error->text[sizeof error->text - 1] = '\0';
+}
+
+/// Runs `body`; nothing it throws gets past here.
+template <class Body>
+dttmm_status guard(dttmm_error* error, Body&& body) noexcept {
+    try {
+        body();
+        return DTTMM_OK;
+    } catch (const Error& e) {
+        write_text(error, e.element(), e.what());
+        return e.status();
+    } catch (const std::bad_alloc&) {
+        write_text(error, -1, "out of memory");
+        return DTTMM_ERROR_MEMORY;
+    } catch (const std::exception& e) {
+        write_text(error, -1, e.what());
+        return DTTMM_ERROR_INTERNAL;
+    } catch (...) {
+        write_text(error, -1, "unknown failure");
+        return DTTMM_ERROR_INTERNAL;
+    }
+}
+
+dttmm_status create(const dttmm_network* network, dttmm_instance** instance, dttmm_error* error) {
+    *instance = nullptr;
+    return guard(error, [&] {
+        if (network == nullptr) throw Error(DTTMM_ERROR_ARGUMENT, "create: no network");
+        *instance = new dttmm_instance{dttmm::Network(*network)};
+    });
+}
+
+void destroy(dttmm_instance* instance) { delete instance; }
+
+dttmm_status linearise(const dttmm_instance* instance, const dttmm_motion* ports, double* wrench, double* stiffness,
+                       double* damping, dttmm_error* error) {
+    return guard(error, [&] { instance->network.linearise(ports, wrench, stiffness, damping); });
+}
+
+dttmm_status start(dttmm_instance* instance, const dttmm_step* step, const dttmm_motion* ports, const double* accelerations,
+                   dttmm_error* error) {
+    return guard(error, [&] { instance->network.start(*step, ports, accelerations); });
+}
+
+dttmm_status begin_step(dttmm_instance* instance, const dttmm_step* step, dttmm_error* error) {
+    return guard(error, [&] { instance->network.begin_step(*step); });
+}
+
+dttmm_status evaluate(const dttmm_instance* instance, const dttmm_motion* trial, double* wrench, double* stiffness,
+                      dttmm_error* error) {
+    return guard(error, [&] { instance->network.evaluate(trial, wrench, stiffness); });
+}
+
+dttmm_status commit_step(dttmm_instance* instance, const dttmm_motion* accepted, dttmm_error* error) {
+    return guard(error, [&] { instance->network.commit_step(accepted); });
+}
+
+dttmm_status discard_step(dttmm_instance* instance, dttmm_error* error) {
+    return guard(error, [&] { instance->network.discard_step(); });
+}
+
+int32_t is_implicit(const dttmm_instance* instance) { return instance->network.is_implicit() ? 1 : 0; }
+
+void load_weights(const dttmm_instance* instance, double weights[3]) { instance->network.load_weights(weights); }
+
+size_t state_size(const dttmm_instance* instance) { return instance->network.state_size(); }
+
+dttmm_status save_state(const dttmm_instance* instance, void* buffer, size_t size, dttmm_error* error) {
+    return guard(error, [&] { instance->network.save_state(buffer, size); });
+}
+
+dttmm_status restore_state(dttmm_instance* instance, const void* buffer, size_t size, dttmm_error* error) {
+    return guard(error, [&] { instance->network.restore_state(buffer, size); });
+}
+
+uint32_t channel_count(const dttmm_instance* instance) { return static_cast<uint32_t>(instance->network.channels().size()); }
+
+const dttmm_channel* channels(const dttmm_instance* instance) { return instance->network.channels().data(); }
+
+dttmm_status outputs(const dttmm_instance* instance, double* values, dttmm_error* error) {
+    return guard(error, [&] { instance->network.outputs(values); });
+}
+
+const dttmm_plugin& table() {
+    static const dttmm_plugin plugin = {
+        sizeof(dttmm_plugin),
+        DTTMM_PLUGIN_MAJOR,
+        DTTMM_PLUGIN_MINOR,
+        "dttmm transfer matrices",
+        DTTMM_VERSION,
+        static_cast<uint32_t>(dttmm::element_types().size()),
+        dttmm::element_types().data(),
+        create,
+        destroy,
+        linearise,
+        start,
+        begin_step,
+        evaluate,
+        commit_step,
+        discard_step,
+        is_implicit,
+        load_weights,
+        state_size,
+        save_state,
+        restore_state,
+        channel_count,
+        channels,
+        outputs,
+    };
+    return plugin;
+}
+
+}  // namespace
+
+const dttmm_plugin* dttmm_plugin_entry(uint32_t host_major) {
+    return host_major == DTTMM_PLUGIN_MAJOR ? &table() : nullptr;
+}

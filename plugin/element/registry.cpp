@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "element/registry.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "core/error.h"
+#include "element/spring_damper.h"
+
+namespace dttmm {
+
+namespace {
+
+using Maker = std::unique_ptr<const Element> (*)(const double* values);
+
+template <class E, size_t value_count>
+std::unique_ptr<const Element> make(const double* values) {
+    return std::make_unique<const E>(std::span<const double, value_count>(values, value_count));
+}
+
+// One line per element, in both tables.
+const std::array kTypes = {SpringDamper::kType};
+constexpr std::array<Maker, 1> kMakers = {make<SpringDamper, 12>};
+
+void check_values(const dttmm_element_type& type, const double* values) {
+    for (uint32_t p = 0; p < type.parameter_count; ++p) {
+        const dttmm_parameter& parameter = type.parameters[p];
+        for (uint32_t i = 0; i < parameter.count; ++i, ++values) {
+            if (std::isfinite(*values) && *values >= parameter.minimum && *values <= parameter.maximum) continue;
+            throw Error(DTTMM_ERROR_ARGUMENT,
+                        fmt::format("{} must be finite and in [{}, {}] {}, got {}", parameter.name, parameter.minimum,
+                                    parameter.maximum, parameter.unit, *values));
+        }
+    }
+}
+
+}  // namespace
+
+std::span<const dttmm_element_type> element_types() { return kTypes; }
+
+std::unique_ptr<const Element> make_element(uint32_t type, const double* values) {
+    if (type >= kTypes.size()) throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("there is no element type {}", type));
+    if (values == nullptr) throw Error(DTTMM_ERROR_ARGUMENT, "the element has no values");
+    check_values(kTypes[type], values);
+    return kMakers[type](values);
+}
+
+}  // namespace dttmm

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <string_view>
+
+#include "model/read_model.h"
+
+namespace dttmm {
+
+/// A catalogue of one type, as the real plugin declares it: three stiffnesses and dampings, each optional and spreading; and
+/// of one with a required count of two and an upper bound, to test what the first does not have.
+inline const ElementCatalogue& test_catalogue() {
+    static const dttmm_parameter spring[] = {
+        {"stiffness", "N/m", 3, DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, "stiffness along x, y, z"},
+        {"damping", "N*s/m", 3, DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, "damping along x, y, z"},
+        {"rotational_stiffness", "N*m/rad", 3, DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, "stiffness about x, y, z"},
+        {"rotational_damping", "N*m*s/rad", 3, DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, "damping about x, y, z"},
+    };
+    static const dttmm_parameter strut[] = {
+        {"lengths", "m", 2, DTTMM_PARAMETER_REQUIRED, 0, 0.5, 7, "lengths of the two halves"},
+        {"ratio", "1", 1, 0, 0.25, 0, 0.5, "Poisson's ratio"},
+    };
+    static const dttmm_element_type types[] = {{"spring_damper", 4, spring, "three-way spring-damper"}, {"strut", 2, strut, "strut"}};
+    static const ElementCatalogue catalogue = [] {
+        ElementCatalogue result;
+        result.add("dttmm", types[0]);
+        result.add("extra", types[1]);
+        return result;
+    }();
+    return catalogue;
+}
+
+inline Model parse(std::string_view text, const ModelOverrides& overrides = {}) {
+    return parse_model(text, "m.toml", test_catalogue(), overrides);
+}
+
+/// The text of the error that `action` must throw with `code`; a test failure if it does not.
+template <class Action>
+std::string error_of(Action action, ExitCode code = ExitCode::model_invalid) {
+    try {
+        action();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), code) << error.what();
+        return error.what();
+    }
+    ADD_FAILURE() << "no error";
+    return {};
+}
+
+inline std::string errors_of(std::string_view text, const ModelOverrides& overrides = {}) {
+    return error_of([&] { parse(text, overrides); });
+}
+
+inline std::string errors_of(std::string_view text, const ModelOverrides& overrides, ExitCode code) {
+    return error_of([&] { parse(text, overrides); }, code);
+}
+
+/// Three lines that begin every model, three of a simulation, five of a body: what a test adds starts at line 12.
+inline constexpr const char* kStart = "format = \"dttmm/1\"\ntitle = \"test\"\n\n";
+inline constexpr const char* kSimulation = "[simulation]\nduration = 1\nstep = 0.001\n";
+inline constexpr const char* kBody = "[[body]]\nname = \"plate\"\nmass = 2\ninertia = [2, 3, 4]\nmarkers.a = [1, 2, 3]\n";
+
+/// A valid model with one body "plate" and its marker "a", and then `rest`, whose first line is line 12.
+inline std::string model_with(const std::string& rest) { return std::string(kStart) + kSimulation + kBody + rest; }
+
+/// A valid model with `body` in place of the body; its first line, after [[body]] and name, is line 9.
+inline std::string body_with(const std::string& body) {
+    return std::string(kStart) + kSimulation + "[[body]]\nname = \"plate\"\n" + body;
+}
+
+/// A valid model with the given [simulation]; its first line, after the header, is line 5.
+inline std::string simulation_with(const std::string& simulation) {
+    return std::string(kStart) + "[simulation]\n" + simulation + kBody;
+}
+
+}  // namespace dttmm

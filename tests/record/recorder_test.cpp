@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "record/recorder.h"
+
+#include <gtest/gtest.h>
+#include <hdf5.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <new>
+
+#include "record/child_process.h"
+#include "record/error_matcher.h"
+#include "record/temporary_folder.h"
+
+namespace {
+std::atomic<long> allocations = 0;
+}
+
+void* operator new(std::size_t size) {
+    ++allocations;
+    if (void* memory = std::malloc(size)) return memory;
+    throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+    std::free(memory);
+}
+
+namespace dttmm {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+const std::vector<Channel> kChannels{
+    {"time", "s"}, {"bolt1.force.x", "N"}, {"bolt1.force.y", "N"}, {"plate.position.x", "m"}};
+
+std::vector<double> make_row(int n) {
+    return {0.001 * n, std::sin(n), 1.0 / (n + 1), -2.5 * n};
+}
+
+std::vector<double> read_dataset(const std::filesystem::path& path, const char* name) {
+    const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+    const hid_t dataset = H5Dopen2(file, name, H5P_DEFAULT);
+    const hid_t space = H5Dget_space(dataset);
+    std::vector<double> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+    H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+    H5Sclose(space);
+    H5Dclose(dataset);
+    H5Fclose(file);
+    return values;
+}
+
+// Oracle: the text by hand; HDF5 read back.
+TEST(Recorder, WritesTheSelectedChannelsToBothFiles) {
+    const TemporaryFolder temporary;
+    const ResultsFolder folder(temporary / "plate");
+    Recorder recorder(folder, kChannels, select_channels(kChannels, {"plate", "bolt1.force.x"}), {{"title", "Plate"}});
+    recorder.close_row(std::vector{0.0, 1.5, 7.0, -3.0});
+    recorder.close_row(std::vector{0.25, -2.5, 8.0, 4.0});
+    recorder.finish();
+    EXPECT_EQ(read_text(folder.file("history.csv")), "time,bolt1.force.x,plate.position.x\ns,N,m\n0,1.5,-3\n0.25,-2.5,4\n");
+    EXPECT_EQ(read_dataset(folder.file("history.h5"), "time"), (std::vector{0.0, 0.25}));
+    EXPECT_EQ(read_dataset(folder.file("history.h5"), "plate.position.x"), (std::vector{-3.0, 4.0}));
+}
+
+// Oracle: by hand. Of two equal peaks the first counts; channels that are not written are tracked all the same.
+TEST(Recorder, TracksEveryChannel) {
+    Recorder recorder(kChannels);
+    EXPECT_EQ(recorder.statistics(3).maximum, 0.0);
+    recorder.close_row(std::vector{0.5, -4.0, 2.0, -1.0});
+    recorder.close_row(std::vector{1.0, 3.0, -9.0, -5.0});
+    recorder.close_row(std::vector{1.5, 4.0, 9.0, -2.0});
+    EXPECT_EQ(recorder.rows(), 3);
+    const auto expect = [&](int channel, ChannelStatistics wanted) {
+        const ChannelStatistics& got = recorder.statistics(channel);
+        EXPECT_EQ(got.peak, wanted.peak) << channel;
+        EXPECT_EQ(got.peak_time, wanted.peak_time) << channel;
+        EXPECT_EQ(got.minimum, wanted.minimum) << channel;
+        EXPECT_EQ(got.maximum, wanted.maximum) << channel;
+        EXPECT_EQ(got.final, wanted.final) << channel;
+    };
+    expect(1, {4.0, 0.5, -4.0, 4.0, 4.0});
+    expect(2, {9.0, 1.0, -9.0, 9.0, 9.0});
+    expect(3, {5.0, 1.0, -5.0, -1.0, -2.0});
+}
+
+TEST(Recorder, RefusesWhatIsNotFiniteByName) {
+    const TemporaryFolder temporary;
+    const ResultsFolder folder(temporary / "plate");
+    {
+        Recorder recorder(folder, kChannels, {0, 1}, {});
+        recorder.close_row(make_row(0));
+        expect_error(
+            [&] {
+                recorder.close_row(std::vector{0.001, 1.0, std::nan(""), 1.0});
+            },
+            ExitCode::internal_error, AllOf(HasSubstr("\"bolt1.force.y\" is nan"), HasSubstr("t = 0.001 s")));
+        expect_error(
+            [&] {
+                recorder.close_row(std::vector{0.001, 1.0, 1.0, std::numeric_limits<double>::infinity()});
+            },
+            ExitCode::internal_error, HasSubstr("\"plate.position.x\" is inf"));
+        expect_error([&] { recorder.close_row(std::vector{0.001, 1.0}); }, ExitCode::internal_error, HasSubstr("2 values"));
+        EXPECT_EQ(recorder.rows(), 1);
+    }
+    EXPECT_EQ(read_text(folder.file("history.csv")), "time,bolt1.force.x\ns,N\n0,0\n");
+    EXPECT_FALSE(std::filesystem::exists(folder.file("history.h5")));
+    EXPECT_FALSE(std::filesystem::exists(folder.file("history.h5.part")));
+}
+
+TEST(Recorder, WithoutAFolderWritesNothing) {
+    Recorder recorder(kChannels);
+    recorder.close_row(make_row(3));
+    EXPECT_NO_THROW(recorder.finish());
+}
+
+TEST(Recorder, RefusesChannelsNoFileCanStore) {
+    expect_error([] { Recorder({{"time", "s"}, {"a/b", "m"}}); }, ExitCode::internal_error, HasSubstr("a/b"));
+}
+
+// Oracle: a count of all calls of operator new in this program.
+TEST(Recorder, AllocatesNothingPerRow) {
+    const TemporaryFolder temporary;
+    const ResultsFolder folder(temporary / "plate");
+    Recorder recorder(folder, kChannels, {0, 1, 3}, {});
+    const std::vector<double> row = make_row(17);
+    recorder.close_row(row);
+    const long before = allocations;
+    for (int n = 0; n < 5000; ++n) recorder.close_row(row);
+    EXPECT_EQ(allocations - before, 0);
+}
+
+// Oracle: the file of an undisturbed run; a disk filled at any size leaves a head of it made of whole rows, and no HDF5.
+TEST(Recorder, AFullDiskLeavesWholeRowsAndNoFinalFile) {
+    const TemporaryFolder temporary;
+    const auto record = [](const std::filesystem::path& path, rlim_t bytes) {
+        const ResultsFolder folder(path);
+        limit_file_size(bytes);
+        Recorder recorder(folder, kChannels, {0, 1, 3}, {{"title", "Plate"}});
+        for (int n = 0; n < 3000; ++n) recorder.close_row(make_row(n));
+        recorder.finish();
+    };
+    ASSERT_EQ(run_in_child([&] { record(temporary / "whole", RLIM_INFINITY); }), 0);
+    const std::string whole = read_text(temporary / "whole/history.csv");
+    const std::uintmax_t size =
+        std::max<std::uintmax_t>(whole.size(), std::filesystem::file_size(temporary / "whole/history.h5"));
+    for (std::uintmax_t k = 0; k < 50; ++k) {
+        EXPECT_EQ(run_in_child([&] { record(temporary / "plate", k * size / 50); }),
+                  static_cast<int>(ExitCode::input_output));
+        const std::string text = read_text(temporary / "plate/history.csv");
+        EXPECT_TRUE(whole.starts_with(text));
+        EXPECT_TRUE(text.empty() || text.back() == '\n');
+        EXPECT_FALSE(std::filesystem::exists(temporary / "plate/history.h5"));
+        EXPECT_FALSE(std::filesystem::exists(temporary / "plate/history.h5.part"));
+    }
+}
+
+}  // namespace
+}  // namespace dttmm

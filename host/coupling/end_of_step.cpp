@@ -182,7 +182,7 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
     double previous = 0;
     for (int pass = 0; pass < kMostPasses; ++pass) {
         if (pass == 0 || networks.is_implicit() || stiffness_wanted_) {
-            place_trial(now);
+            if (networks.is_implicit()) place_trial(now);
             evaluate(now, networks);
         }
         const double correction = correct(now);

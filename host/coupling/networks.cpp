@@ -230,7 +230,7 @@ void Networks::begin_step(const dttmm_step& step) {
 }
 
 void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches) {
-    gather(trial, step_size_);
+    if (is_implicit_) gather(trial, step_size_);
     for (size_t n = 0; n < instances_.size(); ++n) {
         instances_[n].evaluate(&motions_[slots_[n].port], &wrenches_[slots_[n].wrench], nullptr);
         scatter(n, wrenches);

@@ -39,7 +39,7 @@ public:
 
     void begin_step(const dttmm_step& step);
     /// Adds the wrenches that act over the open step if the bodies end it as in `trial`. Throws Error(numerical_failure) naming
-    /// element and body when one is not finite or beyond 1e15 N.
+    /// element and body when one is not finite or beyond 1e15 N. Unless is_implicit(), `trial` is not looked at.
     void evaluate(const std::vector<BodyState>& trial, double* wrenches);
     /// The same, and hands out the stiffness of that wrench.
     void evaluate(const std::vector<BodyState>& trial, double* wrenches, const StiffnessSink& stiffness);

@@ -38,14 +38,16 @@ std::optional<Attachment> Attachments::read(const TableReader& table, const char
     if (found == index_.end()) {
         std::vector<std::string> known = names_of(bodies_);
         known.emplace_back("ground");
-        return fail(fmt::format("there is no body {}{}", quote(name.substr(0, dot)), suggestion(name.substr(0, dot), known)));
+        return fail(
+            fmt::format("there is no body {}{}", quote(name.substr(0, dot)), suggestion(name.substr(0, dot), known)));
     }
     if (dot == name.npos) return Attachment{found->second, -1};
     const std::string marker_name = name.substr(dot + 1);
     const auto& markers = bodies_[static_cast<std::size_t>(found->second)].markers;
     const auto marker = std::find_if(markers.begin(), markers.end(), [&](const Marker& m) { return m.name == marker_name; });
     if (marker == markers.end())
-        return fail(fmt::format("body {} has no marker {}{}", quote(found->first), quote(marker_name), suggestion(marker_name, names_of(markers))));
+        return fail(fmt::format("body {} has no marker {}{}", quote(found->first), quote(marker_name),
+                                suggestion(marker_name, names_of(markers))));
     return Attachment{found->second, static_cast<int>(marker - markers.begin())};
 }
 

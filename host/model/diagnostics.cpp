@@ -27,11 +27,14 @@ void Diagnostics::throw_if_errors() const {
     const std::size_t shown = std::min<std::size_t>(lines.size(), kMostShown);
     std::string text;
     for (std::size_t i = 0; i < shown; ++i) text += (i ? "\n" : "") + lines[i];
-    if (lines.size() > shown) text += fmt::format("\nand {} more error{}", lines.size() - shown, lines.size() - shown == 1 ? "" : "s");
+    if (lines.size() > shown)
+        text += fmt::format("\nand {} more error{}", lines.size() - shown, lines.size() - shown == 1 ? "" : "s");
     throw ModelError(text);
 }
 
-std::vector<std::string> Diagnostics::warning_texts() const { return texts(warnings_); }
+std::vector<std::string> Diagnostics::warning_texts() const {
+    return texts(warnings_);
+}
 
 std::vector<std::string> Diagnostics::texts(std::vector<Diagnostic> diagnostics) const {
     std::stable_sort(diagnostics.begin(), diagnostics.end(), [](const auto& a, const auto& b) { return a.place < b.place; });

@@ -18,14 +18,22 @@ namespace {
 constexpr std::size_t kLongestExpression = 1000;  // [byte]
 constexpr int kDeepestBrackets = 30;
 
-[[noreturn]] void fail(const std::string& text) { throw Error(ExitCode::model_invalid, text); }
+[[noreturn]] void fail(const std::string& text) {
+    throw Error(ExitCode::model_invalid, text);
+}
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
 bool is_name_start(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || static_cast<unsigned char>(c) >= 0x80;
 }
-bool is_name_part(char c) { return is_name_start(c) || is_digit(c); }
-bool is_blank(char c) { return c == ' ' || c == '\t'; }
+bool is_name_part(char c) {
+    return is_name_start(c) || is_digit(c);
+}
+bool is_blank(char c) {
+    return c == ' ' || c == '\t';
+}
 
 struct Name {
     std::string text;
@@ -70,7 +78,8 @@ void check_characters(std::string_view text) {
         if (!is_name_part(c) && kSigns.find(c) == kSigns.npos)
             fail(fmt::format("{} is not allowed in an expression: {}", quote({&c, 1}), quote(text)));
         const auto is_comparison = [](char other) { return other == '=' || other == '<' || other == '>' || other == '!'; };
-        const bool is_single = c == '=' && (i == 0 || !is_comparison(text[i - 1])) && (i + 1 == text.size() || text[i + 1] != '=');
+        const bool is_single =
+            c == '=' && (i == 0 || !is_comparison(text[i - 1])) && (i + 1 == text.size() || text[i + 1] != '=');
         if (is_single) fail(fmt::format("an expression cannot assign, compare with \"==\": {}", quote(text)));
     }
 }
@@ -81,7 +90,8 @@ void check_size(std::string_view text) {
     int depth = 0;
     for (const char c : text) {
         depth += c == '(' ? 1 : c == ')' ? -1 : 0;
-        if (depth > kDeepestBrackets) fail(fmt::format("more than {} brackets within each other: {}", kDeepestBrackets, quote(text)));
+        if (depth > kDeepestBrackets)
+            fail(fmt::format("more than {} brackets within each other: {}", kDeepestBrackets, quote(text)));
     }
 }
 
@@ -99,9 +109,10 @@ void check_function(const std::string& name, std::string_view text, const mu::Pa
 [[noreturn]] void fail_unknown(const std::string& name, std::string_view text, const Constants& constants, bool with_time) {
     for (const auto& [constant, value] : constants)
         if (constant.find('-') != constant.npos && text.find(constant) != text.npos)
-            fail(fmt::format("parameter {} cannot be used in {}: '-' is minus there; a name in an expression is made of letters, "
-                             "digits and '_'",
-                             quote(constant), quote(text)));
+            fail(fmt::format(
+                "parameter {} cannot be used in {}: '-' is minus there; a name in an expression is made of letters, "
+                "digits and '_'",
+                quote(constant), quote(text)));
     std::vector<std::string> known = keys(constants);
     known.emplace_back("pi");
     if (with_time) known.emplace_back("t");
@@ -158,7 +169,9 @@ double Expression::value(double time) const {
     return compiled_->parser.Eval();
 }
 
-const std::string& Expression::text() const { return compiled_->text; }
+const std::string& Expression::text() const {
+    return compiled_->text;
+}
 
 double evaluate_expression(std::string_view text, const Constants& constants) {
     const double value = Expression(text, constants).value();
@@ -169,7 +182,8 @@ double evaluate_expression(std::string_view text, const Constants& constants) {
 std::vector<std::string> expression_names(std::string_view text) {
     std::vector<std::string> result;
     for (const Name& name : find_names(normalise_name(text)))
-        if (!name.is_function && std::find(result.begin(), result.end(), name.text) == result.end()) result.push_back(name.text);
+        if (!name.is_function && std::find(result.begin(), result.end(), name.text) == result.end())
+            result.push_back(name.text);
     return result;
 }
 

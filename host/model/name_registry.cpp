@@ -16,8 +16,8 @@ std::string NameRegistry::add(const ReadContext& context, Place place, const std
     }
     const auto [other, is_new] = places_.emplace(normal, place);
     if (!is_new)
-        context.diagnostics.error(place, fmt::format("{} name {} on line {} is taken already, on line {}", kind_, quote(normal),
-                                                     place.line, other->second.line));
+        context.diagnostics.error(place, fmt::format("{} name {} on line {} is taken already, on line {}", kind_,
+                                                     quote(normal), place.line, other->second.line));
     return normal;
 }
 
@@ -37,7 +37,9 @@ std::string entry_label(const char* kind, const TomlValue& entry, std::size_t in
     return fmt::format("{} {}", kind, quote(name->value.string));
 }
 
-std::string entry_note(const char* kind, std::size_t index) { return fmt::format(" in [[{}]] number {}", kind, index + 1); }
+std::string entry_note(const char* kind, std::size_t index) {
+    return fmt::format(" in [[{}]] number {}", kind, index + 1);
+}
 
 const std::vector<TomlValue>& read_entries(const TableReader& file, const char* kind) {
     static const std::vector<TomlValue> none;

@@ -29,9 +29,9 @@ std::string character_text(utf8proc_int32_t character) {
 
 std::string normalise_name(std::string_view name) {
     utf8proc_uint8_t* buffer = nullptr;
-    const auto length = utf8proc_map(reinterpret_cast<const utf8proc_uint8_t*>(name.data()),
-                                     static_cast<utf8proc_ssize_t>(name.size()), &buffer,
-                                     static_cast<utf8proc_option_t>(UTF8PROC_STABLE | UTF8PROC_COMPOSE));
+    const auto length =
+        utf8proc_map(reinterpret_cast<const utf8proc_uint8_t*>(name.data()), static_cast<utf8proc_ssize_t>(name.size()),
+                     &buffer, static_cast<utf8proc_option_t>(UTF8PROC_STABLE | UTF8PROC_COMPOSE));
     const std::unique_ptr<utf8proc_uint8_t, decltype(&std::free)> owner(buffer, &std::free);
     if (length < 0) return std::string(name);
     return std::string(reinterpret_cast<const char*>(buffer), static_cast<std::size_t>(length));

@@ -12,7 +12,8 @@
 
 namespace dttmm {
 
-Parameters::Parameters(const TomlValue* table, const Overrides& overrides, Diagnostics& diagnostics) : diagnostics_(diagnostics) {
+Parameters::Parameters(const TomlValue* table, const Overrides& overrides, Diagnostics& diagnostics)
+    : diagnostics_(diagnostics) {
     if (table && !table->is_table()) {
         diagnostics.error(table->place, "parameters must be a table: [parameters]");
         table = nullptr;
@@ -31,13 +32,15 @@ void Parameters::read_entry(const TomlMember& member) {
     if (const auto fault = find_name_fault(name))
         return diagnostics_.error(member.place, fmt::format("parameter {} {}", quote(name), *fault));
     if (name == "t" || name == "pi")
-        return diagnostics_.error(member.place, fmt::format("parameter \"{}\" has the name of {} in expressions; choose another", name,
-                                                            name == "t" ? "the time" : "a constant"));
-    if (const Entry* other = find(name))
         return diagnostics_.error(member.place,
-                                  fmt::format("parameter {} exists already, {}", quote(name), diagnostics_.line_text(other->place)));
+                                  fmt::format("parameter \"{}\" has the name of {} in expressions; choose another", name,
+                                              name == "t" ? "the time" : "a constant"));
+    if (const Entry* other = find(name))
+        return diagnostics_.error(
+            member.place, fmt::format("parameter {} exists already, {}", quote(name), diagnostics_.line_text(other->place)));
     if (name.find('-') != name.npos)
-        diagnostics_.warning(member.place, fmt::format("parameter {} cannot be used: '-' is minus in an expression; use '_'", quote(name)));
+        diagnostics_.warning(
+            member.place, fmt::format("parameter {} cannot be used: '-' is minus in an expression; use '_'", quote(name)));
     Entry entry;
     entry.parameter.name = name;
     entry.place = member.place;
@@ -50,7 +53,8 @@ void Parameters::override_entry(const std::string& given_name, const std::string
     const std::string name = normalise_name(given_name);
     const auto found = index_.find(name);
     if (found == index_.end())
-        throw Error(ExitCode::usage, fmt::format("--set {}: the model has no such parameter{}", name, suggestion(name, names())));
+        throw Error(ExitCode::usage,
+                    fmt::format("--set {}: the model has no such parameter{}", name, suggestion(name, names())));
     if (text.empty()) throw Error(ExitCode::usage, fmt::format("--set {0}: no value; write --set {0}=VALUE", name));
     Entry& entry = entries_[found->second];
     entry.place = diagnostics_.option_place("--set " + name);
@@ -64,7 +68,8 @@ void Parameters::read_value(Entry& entry, const TomlValue& value) {
     entry.parameter.text = number_text(value.number);
     entry.parameter.unit = "1";
     entry.parameter.value = value.number;
-    if (!value.is_number()) return fail(entry, fmt::format("must be a number, a quantity or an expression, not {}", kind_text(value.kind)));
+    if (!value.is_number())
+        return fail(entry, fmt::format("must be a number, a quantity or an expression, not {}", kind_text(value.kind)));
     if (!std::isfinite(value.number)) fail(entry, "must be finite, got " + number_text(value.number));
 }
 
@@ -174,8 +179,8 @@ std::optional<double> Parameters::evaluate(std::string_view expression, std::str
     if (has_unit && !measures(same->parameter.unit, wanted))
         throw Error(ExitCode::model_invalid,
                     fmt::format("expected a value in {}, got {}, which is {} ({}); accepted here: {}", wanted,
-                                quote("=" + std::string(expression)), quote(same->parameter.text), diagnostics_.line_text(same->place),
-                                listed(accepted_units(wanted))));
+                                quote("=" + std::string(expression)), quote(same->parameter.text),
+                                diagnostics_.line_text(same->place), listed(accepted_units(wanted))));
     return value;
 }
 

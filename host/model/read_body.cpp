@@ -12,22 +12,26 @@
 namespace dttmm {
 namespace {
 
-constexpr double kFarthest = 1e6;  // [m] beyond it a small motion is lost in rounding
-constexpr double kFar = 1e4;       // [m]
+constexpr double kFarthest = 1e6;                    // [m] beyond it a small motion is lost in rounding
+constexpr double kFar = 1e4;                         // [m]
 constexpr Bounds kOnBody = {-kFarthest, kFarthest};  // coordinates in the body's axes [m]
 
 const std::vector<std::string> kShapes = {"box", "cylinder", "tube", "sphere"};
 
 /// Axis of a cylinder or tube: 0, 1, 2 for x, y, z.
-int read_axis(const TableReader& table) { return table.choice("axis", {"x", "y", "z"}, 2).value_or(2); }
+int read_axis(const TableReader& table) {
+    return table.choice("axis", {"x", "y", "z"}, 2).value_or(2);
+}
 
 std::optional<MassProperties> read_tube(const TableReader& table, const TomlMember& member, double density) {
     const auto sizes = read_numbers(table.context(), member.value, table.what("tube"), "m", 3, false, kPositive);
     if (!sizes) return std::nullopt;
     const double outer = (*sizes)[0], inner = (*sizes)[1], length = (*sizes)[2];
     if (inner < outer) return make_tube(density, outer, inner, length, read_axis(table));
-    table.error(member.value.place, fmt::format("tube = [outer diameter, inner diameter, length]: the inner diameter must be "
-                                                "less than the outer ({} m), got {} m", outer, inner));
+    table.error(member.value.place,
+                fmt::format("tube = [outer diameter, inner diameter, length]: the inner diameter must be "
+                            "less than the outer ({} m), got {} m",
+                            outer, inner));
     return std::nullopt;
 }
 
@@ -47,7 +51,9 @@ std::optional<MassProperties> read_shape(const TableReader& table, const TomlMem
 std::optional<MassProperties> read_density_and_shape(const TableReader& table) {
     for (const char* key : {"mass", "inertia"})
         if (const TomlMember* member = table.find(key))
-            table.error(member->place, fmt::format("\"{}\" and a density exclude each other: give mass and inertia, or density and a shape", key));
+            table.error(
+                member->place,
+                fmt::format("\"{}\" and a density exclude each other: give mass and inertia, or density and a shape", key));
     const auto density = table.number("density", "kg/m^3", kPositive);
     const TomlMember* shape = table.require_one(kShapes);
     if (!shape) return std::nullopt;
@@ -57,7 +63,8 @@ std::optional<MassProperties> read_density_and_shape(const TableReader& table) {
     return density ? properties : std::nullopt;
 }
 
-/// The symmetric tensor of `inertia = { xx, yy, zz, xy, xz, yz }` (tensor entries, not products of inertia) or `[xx, yy, zz]`.
+/// The symmetric tensor of `inertia = { xx, yy, zz, xy, xz, yz }` (tensor entries, not products of inertia) or `[xx, yy,
+/// zz]`.
 std::optional<Eigen::Matrix3d> read_inertia(const TableReader& body) {
     const TomlMember* member = body.require("inertia");
     if (!member) return std::nullopt;
@@ -67,14 +74,16 @@ std::optional<Eigen::Matrix3d> read_inertia(const TableReader& body) {
     }
     const TableReader table(body.context(), member->value, body.what("inertia"), {"xx", "yy", "zz", "xy", "xz", "yz"});
     const auto xx = table.number("xx", "kg*m^2"), yy = table.number("yy", "kg*m^2"), zz = table.number("zz", "kg*m^2");
-    const auto xy = table.number("xy", "kg*m^2", {}, 0), xz = table.number("xz", "kg*m^2", {}, 0), yz = table.number("yz", "kg*m^2", {}, 0);
+    const auto xy = table.number("xy", "kg*m^2", {}, 0), xz = table.number("xz", "kg*m^2", {}, 0),
+               yz = table.number("yz", "kg*m^2", {}, 0);
     if (!xx || !yy || !zz || !xy || !xz || !yz) return std::nullopt;
     return Eigen::Matrix3d{{*xx, *xy, *xz}, {*xy, *yy, *yz}, {*xz, *yz, *zz}};
 }
 
 std::optional<MassProperties> read_mass_and_inertia(const TableReader& table) {
     for (const std::string& shape : kShapes)
-        if (const TomlMember* member = table.find(shape)) table.error(member->place, "a shape needs a density, and no mass or inertia");
+        if (const TomlMember* member = table.find(shape))
+            table.error(member->place, "a shape needs a density, and no mass or inertia");
     if (const TomlMember* axis = table.find("axis")) table.error(axis->place, "axis belongs to a cylinder or tube");
     const auto mass = table.number("mass", "kg");
     const auto inertia = read_inertia(table);
@@ -123,7 +132,8 @@ void read_markers(const TableReader& table, Body& body) {
     const TomlMember* markers = table.find("markers");
     if (!markers) return;
     if (!markers->value.is_table())
-        return table.error(markers->value.place, fmt::format("markers must be a table of name = [x, y, z], got {}", kind_text(markers->value.kind)));
+        return table.error(markers->value.place, fmt::format("markers must be a table of name = [x, y, z], got {}",
+                                                             kind_text(markers->value.kind)));
     NameRegistry names("marker");
     for (const TomlMember& member : markers->value.members) body.markers.push_back(read_marker(table, member, names));
 }
@@ -133,15 +143,18 @@ void check_position(const TableReader& table, const Body& body) {
     if (distance <= kFar) return;
     const Place place = table.find("position")->value.place;
     if (distance > kFarthest)
-        return table.error(place, fmt::format("position must be within {} m of the origin in every direction, got {} m", kFarthest, distance));
-    table.warning(place, fmt::format("position is {} m from the origin: small motions lose digits; move the origin", distance));
+        return table.error(place, fmt::format("position must be within {} m of the origin in every direction, got {} m",
+                                              kFarthest, distance));
+    table.warning(place,
+                  fmt::format("position is {} m from the origin: small motions lose digits; move the origin", distance));
 }
 
 Body read_body(const ReadContext& context, const TomlValue& entry, std::size_t index, NameRegistry& names) {
-    const TableReader table(context, entry, entry_label("body", entry, index),
-                            {"name", "mass", "inertia", "density", "box", "cylinder", "tube", "sphere", "axis", "center_of_mass", "position",
-                             "rotation", "quaternion", "velocity", "angular_velocity", "markers"},
-                            entry_note("body", index));
+    const TableReader table(
+        context, entry, entry_label("body", entry, index),
+        {"name", "mass", "inertia", "density", "box", "cylinder", "tube", "sphere", "axis", "center_of_mass", "position",
+         "rotation", "quaternion", "velocity", "angular_velocity", "markers"},
+        entry_note("body", index));
     Body body;
     if (!table.is_valid()) return body;
     const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
@@ -163,7 +176,8 @@ Body read_body(const ReadContext& context, const TomlValue& entry, std::size_t i
 
 std::vector<Body> read_bodies(const TableReader& file, NameRegistry& names) {
     std::vector<Body> bodies;
-    for (const TomlValue& entry : read_entries(file, "body")) bodies.push_back(read_body(file.context(), entry, bodies.size(), names));
+    for (const TomlValue& entry : read_entries(file, "body"))
+        bodies.push_back(read_body(file.context(), entry, bodies.size(), names));
     return bodies;
 }
 

@@ -15,7 +15,9 @@ namespace {
 
 constexpr double kFarApart = 1000;  // [m]
 
-std::span<const dttmm_parameter> parameters_of(const dttmm_element_type& type) { return {type.parameters, type.parameter_count}; }
+std::span<const dttmm_parameter> parameters_of(const dttmm_element_type& type) {
+    return {type.parameters, type.parameter_count};
+}
 
 std::vector<std::string> keys_of(const dttmm_element_type& type) {
     std::vector<std::string> keys = {"name", "type", "from", "to"};
@@ -24,14 +26,16 @@ std::vector<std::string> keys_of(const dttmm_element_type& type) {
 }
 
 /// The catalogue index of the entry's type; -1 where there is none, which is reported.
-int read_type(const ReadContext& context, const TomlValue& entry, const std::string& label, const ElementCatalogue& catalogue) {
+int read_type(const ReadContext& context, const TomlValue& entry, const std::string& label,
+              const ElementCatalogue& catalogue) {
     const auto fail = [&](Place place, const std::string& text) {
         context.diagnostics.error(place, label + ": " + text);
         return -1;
     };
     const TomlMember* type = entry.find("type");
     if (!type) return fail(entry.place, "missing key \"type\"");
-    if (!type->value.is_text()) return fail(type->value.place, fmt::format("type must be a text, got {}", kind_text(type->value.kind)));
+    if (!type->value.is_text())
+        return fail(type->value.place, fmt::format("type must be a text, got {}", kind_text(type->value.kind)));
     const int index = catalogue.find(type->value.string);
     if (index >= 0) return index;
     std::vector<std::string> names, declared;
@@ -40,9 +44,10 @@ int read_type(const ReadContext& context, const TomlValue& entry, const std::str
         declared.push_back(fmt::format("{} (plugin {})", names.back(), quote(catalogue.plugins[i])));
     }
     const auto nearest = find_nearest(type->value.string, names);
-    return fail(type->value.place, fmt::format("no loaded plugin declares element type {}; declared: {}{}", quote(type->value.string),
-                                               declared.empty() ? "none, as no plugin is loaded" : listed(declared),
-                                               nearest ? fmt::format("; did you mean {}?", quote(*nearest)) : ""));
+    return fail(type->value.place,
+                fmt::format("no loaded plugin declares element type {}; declared: {}{}", quote(type->value.string),
+                            declared.empty() ? "none, as no plugin is loaded" : listed(declared),
+                            nearest ? fmt::format("; did you mean {}?", quote(*nearest)) : ""));
 }
 
 std::optional<std::vector<double>> read_parameter(const TableReader& table, const dttmm_parameter& parameter) {
@@ -75,15 +80,18 @@ bool check_ends(const TableReader& table, const Element& element, const Attachme
     }
     if (element.from.body < 0 || element.to.body < 0) return true;  // the ground end coincides with the other
     const double distance = (attachments.position(element.to) - attachments.position(element.from)).norm();
-    if (distance > kFarApart) table.warning(place, fmt::format("the ends are {} m apart at the start", number_text(distance)));
+    if (distance > kFarApart)
+        table.warning(place, fmt::format("the ends are {} m apart at the start", number_text(distance)));
     return true;
 }
 
 void check_name(const TableReader& table, const std::string& name, const NameRegistry& body_names) {
     const Place place = table.find("name") ? table.find("name")->value.place : table.place();
-    if (name == "time" || name == "energy" || name == "ground") table.error(place, fmt::format("the name \"{}\" is reserved", name));
+    if (name == "time" || name == "energy" || name == "ground")
+        table.error(place, fmt::format("the name \"{}\" is reserved", name));
     if (const Place* body = body_names.find(name))
-        table.error(place, fmt::format("the body on line {} has the same name; results could not be told apart", body->line));
+        table.error(place,
+                    fmt::format("the body on line {} has the same name; results could not be told apart", body->line));
 }
 
 class ElementsReader {
@@ -94,7 +102,8 @@ public:
     void read(const ReadContext& context, const TomlValue& entry, std::size_t index) {
         const std::string label = entry_label("element", entry, index);
         const int type = entry.is_table() ? read_type(context, entry, label, catalogue_) : -1;
-        const std::vector<std::string> keys = type < 0 ? all_keys(entry) : keys_of(*catalogue_.types[static_cast<std::size_t>(type)]);
+        const std::vector<std::string> keys =
+            type < 0 ? all_keys(entry) : keys_of(*catalogue_.types[static_cast<std::size_t>(type)]);
         const TableReader table(context, entry, label, keys, entry_note("element", index));
         if (table.is_valid()) read(table, type);
     }
@@ -132,9 +141,12 @@ private:
         const auto is_zero = [](double value) { return value == 0; };
         if (!element.values.empty() && std::all_of(element.values.begin(), element.values.end(), is_zero))
             table.warning(table.place(), "free: every parameter is zero, it carries nothing");
-        const auto [twin, is_new] = seen_.emplace(
-            std::tuple(element.type, element.from.body, element.from.marker, element.to.body, element.to.marker, element.values), element.name);
-        if (!is_new) table.warning(table.place(), fmt::format("identical to element {}: same ends, type and values", quote(twin->second)));
+        const auto [twin, is_new] = seen_.emplace(std::tuple(element.type, element.from.body, element.from.marker,
+                                                             element.to.body, element.to.marker, element.values),
+                                                  element.name);
+        if (!is_new)
+            table.warning(table.place(),
+                          fmt::format("identical to element {}: same ends, type and values", quote(twin->second)));
     }
 
     const ElementCatalogue& catalogue_;
@@ -147,8 +159,8 @@ private:
 
 }  // namespace
 
-std::vector<Element> read_elements(const TableReader& file, const ElementCatalogue& catalogue, const Attachments& attachments,
-                                   const NameRegistry& body_names) {
+std::vector<Element> read_elements(const TableReader& file, const ElementCatalogue& catalogue,
+                                   const Attachments& attachments, const NameRegistry& body_names) {
     ElementsReader reader(catalogue, attachments, body_names);
     std::size_t index = 0;
     for (const TomlValue& entry : read_entries(file, "element")) reader.read(file.context(), entry, index++);

@@ -11,7 +11,7 @@ namespace dttmm {
 
 /// The [[element]] entries of the file, checked against what the plugins declare. Elements with faults, which are reported,
 /// are left out.
-std::vector<Element> read_elements(const TableReader& file, const ElementCatalogue& catalogue, const Attachments& attachments,
-                                   const NameRegistry& body_names);
+std::vector<Element> read_elements(const TableReader& file, const ElementCatalogue& catalogue,
+                                   const Attachments& attachments, const NameRegistry& body_names);
 
 }  // namespace dttmm

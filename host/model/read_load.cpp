@@ -8,7 +8,8 @@
 namespace dttmm {
 namespace {
 
-std::optional<Load> read_load(const ReadContext& context, const TomlValue& entry, std::size_t index, const Attachments& attachments) {
+std::optional<Load> read_load(const ReadContext& context, const TomlValue& entry, std::size_t index,
+                              const Attachments& attachments) {
     const TableReader table(context, entry, entry_label("load", entry, index), {"on", "direction", "force", "moment"},
                             entry_note("load", index));
     if (!table.is_valid()) return std::nullopt;

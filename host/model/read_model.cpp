@@ -26,10 +26,13 @@ const std::vector<std::string> kKeys = {"format", "title", "parameters", "simula
 const std::vector<std::string> kLaterKeys = {"joint", "nodes", "modes", "dofs"};
 
 std::string read_text(const fs::path& file) {
-    const auto fail = [&](const std::string& why) { throw Error(ExitCode::input_output, fmt::format("{}: {}", file.string(), why)); };
+    const auto fail = [&](const std::string& why) {
+        throw Error(ExitCode::input_output, fmt::format("{}: {}", file.string(), why));
+    };
     std::error_code error;
     const fs::file_status status = fs::status(file, error);
-    if (!fs::exists(status)) fail(error ? "cannot be read: " + error.message() : "there is no such file");
+    if (status.type() == fs::file_type::not_found) fail("there is no such file");
+    if (!fs::status_known(status)) fail("cannot be read: " + error.message());
     if (!fs::is_regular_file(status)) fail("is not a regular file");
     errno = 0;
     std::ifstream stream(file, std::ios::binary);
@@ -39,17 +42,27 @@ std::string read_text(const fs::path& file) {
     return text;
 }
 
-/// Whether the file says it is of the format this version reads; reports where not.
-bool check_format(const TableReader& file) {
-    const TomlMember* format = file.find("format");
+/// Whether the rest of the file can be judged: it is of the format this version reads, or forgets to say so. Reports where
+/// it is not of that format.
+bool check_format(const TomlValue& document, Diagnostics& diagnostics) {
+    const TomlMember* format = document.find("format");
     if (!format) {
-        file.error({1, 1}, fmt::format("no format key; begin the file with: format = \"{}\"", kFormat));
-        return false;
+        diagnostics.error({1, 1}, fmt::format("no format key; begin the file with: format = \"{}\"", kFormat));
+        return !document.members.empty();
     }
     if (format->value.is_text() && format->value.string == kFormat) return true;
-    const std::string got = format->value.is_text() ? quote(format->value.string) : std::string(kind_text(format->value.kind));
-    file.error(format->value.place, fmt::format("format {} is not supported; supported: \"{}\"", got, kFormat));
+    const std::string got =
+        format->value.is_text() ? quote(format->value.string) : std::string(kind_text(format->value.kind));
+    diagnostics.error(format->value.place, fmt::format("this version reads format \"{}\" only, got {}", kFormat, got));
     return false;
+}
+
+/// The keys a file may have; those of later versions, refused for a reason of their own, only where the file has them.
+std::vector<std::string> known_keys(const TomlValue& document) {
+    std::vector<std::string> keys = kKeys;
+    for (const std::string& key : kLaterKeys)
+        if (document.find(key)) keys.push_back(key);
+    return keys;
 }
 
 /// Whether the file asks for nothing that only later versions can do; reports what it asks for.
@@ -67,19 +80,24 @@ bool check_later_keys(const TableReader& file) {
 /// A body that nothing holds, drives or pulls stays where it is: most likely something was forgotten.
 void warn_free_bodies(const TableReader& file, const Model& model) {
     if (!model.simulation.gravity.isZero(0)) return;
-    const auto touches = [](const Element& element, int body) { return element.from.body == body || element.to.body == body; };
-    const std::vector<TomlValue>& entries = read_entries(file, "body");
     std::vector<bool> is_touched(model.bodies.size());
-    for (const Load& load : model.loads) is_touched[static_cast<std::size_t>(load.on.body)] = true;
-    for (int body = 0; body < static_cast<int>(model.bodies.size()); ++body) {
-        const auto i = static_cast<std::size_t>(body);
-        const bool is_held = std::any_of(model.elements.begin(), model.elements.end(), [&](const Element& e) { return touches(e, body); });
-        if (!is_held && !is_touched[i])
-            file.warning(entries[i].place, fmt::format("body {}: free body: no element, load or gravity acts on it", quote(model.bodies[i].name)));
+    const auto touch = [&](const Attachment& attachment) {
+        if (attachment.body >= 0) is_touched[static_cast<std::size_t>(attachment.body)] = true;
+    };
+    for (const Load& load : model.loads) touch(load.on);
+    for (const Element& element : model.elements) {
+        touch(element.from);
+        touch(element.to);
     }
+    const std::vector<TomlValue>& entries = read_entries(file, "body");
+    for (std::size_t i = 0; i < is_touched.size(); ++i)
+        if (!is_touched[i])
+            file.warning(entries[i].place, fmt::format("body {}: free body: no element, load or gravity acts on it",
+                                                       quote(model.bodies[i].name)));
 }
 
-void read_contents(const TableReader& file, const ElementCatalogue& catalogue, const ModelOverrides& overrides, Model& model) {
+void read_contents(const TableReader& file, const ElementCatalogue& catalogue, const ModelOverrides& overrides,
+                   Model& model) {
     NameRegistry body_names("body");
     model.title = file.text("title", "").value_or("");
     model.simulation = read_simulation(file, overrides);
@@ -97,26 +115,22 @@ Model read_model(const fs::path& file, const ElementCatalogue& catalogue, const 
     return parse_model(read_text(file), file, catalogue, overrides);
 }
 
-Model parse_model(std::string_view text, const fs::path& file, const ElementCatalogue& catalogue, const ModelOverrides& overrides) {
+Model parse_model(std::string_view text, const fs::path& file, const ElementCatalogue& catalogue,
+                  const ModelOverrides& overrides) {
     Diagnostics diagnostics(file.string());
     const auto document = parse_toml(text, diagnostics);
-    diagnostics.throw_if_errors();
+    if (!document || !check_format(*document, diagnostics)) diagnostics.throw_if_errors();
     Model model;
     model.path = file.string();
     model.source = text;
 
     const TomlMember* table = document->find("parameters");
-    const bool is_empty = document->members.empty();
-    const Parameters parameters(table ? &table->value : nullptr, is_empty ? Parameters::Overrides{} : overrides.parameters, diagnostics);
+    const Parameters parameters(table ? &table->value : nullptr, overrides.parameters, diagnostics);
     model.parameters = parameters.all();
 
     const ReadContext context{parameters, diagnostics, file.parent_path()};
-    std::vector<std::string> keys = kKeys;
-    for (const std::string& key : kLaterKeys)
-        if (document->find(key)) keys.push_back(key);  // known, and refused for a reason of its own
-    const TableReader root(context, *document, "", keys);
-    const bool is_supported = check_format(root);
-    if (check_later_keys(root) && (is_supported || (!is_empty && !root.find("format")))) read_contents(root, catalogue, overrides, model);
+    const TableReader root(context, *document, "", known_keys(*document));
+    if (check_later_keys(root)) read_contents(root, catalogue, overrides, model);
     diagnostics.throw_if_errors();
     warn_free_bodies(root, model);
     model.warnings = diagnostics.warning_texts();

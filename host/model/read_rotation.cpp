@@ -26,7 +26,8 @@ std::optional<Eigen::Matrix3d> read_quaternion(const TableReader& table, const T
     const Eigen::Quaterniond quaternion((*q)[0], (*q)[1], (*q)[2], (*q)[3]);
     const double norm = std::hypot(quaternion.w(), quaternion.vec().stableNorm());
     if (!(std::abs(norm - 1) <= kNormTolerance)) {
-        table.error(member.value.place, fmt::format("quaternion [w, x, y, z] must have norm 1 to within {}, got {}", kNormTolerance, norm));
+        table.error(member.value.place,
+                    fmt::format("quaternion [w, x, y, z] must have norm 1 to within {}, got {}", kNormTolerance, norm));
         return std::nullopt;
     }
     return quaternion.normalized().toRotationMatrix();

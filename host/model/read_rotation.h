@@ -14,7 +14,8 @@ namespace dttmm {
 /// of any length, or `quaternion = [w, x, y, z]` of norm 1 to 1e-6, then normalised.
 inline const std::vector<std::string> kRotationKeys = {"rotation", "quaternion"};
 
-/// The rotation matrix R of the table: v_outer = R v_inner. Identity if it says nothing. Reports faults and then returns nothing.
+/// The rotation matrix R of the table: v_outer = R v_inner. Identity if it says nothing. Reports faults and then returns
+/// nothing.
 std::optional<Eigen::Matrix3d> read_rotation(const TableReader& table);
 
 /// A vector that is not zero, scaled to length 1. Reports faults and then returns nothing.

@@ -19,7 +19,8 @@ Signal make_signal(Arguments&&... arguments) {
     return Signal(std::make_shared<const Shape>(std::forward<Arguments>(arguments)...));
 }
 
-std::optional<Signal> read_constant(const ReadContext& context, const TomlValue& value, const std::string& what, std::string_view unit) {
+std::optional<Signal> read_constant(const ReadContext& context, const TomlValue& value, const std::string& what,
+                                    std::string_view unit) {
     const auto number = read_number(context, value, what, unit);
     return number ? std::optional(make_signal<ConstantSignal>(*number)) : std::nullopt;
 }
@@ -33,7 +34,8 @@ std::optional<Signal> read_expression(const ReadContext& context, const TomlValu
     try {
         Expression expression(text, context.parameters.constants(), true);
         if (std::isfinite(expression.value(0))) return make_signal<ExpressionSignal>(std::move(expression));
-        context.diagnostics.error(value.place, fmt::format("{}: the value of {} is not finite at t = 0", what, quote(value.string)));
+        context.diagnostics.error(value.place,
+                                  fmt::format("{}: the value of {} is not finite at t = 0", what, quote(value.string)));
     } catch (const Error& error) {
         context.diagnostics.error(value.place, fmt::format("{}: {}", what, error.what()));
     }
@@ -57,7 +59,8 @@ std::optional<Signal> read_step(const TableReader& table, std::string_view unit)
     const auto end = table.number("end", "s");
     if (!from || !to || !start || !end) return std::nullopt;
     if (*end < *start) {
-        table.error(table.find("end")->value.place, fmt::format("end must not lie before start ({} s), got {} s", *start, *end));
+        table.error(table.find("end")->value.place,
+                    fmt::format("end must not lie before start ({} s), got {} s", *start, *end));
         return std::nullopt;
     }
     return make_signal<StepSignal>(*from, *to, *start, *end);
@@ -87,7 +90,8 @@ std::optional<Signal> read_pulse(const TableReader& table, std::string_view unit
     const auto period = repeats ? table.number("period", "s", kPositive) : table.number("period", "s", kPositive, 0);
     if (!peak || !start || !width || !count || !period) return std::nullopt;
     if (repeats && *period < *width) {
-        table.error(table.find("period")->value.place, fmt::format("period must be ≥ width ({} s), got {} s", *width, *period));
+        table.error(table.find("period")->value.place,
+                    fmt::format("period must be ≥ width ({} s), got {} s", *width, *period));
         return std::nullopt;
     }
     return make_signal<PulseSignal>(*peak, *start, *width, *period, *count);
@@ -106,7 +110,8 @@ std::optional<Signal> read_sine(const TableReader& table, std::string_view unit)
 std::optional<std::vector<double>> read_column(const TableReader& table, const char* key, std::string_view unit) {
     const TomlMember* member = table.require(key);
     if (!member) return std::nullopt;
-    return read_numbers(table.context(), member->value, table.what(key), unit, std::max<std::size_t>(member->value.items.size(), 1));
+    return read_numbers(table.context(), member->value, table.what(key), unit,
+                        std::max<std::size_t>(member->value.items.size(), 1));
 }
 
 std::optional<Signal> read_inline_table(const TableReader& table, std::string_view unit) {
@@ -115,13 +120,15 @@ std::optional<Signal> read_inline_table(const TableReader& table, std::string_vi
     if (!times || !values) return std::nullopt;
     const TomlValue& place = table.find("times")->value;
     if (times->size() != values->size()) {
-        table.error(place.place, fmt::format("times and values must be of one length, got {} and {}", times->size(), values->size()));
+        table.error(place.place,
+                    fmt::format("times and values must be of one length, got {} and {}", times->size(), values->size()));
         return std::nullopt;
     }
     for (std::size_t i = 1; i < times->size(); ++i) {
         if ((*times)[i] > (*times)[i - 1]) continue;
         table.error(place.is_array() ? place.items[i].place : place.place,
-                    fmt::format("times must increase: row {} ({} s) does not come after row {} ({} s)", i + 1, (*times)[i], i, (*times)[i - 1]));
+                    fmt::format("times must increase: row {} ({} s) does not come after row {} ({} s)", i + 1, (*times)[i],
+                                i, (*times)[i - 1]));
         return std::nullopt;
     }
     return make_signal<TableSignal>(*times, *values);
@@ -131,7 +138,8 @@ std::optional<Signal> read_file_table(const TableReader& table) {
     const auto name = table.text("file");
     if (!name) return std::nullopt;
     for (const char* key : {"times", "values"})
-        if (const TomlMember* member = table.find(key)) table.error(member->place, fmt::format("{} and file exclude each other", key));
+        if (const TomlMember* member = table.find(key))
+            table.error(member->place, fmt::format("{} and file exclude each other", key));
     try {
         TimeTable columns = read_table_file(table.context().folder, *name);
         return make_signal<TableSignal>(std::move(columns.times), std::move(columns.values));
@@ -163,13 +171,16 @@ const std::vector<ShapeReader>& shape_readers() {
         {"haversine", {"peak", "start", "width"}, read_haversine},
         {"pulse", {"peak", "start", "width", "period", "count"}, read_pulse},
         {"sine", {"amplitude", "frequency", "phase", "offset", "start"}, read_sine},
-        {"table", {"times", "values", "file"}, [](const TableReader& table, std::string_view unit) { return read_table(table, unit); }},
+        {"table",
+         {"times", "values", "file"},
+         [](const TableReader& table, std::string_view unit) { return read_table(table, unit); }},
         {"expression", {"value"}, read_expression_table},
     };
     return readers;
 }
 
-std::optional<Signal> read_shape(const ReadContext& context, const TomlValue& value, const std::string& what, std::string_view unit) {
+std::optional<Signal> read_shape(const ReadContext& context, const TomlValue& value, const std::string& what,
+                                 std::string_view unit) {
     const TomlMember* type = value.find("type");
     std::vector<std::string> types;
     for (const ShapeReader& reader : shape_readers()) {
@@ -183,7 +194,8 @@ std::optional<Signal> read_shape(const ReadContext& context, const TomlValue& va
         context.diagnostics.error(value.place, fmt::format("{}: missing key \"type\"; one of {}", what, listed(types)));
     } else {
         const std::string hint = suggestion(type->value.string, types);
-        context.diagnostics.error(type->value.place, fmt::format("{}: unknown type {} of a signal{}", what, quote(type->value.string), hint));
+        context.diagnostics.error(type->value.place,
+                                  fmt::format("{}: unknown type {} of a signal{}", what, quote(type->value.string), hint));
     }
     return std::nullopt;
 }

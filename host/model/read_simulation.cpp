@@ -11,18 +11,23 @@
 namespace dttmm {
 namespace {
 
-constexpr Bounds kStepBounds = {1e-9, 1};         // [s]
+constexpr Bounds kStepBounds = {1e-9, 1};  // [s]
 constexpr double kMostSteps = 1e10;
-constexpr double kWholeTolerance = 1e-6;          // of a step
-constexpr double kLargestGravity = 100;           // [m/s²] more looks like another unit
+constexpr double kWholeTolerance = 1e-6;  // of a step
+constexpr double kLargestGravity = 100;   // [m/s²] more looks like another unit
 
 const std::vector<std::string> kCouplings = {"implicit", "explicit"};
-const std::vector<std::string> kSchemes = {"fox-euler", "bdf1", "bdf2", "houbolt", "park"};  // in the order of ExplicitScheme
+const std::vector<std::string> kSchemes = {"fox-euler", "bdf1", "bdf2", "houbolt",
+                                           "park"};  // in the order of ExplicitScheme
 
-bool is_whole(double ratio) { return std::abs(ratio - std::round(ratio)) <= kWholeTolerance; }
+bool is_whole(double ratio) {
+    return std::abs(ratio - std::round(ratio)) <= kWholeTolerance;
+}
 
 /// A number of the file as messages name it: at most 12 digits, so that 0.0010000000000000002 s reads 0.001 s.
-std::string seconds(double value) { return fmt::format("{:.12g} s", value); }
+std::string seconds(double value) {
+    return fmt::format("{:.12g} s", value);
+}
 
 /// A value of [simulation], or the option that stands for it.
 struct Setting {
@@ -58,14 +63,16 @@ private:
 
 void check_duration(Diagnostics& diagnostics, const Setting& setting, double duration, double step) {
     const auto fail = [&](const std::string& text) { diagnostics.error(setting.value.place, setting.what + " " + text); };
-    if (duration < step) return fail(fmt::format("must be at least one step ({}), got {}", seconds(step), seconds(duration)));
+    if (duration < step)
+        return fail(fmt::format("must be at least one step ({}), got {}", seconds(step), seconds(duration)));
     const double steps = duration / step;
     if (steps > kMostSteps) return fail(fmt::format("is {:.3g} steps; at most {:g} are allowed", steps, kMostSteps));
     if (is_whole(steps)) return;
     const double below = std::floor(steps), above = std::ceil(steps);
-    fail(fmt::format("must be a whole number of steps, got {} / {} = {:.9g}; a duration of {} or {} would fit, or a step of {} or {}",
-                     seconds(duration), seconds(step), steps, seconds(below * step), seconds(above * step), seconds(duration / above),
-                     seconds(duration / below)));
+    fail(fmt::format(
+        "must be a whole number of steps, got {} / {} = {:.9g}; a duration of {} or {} would fit, or a step of {} or {}",
+        seconds(duration), seconds(step), steps, seconds(below * step), seconds(above * step), seconds(duration / above),
+        seconds(duration / below)));
 }
 
 Coupling read_coupling(const TableReader& file, const TableReader* table, const std::optional<std::string>& option) {
@@ -74,7 +81,8 @@ Coupling read_coupling(const TableReader& file, const TableReader* table, const 
         const auto found = std::find(kCouplings.begin(), kCouplings.end(), *option);
         if (found == kCouplings.end()) {
             Diagnostics& diagnostics = file.context().diagnostics;
-            diagnostics.error(diagnostics.option_place("--coupling"), fmt::format("must be one of: {}; got {}", listed(kCouplings), quote(*option)));
+            diagnostics.error(diagnostics.option_place("--coupling"),
+                              fmt::format("must be one of: {}; got {}", listed(kCouplings), quote(*option)));
         } else {
             choice = static_cast<int>(found - kCouplings.begin());
         }
@@ -87,7 +95,8 @@ Coupling read_coupling(const TableReader& file, const TableReader* table, const 
 ExplicitScheme read_scheme(const TableReader& table, Coupling coupling, bool is_coupling_overridden) {
     const int scheme = table.choice("scheme", kSchemes, 0).value_or(0);
     if (table.find("scheme") && coupling == Coupling::implicit && !is_coupling_overridden)
-        table.error(table.find("scheme")->place, "scheme belongs to coupling = \"explicit\"; the implicit coupling has none to choose");
+        table.error(table.find("scheme")->place,
+                    "scheme belongs to coupling = \"explicit\"; the implicit coupling has none to choose");
     return static_cast<ExplicitScheme>(scheme);
 }
 
@@ -95,8 +104,9 @@ Eigen::Vector3d read_gravity(const TableReader& table) {
     const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
     const Eigen::Vector3d gravity = table.vector("gravity", "m/s^2", zero).value_or(zero);
     if (gravity.cwiseAbs().maxCoeff() > kLargestGravity)
-        table.warning(table.find("gravity")->value.place,
-                      fmt::format("gravity of {} m/s² looks like mm/s²; write \"9.81 m/s^2\"", gravity.cwiseAbs().maxCoeff()));
+        table.warning(
+            table.find("gravity")->value.place,
+            fmt::format("gravity of {} m/s² looks like mm/s²; write \"9.81 m/s^2\"", gravity.cwiseAbs().maxCoeff()));
     return gravity;
 }
 
@@ -105,10 +115,13 @@ Eigen::Vector3d read_gravity(const TableReader& table) {
 SimulationSettings read_simulation(const TableReader& file, const SimulationOverrides& overrides) {
     const TomlMember* member = file.find("simulation");
     std::optional<TableReader> table;
-    if (member) table.emplace(file.context(), member->value, "simulation", std::vector<std::string>{"duration", "step", "coupling", "scheme", "gravity"});
+    if (member)
+        table.emplace(file.context(), member->value, "simulation",
+                      std::vector<std::string>{"duration", "step", "coupling", "scheme", "gravity"});
     const bool is_valid = table && table->is_valid();
     const SettingsReader reader(file, is_valid ? &*table : nullptr);
-    if (!member && !(overrides.step && overrides.duration)) file.error(file.place(), "missing table [simulation] with duration and step");
+    if (!member && !(overrides.step && overrides.duration))
+        file.error(file.place(), "missing table [simulation] with duration and step");
 
     SimulationSettings settings;
     const auto step_setting = reader.find("step", overrides.step);
@@ -131,9 +144,12 @@ OutputSettings read_output(const TableReader& file, const SimulationSettings& si
     if (!member) return settings;
     const TableReader table(file.context(), member->value, "output", {"step", "channels"});
     if (const TomlMember* channels = table.find("channels")) {
-        const bool is_list = channels->value.is_array() &&
-                             std::all_of(channels->value.items.begin(), channels->value.items.end(), [](const auto& item) { return item.is_text(); });
-        if (!is_list) table.error(channels->value.place, "channels must be a list of texts, e.g. [\"bolt*.force\", \"plate.position\"]");
+        const bool is_list =
+            channels->value.is_array() && std::all_of(channels->value.items.begin(), channels->value.items.end(),
+                                                      [](const auto& item) { return item.is_text(); });
+        if (!is_list)
+            table.error(channels->value.place,
+                        "channels must be a list of texts, e.g. [\"bolt*.force\", \"plate.position\"]");
         for (const TomlValue& item : channels->value.items) settings.channels.push_back(item.string);
     }
     const auto step = table.find("step") ? table.number("step", "s", kPositive) : std::nullopt;
@@ -141,15 +157,17 @@ OutputSettings read_output(const TableReader& file, const SimulationSettings& si
     const Place place = table.find("step")->value.place;
     const double every = *step / simulation.step;
     if (!is_whole(every) || every < 0.5) {
-        table.error(place, fmt::format("step must be a whole multiple of the time step ({}), got {}", seconds(simulation.step), seconds(*step)));
+        table.error(place, fmt::format("step must be a whole multiple of the time step ({}), got {}",
+                                       seconds(simulation.step), seconds(*step)));
     } else if (every > 1e9) {
         table.error(place, fmt::format("step is {:.3g} time steps; at most 1e9 are allowed", every));
     } else {
         settings.every = static_cast<int>(std::lround(every));
         const double rows = simulation.duration / *step;
         if (simulation.duration > 0 && (!is_whole(rows) || rows < 0.5))
-            table.error(place, fmt::format("the duration ({}) must be a whole multiple of the output step ({}): the end is a row",
-                                           seconds(simulation.duration), seconds(*step)));
+            table.error(place,
+                        fmt::format("the duration ({}) must be a whole multiple of the output step ({}): the end is a row",
+                                    seconds(simulation.duration), seconds(*step)));
     }
     return settings;
 }

@@ -17,7 +17,8 @@ struct SimulationOverrides {
 /// [simulation]: step 1e-9 s to 1 s, and a duration that is a whole number of steps, at most 1e10. Faults are reported.
 SimulationSettings read_simulation(const TableReader& file, const SimulationOverrides& overrides);
 
-/// [output]: its step is a whole number of time steps and divides the duration, so that the end is a row. Faults are reported.
+/// [output]: its step is a whole number of time steps and divides the duration, so that the end is a row. Faults are
+/// reported.
 OutputSettings read_output(const TableReader& file, const SimulationSettings& simulation);
 
 }  // namespace dttmm

@@ -46,7 +46,8 @@ std::optional<std::string> find_inertia_fault(const Eigen::Matrix3d& inertia) {
     const std::string moments = fmt::format("principal moments {:.17g}, {:.17g}, {:.17g} kg m²", p[0], p[1], p[2]);
     if (!(p[0] > 0)) return "inertia must be positive definite: " + moments;
     if (p[2] - p[1] - p[0] > kTriangleTolerance * p[2])  // p[0] <= p[1] <= p[2]
-        return "inertia breaks the triangle inequality, the largest principal moment exceeds the sum of the others: " + moments;
+        return "inertia breaks the triangle inequality, the largest principal moment exceeds the sum of the others: " +
+               moments;
     return std::nullopt;
 }
 

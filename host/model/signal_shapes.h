@@ -20,7 +20,8 @@ private:
     double value_;
 };
 
-/// f(t) = from + (to - from) (3 s² - 2 s³),  s = (t - start)/(end - start) held within 0 and 1. A jump at `start` if end = start.
+/// f(t) = from + (to - from) (3 s² - 2 s³),  s = (t - start)/(end - start) held within 0 and 1. A jump at `start` if end =
+/// start.
 class StepSignal : public Signal::Shape {
 public:
     StepSignal(double from, double to, double start, double end) : from_(from), to_(to), start_(start), end_(end) {}
@@ -57,7 +58,8 @@ private:
 /// Linear between the given points, the first and last value held outside. `times` increase strictly; at least one point.
 class TableSignal : public Signal::Shape {
 public:
-    TableSignal(std::vector<double> times, std::vector<double> values) : times_(std::move(times)), values_(std::move(values)) {}
+    TableSignal(std::vector<double> times, std::vector<double> values)
+        : times_(std::move(times)), values_(std::move(values)) {}
     double value(double time) const override;
 
 private:

@@ -91,7 +91,8 @@ TimeTable read_table_file(const fs::path& folder, const std::string& name) {
         const std::string_view content = trimmed(line);
         if (content.empty() || content.starts_with('#')) continue;
         const auto row = parse_row(content);
-        if (!row && !may_be_heading) fail(name, fmt::format("line {}: expected two finite numbers, time and value, and a comma", number));
+        if (!row && !may_be_heading)
+            fail(name, fmt::format("line {}: expected two finite numbers, time and value, and a comma", number));
         may_be_heading = false;
         if (!row) continue;
         if (!table.times.empty() && row->time <= table.times.back())

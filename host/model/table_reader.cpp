@@ -63,14 +63,16 @@ std::optional<double> read_number(const ReadContext& context, const TomlValue& v
 }
 
 std::optional<std::vector<double>> read_numbers(const ReadContext& context, const TomlValue& value, const std::string& what,
-                                                std::string_view unit, std::size_t count, bool spreads, const Bounds& bounds) {
+                                                std::string_view unit, std::size_t count, bool spreads,
+                                                const Bounds& bounds) {
     if (!value.is_array() && (count == 1 || spreads)) {
         const auto number = read_number(context, value, what, unit, bounds);
         return number ? std::optional(std::vector<double>(count, *number)) : std::nullopt;
     }
     if (!value.is_array() || value.items.size() != count) {
         const std::string got = value.is_array() ? std::to_string(value.items.size()) : std::string(kind_text(value.kind));
-        context.diagnostics.error(value.place, fmt::format("{} wants {} number{}, got {}", what, count, count == 1 ? "" : "s", got));
+        context.diagnostics.error(value.place,
+                                  fmt::format("{} wants {} number{}, got {}", what, count, count == 1 ? "" : "s", got));
         return std::nullopt;
     }
     std::vector<double> numbers;
@@ -85,8 +87,8 @@ std::optional<Eigen::Vector3d> read_vector(const ReadContext& context, const Tom
     return numbers ? std::optional(Eigen::Vector3d(numbers->data())) : std::nullopt;
 }
 
-TableReader::TableReader(const ReadContext& context, const TomlValue& value, std::string label, std::vector<std::string> keys,
-                         std::string note)
+TableReader::TableReader(const ReadContext& context, const TomlValue& value, std::string label,
+                         std::vector<std::string> keys, std::string note)
     : context_(context), value_(value), label_(std::move(label)) {
     if (!value.is_table()) {
         error(value.place, fmt::format("expected a table, got {}", kind_text(value.kind)));
@@ -108,7 +110,8 @@ const TomlMember* TableReader::require_one(const std::vector<std::string>& keys)
     for (const std::string& key : keys) {
         const TomlMember* member = value_.find(key);
         if (member && first)
-            error(member->place, fmt::format("\"{}\" and \"{}\" exclude each other; give one of: {}", first->key, key, listed(keys)));
+            error(member->place,
+                  fmt::format("\"{}\" and \"{}\" exclude each other; give one of: {}", first->key, key, listed(keys)));
         if (!first) first = member;
     }
     if (!first && is_valid()) error(value_.place, fmt::format("missing key: one of {}", listed(keys)));
@@ -120,7 +123,8 @@ std::optional<double> TableReader::number(std::string_view key, std::string_view
     return member ? read_number(context_, member->value, what(key), unit, bounds) : std::nullopt;
 }
 
-std::optional<double> TableReader::number(std::string_view key, std::string_view unit, const Bounds& bounds, double fallback) const {
+std::optional<double> TableReader::number(std::string_view key, std::string_view unit, const Bounds& bounds,
+                                          double fallback) const {
     return find(key) ? number(key, unit, bounds) : fallback;
 }
 
@@ -129,8 +133,8 @@ std::optional<Eigen::Vector3d> TableReader::vector(std::string_view key, std::st
     return member ? read_vector(context_, member->value, what(key), unit, bounds) : std::nullopt;
 }
 
-std::optional<Eigen::Vector3d> TableReader::vector(std::string_view key, std::string_view unit, const Eigen::Vector3d& fallback,
-                                                   const Bounds& bounds) const {
+std::optional<Eigen::Vector3d> TableReader::vector(std::string_view key, std::string_view unit,
+                                                   const Eigen::Vector3d& fallback, const Bounds& bounds) const {
     return find(key) ? vector(key, unit, bounds) : fallback;
 }
 
@@ -156,12 +160,20 @@ std::optional<int> TableReader::choice(std::string_view key, const std::vector<s
     return std::nullopt;
 }
 
-std::string TableReader::what(std::string_view key) const { return labelled(std::string(key)); }
+std::string TableReader::what(std::string_view key) const {
+    return labelled(std::string(key));
+}
 
-void TableReader::error(Place place, const std::string& text) const { context_.diagnostics.error(place, labelled(text)); }
+void TableReader::error(Place place, const std::string& text) const {
+    context_.diagnostics.error(place, labelled(text));
+}
 
-void TableReader::warning(Place place, const std::string& text) const { context_.diagnostics.warning(place, labelled(text)); }
+void TableReader::warning(Place place, const std::string& text) const {
+    context_.diagnostics.warning(place, labelled(text));
+}
 
-std::string TableReader::labelled(const std::string& text) const { return label_.empty() ? text : label_ + ": " + text; }
+std::string TableReader::labelled(const std::string& text) const {
+    return label_.empty() ? text : label_ + ": " + text;
+}
 
 }  // namespace dttmm

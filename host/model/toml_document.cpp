@@ -29,7 +29,9 @@ Place make_place(const toml::source_position& position) {
     return {static_cast<int>(position.line), static_cast<int>(position.column)};
 }
 
-Place place_of(const toml::key& key) { return make_place(key.source().begin); }
+Place place_of(const toml::key& key) {
+    return make_place(key.source().begin);
+}
 
 TomlValue make_value(const toml::node& node);
 
@@ -78,7 +80,9 @@ Line line_of(std::string_view text, int line) {
     return {text.substr(0, begin), content};
 }
 
-int first_column(std::string_view line) { return static_cast<int>(std::min(line.find_first_not_of(" \t"), line.size())) + 1; }
+int first_column(std::string_view line) {
+    return static_cast<int>(std::min(line.find_first_not_of(" \t"), line.size())) + 1;
+}
 
 constexpr const char* kProbe = "\001";  // no key of a user: TOML forbids it unescaped
 
@@ -148,7 +152,8 @@ void report(const toml::parse_error& error, std::string_view text, Diagnostics& 
         const std::string number = quoted_part(message);
         const std::size_t at = line.content.find(number);
         if (at != line.content.npos) place.column = static_cast<int>(at) + 1;
-        message = fmt::format("{} is out of range: an integer must fit into 64 bits, any other number lie within 1e-307 and 1e308", number);
+        message = fmt::format(
+            "{} is out of range: an integer must fit into 64 bits, any other number lie within 1e-307 and 1e308", number);
     }
     diagnostics.error(place, message);
 }
@@ -163,13 +168,19 @@ const TomlMember* TomlValue::find(std::string_view key) const {
 
 std::string_view kind_text(Kind kind) {
     switch (kind) {
-        case Kind::boolean: return "true or false";
+        case Kind::boolean:
+            return "true or false";
         case Kind::integer:
-        case Kind::real: return "a number";
-        case Kind::text: return "a text";
-        case Kind::date: return "a date or time";
-        case Kind::array: return "a list";
-        case Kind::table: return "a table";
+        case Kind::real:
+            return "a number";
+        case Kind::text:
+            return "a text";
+        case Kind::date:
+            return "a date or time";
+        case Kind::array:
+            return "a list";
+        case Kind::table:
+            return "a table";
     }
     return "a value";
 }

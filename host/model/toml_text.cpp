@@ -23,7 +23,8 @@ std::optional<TextFault> find_foreign_mark(std::string_view text) {
 std::optional<TextFault> find_foreign_byte(std::string_view text) {
     const auto* bytes = reinterpret_cast<const utf8proc_uint8_t*>(text.data());
     for (std::size_t i = 0; i < text.size();) {
-        if (text[i] == '\0') return TextFault{place_of_byte(text, i), fmt::format("a NUL byte at byte {}: this is not text", i)};
+        if (text[i] == '\0')
+            return TextFault{place_of_byte(text, i), fmt::format("a NUL byte at byte {}: this is not text", i)};
         utf8proc_int32_t character = 0;
         const auto length = utf8proc_iterate(bytes + i, static_cast<utf8proc_ssize_t>(text.size() - i), &character);
         if (length <= 0)
@@ -37,7 +38,8 @@ std::optional<TextFault> find_long_line(std::string_view text) {
     for (std::size_t begin = 0; begin < text.size();) {
         const std::size_t end = std::min(text.find('\n', begin), text.size());
         if (end - begin > kLongestLine)
-            return TextFault{place_of_byte(text, begin), fmt::format("a line of {} bytes; at most {} are allowed", end - begin, kLongestLine)};
+            return TextFault{place_of_byte(text, begin),
+                             fmt::format("a line of {} bytes; at most {} are allowed", end - begin, kLongestLine)};
         begin = end + 1;
     }
     return std::nullopt;
@@ -69,7 +71,8 @@ private:
             case '{':
                 dots_ = 0;
                 ++at_;
-                if (++depth_ > kDeepestNesting) return fmt::format("nested too deep; at most {} arrays and tables", kDeepestNesting);
+                if (++depth_ > kDeepestNesting)
+                    return fmt::format("nested too deep; at most {} arrays and tables", kDeepestNesting);
                 return std::nullopt;
             case ']':
             case '}':
@@ -136,7 +139,9 @@ Place place_of_byte(std::string_view text, std::size_t offset) {
     const std::size_t line_start = before.rfind('\n') + 1;  // npos + 1 = 0: the first line
     const auto is_first_byte = [](char c) { return (static_cast<unsigned char>(c) & 0xC0u) != 0x80u; };
     return {static_cast<int>(std::count(before.begin(), before.end(), '\n')) + 1,
-            static_cast<int>(std::count_if(before.begin() + static_cast<std::ptrdiff_t>(line_start), before.end(), is_first_byte)) + 1};
+            static_cast<int>(
+                std::count_if(before.begin() + static_cast<std::ptrdiff_t>(line_start), before.end(), is_first_byte)) +
+                1};
 }
 
 }  // namespace dttmm

@@ -18,7 +18,9 @@
 namespace dttmm {
 namespace {
 
-[[noreturn]] void fail(const std::string& text) { throw Error(ExitCode::model_invalid, text); }
+[[noreturn]] void fail(const std::string& text) {
+    throw Error(ExitCode::model_invalid, text);
+}
 
 /// A unit as scale times a product of powers of SI base units.
 struct Unit {
@@ -85,8 +87,9 @@ private:
         ut_set_error_message_handler(&ut_ignore);  // faults are told by us, with their place
         system_.reset(ut_read_xml(nullptr));
         if (!system_)
-            throw Error(ExitCode::input_output,
-                        "cannot read the unit database of UDUNITS-2; is it installed, and UDUNITS2_XML_PATH unset or right?");
+            throw Error(
+                ExitCode::input_output,
+                "cannot read the unit database of UDUNITS-2; is it installed, and UDUNITS2_XML_PATH unset or right?");
         const UnitPointer degree(ut_parse(system_.get(), "arc_degree", UT_UTF8), &ut_free);
         ut_map_symbol_to_unit("deg", UT_ASCII, degree.get());
     }
@@ -152,7 +155,9 @@ const std::vector<std::vector<std::string>>& usual_units() {
     return units;
 }
 
-std::optional<Unit> parse_unit(std::string_view text) { return UnitSystem::instance().parse(std::string(text)); }
+std::optional<Unit> parse_unit(std::string_view text) {
+    return UnitSystem::instance().parse(std::string(text));
+}
 
 /// The SI unit with the dimension of `unit` as text.
 std::string si_text(const Unit& unit) {
@@ -164,9 +169,13 @@ std::string si_text(const Unit& unit) {
     return text;
 }
 
-std::string accepted_text(std::string_view wanted) { return listed(accepted_units(wanted)); }
+std::string accepted_text(std::string_view wanted) {
+    return listed(accepted_units(wanted));
+}
 
-bool is_cycles(std::string_view unit) { return unit.find("Hz") != unit.npos || unit.find("hertz") != unit.npos; }
+bool is_cycles(std::string_view unit) {
+    return unit.find("Hz") != unit.npos || unit.find("hertz") != unit.npos;
+}
 
 std::string_view trimmed(std::string_view text) {
     constexpr const char* kBlanks = " \t\r\n";
@@ -174,7 +183,9 @@ std::string_view trimmed(std::string_view text) {
     return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
 }
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
 
 struct NumberAndUnit {
     double number;

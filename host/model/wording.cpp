@@ -52,12 +52,15 @@ std::string quote(std::string_view text) {
     return result + "\"";
 }
 
-std::string number_text(double value) { return fmt::format("{}", value); }
+std::string number_text(double value) {
+    return fmt::format("{}", value);
+}
 
 int compute_edit_distance(std::string_view a, std::string_view b) {
     a = a.substr(0, kLongestName);
     b = b.substr(0, kLongestName);
-    // row[j]: distance between the first i + 1 bytes of a and the first j of b; `above` and `two_above` the same for i, i - 1.
+    // row[j]: distance between the first i + 1 bytes of a and the first j of b; `above` and `two_above` the same for i, i
+    // - 1.
     std::vector<int> two_above, above(b.size() + 1), row(b.size() + 1);
     std::iota(above.begin(), above.end(), 0);
     for (std::size_t i = 0; i < a.size(); ++i) {

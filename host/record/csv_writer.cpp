@@ -12,6 +12,7 @@ namespace dttmm {
 namespace {
 
 constexpr std::size_t kMostWaiting = 64 * 1024;  // bytes
+constexpr std::size_t kPage = 4096;              // bytes: the kernel takes a write page by page
 constexpr std::chrono::milliseconds kLongestWait{100};
 constexpr std::size_t kLongestNumber = 25;  // "-2.2250738585072014e-308" and a comma
 
@@ -64,17 +65,33 @@ void CsvWriter::finish() {
 }
 
 void CsvWriter::write_waiting_rows() {
-    const std::size_t written = file_.write_some(waiting_);
-    if (written < waiting_.size()) {
-        const int reason = errno;
-        file_size_ += written == 0 ? 0 : waiting_.rfind('\n', written - 1) + 1;  // npos + 1 = 0: not one whole row
-        waiting_.clear();
-        file_.truncate(file_size_);
-        throw file_error(file_.path(), "cannot write", reason);
+    std::string_view rest = waiting_;
+    while (!rest.empty()) {
+        const std::string_view rows = rest.substr(0, size_of_next_write(rest));
+        const std::size_t written = file_.write_some(rows);
+        if (written < rows.size()) fail(rows.substr(0, written));
+        file_size_ += written;
+        rest.remove_prefix(written);
     }
-    file_size_ += written;
     waiting_.clear();
     last_write_ = Clock::now();
+}
+
+/// The whole rows of `rest` that fit into the file's last page; if there are none, the one row that crosses its end.
+std::size_t CsvWriter::size_of_next_write(std::string_view rest) const {
+    const std::size_t room = kPage - file_size_ % kPage;
+    if (rest.size() <= room) return rest.size();
+    const std::size_t fitting = rest.rfind('\n', room - 1) + 1;  // npos + 1 = 0
+    return fitting > 0 ? fitting : rest.find('\n') + 1;
+}
+
+/// written: what the disk took of the last write.
+void CsvWriter::fail(std::string_view written) {
+    const int reason = errno;
+    file_size_ += written.rfind('\n') + 1;  // npos + 1 = 0: not one whole row
+    waiting_.clear();
+    file_.truncate(file_size_);
+    throw file_error(file_.path(), "cannot write", reason);
 }
 
 }  // namespace dttmm

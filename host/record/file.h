@@ -10,12 +10,10 @@
 
 namespace dttmm {
 
-/// Error(input_output) with the text "<path>: <fault>: <reason>; <cure>", reason and cure taken from `error_number` (an
-/// errno).
+/// Error(input_output) with the text "<path>: <fault>: <reason>; <cure>", reason and cure from `error_number`, an errno.
 Error file_error(const std::filesystem::path& path, std::string_view fault, int error_number);
 
-/// A file open for writing; closed with its owner, never inherited by another program, never reached through a symbolic
-/// link.
+/// A file open for writing; closed with its owner, not inherited by other programs, never reached through a link.
 class File {
 public:
     /// Creates the file, or empties the one that is there. Throws Error(input_output).

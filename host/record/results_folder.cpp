@@ -100,7 +100,10 @@ std::string describe_this_process() {
 File lock_marker(const fs::path& folder) {
     File marker = File::open(folder / kMarker);
     if (::flock(marker.descriptor(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-        throw refusal(folder, fmt::format("another run is writing into it ({}); wait for it to end", read_holder(marker)));
+        throw Error(
+            ExitCode::input_output,
+            fmt::format("{}: another run is writing into it ({}); wait for it to end, or choose another folder with -o",
+                        folder.string(), read_holder(marker)));
     return marker;
 }
 
@@ -110,13 +113,14 @@ void remove_entry(const fs::path& path) {
     if (failure) throw file_error(path, "cannot remove the old result", failure.value());
 }
 
+/// Removes all but the marker; nothing at all while another run writes into one of the cases.
 void clear(const fs::path& folder) {
-    for (const fs::path& entry : read_entries(folder)) {
+    const std::vector<fs::path> entries = read_entries(folder);
+    for (const fs::path& entry : entries)
+        if (is_case_folder(entry)) ResultsFolder(entry, Claim::keep);  // refuses
+    for (const fs::path& entry : entries) {
         if (entry.filename() == kMarker) continue;
-        if (is_case_folder(entry)) {
-            const ResultsFolder nested(entry);  // refuses while another run writes into the case
-            remove_entry(nested.file(kMarker));
-        }
+        if (is_case_folder(entry)) remove_entry(ResultsFolder(entry).file(kMarker));
         remove_entry(entry);
     }
 }

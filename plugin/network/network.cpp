@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -20,6 +21,7 @@ using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 Eigen::Map<const Vector3> vector(const double* v) { return Eigen::Map<const Vector3>(v); }
 Eigen::Map<const RowMajor3> matrix(const double* m) { return Eigen::Map<const RowMajor3>(m); }
+Eigen::Map<Vector3> vector(double* v) { return Eigen::Map<Vector3>(v); }
 Eigen::Map<Vector6> vector6(double* v) { return Eigen::Map<Vector6>(v); }
 
 /// The output channels of every joint, in the order outputs() writes them.
@@ -50,7 +52,7 @@ Network::Network(const dttmm_network& description)
     const std::vector<End> ends = place_ends(description);
     for (uint32_t e = 0; e < description.element_count; ++e) build_joint(description, ends, e);
     joint_states_.resize(joints_.size());
-    port_states_.resize(static_cast<size_t>(port_count_));
+    ports_.resize(static_cast<size_t>(port_count_));
 }
 
 std::vector<Network::End> Network::place_ends(const dttmm_network& description) {
@@ -60,9 +62,12 @@ std::vector<Network::End> Network::place_ends(const dttmm_network& description) 
         if (node.kind > DTTMM_NODE_PORT)
             throw Error(DTTMM_ERROR_MODEL, fmt::format("node \"{}\": there is no node kind {}", node.name, node.kind));
         if (!vector(node.position).allFinite() || !is_rotation(matrix(node.rotation)))
-            throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("node \"{}\": its position must be finite and its axes orthonormal", node.name));
-        const int port = node.kind == DTTMM_NODE_PORT ? port_count_++ : -1;
-        ends.push_back({port, vector(node.position), matrix(node.rotation)});
+            throw Error(DTTMM_ERROR_ARGUMENT,
+                        fmt::format("node \"{}\": its position must be finite and its axes orthonormal", node.name));
+        End end{node.kind == DTTMM_NODE_PORT ? port_count_++ : -1, {}};
+        std::copy_n(node.position, 3, end.start.position);
+        std::copy_n(node.rotation, 9, end.start.rotation);
+        ends.push_back(end);
     }
     return ends;
 }
@@ -72,25 +77,23 @@ void Network::build_joint(const dttmm_network& description, const std::vector<En
     const int element = static_cast<int>(index);
     if (data.from >= ends.size() || data.to >= ends.size())
         throw Error(DTTMM_ERROR_MODEL, "an end is no node of the network", element);
-    const End& from = ends[data.from];
-    const End& to = ends[data.to];
-    if (from.port < 0 && to.port < 0) throw Error(DTTMM_ERROR_MODEL, "both ends are on the ground", element);
     if (data.from == data.to) throw Error(DTTMM_ERROR_MODEL, "both ends are the same node", element);
-
-    Joint joint;
-    joint.from = from;
-    joint.to = to;
+    Joint joint{ends[data.from], ends[data.to], {}, 1, {}, {}, nullptr};
+    if (joint.from.port < 0 && joint.to.port < 0) throw Error(DTTMM_ERROR_MODEL, "both ends are on the ground", element);
     try {
         joint.element = make_element(data.type, data.values);
     } catch (const Error& error) {
         throw Error(error.status(), error.what(), element);
     }
-    joint.stiffness = joint.element->stiffness();
-    joint.damping = joint.element->damping();
-    joint.turns = (joint.element->carried() >> 3).any();
-    joint.reference_position = from.ground_rotation.transpose() * (to.ground_position - from.ground_position);
-    joint.reference_rotation = from.ground_rotation.transpose() * to.ground_rotation;
-    joint.law.setZero();
+    for (int half : {kTranslation, kRotation}) {
+        joint.halves[half].stiffness = joint.element->stiffness().segment<3>(3 * half);
+        joint.halves[half].damping = joint.element->damping().segment<3>(3 * half);
+        joint.halves[half].law.setZero();
+    }
+    joint.half_count = (joint.element->carried() >> 3).any() ? 2 : 1;
+    const RowMajor3 R_from = matrix(joint.from.start.rotation);
+    joint.rest_position = R_from.transpose() * (vector(joint.to.start.position) - vector(joint.from.start.position));
+    joint.rest_rotation = R_from.transpose() * matrix(joint.to.start.rotation);
     joints_.push_back(std::move(joint));
     for (const auto& [name, unit] : kChannels) channels_.push_back({name, unit, index});
 }
@@ -103,30 +106,36 @@ void Network::load_weights(double weights[3]) const {
 
 // ---- Kinematics of a joint ----------------------------------------------------------------------------------------------
 
-Network::EndPose Network::pose_of(const End& end, const dttmm_motion* ports) {
-    if (end.port < 0) return {end.ground_position, end.ground_rotation};
-    return {vector(ports[end.port].position), matrix(ports[end.port].rotation)};
+inline Network::FrameView Network::committed(const End& end) const {
+    const Frame& frame = end.port < 0 ? end.start : ports_[static_cast<size_t>(end.port)];
+    return {frame.position, frame.rotation};
 }
 
-Network::EndPose Network::committed_pose(const End& end) const {
-    if (end.port < 0) return {end.ground_position, end.ground_rotation};
-    const PortState& port = port_states_[static_cast<size_t>(end.port)];
-    return {port.position, port.rotation};
+inline Network::FrameView Network::trial(const End& end, const dttmm_motion* ports) {
+    if (end.port < 0) return {end.start.position, end.start.rotation};
+    return {ports[end.port].position, ports[end.port].rotation};
 }
 
-Vector6 Network::deformation(const Joint& joint, const EndPose& from, const EndPose& to) {
-    Vector6 d;
-    d.head<3>() = from.rotation.transpose() * (to.position - from.position) - joint.reference_position;
-    if (joint.turns)
-        d.tail<3>() = rotation_vector(from.rotation.transpose() * to.rotation * joint.reference_rotation.transpose());
-    else
-        d.tail<3>().setZero();
+inline Vector3 Network::arm(FrameView from, FrameView to) { return vector(to.position) - vector(from.position); }
+
+inline Vector3 Network::translation(const Joint& joint, FrameView from, const Vector3& arm) {
+    return matrix(from.rotation).transpose() * arm - joint.rest_position;
+}
+
+Vector3 Network::rotation(const Joint& joint, FrameView from, FrameView to) {
+    return rotation_vector(matrix(from.rotation).transpose() * matrix(to.rotation) * joint.rest_rotation.transpose());
+}
+
+Vector6 Network::deformation(const Joint& joint, FrameView from, FrameView to) {
+    Vector6 d = Vector6::Zero();
+    d.head<3>() = translation(joint, from, arm(from, to));
+    if (joint.half_count > 1) d.tail<3>() = rotation(joint, from, to);
     return d;
 }
 
 Vector6 Network::deformation_rate(const Joint& joint, const dttmm_motion* ports) {
-    // r = R_fromᵀ (p_to − p_from)  =>  r' = R_fromᵀ (v_to − v_from − ω_from × (p_to − p_from))
-    const EndPose from = pose_of(joint.from, ports), to = pose_of(joint.to, ports);
+    // r = R_fromᵀ p,  p = p_to − p_from  =>  r' = R_fromᵀ (p' − ω_from × p)
+    const FrameView from = trial(joint.from, ports), to = trial(joint.to, ports);
     Vector3 v = Vector3::Zero(), w = Vector3::Zero();
     if (joint.to.port >= 0) {
         v += vector(ports[joint.to.port].velocity);
@@ -134,80 +143,79 @@ Vector6 Network::deformation_rate(const Joint& joint, const dttmm_motion* ports)
     }
     if (joint.from.port >= 0) {
         const Vector3 w_from = vector(ports[joint.from.port].angular_velocity);
-        v -= vector(ports[joint.from.port].velocity) + w_from.cross(to.position - from.position);
+        v -= vector(ports[joint.from.port].velocity) + w_from.cross(arm(from, to));
         w -= w_from;
     }
     Vector6 rate;
-    rate.head<3>() = from.rotation.transpose() * v;
-    rate.tail<3>() = joint.turns ? Vector3(from.rotation.transpose() * w) : Vector3::Zero();
+    rate << matrix(from.rotation).transpose() * v, matrix(from.rotation).transpose() * w;
     return rate;
 }
 
 Vector6 Network::deformation_acceleration(const Joint& joint, const dttmm_motion* ports, const double* accelerations) {
-    // r'' = R_fromᵀ (a_to − a_from − α × p − ω × (ω × p) − 2 ω × (p' − ω × p)),  p = p_to − p_from, ω and α of the from end
-    const EndPose from = pose_of(joint.from, ports), to = pose_of(joint.to, ports);
-    Vector3 a = Vector3::Zero(), angular = Vector3::Zero(), p_rate = Vector3::Zero();
+    // r'' = R_fromᵀ (p'' − α × p − ω × (ω × p) − 2 ω × (p' − ω × p)),   ω and α of the `from` end
+    const FrameView from = trial(joint.from, ports), to = trial(joint.to, ports);
+    Vector3 a = Vector3::Zero(), alpha = Vector3::Zero(), p_rate = Vector3::Zero(), w_to = Vector3::Zero();
     if (joint.to.port >= 0) {
         a += vector(accelerations + 6 * joint.to.port);
-        angular += vector(accelerations + 6 * joint.to.port + 3);
+        alpha += vector(accelerations + 6 * joint.to.port + 3);
         p_rate += vector(ports[joint.to.port].velocity);
+        w_to = vector(ports[joint.to.port].angular_velocity);
     }
     if (joint.from.port >= 0) {
-        const Vector3 p = to.position - from.position;
+        const Vector3 p = arm(from, to);
         const Vector3 w = vector(ports[joint.from.port].angular_velocity);
-        const Vector3 alpha = vector(accelerations + 6 * joint.from.port + 3);
+        const Vector3 alpha_from = vector(accelerations + 6 * joint.from.port + 3);
         p_rate -= vector(ports[joint.from.port].velocity);
-        a -= vector(accelerations + 6 * joint.from.port) + alpha.cross(p) + w.cross(w.cross(p)) + 2 * w.cross(p_rate - w.cross(p));
-        angular -= alpha;
-        if (joint.to.port >= 0) angular -= w.cross(vector(ports[joint.to.port].angular_velocity));
+        a -= vector(accelerations + 6 * joint.from.port) + alpha_from.cross(p) + w.cross(w.cross(p)) +
+             2 * w.cross(p_rate - w.cross(p));
+        alpha -= alpha_from + w.cross(w_to);
     }
     Vector6 acceleration;
-    acceleration.head<3>() = from.rotation.transpose() * a;
-    acceleration.tail<3>() = joint.turns ? Vector3(from.rotation.transpose() * angular) : Vector3::Zero();
+    acceleration << matrix(from.rotation).transpose() * a, matrix(from.rotation).transpose() * alpha;
     return acceleration;
 }
 
 // ---- Wrenches on the ports ----------------------------------------------------------------------------------------------
 
-void Network::add_wrench(const Joint& joint, const Matrix3& R_from, const Vector3& arm, const Vector6& f, double* wrench) {
+inline void Network::add_wrench(const Joint& joint, FrameView from, const Vector3& arm, const Vector3* force, double* wrench) {
     // to: (−F, −M); from: (F, M + arm × F): forces and moments of the two ends balance about any point
-    const Vector3 force = R_from * f.head<3>();
-    const Vector3 moment = R_from * f.tail<3>();
+    const Vector3 F = matrix(from.rotation) * force[kTranslation];
+    const Vector3 M = joint.half_count > 1 ? Vector3(matrix(from.rotation) * force[kRotation]) : Vector3(Vector3::Zero());
     if (joint.to.port >= 0) {
-        auto on_to = vector6(wrench + 6 * joint.to.port);
-        on_to.head<3>() -= force;
-        on_to.tail<3>() -= moment;
+        double* on_to = wrench + 6 * joint.to.port;
+        vector(on_to) -= F;
+        vector(on_to + 3) -= M;
     }
     if (joint.from.port >= 0) {
-        auto on_from = vector6(wrench + 6 * joint.from.port);
-        on_from.head<3>() += force;
-        on_from.tail<3>() += moment + arm.cross(force);
+        double* on_from = wrench + 6 * joint.from.port;
+        vector(on_from) += F;
+        vector(on_from + 3) += M + arm.cross(F);
     }
 }
 
-void Network::add_stiffness(const Joint& joint, const Vector6& gain, const EndPose& from, const EndPose& to,
-                            const Matrix3& R_from, const Vector3& arm, double* stiffness) const {
+void Network::add_stiffness(const Joint& joint, const Vector6& gain, FrameView from, FrameView to, FrameView from_now,
+                            const Vector3& arm_now, double* stiffness) const {
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     Eigen::Map<RowMajor> S(stiffness, 6 * port_count_, 6 * port_count_);
 
     // δd = G_to δ(pose_to) + G_from δ(pose_from)
-    const Matrix3 to_local = from.rotation.transpose();
+    const Matrix3 to_local = matrix(from.rotation).transpose();
     Matrix6 G_to = Matrix6::Zero(), G_from = Matrix6::Zero();
     G_to.topLeftCorner<3, 3>() = to_local;
     G_from.topLeftCorner<3, 3>() = -to_local;
-    G_from.topRightCorner<3, 3>() = to_local * skew(to.position - from.position);
-    if (joint.turns) {
-        const Vector3 theta = rotation_vector(to_local * to.rotation * joint.reference_rotation.transpose());
-        G_to.bottomRightCorner<3, 3>() = rotation_vector_rate(theta) * to_local;
+    G_from.topRightCorner<3, 3>() = to_local * skew(arm(from, to));
+    if (joint.half_count > 1) {
+        G_to.bottomRightCorner<3, 3>() = rotation_vector_rate(rotation(joint, from, to)) * to_local;
         G_from.bottomRightCorner<3, 3>() = -G_to.bottomRightCorner<3, 3>();
     }
 
-    // δ(wrench_to) = −H δf,  δ(wrench_from) = +H δf plus the lever arm
+    // δ(wrench_to) = −H δf,  δ(wrench_from) = +H δf with the moment of the force over the lever arm
+    const Matrix3 R_now = matrix(from_now.rotation);
     Matrix6 H = Matrix6::Zero();
-    H.topLeftCorner<3, 3>() = R_from;
-    H.bottomRightCorner<3, 3>() = R_from;
+    H.topLeftCorner<3, 3>() = R_now;
+    H.bottomRightCorner<3, 3>() = R_now;
     Matrix6 H_from = H;
-    H_from.bottomLeftCorner<3, 3>() = skew(arm) * R_from;
+    H_from.bottomLeftCorner<3, 3>() = skew(arm_now) * R_now;
 
     const auto add = [&](int row_port, const Matrix6& rows, int column_port, const Matrix6& columns, double sign) {
         if (row_port < 0 || column_port < 0) return;
@@ -225,13 +233,13 @@ void Network::linearise(const dttmm_motion* ports, double* wrench, double* stiff
     if (stiffness) std::fill_n(stiffness, n * n, 0.0);
     if (damping) std::fill_n(damping, n * n, 0.0);
     for (const Joint& joint : joints_) {
-        const EndPose from = pose_of(joint.from, ports), to = pose_of(joint.to, ports);
-        const Vector3 arm = to.position - from.position;
-        const Vector6 f = joint.stiffness.cwiseProduct(deformation(joint, from, to)) +
-                          joint.damping.cwiseProduct(deformation_rate(joint, ports));
-        add_wrench(joint, from.rotation, arm, f, wrench);
-        if (stiffness) add_stiffness(joint, joint.stiffness, from, to, from.rotation, arm, stiffness);
-        if (damping) add_stiffness(joint, joint.damping, from, to, from.rotation, arm, damping);
+        const FrameView from = trial(joint.from, ports), to = trial(joint.to, ports);
+        const Vector6 &k = joint.element->stiffness(), &c = joint.element->damping();
+        const Vector6 f = k.cwiseProduct(deformation(joint, from, to)) + c.cwiseProduct(deformation_rate(joint, ports));
+        const Vector3 force[2] = {f.head<3>(), f.tail<3>()};
+        add_wrench(joint, from, arm(from, to), force, wrench);
+        if (stiffness) add_stiffness(joint, k, from, to, from, arm(from, to), stiffness);
+        if (damping) add_stiffness(joint, c, from, to, from, arm(from, to), damping);
     }
 }
 
@@ -240,77 +248,99 @@ void Network::linearise(const dttmm_motion* ports, double* wrench, double* stiff
 void Network::start(const dttmm_step& step, const dttmm_motion* ports, const double* accelerations) {
     if (open_) throw Error(DTTMM_ERROR_PHASE, "start: a step is open");
     if (!(step.size > 0) || !std::isfinite(step.size)) throw Error(DTTMM_ERROR_ARGUMENT, "start: the step size must be positive");
-    clock_ = {step.size, 0};
-    solve_laws();
-    for (int p = 0; p < port_count_; ++p)
-        port_states_[static_cast<size_t>(p)] = {vector(ports[p].position), matrix(ports[p].rotation)};
+    set_step_size(step.size);
     for (size_t j = 0; j < joints_.size(); ++j) {
         // The past before the start is the parabola through it: every scheme then starts without a rule of its own.
         const Joint& joint = joints_[j];
-        const Vector6 d = deformation(joint, pose_of(joint.from, ports), pose_of(joint.to, ports));
+        const Vector6 d = deformation(joint, trial(joint.from, ports), trial(joint.to, ports));
         const Vector6 rate = deformation_rate(joint, ports);
         const Vector6 acceleration = deformation_acceleration(joint, ports, accelerations);
         JointState& state = joint_states_[j];
-        for (int back = 0; back < 4; ++back) {
-            const double t = -back * step.size;
-            state.d[back] = d + t * rate + 0.5 * t * t * acceleration;
-        }
         state.dissipated = 0;
         state.power = 0;
-        recall(state, joint);
+        for (int half = 0; half < joint.half_count; ++half) {
+            for (int back = 0; back < 4; ++back) {
+                const double t = -back * step.size;
+                state.halves[half].d[back] = (d + t * rate + 0.5 * t * t * acceleration).segment<3>(3 * half);
+            }
+            recall(joint.halves[half], state.halves[half]);
+        }
+    }
+    for (int p = 0; p < port_count_; ++p) {
+        std::copy_n(ports[p].position, 3, ports_[static_cast<size_t>(p)].position);
+        std::copy_n(ports[p].rotation, 9, ports_[static_cast<size_t>(p)].rotation);
     }
     started_ = true;
 }
 
-void Network::solve_laws() {
+namespace {
+
+/// Velocity formula of an explicit scheme at t_n as weights of x at t_n, t_{n−1}, t_{n−2}, t_{n−3}: one unit history for each
+/// of the three old positions. The previous velocity that Fox-Euler wants is the host's, the mean of those over the two steps
+/// around t_{n−1}: (x_n − x_{n−2})/2h. Its own recursion would be driven unstable by a leap-frog host.
+std::array<double, 4> velocity_weights(uint32_t scheme, double h) {
+    const auto rule = [&](const History& past) {
+        switch (scheme) {
+            case DTTMM_SCHEME_BDF1: return bdf1(past, h);
+            case DTTMM_SCHEME_BDF2: return bdf2(past, h);
+            case DTTMM_SCHEME_HOUBOLT: return houbolt(past, h);
+            case DTTMM_SCHEME_PARK: return park(past, h);
+            default: return fox_euler(past, h);
+        }
+    };
+    std::array<double, 4> weights{};
+    for (size_t instant = 0; instant < 4; ++instant) {
+        Vector6 x[4];
+        for (size_t i = 0; i < 4; ++i) x[i] = Vector6::Constant(i == instant ? 1 : 0);
+        History past;
+        past.x = {x[1], x[2], x[3]};
+        past.v = {(x[0] - x[2]) / (2 * h), (x[1] - x[3]) / (2 * h), Vector6::Zero()};
+        past.a = {Vector6::Zero(), Vector6::Zero(), Vector6::Zero()};
+        weights[instant] = rule(past).velocity(x[0])(0);
+    }
+    return weights;
+}
+
+}  // namespace
+
+void Network::set_step_size(double h) {
+    clock_ = {h, 0};
     StepCoefficients step;
     if (is_implicit()) {
-        step = {centred_.weight_after(), centred_.gamma / clock_.step_size};
+        // f = k (w₊ d₊ + w₀ d + w₋ d₋) + c (C d₊ + D) = k̂ d₊ + known
+        step = {centred_.weight_after(), centred_.gamma / h};
+        elastic_weights_ = {centred_.weight_now(), centred_.weight_before(), 0, 0};
+        rate_weights_ = {(1 - 2 * centred_.gamma) / h, (centred_.gamma - 1) / h, 0, 0};
     } else {
-        step = {1, explicit_motion(JointState{}).C};
+        // f = k d + c (C d + D), all of it known: k̂ serves the transfer equations only
+        elastic_weights_ = {1, 0, 0, 0};
+        rate_weights_ = velocity_weights(scheme_, h);
+        step = {1, rate_weights_[0]};
     }
     for (size_t j = 0; j < joints_.size(); ++j) {
-        Joint& joint = joints_[j];
         try {
-            const Directions carried = joint.element->carried();
-            const EndForces ends = solve_driven_ends(joint.element->transfer(step, Vector6::Zero()), carried);
-            // f = [−q; m] of the input end against d = x_O − x_I: −∂q/∂x_O for forces, ∂m/∂θ_O for moments
-            for (int i = 0; i < 6; ++i) joint.law(i) = (i < 3 ? -1 : 1) * ends.S(i, 6 + i);
+            solve_law(joints_[j], step);
         } catch (const Error& error) {
             throw Error(error.status(), error.what(), static_cast<int>(j));
         }
     }
 }
 
-/// Velocity formula of the explicit schemes at t_n. The previous velocity that Fox-Euler wants is the host's: the mean of
-/// those over the two steps around t_{n−1}. Its own recursion would be driven unstable by a leap-frog host.
-AffineMotion Network::explicit_motion(const JointState& state) const {
-    const double h = clock_.step_size;
-    History past;
-    past.x = {state.d[1], state.d[2], state.d[3]};
-    past.v = {(state.d[0] - state.d[2]) / (2 * h), (state.d[1] - state.d[3]) / (2 * h), Vector6::Zero()};
-    switch (scheme_) {
-        case DTTMM_SCHEME_BDF1: return bdf1(past, h);
-        case DTTMM_SCHEME_BDF2: return bdf2(past, h);
-        case DTTMM_SCHEME_HOUBOLT: return houbolt(past, h);
-        case DTTMM_SCHEME_PARK: return park(past, h);
-        default: return fox_euler(past, h);
+void Network::solve_law(Joint& joint, const StepCoefficients& step) const {
+    // f = [−q; m] of the input end against d = x_O − x_I: −∂q/∂x_O for forces, ∂m/∂θ_O for moments
+    const EndForces ends = solve_driven_ends(joint.element->transfer(step, Vector6::Zero()), joint.element->carried());
+    for (int i = 0; i < 3; ++i) {
+        joint.halves[kTranslation].law(i) = -ends.S(i, 6 + i);
+        joint.halves[kRotation].law(i) = ends.S(3 + i, 9 + i);
     }
 }
 
-/// Works out what of the force over the coming step is known before its end is: everything for an explicit scheme.
-void Network::recall(JointState& state, const Joint& joint) const {
-    if (is_implicit()) {
-        // f = k (w₊ d₊ + w₀ d + w₋ d₋) + c (C d₊ + D) = k̂ d₊ + known
-        const double h = clock_.step_size;
-        const double C_now = (1 - 2 * centred_.gamma) / h, C_before = (centred_.gamma - 1) / h;
-        state.known =
-            joint.stiffness.cwiseProduct(centred_.weight_now() * state.d[0] + centred_.weight_before() * state.d[1]) +
-            joint.damping.cwiseProduct(C_now * state.d[0] + C_before * state.d[1]);
-    } else {
-        // f = k d + c (C d + D) = k̂ d + c D
-        state.known = joint.law.cwiseProduct(state.d[0]) + joint.damping.cwiseProduct(explicit_motion(state).D);
-    }
+/// What of the force over the coming step is known before its end is: everything for an explicit scheme.
+inline void Network::recall(const Half& half, HalfState& state) const {
+    Vector3 elastic = elastic_weights_[0] * state.d[0], rate = rate_weights_[0] * state.d[0];
+    elastic += elastic_weights_[1] * state.d[1];
+    for (size_t back = 1; back < (is_implicit() ? 2 : 4); ++back) rate += rate_weights_[back] * state.d[back];
+    state.known = half.stiffness.cwiseProduct(elastic) + half.damping.cwiseProduct(rate);
 }
 
 void Network::begin_step(const dttmm_step& step) {
@@ -320,22 +350,28 @@ void Network::begin_step(const dttmm_step& step) {
     open_ = true;
 }
 
-void Network::evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const {
+void Network::evaluate(const dttmm_motion* motion, double* wrench, double* stiffness) const {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "evaluate: no step is open");
     const size_t n = 6 * static_cast<size_t>(port_count_);
     std::fill_n(wrench, n, 0.0);
     if (stiffness) std::fill_n(stiffness, n * n, 0.0);
     for (size_t j = 0; j < joints_.size(); ++j) {
         const Joint& joint = joints_[j];
-        const EndPose now_from = committed_pose(joint.from), now_to = committed_pose(joint.to);
-        const Vector3 arm = now_to.position - now_from.position;
-        Vector6 f = joint_states_[j].known;
+        const JointState& state = joint_states_[j];
+        const FrameView from_now = committed(joint.from);
+        const Vector3 arm_now = arm(from_now, committed(joint.to));
+        Vector3 force[2] = {state.halves[kTranslation].known, state.halves[kRotation].known};
         if (is_implicit()) {
-            const EndPose from = pose_of(joint.from, trial), to = pose_of(joint.to, trial);
-            f += joint.law.cwiseProduct(deformation(joint, from, to));
-            if (stiffness) add_stiffness(joint, joint.law, from, to, now_from.rotation, arm, stiffness);
+            const FrameView from = trial(joint.from, motion), to = trial(joint.to, motion);
+            force[kTranslation] += joint.halves[kTranslation].law.cwiseProduct(translation(joint, from, arm(from, to)));
+            if (joint.half_count > 1) force[kRotation] += joint.halves[kRotation].law.cwiseProduct(rotation(joint, from, to));
+            if (stiffness) {
+                Vector6 law;
+                law << joint.halves[kTranslation].law, joint.halves[kRotation].law;
+                add_stiffness(joint, law, from, to, from_now, arm_now, stiffness);
+            }
         }
-        add_wrench(joint, now_from.rotation, arm, f, wrench);
+        add_wrench(joint, from_now, arm_now, force, wrench);
     }
 }
 
@@ -344,20 +380,26 @@ void Network::commit_step(const dttmm_motion* accepted) {
     const double h = clock_.step_size;
     for (size_t j = 0; j < joints_.size(); ++j) {
         const Joint& joint = joints_[j];
+        const FrameView from = trial(joint.from, accepted), to = trial(joint.to, accepted);
         JointState& state = joint_states_[j];
-        state.d[3] = state.d[2];
-        state.d[2] = state.d[1];
-        state.d[1] = state.d[0];
-        state.d[0] = deformation(joint, pose_of(joint.from, accepted), pose_of(joint.to, accepted));
-
-        const Vector6 rate = (state.d[0] - state.d[2]) / (2 * h);
-        const double power = rate.dot(joint.damping.cwiseProduct(rate));
+        double power = 0;
+        for (int half = 0; half < joint.half_count; ++half) {
+            HalfState& memory = state.halves[half];
+            memory.d[3] = memory.d[2];
+            memory.d[2] = memory.d[1];
+            memory.d[1] = memory.d[0];
+            memory.d[0] = half == kTranslation ? translation(joint, from, arm(from, to)) : rotation(joint, from, to);
+            const Vector3 rate = (memory.d[0] - memory.d[2]) / (2 * h);
+            power += rate.dot(joint.halves[half].damping.cwiseProduct(rate));
+            recall(joint.halves[half], memory);
+        }
         if (clock_.steps > 0) state.dissipated += 0.5 * h * (state.power + power);
         state.power = power;
-        recall(state, joint);
     }
-    for (int p = 0; p < port_count_; ++p)
-        port_states_[static_cast<size_t>(p)] = {vector(accepted[p].position), matrix(accepted[p].rotation)};
+    for (int p = 0; p < port_count_; ++p) {
+        std::copy_n(accepted[p].position, 3, ports_[static_cast<size_t>(p)].position);
+        std::copy_n(accepted[p].rotation, 9, ports_[static_cast<size_t>(p)].rotation);
+    }
     ++clock_.steps;
     open_ = false;
 }
@@ -370,46 +412,52 @@ void Network::discard_step() {
 // ---- State and results --------------------------------------------------------------------------------------------------
 
 size_t Network::state_size() const {
-    return sizeof(Clock) + joint_states_.size() * sizeof(JointState) + port_states_.size() * sizeof(PortState);
+    return sizeof(Clock) + joint_states_.size() * sizeof(JointState) + ports_.size() * sizeof(Frame);
 }
 
 void Network::save_state(void* buffer, size_t size) const {
     if (!started_ || open_) throw Error(DTTMM_ERROR_PHASE, "save_state: only between steps, after start");
-    if (size != state_size()) throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("save_state: the state has {} bytes, not {}", state_size(), size));
+    if (size != state_size())
+        throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("save_state: the state has {} bytes, not {}", state_size(), size));
     char* out = static_cast<char*>(buffer);
+    const size_t joints = joint_states_.size() * sizeof(JointState);
     std::memcpy(out, &clock_, sizeof clock_);
-    std::memcpy(out + sizeof clock_, joint_states_.data(), joint_states_.size() * sizeof(JointState));
-    std::memcpy(out + sizeof clock_ + joint_states_.size() * sizeof(JointState), port_states_.data(),
-                port_states_.size() * sizeof(PortState));
+    std::memcpy(out + sizeof clock_, joint_states_.data(), joints);
+    std::memcpy(out + sizeof clock_ + joints, ports_.data(), ports_.size() * sizeof(Frame));
 }
 
 void Network::restore_state(const void* buffer, size_t size) {
     if (!started_ || open_) throw Error(DTTMM_ERROR_PHASE, "restore_state: only between steps, after start");
-    if (size != state_size()) throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("restore_state: the state has {} bytes, not {}", state_size(), size));
+    if (size != state_size())
+        throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("restore_state: the state has {} bytes, not {}", state_size(), size));
     const char* in = static_cast<const char*>(buffer);
+    const size_t joints = joint_states_.size() * sizeof(JointState);
     Clock saved;
     std::memcpy(&saved, in, sizeof saved);
     if (saved.step_size != clock_.step_size)
         throw Error(DTTMM_ERROR_ARGUMENT, "restore_state: saved at another step size, or by another network");
     clock_ = saved;
-    std::memcpy(static_cast<void*>(joint_states_.data()), in + sizeof saved, joint_states_.size() * sizeof(JointState));
-    std::memcpy(static_cast<void*>(port_states_.data()), in + sizeof saved + joint_states_.size() * sizeof(JointState),
-                port_states_.size() * sizeof(PortState));
+    std::memcpy(static_cast<void*>(joint_states_.data()), in + sizeof saved, joints);
+    std::memcpy(static_cast<void*>(ports_.data()), in + sizeof saved + joints, ports_.size() * sizeof(Frame));
 }
 
 void Network::outputs(double* values) const {
     if (clock_.steps == 0) throw Error(DTTMM_ERROR_PHASE, "outputs: no step has been committed");
     for (size_t j = 0; j < joints_.size(); ++j) {
         const Joint& joint = joints_[j];
-        const JointState& state = joint_states_[j];
-        const Vector6& d = state.d[1];
-        const Vector6 rate = (state.d[0] - state.d[2]) / (2 * clock_.step_size);
-        const Vector6 elastic = joint.stiffness.cwiseProduct(d);
         double* out = values + kChannelsPerJoint * j;
-        vector6(out) = elastic + joint.damping.cwiseProduct(rate);
-        vector6(out + 6) = d;
-        out[12] = 0.5 * elastic.dot(d);
-        out[13] = state.dissipated;
+        vector6(out).setZero();
+        vector6(out + 6).setZero();
+        out[12] = 0;
+        for (int half = 0; half < joint.half_count; ++half) {
+            const Vector3* d = joint_states_[j].halves[half].d;  // d[1] is that at t_n, the start of the last step
+            const Vector3 rate = (d[0] - d[2]) / (2 * clock_.step_size);
+            const Vector3 elastic = joint.halves[half].stiffness.cwiseProduct(d[1]);
+            vector(out + 3 * half) = elastic + joint.halves[half].damping.cwiseProduct(rate);
+            vector(out + 6 + 3 * half) = d[1];
+            out[12] += 0.5 * elastic.dot(d[1]);
+        }
+        out[13] = joint_states_[j].dissipated;
     }
 }
 

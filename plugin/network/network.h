@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -40,73 +41,88 @@ public:
     void outputs(double* values) const;
 
 private:
-    /// One end of a joint: a port, or a point of the ground (port −1) that keeps this pose for ever.
-    struct End {
-        int port;
-        Vector3 ground_position;
-        Matrix3 ground_rotation;
+    /// A frame in the world: origin [m] and axes, row-major as in dttmm_motion.
+    struct Frame {
+        double position[3];
+        double rotation[9];
+    };
+    /// The same somewhere else in memory: a port's trial motion, the committed one, or a point of the ground.
+    struct FrameView {
+        const double* position;
+        const double* rotation;
     };
 
-    /// An element at work: its data, its reference configuration and its solved force law at the current step size.
+    /// One end of a joint: a port, or (port −1) a point of the ground, which stays where it was at the start.
+    struct End {
+        int port;
+        Frame start;
+    };
+
+    /// Three translations or three rotations of a joint: the same formulas hold for both.
+    struct Half {
+        Vector3 stiffness, damping;
+        Vector3 law;  ///< k̂: −∂f/∂d of the solved transfer equations [N/m, N m/rad]
+    };
+    static constexpr int kTranslation = 0, kRotation = 1;
+
+    /// An element at work: its data, its rest configuration and its solved force law at the current step size.
     struct Joint {
         End from, to;
-        Vector6 stiffness, damping;
-        bool turns;                 ///< carries a rotation: only then is the relative rotation worked out
-        Vector3 reference_position; ///< of the `to` end seen from the `from` end, in its axes, at rest
-        Matrix3 reference_rotation; ///< rest value of R_fromᵀ R_to
-        Vector6 law;                ///< k̂: −∂f/∂d of the solved transfer equations [N/m, N m/rad]
+        Half halves[2];
+        int half_count;           ///< 1 when it carries no rotation: then the relative rotation is not worked out
+        Vector3 rest_position;    ///< of the `to` end seen from the `from` end, in its axes
+        Matrix3 rest_rotation;    ///< R_fromᵀ R_to
         std::unique_ptr<const Element> element;
     };
 
     /// What changes from step to step, joint by joint; plain numbers, so that saving is copying.
+    struct HalfState {
+        Vector3 d[4];   ///< deformation at t_n, t_{n−1}, t_{n−2}, t_{n−3}
+        Vector3 known;  ///< part of the force over the open step that does not depend on its end
+    };
     struct JointState {
-        Vector6 d[4];       ///< deformation at t_n, t_{n−1}, t_{n−2}, t_{n−3}
-        Vector6 known;      ///< part of the force over the open step that does not depend on its end
+        HalfState halves[2];
         double dissipated;  ///< energy lost to damping up to t_{n−1} [J]
         double power;       ///< at t_{n−1} [W]
-    };
-    struct PortState {
-        Vector3 position;
-        Matrix3 rotation;
     };
     struct Clock {
         double step_size = 0;
         uint64_t steps = 0;  ///< committed since the start
     };
 
-    /// Pose of an end in the world, and the relative motion of two ends as their joint sees it.
-    struct EndPose {
-        Vector3 position;
-        Matrix3 rotation;
-    };
-    EndPose committed_pose(const End& end) const;
-    static EndPose pose_of(const End& end, const dttmm_motion* ports);
-    static Vector6 deformation(const Joint& joint, const EndPose& from, const EndPose& to);
+    FrameView committed(const End& end) const;
+    static FrameView trial(const End& end, const dttmm_motion* ports);
+    static Vector3 arm(FrameView from, FrameView to);
+    static Vector3 translation(const Joint& joint, FrameView from, const Vector3& arm);
+    static Vector3 rotation(const Joint& joint, FrameView from, FrameView to);
+    static Vector6 deformation(const Joint& joint, FrameView from, FrameView to);
     static Vector6 deformation_rate(const Joint& joint, const dttmm_motion* ports);
     static Vector6 deformation_acceleration(const Joint& joint, const dttmm_motion* ports, const double* accelerations);
 
-    /// Adds the wrenches of a joint force `f` (axes R_from) to its ports; `arm` leads from the `from` end to the `to` end.
-    static void add_wrench(const Joint& joint, const Matrix3& R_from, const Vector3& arm, const Vector6& f, double* wrench);
-    /// Adds −∂(wrench)/∂(pose) or −∂(wrench)/∂(velocity) of a joint whose force changes by `gain` times the deformation's
-    /// change: poses (or velocities) change at R_from_trial, arm_trial; forces act at R_from, arm.
-    void add_stiffness(const Joint& joint, const Vector6& gain, const EndPose& from, const EndPose& to, const Matrix3& R_from,
-                       const Vector3& arm, double* stiffness) const;
+    /// Adds the wrenches of a joint's force and moment (axes of `from`) to its ports; `arm` leads from `from` to `to`.
+    static void add_wrench(const Joint& joint, FrameView from, const Vector3& arm, const Vector3* force, double* wrench);
+    /// Adds −∂(wrench)/∂(pose), or by velocity, of a joint whose force changes by `gain` ∘ δd. The force acts in the axes
+    /// of `from_now` over the lever `arm_now`; the deformation changes with the frames from and to.
+    void add_stiffness(const Joint& joint, const Vector6& gain, FrameView from, FrameView to, FrameView from_now,
+                       const Vector3& arm_now, double* stiffness) const;
 
     std::vector<End> place_ends(const dttmm_network& description);
     void build_joint(const dttmm_network& description, const std::vector<End>& ends, uint32_t index);
-    void solve_laws();
-    void recall(JointState& state, const Joint& joint) const;
-    AffineMotion explicit_motion(const JointState& state) const;
+    void set_step_size(double h);
+    void solve_law(Joint& joint, const StepCoefficients& step) const;
+    void recall(const Half& half, HalfState& state) const;
 
     uint32_t scheme_;
     Centred centred_;
     int port_count_ = 0;
     std::vector<Joint> joints_;
-    std::vector<std::string> names_;
     std::vector<dttmm_channel> channels_;
 
+    /// Weights of d at t_n, t_{n−1}, t_{n−2}, t_{n−3} in the known part of the force, of the elastic and of the damping term.
+    std::array<double, 4> elastic_weights_{}, rate_weights_{};
+
     std::vector<JointState> joint_states_;
-    std::vector<PortState> port_states_;
+    std::vector<Frame> ports_;  ///< at t_n
     Clock clock_;
     bool started_ = false, open_ = false;
 };

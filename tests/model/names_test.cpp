@@ -7,7 +7,8 @@ namespace dttmm {
 namespace {
 
 TEST(Names, LettersOfAnyScriptDigitsUnderscoreAndMinusMakeAName) {
-    for (const char* name : {"plate", "Kolben-1", "плита_2", "板", "हड्डी", "é", "1"}) EXPECT_EQ(find_name_fault(name), std::nullopt) << name;
+    for (const char* name : {"plate", "Kolben-1", "плита_2", "板", "हड्डी", "é", "1"})
+        EXPECT_EQ(find_name_fault(name), std::nullopt) << name;
 }
 
 TEST(Names, WhatIsNoNameIsTold) {

@@ -24,7 +24,8 @@ inline const ElementCatalogue& test_catalogue() {
         {"lengths", "m", 2, DTTMM_PARAMETER_REQUIRED, 0, 0.5, 7, "lengths of the two halves"},
         {"ratio", "1", 1, 0, 0.25, 0, 0.5, "Poisson's ratio"},
     };
-    static const dttmm_element_type types[] = {{"spring_damper", 4, spring, "three-way spring-damper"}, {"strut", 2, strut, "strut"}};
+    static const dttmm_element_type types[] = {{"spring_damper", 4, spring, "three-way spring-damper"},
+                                               {"strut", 2, strut, "strut"}};
     static const ElementCatalogue catalogue = [] {
         ElementCatalogue result;
         result.add("dttmm", types[0]);
@@ -65,7 +66,9 @@ inline constexpr const char* kSimulation = "[simulation]\nduration = 1\nstep = 0
 inline constexpr const char* kBody = "[[body]]\nname = \"plate\"\nmass = 2\ninertia = [2, 3, 4]\nmarkers.a = [1, 2, 3]\n";
 
 /// A valid model with one body "plate" and its marker "a", and then `rest`, whose first line is line 12.
-inline std::string model_with(const std::string& rest) { return std::string(kStart) + kSimulation + kBody + rest; }
+inline std::string model_with(const std::string& rest) {
+    return std::string(kStart) + kSimulation + kBody + rest;
+}
 
 /// A valid model with `body` in place of the body; its first line, after [[body]] and name, is line 9.
 inline std::string body_with(const std::string& body) {

@@ -66,19 +66,23 @@ TEST(Units, QuantityOfAnyDimensionKeepsItsSiUnit) {
 }
 
 TEST(Units, WrongDimensionNamesTheExpectedOneAndTheUnitsAccepted) {
-    EXPECT_EQ(fault("500 kg", "N/m"), "expected a value in N/m, got \"500 kg\"; accepted here: N/m, N/mm, kN/m, kN/mm, MN/m");
+    EXPECT_EQ(fault("500 kg", "N/m"),
+              "expected a value in N/m, got \"500 kg\"; accepted here: N/m, N/mm, kN/m, kN/mm, MN/m");
     EXPECT_THAT(fault("5 N", "s"), HasSubstr("accepted here: s, ms, us, min"));
     EXPECT_THAT(fault("5 N", "m^7"), HasSubstr("accepted here: m^7"));
 }
 
 TEST(Units, UnknownUnitIsNamed) {
-    EXPECT_THAT(fault("500 N/furlongx", "N/m"), HasSubstr("unknown unit \"N/furlongx\" in \"500 N/furlongx\"; accepted here: N/m, N/mm"));
+    EXPECT_THAT(fault("500 N/furlongx", "N/m"),
+                HasSubstr("unknown unit \"N/furlongx\" in \"500 N/furlongx\"; accepted here: N/m, N/mm"));
     EXPECT_THAT(fault("500 N/mM", "N/m"), HasSubstr("unknown unit \"N/mM\""));
-    EXPECT_NEAR(parse_quantity("500 N/furlong", "N/m"), 500 / 201.168, 1e-5);  // a unit after all, of the US survey foot: 2e-6
+    EXPECT_NEAR(parse_quantity("500 N/furlong", "N/m"), 500 / 201.168,
+                1e-5);  // a unit after all, of the US survey foot: 2e-6
 }
 
 TEST(Units, OnlyUnitsThatMultiplyPass) {
-    for (const char* text : {"20 degC", "3 lg(re 1 mW)", "5 seconds since 2000-01-01", "5 m @ 3", "5 2 m", "5 -3 m", "5 .1 m", "5 +m"})
+    for (const char* text :
+         {"20 degC", "3 lg(re 1 mW)", "5 seconds since 2000-01-01", "5 m @ 3", "5 2 m", "5 -3 m", "5 .1 m", "5 +m"})
         EXPECT_THAT(error_of([&] { parse_quantity(text); }), HasSubstr("unknown unit")) << text;
 }
 
@@ -94,12 +98,16 @@ TEST(Units, CyclesAndRadiansAreKeptApart) {
     EXPECT_FALSE(measures("furlongx", "m"));
 }
 
-TEST(Units, CommaHintsAtThePoint) { EXPECT_THAT(fault("0,5 mm", "m"), HasSubstr("the decimal sign is a point")); }
+TEST(Units, CommaHintsAtThePoint) {
+    EXPECT_THAT(fault("0,5 mm", "m"), HasSubstr("the decimal sign is a point"));
+}
 
 TEST(Units, NumbersMustBeFiniteAndInRange) {
     for (const char* text : {"inf m", "nan", "-infinity"}) EXPECT_THAT(fault(text, "m"), HasSubstr("not finite")) << text;
-    for (const char* text : {"1e999 m", "1e-400 m", "1e305 km"}) EXPECT_THAT(fault(text, "m"), HasSubstr("out of range")) << text;
-    for (const char* text : {"mm", "x5", "--5 m", "= 5"}) EXPECT_THAT(fault(text, "m"), HasSubstr("expected a number")) << text;
+    for (const char* text : {"1e999 m", "1e-400 m", "1e306 km"})
+        EXPECT_THAT(fault(text, "m"), HasSubstr("out of range")) << text;
+    for (const char* text : {"mm", "x5", "--5 m", "= 5"})
+        EXPECT_THAT(fault(text, "m"), HasSubstr("expected a number")) << text;
     for (const char* text : {"", "  "}) EXPECT_THAT(fault(text, "m"), HasSubstr("empty")) << text;
     EXPECT_THAT(fault("5 " + std::string(100000, 'm'), "m"), HasSubstr("100002 bytes"));
 }

@@ -10,11 +10,17 @@ TEST(Wording, QuoteEscapesWhatATerminalWouldActUpon) {
     EXPECT_EQ(quote("plate"), "\"plate\"");
     EXPECT_EQ(quote("Платте é"), "\"Платте é\"");
     EXPECT_EQ(quote("a\nb\x1b[31m"), "\"a\\u{a}b\\u{1b}[31m\"");
-    EXPECT_EQ(quote("a\u202e" "b"), "\"a\\u{202e}b\"");  // right-to-left override
-    EXPECT_EQ(quote("\xff" "a"), "\"\\xffa\"");
+    EXPECT_EQ(quote("a\u202e"
+                    "b"),
+              "\"a\\u{202e}b\"");  // right-to-left override
+    EXPECT_EQ(quote("\xff"
+                    "a"),
+              "\"\\xffa\"");
 }
 
-TEST(Wording, QuoteIsShort) { EXPECT_EQ(quote(std::string(10000, 'x')), "\"" + std::string(100, 'x') + "…\""); }
+TEST(Wording, QuoteIsShort) {
+    EXPECT_EQ(quote(std::string(10000, 'x')), "\"" + std::string(100, 'x') + "…\"");
+}
 
 // Oracle: counted by hand; "ca" to "abc" is the textbook pair that tells this distance (3) from the unrestricted one (2).
 TEST(Wording, EditDistanceCountsEditsAndSwaps) {

@@ -133,20 +133,26 @@ TEST(CsvWriter, HeaderIsThereAtOnceAndRowsFollowWithin100Milliseconds) {
     EXPECT_EQ(read_text(folder / "history.csv"), expected_text(2));
 }
 
-// Oracle: the promise of the header, watched where it matters, at the call to the system.
-TEST(CsvWriter, EveryWriteHoldsWholeRowsAndAbout64KiB) {
-    std::vector<std::size_t> sizes;
-    bool all_whole = true;
-    const ReplacedWrite watch([&](int descriptor, const void* data, std::size_t size) {
-        sizes.push_back(size);
-        all_whole = all_whole && static_cast<const char*>(data)[size - 1] == '\n';
-        return real_write(descriptor, data, size);
-    });
+// Oracle: the promise of the header, watched where it matters, at the call to the system: whole rows, and a page boundary
+// inside of one row at most.
+TEST(CsvWriter, EveryWriteHoldsWholeRowsAndCrossesNoPageWithTwo) {
     const TemporaryFolder folder;
-    write_rows(folder / "history.csv", 5000);
-    EXPECT_TRUE(all_whole);
-    EXPECT_GE(sizes.size(), 4U);
-    EXPECT_LE(*std::max_element(sizes.begin(), sizes.end()), 64U * 1024 + 80);
+    std::vector<std::string> writes;
+    {
+        const ReplacedWrite watch([&](int descriptor, const void* data, std::size_t size) {
+            writes.emplace_back(static_cast<const char*>(data), size);
+            return real_write(descriptor, data, size);
+        });
+        write_rows(folder / "history.csv", 5000);
+    }
+    std::size_t start = 0;
+    for (const std::string& text : writes) {
+        const std::size_t end = start + text.size();
+        EXPECT_EQ(text.back(), '\n');
+        EXPECT_TRUE(start / 4096 == (end - 1) / 4096 || std::count(text.begin(), text.end(), '\n') == 1)
+            << start << ' ' << end;
+        start = end;
+    }
     EXPECT_EQ(read_text(folder / "history.csv"), expected_text(5000));
 }
 
@@ -217,27 +223,34 @@ TEST(CsvWriter, AFullDiskLeavesWholeRowsWhereverItFills) {
     }
 }
 
-// Oracle: row n is a known function of n, so every byte is known. The pace is that of a real run: 20 000 rows a second.
+/// Writes rows for ever at the pace of a real run, 20 000 a second.
+void write_until_killed(const std::filesystem::path& path) {
+    CsvWriter writer(path, kChannels);
+    const auto start = std::chrono::steady_clock::now();
+    for (int n = 0;; ++n) {
+        writer.write_row(make_row(n));
+        while (std::chrono::steady_clock::now() < start + n * std::chrono::microseconds(50)) {
+        }
+    }
+}
+
+// Oracle: row n is a known function of n, so every byte is known. A kill may tear the last row (see the header), but so
+// seldom that two in twelve are a fault.
 TEST(CsvWriter, AKilledProcessLeavesWholeRows) {
+    int torn = 0;
     for (int kill = 0; kill < 12; ++kill) {
         const TemporaryFolder folder;
-        const pid_t child = start_child([&] {
-            CsvWriter writer(folder / "history.csv", kChannels);
-            const auto start = std::chrono::steady_clock::now();
-            for (int n = 0;; ++n) {
-                writer.write_row(make_row(n));
-                while (std::chrono::steady_clock::now() < start + n * std::chrono::microseconds(50)) {
-                }
-            }
-        });
-        std::this_thread::sleep_for(std::chrono::milliseconds(150 + 37 * kill));
+        const pid_t child = start_child([&] { write_until_killed(folder / "history.csv"); });
+        std::this_thread::sleep_for(std::chrono::milliseconds(250 + 37 * kill));
         ::kill(child, SIGKILL);
         EXPECT_EQ(wait_for(child), -SIGKILL);
         const std::string text = read_text(folder / "history.csv");
         const auto rows = static_cast<int>(std::count(text.begin(), text.end(), '\n')) - 2;
-        EXPECT_GT(rows, 500);
-        EXPECT_EQ(text, expected_text(rows));
+        EXPECT_GT(rows, 100);
+        EXPECT_TRUE(text.starts_with(expected_text(rows)));
+        torn += text.back() == '\n' ? 0 : 1;
     }
+    EXPECT_LE(torn, 1);
 }
 
 }  // namespace

@@ -147,7 +147,7 @@ TEST(Hdf5Writer, AfterAFullDiskTheNextFileIsWhole) {
             limit_file_size(RLIM_INFINITY);
             write_file(folder / "history.h5", 2500);
         }
-        if (testing::Test::HasFailure()) throw Error(ExitCode::internal_error, "");
+        std::_Exit(testing::Test::HasFailure() ? 1 : 0);  // HDF5 loses the memory of a failed file; not our leak to report
     };
     EXPECT_EQ(run_in_child(full_then_free), 0);
     expect_rows(folder / "history.h5", 2500);

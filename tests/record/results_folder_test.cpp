@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "record/results_folder.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -92,7 +93,7 @@ TEST(ResultsFolder, OneForeignEntryAmongOursProtectsAll) {
         const TemporaryFolder temporary;
         make_old_results(temporary.path());
         add(temporary / name);
-        expect_refused(temporary.path(), HasSubstr("\"" + fs::path(name).filename().string() + "\""));
+        expect_refused(temporary.path(), HasSubstr(fmt::format("\"{}\"", name)));
         EXPECT_EQ(read_text(temporary / "history.csv"), "old");
     };
     const auto add_file = [](const fs::path& path) { write_text(path, ""); };
@@ -165,7 +166,8 @@ TEST(ResultsFolder, ASecondRunIsRefusedAndToldWhoHoldsIt) {
     const ResultsFolder first(temporary / "plate");
     write_text(first.file("history.csv"), "running");
     const std::string holder = "process " + std::to_string(::getpid()) + " on host ";
-    expect_refused(temporary / "plate", AllOf(HasSubstr(holder), HasSubstr("wait for it to end, or choose another folder with -o")));
+    expect_refused(temporary / "plate",
+                   AllOf(HasSubstr(holder), HasSubstr("wait for it to end, or choose another folder with -o")));
     EXPECT_EQ(run_in_child([&] { ResultsFolder(temporary / "plate"); }), static_cast<int>(ExitCode::input_output));
     EXPECT_EQ(read_text(first.file("history.csv")), "running");
 }
@@ -185,9 +187,12 @@ TEST(ResultsFolder, AKilledRunFreesItsFolder) {
 
 TEST(ResultsFolder, ASweepIsNotClearedWhileOneOfItsCasesRuns) {
     const TemporaryFolder temporary;
-    { const ResultsFolder sweep(temporary.path()); }
+    make_old_results(temporary.path());
+    make_old_results(temporary / "case-1");
     const ResultsFolder running(temporary / "case-7");
     expect_refused(temporary.path(), HasSubstr("case-7: another run"));
+    EXPECT_EQ(read_text(temporary / "history.csv"), "old");
+    EXPECT_EQ(read_text(temporary / "case-1/history.csv"), "old");
 }
 
 TEST(ResultsFolder, ASweepHoldsItsFolderWhileItsCasesClaimTheirs) {

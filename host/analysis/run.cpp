@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/run.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "analysis/stop_signals.h"
+#include "analysis/summary.h"
+#include "coupling/stability.h"
+#include "record/atomic_file.h"
+#include "record/progress_bar.h"
+#include "record/recorder.h"
+#include "record/results_folder.h"
+#include "step/simulation.h"
+
+namespace dttmm {
+
+namespace {
+
+void print_warnings(const Model& model) {
+    for (const std::string& warning : model.warnings) fmt::print(stderr, "warning: {}\n", warning);
+}
+
+/// An explicit coupling beyond the limit of its scheme would throw the machine apart.
+void refuse_unstable(const Model& model, const Simulation& simulation, bool force) {
+    if (model.simulation.coupling != Coupling::explicit_) return;
+    const FastestMode& fastest = simulation.fastest_mode();
+    const double omega_h = fastest.omega * simulation.step_size();
+    const std::string facts = fmt::format("omega*h = {:.4g} (fastest vibration {:.5g} Hz, body \"{}\"; stable below {:g} without damping)",
+                                          omega_h, fastest.omega / (2 * M_PI), fastest.body, kExplicitLimit);
+    if (omega_h >= kExplicitLimit && !force)
+        throw Error(ExitCode::numerical_failure,
+                    fmt::format("the explicit coupling would diverge at a step of {:.6g} s: {}; use --step \"{:.3g} s\" or smaller, "
+                                "--coupling implicit, or --force to run anyway",
+                                simulation.step_size(), facts, 0.9 * kExplicitLimit / fastest.omega));
+    if (omega_h > 0.8 * kExplicitLimit) fmt::print(stderr, "warning: {}: near the limit of the explicit coupling\n", facts);
+}
+
+/// Runs to the end; says how it ended. A failure on the way is an outcome too: what was recorded is kept.
+struct Ending {
+    Outcome outcome;
+    ExitCode code = ExitCode::ok;
+};
+
+Ending advance_to_end(Simulation& simulation, bool quiet) {
+    const auto start = std::chrono::steady_clock::now();
+    Ending ending;
+    ProgressBar progress(quiet ? -1 : 2);
+    const uint64_t count = simulation.step_count();
+    try {
+        while (simulation.index() < count && !StopSignals::requested()) {
+            simulation.step();
+            if (simulation.index() % 64 == 0) progress.update(static_cast<double>(simulation.index()), static_cast<double>(count));
+        }
+        if (simulation.index() < count) ending = {{"stopped", StopSignals::reason(), 0}, StopSignals::exit_code()};
+    } catch (const Error& error) {
+        ending = {{"failed", error.what(), 0}, error.code()};
+    }
+    ending.outcome.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return ending;
+}
+
+/// One line per element: the direction of its largest force or moment, when it peaks and where it ends.
+void print_forces(const Recorder& recorder, const Model& model) {
+    const std::vector<Channel>& channels = recorder.channels();
+    size_t width = 7;
+    for (const Element& element : model.elements) width = std::max(width, element.name.size());
+    fmt::print("{:<{}}  {:>12}  {:>13}  {:>10}  {:>13}\n", "element", width, "", "peak", "at [s]", "final");
+    for (const Element& element : model.elements) {
+        for (const char* quantity : {"force", "moment"}) {
+            const std::string prefix = fmt::format("{}.{}.", element.name, quantity);
+            int largest = -1;
+            for (size_t c = 0; c < channels.size(); ++c)
+                if (channels[c].name.starts_with(prefix) &&
+                    (largest < 0 || recorder.statistics(static_cast<int>(c)).peak > recorder.statistics(largest).peak))
+                    largest = static_cast<int>(c);
+            if (largest < 0 || (recorder.statistics(largest).peak == 0 && quantity != std::string_view("force"))) continue;
+            const Channel& channel = channels[static_cast<size_t>(largest)];
+            const ChannelStatistics& statistics = recorder.statistics(largest);
+            fmt::print("{:<{}}  {:>12}  {:>13}  {:>10.5g}  {:>13}\n", element.name, width, channel.name.substr(element.name.size() + 1),
+                       fmt::format("{:.2f} {}", statistics.peak, channel.unit), statistics.peak_time,
+                       fmt::format("{:.2f} {}", statistics.final, channel.unit));
+        }
+    }
+}
+
+void print_report(const Recorder& recorder, const Model& model, const Simulation& simulation, const ResultsFolder& folder,
+                  const Outcome& outcome) {
+    if (!model.title.empty()) fmt::print("{}\n", model.title);
+    print_forces(recorder, model);
+    fmt::print("{} steps of {:g} s in {:.3g} s ({:.3g} us per step, {:.3g} passes), omega*h = {:.3g}\nresults in {}\n", simulation.index(),
+               simulation.step_size(), outcome.wall_time, 1e6 * outcome.wall_time / static_cast<double>(std::max<uint64_t>(simulation.index(), 1)),
+               static_cast<double>(simulation.end_of_step().passes()) / static_cast<double>(std::max<uint64_t>(simulation.index(), 1)),
+               simulation.fastest_mode().omega * simulation.step_size(), folder.path().string());
+}
+
+}  // namespace
+
+ExitCode run(const RunRequest& request) {
+    const StopSignals signals;
+    const Plugins plugins(request.plugins);
+    const Model model = read_model(request.model, plugins.catalogue(), request.overrides);
+    print_warnings(model);
+    Simulation simulation(model, plugins);
+    refuse_unstable(model, simulation, request.force);
+    const std::vector<int> selection = select_channels(simulation.channels(), model.output.channels);
+
+    const ResultsFolder folder(request.output.value_or(default_results_path(request.model)));
+    const Attributes attributes = {{"title", model.title}, {"version", DTTMM_VERSION}, {"model", model.source}};
+    Recorder recorder(folder, simulation.channels(), selection, attributes);
+    simulation.record_to(recorder);
+
+    const Ending ending = advance_to_end(simulation, request.quiet);
+    recorder.finish();
+    const Json summary = describe_run(model, request, plugins, simulation, recorder, ending.outcome);
+    write_atomically(folder.file("summary.json"), summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+
+    if (ending.outcome.status == "failed") {
+        throw Error(ending.code, fmt::format("{} ({} rows recorded in {})", ending.outcome.reason, recorder.rows(), folder.path().string()));
+    }
+    if (!request.quiet) print_report(recorder, model, simulation, folder, ending.outcome);
+    if (ending.code != ExitCode::ok) fmt::print(stderr, "{} at t = {:g} s; {} rows are kept\n", ending.outcome.reason, simulation.time(), recorder.rows());
+    return ending.code;
+}
+
+void check(const RunRequest& request) {
+    const Plugins plugins(request.plugins);
+    const Model model = read_model(request.model, plugins.catalogue(), request.overrides);
+    print_warnings(model);
+    Simulation simulation(model, plugins);
+    select_channels(simulation.channels(), model.output.channels);
+
+    const FastestMode& fastest = simulation.fastest_mode();
+    const bool implicit = model.simulation.coupling == Coupling::implicit;
+    fmt::print("{}: valid\n", request.model.string());
+    fmt::print("  {} bodies ({} unknowns per step), {} elements, {} loads, {} channels\n", model.bodies.size(), 6 * model.bodies.size(),
+               model.elements.size(), model.loads.size(), simulation.channels().size());
+    fmt::print("  {} coupling, {} steps of {:g} s, a row every {} steps\n", implicit ? "implicit" : "explicit", simulation.step_count() - 1,
+               model.simulation.step, model.output.every);
+    if (fastest.omega > 0)
+        fmt::print("  fastest vibration {:.6g} Hz at body \"{}\": omega*h = {:.4g} ({})\n", fastest.omega / (2 * M_PI), fastest.body,
+                   fastest.omega * model.simulation.step,
+                   implicit ? "the implicit coupling is stable at any" : fmt::format("stable below {:g} without damping", kExplicitLimit));
+    refuse_unstable(model, simulation, request.force);
+}
+
+void print_elements(const std::vector<std::string>& files) {
+    const Plugins plugins(files);
+    for (const PluginLibrary& library : plugins.libraries()) {
+        const dttmm_plugin& table = library.table();
+        fmt::print("plugin {}: {} {}\n", library.name(), table.name, table.version);
+        for (uint32_t t = 0; t < table.element_type_count; ++t) {
+            const dttmm_element_type& type = table.element_types[t];
+            fmt::print("\n  {}  {}\n", type.name, type.documentation ? type.documentation : "");
+            for (uint32_t p = 0; p < type.parameter_count; ++p) {
+                const dttmm_parameter& parameter = type.parameters[p];
+                const bool required = parameter.flags & DTTMM_PARAMETER_REQUIRED;
+                fmt::print("    {:<22} {} x {:<10} {:<12} {}\n", parameter.name, parameter.count, parameter.unit,
+                           required ? "required" : fmt::format("default {:g}", parameter.default_value), parameter.documentation);
+            }
+        }
+        fmt::print("\n");
+    }
+}
+
+}  // namespace dttmm

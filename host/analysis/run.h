@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "loader/plugins.h"
+#include "model/read_model.h"
+
+namespace dttmm {
+
+/// What the command line asks of `dttmm run` and `dttmm check`.
+struct RunRequest {
+    std::filesystem::path model;
+    ModelOverrides overrides;
+    std::vector<std::string> plugins;             ///< paths of foreign plugins
+    std::optional<std::filesystem::path> output;  ///< results folder; none: results/<model name>
+    bool force = false;                           ///< run an explicit coupling beyond its limit
+    bool quiet = false;                           ///< no table, no progress
+    std::string command_line;                     ///< as typed, for summary.json
+};
+
+/// Runs a model from 0 to its duration into its results folder and prints the table of peak and final forces. A run that fails
+/// or is stopped half way leaves what it has recorded, with the reason in summary.json. Returns ok, or the stop signal's code;
+/// throws Error for everything else, numerical_failure also when an explicit coupling would be unstable and force is not set.
+ExitCode run(const RunRequest& request);
+
+/// Reads and builds everything without a step; prints what would be solved, the step count and omega*h. Throws Error.
+void check(const RunRequest& request);
+
+/// Prints the element types of the built-in and the given plugins, from the plugins' own tables. Throws Error.
+void print_elements(const std::vector<std::string>& plugins);
+
+}  // namespace dttmm

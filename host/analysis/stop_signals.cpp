@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/stop_signals.h"
+
+#include <csignal>
+
+namespace dttmm {
+
+namespace {
+
+volatile std::sig_atomic_t received = 0;
+
+void on_signal(int number) {
+    if (received == SIGINT && number == SIGINT) {
+        std::signal(SIGINT, SIG_DFL);
+        std::raise(SIGINT);
+    }
+    received = number;
+}
+
+constexpr int kHandled[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
+constexpr int kIgnored[] = {SIGPIPE, SIGXFSZ};
+
+}  // namespace
+
+StopSignals::StopSignals() {
+    received = 0;
+    struct sigaction action {};
+    action.sa_handler = on_signal;
+    sigemptyset(&action.sa_mask);
+    for (int number : kHandled) sigaction(number, &action, nullptr);  // no SA_RESTART: a sweep's wait must wake up
+    for (int number : kIgnored) std::signal(number, SIG_IGN);
+}
+
+StopSignals::~StopSignals() {
+    for (int number : kHandled) std::signal(number, SIG_DFL);
+    for (int number : kIgnored) std::signal(number, SIG_DFL);
+}
+
+bool StopSignals::requested() { return received != 0; }
+
+ExitCode StopSignals::exit_code() { return received == SIGXCPU ? ExitCode::resource_limit : ExitCode::stopped_by_user; }
+
+const char* StopSignals::reason() { return received == SIGXCPU ? "the limit of processor time was reached" : "stopped by the user"; }
+
+}  // namespace dttmm

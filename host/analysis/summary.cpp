@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/summary.h"
+
+#include <fmt/format.h>
+
+#include <string_view>
+
+namespace dttmm {
+
+namespace {
+
+Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+Json matrix_json(const Eigen::Matrix3d& m) { return {vector_json(m.row(0)), vector_json(m.row(1)), vector_json(m.row(2))}; }
+
+std::string name_of(const Model& model, const Attachment& at) {
+    if (at.body < 0) return "ground";
+    const Body& body = model.bodies[static_cast<size_t>(at.body)];
+    return at.marker < 0 ? body.name : fmt::format("{}.{}", body.name, body.markers[static_cast<size_t>(at.marker)].name);
+}
+
+const char* scheme_name(const SimulationSettings& simulation) {
+    if (simulation.coupling == Coupling::implicit) return "centred";
+    switch (simulation.scheme) {
+        case ExplicitScheme::bdf1: return "bdf1";
+        case ExplicitScheme::bdf2: return "bdf2";
+        case ExplicitScheme::houbolt: return "houbolt";
+        case ExplicitScheme::park: return "park";
+        default: return "fox-euler";
+    }
+}
+
+Json describe_model(const Model& model, const ElementCatalogue& catalogue) {
+    Json bodies = Json::object(), elements = Json::object();
+    for (const Body& body : model.bodies) {
+        Json markers = Json::object();
+        for (const Marker& marker : body.markers) markers[marker.name] = vector_json(marker.position);
+        bodies[body.name] = {{"mass", body.mass},
+                             {"center_of_mass", vector_json(body.center_of_mass)},
+                             {"inertia", matrix_json(body.inertia)},
+                             {"position", vector_json(body.position)},
+                             {"rotation", matrix_json(body.rotation)},
+                             {"velocity", vector_json(body.velocity)},
+                             {"angular_velocity", vector_json(body.angular_velocity)},
+                             {"markers", markers}};
+    }
+    for (const Element& element : model.elements) {
+        const dttmm_element_type& type = *catalogue.types[static_cast<size_t>(element.type)];
+        Json& out = elements[element.name] = {{"type", type.name}, {"from", name_of(model, element.from)}, {"to", name_of(model, element.to)}};
+        auto value = element.values.begin();
+        for (uint32_t p = 0; p < type.parameter_count; ++p, value += type.parameters[p - 1].count)
+            out[type.parameters[p].name] = std::vector<double>(value, value + type.parameters[p].count);
+    }
+    Json parameters = Json::object();
+    for (const Parameter& parameter : model.parameters) parameters[parameter.name] = parameter.value;
+    return {{"title", model.title},
+            {"parameters", parameters},
+            {"simulation",
+             {{"duration", model.simulation.duration},
+              {"step", model.simulation.step},
+              {"coupling", model.simulation.coupling == Coupling::implicit ? "implicit" : "explicit"},
+              {"scheme", scheme_name(model.simulation)},
+              {"gravity", vector_json(model.simulation.gravity)}}},
+            {"bodies", bodies},
+            {"elements", elements}};
+}
+
+/// Channels "<owner>.<quantity>.<axis>" as owner → quantity → peak, time of peak and final value, per axis.
+Json describe_channels(const Recorder& recorder, bool (*wanted)(std::string_view quantity)) {
+    Json owners = Json::object();
+    for (size_t c = 1; c < recorder.channels().size(); ++c) {
+        const std::string& name = recorder.channels()[c].name;
+        const size_t axis = name.rfind('.');
+        const size_t quantity = axis == std::string::npos || axis == 0 ? std::string::npos : name.rfind('.', axis - 1);
+        if (quantity == std::string::npos || !wanted(std::string_view(name).substr(quantity + 1, axis - quantity - 1))) continue;
+        const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
+        owners[name.substr(0, quantity)][name.substr(quantity + 1, axis - quantity - 1)][name.substr(axis + 1)] = {
+            {"peak", statistics.peak}, {"peak_time", statistics.peak_time}, {"final", statistics.final}};
+    }
+    return owners;
+}
+
+Json describe_energy(const Recorder& recorder) {
+    Json energy = Json::object();
+    for (size_t c = 1; c < recorder.channels().size(); ++c) {
+        constexpr std::string_view kPrefix = "energy.";
+        const std::string& name = recorder.channels()[c].name;
+        if (!name.starts_with(kPrefix)) continue;
+        const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
+        energy[name.substr(kPrefix.size())] = {{"peak", statistics.peak}, {"final", statistics.final}};
+    }
+    return energy;
+}
+
+}  // namespace
+
+Json describe_inputs(const Model& model, const RunRequest& request) {
+    Json overrides = Json::object();
+    for (const auto& [name, value] : request.overrides.parameters) overrides[name] = value;
+    return {{"model_text", model.source},
+            {"set", overrides},
+            {"step", request.overrides.step.value_or("")},
+            {"duration", request.overrides.duration.value_or("")},
+            {"coupling", request.overrides.coupling.value_or("")},
+            {"plugins", request.plugins},
+            {"force", request.force},
+            {"version", DTTMM_VERSION}};
+}
+
+Json describe_run(const Model& model, const RunRequest& request, const Plugins& plugins, const Simulation& simulation,
+                  const Recorder& recorder, const Outcome& outcome) {
+    const auto steps = static_cast<double>(std::max<uint64_t>(simulation.index(), 1));
+    Json versions = {{"dttmm", DTTMM_VERSION}};
+    for (const PluginLibrary& library : plugins.libraries())
+        versions["plugins"][library.name()] = fmt::format("{} {}", library.table().name, library.table().version);
+    return {{"format", "dttmm-summary/1"},
+            {"status", outcome.status},
+            {"reason", outcome.reason},
+            {"title", model.title},
+            {"command_line", request.command_line},
+            {"versions", versions},
+            {"steps", simulation.index()},
+            {"rows", recorder.rows()},
+            {"wall_time", outcome.wall_time},
+            {"wall_time_per_step", outcome.wall_time / steps},
+            {"coupling",
+             {{"passes", simulation.end_of_step().passes()},
+              {"passes_per_step", static_cast<double>(simulation.end_of_step().passes()) / steps},
+              {"factorisations", simulation.end_of_step().factorisations()}}},
+            {"fastest_vibration",
+             {{"omega_h", simulation.fastest_mode().omega * simulation.step_size()},
+              {"frequency_hz", simulation.fastest_mode().omega / (2 * M_PI)},
+              {"body", simulation.fastest_mode().body}}},
+            {"energy", describe_energy(recorder)},
+            {"elements", describe_channels(recorder, [](std::string_view q) { return q == "force" || q == "moment"; })},
+            {"accelerations", describe_channels(recorder, [](std::string_view q) { return q == "acceleration"; })},
+            {"inputs", describe_inputs(model, request)},
+            {"model", describe_model(model, plugins.catalogue())}};
+}
+
+}  // namespace dttmm

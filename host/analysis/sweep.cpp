@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/sweep.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <set>
+#include <thread>
+
+#include "analysis/stop_signals.h"
+#include "analysis/summary.h"
+#include "model/wording.h"
+#include "record/atomic_file.h"
+#include "record/progress_bar.h"
+#include "record/results_folder.h"
+
+extern char** environ;
+
+namespace dttmm {
+
+namespace {
+
+struct Case {
+    SweepCase parameters;
+    std::filesystem::path folder;
+    std::string status = "missing";  ///< "completed", "failed", "missing"
+    std::string reason;
+    Json summary;
+};
+
+/// A file without a name that takes what a child says.
+class Capture {
+public:
+    Capture() : descriptor_(memfd_create("dttmm-case", MFD_CLOEXEC)) {
+        if (descriptor_ < 0) throw Error(ExitCode::resource_limit, fmt::format("no memory file for a case: {}", std::strerror(errno)));
+    }
+    ~Capture() {
+        if (descriptor_ >= 0) ::close(descriptor_);
+    }
+    Capture(Capture&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
+    Capture(const Capture&) = delete;
+    Capture& operator=(const Capture&) = delete;
+    Capture& operator=(Capture&&) = delete;
+    int descriptor() const { return descriptor_; }
+
+    /// The last line that is no warning.
+    std::string last_line() const {
+        std::string text(16384, '\0');
+        const ssize_t size = ::pread(descriptor_, text.data(), text.size(), 0);
+        text.resize(size > 0 ? static_cast<size_t>(size) : 0);
+        while (!text.empty() && text.back() == '\n') text.pop_back();
+        const size_t begin = text.rfind('\n');
+        return begin == std::string::npos ? text : text.substr(begin + 1);
+    }
+
+private:
+    int descriptor_;
+};
+
+Json read_summary(const std::filesystem::path& folder) {
+    std::ifstream file(folder / "summary.json");
+    return Json::parse(file, nullptr, false);
+}
+
+RunRequest request_of(const RunRequest& request, const Case& one) {
+    RunRequest own = request;
+    for (const auto& parameter : one.parameters) own.overrides.parameters.push_back(parameter);
+    return own;
+}
+
+std::vector<std::string> command_of(const RunRequest& request, const Case& one) {
+    const RunRequest own = request_of(request, one);
+    std::vector<std::string> words = {"dttmm", "run", request.model, "--quiet", "-o", one.folder};
+    const auto option = [&](const char* name, const std::optional<std::string>& value) {
+        if (value) words.insert(words.end(), {name, *value});
+    };
+    option("--step", own.overrides.step);
+    option("--duration", own.overrides.duration);
+    option("--coupling", own.overrides.coupling);
+    for (const auto& [name, value] : own.overrides.parameters) words.insert(words.end(), {"--set", name + "=" + value});
+    for (const std::string& plugin : own.plugins) words.insert(words.end(), {"--plugin", plugin});
+    if (own.force) words.push_back("--force");
+    return words;
+}
+
+pid_t spawn(const std::vector<std::string>& words, int error_descriptor) {
+    std::vector<char*> arguments;
+    for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+    arguments.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_adddup2(&actions, error_descriptor, STDERR_FILENO);
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);  // Ctrl-C reaches the sweep, which then stops its cases
+    posix_spawnattr_setpgroup(&attributes, 0);
+    pid_t child = 0;
+    const int fault = posix_spawn(&child, "/proc/self/exe", &actions, &attributes, arguments.data(), environ);
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&actions);
+    if (fault != 0) throw Error(ExitCode::resource_limit, fmt::format("a case could not be started: {}", std::strerror(fault)));
+    return child;
+}
+
+/// Judges a case by how its process ended and what it left.
+void conclude(Case& one, int wait_status, const Capture& said) {
+    one.summary = read_summary(one.folder);
+    const bool exited_well = WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == 0;
+    if (exited_well && one.summary.is_object() && one.summary.value("status", "") == "completed") {
+        one.status = "completed";
+        return;
+    }
+    one.status = "failed";
+    if (WIFSIGNALED(wait_status)) {
+        one.reason = fmt::format("killed by signal {} ({})", WTERMSIG(wait_status), strsignal(WTERMSIG(wait_status)));
+    } else {
+        const std::string line = said.last_line();
+        one.reason = fmt::format("exit code {}{}{}", WEXITSTATUS(wait_status), line.empty() ? "" : ": ", line);
+    }
+}
+
+bool reuse(Case& one, const Model& model, const RunRequest& request) {
+    Json summary = read_summary(one.folder);
+    if (!summary.is_object() || summary.value("status", "") != "completed" || !summary.contains("inputs") ||
+        summary["inputs"] != describe_inputs(model, request_of(request, one)))
+        return false;
+    one.status = "completed";
+    one.summary = std::move(summary);
+    return true;
+}
+
+/// Keeps `jobs` processes going until all cases in `todo` have ended or the user stops them.
+class Crew {
+public:
+    Crew(const RunRequest& request, std::vector<Case*> todo, int jobs, size_t reused, size_t total)
+        : request_(request), todo_(std::move(todo)), jobs_(jobs), done_(reused), total_(total), progress_(request.quiet ? -1 : 2) {}
+
+    void work() {
+        while (next_ < todo_.size() || !running_.empty()) {
+            if (StopSignals::requested()) {
+                stop();
+                return;
+            }
+            while (next_ < todo_.size() && static_cast<int>(running_.size()) < jobs_) launch(*todo_[next_++]);
+            await_one();
+            progress_.update(static_cast<double>(done_), static_cast<double>(total_), "cases");
+        }
+    }
+
+private:
+    struct Running {
+        Case* one;
+        Capture said;
+    };
+
+    void launch(Case& one) {
+        Capture said;
+        const pid_t child = spawn(command_of(request_, one), said.descriptor());
+        running_.emplace(child, Running{&one, std::move(said)});
+    }
+
+    void await_one() {
+        int status = 0;
+        const pid_t child = ::waitpid(-1, &status, 0);  // EINTR: a stop signal, seen by the caller
+        const auto found = running_.find(child);
+        if (found == running_.end()) return;
+        conclude(*found->second.one, status, found->second.said);
+        running_.erase(found);
+        ++done_;
+    }
+
+    void stop() {
+        for (const auto& [child, running] : running_) ::kill(child, SIGTERM);
+        for (const auto& [child, running] : running_)
+            while (::waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
+            }
+        running_.clear();
+    }
+
+    const RunRequest& request_;
+    std::vector<Case*> todo_;
+    int jobs_;
+    size_t next_ = 0, done_, total_;
+    std::map<pid_t, Running> running_;
+    ProgressBar progress_;
+};
+
+std::string csv_field(const std::string& text) {
+    if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+    std::string quoted = "\"";
+    for (char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+    return quoted + "\"";
+}
+
+/// Columns of sweep.csv behind case, parameters, status and reason: owner, quantity, axis and statistic.
+struct Column {
+    const char* section;
+    std::string owner, quantity, axis, statistic;
+};
+
+std::vector<Column> result_columns(const std::vector<Case>& cases, const Model& model) {
+    std::set<std::string> used;
+    const auto note = [&](const Attachment& at) {
+        if (at.body < 0 || at.marker < 0) return;
+        const Body& body = model.bodies[static_cast<size_t>(at.body)];
+        used.insert(body.name + "." + body.markers[static_cast<size_t>(at.marker)].name);
+    };
+    for (const Element& element : model.elements) {
+        note(element.from);
+        note(element.to);
+    }
+    for (const Load& load : model.loads) note(load.on);
+
+    std::vector<Column> columns;
+    const auto first = std::find_if(cases.begin(), cases.end(), [](const Case& one) { return one.status == "completed"; });
+    if (first == cases.end()) return columns;
+    for (const auto& [owner, quantities] : first->summary["elements"].items())
+        for (const auto& [axis, numbers] : quantities["force"].items())
+            for (const char* statistic : {"peak", "final"}) columns.push_back({"elements", owner, "force", axis, statistic});
+    for (const auto& [owner, quantities] : first->summary["accelerations"].items())
+        if (used.contains(owner))
+            for (const auto& [axis, numbers] : quantities["acceleration"].items())
+                columns.push_back({"accelerations", owner, "acceleration", axis, "peak"});
+    return columns;
+}
+
+std::string sweep_table(const std::vector<Case>& cases, const Model& model) {
+    const std::vector<Column> columns = result_columns(cases, model);
+    std::string text = "case";
+    for (const auto& [name, value] : cases.front().parameters) text += "," + csv_field(name);
+    text += ",status,reason";
+    for (const Column& c : columns) text += "," + csv_field(fmt::format("{}.{}.{}.{}", c.owner, c.quantity, c.axis, c.statistic));
+    text += "\n";
+    for (const Case& one : cases) {
+        text += one.folder.filename().string();
+        for (const auto& [name, value] : one.parameters) text += "," + csv_field(value);
+        text += fmt::format(",{},{}", one.status, csv_field(one.reason));
+        for (const Column& c : columns)
+            text += one.status == "completed"
+                        ? "," + number_text(one.summary.at(c.section).at(c.owner).at(c.quantity).at(c.axis).at(c.statistic).get<double>())
+                        : ",";
+        text += "\n";
+    }
+    return text;
+}
+
+void print_failures(const std::vector<Case>& cases) {
+    for (const Case& one : cases) {
+        if (one.status != "failed") continue;
+        std::string at;
+        for (const auto& [name, value] : one.parameters) at += fmt::format(" {}={}", name, value);
+        fmt::print(stderr, "{}{}: {}\n", one.folder.filename().string(), at, one.reason);
+    }
+}
+
+}  // namespace
+
+ExitCode run_sweep(const RunRequest& request, const std::vector<SweepAxis>& axes, int jobs) {
+    const StopSignals signals;
+    const Plugins plugins(request.plugins);
+    std::vector<Case> cases;
+    for (SweepCase& parameters : make_grid(axes)) cases.push_back({std::move(parameters), {}, "missing", {}, {}});
+    // The first case stands for all: its faults are the sweep's.
+    const Model model = read_model(request.model, plugins.catalogue(), request_of(request, cases.front()).overrides);
+
+    const ResultsFolder folder(request.output.value_or(default_results_path(request.model)), Claim::keep);
+    std::vector<Case*> todo;
+    for (size_t i = 0; i < cases.size(); ++i) {
+        cases[i].folder = folder.file(fmt::format("case-{:06}", i + 1));
+        if (!reuse(cases[i], model, request)) todo.push_back(&cases[i]);
+    }
+    const size_t reused = cases.size() - todo.size();
+    if (jobs <= 0) jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    Crew(request, std::move(todo), jobs, reused, cases.size()).work();
+
+    write_atomically(folder.file("sweep.csv"), sweep_table(cases, model));
+    print_failures(cases);
+    const auto count = [&](const char* status) {
+        return std::count_if(cases.begin(), cases.end(), [&](const Case& one) { return one.status == status; });
+    };
+    if (!request.quiet)
+        fmt::print("{} of {} cases completed ({} of them reused), {} failed, {} not run\nresults in {}\n", count("completed"), cases.size(),
+                   reused, count("failed"), count("missing"), folder.file("sweep.csv").string());
+    if (StopSignals::requested()) return StopSignals::exit_code();
+    return count("failed") > 0 ? ExitCode::cases_failed : ExitCode::ok;
+}
+
+}  // namespace dttmm

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cli/command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <new>
+
+#include "analysis/run.h"
+#include "analysis/sweep.h"
+
+namespace dttmm {
+
+namespace {
+
+/// What the words ask for.
+struct Arguments {
+    RunRequest request;
+    std::vector<std::string> sets, sweeps;
+    std::string output, step, duration, coupling;
+    int jobs = 0;
+};
+
+void add_model_options(CLI::App& command, Arguments& arguments) {
+    command.add_option("MODEL", arguments.request.model, "model file (TOML, format dttmm/1)")->required();
+    command.add_option("--set", arguments.sets, "name=value: another value for a parameter of the model")->allow_extra_args(false);
+    command.add_option("--step", arguments.step, "time step instead of the model's, e.g. \"0.5 ms\"");
+    command.add_option("--duration", arguments.duration, "duration instead of the model's");
+    command.add_option("--coupling", arguments.coupling, "\"implicit\" or \"explicit\" instead of the model's");
+    command.add_option("--plugin", arguments.request.plugins, "shared library with more element types")->allow_extra_args(false);
+    command.add_flag("--force", arguments.request.force, "run an explicit coupling beyond its stable step");
+}
+
+void add_run_options(CLI::App& command, Arguments& arguments) {
+    command.add_option("-o,--output", arguments.output, "results folder; default results/<model name>");
+    command.add_option("--sweep", arguments.sweeps, "name=from..to:count or name=value,value; several span a grid")->allow_extra_args(false);
+    command.add_option("-j,--jobs", arguments.jobs, "cases of a sweep at a time; default one per core")->check(CLI::Range(1, 4096));
+    command.add_flag("-q,--quiet", arguments.request.quiet, "no table and no progress bar");
+}
+
+std::pair<std::string, std::string> parse_set(const std::string& text) {
+    const size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0)
+        throw Error(ExitCode::usage, fmt::format("--set {}: write name=value", text));
+    return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+/// Moves the plain option texts to where the analyses look for them.
+void settle(Arguments& arguments) {
+    RunRequest& request = arguments.request;
+    for (const std::string& text : arguments.sets) request.overrides.parameters.push_back(parse_set(text));
+    if (!arguments.step.empty()) request.overrides.step = arguments.step;
+    if (!arguments.duration.empty()) request.overrides.duration = arguments.duration;
+    if (!arguments.coupling.empty()) request.overrides.coupling = arguments.coupling;
+    if (!arguments.output.empty()) request.output = arguments.output;
+}
+
+ExitCode run_or_sweep(const Arguments& arguments) {
+    if (arguments.sweeps.empty()) return run(arguments.request);
+    std::vector<SweepAxis> axes;
+    for (const std::string& text : arguments.sweeps) axes.push_back(parse_sweep_axis(text));
+    return run_sweep(arguments.request, axes, arguments.jobs);
+}
+
+ExitCode dispatch(int argc, char** argv) {
+    CLI::App app{"Rigid bodies by ODE, everything between them by transfer matrices.", "dttmm"};
+    app.set_version_flag("--version", DTTMM_VERSION);
+    app.require_subcommand(1);
+    Arguments arguments;
+    for (int i = 0; i < argc; ++i) arguments.request.command_line += (i ? " " : "") + std::string(argv[i]);
+
+    CLI::App* run_command = app.add_subcommand("run", "run a model and record its histories");
+    add_model_options(*run_command, arguments);
+    add_run_options(*run_command, arguments);
+    CLI::App* check_command = app.add_subcommand("check", "validate a model, print what would be solved");
+    add_model_options(*check_command, arguments);
+    CLI::App* elements_command = app.add_subcommand("elements", "list element types and their parameters");
+    elements_command->add_option("--plugin", arguments.request.plugins, "shared library with more element types")->allow_extra_args(false);
+
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? ExitCode::ok : ExitCode::usage;
+    }
+    settle(arguments);
+    if (*run_command) return run_or_sweep(arguments);
+    if (*check_command)
+        check(arguments.request);
+    else
+        print_elements(arguments.request.plugins);
+    return ExitCode::ok;
+}
+
+}  // namespace
+
+int run_command(int argc, char** argv) {
+    ExitCode code = ExitCode::internal_error;
+    try {
+        code = dispatch(argc, argv);
+    } catch (const Error& error) {
+        fmt::print(stderr, "dttmm: {}\n", error.what());
+        code = error.code();
+    } catch (const std::bad_alloc&) {
+        fmt::print(stderr, "dttmm: out of memory\n");
+        code = ExitCode::resource_limit;
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "dttmm: internal error: {}\n", error.what());
+    }
+    return static_cast<int>(code);
+}
+
+}  // namespace dttmm

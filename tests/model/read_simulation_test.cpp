@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model/read_simulation.h"
+
+#include "model/test_model.h"
+
+namespace dttmm {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+Model with(const std::string& text, const ModelOverrides& overrides = {}) {
+    return parse(simulation_with(text), overrides);
+}
+std::string fault(const std::string& text, const ModelOverrides& overrides = {}) {
+    return errors_of(simulation_with(text), overrides);
+}
+
+ModelOverrides with_options(std::optional<std::string> step, std::optional<std::string> duration = {},
+                            std::optional<std::string> coupling = {}) {
+    ModelOverrides overrides;
+    overrides.step = step;
+    overrides.duration = duration;
+    overrides.coupling = coupling;
+    return overrides;
+}
+
+TEST(ReadSimulation, SettingsAndDefaults) {
+    const SimulationSettings s = with("duration = \"1 s\"\nstep = \"1 ms\"\n").simulation;
+    EXPECT_EQ(s.duration, 1);
+    EXPECT_EQ(s.step, 0.001);
+    EXPECT_EQ(s.coupling, Coupling::implicit);
+    EXPECT_EQ(s.scheme, ExplicitScheme::fox_euler);
+    EXPECT_EQ(s.gravity, Eigen::Vector3d(0, 0, 0));
+    const SimulationSettings t =
+        with("duration = 1\nstep = 0.25\ncoupling = \"explicit\"\nscheme = \"houbolt\"\ngravity = [0, 0, \"-9.81 m/s^2\"]\n")
+            .simulation;
+    EXPECT_EQ(t.coupling, Coupling::explicit_);
+    EXPECT_EQ(t.scheme, ExplicitScheme::houbolt);
+    EXPECT_EQ(t.gravity.z(), -9.81);
+}
+
+TEST(ReadSimulation, StepMustBeReasonable) {
+    for (const char* step : {"0", "-1", "1e-300", "1e-10", "1.1"})
+        EXPECT_THAT(fault("duration = 2\nstep = " + std::string(step) + "\n"),
+                    HasSubstr("m.toml:6:8: simulation: step must be "))
+            << step;
+    for (const char* step : {"nan", "inf"})
+        EXPECT_THAT(fault("duration = 1\nstep = " + std::string(step) + "\n"), HasSubstr("step must be finite")) << step;
+    EXPECT_THAT(fault("duration = 1\nstep = 1e-10\n"), HasSubstr("must be ≥ 1e-09 s"));
+    EXPECT_THAT(fault("duration = 1\n"), HasSubstr("m.toml:4:1: simulation: missing key \"step\""));
+    EXPECT_THAT(errors_of(std::string(kStart) + kBody), HasSubstr("missing table [simulation] with duration and step"));
+}
+
+TEST(ReadSimulation, DurationIsAWholeNumberOfSteps) {
+    EXPECT_THAT(fault("duration = 0.1\nstep = 0.25\n"),
+                HasSubstr("m.toml:5:12: simulation: duration must be at least one step (0.25 s), got 0.1 s"));
+    EXPECT_THAT(fault("duration = \"1e6 s\"\nstep = 1e-5\n"),
+                HasSubstr("duration is 1e+11 steps; at most 1e+10 are allowed"));
+    EXPECT_THAT(fault("duration = 1.1\nstep = 0.25\n"),
+                HasSubstr("duration must be a whole number of steps, got 1.1 s / 0.25 s = 4.4; a duration of 1 s or 1.25 s "
+                          "would fit, or a step of 0.22 s or 0.275 s"));
+    EXPECT_NO_THROW(with("duration = 1\nstep = 0.333333333333\n"));  // within 1e-6 of a step
+    EXPECT_NO_THROW(with("duration = \"18.4 ms\"\nstep = \"0.1 ms\"\n"));
+}
+
+TEST(ReadSimulation, OptionsReplaceTheFile) {
+    const SimulationSettings s = with("duration = 1\nstep = 0.1\nscheme = \"park\"\ncoupling = \"explicit\"\n",
+                                      with_options("2 ms", "0.5", "implicit"))
+                                     .simulation;
+    EXPECT_EQ(s.step, 0.002);
+    EXPECT_EQ(s.duration, 0.5);
+    EXPECT_EQ(s.coupling, Coupling::implicit);
+    EXPECT_EQ(parse(std::string(kStart) + kBody, with_options("1 ms", "1 s")).simulation.step, 0.001);
+}
+
+TEST(ReadSimulation, FaultsOfOptionsNameThem) {
+    const std::string settings = "duration = 1\nstep = 0.1\n";
+    EXPECT_EQ(fault(settings, with_options("0")), "--step: step must be ≥ 1e-09 s, got 0");
+    EXPECT_THAT(fault(settings, with_options("1 kg")), HasSubstr("--step: step: expected a value in s, got \"1 kg\""));
+    EXPECT_THAT(fault(settings, with_options({}, "0.15")),
+                HasSubstr("--duration: duration must be a whole number of steps"));
+    EXPECT_THAT(fault(settings, with_options({}, {}, "implizit")),
+                HasSubstr("--coupling: must be one of: implicit, explicit; got \"implizit\""));
+}
+
+TEST(ReadSimulation, SchemeBelongsToTheExplicitCoupling) {
+    const std::string settings = "duration = 1\nstep = 0.1\n";
+    EXPECT_THAT(fault(settings + "scheme = \"park\"\n"),
+                HasSubstr("m.toml:7:1: simulation: scheme belongs to coupling = \"explicit\""));
+    EXPECT_THAT(fault(settings + "coupling = \"explicit\"\nscheme = \"newmark\"\n"),
+                HasSubstr("scheme must be one of: fox-euler, bdf1, bdf2, houbolt, park; got \"newmark\""));
+    EXPECT_THAT(fault(settings + "coupling = 3\n"), HasSubstr("coupling must be a text, got a number"));
+    EXPECT_THAT(fault(settings + "solver = 3\n"),
+                HasSubstr("simulation: unknown key \"solver\"; known here: duration, step, coupling, scheme, gravity"));
+}
+
+TEST(ReadSimulation, GravityInMillimetresIsWarnedOf) {
+    EXPECT_THAT(with("duration = 1\nstep = 0.1\ngravity = [0, 0, -9810]\n").warnings,
+                Contains(HasSubstr("m.toml:7:11: simulation: gravity of 9810 m/s² looks like mm/s²")));
+    EXPECT_THAT(fault("duration = 1\nstep = 0.1\ngravity = 9.81\n"), HasSubstr("gravity wants 3 numbers, got a number"));
+}
+
+TEST(ReadOutput, RowsFallOnStepsAndOnTheEnd) {
+    const auto output = [](const std::string& text) { return model_with("[output]\n" + text); };
+    EXPECT_EQ(parse(model_with("")).output.every, 1);
+    EXPECT_EQ(parse(output("step = \"20 ms\"\nchannels = [\"bolt*.force\", \"plate.position\"]\n")).output.every, 20);
+    EXPECT_THAT(parse(output("channels = [\"bolt*.force\", \"q\"]\n")).output.channels,
+                testing::ElementsAre("bolt*.force", "q"));
+    EXPECT_THAT(errors_of(output("step = \"1.5 ms\"\n")),
+                HasSubstr("m.toml:13:8: output: step must be a whole multiple of the time step (0.001 s), got 0.0015 s"));
+    EXPECT_THAT(errors_of(output("step = \"0.1 us\"\n")), HasSubstr("must be a whole multiple of the time step"));
+    EXPECT_THAT(errors_of(output("step = \"30 ms\"\n")),
+                HasSubstr("the duration (1 s) must be a whole multiple of the output step (0.03 s): the end is a row"));
+    EXPECT_THAT(errors_of(output("channels = \"bolt\"\n")), HasSubstr("channels must be a list of texts"));
+    EXPECT_THAT(errors_of(output("chanels = []\n")), HasSubstr("unknown key \"chanels\"; did you mean \"channels\"?"));
+}
+
+}  // namespace
+}  // namespace dttmm

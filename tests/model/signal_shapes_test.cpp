@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model/signal_shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+
+namespace dttmm {
+namespace {
+
+TEST(Signal, WithoutShapeIsZero) {
+    EXPECT_EQ(Signal().value(3), 0);
+}
+
+TEST(ConstantSignal, IsConstant) {
+    EXPECT_EQ(ConstantSignal(7).value(-1), 7);
+}
+
+// Oracle: the cubic by hand: s = 1/4 gives 3/16 - 2/64 = 5/32.
+TEST(StepSignal, FollowsTheCubicBetweenItsEnds) {
+    const StepSignal step(100, 740, 2, 6);
+    EXPECT_EQ(step.value(1), 100);
+    EXPECT_EQ(step.value(2), 100);
+    EXPECT_DOUBLE_EQ(step.value(3), 100 + 640 * 5.0 / 32);
+    EXPECT_DOUBLE_EQ(step.value(4), 420);
+    EXPECT_EQ(step.value(6), 740);
+    EXPECT_EQ(step.value(9), 740);
+}
+
+TEST(StepSignal, MayJump) {
+    const StepSignal step(1, 3, 2, 2);
+    EXPECT_EQ(step.value(std::nextafter(2, 0)), 1);
+    EXPECT_EQ(step.value(2), 3);
+}
+
+// Oracle: the formula; a haversine has half its peak at a quarter of its width and its peak in the middle.
+TEST(PulseSignal, OneHaversine) {
+    const PulseSignal pulse(8, 1, 0.4);
+    EXPECT_EQ(pulse.value(0.9), 0);
+    EXPECT_EQ(pulse.value(1), 0);
+    EXPECT_NEAR(pulse.value(1.1), 4, 1e-14);
+    EXPECT_NEAR(pulse.value(1.2), 8, 1e-14);
+    EXPECT_NEAR(pulse.value(1.3), 4, 1e-14);
+    EXPECT_EQ(pulse.value(1.5), 0);
+}
+
+TEST(PulseSignal, ATrainRepeatsAndEnds) {
+    const PulseSignal train(60e3, 0.01, 0.003, 0.1, 3);
+    for (const double start : {0.01, 0.11, 0.21}) EXPECT_NEAR(train.value(start + 0.0015), 60e3, 1e-7) << start;
+    for (const double time : {0.0, 0.0115 - 0.1, 0.05, 0.2, 0.3115, 5.0}) EXPECT_EQ(train.value(time), 0) << time;
+}
+
+TEST(SineSignal, BeginsAtItsStart) {
+    const SineSignal sine(3, 0.25, std::numbers::pi / 2, 5, 2);
+    EXPECT_EQ(sine.value(1.9), 5);
+    EXPECT_DOUBLE_EQ(sine.value(2), 8);
+    EXPECT_NEAR(sine.value(3), 5, 1e-15);
+    EXPECT_DOUBLE_EQ(sine.value(4), 2);
+}
+
+TEST(TableSignal, IsLinearBetweenAndHeldOutside) {
+    const TableSignal table({1, 2, 4}, {10, 30, -10});
+    EXPECT_EQ(table.value(0), 10);
+    EXPECT_EQ(table.value(1), 10);
+    EXPECT_EQ(table.value(1.25), 15);
+    EXPECT_EQ(table.value(2), 30);
+    EXPECT_EQ(table.value(3), 10);
+    EXPECT_EQ(table.value(4), -10);
+    EXPECT_EQ(table.value(9), -10);
+    EXPECT_EQ(TableSignal({3}, {7}).value(0), 7);
+}
+
+TEST(ExpressionSignal, EvaluatesAtTheTime) {
+    const ExpressionSignal signal(Expression("a*t^2", {{"a", 3.0}}, true));
+    EXPECT_EQ(signal.value(2), 12);
+    EXPECT_EQ(signal.value(-1), 3);
+}
+
+}  // namespace
+}  // namespace dttmm

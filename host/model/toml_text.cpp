@@ -6,10 +6,14 @@
 
 #include <algorithm>
 
+#include "model/wording.h"
+
 namespace dttmm {
 namespace {
 
 using namespace std::string_view_literals;
+
+constexpr std::string_view kUtf8Mark = "\xef\xbb\xbf";
 
 std::optional<TextFault> find_foreign_mark(std::string_view text) {
     const auto fault = [](const char* encoding) {
@@ -48,7 +52,7 @@ std::optional<TextFault> find_long_line(std::string_view text) {
 /// Walks over TOML text, skips comments and strings, and counts the dots of keys and the open brackets.
 class Lexer {
 public:
-    explicit Lexer(std::string_view text) : text_(text) {}
+    explicit Lexer(std::string_view text) : text_(text), at_(text.starts_with(kUtf8Mark) ? kUtf8Mark.size() : 0) {}
 
     std::optional<TextFault> find_fault() {
         while (at_ < text_.size()) {
@@ -89,9 +93,19 @@ private:
                 if (++dots_ >= kDeepestKey) return fmt::format("key too deep; at most {} parts", kDeepestKey);
                 return std::nullopt;
             default:
+                if (static_cast<unsigned char>(text_[at_]) >= 0x80) return refuse_character();
                 ++at_;
                 return std::nullopt;
         }
+    }
+
+    std::string refuse_character() const {
+        utf8proc_int32_t character = 0;
+        const auto length = utf8proc_iterate(reinterpret_cast<const utf8proc_uint8_t*>(text_.data() + at_),
+                                             static_cast<utf8proc_ssize_t>(text_.size() - at_), &character);
+        const std::string_view bytes = text_.substr(at_, static_cast<std::size_t>(std::max<utf8proc_ssize_t>(length, 1)));
+        return fmt::format("the character {} (U+{:04X}) stands outside quotes; a key or text that holds it needs them",
+                           quote(bytes), character);
     }
 
     std::optional<std::string> skip_string() {
@@ -118,7 +132,7 @@ private:
     }
 
     std::string_view text_;
-    std::size_t at_ = 0;
+    std::size_t at_;
     int dots_ = 0;
     int depth_ = 0;
 };

@@ -21,8 +21,8 @@ struct TextFault {
 };
 
 /// The first reason why `text` must not reach the TOML parser: too large, UTF-16 or UTF-32, a NUL byte, bytes that are not
-/// UTF-8, a line, key or nesting beyond the limits above, a string that is not closed (at its opening quote). Linear in the
-/// size of the text and without recursion.
+/// UTF-8, a line, key or nesting beyond the limits above, a string that is not closed (at its opening quote), a character
+/// beyond ASCII outside strings and comments. Linear in the size of the text and without recursion.
 std::optional<TextFault> find_text_fault(std::string_view text);
 
 /// Line and column of the byte at `offset`.

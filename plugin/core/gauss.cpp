@@ -20,7 +20,8 @@ Elimination eliminate_full_pivot(SmallMatrix A, SmallMatrix B) {
         B.row(row) /= largest;
     }
 
-    const Eigen::FullPivLU<Square> lu(A);
+    Eigen::FullPivLU<Square> lu(A);
+    lu.setThreshold(0);  // every pivot counts: otherwise a small one is dropped and the condition estimate is blind to it
     const int weakest = static_cast<int>(lu.permutationQ().indices()(n - 1));
     const double smallest_pivot = std::abs(lu.matrixLU()(n - 1, n - 1));
     if (smallest_pivot == 0) return {SmallMatrix::Zero(n, B.cols()), 0.0, weakest};

@@ -3,9 +3,28 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
+#include <new>
 #include <numbers>
+
+namespace {
+std::atomic<long> allocations{0};
+}
+
+// Counts what this test program allocates.
+void* operator new(std::size_t size) {
+    ++allocations;
+    if (void* memory = std::malloc(size)) return memory;
+    throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+    std::free(memory);
+}
 
 namespace dttmm {
 namespace {
@@ -76,6 +95,17 @@ TEST(ExpressionSignal, EvaluatesAtTheTime) {
     const ExpressionSignal signal(Expression("a*t^2", {{"a", 3.0}}, true));
     EXPECT_EQ(signal.value(2), 12);
     EXPECT_EQ(signal.value(-1), 3);
+}
+
+TEST(Signal, EvaluationNeverAllocates) {
+    const ExpressionSignal expression(Expression("a*sin(2*pi*50*t) + max(t, 1) + (t > 1 ? 2 : 3)", {{"a", 3.0}}, true));
+    const TableSignal table({1, 2, 4}, {10, 30, -10});
+    const PulseSignal pulse(8, 1, 0.4, 0.5, 3);
+    const long before = allocations;
+    double sum = 0;
+    for (int i = 0; i < 1000; ++i) sum += expression.value(i * 0.003) + table.value(i * 0.005) + pulse.value(i * 0.002);
+    EXPECT_EQ(allocations, before);
+    EXPECT_TRUE(std::isfinite(sum));
 }
 
 }  // namespace

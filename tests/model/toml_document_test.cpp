@@ -78,6 +78,11 @@ TEST(TomlDocument, DuplicatesNameBothPlaces) {
     EXPECT_THAT(fault("a = {x=1, x=2}"), HasSubstr("m.toml:1:"));
 }
 
+TEST(TomlDocument, LettersBeyondAsciiMayFollowAFoldedLine) {
+    EXPECT_EQ(document("t = \"\"\"a \\\n  éあ\"\"\"\n").find("t")->value.string, "a éあ");
+    EXPECT_NE(fault("t = \"\"\"a \\é\"\"\"\n"), "");
+}
+
 // Oracle: no input may end the process, and every refusal has a text: bytes of a valid file deleted, doubled and swapped.
 TEST(TomlDocument, DamagedFilesAreRefusedOrRead) {
     const std::string valid = model_with(

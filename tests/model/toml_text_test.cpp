@@ -92,6 +92,15 @@ TEST(TomlText, AnOpenStringIsToldWhereItBegins) {
     expect_fault("b = \"abc\\", {1, 5}, "not closed");
 }
 
+// TOML wants quotes around such keys, and toml++ 3.3.0 runs into undefined behaviour without them.
+TEST(TomlText, LettersBeyondAsciiNeedQuotes) {
+    expect_fault("a = 1\ngröße = 2\n", {2, 3},
+                 "the character \"ö\" (U+00F6) stands outside quotes; a key or text that holds it needs them");
+    expect_fault("a =\u00a01\n", {1, 4}, "(U+00A0) stands outside quotes");
+    expect_fault("a = 1 \u3042\n", {1, 7}, "(U+3042) stands outside quotes");
+    EXPECT_FALSE(find_text_fault("\"größe\" = 'あ' # ü\n"));
+}
+
 TEST(TomlText, PlacesCountCharacters) {
     const Place place = place_of_byte("aü\nbüüc", 8);
     EXPECT_EQ(place.line, 2);

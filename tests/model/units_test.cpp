@@ -96,6 +96,7 @@ TEST(Units, CyclesAndRadiansAreKeptApart) {
     EXPECT_TRUE(measures("N*m", "N*m/rad"));
     EXPECT_FALSE(measures("N*m/rad", "N*m"));
     EXPECT_FALSE(measures("furlongx", "m"));
+    EXPECT_TRUE(measures(parse_quantity("5 kg*m/s").unit, "N*s"));
 }
 
 TEST(Units, CommaHintsAtThePoint) {

@@ -1,0 +1,420 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "network/network.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <functional>
+#include <random>
+
+#include "core/error.h"
+#include "core/rotation.h"
+
+namespace dttmm {
+namespace {
+
+using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+using RowMajorX = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Values = std::array<double, 12>;
+
+//                       stiffness           damping         rotational stiffness   rotational damping
+constexpr Values kUgly = {5e5, 7.3e6, 1.2e4, 100, 0.7, 330, 2e3, 8.1e4, 300, 5, 0.01, 90};
+constexpr Values kSoft = {1e3, 2e3, 3e3, 4, 5, 6, 0, 0, 0, 0, 0, 0};
+
+Vector3 vec(double x, double y, double z) { return {x, y, z}; }
+
+/// A pose and twist that a test moves around.
+struct Frame {
+    Vector3 position;
+    Matrix3 rotation;
+    Vector3 velocity = Vector3::Zero();
+    Vector3 angular_velocity = Vector3::Zero();
+
+    dttmm_motion motion() const {
+        dttmm_motion m;
+        Eigen::Map<Vector3>{m.position} = position;
+        Eigen::Map<RowMajor3>{m.rotation} = rotation;
+        Eigen::Map<Vector3>{m.velocity} = velocity;
+        Eigen::Map<Vector3>{m.angular_velocity} = angular_velocity;
+        return m;
+    }
+    /// The frame after a step of size h.
+    Frame after(double h) const {
+        return {position + h * velocity, rotation_from_vector(h * angular_velocity) * rotation, velocity, angular_velocity};
+    }
+    Frame displaced(const Vector6& d) const {
+        return {position + d.head<3>(), rotation_from_vector(d.tail<3>()) * rotation, velocity, angular_velocity};
+    }
+};
+
+const Frame kLeft{vec(0.3, -0.1, 0.2), rotation_from_vector(vec(0.4, -0.8, 1.3)), vec(0.2, -0.3, 0.1), vec(0.5, 0.9, -0.4)};
+const Frame kRight{vec(0.7, 0.25, -0.3), rotation_from_vector(vec(-1.1, 0.2, 0.6)), vec(-0.1, 0.4, 0.6), vec(-0.8, 0.3, 0.7)};
+
+dttmm_node node(const char* name, uint32_t kind, const Frame& frame) {
+    dttmm_node n{name, kind, {}, {}};
+    Eigen::Map<Vector3>{n.position} = frame.position;
+    Eigen::Map<RowMajor3>{n.rotation} = frame.rotation;
+    return n;
+}
+
+/// A network of up to three nodes and two elements, the description kept alive for the call of the constructor only.
+Network make_network(uint32_t scheme, bool grounded_left, const Values& values = kUgly, Centred centred = {}) {
+    const dttmm_node nodes[] = {node("left", grounded_left ? DTTMM_NODE_GROUND : DTTMM_NODE_PORT, kLeft),
+                                node("right", DTTMM_NODE_PORT, kRight)};
+    const dttmm_element elements[] = {{"joint", 0, 0, 1, values.data()}};
+    return Network({2, nodes, 1, elements, scheme, centred.beta, centred.gamma});
+}
+
+/// Two parallel elements, the second the other way round: three ports, two elements, so that a swapped index shows.
+Network make_pair(uint32_t scheme) {
+    const Frame third{vec(-0.2, 0.1, 0.9), rotation_from_vector(vec(0.1, 0.2, 0.3))};
+    const dttmm_node nodes[] = {node("left", DTTMM_NODE_PORT, kLeft), node("right", DTTMM_NODE_PORT, kRight), node("third", DTTMM_NODE_PORT, third)};
+    const dttmm_element elements[] = {{"a", 0, 0, 1, kUgly.data()}, {"b", 0, 2, 1, kSoft.data()}};
+    return Network({3, nodes, 2, elements, scheme, 0.25, 0.5});
+}
+
+/// The deformation by definition, written anew: the `to` end in the axes of the `from` end, less the same at rest.
+Vector6 deformation_of(const Frame& from, const Frame& to) {
+    Vector6 d;
+    d.head<3>() = from.rotation.transpose() * (to.position - from.position) -
+                  kLeft.rotation.transpose() * (kRight.position - kLeft.position);
+    const Matrix3 rest = kLeft.rotation.transpose() * kRight.rotation;
+    const Eigen::AngleAxisd turn(Matrix3(from.rotation.transpose() * to.rotation * rest.transpose()));
+    d.tail<3>() = turn.angle() * turn.axis();
+    return d;
+}
+
+Vector6 stiffness_of(const Values& v) { return (Vector6() << v[0], v[1], v[2], v[6], v[7], v[8]).finished(); }
+Vector6 damping_of(const Values& v) { return (Vector6() << v[3], v[4], v[5], v[9], v[10], v[11]).finished(); }
+
+dttmm_status status_of(const std::function<void()>& call) {
+    try {
+        call();
+        return DTTMM_OK;
+    } catch (const Error& error) {
+        return error.status();
+    }
+}
+
+// ---- The force law at one instant ---------------------------------------------------------------------------------------
+
+// Oracle: f = k d + c d' with d' by central difference of the deformation along the motion; force on `to` is −R_from f.
+TEST(Network, LinearisedWrenchIsTheForceLaw) {
+    const Network network = make_network(DTTMM_SCHEME_CENTRED, false);
+    const Frame left = kLeft.displaced((Vector6() << 0.01, -0.02, 0.03, 0.04, -0.05, 0.06).finished()), right = kRight;
+    const double e = 1e-5;
+    const Vector6 rate = (deformation_of(left.after(e), right.after(e)) - deformation_of(left.after(-e), right.after(-e))) / (2 * e);
+    Vector6 f = stiffness_of(kUgly).cwiseProduct(deformation_of(left, right));
+    f.head<3>() += damping_of(kUgly).head<3>().cwiseProduct(rate.head<3>());
+    const dttmm_motion ports[] = {left.motion(), right.motion()};
+    Vector12 wrench;
+    network.linearise(ports, wrench.data(), nullptr, nullptr);
+    EXPECT_LT((wrench.segment<3>(6) + left.rotation * f.head<3>()).norm(), 1e-8 * f.head<3>().norm());
+    // The rate of the rotation is taken as the relative angular velocity: equal to first order in the small rotation.
+    const Vector3 relative = left.rotation.transpose() * (right.angular_velocity - left.angular_velocity);
+    const Vector3 m = f.tail<3>() + damping_of(kUgly).tail<3>().cwiseProduct(relative);
+    EXPECT_LT((wrench.tail<3>() + left.rotation * m).norm(), 1e-12 * m.norm());
+}
+
+// Oracle: central differences of the wrench by pose and by velocity, port by port; their error is about 1e-9.
+TEST(Network, LinearisedStiffnessAndDampingAreDerivativesOfTheWrench) {
+    const Network network = make_network(DTTMM_SCHEME_CENTRED, false, kUgly);
+    // At rest the force vanishes, so that only the law varies, not the direction in which a finite force acts.
+    Frame ports[] = {kLeft, kRight};
+    ports[0].velocity = ports[0].angular_velocity = ports[1].velocity = ports[1].angular_velocity = Vector3::Zero();
+    const auto wrench_at = [&](const Frame& left, const Frame& right) {
+        const dttmm_motion motion[] = {left.motion(), right.motion()};
+        Vector12 wrench;
+        network.linearise(motion, wrench.data(), nullptr, nullptr);
+        return wrench;
+    };
+    const dttmm_motion motion[] = {ports[0].motion(), ports[1].motion()};
+    Vector12 wrench;
+    Eigen::Matrix<double, 12, 12, Eigen::RowMajor> S, D;
+    network.linearise(motion, wrench.data(), S.data(), D.data());
+    for (int p = 0; p < 2; ++p)
+        for (int i = 0; i < 6; ++i) {
+            const double e = 1e-6;
+            Frame plus[] = {ports[0], ports[1]}, minus[] = {ports[0], ports[1]};
+            plus[p] = ports[p].displaced(e * Vector6::Unit(i));
+            minus[p] = ports[p].displaced(-e * Vector6::Unit(i));
+            const Vector12 by_pose = -(wrench_at(plus[0], plus[1]) - wrench_at(minus[0], minus[1])) / (2 * e);
+            EXPECT_LT((S.col(6 * p + i) - by_pose).norm(), 1e-6 * S.norm()) << "pose " << i << " of port " << p;
+
+            plus[p] = minus[p] = ports[p];
+            (i < 3 ? plus[p].velocity(i) : plus[p].angular_velocity(i - 3)) += 1;
+            (i < 3 ? minus[p].velocity(i) : minus[p].angular_velocity(i - 3)) -= 1;
+            const Vector12 by_velocity = -(wrench_at(plus[0], plus[1]) - wrench_at(minus[0], minus[1])) / 2;
+            EXPECT_LT((D.col(6 * p + i) - by_velocity).norm(), 1e-12 * D.norm()) << "velocity " << i << " of port " << p;
+        }
+    EXPECT_LT((S - S.transpose()).norm(), 1e-14 * S.norm()) << "the stiffness of a conservative joint at rest is symmetric";
+}
+
+// ---- Time steps ---------------------------------------------------------------------------------------------------------
+
+constexpr double kStep = 1.7e-3;
+
+/// Starts at rest in kLeft, kRight and takes two steps along the ports' velocities, so that the history is not trivial.
+void advance_twice(Network& network, Frame& left, Frame& right) {
+    const dttmm_motion start[] = {left.motion(), right.motion()};
+    const double accelerations[18] = {};
+    network.start({0, 0, kStep}, start, accelerations);
+    for (uint64_t n = 0; n < 2; ++n) {
+        left = left.after(kStep);
+        right = right.after(kStep);
+        const dttmm_motion accepted[] = {left.motion(), right.motion()};
+        network.begin_step({n, static_cast<double>(n) * kStep, kStep});
+        network.commit_step(accepted);
+    }
+}
+
+// Oracle: the centred formula of the design written out for one joint from the deformations of three instants, β and γ odd.
+TEST(Network, CentredWrenchIsTheWeightedForceLaw) {
+    const Centred centred{0.31, 0.56};
+    Network network = make_network(DTTMM_SCHEME_CENTRED, false, kUgly, centred);
+    Frame left = kLeft, right = kRight;
+    const Frame before_left = kLeft.after(kStep), before_right = kRight.after(kStep);
+    advance_twice(network, left, right);
+    const Frame next_left = left.after(kStep).displaced((Vector6() << 1e-3, 2e-3, -1e-3, 3e-3, -2e-3, 1e-3).finished());
+    const Frame next_right = right.after(kStep);
+    const Vector6 d_after = deformation_of(next_left, next_right), d_now = deformation_of(left, right),
+                  d_before = deformation_of(before_left, before_right);
+    const Vector6 weighted = 0.31 * d_after + (0.5 + 0.56 - 0.62) * d_now + (0.5 - 0.56 + 0.31) * d_before;
+    const Vector6 rate = (0.56 * d_after + (1 - 1.12) * d_now + (0.56 - 1) * d_before) / kStep;
+    const Vector6 f = stiffness_of(kUgly).cwiseProduct(weighted) + damping_of(kUgly).cwiseProduct(rate);
+
+    network.begin_step({2, 2 * kStep, kStep});
+    const dttmm_motion trial[] = {next_left.motion(), next_right.motion()};
+    Vector12 wrench;
+    network.evaluate(trial, wrench.data(), nullptr);
+    const Vector3 F = left.rotation * f.head<3>(), M = left.rotation * f.tail<3>();
+    EXPECT_LT((wrench.segment<3>(6) + F).norm(), 1e-11 * F.norm());
+    EXPECT_LT((wrench.segment<3>(9) + M).norm(), 1e-10 * M.norm());
+    // Balance at the poses of t_n: no force and no moment is left over.
+    EXPECT_LT((wrench.segment<3>(0) + wrench.segment<3>(6)).norm(), 1e-15 * F.norm());
+    const Vector3 moment = wrench.segment<3>(3) + wrench.segment<3>(9) + left.position.cross(wrench.segment<3>(0)) +
+                           right.position.cross(wrench.segment<3>(6));
+    EXPECT_LT(moment.norm(), 1e-13 * (M.norm() + F.norm()));
+}
+
+// Oracle: central differences of evaluate() by the trial pose. The wrench is bilinear in nothing but the trial's frames.
+TEST(Network, StiffnessOfTheStepIsTheDerivativeOfItsWrench) {
+    Network network = make_pair(DTTMM_SCHEME_CENTRED);
+    const Frame third{vec(-0.2, 0.1, 0.9), rotation_from_vector(vec(0.1, 0.2, 0.3)), vec(0.3, 0.1, 0.2), vec(0.2, 0.7, -0.5)};
+    std::array<Frame, 3> ports = {kLeft, kRight, third};
+    const double accelerations[18] = {};
+    const auto motions = [](const std::array<Frame, 3>& at) {
+        return std::array<dttmm_motion, 3>{at[0].motion(), at[1].motion(), at[2].motion()};
+    };
+    network.start({0, 0, kStep}, motions(ports).data(), accelerations);
+    network.begin_step({0, 0, kStep});
+    for (Frame& port : ports) port = port.after(kStep);
+
+    const auto wrench_at = [&](const std::array<Frame, 3>& at) {
+        Eigen::Matrix<double, 18, 1> wrench;
+        network.evaluate(motions(at).data(), wrench.data(), nullptr);
+        return wrench;
+    };
+    Eigen::Matrix<double, 18, 1> wrench;
+    Eigen::Matrix<double, 18, 18, Eigen::RowMajor> S;
+    network.evaluate(motions(ports).data(), wrench.data(), S.data());
+    for (size_t p = 0; p < 3; ++p)
+        for (int i = 0; i < 6; ++i) {
+            const double e = 1e-6;
+            auto plus = ports, minus = ports;
+            plus[p] = ports[p].displaced(e * Vector6::Unit(i));
+            minus[p] = ports[p].displaced(-e * Vector6::Unit(i));
+            const Eigen::Matrix<double, 18, 1> difference = -(wrench_at(plus) - wrench_at(minus)) / (2 * e);
+            EXPECT_LT((S.col(static_cast<int>(6 * p) + i) - difference).norm(), 1e-7 * S.norm()) << "pose " << i << " of port " << p;
+        }
+}
+
+// Oracle: the explicit wrench is k d_n + c d'_n with the scheme's formula for d'; Fox-Euler with the host's velocity
+// v_{n−1} = (d_n − d_{n−2})/2h gives (2/h)(d_n − d_{n−1}) − v_{n−1}. It must not look at the trial.
+TEST(Network, ExplicitWrenchIsTheForceLawAtTheStartOfTheStep) {
+    Network network = make_network(DTTMM_SCHEME_FOX_EULER, false);
+    Frame left = kLeft, right = kRight;
+    const Vector6 d0 = deformation_of(left, right), d1 = deformation_of(left.after(kStep), right.after(kStep));
+    advance_twice(network, left, right);
+    const Vector6 d2 = deformation_of(left, right);
+    const Vector6 rate = 2 / kStep * (d2 - d1) - (d2 - d0) / (2 * kStep);
+    const Vector6 f = stiffness_of(kUgly).cwiseProduct(d2) + damping_of(kUgly).cwiseProduct(rate);
+
+    network.begin_step({2, 2 * kStep, kStep});
+    Vector12 near, far;
+    Eigen::Matrix<double, 12, 12, Eigen::RowMajor> S;
+    const dttmm_motion here[] = {left.motion(), right.motion()};
+    const dttmm_motion there[] = {left.after(1).motion(), right.after(3).motion()};
+    network.evaluate(here, near.data(), S.data());
+    network.evaluate(there, far.data(), nullptr);
+    EXPECT_EQ(near, far);
+    EXPECT_EQ(S.norm(), 0);
+    EXPECT_LT((near.segment<3>(6) + left.rotation * f.head<3>()).norm(), 1e-10 * f.head<3>().norm());
+    EXPECT_LT((near.segment<3>(9) + left.rotation * f.tail<3>()).norm(), 1e-9 * f.tail<3>().norm());
+}
+
+// Oracle: objectivity. A machine that turns as a whole, however fast, neither stretches nor damps anything.
+TEST(Network, ARigidMotionOfTheWholeCausesNoWrench) {
+    for (uint32_t scheme : {DTTMM_SCHEME_CENTRED, DTTMM_SCHEME_FOX_EULER, DTTMM_SCHEME_PARK}) {
+        Network network = make_network(scheme, false);
+        const Vector3 w = vec(3, -50, 20), v = vec(5, 2, -1), center = vec(0.1, 0.2, 0.3);
+        const auto moved = [&](const Frame& frame, double t) {
+            const Matrix3 R = rotation_from_vector(t * w);
+            return Frame{center + t * v + R * (frame.position - center), R * frame.rotation, v + w.cross(R * (frame.position - center)), w};
+        };
+        const dttmm_motion start[] = {moved(kLeft, 0).motion(), moved(kRight, 0).motion()};
+        double accelerations[12] = {};
+        for (int p = 0; p < 2; ++p)
+            Eigen::Map<Vector3>{accelerations + 6 * p} = w.cross(w.cross((p ? kRight : kLeft).position - center));
+        network.start({0, 0, kStep}, start, accelerations);
+        for (uint64_t n = 0; n < 3; ++n) {
+            const double t = static_cast<double>(n + 1) * kStep;
+            const dttmm_motion trial[] = {moved(kLeft, t).motion(), moved(kRight, t).motion()};
+            network.begin_step({n, t - kStep, kStep});
+            Vector12 wrench;
+            network.evaluate(trial, wrench.data(), nullptr);
+            EXPECT_LT(wrench.cwiseAbs().maxCoeff(), 1e-6) << "step " << n << ", scheme " << scheme;  // N; k d is 1e6 N per metre
+            network.commit_step(trial);
+        }
+    }
+}
+
+// Oracle: evaluate is pure. Any calls in any order leave the answer, the committed future and the outputs bit for bit alike.
+TEST(Network, EvaluateLeavesNoTrace) {
+    Network quiet = make_network(DTTMM_SCHEME_CENTRED, false), busy = make_network(DTTMM_SCHEME_CENTRED, false);
+    Frame left = kLeft, right = kRight, left2 = kLeft, right2 = kRight;
+    advance_twice(quiet, left, right);
+    advance_twice(busy, left2, right2);
+    const dttmm_motion trial[] = {left.after(kStep).motion(), right.after(kStep).motion()};
+    quiet.begin_step({2, 2 * kStep, kStep});
+    busy.begin_step({2, 2 * kStep, kStep});
+    for (double far : {1.0, -3.0, 0.2}) {
+        const dttmm_motion elsewhere[] = {left.after(far).motion(), right.after(-far).motion()};
+        Vector12 ignored;
+        busy.evaluate(elsewhere, ignored.data(), nullptr);
+    }
+    Vector12 once, again;
+    quiet.evaluate(trial, once.data(), nullptr);
+    busy.evaluate(trial, again.data(), nullptr);
+    EXPECT_EQ(once, again);
+    busy.discard_step();
+    busy.begin_step({2, 2 * kStep, kStep});
+    quiet.commit_step(trial);
+    busy.commit_step(trial);
+    std::array<double, 14> a{}, b{};
+    quiet.outputs(a.data());
+    busy.outputs(b.data());
+    EXPECT_EQ(a, b);
+}
+
+// Oracle: a run that is put back to a saved state repeats itself bit for bit.
+TEST(Network, RestoredStateRepeatsTheFutureToTheBit) {
+    for (uint32_t scheme : {DTTMM_SCHEME_CENTRED, DTTMM_SCHEME_HOUBOLT}) {
+        Network network = make_network(scheme, true);
+        const dttmm_motion start[] = {kRight.motion()};
+        const double accelerations[6] = {1, 2, 3, 4, 5, 6};
+        network.start({0, 0, kStep}, start, accelerations);
+        std::vector<unsigned char> saved(network.state_size());
+        const auto run = [&](Frame at, uint64_t from, uint64_t to) {
+            std::vector<Vector6> wrenches;
+            for (uint64_t n = from; n < to; ++n) {
+                at = at.after(kStep);
+                at.velocity += vec(0.01, -0.02, 0.005);
+                const dttmm_motion trial[] = {at.motion()};
+                Vector6 wrench;
+                network.begin_step({n, static_cast<double>(n) * kStep, kStep});
+                network.evaluate(trial, wrench.data(), nullptr);
+                network.commit_step(trial);
+                wrenches.push_back(wrench);
+            }
+            return std::pair(wrenches, at);
+        };
+        const Frame middle = run(kRight, 0, 5).second;
+        network.save_state(saved.data(), saved.size());
+        const auto first = run(middle, 5, 12).first;
+        network.restore_state(saved.data(), saved.size());
+        EXPECT_EQ(run(middle, 5, 12).first, first);
+        EXPECT_EQ(status_of([&] { network.restore_state(saved.data(), saved.size() - 1); }), DTTMM_ERROR_ARGUMENT);
+    }
+}
+
+// Oracle: by hand at the start of the last step: f = k d + c (d₊ − d₋)/2h, strain energy ½ k d², dissipated c d'² h per step.
+TEST(Network, OutputsStandAtTheStartOfTheLastStep) {
+    Network network = make_network(DTTMM_SCHEME_CENTRED, false, kSoft);
+    Frame left = kLeft, right = kRight;
+    const Vector6 d0 = deformation_of(left, right), d1 = deformation_of(left.after(kStep), right.after(kStep));
+    EXPECT_EQ(status_of([&] { network.outputs(nullptr); }), DTTMM_ERROR_PHASE);
+    advance_twice(network, left, right);
+    const Vector6 d2 = deformation_of(left, right);
+    std::array<double, 14> out{};
+    network.outputs(out.data());
+    const Vector3 k = stiffness_of(kSoft).head<3>(), c = damping_of(kSoft).head<3>();
+    const Vector3 rate = (d2 - d0).head<3>() / (2 * kStep), d = d1.head<3>();
+    const Vector3 f = k.cwiseProduct(d) + c.cwiseProduct(rate);
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_NEAR(out[static_cast<size_t>(i)], f(i), 1e-11 * f.norm());
+        EXPECT_NEAR(out[static_cast<size_t>(6 + i)], d(i), 1e-15);
+        EXPECT_EQ(out[static_cast<size_t>(3 + i)], 0);
+    }
+    EXPECT_NEAR(out[12], 0.5 * d.dot(k.cwiseProduct(d)), 1e-14);
+    EXPECT_GT(out[13], 0);
+    ASSERT_EQ(network.channels().size(), 14u);
+    EXPECT_STREQ(network.channels()[2].name, "force.z");
+    EXPECT_STREQ(network.channels()[2].unit, "N");
+}
+
+// ---- What is refused ----------------------------------------------------------------------------------------------------
+
+TEST(Network, CallsOutOfOrderAreRefusedAndChangeNothing) {
+    Network network = make_network(DTTMM_SCHEME_CENTRED, false);
+    const dttmm_motion ports[] = {kLeft.motion(), kRight.motion()};
+    const double accelerations[12] = {};
+    double wrench[12];
+    EXPECT_EQ(status_of([&] { network.begin_step({0, 0, kStep}); }), DTTMM_ERROR_PHASE);
+    EXPECT_EQ(status_of([&] { network.evaluate(ports, wrench, nullptr); }), DTTMM_ERROR_PHASE);
+    network.start({0, 0, kStep}, ports, accelerations);
+    EXPECT_EQ(status_of([&] { network.commit_step(ports); }), DTTMM_ERROR_PHASE);
+    EXPECT_EQ(status_of([&] { network.discard_step(); }), DTTMM_ERROR_PHASE);
+    EXPECT_EQ(status_of([&] { network.begin_step({0, 0, 2 * kStep}); }), DTTMM_ERROR_ARGUMENT);
+    network.begin_step({0, 0, kStep});
+    EXPECT_EQ(status_of([&] { network.begin_step({0, 0, kStep}); }), DTTMM_ERROR_PHASE);
+    EXPECT_EQ(status_of([&] { network.start({0, 0, kStep}, ports, accelerations); }), DTTMM_ERROR_PHASE);
+    EXPECT_EQ(status_of([&] { network.save_state(nullptr, network.state_size()); }), DTTMM_ERROR_PHASE);
+    network.discard_step();
+    EXPECT_EQ(status_of([&] { network.start({0, 0, 0}, ports, accelerations); }), DTTMM_ERROR_ARGUMENT);
+}
+
+TEST(Network, StructuralFaultsAreFoundWhenBuilt) {
+    const dttmm_node good[] = {node("a", DTTMM_NODE_GROUND, kLeft), node("b", DTTMM_NODE_PORT, kRight), node("c", DTTMM_NODE_GROUND, kLeft)};
+    const auto status = [&](const dttmm_node* nodes, dttmm_element element, uint32_t scheme = 0, double beta = 0.25) {
+        return status_of([&] { Network({3, nodes, 1, &element, scheme, beta, 0.5}); });
+    };
+    EXPECT_EQ(status(good, {"e", 0, 0, 1, kUgly.data()}), DTTMM_OK);
+    EXPECT_EQ(status(good, {"e", 0, 0, 2, kUgly.data()}), DTTMM_ERROR_MODEL) << "both ends on the ground";
+    EXPECT_EQ(status(good, {"e", 0, 1, 1, kUgly.data()}), DTTMM_ERROR_MODEL) << "both ends the same node";
+    EXPECT_EQ(status(good, {"e", 0, 0, 3, kUgly.data()}), DTTMM_ERROR_MODEL) << "no such node";
+    EXPECT_EQ(status(good, {"e", 99, 0, 1, kUgly.data()}), DTTMM_ERROR_ARGUMENT) << "no such type";
+    EXPECT_EQ(status(good, {"e", 0, 0, 1, nullptr}), DTTMM_ERROR_ARGUMENT) << "no values";
+    EXPECT_EQ(status(good, {"e", 0, 0, 1, kUgly.data()}, 17), DTTMM_ERROR_ARGUMENT) << "no such scheme";
+    EXPECT_EQ(status(good, {"e", 0, 0, 1, kUgly.data()}, 0, 0.0), DTTMM_ERROR_ARGUMENT) << "beta 0";
+    dttmm_node skewed[] = {good[0], good[1], good[2]};
+    skewed[1].rotation[4] += 0.1;
+    EXPECT_EQ(status(skewed, {"e", 0, 0, 1, kUgly.data()}), DTTMM_ERROR_ARGUMENT) << "axes not orthonormal";
+}
+
+// A free joint is no fault: it carries nothing.
+TEST(Network, AnElementWithoutStiffnessCarriesNothing) {
+    constexpr Values kFree{};
+    Network network = make_network(DTTMM_SCHEME_CENTRED, false, kFree);
+    Frame left = kLeft, right = kRight;
+    advance_twice(network, left, right);
+    network.begin_step({2, 2 * kStep, kStep});
+    const dttmm_motion trial[] = {left.after(1).motion(), right.motion()};
+    Vector12 wrench;
+    network.evaluate(trial, wrench.data(), nullptr);
+    EXPECT_EQ(wrench.norm(), 0);
+}
+
+}  // namespace
+}  // namespace dttmm

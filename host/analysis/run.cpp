@@ -110,7 +110,7 @@ ExitCode run(const RunRequest& request) {
     const ResultsFolder folder(request.output.value_or(default_results_path(request.model)));
     const Attributes attributes = {{"title", model.title}, {"version", DTTMM_VERSION}, {"model", model.source}};
     Recorder recorder(folder, simulation.channels(), selection, attributes);
-    simulation.record_to(recorder);
+    simulation.record_to([&](std::span<const double> row) { recorder.close_row(row); });
 
     const Ending ending = advance_to_end(simulation, request.quiet);
     recorder.finish();

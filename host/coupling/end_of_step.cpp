@@ -18,6 +18,9 @@ namespace {
 /// A kept rate of convergence is trusted a decade less with every step that did not measure it anew.
 constexpr double kForget = 10;
 
+/// What a linear model reaches: rounding.
+constexpr double kBestContraction = std::numeric_limits<double>::epsilon();
+
 /// Slower than this, the matrix is formed anew.
 constexpr double kSlowestContraction = 0.1;
 
@@ -53,12 +56,10 @@ std::vector<BodyState> EndOfStep::start(const dttmm_step& step, const std::vecto
     scale_ = 0;
 
     // a = M⁻¹ f,  α = I⁻¹ (m − ω × I ω) at t0
-    loads.start(step.time, step.size);
+    loads.start(step.time);
     std::fill(wrenches_.begin(), wrenches_.end(), 0.0);
     networks.linearise(at, wrenches_.data(), nullptr);
-    loads.begin_step(step);
     loads.add_at_start(at, wrenches_.data());
-    loads.start(step.time, step.size);
     std::vector<double> accelerations(wrenches_.size());
     std::vector<BodyState> half_step_back = at;
     for (size_t b = 0; b < at.size(); ++b) {
@@ -189,8 +190,8 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
         scale_ = std::max(0.99 * scale_, norm(u_));
         if (!std::isfinite(correction)) fail(correction);
         if (pass > 0) {
-            const double rate = correction / previous;
-            contraction_ = rate < 1 ? rate / (1 - rate) : 1e3;
+            const double rate = correction > floor ? correction / previous : 0;  // below the floor nothing can be measured
+            contraction_ = rate < 1 ? std::max(rate / (1 - rate), kBestContraction) : 1e3;
             if (rate > kSlowestContraction) stiffness_wanted_ = true;
         }
         if (contraction_ * correction <= kTolerance * scale_ || correction <= floor) {

@@ -30,7 +30,7 @@ using Feedback = std::vector<Eigen::Matrix<double, 6, 1>>;
 /// Source of the acceptance rule: Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.8.
 class EndOfStep {
 public:
-    static constexpr double kTolerance = 1e-10;
+    static constexpr double kTolerance = 1e-12;
     static constexpr int kMostPasses = 50;
 
     EndOfStep(const Model& model, const Networks& networks);

@@ -37,12 +37,8 @@ double Loads::magnitude(size_t load, double time) const {
     return value;
 }
 
-void Loads::start(double t0, double h) {
-    for (size_t i = 0; i < loads_.size(); ++i) {
-        Magnitude& m = magnitudes_[i];
-        m.after = magnitude(i, t0);
-        m.now = 2 * m.after - magnitude(i, t0 + h);  // so that the first step finds f(t0) as its weighted value
-    }
+void Loads::start(double t0) {
+    for (size_t i = 0; i < loads_.size(); ++i) magnitudes_[i].after = magnitudes_[i].now = magnitude(i, t0);
 }
 
 void Loads::begin_step(const dttmm_step& step) {

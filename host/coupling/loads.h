@@ -17,10 +17,11 @@ class Loads {
 public:
     Loads(const Model& model, const double weights[3]);
 
-    /// Forgets the past; t0 [s] is the start of the coming step, h [s] its size.
-    void start(double t0, double h);
+    /// Forgets the past; t0 [s] is the start of the coming step.
+    void start(double t0);
 
-    /// Moves on to the step that starts at step.time. Before the first step the loads are continued linearly.
+    /// Moves on to the step that starts at step.time. Before the start a load counts as at the start:
+    /// the first step of the centred scheme is Newmark's.
     void begin_step(const dttmm_step& step);
 
     /// Adds the wrench over the open step, [force; moment about the centre of mass] in world axes, 6 per body.

@@ -103,7 +103,9 @@ void read_contents(const TableReader& file, const ElementCatalogue& catalogue, c
     model.simulation = read_simulation(file, overrides);
     model.output = read_output(file, model.simulation);
     model.bodies = read_bodies(file, body_names);
-    if (!file.find("body")) file.error(file.place(), "no body: at least one [[body]] is needed");
+    const TomlMember* bodies = file.find("body");
+    if (!bodies || (bodies->value.is_array() && model.bodies.empty()))
+        file.error(bodies ? bodies->place : file.place(), "no body: at least one [[body]] is needed");
     const Attachments attachments(model.bodies);
     model.loads = read_loads(file, attachments);
     model.elements = read_elements(file, catalogue, attachments, body_names);

@@ -68,6 +68,7 @@ public:
 
     /// Nothing if `text` is no unit, or none that only multiplies.
     std::optional<Unit> parse(const std::string& text) {
+        if (text.find('\0') != text.npos) return std::nullopt;  // UDUNITS would stop reading there
         const std::scoped_lock lock(mutex_);
         const UnitPointer unit(ut_parse(system_.get(), text.c_str(), UT_UTF8), &ut_free);
         if (!unit) return std::nullopt;
@@ -146,7 +147,7 @@ const std::vector<std::vector<std::string>>& usual_units() {
         {"m^4", "mm^4", "cm^4"},
         {"m/s", "mm/s", "km/h"},
         {"m/s^2", "mm/s^2"},
-        {"Hz", "kHz", "1/s"},
+        {"1/s", "Hz", "kHz"},
         {"rad/s", "deg/s", "rpm"},
         {"rad/s^2", "deg/s^2"},
         {"Pa", "kPa", "MPa", "GPa", "N/mm^2"},
@@ -256,7 +257,8 @@ std::vector<std::string> accepted_units(std::string_view wanted) {
     for (const auto& row : usual_units()) {
         if (!asked || parse_unit(row.front())->powers != asked->powers) continue;
         std::vector<std::string> units = row;
-        if (std::find(units.begin(), units.end(), wanted) == units.end()) units.insert(units.begin(), std::string(wanted));
+        std::erase(units, wanted);
+        units.insert(units.begin(), std::string(wanted));
         return units;
     }
     return {std::string(wanted)};

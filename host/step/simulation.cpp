@@ -47,7 +47,7 @@ void Simulation::step() {
     world_.read_states(after_);
     refuse_divergence();
     networks_.commit_step(after_);
-    if (recorder_) observe();
+    if (sink_) observe();
     now_.swap(after_);
     ++index_;
 }
@@ -55,7 +55,7 @@ void Simulation::step() {
 void Simulation::observe() {
     observer_.advance(loads_, now_, after_, step_size_);
     if (index_ % static_cast<uint64_t>(model_.output.every) == 0)
-        recorder_->close_row(observer_.row(time(), networks_, now_, after_, step_size_));
+        sink_(observer_.row(time(), networks_, now_, after_, step_size_));
 }
 
 void Simulation::refuse_divergence() const {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "coupling/end_of_step.h"
@@ -10,7 +12,7 @@
 #include "coupling/stability.h"
 #include "loader/plugins.h"
 #include "model/model.h"
-#include "record/recorder.h"
+#include "record/channels.h"
 #include "step/observer.h"
 #include "world/world.h"
 
@@ -24,8 +26,10 @@ public:
     /// Throws Error(model_invalid) with the place in the file when a plugin refuses a network.
     Simulation(const Model& model, const Plugins& plugins);
 
-    /// Where rows go; without one nothing is observed. The recorder must have been made for channels().
-    void record_to(Recorder& recorder) { recorder_ = &recorder; }
+    /// Takes one row of numbers, one per channel.
+    using RowSink = std::function<void(std::span<const double>)>;
+    /// Where rows go; without one nothing is observed.
+    void record_to(RowSink sink) { sink_ = std::move(sink); }
     const std::vector<Channel>& channels() const { return observer_.channels(); }
 
     /// One time step. Throws Error(numerical_failure) when the motion diverges, naming time, body and ω h.
@@ -55,7 +59,7 @@ private:
     Loads loads_;
     EndOfStep end_of_step_;
     Observer observer_;
-    Recorder* recorder_ = nullptr;
+    RowSink sink_;
     FastestMode fastest_;
     std::vector<BodyState> now_, after_;  ///< at the start and at the end of the step
 };

@@ -250,7 +250,6 @@ void Network::start(const dttmm_step& step, const dttmm_motion* ports, const dou
     if (!(step.size > 0) || !std::isfinite(step.size)) throw Error(DTTMM_ERROR_ARGUMENT, "start: the step size must be positive");
     set_step_size(step.size);
     for (size_t j = 0; j < joints_.size(); ++j) {
-        // The past before the start is the parabola through it: every scheme then starts without a rule of its own.
         const Joint& joint = joints_[j];
         const Vector6 d = deformation(joint, trial(joint.from, ports), trial(joint.to, ports));
         const Vector6 rate = deformation_rate(joint, ports);
@@ -258,13 +257,9 @@ void Network::start(const dttmm_step& step, const dttmm_motion* ports, const dou
         JointState& state = joint_states_[j];
         state.dissipated = 0;
         state.power = 0;
-        for (int half = 0; half < joint.half_count; ++half) {
-            for (int back = 0; back < 4; ++back) {
-                const double t = -back * step.size;
-                state.halves[half].d[back] = (d + t * rate + 0.5 * t * t * acceleration).segment<3>(3 * half);
-            }
-            recall(joint.halves[half], state.halves[half]);
-        }
+        for (int half = 0; half < joint.half_count; ++half)
+            start_half(joint.halves[half], d.segment<3>(3 * half), rate.segment<3>(3 * half), acceleration.segment<3>(3 * half),
+                       state.halves[half]);
     }
     for (int p = 0; p < port_count_; ++p) {
         std::copy_n(ports[p].position, 3, ports_[static_cast<size_t>(p)].position);
@@ -302,6 +297,19 @@ std::array<double, 4> velocity_weights(uint32_t scheme, double h) {
 }
 
 }  // namespace
+
+/// The past before the start is the parabola through it, which suits every explicit scheme. The first force of the centred
+/// scheme is chosen so that its first step is Newmark's from x₀, v₀, a₀: over that step the elastic force before the start
+/// counts as that at the start, and the rate is taken from  x₋ = x₀ − h v₀ − h² (β − γ/2)/(1 − γ) a₀.
+void Network::start_half(const Half& half, const Vector3& d, const Vector3& rate, const Vector3& acceleration, HalfState& state) const {
+    const double h = clock_.step_size;
+    for (int back = 0; back < 4; ++back) state.d[back] = d - back * h * rate + 0.5 * back * back * h * h * acceleration;
+    recall(half, state);
+    if (!is_implicit()) return;
+    const double beta = centred_.beta, gamma = centred_.gamma;
+    const Vector3 mean_rate = (1 - gamma) * rate + (beta - 0.5 * gamma) * h * acceleration - gamma / h * d;
+    state.known = half.stiffness.cwiseProduct((1 - beta) * d) + half.damping.cwiseProduct(mean_rate);
+}
 
 void Network::set_step_size(double h) {
     clock_ = {h, 0};

@@ -110,6 +110,7 @@ private:
     void build_joint(const dttmm_network& description, const std::vector<End>& ends, uint32_t index);
     void set_step_size(double h);
     void solve_law(Joint& joint, const StepCoefficients& step) const;
+    void start_half(const Half& half, const Vector3& d, const Vector3& rate, const Vector3& acceleration, HalfState& state) const;
     void recall(const Half& half, HalfState& state) const;
 
     uint32_t scheme_;

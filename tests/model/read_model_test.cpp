@@ -103,6 +103,7 @@ TEST(ReadModel, WhatLaterVersionsCanDoIsRefusedByName) {
 }
 
 TEST(ReadModel, AModelNeedsABody) {
+    EXPECT_THAT(errors_of("body = []\n" + std::string(kStart) + kSimulation), HasSubstr("m.toml:1:1: no body"));
     EXPECT_THAT(errors_of(std::string(kStart) + kSimulation), HasSubstr("no body: at least one [[body]] is needed"));
 }
 

@@ -96,7 +96,13 @@ TEST(Units, CyclesAndRadiansAreKeptApart) {
     EXPECT_TRUE(measures("N*m", "N*m/rad"));
     EXPECT_FALSE(measures("N*m/rad", "N*m"));
     EXPECT_FALSE(measures("furlongx", "m"));
+    EXPECT_EQ(parse_quantity("314 1/s").unit, "1/s");
+    EXPECT_THAT(accepted_units("Hz"), testing::ElementsAre("Hz", "1/s", "kHz"));
     EXPECT_TRUE(measures(parse_quantity("5 kg*m/s").unit, "N*s"));
+}
+
+TEST(Units, ANulDoesNotHideWhatFollows) {
+    EXPECT_THAT(fault(std::string("5 m\0foo", 7), "m"), HasSubstr("unknown unit \"m\\u{0}foo\""));
 }
 
 TEST(Units, CommaHintsAtThePoint) {

@@ -15,17 +15,23 @@ namespace dttmm {
 
 namespace {
 
-/// A kept rate of convergence is trusted a decade less with every step that did not measure it anew.
-constexpr double kForget = 10;
-
-/// What a linear model reaches: rounding.
-constexpr double kBestContraction = std::numeric_limits<double>::epsilon();
+/// A kept rate of convergence is trusted half as much with every step that did not measure it anew.
+constexpr double kForget = 2;
 
 /// Slower than this, the matrix is formed anew.
 constexpr double kSlowestContraction = 0.1;
 
 /// Positions are known to a few units in the last place of their size.
-constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
+constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
+
+/// Whether an element holds each body: its forces then carry the rounding of the body's position.
+std::vector<bool> find_held(const Model& model) {
+    std::vector<bool> held(model.bodies.size());
+    for (const Element& element : model.elements)
+        for (const Attachment& end : {element.from, element.to})
+            if (end.body >= 0) held[static_cast<size_t>(end.body)] = true;
+    return held;
+}
 
 double farthest_marker(const Body& body) {
     double reach = 0;
@@ -37,8 +43,11 @@ double farthest_marker(const Body& body) {
 
 EndOfStep::EndOfStep(const Model& model, const Networks& networks)
     : matrix_(static_cast<int>(model.bodies.size()), networks.neighbours()) {
-    for (const Body& body : model.bodies)
-        inertias_.push_back({body.name, body.mass, body.inertia, body.inertia.trace() / 2, farthest_marker(body)});
+    const std::vector<bool> held = find_held(model);
+    for (size_t b = 0; b < model.bodies.size(); ++b) {
+        const Body& body = model.bodies[b];
+        inertias_.push_back({body.name, body.mass, body.inertia, body.inertia.trace() / 2, held[b] ? body.mass : 0, farthest_marker(body)});
+    }
     const size_t n = inertias_.size();
     for (auto* list : {&u_, &previous_u_, &correction_, &free_momentum_, &feedback_}) list->assign(n, Vector6::Zero());
     wrenches_.resize(6 * n);
@@ -157,11 +166,11 @@ double EndOfStep::norm(const std::vector<Vector6>& u) const {
     return std::sqrt(sum);
 }
 
-/// Norm of the velocities that rounding of the positions feigns: nothing below it can be asked for.
+/// Norm of the velocities that rounding of the held bodies' positions feigns: nothing below it can be asked for.
 double EndOfStep::rounding_floor(const std::vector<BodyState>& now) const {
     double sum = 0;
     for (size_t b = 0; b < now.size(); ++b)
-        sum += inertias_[b].mass * (now[b].position.squaredNorm() + inertias_[b].reach * inertias_[b].reach);
+        sum += inertias_[b].held_mass * (now[b].position.squaredNorm() + inertias_[b].reach * inertias_[b].reach);
     return kRounding / h_ * std::sqrt(sum);
 }
 
@@ -189,12 +198,12 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
         const double correction = correct(now);
         scale_ = std::max(0.99 * scale_, norm(u_));
         if (!std::isfinite(correction)) fail(correction);
-        if (pass > 0) {
-            const double rate = correction > floor ? correction / previous : 0;  // below the floor nothing can be measured
-            contraction_ = rate < 1 ? std::max(rate / (1 - rate), kBestContraction) : 1e3;
+        if (pass == 1 || (pass > 1 && correction > floor)) {  // a later correction at rounding measures nothing
+            const double rate = correction / previous;
+            contraction_ = rate < 1 ? rate / (1 - rate) : 1e3;
             if (rate > kSlowestContraction) stiffness_wanted_ = true;
         }
-        if (contraction_ * correction <= kTolerance * scale_ || correction <= floor) {
+        if (contraction_ * correction <= std::max(kTolerance * scale_, floor) || correction <= floor) {
             form_feedback(now);
             return feedback_;
         }

@@ -30,7 +30,7 @@ using Feedback = std::vector<Eigen::Matrix<double, 6, 1>>;
 /// Source of the acceptance rule: Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.8.
 class EndOfStep {
 public:
-    static constexpr double kTolerance = 1e-12;
+    static constexpr double kTolerance = 1e-13;
     static constexpr int kMostPasses = 50;
 
     EndOfStep(const Model& model, const Networks& networks);
@@ -54,6 +54,7 @@ private:
         double mass;
         Eigen::Matrix3d J;  ///< body axes
         double largest;     ///< moment of inertia
+        double held_mass;   ///< mass if an element holds the body, else 0
         double reach;       ///< farthest marker from the centre of mass [m]
     };
 

@@ -23,6 +23,14 @@ void print_warnings(const Model& model) {
     for (const std::string& warning : model.warnings) fmt::print(stderr, "warning: {}\n", warning);
 }
 
+/// The largest step up to `longest` [s] that divides `step` into 1, 2, 4, 5, 8, 10, 20, ... parts: it then divides duration and
+/// output step as well, and is short to write.
+double divide_step(double step, double longest) {
+    for (double decade = 1;; decade *= 10)
+        for (double parts : {1, 2, 4, 5, 8})
+            if (!(step / (decade * parts) > longest)) return step / (decade * parts);
+}
+
 /// An explicit coupling beyond the limit of its scheme would throw the machine apart.
 void refuse_unstable(const Model& model, const Simulation& simulation, bool force) {
     if (model.simulation.coupling != Coupling::explicit_) return;
@@ -32,10 +40,11 @@ void refuse_unstable(const Model& model, const Simulation& simulation, bool forc
                                           omega_h, fastest.omega / (2 * M_PI), fastest.body, kExplicitLimit);
     if (omega_h >= kExplicitLimit && !force)
         throw Error(ExitCode::numerical_failure,
-                    fmt::format("the explicit coupling would diverge at a step of {:.6g} s: {}; use --step \"{:.3g} s\" or smaller, "
+                    fmt::format("the explicit coupling would diverge at a step of {:.6g} s: {}; use --step \"{:.12g} s\", "
                                 "--coupling implicit, or --force to run anyway",
-                                simulation.step_size(), facts, 0.9 * kExplicitLimit / fastest.omega));
-    if (omega_h > 0.8 * kExplicitLimit) fmt::print(stderr, "warning: {}: near the limit of the explicit coupling\n", facts);
+                                simulation.step_size(), facts, divide_step(simulation.step_size(), 0.9 * kExplicitLimit / fastest.omega)));
+    if (omega_h > 0.8 * kExplicitLimit)
+        fmt::print(stderr, "warning: {}: {} the limit of the explicit coupling\n", facts, omega_h < kExplicitLimit ? "near" : "beyond");
 }
 
 /// Runs to the end; says how it ended. A failure on the way is an outcome too: what was recorded is kept.

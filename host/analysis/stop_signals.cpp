@@ -18,7 +18,6 @@ void on_signal(int number) {
 }
 
 constexpr int kHandled[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
-constexpr int kIgnored[] = {SIGPIPE, SIGXFSZ};
 
 }  // namespace
 
@@ -28,12 +27,12 @@ StopSignals::StopSignals() {
     action.sa_handler = on_signal;
     sigemptyset(&action.sa_mask);
     for (int number : kHandled) sigaction(number, &action, nullptr);  // no SA_RESTART: a sweep's wait must wake up
-    for (int number : kIgnored) std::signal(number, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);
 }
 
 StopSignals::~StopSignals() {
     for (int number : kHandled) std::signal(number, SIG_DFL);
-    for (int number : kIgnored) std::signal(number, SIG_DFL);
+    std::signal(SIGXFSZ, SIG_DFL);
 }
 
 bool StopSignals::requested() { return received != 0; }

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <fstream>
@@ -171,8 +172,10 @@ private:
     }
 
     void await_one() {
+        // Not a wait without end: a signal that comes just before it would go unnoticed until a case ends.
         int status = 0;
-        const pid_t child = ::waitpid(-1, &status, 0);  // EINTR: a stop signal, seen by the caller
+        const pid_t child = ::waitpid(-1, &status, WNOHANG);
+        if (child == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
         const auto found = running_.find(child);
         if (found == running_.end()) return;
         conclude(*found->second.one, status, found->second.said);

@@ -4,10 +4,15 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
 #include <new>
+#include <system_error>
 
 #include "analysis/run.h"
 #include "analysis/sweep.h"
+#include "model/wording.h"
 
 namespace dttmm {
 
@@ -62,6 +67,14 @@ ExitCode run_or_sweep(const Arguments& arguments) {
     return run_sweep(arguments.request, axes, arguments.jobs);
 }
 
+void refuse_unknown_subcommand(const CLI::App& app) {
+    const std::vector<std::string> words = app.remaining();
+    if (!app.get_subcommands().empty() || words.empty() || words.front().starts_with("-")) return;
+    std::vector<std::string> known;
+    for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
+    throw Error(ExitCode::usage, fmt::format("there is no subcommand {}{}", quote(words.front()), suggestion(words.front(), known)));
+}
+
 ExitCode dispatch(int argc, char** argv) {
     CLI::App app{"Rigid bodies by ODE, everything between them by transfer matrices.", "dttmm"};
     app.set_version_flag("--version", DTTMM_VERSION);
@@ -80,6 +93,7 @@ ExitCode dispatch(int argc, char** argv) {
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
+        refuse_unknown_subcommand(app);
         return app.exit(error) == 0 ? ExitCode::ok : ExitCode::usage;
     }
     settle(arguments);
@@ -91,12 +105,32 @@ ExitCode dispatch(int argc, char** argv) {
     return ExitCode::ok;
 }
 
+/// A reader that has gone away, as in `dttmm run ... | head -1`, is no failure; a full disk is.
+ExitCode judge_output_failure(int number) {
+    if (number == EPIPE) return ExitCode::ok;
+    fmt::print(stderr, "dttmm: cannot write to the standard output: {}\n", std::strerror(number));
+    return ExitCode::input_output;
+}
+
+/// Dispatches and sees what was printed out of the house.
+ExitCode dispatch_and_flush(int argc, char** argv) {
+    try {
+        const ExitCode code = dispatch(argc, argv);
+        if (std::fflush(stdout) == 0 || code != ExitCode::ok) return code;
+        return judge_output_failure(errno);
+    } catch (const std::system_error& error) {
+        if (!std::ferror(stdout)) throw;  // else it is fmt::print's
+        return judge_output_failure(error.code().value());
+    }
+}
+
 }  // namespace
 
 int run_command(int argc, char** argv) {
+    std::signal(SIGPIPE, SIG_IGN);
     ExitCode code = ExitCode::internal_error;
     try {
-        code = dispatch(argc, argv);
+        code = dispatch_and_flush(argc, argv);
     } catch (const Error& error) {
         fmt::print(stderr, "dttmm: {}\n", error.what());
         code = error.code();

@@ -142,8 +142,8 @@ void EndOfStep::factor(const std::vector<BodyState>& now) {
                     fmt::format("t = {:.9g} s: the matrix of the end of the step, M + h² S, is singular", time_));
 }
 
-/// One correction δ = K⁻¹ (P− + h f − P(u)), applied to u. Returns its norm.
-double EndOfStep::correct(const std::vector<BodyState>& now) {
+/// One correction δ = K⁻¹ (P− + h f − P(u)), applied to u. Returns the norms of both.
+EndOfStep::Norms EndOfStep::correct(const std::vector<BodyState>& now) {
     for (size_t b = 0; b < now.size(); ++b) {
         Vector6 r = free_momentum_[b] + h_ * Eigen::Map<const Vector6>(&wrenches_[6 * b]);
         r.head<3>() -= inertias_[b].mass * u_[b].head<3>();
@@ -151,19 +151,18 @@ double EndOfStep::correct(const std::vector<BodyState>& now) {
         right_hand_side_.segment<6>(matrix_.index(static_cast<int>(b))) = r;
     }
     solution_ = solver_.solve(right_hand_side_);
+    // Norm: square root of twice the kinetic energy, rotations weighted with the larger moments of inertia.
+    double correction = 0, motion = 0;
     for (size_t b = 0; b < now.size(); ++b) {
+        const auto norm_squared = [&](const Vector6& u) {
+            return inertias_[b].mass * u.head<3>().squaredNorm() + inertias_[b].largest * u.tail<3>().squaredNorm();
+        };
         correction_[b] = solution_.segment<6>(matrix_.index(static_cast<int>(b)));
         u_[b] += correction_[b];
+        correction += norm_squared(correction_[b]);
+        motion += norm_squared(u_[b]);
     }
-    return norm(correction_);
-}
-
-/// Square root of twice the kinetic energy, rotations weighted with the larger moments of inertia.
-double EndOfStep::norm(const std::vector<Vector6>& u) const {
-    double sum = 0;
-    for (size_t b = 0; b < u.size(); ++b)
-        sum += inertias_[b].mass * u[b].head<3>().squaredNorm() + inertias_[b].largest * u[b].tail<3>().squaredNorm();
-    return std::sqrt(sum);
+    return {std::sqrt(correction), std::sqrt(motion)};
 }
 
 /// Norm of the velocities that rounding of the held bodies' positions feigns: nothing below it can be asked for.
@@ -195,8 +194,8 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
             if (networks.is_implicit()) place_trial(now);
             evaluate(now, networks);
         }
-        const double correction = correct(now);
-        scale_ = std::max(0.99 * scale_, norm(u_));
+        const auto [correction, motion] = correct(now);
+        scale_ = std::max(0.99 * scale_, motion);
         if (!std::isfinite(correction)) fail(correction);
         if (pass == 1 || (pass > 1 && correction > floor)) {  // a later correction at rounding measures nothing
             const double rate = correction / previous;
@@ -213,11 +212,12 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
 }
 
 void EndOfStep::form_feedback(const std::vector<BodyState>& now) {
+    const double per_step = 1 / h_;
     for (size_t b = 0; b < now.size(); ++b) {
         const Eigen::Matrix3d& R = now[b].rotation;
-        const Eigen::Vector3d spin_up = u_[b].tail<3>() - now[b].angular_velocity;
-        feedback_[b].head<3>() = inertias_[b].mass / h_ * (u_[b].head<3>() - now[b].velocity);
-        feedback_[b].tail<3>() = R * (inertias_[b].J * (R.transpose() * spin_up)) / h_;
+        const Eigen::Vector3d angular_acceleration = per_step * (u_[b].tail<3>() - now[b].angular_velocity);
+        feedback_[b].head<3>() = inertias_[b].mass * per_step * (u_[b].head<3>() - now[b].velocity);
+        feedback_[b].tail<3>() = R * (inertias_[b].J * (R.transpose() * angular_acceleration));
     }
 }
 

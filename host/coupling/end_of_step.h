@@ -62,8 +62,10 @@ private:
     void place_trial(const std::vector<BodyState>& now);
     void evaluate(const std::vector<BodyState>& now, Networks& networks);
     void factor(const std::vector<BodyState>& now);
-    double correct(const std::vector<BodyState>& now);
-    double norm(const std::vector<Vector6>& u) const;
+    struct Norms {
+        double correction, motion;
+    };
+    Norms correct(const std::vector<BodyState>& now);
     double rounding_floor(const std::vector<BodyState>& now) const;
     Eigen::Vector3d momentum_over_step(size_t body, const Eigen::Matrix3d& R, const Eigen::Vector3d& w) const;
     void form_feedback(const std::vector<BodyState>& now);

@@ -65,8 +65,8 @@ Networks::Networks(const Model& model, const Plugins& plugins) {
         for (const NetworkInstance& instance : instances_) is_implicit_ = is_implicit_ || instance.is_implicit();
     }
     motions_.resize(ports_.size());
-    positions_.resize(ports_.size());
     arms_.resize(ports_.size());
+    next_arms_.resize(ports_.size());
     wrenches_.resize(6 * ports_.size() + instances_.size());
     for (size_t n = 0; n < instances_.size(); ++n)
         std::memcpy(&wrenches_[slots_[n].wrench + 6 * static_cast<size_t>(instances_[n].port_count())], &kGuardPattern, sizeof(double));
@@ -126,20 +126,23 @@ void Networks::refuse_mixed_weights() const {
 
 /// Motion of every port from that of the bodies; step_size 0: the velocities are those of the instant.
 void Networks::gather(const std::vector<BodyState>& motion, double step_size) {
+    const double per_step = step_size > 0 ? 1 / step_size : 0;
     for (size_t p = 0; p < ports_.size(); ++p) {
         const Port& port = ports_[p];
         const BodyState& body = motion[static_cast<size_t>(port.body)];
         dttmm_motion& out = motions_[p];
         const Eigen::Vector3d arm = body.rotation * port.arm;
-        const Eigen::Vector3d position = body.position + arm;
-        vector(out.position) = position;
+        vector(out.position) = body.position + arm;
         if (port.turned)
             Eigen::Map<RowMajor3>{out.rotation} = body.rotation * port.rotation;
         else
             Eigen::Map<RowMajor3>{out.rotation} = body.rotation;
-        vector(out.velocity) = step_size > 0 ? Eigen::Vector3d((position - positions_[p]) / step_size)
-                                             : Eigen::Vector3d(body.velocity + body.angular_velocity.cross(arm));
+        if (step_size > 0)
+            vector(out.velocity) = body.velocity + per_step * (arm - arms_[p]);
+        else
+            vector(out.velocity) = body.velocity + body.angular_velocity.cross(arm);
         vector(out.angular_velocity) = body.angular_velocity;
+        next_arms_[p] = arm;
     }
 }
 
@@ -149,9 +152,10 @@ void Networks::scatter(size_t network, double* wrenches) const {
     const auto count = static_cast<size_t>(instances_[network].port_count());
     const double* wrench = &wrenches_[slot.wrench];
     for (size_t p = slot.port; p < slot.port + count; ++p, wrench += 6) {
-        for (int i = 0; i < 6; ++i)
-            if (!(std::abs(wrench[i]) <= kLargestWrench)) [[unlikely]]
-                refuse_wrench(network, p);
+        double size = 0;  // not a number if one of them is not
+        for (int i = 0; i < 6; ++i) size += std::abs(wrench[i]);
+        if (!(size <= kLargestWrench)) [[unlikely]]
+            refuse_wrench(network, p);
         const Eigen::Map<const Eigen::Vector3d> force(wrench), moment(wrench + 3);
         double* on_body = wrenches + 6 * ports_[p].body;
         vector(on_body) += force;
@@ -194,8 +198,8 @@ void Networks::hand_out(size_t network, const std::vector<double>& port_stiffnes
 // ---- Phases -------------------------------------------------------------------------------------------------------------
 
 void Networks::linearise(const std::vector<BodyState>& at, double* wrenches, const StiffnessSink* stiffness) {
-    for (size_t p = 0; p < ports_.size(); ++p) arms_[p] = at[static_cast<size_t>(ports_[p].body)].rotation * ports_[p].arm;
     gather(at, 0);
+    arms_ = next_arms_;
     for (size_t n = 0; n < instances_.size(); ++n) {
         const auto size = 6 * static_cast<size_t>(instances_[n].port_count());
         if (stiffness) stiffness_.resize(size * size);
@@ -209,14 +213,13 @@ void Networks::start(const dttmm_step& step, const std::vector<BodyState>& at, c
     step_size_ = step.size;
     time_ = step.time;
     gather(at, 0);
+    arms_ = next_arms_;
     std::vector<double> port_accelerations(6 * ports_.size());
     for (size_t p = 0; p < ports_.size(); ++p) {
         // a_P = a + α × r + ω × (ω × r)
         const auto body = static_cast<size_t>(ports_[p].body);
         const Eigen::Vector3d& w = at[body].angular_velocity;
         const Eigen::Map<const Eigen::Vector3d> a(accelerations + 6 * body), alpha(accelerations + 6 * body + 3);
-        arms_[p] = at[body].rotation * ports_[p].arm;
-        positions_[p] = at[body].position + arms_[p];
         vector(&port_accelerations[6 * p]) = a + alpha.cross(arms_[p]) + w.cross(w.cross(arms_[p]));
         vector(&port_accelerations[6 * p + 3]) = alpha;
     }
@@ -251,10 +254,7 @@ void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches, c
 void Networks::commit_step(const std::vector<BodyState>& accepted) {
     gather(accepted, step_size_);
     for (size_t n = 0; n < instances_.size(); ++n) instances_[n].commit_step(&motions_[slots_[n].port]);
-    for (size_t p = 0; p < ports_.size(); ++p) {
-        positions_[p] = Eigen::Map<const Eigen::Vector3d>(motions_[p].position);
-        arms_[p] = positions_[p] - accepted[static_cast<size_t>(ports_[p].body)].position;
-    }
+    arms_.swap(next_arms_);
 }
 
 // ---- Results ------------------------------------------------------------------------------------------------------------

@@ -82,8 +82,8 @@ private:
     double step_size_ = 0;
     double time_ = 0;
     std::vector<dttmm_motion> motions_;       ///< of every port, as last gathered
-    std::vector<Eigen::Vector3d> positions_;  ///< of every port at t_n
-    std::vector<Eigen::Vector3d> arms_;       ///< world axes, at t_n
+    std::vector<Eigen::Vector3d> arms_;       ///< of every port from the centre of mass, world axes, at t_n
+    std::vector<Eigen::Vector3d> next_arms_;  ///< the same as last gathered
     std::vector<double> wrenches_;            ///< of every port; a guard word follows each network's part
     std::vector<double> stiffness_;           ///< of the network at hand
 };

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <cstring>
-#include <utility>
 
 namespace dttmm {
 
@@ -24,38 +23,34 @@ ExitCode exit_code(dttmm_status status) {
 }  // namespace
 
 NetworkInstance::NetworkInstance(const PluginLibrary& plugin, const dttmm_network& network)
-    : plugin_(plugin), table_(&plugin.table()) {
+    : plugin_(plugin), table_(&plugin.table()), instance_(nullptr, table_->destroy) {
     for (uint32_t n = 0; n < network.node_count; ++n) port_count_ += network.nodes[n].kind == DTTMM_NODE_PORT;
     for (uint32_t e = 0; e < network.element_count; ++e) element_names_.emplace_back(network.elements[e].name);
     dttmm_error error;
-    check(table_->create(&network, &instance_, cleared(error)), error);
-    if (instance_ == nullptr) fail(DTTMM_ERROR_INTERNAL, {-1, "create returned no instance"});
+    dttmm_instance* instance = nullptr;
+    check(table_->create(&network, &instance, cleared(error)), error);
+    if (instance == nullptr) fail(DTTMM_ERROR_INTERNAL, {-1, "create returned no instance"});
+    instance_.reset(instance);
+    check_channels(network.element_count);
+}
+
+void NetworkInstance::check_channels(uint32_t element_count) const {
+    const dttmm_channel* channels = table_->channels(instance_.get());
     for (uint32_t c = 0; c < channel_count(); ++c)
-        if (!channel(c).name || !channel(c).unit || channel(c).element >= network.element_count)
+        if (!channels || !channels[c].name || !channels[c].unit || channels[c].element >= element_count)
             fail(DTTMM_ERROR_INTERNAL, {-1, "an output channel is not well declared"});
 }
 
-NetworkInstance::~NetworkInstance() {
-    if (instance_) table_->destroy(instance_);
-}
-
-NetworkInstance::NetworkInstance(NetworkInstance&& other) noexcept
-    : plugin_(other.plugin_),
-      table_(other.table_),
-      instance_(std::exchange(other.instance_, nullptr)),
-      port_count_(other.port_count_),
-      element_names_(std::move(other.element_names_)) {}
-
 std::vector<unsigned char> NetworkInstance::save_state() const {
-    std::vector<unsigned char> state(table_->state_size(instance_));
+    std::vector<unsigned char> state(table_->state_size(instance_.get()));
     dttmm_error error;
-    check(table_->save_state(instance_, state.data(), state.size(), cleared(error)), error);
+    check(table_->save_state(instance_.get(), state.data(), state.size(), cleared(error)), error);
     return state;
 }
 
 void NetworkInstance::restore_state(const std::vector<unsigned char>& state) {
     dttmm_error error;
-    check(table_->restore_state(instance_, state.data(), state.size(), cleared(error)), error);
+    check(table_->restore_state(instance_.get(), state.data(), state.size(), cleared(error)), error);
 }
 
 void NetworkInstance::fail(dttmm_status status, const dttmm_error& error) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,49 +17,45 @@ namespace dttmm {
 class NetworkInstance {
 public:
     NetworkInstance(const PluginLibrary& plugin, const dttmm_network& network);
-    ~NetworkInstance();
-    NetworkInstance(NetworkInstance&& other) noexcept;
-    NetworkInstance(const NetworkInstance&) = delete;
-    NetworkInstance& operator=(const NetworkInstance&) = delete;
-    NetworkInstance& operator=(NetworkInstance&&) = delete;
+    NetworkInstance(NetworkInstance&&) noexcept = default;  // no assignment: an instance must go before its library
 
     int port_count() const { return port_count_; }
-    bool is_implicit() const { return table_->is_implicit(instance_) != 0; }
-    void load_weights(double weights[3]) const { table_->load_weights(instance_, weights); }
+    bool is_implicit() const { return table_->is_implicit(instance_.get()) != 0; }
+    void load_weights(double weights[3]) const { table_->load_weights(instance_.get(), weights); }
 
     void linearise(const dttmm_motion* ports, double* wrench, double* stiffness, double* damping) const {
         dttmm_error error;
-        check(table_->linearise(instance_, ports, wrench, stiffness, damping, cleared(error)), error);
+        check(table_->linearise(instance_.get(), ports, wrench, stiffness, damping, cleared(error)), error);
     }
     void start(const dttmm_step& step, const dttmm_motion* ports, const double* accelerations) {
         dttmm_error error;
-        check(table_->start(instance_, &step, ports, accelerations, cleared(error)), error);
+        check(table_->start(instance_.get(), &step, ports, accelerations, cleared(error)), error);
     }
     void begin_step(const dttmm_step& step) {
         dttmm_error error;
-        check(table_->begin_step(instance_, &step, cleared(error)), error);
+        check(table_->begin_step(instance_.get(), &step, cleared(error)), error);
     }
     void evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const {
         dttmm_error error;
-        check(table_->evaluate(instance_, trial, wrench, stiffness, cleared(error)), error);
+        check(table_->evaluate(instance_.get(), trial, wrench, stiffness, cleared(error)), error);
     }
     void commit_step(const dttmm_motion* accepted) {
         dttmm_error error;
-        check(table_->commit_step(instance_, accepted, cleared(error)), error);
+        check(table_->commit_step(instance_.get(), accepted, cleared(error)), error);
     }
     void discard_step() {
         dttmm_error error;
-        check(table_->discard_step(instance_, cleared(error)), error);
+        check(table_->discard_step(instance_.get(), cleared(error)), error);
     }
 
     std::vector<unsigned char> save_state() const;
     void restore_state(const std::vector<unsigned char>& state);
 
-    uint32_t channel_count() const { return table_->channel_count(instance_); }
-    const dttmm_channel& channel(uint32_t index) const { return table_->channels(instance_)[index]; }
+    uint32_t channel_count() const { return table_->channel_count(instance_.get()); }
+    const dttmm_channel& channel(uint32_t index) const { return table_->channels(instance_.get())[index]; }
     void outputs(double* values) const {
         dttmm_error error;
-        check(table_->outputs(instance_, values, cleared(error)), error);
+        check(table_->outputs(instance_.get(), values, cleared(error)), error);
     }
     const std::string& element_name(uint32_t element) const { return element_names_[element]; }
 
@@ -73,10 +70,11 @@ private:
             fail(status, error);
     }
     [[noreturn]] void fail(dttmm_status status, const dttmm_error& error) const;
+    void check_channels(uint32_t element_count) const;
 
     PluginLibrary plugin_;
     const dttmm_plugin* table_;
-    dttmm_instance* instance_ = nullptr;
+    std::unique_ptr<dttmm_instance, void (*)(dttmm_instance*)> instance_;
     int port_count_ = 0;
     std::vector<std::string> element_names_;
 };

@@ -17,10 +17,15 @@ namespace {
 
 using dttmm::Error;
 
+/// What is too long is cut between two characters of the UTF-8 text.
 void write_text(dttmm_error* error, int element, const char* text) noexcept {
+    const auto continues = [](char c) { return (c & 0xc0) == 0x80; };
+    size_t length = strnlen(text, sizeof error->text);
+    if (length == sizeof error->text)
+        for (--length; length > 0 && continues(text[length]);) --length;
     error->element = element;
-    std::strncpy(error->text, text, sizeof error->text - 1);
-    error->text[sizeof error->text - 1] = '\0';
+    std::memcpy(error->text, text, length);
+    error->text[length] = '\0';
 }
 
 /// Runs `body`; nothing it throws gets past here.
@@ -47,7 +52,8 @@ dttmm_status guard(dttmm_error* error, Body&& body) noexcept {
 dttmm_status create(const dttmm_network* network, dttmm_instance** instance, dttmm_error* error) {
     *instance = nullptr;
     return guard(error, [&] {
-        if (network == nullptr) throw Error(DTTMM_ERROR_ARGUMENT, "create: no network");
+        if (network == nullptr || network->nodes == nullptr || network->elements == nullptr)
+            throw Error(DTTMM_ERROR_ARGUMENT, "create: no network, or one without nodes or elements");
         *instance = new dttmm_instance{dttmm::Network(*network)};
     });
 }

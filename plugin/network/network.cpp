@@ -311,26 +311,28 @@ void Network::start_half(const Half& half, const Vector3& d, const Vector3& rate
     state.known = half.stiffness.cwiseProduct((1 - beta) * d) + half.damping.cwiseProduct(mean_rate);
 }
 
+Network::PastWeights Network::past_weights(double h) const {
+    if (!is_implicit()) return {{1, 0, 0, 0}, velocity_weights(scheme_, h)};
+    return {{centred_.weight_now(), centred_.weight_before(), 0, 0}, {(1 - 2 * centred_.gamma) / h, (centred_.gamma - 1) / h, 0, 0}};
+}
+
 void Network::set_step_size(double h) {
     clock_ = {h, 0};
-    StepCoefficients step;
-    if (is_implicit()) {
-        // f = k (w₊ d₊ + w₀ d + w₋ d₋) + c (C d₊ + D) = k̂ d₊ + known
-        step = {centred_.weight_after(), centred_.gamma / h};
-        elastic_weights_ = {centred_.weight_now(), centred_.weight_before(), 0, 0};
-        rate_weights_ = {(1 - 2 * centred_.gamma) / h, (centred_.gamma - 1) / h, 0, 0};
-    } else {
-        // f = k d + c (C d + D), all of it known: k̂ serves the transfer equations only
-        elastic_weights_ = {1, 0, 0, 0};
-        rate_weights_ = velocity_weights(scheme_, h);
-        step = {1, rate_weights_[0]};
-    }
+    // implicit: f = k (w₊ d₊ + w₀ d + w₋ d₋) + c (C d₊ + D) = k̂ d₊ + known
+    // explicit: f = k d + c (C d + D), all of it known: k̂ serves the transfer equations only
+    const PastWeights past = past_weights(h);
+    const StepCoefficients step = is_implicit() ? StepCoefficients{centred_.weight_after(), centred_.gamma / h}
+                                                : StepCoefficients{1, past.rate[0]};
+    recalled_ = 4;
+    while (recalled_ > 1 && past.elastic[static_cast<size_t>(recalled_ - 1)] == 0 && past.rate[static_cast<size_t>(recalled_ - 1)] == 0) --recalled_;
     for (size_t j = 0; j < joints_.size(); ++j) {
         try {
             solve_law(joints_[j], step);
         } catch (const Error& error) {
             throw Error(error.status(), error.what(), static_cast<int>(j));
         }
+        for (Half& half : joints_[j].halves)
+            for (size_t i = 0; i < 4; ++i) half.recall[i] = past.elastic[i] * half.stiffness + past.rate[i] * half.damping;
     }
 }
 
@@ -345,10 +347,8 @@ void Network::solve_law(Joint& joint, const StepCoefficients& step) const {
 
 /// What of the force over the coming step is known before its end is: everything for an explicit scheme.
 inline void Network::recall(const Half& half, HalfState& state) const {
-    Vector3 elastic = elastic_weights_[0] * state.d[0], rate = rate_weights_[0] * state.d[0];
-    elastic += elastic_weights_[1] * state.d[1];
-    for (size_t back = 1; back < (is_implicit() ? 2 : 4); ++back) rate += rate_weights_[back] * state.d[back];
-    state.known = half.stiffness.cwiseProduct(elastic) + half.damping.cwiseProduct(rate);
+    state.known = half.recall[0].cwiseProduct(state.d[0]);
+    for (int i = 1; i < recalled_; ++i) state.known += half.recall[i].cwiseProduct(state.d[i]);
 }
 
 void Network::begin_step(const dttmm_step& step) {
@@ -385,7 +385,7 @@ void Network::evaluate(const dttmm_motion* motion, double* wrench, double* stiff
 
 void Network::commit_step(const dttmm_motion* accepted) {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "commit_step: no step is open");
-    const double h = clock_.step_size;
+    const double h = clock_.step_size, per_two_steps = 1 / (2 * h);
     for (size_t j = 0; j < joints_.size(); ++j) {
         const Joint& joint = joints_[j];
         const FrameView from = trial(joint.from, accepted), to = trial(joint.to, accepted);
@@ -397,7 +397,7 @@ void Network::commit_step(const dttmm_motion* accepted) {
             memory.d[2] = memory.d[1];
             memory.d[1] = memory.d[0];
             memory.d[0] = half == kTranslation ? translation(joint, from, arm(from, to)) : rotation(joint, from, to);
-            const Vector3 rate = (memory.d[0] - memory.d[2]) / (2 * h);
+            const Vector3 rate = per_two_steps * (memory.d[0] - memory.d[2]);
             power += rate.dot(joint.halves[half].damping.cwiseProduct(rate));
             recall(joint.halves[half], memory);
         }

@@ -61,7 +61,8 @@ private:
     /// Three translations or three rotations of a joint: the same formulas hold for both.
     struct Half {
         Vector3 stiffness, damping;
-        Vector3 law;  ///< k̂: −∂f/∂d of the solved transfer equations [N/m, N m/rad]
+        Vector3 law;        ///< k̂: −∂f/∂d of the solved transfer equations [N/m, N m/rad]
+        Vector3 recall[4];  ///< the known part of the force is Σ recall[i] ∘ d[i]
     };
     static constexpr int kTranslation = 0, kRotation = 1;
 
@@ -109,6 +110,11 @@ private:
     std::vector<End> place_ends(const dttmm_network& description);
     void build_joint(const dttmm_network& description, const std::vector<End>& ends, uint32_t index);
     void set_step_size(double h);
+    /// How a scheme weights d at t_n, t_{n−1}, t_{n−2}, t_{n−3} in the known part of elastic force and rate.
+    struct PastWeights {
+        std::array<double, 4> elastic, rate;
+    };
+    PastWeights past_weights(double h) const;
     void solve_law(Joint& joint, const StepCoefficients& step) const;
     void start_half(const Half& half, const Vector3& d, const Vector3& rate, const Vector3& acceleration, HalfState& state) const;
     void recall(const Half& half, HalfState& state) const;
@@ -119,8 +125,7 @@ private:
     std::vector<Joint> joints_;
     std::vector<dttmm_channel> channels_;
 
-    /// Weights of d at t_n, t_{n−1}, t_{n−2}, t_{n−3} in the known part of the force, of the elastic and of the damping term.
-    std::array<double, 4> elastic_weights_{}, rate_weights_{};
+    int recalled_ = 0;  ///< how many past deformations the scheme looks at
 
     std::vector<JointState> joint_states_;
     std::vector<Frame> ports_;  ///< at t_n

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// The tree is the design: a layer may include only what stands to its left, and some headers belong to one place.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+using Includes = std::map<std::string, std::vector<std::string>>;  // "host/model/units.cpp" -> what it includes
+
+const fs::path kSource = DTTMM_SOURCE_DIR;
+
+/// Every layer with the layers it may include; the header between the halves is checked apart.
+const std::map<std::string, std::set<std::string>> kMayInclude = {
+    {"plugin/core", {"plugin/core"}},
+    {"plugin/element", {"plugin/core", "plugin/element"}},
+    {"plugin/network", {"plugin/core", "plugin/element", "plugin/network"}},
+    {"plugin/modal", {"plugin/core", "plugin/element", "plugin/network", "plugin/modal"}},
+    {"plugin/abi", {"plugin/core", "plugin/element", "plugin/network", "plugin/modal", "plugin/abi"}},
+    {"host/model", {"host/model"}},
+    {"host/world", {"host/model", "host/world"}},
+    {"host/loader", {"host/model", "host/loader"}},
+    {"host/record", {"host/model", "host/record"}},
+    {"host/coupling", {"host/model", "host/world", "host/loader", "host/record", "host/coupling"}},
+    {"host/step", {"host/model", "host/world", "host/loader", "host/record", "host/coupling", "host/step"}},
+    {"host/analysis", {"host/model", "host/world", "host/loader", "host/record", "host/coupling", "host/step", "host/analysis"}},
+    {"host/cli", {"host/model", "host/world", "host/loader", "host/record", "host/coupling", "host/step", "host/analysis", "host/cli"}},
+};
+
+Includes read_includes() {
+    Includes includes;
+    const std::regex line_of_include(R"(^\s*#\s*include\s*[<"]([^>"]+)[>"])");
+    for (const char* half : {"plugin", "host"}) {
+        for (const auto& entry : fs::recursive_directory_iterator(kSource / half)) {
+            const std::string extension = entry.path().extension();
+            if (extension != ".h" && extension != ".cpp") continue;
+            std::vector<std::string>& found = includes[fs::relative(entry.path(), kSource).generic_string()];
+            std::ifstream file(entry.path());
+            std::smatch match;
+            for (std::string line; std::getline(file, line);)
+                if (std::regex_search(line, match, line_of_include)) found.push_back(match[1]);
+        }
+    }
+    return includes;
+}
+
+std::string half_of(const std::string& file) { return file.substr(0, file.find('/')); }
+std::string layer_of(const std::string& file) { return fs::path(file).parent_path().generic_string(); }
+
+/// The layer that an include such as "model/units.h" reaches from a file of its half, or none for what is not ours.
+std::string layer_reached(const std::string& from, const std::string& include) {
+    const std::string candidate = half_of(from) + "/" + include;
+    return fs::exists(kSource / candidate) ? layer_of(candidate) : "";
+}
+
+TEST(Layers, IncludePointsLeftOnly) {
+    const Includes includes = read_includes();
+    ASSERT_GT(includes.size(), 40u) << "the sources were not found";
+    for (const auto& [file, list] : includes) {
+        const std::string layer = layer_of(file);
+        if (layer == "plugin/include" || file == "host/main.cpp") continue;
+        ASSERT_TRUE(kMayInclude.contains(layer)) << file << " stands in no layer of the design";
+        for (const std::string& include : list) {
+            const std::string reached = layer_reached(file, include);
+            if (!reached.empty() && reached != "plugin/include") {
+                EXPECT_TRUE(kMayInclude.at(layer).contains(reached)) << file << " includes " << include;
+            }
+        }
+    }
+}
+
+TEST(Layers, TheHalvesShareOneHeader) {
+    for (const auto& [file, list] : read_includes())
+        for (const std::string& include : list) {
+            if (layer_reached(file, include).empty() && include != "dttmm_plugin.h") {
+                const std::string other = half_of(file) == "host" ? "plugin" : "host";
+                EXPECT_FALSE(fs::exists(kSource / other / include)) << file << " includes " << include << " of the other half";
+            }
+            EXPECT_EQ(include.find(".."), std::string::npos) << file << " includes " << include;
+        }
+}
+
+/// Files in which an include matching `pattern` stands.
+std::set<std::string> files_with(const std::string& pattern) {
+    std::set<std::string> files;
+    for (const auto& [file, list] : read_includes())
+        for (const std::string& include : list)
+            if (std::regex_search(include, std::regex(pattern))) files.insert(file);
+    return files;
+}
+
+TEST(Layers, OdeIsSeenByTheWorldOnly) {
+    for (const std::string& file : files_with("^ode/")) EXPECT_EQ(layer_of(file), "host/world") << file;
+}
+
+TEST(Layers, TheTomlParserIsSeenByOneFile) {
+    EXPECT_EQ(files_with(R"(^toml\+\+/)"), std::set<std::string>{"host/model/toml_document.cpp"});
+}
+
+TEST(Layers, ThePluginReadsNoFilesAndKnowsNoEngine) {
+    EXPECT_TRUE(std::ranges::none_of(files_with("^(fstream|filesystem|cstdio|stdio.h|iostream|ode/.*|hdf5.h)$"),
+                                     [](const std::string& file) { return half_of(file) == "plugin"; }));
+}
+
+TEST(Layers, TheInterfaceIsImplementedByAbiAlone) {
+    // core to network speak its plain data types; its functions and the entry are defined in abi.
+    for (const char* layer : {"core", "element", "network"})
+        for (const auto& entry : fs::directory_iterator(kSource / "plugin" / layer)) {
+            std::ifstream file(entry.path());
+            const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+            EXPECT_EQ(text.find("dttmm_plugin_entry"), std::string::npos) << entry.path();
+            EXPECT_EQ(text.find("dttmm_instance"), std::string::npos) << entry.path();
+        }
+}
+
+TEST(Layers, TheTopLevelHoldsWhatTheDesignNames) {
+    const std::set<std::string> allowed = {"CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", "plugin", "host",
+                                           "examples",       "tests",             "results"};  // results/ is ignored by git
+    for (const auto& entry : fs::directory_iterator(kSource)) {
+        const std::string name = entry.path().filename();
+        if (name.front() != '.') {
+            EXPECT_TRUE(allowed.contains(name)) << name;
+        }
+    }
+}
+
+}  // namespace

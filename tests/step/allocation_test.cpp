@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Nothing is allocated in the step loop. Every malloc of this executable is counted while a step runs, the plugin's, ODE's and
+// the recorder's included. Under the address sanitizer, which has a malloc of its own, the test has nothing to count and is left out.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "record/recorder.h"
+#include "step/simulation.h"
+#include "support/models.h"
+
+#ifndef __SANITIZE_ADDRESS__
+
+namespace {
+long allocations = 0;
+}
+
+extern "C" {
+void* __libc_malloc(size_t);
+void* __libc_calloc(size_t, size_t);
+void* __libc_realloc(void*, size_t);
+__attribute__((visibility("default"))) void* malloc(size_t size) {
+    ++allocations;
+    return __libc_malloc(size);
+}
+__attribute__((visibility("default"))) void* calloc(size_t count, size_t size) {
+    ++allocations;
+    return __libc_calloc(count, size);
+}
+__attribute__((visibility("default"))) void* realloc(void* old, size_t size) {
+    ++allocations;
+    return __libc_realloc(old, size);
+}
+}
+
+namespace dttmm {
+namespace {
+
+TEST(Allocation, NothingIsAllocatedInTheStepLoop) {
+    const Plugins plugins;
+    for (Coupling coupling : {Coupling::implicit, Coupling::explicit_}) {
+        Model model = test::plate_stack(plugins, 5, 5e5, 100, 1e-3, coupling);
+        model.elements[7].values[0] *= 0.8;  // tilts the plates: more than one pass per step
+        Simulation simulation(model, plugins);
+        Recorder recorder(simulation.channels());
+        simulation.record_to([&](std::span<const double> row) { recorder.close_row(row); });
+        for (int n = 0; n < 3; ++n) simulation.step();  // the first steps fill the working memory
+        const long before = allocations;
+        ASSERT_GT(before, 0) << "malloc is not counted";
+        for (int n = 0; n < 500; ++n) simulation.step();
+        EXPECT_EQ(allocations - before, 0);
+    }
+}
+
+}  // namespace
+}  // namespace dttmm
+
+#endif

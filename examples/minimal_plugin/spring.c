@@ -33,7 +33,8 @@ static const dttmm_channel channel_table[CHANNELS] = {
 enum { FROM, TO };
 enum { CREATED, BETWEEN_STEPS, IN_STEP };
 
-struct memory { /* all that changes from step to step: plain numbers, so that saving is copying */
+/* All that changes from step to step: plain numbers, so that saving is copying. */
+struct memory {
     double h;                 /* step size */
     double past[4][3];        /* d at t_n, t_{n-1}, t_{n-2}, t_{n-3} */
     double known[3];          /* what of the force over the coming step does not depend on its end */
@@ -71,9 +72,11 @@ static void to_world(const double R[9], const double v[3], double out[3]) {
     for (int i = 0; i < 3; ++i) out[i] = R[3 * i] * v[0] + R[3 * i + 1] * v[1] + R[3 * i + 2] * v[2];
 }
 
-struct view { /* the to end as the from end sees it */
-    double axes[9], arm[3], velocity[3]; /* axes of from, place of to and its velocity relative to these axes: world */
-    double d[3];                         /* local */
+/* The to end as the from end sees it. */
+struct view {
+    double axes[9];             /* of the from end */
+    double arm[3], velocity[3]; /* of the to end, seen from these axes, in world directions */
+    double d[3];                /* in their own directions */
 };
 
 static const dttmm_motion *motion_of(const dttmm_instance *s, int end, const dttmm_motion *ports) {
@@ -106,18 +109,19 @@ static void add_wrenches(const dttmm_instance *s, const double axes[9], const do
     }
 }
 
-static size_t size_of_wrenches(const dttmm_instance *s) { return (s->port[FROM] >= 0 ? 6u : 0u) + (s->port[TO] >= 0 ? 6u : 0u); }
+/* 6 per port. */
+static size_t wrench_size(const dttmm_instance *s) { return (s->port[FROM] >= 0 ? 6u : 0u) + (s->port[TO] >= 0 ? 6u : 0u); }
 
 /* S = -d(wrench)/d(pose), column by column, for a force that grows by gain d and acts along `axes` over `arm`. */
 static void write_stiffness(const dttmm_instance *s, const struct view *v, const double gain[3], const double axes[9],
                             const double arm[3], double *S) {
-    const size_t n = size_of_wrenches(s);
+    const size_t n = wrench_size(s);
     memset(S, 0, n * n * sizeof *S);
     for (int end = FROM; end <= TO; ++end)
         for (int i = 0; i < 6 && s->port[end] >= 0; ++i) {
-            double unit[3] = {0}, moved[3] = {0}, f[3]; /* moved: the to end, seen from the from end, when coordinate i grows */
+            double unit[3] = {0}, moved[3] = {0}, f[3];
             unit[i % 3] = end == TO ? 1 : -1;
-            if (i < 3) memcpy(moved, unit, sizeof moved);
+            if (i < 3) memcpy(moved, unit, sizeof moved);          /* the to end goes, or the from end leaves it behind */
             if (i >= 3 && end == FROM) cross(unit, v->arm, moved); /* turning the from end sweeps the to end back */
             to_local(v->axes, moved, f);
             for (int a = 0; a < 3; ++a) f[a] *= -gain[a];
@@ -127,9 +131,9 @@ static void write_stiffness(const dttmm_instance *s, const struct view *v, const
 
 /* ---- From the network to an instance ---- */
 
+/* The explicit schemes take the spring's d at t_n and differ in h d'. Fox-Euler's is 2 (d_n - d_{n-1}) - h d'_{n-1} with the
+ * old velocity from the host's motion, d'_{n-1} = (d_n - d_{n-2})/2h: its own recursion would be unstable. */
 static dttmm_status set_scheme(dttmm_instance *s, const dttmm_network *network, dttmm_error *error) {
-    /* h d' at t_n from d at t_{n+1}, t_n, t_{n-1}, ... Fox-Euler's 2 (d_n - d_{n-1}) - h d'_{n-1} takes its old velocity from
-     * the host, d'_{n-1} = (d_n - d_{n-2})/2h: its own recursion would be unstable. */
     static const double explicit_rates[][5] = {
         [DTTMM_SCHEME_FOX_EULER] = {0, 3. / 2, -2, 1. / 2, 0},
         [DTTMM_SCHEME_BDF1] = {0, 1, -1, 0, 0},
@@ -138,7 +142,7 @@ static dttmm_status set_scheme(dttmm_instance *s, const dttmm_network *network, 
         [DTTMM_SCHEME_PARK] = {0, 5. / 3, -5. / 2, 1, -1. / 6},
     };
     const double b = network->beta, g = network->gamma;
-    if (network->scheme > DTTMM_SCHEME_PARK) return fail(error, DTTMM_ERROR_ARGUMENT, -1, "c_spring does not know this scheme");
+    if (network->scheme > DTTMM_SCHEME_PARK) return fail(error, DTTMM_ERROR_ARGUMENT, -1, "unknown time scheme");
     if (network->scheme == DTTMM_SCHEME_CENTRED) {
         memcpy(s->elastic, (const double[5]){b, 0.5 + g - 2 * b, 0.5 - g + b}, sizeof s->elastic);
         memcpy(s->rate, (const double[5]){g, 1 - 2 * g, g - 1}, sizeof s->rate);
@@ -198,7 +202,7 @@ static dttmm_status linearise(const dttmm_instance *s, const dttmm_motion *ports
     double f[3], rate[3];
     to_local(v.axes, v.velocity, rate);
     for (int i = 0; i < 3; ++i) f[i] = s->k[i] * v.d[i] + s->c[i] * rate[i];
-    memset(wrench, 0, size_of_wrenches(s) * sizeof *wrench);
+    memset(wrench, 0, wrench_size(s) * sizeof *wrench);
     add_wrenches(s, v.axes, v.arm, f, wrench, 1);
     if (stiffness) write_stiffness(s, &v, s->k, v.axes, v.arm, stiffness);
     if (damping) write_stiffness(s, &v, s->c, v.axes, v.arm, damping);
@@ -238,7 +242,7 @@ static int32_t is_implicit(const dttmm_instance *s) { return s->elastic[0] > 0; 
 static dttmm_status start(dttmm_instance *s, const dttmm_step *step, const dttmm_motion *ports, const double *accelerations,
                           dttmm_error *error) {
     if (s->phase == IN_STEP) return fail(error, DTTMM_ERROR_PHASE, -1, "start: a step is open");
-    if (!(step->size > 0) || isinf(step->size)) return fail(error, DTTMM_ERROR_ARGUMENT, -1, "start: the step must be positive");
+    if (!(step->size > 0) || isinf(step->size)) return fail(error, DTTMM_ERROR_ARGUMENT, -1, "start: no positive step");
     const double h = step->size, b = s->elastic[0], g = s->rate[0];
     const struct view v = look(s, ports);
     double rate[3], acceleration[3];
@@ -257,7 +261,7 @@ static dttmm_status start(dttmm_instance *s, const dttmm_step *step, const dttmm
 
 static dttmm_status begin_step(dttmm_instance *s, const dttmm_step *step, dttmm_error *error) {
     if (s->phase != BETWEEN_STEPS) return fail(error, DTTMM_ERROR_PHASE, -1, "begin_step: not started, or a step is open");
-    if (step->size != s->memory.h) return fail(error, DTTMM_ERROR_ARGUMENT, -1, "begin_step: a new step size wants a new start");
+    if (step->size != s->memory.h) return fail(error, DTTMM_ERROR_ARGUMENT, -1, "begin_step: a new size wants a new start");
     s->phase = IN_STEP;
     return DTTMM_OK;
 }
@@ -272,7 +276,7 @@ static dttmm_status evaluate(const dttmm_instance *s, const dttmm_motion *trial,
         gain[i] = s->k[i] * s->elastic[0] + s->c[i] * s->rate[0] / m->h;
         f[i] = gain[i] * next.d[i] + m->known[i];
     }
-    memset(wrench, 0, size_of_wrenches(s) * sizeof *wrench);
+    memset(wrench, 0, wrench_size(s) * sizeof *wrench);
     add_wrenches(s, m->axes, m->arm, f, wrench, 1);
     if (stiffness) write_stiffness(s, &next, gain, m->axes, m->arm, stiffness);
     return DTTMM_OK;

@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * The interface's header is C11 that stands alone: that this file compiles is the first half of the test. The second half
+ * compares these sizes and places with those that C++ sees.
+ */
+#include "dttmm_plugin.h"
+
+const size_t dttmm_layout_in_c[] = {
+    sizeof(dttmm_error),   sizeof(dttmm_parameter), sizeof(dttmm_element_type),      sizeof(dttmm_node),
+    sizeof(dttmm_element), sizeof(dttmm_network),   sizeof(dttmm_motion),            sizeof(dttmm_step),
+    sizeof(dttmm_channel), sizeof(dttmm_plugin),    offsetof(dttmm_plugin, outputs), offsetof(dttmm_network, gamma),
+};

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cstring>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "dttmm_plugin.h"
+
+namespace dttmm::test {
+
+using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+inline constexpr double kStep = 1.3e-3;
+
+/// A prescribed motion of the two ends of a joint: each turns about an axis of its own while it swings, nothing along or
+/// about a world axis. Velocities and accelerations at n = 0 are those of the instant, later ones those over the step
+/// before.
+class EndMotion {
+public:
+    explicit EndMotion(int end)
+        : sign_(end == 0 ? 1 : -1.3), axis_(Eigen::Vector3d(0.3 + end, -0.7, 0.5 - end).normalized()) {}
+
+    dttmm_motion at(uint64_t n) const {
+        const double t = static_cast<double>(n) * kStep;
+        dttmm_motion motion{};
+        Eigen::Map<Eigen::Vector3d>{motion.position} = position(t);
+        Eigen::Map<RowMajor3>{motion.rotation} = rotation(t);
+        Eigen::Map<Eigen::Vector3d>{motion.velocity} =
+            n == 0 ? velocity() : Eigen::Vector3d((position(t) - position(t - kStep)) / kStep);
+        Eigen::Map<Eigen::Vector3d>{motion.angular_velocity} = spin() * axis_;
+        return motion;
+    }
+    Eigen::Vector3d position(double t) const { return sign_ * start_ + t * velocity() + 0.5 * t * t * acceleration(); }
+    Eigen::Matrix3d rotation(double t) const {
+        return Eigen::AngleAxisd(sign_ * 0.9 + t * spin(), axis_).toRotationMatrix();
+    }
+    Eigen::Vector3d acceleration() const { return {-3.1, sign_ * 8.7, 2.9}; }
+
+private:
+    Eigen::Vector3d velocity() const { return {0.21 * sign_, -0.34, 0.55 + 0.1 * sign_}; }
+    double spin() const { return 2.3 * sign_; }
+    double sign_;
+    Eigen::Vector3d axis_, start_{0.31, -0.12, 0.23};
+};
+
+/// Which ends of a joint move; the others are on the ground.
+struct Ends {
+    bool from_moves, to_moves;
+};
+
+/// What a joint answers at one step.
+struct Answer {
+    std::vector<double> wrench, stiffness;
+    std::map<std::string, double> outputs;
+    bool operator==(const Answer&) const = default;
+};
+
+/// One joint of a plugin, led along the prescribed motion through the C interface.
+class JointRun {
+public:
+    JointRun(const dttmm_plugin& table, uint32_t type, const std::vector<double>& values, uint32_t scheme, Ends ends)
+        : table_(table) {
+        const EndMotion motions[] = {EndMotion(0), EndMotion(1)};
+        dttmm_node nodes[2]{};
+        for (int end : {0, 1}) {
+            const bool moves = end == 0 ? ends.from_moves : ends.to_moves;
+            const dttmm_motion at = motions[end].at(0);
+            nodes[end] = {end == 0 ? "from" : "to", moves ? DTTMM_NODE_PORT : DTTMM_NODE_GROUND, {}, {}};
+            std::memcpy(nodes[end].position, at.position, sizeof at.position);
+            std::memcpy(nodes[end].rotation, at.rotation, sizeof at.rotation);
+            if (moves) ports_.push_back(motions[end]);
+        }
+        const dttmm_element element{"joint", type, 0, 1, values.data()};
+        const dttmm_network network{2, nodes, 1, &element, scheme, 0.27, 0.53};
+        check(table_.create(&network, &instance_, &error_));
+        start();
+    }
+    ~JointRun() { table_.destroy(instance_); }
+    JointRun(const JointRun&) = delete;
+    JointRun& operator=(const JointRun&) = delete;
+
+    dttmm_instance* instance() { return instance_; }
+
+    /// The force law at the motion of step n.
+    Answer linearise(uint64_t n) {
+        Answer answer = make_answer();
+        std::vector<double> damping(answer.stiffness.size());
+        check(table_.linearise(instance_, motions(n).data(), answer.wrench.data(), answer.stiffness.data(), damping.data(),
+                               &error_));
+        answer.stiffness.insert(answer.stiffness.end(), damping.begin(), damping.end());
+        return answer;
+    }
+    /// Step n, from begin to commit.
+    Answer step(uint64_t n) {
+        const dttmm_step step{n, static_cast<double>(n) * kStep, kStep};
+        Answer answer = make_answer();
+        check(table_.begin_step(instance_, &step, &error_));
+        check(table_.evaluate(instance_, motions(n + 1).data(), answer.wrench.data(), answer.stiffness.data(), &error_));
+        check(table_.commit_step(instance_, motions(n + 1).data(), &error_));
+        std::vector<double> values(table_.channel_count(instance_));
+        check(table_.outputs(instance_, values.data(), &error_));
+        for (size_t c = 0; c < values.size(); ++c) answer.outputs[table_.channels(instance_)[c].name] = values[c];
+        return answer;
+    }
+
+private:
+    void start() {
+        const dttmm_step step{0, 0, kStep};
+        std::vector<double> accelerations;
+        for (const EndMotion& port : ports_) {
+            const Eigen::Vector3d a = port.acceleration(), alpha(7, -11, 5);
+            accelerations.insert(accelerations.end(), a.data(), a.data() + 3);
+            accelerations.insert(accelerations.end(), alpha.data(), alpha.data() + 3);
+        }
+        check(table_.start(instance_, &step, motions(0).data(), accelerations.data(), &error_));
+    }
+    std::vector<dttmm_motion> motions(uint64_t n) const {
+        std::vector<dttmm_motion> at;
+        for (const EndMotion& port : ports_) at.push_back(port.at(n));
+        return at;
+    }
+    Answer make_answer() const {
+        const size_t n = 6 * ports_.size();
+        return {std::vector<double>(n), std::vector<double>(n * n), {}};
+    }
+    void check(dttmm_status status) { ASSERT_EQ(status, DTTMM_OK) << error_.text; }
+
+    const dttmm_plugin& table_;
+    dttmm_instance* instance_ = nullptr;
+    dttmm_error error_{};
+    std::vector<EndMotion> ports_;
+};
+
+}  // namespace dttmm::test

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// The command as a user meets it when nothing is wrong, and where the physics sets the limit.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cli/process.h"
+#include "cli/small_model.h"
+
+namespace dttmm {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string example(const std::string& name) {
+    return DTTMM_SOURCE_DIR "/examples/" + name + "/model.toml";
+}
+
+/// Runs an example into `out` of a fresh folder and hands back its summary.
+nlohmann::json summary_of(std::vector<std::string> words) {
+    const TemporaryFolder folder;
+    words.insert(words.begin(), "run");
+    words.insert(words.end(), {"-o", "out"});
+    const Ended ended = run_dttmm(folder.path(), words);
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_EQ(ended.err, "");
+    EXPECT_TRUE(fs::exists(folder / "out/history.h5"));
+    return read_json(folder / "out/summary.json");
+}
+
+double force_z(const nlohmann::json& summary, const char* bolt, const char* statistic = "final") {
+    return summary["elements"][bolt]["force"]["z"][statistic].get<double>();
+}
+
+void expect_at_rest(const nlohmann::json& summary, double F1, double F2, double tolerance) {
+    EXPECT_EQ(summary["status"], "completed");
+    EXPECT_NEAR(force_z(summary, "bolt1"), F1, tolerance * F1);
+    EXPECT_NEAR(force_z(summary, "bolt2"), F2, tolerance * F2);
+    EXPECT_NEAR(force_z(summary, "bolt3"), F1, tolerance * F1);
+    EXPECT_NEAR(force_z(summary, "bolt4"), F2, tolerance * F2);
+}
+
+// ---- Examples -----------------------------------------------------------------------------------------------------------
+
+// Oracle: statics. Four equal springs share 1000 N; with one softer, F1 = F3, F2 = F4, F1 + F2 = 500 N and the plate is
+// flat, F1/k1 + F1/k = 2 F2/k, hence F1 = 235.294 N, F2 = 264.706 N for k1/k = 4/5.
+TEST(Command, TheFourBoltPlateComesToRest) {
+    expect_at_rest(summary_of({example("four_bolt_plate")}), 250, 250, 1e-3);
+    expect_at_rest(summary_of({example("four_bolt_plate"), "--set", "k1=400 N/mm"}), 4000. / 17, 4500. / 17, 1e-4);
+    expect_at_rest(summary_of({example("four_bolt_plate"), "--coupling", "explicit"}), 250, 250, 1e-3);
+}
+
+TEST(Command, ThePlateOnStiffBoltsComesToRest) {
+    expect_at_rest(summary_of({example("stiff_bolts")}), 4000. / 17, 4500. / 17, 1e-4);
+}
+
+// Oracle: the same plate on the built-in springs; only rounding separates them.
+TEST(Command, ThePluginInCGivesWhatTheBuiltInSpringGives) {
+    const nlohmann::json plugin =
+        summary_of({example("minimal_plugin"), "--plugin", DTTMM_C_SPRING, "--set", "k1=400 N/mm"});
+    const nlohmann::json built_in = summary_of({example("four_bolt_plate"), "--set", "k1=400 N/mm"});
+    for (const char* bolt : {"bolt1", "bolt2", "bolt3", "bolt4"})
+        for (const char* statistic : {"peak", "final"})
+            EXPECT_NEAR(force_z(plugin, bolt, statistic), force_z(built_in, bolt, statistic), 1e-8) << bolt;  // N
+}
+
+// Oracle: the same inputs give the same bytes.
+TEST(Command, ARunRepeatsItselfToTheByte) {
+    const TemporaryFolder folder;
+    for (const char* out : {"first", "second"})
+        ASSERT_EQ(run_dttmm(folder.path(), {"run", example("four_bolt_plate"), "--set", "k1=400 N/mm", "-o", out}).code, 0);
+    const std::string first = read_text(folder / "first/history.csv");
+    EXPECT_EQ(read_history(folder / "first/history.csv").size(), 1001u);
+    EXPECT_EQ(first, read_text(folder / "second/history.csv"));
+}
+
+TEST(Command, ResultsAreNamedAfterTheModel) {
+    const TemporaryFolder folder;
+    write_text(folder / "small.toml", kSmallModel);
+    const Ended ended = run_dttmm(folder.path(), {"run", "small.toml"});
+    EXPECT_EQ(ended.code, 0);
+    EXPECT_THAT(ended.out, AllOf(HasSubstr("small\n"), HasSubstr("force.z"), HasSubstr("results in results/small")));
+    EXPECT_EQ(read_history(folder / "results/small/history.csv").size(), 11u);
+    EXPECT_EQ(run_dttmm(folder.path(), {"run", "small.toml", "--quiet"}).out, "");
+}
+
+// ---- The limit of the explicit coupling ---------------------------------------------------------------------------------
+
+// Oracle: theory: stable while omega*h < 2. The cure in the message is tried: it must work as it stands.
+TEST(Command, AnExplicitRunBeyondItsLimitIsRefusedWithAStepThatWorks) {
+    const TemporaryFolder folder;
+    const std::string model = example("stiff_bolts");
+    const Ended refused = run_dttmm(folder.path(), {"run", model, "--coupling", "explicit", "-o", "out"});
+    EXPECT_EQ(refused.code, 4);
+    EXPECT_THAT(refused.err, AllOf(HasSubstr("omega*h = 21.4"), HasSubstr("body \"plate\""), HasSubstr("--step \"")));
+    EXPECT_FALSE(fs::exists(folder / "out"));
+    EXPECT_EQ(run_dttmm(folder.path(), {"check", model, "--coupling", "explicit"}).code, 4);
+
+    const size_t begin = refused.err.find("--step \"") + 8;
+    const std::string step = refused.err.substr(begin, refused.err.find('"', begin) - begin);
+    const Ended cured = run_dttmm(folder.path(), {"run", model, "--coupling", "explicit", "--step", step, "-o", "out"});
+    EXPECT_EQ(cured.code, 0) << cured.err;
+    expect_at_rest(read_json(folder / "out/summary.json"), 4000. / 17, 4500. / 17, 1e-3);
+}
+
+TEST(Command, AForcedExplicitRunDivergesAndKeepsFiniteRows) {
+    const TemporaryFolder folder;
+    const Ended ended =
+        run_dttmm(folder.path(), {"run", example("stiff_bolts"), "--coupling", "explicit", "--force", "-o", "out"});
+    EXPECT_EQ(ended.code, 4);
+    EXPECT_THAT(ended.err,
+                AllOf(HasSubstr("beyond the limit"), HasSubstr("body \"plate\" has diverged"), HasSubstr("omega*h = 21.4")));
+    const size_t rows = read_history(folder / "out/history.csv").size();
+    EXPECT_GT(rows, 0u);
+    EXPECT_EQ(read_json(folder / "out/summary.json")["rows"], rows);
+    EXPECT_EQ(read_json(folder / "out/summary.json")["status"], "failed");
+}
+
+// ---- Questions ----------------------------------------------------------------------------------------------------------
+
+// Oracle: omega*h by hand: the fastest mode of the plate is the vertical one or a tilt; 109.84 Hz times 2 pi times 1 ms.
+TEST(Command, CheckSaysWhatWouldBeSolvedAndWritesNothing) {
+    const TemporaryFolder folder;
+    const Ended ended = run_dttmm(folder.path(), {"check", example("four_bolt_plate")});
+    EXPECT_EQ(ended.code, 0);
+    EXPECT_THAT(ended.out, AllOf(HasSubstr(": valid\n"), HasSubstr("1 bodies"), HasSubstr("4 elements"),
+                                 HasSubstr("implicit coupling, 1000 steps"), HasSubstr("omega*h = 0.690")));
+    EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+// Oracle: the plugins' own tables.
+TEST(Command, ElementsPrintsThePluginsTables) {
+    const Ended ended = run_dttmm("/", {"elements", "--plugin", DTTMM_C_SPRING});
+    EXPECT_EQ(ended.code, 0);
+    for (const char* word : {"plugin built in: ", "spring_damper", "rotational_stiffness", "N*m*s/rad", "c_spring",
+                             "required", "minimal plugin 1.0"})
+        EXPECT_THAT(ended.out, HasSubstr(word));
+}
+
+TEST(Command, AnswersVersionAndHelp) {
+    EXPECT_EQ(run_dttmm("/", {"--version"}).out, DTTMM_VERSION "\n");
+    const Ended help = run_dttmm("/", {"--help"}), run_help = run_dttmm("/", {"run", "--help"});
+    EXPECT_EQ(help.code, 0);
+    EXPECT_THAT(help.out, AllOf(HasSubstr("run "), HasSubstr("check "), HasSubstr("elements ")));
+    EXPECT_EQ(run_help.code, 0);
+    for (const char* option :
+         {"--output", "--set", "--sweep", "--jobs", "--step", "--duration", "--coupling", "--plugin", "--force", "--quiet"})
+        EXPECT_THAT(run_help.out, HasSubstr(option));
+}
+
+}  // namespace
+}  // namespace dttmm

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Runs every example as a user would and holds the numbers of its expected.csv against summary.json.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "process.h"
+
+namespace dttmm {
+namespace {
+
+/// "options | pointer into summary.json | expected | tolerance | why"
+struct Expectation {
+    std::string options, pointer;
+    double value = NAN, tolerance = NAN;
+};
+
+std::string trimmed(const std::string& text) {
+    const size_t begin = text.find_first_not_of(' ');
+    return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(' ') - begin + 1);
+}
+
+std::vector<Expectation> read_expectations(const fs::path& path) {
+    std::vector<Expectation> expectations;
+    std::ifstream file(path);
+    for (std::string line; std::getline(file, line);) {
+        if (line.empty() || line.front() == '#') continue;
+        std::vector<std::string> fields;
+        std::stringstream parts(line);
+        for (std::string field; std::getline(parts, field, '|');) fields.push_back(trimmed(field));
+        EXPECT_EQ(fields.size(), 5u) << path << ": " << line;
+        if (fields.size() == 5) expectations.push_back({fields[0], fields[1], std::stod(fields[2]), std::stod(fields[3])});
+    }
+    return expectations;
+}
+
+std::vector<std::string> words_of(const std::string& options) {
+    std::vector<std::string> words;
+    std::stringstream parts(options);
+    for (std::string word; parts >> word;) words.push_back(word);
+    return words;
+}
+
+class Examples : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(Examples, GiveTheNumbersTheyPromise) {
+    const fs::path example = fs::path(DTTMM_SOURCE_DIR) / "examples" / GetParam();
+    EXPECT_TRUE(fs::exists(example / "README.md"));
+    const std::vector<Expectation> expectations = read_expectations(example / "expected.csv");
+    ASSERT_FALSE(expectations.empty()) << example;
+    const TemporaryFolder folder;
+    for (const Expectation& expected : expectations) {
+        std::vector<std::string> words = {"run", example / "model.toml", "-q", "-o", folder.path() / "results"};
+        if (GetParam() == "minimal_plugin") words.insert(words.end(), {"--plugin", DTTMM_C_SPRING});
+        for (const std::string& word : words_of(expected.options)) words.push_back(word);
+        const Ended ended = run_dttmm(folder.path(), words);
+        ASSERT_EQ(ended.code, 0) << ended.err;
+        const nlohmann::json summary = read_json(folder.path() / "results" / "summary.json");
+        EXPECT_NEAR(summary.at(nlohmann::json::json_pointer(expected.pointer)).get<double>(), expected.value, expected.tolerance)
+            << expected.options << " " << expected.pointer;
+    }
+}
+
+std::vector<std::string> folders() {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(fs::path(DTTMM_SOURCE_DIR) / "examples")) names.push_back(entry.path().filename());
+    return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Examples, ::testing::ValuesIn(folders()), [](const auto& example) { return example.param; });
+
+}  // namespace
+}  // namespace dttmm

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "cli/process.h"
+#include "cli/small_model.h"
+
+namespace dttmm {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+class Sweep : public testing::Test {
+protected:
+    Sweep() { write_text(folder_ / "model.toml", kSmallModel); }
+
+    Ended sweep(const std::vector<std::string>& axes, const std::string& jobs = "2") {
+        std::vector<std::string> words = {"run", "model.toml", "-o", "out", "-j", jobs};
+        for (const std::string& axis : axes) words.insert(words.end(), {"--sweep", axis});
+        return run_dttmm(folder_.path(), words);
+    }
+    fs::path case_file(int number, const std::string& name) const {
+        return folder_ / ("out/case-00000" + std::to_string(number)) / name;
+    }
+    std::vector<std::string> table() const {
+        std::istringstream text(read_text(folder_ / "out/sweep.csv"));
+        std::vector<std::string> lines;
+        for (std::string line; std::getline(text, line);) lines.push_back(line);
+        return lines;
+    }
+
+    const TemporaryFolder folder_;
+};
+
+// Oracle: a case is the run with these values set: the same bytes of history, and its final force in sweep.csv.
+TEST_F(Sweep, ACaseIsTheRunWithItsValues) {
+    const Ended ended = sweep({"mass=1 kg..5 kg:3"});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_THAT(ended.out, HasSubstr("3 of 3 cases completed (0 of them reused), 0 failed, 0 not run"));
+    ASSERT_EQ(run_dttmm(folder_.path(), {"run", "model.toml", "-o", "alone", "--set", "mass=3 kg"}).code, 0);
+    EXPECT_EQ(read_text(case_file(2, "history.csv")), read_text(folder_ / "alone/history.csv"));
+    ASSERT_EQ(table().size(), 4u);
+    EXPECT_THAT(table()[0], StartsWith("case,mass,status,reason,one.force.x.peak,"));
+    EXPECT_THAT(table()[2], StartsWith("case-000002,3 kg,completed,,"));
+    EXPECT_THAT(table()[3], StartsWith("case-000003,5 kg,completed,,"));
+}
+
+TEST_F(Sweep, TwoAxesSpanAGridTheLastFastest) {
+    write_text(folder_ / "model.toml", small_model_with("mass = \"2 kg\"", "mass = \"2 kg\"\nk = 7"));
+    EXPECT_EQ(sweep({"mass=1 kg,2 kg", "k=3..5:3"}).code, 0);
+    ASSERT_EQ(table().size(), 7u);
+    EXPECT_THAT(table()[1], StartsWith("case-000001,1 kg,3,"));
+    EXPECT_THAT(table()[3], StartsWith("case-000003,1 kg,5,"));
+    EXPECT_THAT(table()[4], StartsWith("case-000004,2 kg,3,"));
+}
+
+TEST_F(Sweep, AFailingCaseIsNamedAndTheOthersGoOn) {
+    const Ended ended = sweep({"mass=1 kg,0 kg,3 kg"});
+    EXPECT_EQ(ended.code, 9);
+    EXPECT_THAT(ended.err, AllOf(StartsWith("case-000002 mass=0 kg: exit code 3: "), HasSubstr("mass must lie within")));
+    EXPECT_THAT(ended.out, HasSubstr("2 of 3 cases completed (0 of them reused), 1 failed"));
+    EXPECT_THAT(table()[2], StartsWith("case-000002,0 kg,failed,\"exit code 3: "));
+    EXPECT_TRUE(fs::exists(case_file(3, "summary.json")));
+    EXPECT_FALSE(fs::exists(case_file(2, "history.h5")));
+}
+
+// Oracle: the printed counts and the files' times: what is whole is not touched.
+TEST_F(Sweep, ARerunComputesOnlyWhatIsMissing) {
+    const std::vector<std::string> axes = {"mass=1 kg..5 kg:5"};
+    ASSERT_EQ(sweep(axes).code, 0);
+    const std::string whole = read_text(folder_ / "out/sweep.csv");
+    fs::remove_all(case_file(2, ""));
+    fs::resize_file(case_file(4, "summary.json"), 100);
+    const auto untouched = fs::last_write_time(case_file(3, "summary.json"));
+
+    const Ended again = sweep(axes);
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_THAT(again.out, HasSubstr("5 of 5 cases completed (3 of them reused)"));
+    EXPECT_EQ(fs::last_write_time(case_file(3, "summary.json")), untouched);
+    EXPECT_EQ(read_text(folder_ / "out/sweep.csv"), whole);
+}
+
+// Oracle: another model text is another sweep; nothing old may be taken for new.
+TEST_F(Sweep, AChangedModelIsComputedAnew) {
+    ASSERT_EQ(sweep({"mass=1 kg,2 kg"}).code, 0);
+    write_text(folder_ / "model.toml", small_model_with("100 N", "120 N"));
+    const Ended again = sweep({"mass=1 kg,2 kg"});
+    EXPECT_EQ(again.code, 0);
+    EXPECT_THAT(again.out, HasSubstr("(0 of them reused)"));
+}
+
+// Oracle: the order in which cases end does not matter: one at a time or four, the same table.
+TEST_F(Sweep, TheNumberOfJobsChangesNothing) {
+    ASSERT_EQ(sweep({"mass=1 kg..7 kg:7"}, "1").code, 0);
+    const std::string one = read_text(folder_ / "out/sweep.csv");
+    fs::remove_all(folder_ / "out");
+    ASSERT_EQ(sweep({"mass=1 kg..7 kg:7"}, "4").code, 0);
+    EXPECT_EQ(read_text(folder_ / "out/sweep.csv"), one);
+}
+
+}  // namespace
+}  // namespace dttmm

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// What a user can get wrong on the command line: words, files, folders, plugins.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cli/process.h"
+#include "cli/small_model.h"
+#include "loader/faulty_plugin.h"
+
+namespace dttmm {
+namespace {
+
+using testing::HasSubstr;
+
+struct Fault {
+    const char* name;
+    std::vector<std::string> words;
+    int code;
+    const char* says;
+};
+void PrintTo(const Fault& fault, std::ostream* out) {
+    *out << fault.name;
+}
+
+class WrongWords : public testing::TestWithParam<Fault> {};
+
+// Oracle: the exit code of the design, the fault in words, and no new file beside the model.
+TEST_P(WrongWords, AreRefusedBeforeAnythingIsWritten) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", kSmallModel);
+    write_text(folder / "file", "");
+    fs::create_directory(folder / "foreign");
+    write_text(folder / "foreign/thesis.txt", "years of work");
+    const Ended ended = run_dttmm(folder.path(), GetParam().words);
+    EXPECT_EQ(ended.code, GetParam().code) << ended.err;
+    EXPECT_THAT(ended.err, HasSubstr(GetParam().says));
+    EXPECT_FALSE(fs::exists(folder / "results"));
+    EXPECT_EQ(read_text(folder / "foreign/thesis.txt"), "years of work");
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder / "foreign"), fs::directory_iterator()), 1);
+}
+
+std::vector<std::string> run_with(const std::string& option, const std::string& value) {
+    return {"run", "model.toml", option, value};
+}
+
+const Fault kFaults[] = {
+    {"NoSubcommand", {}, 2, "A subcommand is required"},
+    {"UnknownSubcommand", {"rum", "model.toml"}, 2, "no subcommand \"rum\"; did you mean \"run\"?"},
+    {"NoModel", {"run"}, 2, "MODEL is required"},
+    {"UnknownOption", {"run", "model.toml", "--frob"}, 2, "--frob"},
+    {"TwoModels", {"run", "model.toml", "model.toml"}, 2, "model.toml"},
+    {"MissingModel", {"run", "missing.toml"}, 5, "missing.toml: there is no such file"},
+    {"ModelIsAFolder", {"run", "."}, 5, "is not a regular file"},
+    {"SetUnknown", run_with("--set", "mas=1"), 2, "--set mas: the model has no such parameter; did you mean \"mass\"?"},
+    {"SetWithoutValue", run_with("--set", "mass="), 2, "write --set mass=VALUE"},
+    {"SetWithoutEquals", run_with("--set", "mass"), 2, "write name=value"},
+    {"SetWrongDimension", run_with("--set", "mass=3 mm"), 3, "(--set mass)"},
+    {"StepWrongDimension", run_with("--step", "1 kg"), 3, "--step: "},
+    {"StepNotDividing", run_with("--step", "3 ms"), 3, "whole number of steps"},
+    {"DurationNegative", run_with("--duration", "-1 s"), 3, "--duration: "},
+    {"UnknownCoupling", run_with("--coupling", "magic"), 3, "must be one of: implicit, explicit"},
+    {"NoJobs", {"run", "model.toml", "--sweep", "mass=1 kg,2 kg", "-j", "0"}, 2, "--jobs"},
+    {"SweepWithoutValues", run_with("--sweep", "mass="), 2, "write name=from..to:count or name=value,value"},
+    {"SweepWithoutName", run_with("--sweep", "1..2:3"), 2, "write name=from..to:count or name=value,value"},
+    {"SweepWithoutCount", run_with("--sweep", "mass=1 kg..2 kg"), 3, "a range wants a count"},
+    {"SweepOfNoCase", run_with("--sweep", "mass=1 kg..2 kg:0"), 3, "a whole number from 1 to 100000"},
+    {"SweepOf1e9Cases", run_with("--sweep", "mass=1 kg..2 kg:1000000000"), 3, "a whole number from 1 to 100000"},
+    {"SweepOfTwoUnits", run_with("--sweep", "mass=1 kg..2 s:3"), 3, "different units"},
+    {"SweepWithAHole", run_with("--sweep", "mass=1 kg,,2 kg"), 3, "empty text"},
+    {"SweepUnknown", run_with("--sweep", "mas=1 kg,2 kg"), 2, "no such parameter; did you mean \"mass\"?"},
+    {"SweepTwice", {"run", "model.toml", "--sweep", "mass=1 kg,2 kg", "--sweep", "mass=3 kg,4 kg"}, 2, "\"mass\" twice"},
+    {"SweepWrongDimension", run_with("--sweep", "mass=1 s,2 s"), 3, "expected a value in kg"},
+    {"ResultsBelowAFile", run_with("-o", "file/results"), 5, "file/results: cannot make the folder"},
+    {"ResultsAreAFile", run_with("-o", "file"), 5, "is a file, not a folder"},
+    {"ResultsInProc", run_with("-o", "/proc/results"), 5, "/proc/results: cannot make the folder"},
+    {"ResultsAreForeign", run_with("-o", "foreign"), 5, "holds \"thesis.txt\" and no results of dttmm"},
+    {"SweepIntoForeign", {"run", "model.toml", "-o", "foreign", "--sweep", "mass=1 kg,2 kg"}, 5, "holds \"thesis.txt\""},
+    {"PluginMissing", run_with("--plugin", "missing.so"), 7, "missing.so: there is no such file"},
+    {"PluginIsText", run_with("--plugin", "model.toml"), 7, "invalid ELF header"},
+    {"PluginIsEmpty", run_with("--plugin", "file"), 7, "file too short"},
+    {"PluginWithoutEntry", run_with("--plugin", faulty_plugin("no_entry")), 7, "it exports no dttmm_plugin_entry"},
+    {"PluginOfNoTable", run_with("--plugin", faulty_plugin("null_table")), 7, "does not support version 1"},
+    {"PluginOfOtherVersion", run_with("--plugin", faulty_plugin("other_major")), 7, "built for version 2"},
+    {"PluginNotWhole", run_with("--plugin", faulty_plugin("null_function")), 7, "null entry"},
+    {"PluginForElements", {"elements", "--plugin", faulty_plugin("null_types")}, 7, "list of element types is null"},
+};
+
+INSTANTIATE_TEST_SUITE_P(Command, WrongWords, testing::ValuesIn(kFaults), [](const auto& one) { return one.param.name; });
+
+// ---- Plugins that fail when used ----------------------------------------------------------------------------------------
+
+struct PluginFault {
+    const char* fault;
+    int code;
+    const char* says;
+    int rows;  ///< -1: it does not get as far as to write results
+};
+void PrintTo(const PluginFault& fault, std::ostream* out) {
+    *out << fault.fault;
+}
+
+class FaultyPlugin : public testing::TestWithParam<PluginFault> {};
+
+// Oracle: the fault's exit code and words; the rows before it are kept, every one whole and finite: step 1000 fails, the
+// output step is 5 time steps, so rows 0, 5, ... 995 are there.
+TEST_P(FaultyPlugin, EndsTheRunInOrder) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", faulty_model());
+    const Ended ended =
+        run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--plugin", faulty_plugin(GetParam().fault)});
+    EXPECT_EQ(ended.code, GetParam().code) << ended.err;
+    EXPECT_THAT(ended.err, HasSubstr("element \"one\""));
+    EXPECT_THAT(ended.err, HasSubstr(GetParam().says));
+    if (GetParam().rows < 0) {
+        EXPECT_THAT(ended.err, HasSubstr("model.toml:26:1: "));
+        EXPECT_FALSE(fs::exists(folder / "out"));
+        return;
+    }
+    EXPECT_EQ(static_cast<int>(read_history(folder / "out/history.csv").size()), GetParam().rows);
+    const nlohmann::json summary = read_json(folder / "out/summary.json");
+    EXPECT_EQ(summary["status"], "failed");
+    EXPECT_EQ(summary["rows"], GetParam().rows);
+    EXPECT_THAT(summary["reason"].get<std::string>(), HasSubstr(GetParam().says));
+}
+
+const PluginFault kPluginFaults[] = {
+    {"create_error", 3, "this spring is made of butter; take steel", -1},
+    {"create_nothing", 7, "create returned no instance", -1},
+    {"bad_channel", 7, "an output channel is not well declared", -1},
+    {"nan_at_step_1000", 4, "on body \"plate\" at t = 1 s: force (0, nan, 0) N", 200},
+    {"error_at_step_1000", 7, "the spring has melted", 200},
+    {"huge", 4, "beyond the cap of 1e+15", 0},
+    {"overrun", 7, "wrote past the end of the wrench array", 0},
+    {"silent_error", 7, "status -99 without a text", 0},
+};
+
+INSTANTIATE_TEST_SUITE_P(Command, FaultyPlugin, testing::ValuesIn(kPluginFaults),
+                         [](const auto& one) { return one.param.fault; });
+
+// Oracle: the body falls freely, as the plugin's element never pulls: the same plugin without a fault is in order.
+TEST(Plugin, InOrderRunsToTheEnd) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", faulty_model());
+    const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--plugin", faulty_plugin("none")});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_EQ(read_history(folder / "out/history.csv").size(), 401u);
+}
+
+}  // namespace
+}  // namespace dttmm

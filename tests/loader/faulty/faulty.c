@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * A plugin with one fault, chosen by FAULT when it is compiled. Apart from it, it is in order: its element `faulty` joins
+ * two ends and never pulls. To tell whether the library was run at all, it makes the file named by DTTMM_LOADED_MARKER when
+ * it is loaded.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dttmm_plugin.h"
+
+enum fault {
+    none,
+    no_entry, /* the build renames the entry */
+    null_table,
+    other_major,
+    small_table,
+    null_function,
+    null_types,
+    bad_parameter,
+    builtin_name,
+    create_error,
+    create_nothing,
+    bad_channel,
+    nan_at_step_1000,
+    huge,
+    overrun,
+    error_at_step_1000,
+    silent_error
+};
+
+enum { FAILING_STEP = 1000 };
+
+struct dttmm_instance {
+    size_t wrench_count;
+    uint64_t step;
+};
+
+__attribute__((constructor)) static void make_marker(void) {
+    const char *path = getenv("DTTMM_LOADED_MARKER");
+    FILE *file = path ? fopen(path, "w") : NULL;
+    if (file) fclose(file);
+}
+
+static dttmm_status fail(dttmm_error *error, dttmm_status status, int32_t element, const char *text) {
+    error->element = element;
+    snprintf(error->text, sizeof error->text, "%s", text);
+    return status;
+}
+
+static dttmm_status create(const dttmm_network *network, dttmm_instance **instance, dttmm_error *error) {
+    *instance = NULL;
+    if (FAULT == create_error)
+        return fail(error, (dttmm_status)network->elements[0].values[0], 0, "this spring is made of butter; take steel");
+    if (FAULT == create_nothing) return DTTMM_OK;
+    *instance = calloc(1, sizeof **instance);
+    if (*instance == NULL) return fail(error, DTTMM_ERROR_MEMORY, -1, "out of memory");
+    for (uint32_t n = 0; n < network->node_count; ++n)
+        if (network->nodes[n].kind == DTTMM_NODE_PORT) (*instance)->wrench_count += 6;
+    return DTTMM_OK;
+}
+
+static void destroy(dttmm_instance *instance) { free(instance); }
+
+static void write_zeros(const dttmm_instance *instance, double *wrench, double *matrix) {
+    const size_t n = instance->wrench_count;
+    if (wrench) memset(wrench, 0, n * sizeof *wrench);
+    if (matrix) memset(matrix, 0, n * n * sizeof *matrix);
+}
+
+static dttmm_status linearise(const dttmm_instance *instance, const dttmm_motion *ports, double *wrench, double *stiffness,
+                              double *damping, dttmm_error *error) {
+    (void)ports, (void)error;
+    write_zeros(instance, wrench, stiffness);
+    write_zeros(instance, NULL, damping);
+    return DTTMM_OK;
+}
+
+static dttmm_status start(dttmm_instance *instance, const dttmm_step *step, const dttmm_motion *ports,
+                          const double *accelerations, dttmm_error *error) {
+    (void)instance, (void)step, (void)ports, (void)accelerations, (void)error;
+    return DTTMM_OK;
+}
+
+static dttmm_status begin_step(dttmm_instance *instance, const dttmm_step *step, dttmm_error *error) {
+    (void)error;
+    instance->step = step->index;
+    return DTTMM_OK;
+}
+
+static dttmm_status evaluate(const dttmm_instance *instance, const dttmm_motion *trial, double *wrench, double *stiffness,
+                             dttmm_error *error) {
+    (void)trial;
+    write_zeros(instance, wrench, stiffness);
+    if (FAULT == silent_error) return -99;
+    if (FAULT == huge) wrench[2] = 1e300;
+    if (FAULT == overrun) wrench[instance->wrench_count] = 0;
+    if (FAULT == nan_at_step_1000 && instance->step == FAILING_STEP) wrench[1] = NAN;
+    if (FAULT == error_at_step_1000 && instance->step == FAILING_STEP)
+        return fail(error, DTTMM_ERROR_INTERNAL, 0, "the spring has melted");
+    return DTTMM_OK;
+}
+
+static dttmm_status commit_step(dttmm_instance *instance, const dttmm_motion *accepted, dttmm_error *error) {
+    (void)instance, (void)accepted, (void)error;
+    return DTTMM_OK;
+}
+
+static dttmm_status discard_step(dttmm_instance *instance, dttmm_error *error) {
+    (void)instance, (void)error;
+    return DTTMM_OK;
+}
+
+static int32_t is_implicit(const dttmm_instance *instance) {
+    (void)instance;
+    return 0;
+}
+
+static void load_weights(const dttmm_instance *instance, double weights[3]) {
+    (void)instance;
+    weights[0] = weights[2] = 0;
+    weights[1] = 1;
+}
+
+static size_t state_size(const dttmm_instance *instance) {
+    (void)instance;
+    return 0;
+}
+
+static dttmm_status save_state(const dttmm_instance *instance, void *buffer, size_t size, dttmm_error *error) {
+    (void)instance, (void)buffer, (void)size, (void)error;
+    return DTTMM_OK;
+}
+
+static dttmm_status restore_state(dttmm_instance *instance, const void *buffer, size_t size, dttmm_error *error) {
+    (void)instance, (void)buffer, (void)size, (void)error;
+    return DTTMM_OK;
+}
+
+static uint32_t channel_count(const dttmm_instance *instance) {
+    (void)instance;
+    return 1;
+}
+
+static const dttmm_channel *channels(const dttmm_instance *instance) {
+    static const dttmm_channel list[] = {{"force.x", FAULT == bad_channel ? NULL : "N", 0}};
+    (void)instance;
+    return list;
+}
+
+static dttmm_status outputs(const dttmm_instance *instance, double *values, dttmm_error *error) {
+    (void)instance, (void)error;
+    values[0] = 0;
+    return DTTMM_OK;
+}
+
+static const dttmm_parameter parameters[] = {
+    {"number", "1", 1, 0, 0, FAULT == bad_parameter ? 200 : -100, 100, "any number: the status of a create that fails"},
+};
+static const dttmm_element_type types[] = {
+    {FAULT == builtin_name ? "spring_damper" : "faulty", 1, parameters, "an element with a fault"},
+};
+
+static const dttmm_plugin table = {
+    FAULT == small_table ? sizeof(dttmm_plugin) - sizeof(void *) : sizeof(dttmm_plugin),
+    FAULT == other_major ? DTTMM_PLUGIN_MAJOR + 1 : DTTMM_PLUGIN_MAJOR,
+    DTTMM_PLUGIN_MINOR,
+    "faulty",
+    "1.0",
+    1,
+    FAULT == null_types ? NULL : types,
+    create,
+    destroy,
+    linearise,
+    start,
+    begin_step,
+    FAULT == null_function ? NULL : evaluate,
+    commit_step,
+    discard_step,
+    is_implicit,
+    load_weights,
+    state_size,
+    save_state,
+    restore_state,
+    channel_count,
+    channels,
+    outputs,
+};
+
+const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major) {
+    return FAULT == null_table || host_major != DTTMM_PLUGIN_MAJOR ? NULL : &table;
+}

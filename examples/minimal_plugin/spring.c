@@ -1,367 +1,140 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * A complete plugin: one spring with a damper beside it, in three translations. To be read next to dttmm_plugin.h.
- *
- *     f = k d + c d'       d: how far the `to` end has moved against the `from` end since the start, in the axes of `from`
- *
- * -f acts on the `to` end, +f on the `from` end together with the moment arm x f, so that the two balance about any point.
- * Only constants are static: what changes lives in the instance, so that two springs, or a step tried twice, never mix.
+ * A complete plugin: one spring f = k d between the ground and a body, d the way of the body's marker from where it started.
+ * To be read next to dttmm_plugin.h. Nothing but constants is static: what changes lives in the instance.
  */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "dttmm_plugin.h"
 
-/* ---- What the model file may say ---- */
-
 static const dttmm_parameter parameters[] = {
-    {"stiffness", "N/m", 3, DTTMM_PARAMETER_REQUIRED | DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, "in x, y, z of the from end"},
-    {"damping", "N*s/m", 3, DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, "in x, y, z of the from end"},
-};
-static const dttmm_element_type types[] = {{"c_spring", 2, parameters, "a spring and a damper in three translations"}};
-
-enum { CHANNELS = 8 };
-static const dttmm_channel channel_table[CHANNELS] = {
-    {"force.x", "N", 0},      {"force.y", "N", 0},      {"force.z", "N", 0},       {"deflection.x", "m", 0},
-    {"deflection.y", "m", 0}, {"deflection.z", "m", 0}, {"strain_energy", "J", 0}, {"dissipated_energy", "J", 0},
-};
-
-/* ---- Memory ---- */
-
-enum { FROM, TO };
-enum { CREATED, BETWEEN_STEPS, IN_STEP };
-
-/* All that changes from step to step: plain numbers, so that saving is copying. */
-struct memory {
-    double h;                 /* step size */
-    double past[4][3];        /* d at t_n, t_{n-1}, t_{n-2}, t_{n-3} */
-    double known[3];          /* what of the force over the coming step does not depend on its end */
-    double axes[9], arm[3];   /* of the from end, and from it to the to end, at t_n: there the wrenches balance */
-    double power, dissipated; /* lost to damping at and up to t_{n-1} */
-};
+    {"stiffness", "N/m", 3, DTTMM_PARAMETER_REQUIRED | DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, "in x, y, z of the world"}};
+static const dttmm_element_type types[] = {{"c_spring", 1, parameters, "a spring from the ground to a body"}};
+static const dttmm_channel force_channels[] = {{"force.x", "N", 0}, {"force.y", "N", 0}, {"force.z", "N", 0}, {"strain_energy", "J", 0}};
 
 struct dttmm_instance {
-    double k[3], c[3];
-    double rest[3];             /* the to end seen from the from end at the start */
-    double elastic[5], rate[5]; /* weights of d at t_{n+1}, t_n, ... t_{n-3}: of the spring in d, of the damper in h d' */
-    int port[2];                /* of the from and the to end, -1 on the ground */
-    dttmm_motion ground[2];     /* where an end on the ground stays */
-    int phase;
-    struct memory memory;
+    double k[3], rest[3];  /* stiffness; where the spring is slack */
+    double weights[3];     /* of d at the end of the step, at its start t_n, and one step before */
+    double d[3][3];        /* d at t_n, t_n-1, t_n-2 */
+    int32_t first, open;   /* no step has been committed; a step is open */
 };
 
-static dttmm_status fail(dttmm_error *error, dttmm_status status, int32_t element, const char *text) {
-    error->element = element;
+static dttmm_status fail(dttmm_error *error, dttmm_status status, const char *text) {
+    error->element = 0;
     snprintf(error->text, sizeof error->text, "%s", text);
     return status;
 }
 
-/* ---- Geometry ---- */
-
-static void cross(const double a[3], const double b[3], double out[3]) {
-    for (int i = 0; i < 3; ++i) out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
-static void to_local(const double R[9], const double v[3], double out[3]) {
-    for (int i = 0; i < 3; ++i) out[i] = R[i] * v[0] + R[3 + i] * v[1] + R[6 + i] * v[2];
-}
-
-static void to_world(const double R[9], const double v[3], double out[3]) {
-    for (int i = 0; i < 3; ++i) out[i] = R[3 * i] * v[0] + R[3 * i + 1] * v[1] + R[3 * i + 2] * v[2];
-}
-
-/* The to end as the from end sees it. */
-struct view {
-    double axes[9];             /* of the from end */
-    double arm[3], velocity[3]; /* of the to end, seen from these axes, in world directions */
-    double d[3];                /* in their own directions */
-};
-
-static const dttmm_motion *motion_of(const dttmm_instance *s, int end, const dttmm_motion *ports) {
-    return s->port[end] < 0 ? &s->ground[end] : &ports[s->port[end]];
-}
-
-static struct view look(const dttmm_instance *s, const dttmm_motion *ports) {
-    const dttmm_motion *from = motion_of(s, FROM, ports), *to = motion_of(s, TO, ports);
-    struct view v;
-    double carried[3]; /* velocity of a point at the to end that turns with the from end */
-    memcpy(v.axes, from->rotation, sizeof v.axes);
-    for (int i = 0; i < 3; ++i) v.arm[i] = to->position[i] - from->position[i];
-    cross(from->angular_velocity, v.arm, carried);
-    for (int i = 0; i < 3; ++i) v.velocity[i] = to->velocity[i] - from->velocity[i] - carried[i];
-    to_local(v.axes, v.arm, v.d);
-    for (int i = 0; i < 3; ++i) v.d[i] -= s->rest[i];
-    return v;
-}
-
-/* Adds the wrenches of the force f (local) on the ports; neighbouring numbers of `out` are `stride` apart. */
-static void add_wrenches(const dttmm_instance *s, const double axes[9], const double arm[3], const double f[3], double *out,
-                         size_t stride) {
-    double F[3], M[3];
-    to_world(axes, f, F);
-    cross(arm, F, M);
-    for (size_t i = 0; i < 3; ++i) {
-        if (s->port[TO] >= 0) out[(6 * (size_t)s->port[TO] + i) * stride] -= F[i];
-        if (s->port[FROM] >= 0) out[(6 * (size_t)s->port[FROM] + i) * stride] += F[i];
-        if (s->port[FROM] >= 0) out[(6 * (size_t)s->port[FROM] + 3 + i) * stride] += M[i];
-    }
-}
-
-/* 6 per port. */
-static size_t wrench_size(const dttmm_instance *s) { return (s->port[FROM] >= 0 ? 6u : 0u) + (s->port[TO] >= 0 ? 6u : 0u); }
-
-/* S = -d(wrench)/d(pose), column by column, for a force that grows by gain d and acts along `axes` over `arm`. */
-static void write_stiffness(const dttmm_instance *s, const struct view *v, const double gain[3], const double axes[9],
-                            const double arm[3], double *S) {
-    const size_t n = wrench_size(s);
-    memset(S, 0, n * n * sizeof *S);
-    for (int end = FROM; end <= TO; ++end)
-        for (int i = 0; i < 6 && s->port[end] >= 0; ++i) {
-            double unit[3] = {0}, moved[3] = {0}, f[3];
-            unit[i % 3] = end == TO ? 1 : -1;
-            if (i < 3) memcpy(moved, unit, sizeof moved);          /* the to end goes, or the from end leaves it behind */
-            if (i >= 3 && end == FROM) cross(unit, v->arm, moved); /* turning the from end sweeps the to end back */
-            to_local(v->axes, moved, f);
-            for (int a = 0; a < 3; ++a) f[a] *= -gain[a];
-            add_wrenches(s, axes, arm, f, S + 6 * s->port[end] + i, n);
-        }
-}
-
-/* ---- From the network to an instance ---- */
-
-/* The explicit schemes take the spring's d at t_n and differ in h d'. Fox-Euler's is 2 (d_n - d_{n-1}) - h d'_{n-1} with the
- * old velocity from the host's motion, d'_{n-1} = (d_n - d_{n-2})/2h: its own recursion would be unstable. */
-static dttmm_status set_scheme(dttmm_instance *s, const dttmm_network *network, dttmm_error *error) {
-    static const double explicit_rates[][5] = {
-        [DTTMM_SCHEME_FOX_EULER] = {0, 3. / 2, -2, 1. / 2, 0},
-        [DTTMM_SCHEME_BDF1] = {0, 1, -1, 0, 0},
-        [DTTMM_SCHEME_BDF2] = {0, 3. / 2, -2, 1. / 2, 0},
-        [DTTMM_SCHEME_HOUBOLT] = {0, 11. / 6, -3, 3. / 2, -1. / 3},
-        [DTTMM_SCHEME_PARK] = {0, 5. / 3, -5. / 2, 1, -1. / 6},
-    };
-    const double b = network->beta, g = network->gamma;
-    if (network->scheme > DTTMM_SCHEME_PARK) return fail(error, DTTMM_ERROR_ARGUMENT, -1, "unknown time scheme");
-    if (network->scheme == DTTMM_SCHEME_CENTRED) {
-        memcpy(s->elastic, (const double[5]){b, 0.5 + g - 2 * b, 0.5 - g + b}, sizeof s->elastic);
-        memcpy(s->rate, (const double[5]){g, 1 - 2 * g, g - 1}, sizeof s->rate);
-    } else {
-        memcpy(s->elastic, (const double[5]){0, 1}, sizeof s->elastic);
-        memcpy(s->rate, explicit_rates[network->scheme], sizeof s->rate);
-    }
-    return DTTMM_OK;
-}
-
-static void place_ends(dttmm_instance *s, const dttmm_network *network) {
-    const uint32_t nodes[2] = {network->elements->from, network->elements->to};
-    s->port[FROM] = s->port[TO] = -1; /* for now both are where they start */
-    for (int end = FROM; end <= TO; ++end) {
-        memcpy(s->ground[end].position, network->nodes[nodes[end]].position, sizeof s->ground[end].position);
-        memcpy(s->ground[end].rotation, network->nodes[nodes[end]].rotation, sizeof s->ground[end].rotation);
-    }
-    memcpy(s->rest, look(s, NULL).d, sizeof s->rest);
-    for (int end = FROM; end <= TO; ++end)
-        if (network->nodes[nodes[end]].kind == DTTMM_NODE_PORT)
-            s->port[end] = nodes[end] > 0 && network->nodes[0].kind == DTTMM_NODE_PORT;
-}
-
 static dttmm_status create(const dttmm_network *network, dttmm_instance **instance, dttmm_error *error) {
     *instance = NULL;
-    if (network == NULL) return fail(error, DTTMM_ERROR_ARGUMENT, -1, "create: no network");
-    if (network->element_count != 1 || network->node_count != 2)
-        return fail(error, DTTMM_ERROR_MODEL, -1, "c_spring joins two bodies, or a body and the ground, and nothing else");
-    const dttmm_element *element = network->elements;
-    if (element->type != 0 || element->values == NULL) return fail(error, DTTMM_ERROR_ARGUMENT, 0, "this is no c_spring");
-    if (element->from > 1 || element->to > 1) return fail(error, DTTMM_ERROR_MODEL, 0, "an end is no node of the network");
-    if (element->from == element->to) return fail(error, DTTMM_ERROR_MODEL, 0, "both ends are the same node");
-    if (network->nodes[0].kind == DTTMM_NODE_GROUND && network->nodes[1].kind == DTTMM_NODE_GROUND)
-        return fail(error, DTTMM_ERROR_MODEL, 0, "both ends are on the ground; attach one of them to a body");
-
+    const dttmm_element *spring = network->elements;
+    if (network->node_count != 2 || network->element_count != 1 || network->nodes[spring->from].kind != DTTMM_NODE_GROUND)
+        return fail(error, DTTMM_ERROR_MODEL, "a c_spring leads from the ground to a body");
     dttmm_instance *s = calloc(1, sizeof *s);
-    if (s == NULL) return fail(error, DTTMM_ERROR_MEMORY, -1, "out of memory");
-    memcpy(s->k, element->values, sizeof s->k);
-    memcpy(s->c, element->values + 3, sizeof s->c);
-    place_ends(s, network);
-    const dttmm_status status = set_scheme(s, network, error);
-    if (status == DTTMM_OK)
-        *instance = s;
-    else
-        free(s);
-    return status;
+    if (s == NULL) return fail(error, DTTMM_ERROR_MEMORY, "out of memory");
+    memcpy(s->k, spring->values, sizeof s->k);
+    memcpy(s->rest, network->nodes[spring->to].position, sizeof s->rest);
+    const double b = network->beta, g = network->gamma, centred[3] = {b, 0.5 + g - 2 * b, 0.5 - g + b}, explicit[3] = {0, 1, 0};
+    memcpy(s->weights, network->scheme == DTTMM_SCHEME_CENTRED ? centred : explicit, sizeof s->weights);
+    *instance = s;
+    return DTTMM_OK;
 }
 
 static void destroy(dttmm_instance *s) { free(s); }
+static int32_t is_implicit(const dttmm_instance *s) { return s->weights[0] > 0; }
+static void load_weights(const dttmm_instance *s, double weights[3]) { memcpy(weights, s->weights, sizeof s->weights); }
 
-/* ---- The force law, and steps in time ---- */
+/* A 6 x 6 stiffness with `factor` times k in its translations, the wrench of the spring with it. */
+static void write_stiffness(const dttmm_instance *s, double factor, double *matrix) {
+    memset(matrix, 0, 36 * sizeof *matrix);
+    for (int i = 0; i < 3; ++i) matrix[7 * i] = factor * s->k[i];
+}
 
-static dttmm_status linearise(const dttmm_instance *s, const dttmm_motion *ports, double *wrench, double *stiffness,
-                              double *damping, dttmm_error *error) {
+static dttmm_status linearise(const dttmm_instance *s, const dttmm_motion *port, double *wrench, double *stiffness, double *damping,
+                              dttmm_error *error) {
     (void)error;
-    const struct view v = look(s, ports);
-    double f[3], rate[3];
-    to_local(v.axes, v.velocity, rate);
-    for (int i = 0; i < 3; ++i) f[i] = s->k[i] * v.d[i] + s->c[i] * rate[i];
-    memset(wrench, 0, wrench_size(s) * sizeof *wrench);
-    add_wrenches(s, v.axes, v.arm, f, wrench, 1);
-    if (stiffness) write_stiffness(s, &v, s->k, v.axes, v.arm, stiffness);
-    if (damping) write_stiffness(s, &v, s->c, v.axes, v.arm, damping);
+    memset(wrench, 0, 6 * sizeof *wrench);
+    for (int i = 0; i < 3; ++i) wrench[i] = -s->k[i] * (port->position[i] - s->rest[i]);
+    if (stiffness) write_stiffness(s, 1, stiffness);
+    if (damping) memset(damping, 0, 36 * sizeof *damping);
     return DTTMM_OK;
 }
 
-/* d'' = R^T (a - alpha x arm - w x (w x arm + 2 velocity)), all relative to the from end, whose w and alpha these are. */
-static void deformation_acceleration(const dttmm_instance *s, const struct view *v, const dttmm_motion *ports,
-                                     const double *accelerations, double out[3]) {
-    const double zero[6] = {0};
-    const double *from = s->port[FROM] < 0 ? zero : accelerations + 6 * s->port[FROM];
-    const double *to = s->port[TO] < 0 ? zero : accelerations + 6 * s->port[TO];
-    const double *w = motion_of(s, FROM, ports)->angular_velocity;
-    double euler[3], turning[3], apparent[3], a[3];
-    cross(from + 3, v->arm, euler);
-    cross(w, v->arm, turning);
-    for (int i = 0; i < 3; ++i) turning[i] += 2 * v->velocity[i];
-    cross(w, turning, apparent);
-    for (int i = 0; i < 3; ++i) a[i] = to[i] - from[i] - euler[i] - apparent[i];
-    to_local(v->axes, a, out);
-}
-
-/* t_n is now: what the coming step needs of it. */
-static void settle(dttmm_instance *s, const struct view *now) {
-    struct memory *m = &s->memory;
-    memcpy(m->axes, now->axes, sizeof m->axes);
-    memcpy(m->arm, now->arm, sizeof m->arm);
-    memset(m->known, 0, sizeof m->known);
-    for (int back = 0; back < 4; ++back)
-        for (int i = 0; i < 3; ++i)
-            m->known[i] += (s->k[i] * s->elastic[1 + back] + s->c[i] * s->rate[1 + back] / m->h) * m->past[back][i];
-    s->phase = BETWEEN_STEPS;
-}
-
-static int32_t is_implicit(const dttmm_instance *s) { return s->elastic[0] > 0; }
-
-static dttmm_status start(dttmm_instance *s, const dttmm_step *step, const dttmm_motion *ports, const double *accelerations,
-                          dttmm_error *error) {
-    if (s->phase == IN_STEP) return fail(error, DTTMM_ERROR_PHASE, -1, "start: a step is open");
-    if (!(step->size > 0) || isinf(step->size)) return fail(error, DTTMM_ERROR_ARGUMENT, -1, "start: no positive step");
-    const double h = step->size, b = s->elastic[0], g = s->rate[0];
-    const struct view v = look(s, ports);
-    double rate[3], acceleration[3];
-    to_local(v.axes, v.velocity, rate);
-    deformation_acceleration(s, &v, ports, accelerations, acceleration);
-    s->memory = (struct memory){.h = h, .power = NAN}; /* no power before the first step */
-    for (int back = 0; back < 4; ++back)               /* the past before the start is the parabola through it */
-        for (int i = 0; i < 3; ++i)
-            s->memory.past[back][i] = v.d[i] - back * h * rate[i] + 0.5 * back * back * h * h * acceleration[i];
-    settle(s, &v);
-    for (int i = 0; i < 3 && is_implicit(s); ++i) /* the first centred step is Newmark's from d, d', d'' */
-        s->memory.known[i] = s->k[i] * (1 - b) * v.d[i] +
-                             s->c[i] * ((1 - g) * rate[i] + (b - 0.5 * g) * h * acceleration[i] - g / h * v.d[i]);
+/* Before the start the spring counts as at the start: the first step of the centred scheme is then Newmark's. */
+static dttmm_status start(dttmm_instance *s, const dttmm_step *step, const dttmm_motion *port, const double *accelerations, dttmm_error *error) {
+    (void)step, (void)accelerations;
+    if (s->open) return fail(error, DTTMM_ERROR_PHASE, "start: a step is open");
+    for (int back = 0; back < 3; ++back)
+        for (int i = 0; i < 3; ++i) s->d[back][i] = port->position[i] - s->rest[i];
+    s->first = 1;
     return DTTMM_OK;
 }
 
 static dttmm_status begin_step(dttmm_instance *s, const dttmm_step *step, dttmm_error *error) {
-    if (s->phase != BETWEEN_STEPS) return fail(error, DTTMM_ERROR_PHASE, -1, "begin_step: not started, or a step is open");
-    if (step->size != s->memory.h) return fail(error, DTTMM_ERROR_ARGUMENT, -1, "begin_step: a new size wants a new start");
-    s->phase = IN_STEP;
+    (void)step;
+    if (s->open) return fail(error, DTTMM_ERROR_PHASE, "begin_step: a step is open");
+    s->open = 1;
     return DTTMM_OK;
 }
 
-static dttmm_status evaluate(const dttmm_instance *s, const dttmm_motion *trial, double *wrench, double *stiffness,
-                             dttmm_error *error) {
-    if (s->phase != IN_STEP) return fail(error, DTTMM_ERROR_PHASE, -1, "evaluate: no step is open");
-    const struct memory *m = &s->memory;
-    const struct view next = is_implicit(s) ? look(s, trial) : (struct view){.d = {0}}; /* explicit: not looked at */
-    double f[3], gain[3];
+static dttmm_status evaluate(const dttmm_instance *s, const dttmm_motion *trial, double *wrench, double *stiffness, dttmm_error *error) {
+    if (!s->open) return fail(error, DTTMM_ERROR_PHASE, "evaluate: no step is open");
+    memset(wrench, 0, 6 * sizeof *wrench);
     for (int i = 0; i < 3; ++i) {
-        gain[i] = s->k[i] * s->elastic[0] + s->c[i] * s->rate[0] / m->h;
-        f[i] = gain[i] * next.d[i] + m->known[i];
+        const double end = trial->position[i] - s->rest[i];
+        wrench[i] = -s->k[i] * (s->weights[0] * end + s->weights[1] * s->d[0][i] + s->weights[2] * s->d[1][i]);
     }
-    memset(wrench, 0, wrench_size(s) * sizeof *wrench);
-    add_wrenches(s, m->axes, m->arm, f, wrench, 1);
-    if (stiffness) write_stiffness(s, &next, gain, m->axes, m->arm, stiffness);
+    if (stiffness) write_stiffness(s, s->weights[0], stiffness);
     return DTTMM_OK;
 }
-
-/* d' at t_n, the middle of the last two steps. */
-static double centred_rate(const struct memory *m, int axis) { return (m->past[0][axis] - m->past[2][axis]) / (2 * m->h); }
 
 static dttmm_status commit_step(dttmm_instance *s, const dttmm_motion *accepted, dttmm_error *error) {
-    if (s->phase != IN_STEP) return fail(error, DTTMM_ERROR_PHASE, -1, "commit_step: no step is open");
-    struct memory *m = &s->memory;
-    const struct view v = look(s, accepted);
-    memmove(m->past[1], m->past[0], sizeof m->past - sizeof m->past[0]);
-    memcpy(m->past[0], v.d, sizeof v.d);
-    settle(s, &v);
-    double power = 0;
-    for (int i = 0; i < 3; ++i) power += s->c[i] * centred_rate(m, i) * centred_rate(m, i);
-    if (!isnan(m->power)) m->dissipated += 0.5 * m->h * (m->power + power);
-    m->power = power;
+    if (!s->open) return fail(error, DTTMM_ERROR_PHASE, "commit_step: no step is open");
+    memmove(s->d[1], s->d[0], 2 * sizeof s->d[0]);
+    for (int i = 0; i < 3; ++i) s->d[0][i] = accepted->position[i] - s->rest[i];
+    s->first = s->open = 0;
     return DTTMM_OK;
 }
 
 static dttmm_status discard_step(dttmm_instance *s, dttmm_error *error) {
-    if (s->phase != IN_STEP) return fail(error, DTTMM_ERROR_PHASE, -1, "discard_step: no step is open");
-    s->phase = BETWEEN_STEPS;
+    (void)error;
+    s->open = 0;
     return DTTMM_OK;
 }
 
-static void load_weights(const dttmm_instance *s, double weights[3]) { memcpy(weights, s->elastic, 3 * sizeof *weights); }
-
-/* ---- State and results ---- */
-
-static size_t state_size(const dttmm_instance *s) { return sizeof s->memory; }
+/* The state is the instance itself: plain numbers, the constants among them. */
+static size_t state_size(const dttmm_instance *s) { return sizeof *s; }
 
 static dttmm_status save_state(const dttmm_instance *s, void *buffer, size_t size, dttmm_error *error) {
-    if (s->phase != BETWEEN_STEPS) return fail(error, DTTMM_ERROR_PHASE, -1, "save_state: only between steps");
-    if (size != sizeof s->memory) return fail(error, DTTMM_ERROR_ARGUMENT, -1, "save_state: wrong size of the buffer");
-    memcpy(buffer, &s->memory, size);
+    if (size != sizeof *s) return fail(error, DTTMM_ERROR_ARGUMENT, "save_state: wrong size");
+    memcpy(buffer, s, size);
     return DTTMM_OK;
 }
 
 static dttmm_status restore_state(dttmm_instance *s, const void *buffer, size_t size, dttmm_error *error) {
-    struct memory saved;
-    if (s->phase != BETWEEN_STEPS) return fail(error, DTTMM_ERROR_PHASE, -1, "restore_state: only between steps");
-    if (size != sizeof saved) return fail(error, DTTMM_ERROR_ARGUMENT, -1, "restore_state: wrong size of the buffer");
-    memcpy(&saved, buffer, size);
-    if (saved.h != s->memory.h) return fail(error, DTTMM_ERROR_ARGUMENT, -1, "restore_state: saved at another step size");
-    s->memory = saved;
+    if (size != sizeof *s) return fail(error, DTTMM_ERROR_ARGUMENT, "restore_state: wrong size");
+    memcpy(s, buffer, size);
     return DTTMM_OK;
 }
 
-static uint32_t channel_count(const dttmm_instance *s) {
-    (void)s;
-    return CHANNELS;
-}
+static uint32_t channel_count(const dttmm_instance *s) { return (void)s, 4; }
+static const dttmm_channel *channels(const dttmm_instance *s) { return (void)s, force_channels; }
 
-static const dttmm_channel *channels(const dttmm_instance *s) {
-    (void)s;
-    return channel_table;
-}
-
+/* At t_n, the start of the step last committed. */
 static dttmm_status outputs(const dttmm_instance *s, double *values, dttmm_error *error) {
-    if (isnan(s->memory.power)) return fail(error, DTTMM_ERROR_PHASE, -1, "outputs: no step has been committed");
-    const double *d = s->memory.past[1];
-    values[6] = 0;
+    if (s->first) return fail(error, DTTMM_ERROR_PHASE, "outputs: no step has been committed");
+    values[3] = 0;
     for (int i = 0; i < 3; ++i) {
-        values[i] = s->k[i] * d[i] + s->c[i] * centred_rate(&s->memory, i);
-        values[3 + i] = d[i];
-        values[6] += 0.5 * s->k[i] * d[i] * d[i];
+        values[i] = s->k[i] * s->d[1][i];
+        values[3] += 0.5 * values[i] * s->d[1][i];
     }
-    values[7] = s->memory.dissipated;
     return DTTMM_OK;
 }
 
-/* ---- The table and the one exported symbol ---- */
+static const dttmm_plugin plugin = {sizeof(dttmm_plugin), DTTMM_PLUGIN_MAJOR, DTTMM_PLUGIN_MINOR, "minimal plugin", "1.0", 1, types,
+                                    create, destroy, linearise, start, begin_step, evaluate, commit_step, discard_step, is_implicit,
+                                    load_weights, state_size, save_state, restore_state, channel_count, channels, outputs};
 
-static const dttmm_plugin table = {
-    sizeof(dttmm_plugin), DTTMM_PLUGIN_MAJOR, DTTMM_PLUGIN_MINOR,
-    "minimal plugin",     "1.0",              1,
-    types,                create,             destroy,
-    linearise,            start,              begin_step,
-    evaluate,             commit_step,        discard_step,
-    is_implicit,          load_weights,       state_size,
-    save_state,           restore_state,      channel_count,
-    channels,             outputs,
-};
-
-const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major) { return host_major == DTTMM_PLUGIN_MAJOR ? &table : NULL; }
+const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major) { return host_major == DTTMM_PLUGIN_MAJOR ? &plugin : NULL; }

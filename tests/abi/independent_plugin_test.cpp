@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The example examples/minimal_plugin: a plugin in C gives what the built-in one gives.
+// An equivalent model built another way: independent_spring.c, a plugin in C with the whole law of the spring-damper's
+// translations, gives what the built-in one gives.
 #include <dlfcn.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,8 +16,8 @@ const dttmm_plugin& built_in() {
 }
 
 /// The C plugin; stays loaded to the end.
-const dttmm_plugin& minimal() {
-    void* library = dlopen(DTTMM_C_SPRING, RTLD_NOW | RTLD_LOCAL);
+const dttmm_plugin& independent() {
+    void* library = dlopen(DTTMM_INDEPENDENT_SPRING, RTLD_NOW | RTLD_LOCAL);
     if (!library) throw std::runtime_error(dlerror());
     const auto entry = reinterpret_cast<dttmm_plugin_entry_function>(dlsym(library, DTTMM_PLUGIN_ENTRY));
     return *entry(DTTMM_PLUGIN_MAJOR);
@@ -44,15 +45,15 @@ void expect_equal(const Answer& spring, const Answer& reference) {
 
 // Oracle: the built-in spring-damper without rotational parts, an equal law written in another way. Along a motion with
 // large rotations only rounding separates the two: 1e-13 of the wrench.
-TEST(MinimalPlugin, EqualsTheBuiltInSpringInEverySchemeAndBetweenAllEnds) {
+TEST(IndependentPlugin, EqualsTheBuiltInSpringInEverySchemeAndBetweenAllEnds) {
     for (uint32_t scheme = DTTMM_SCHEME_CENTRED; scheme <= DTTMM_SCHEME_PARK; ++scheme)
         for (const Ends& ends : kAllEnds) {
             SCOPED_TRACE(testing::Message()
                          << "scheme " << scheme << ", from moves " << ends.from_moves << ", to moves " << ends.to_moves);
-            JointRun spring(minimal(), 0, kSpring, scheme, ends), reference(built_in(), 0, kSpringDamper, scheme, ends);
-            EXPECT_EQ(minimal().is_implicit(spring.instance()), built_in().is_implicit(reference.instance()));
+            JointRun spring(independent(), 0, kSpring, scheme, ends), reference(built_in(), 0, kSpringDamper, scheme, ends);
+            EXPECT_EQ(independent().is_implicit(spring.instance()), built_in().is_implicit(reference.instance()));
             double weights[3], expected[3];
-            minimal().load_weights(spring.instance(), weights);
+            independent().load_weights(spring.instance(), weights);
             built_in().load_weights(reference.instance(), expected);
             EXPECT_THAT(weights, testing::ElementsAreArray(expected));
             expect_equal(spring.linearise(3), reference.linearise(3));
@@ -64,33 +65,33 @@ TEST(MinimalPlugin, EqualsTheBuiltInSpringInEverySchemeAndBetweenAllEnds) {
 }
 
 // Oracle: the same joint alone, and a run put back to a saved state: the same bits.
-TEST(MinimalPlugin, SavesItsStateToTheBitAndSharesNothing) {
-    JointRun spring(minimal(), 0, kSpring, DTTMM_SCHEME_CENTRED, {true, true}),
-        other(minimal(), 0, kSpring, DTTMM_SCHEME_PARK, {false, true});
+TEST(IndependentPlugin, SavesItsStateToTheBitAndSharesNothing) {
+    JointRun spring(independent(), 0, kSpring, DTTMM_SCHEME_CENTRED, {true, true}),
+        other(independent(), 0, kSpring, DTTMM_SCHEME_PARK, {false, true});
     dttmm_error error{};
     spring.step(0);
-    std::vector<unsigned char> state(minimal().state_size(spring.instance()));
-    ASSERT_EQ(minimal().save_state(spring.instance(), state.data(), state.size(), &error), DTTMM_OK);
+    std::vector<unsigned char> state(independent().state_size(spring.instance()));
+    ASSERT_EQ(independent().save_state(spring.instance(), state.data(), state.size(), &error), DTTMM_OK);
     const Answer first = spring.step(1), second = spring.step(2);
-    ASSERT_EQ(minimal().restore_state(spring.instance(), state.data(), state.size(), &error), DTTMM_OK);
+    ASSERT_EQ(independent().restore_state(spring.instance(), state.data(), state.size(), &error), DTTMM_OK);
     EXPECT_EQ(spring.step(1), first);
     other.step(0);
     EXPECT_EQ(spring.step(2), second);
-    EXPECT_EQ(minimal().restore_state(spring.instance(), state.data(), state.size() - 1, &error), DTTMM_ERROR_ARGUMENT);
+    EXPECT_EQ(independent().restore_state(spring.instance(), state.data(), state.size() - 1, &error), DTTMM_ERROR_ARGUMENT);
 }
 
-TEST(MinimalPlugin, RefusesWithTextElementAndNoInstance) {
+TEST(IndependentPlugin, RefusesWithTextElementAndNoInstance) {
     const dttmm_node nodes[] = {{"a", DTTMM_NODE_GROUND, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}},
                                 {"b", DTTMM_NODE_GROUND, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}}};
     const dttmm_element element{"joint", 0, 0, 1, kSpring.data()};
     const dttmm_network network{2, nodes, 1, &element, DTTMM_SCHEME_CENTRED, 0.25, 0.5};
     auto* instance = reinterpret_cast<dttmm_instance*>(0x5a5a);
     dttmm_error error{};
-    EXPECT_EQ(minimal().create(&network, &instance, &error), DTTMM_ERROR_MODEL);
+    EXPECT_EQ(independent().create(&network, &instance, &error), DTTMM_ERROR_MODEL);
     EXPECT_EQ(instance, nullptr);
     EXPECT_EQ(error.element, 0);
     EXPECT_THAT(error.text, testing::HasSubstr("both ends are on the ground"));
-    minimal().destroy(nullptr);
+    independent().destroy(nullptr);
 }
 
 }  // namespace

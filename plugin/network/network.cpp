@@ -22,7 +22,6 @@ using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 Eigen::Map<const Vector3> vector(const double* v) { return Eigen::Map<const Vector3>(v); }
 Eigen::Map<const RowMajor3> matrix(const double* m) { return Eigen::Map<const RowMajor3>(m); }
 Eigen::Map<Vector3> vector(double* v) { return Eigen::Map<Vector3>(v); }
-Eigen::Map<Vector6> vector6(double* v) { return Eigen::Map<Vector6>(v); }
 
 /// The output channels of every joint, in the order outputs() writes them.
 constexpr std::pair<const char*, const char*> kChannels[] = {
@@ -78,7 +77,7 @@ void Network::build_joint(const dttmm_network& description, const std::vector<En
     if (data.from >= ends.size() || data.to >= ends.size())
         throw Error(DTTMM_ERROR_MODEL, "an end is no node of the network", element);
     if (data.from == data.to) throw Error(DTTMM_ERROR_MODEL, "both ends are the same node", element);
-    Joint joint{ends[data.from], ends[data.to], {}, 1, {}, {}, nullptr};
+    Joint joint{ends[data.from], ends[data.to], {}, -1, {}, {}, nullptr};
     if (joint.from.port < 0 && joint.to.port < 0) throw Error(DTTMM_ERROR_MODEL, "both ends are on the ground", element);
     try {
         joint.element = make_element(data.type, data.values);
@@ -90,7 +89,10 @@ void Network::build_joint(const dttmm_network& description, const std::vector<En
         joint.halves[half].damping = joint.element->damping().segment<3>(3 * half);
         joint.halves[half].law.setZero();
     }
-    joint.half_count = (joint.element->carried() >> 3).any() ? 2 : 1;
+    if ((joint.element->carried() >> 3).any()) {
+        joint.turn = static_cast<int>(turn_states_.size());
+        turn_states_.emplace_back();
+    }
     const RowMajor3 R_from = matrix(joint.from.start.rotation);
     joint.rest_position = R_from.transpose() * (vector(joint.to.start.position) - vector(joint.from.start.position));
     joint.rest_rotation = R_from.transpose() * matrix(joint.to.start.rotation);
@@ -122,15 +124,8 @@ inline Vector3 Network::translation(const Joint& joint, FrameView from, const Ve
     return matrix(from.rotation).transpose() * arm - joint.rest_position;
 }
 
-Vector3 Network::rotation(const Joint& joint, FrameView from, FrameView to) {
-    return rotation_vector(matrix(from.rotation).transpose() * matrix(to.rotation) * joint.rest_rotation.transpose());
-}
-
-Vector6 Network::deformation(const Joint& joint, FrameView from, FrameView to) {
-    Vector6 d = Vector6::Zero();
-    d.head<3>() = translation(joint, from, arm(from, to));
-    if (joint.half_count > 1) d.tail<3>() = rotation(joint, from, to);
-    return d;
+Matrix3 Network::attitude(const Joint& joint, FrameView from, FrameView to) {
+    return matrix(from.rotation).transpose() * matrix(to.rotation) * joint.rest_rotation.transpose();
 }
 
 Vector6 Network::deformation_rate(const Joint& joint, const dttmm_motion* ports) {
@@ -177,10 +172,8 @@ Vector6 Network::deformation_acceleration(const Joint& joint, const dttmm_motion
 
 // ---- Wrenches on the ports ----------------------------------------------------------------------------------------------
 
-inline void Network::add_wrench(const Joint& joint, FrameView from, const Vector3& arm, const Vector3* force, double* wrench) {
+inline void Network::add_wrench(const Joint& joint, const Vector3& arm, const Vector3& F, const Vector3& M, double* wrench) {
     // to: (−F, −M); from: (F, M + arm × F): forces and moments of the two ends balance about any point
-    const Vector3 F = matrix(from.rotation) * force[kTranslation];
-    const Vector3 M = joint.half_count > 1 ? Vector3(matrix(from.rotation) * force[kRotation]) : Vector3(Vector3::Zero());
     if (joint.to.port >= 0) {
         double* on_to = wrench + 6 * joint.to.port;
         vector(on_to) -= F;
@@ -193,33 +186,27 @@ inline void Network::add_wrench(const Joint& joint, FrameView from, const Vector
     }
 }
 
-void Network::add_stiffness(const Joint& joint, const Vector6& gain, FrameView from, FrameView to, FrameView from_now,
-                            const Vector3& arm_now, double* stiffness) const {
+void Network::add_stiffness(const Joint& joint, const Answer& answer, FrameView from, FrameView to, double* stiffness) const {
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     Eigen::Map<RowMajor> S(stiffness, 6 * port_count_, 6 * port_count_);
 
-    // δd = G_to δ(pose_to) + G_from δ(pose_from)
+    // [δd; δε] = G_to δ(pose_to) + G_from δ(pose_from)
     const Matrix3 to_local = matrix(from.rotation).transpose();
     Matrix6 G_to = Matrix6::Zero(), G_from = Matrix6::Zero();
-    G_to.topLeftCorner<3, 3>() = to_local;
-    G_from.topLeftCorner<3, 3>() = -to_local;
+    G_to.topLeftCorner<3, 3>() = G_to.bottomRightCorner<3, 3>() = to_local;
+    G_from = -G_to;
     G_from.topRightCorner<3, 3>() = to_local * skew(arm(from, to));
-    if (joint.half_count > 1) {
-        G_to.bottomRightCorner<3, 3>() = rotation_vector_rate(rotation(joint, from, to)) * to_local;
-        G_from.bottomRightCorner<3, 3>() = -G_to.bottomRightCorner<3, 3>();
-    }
 
-    // δ(wrench_to) = −H δf,  δ(wrench_from) = +H δf with the moment of the force over the lever arm
-    const Matrix3 R_now = matrix(from_now.rotation);
+    // δ(wrench_to) = −H [δd; δε],  δ(wrench_from) = +H [δd; δε] with the moment of the force over the lever arm
     Matrix6 H = Matrix6::Zero();
-    H.topLeftCorner<3, 3>() = R_now;
-    H.bottomRightCorner<3, 3>() = R_now;
+    H.topLeftCorner<3, 3>() = answer.R_now * answer.gain.asDiagonal();
+    H.bottomRightCorner<3, 3>() = answer.R_now * answer.turn_gain;
     Matrix6 H_from = H;
-    H_from.bottomLeftCorner<3, 3>() = skew(arm_now) * R_now;
+    H_from.bottomLeftCorner<3, 3>() = skew(answer.arm_now) * H.topLeftCorner<3, 3>();
 
     const auto add = [&](int row_port, const Matrix6& rows, int column_port, const Matrix6& columns, double sign) {
         if (row_port < 0 || column_port < 0) return;
-        S.block<6, 6>(6 * row_port, 6 * column_port) += sign * (rows * gain.asDiagonal() * columns);
+        S.block<6, 6>(6 * row_port, 6 * column_port) += sign * (rows * columns);
     };
     add(joint.to.port, H, joint.to.port, G_to, 1);
     add(joint.to.port, H, joint.from.port, G_from, 1);
@@ -234,45 +221,31 @@ void Network::linearise(const dttmm_motion* ports, double* wrench, double* stiff
     if (damping) std::fill_n(damping, n * n, 0.0);
     for (const Joint& joint : joints_) {
         const FrameView from = trial(joint.from, ports), to = trial(joint.to, ports);
-        const Vector6 &k = joint.element->stiffness(), &c = joint.element->damping();
-        const Vector6 f = k.cwiseProduct(deformation(joint, from, to)) + c.cwiseProduct(deformation_rate(joint, ports));
-        const Vector3 force[2] = {f.head<3>(), f.tail<3>()};
-        add_wrench(joint, from, arm(from, to), force, wrench);
-        if (stiffness) add_stiffness(joint, k, from, to, from, arm(from, to), stiffness);
-        if (damping) add_stiffness(joint, c, from, to, from, arm(from, to), damping);
-    }
-}
-
-// ---- Time steps ---------------------------------------------------------------------------------------------------------
-
-void Network::start(const dttmm_step& step, const dttmm_motion* ports, const double* accelerations) {
-    if (open_) throw Error(DTTMM_ERROR_PHASE, "start: a step is open");
-    if (!(step.size > 0) || !std::isfinite(step.size)) throw Error(DTTMM_ERROR_ARGUMENT, "start: the step size must be positive");
-    set_step_size(step.size);
-    for (size_t j = 0; j < joints_.size(); ++j) {
-        const Joint& joint = joints_[j];
-        const Vector6 d = deformation(joint, trial(joint.from, ports), trial(joint.to, ports));
+        const Vector3 lever = arm(from, to);
+        const Matrix3 R = matrix(from.rotation);
+        const Half &slide = joint.halves[kTranslation], &turn = joint.halves[kRotation];
         const Vector6 rate = deformation_rate(joint, ports);
-        const Vector6 acceleration = deformation_acceleration(joint, ports, accelerations);
-        JointState& state = joint_states_[j];
-        state.dissipated = 0;
-        state.power = 0;
-        for (int half = 0; half < joint.half_count; ++half)
-            start_half(joint.halves[half], d.segment<3>(3 * half), rate.segment<3>(3 * half), acceleration.segment<3>(3 * half),
-                       state.halves[half]);
+
+        // m = J⁻ᵀ(θ) (k ∘ θ) + c ∘ ω: the gradient of ½ θᵀ k θ, for δθ = J⁻¹ ε
+        const Vector3 theta = joint.turn >= 0 ? rotation_vector(attitude(joint, from, to)) : Vector3(Vector3::Zero());
+        const Matrix3 inverse_J = rotation_vector_rate(theta);
+        const Vector3 f = slide.stiffness.cwiseProduct(translation(joint, from, lever)) + slide.damping.cwiseProduct(rate.head<3>());
+        const Vector3 m = inverse_J.transpose() * turn.stiffness.cwiseProduct(theta) + turn.damping.cwiseProduct(rate.tail<3>());
+        add_wrench(joint, lever, R * f, R * m, wrench);
+        if (stiffness)
+            add_stiffness(joint, {slide.stiffness, inverse_J.transpose() * turn.stiffness.asDiagonal() * inverse_J, R, lever}, from, to, stiffness);
+        if (damping) add_stiffness(joint, {slide.damping, turn.damping.asDiagonal(), R, lever}, from, to, damping);
     }
-    for (int p = 0; p < port_count_; ++p) {
-        std::copy_n(ports[p].position, 3, ports_[static_cast<size_t>(p)].position);
-        std::copy_n(ports[p].rotation, 9, ports_[static_cast<size_t>(p)].rotation);
-    }
-    started_ = true;
 }
+
+// ---- The scheme ---------------------------------------------------------------------------------------------------------
 
 namespace {
 
-/// Velocity formula of an explicit scheme at t_n as weights of x at t_n, t_{n−1}, t_{n−2}, t_{n−3}: one unit history for each
-/// of the three old positions. The previous velocity that Fox-Euler wants is the host's, the mean of those over the two steps
-/// around t_{n−1}: (x_n − x_{n−2})/2h. Its own recursion would be driven unstable by a leap-frog host.
+/// Velocity formula of an explicit scheme at t_n as weights of x at t_n, t_{n−1}, t_{n−2}, t_{n−3}: one unit history each. The
+/// previous velocity that Fox-Euler wants is the host's, read as everywhere as the mean of those over the two steps around
+/// t_{n−1}: (x_n − x_{n−2})/2h. With it the formula coincides with BDF2's. Its own recursion would be driven unstable by a
+/// leap-frog host.
 std::array<double, 4> velocity_weights(uint32_t scheme, double h) {
     const auto rule = [&](const History& past) {
         switch (scheme) {
@@ -298,41 +271,27 @@ std::array<double, 4> velocity_weights(uint32_t scheme, double h) {
 
 }  // namespace
 
-/// The past before the start is the parabola through it, which suits every explicit scheme. The first force of the centred
-/// scheme is chosen so that its first step is Newmark's from x₀, v₀, a₀: over that step the elastic force before the start
-/// counts as that at the start, and the rate is taken from  x₋ = x₀ − h v₀ − h² (β − γ/2)/(1 − γ) a₀.
-void Network::start_half(const Half& half, const Vector3& d, const Vector3& rate, const Vector3& acceleration, HalfState& state) const {
-    const double h = clock_.step_size;
-    for (int back = 0; back < 4; ++back) state.d[back] = d - back * h * rate + 0.5 * back * back * h * h * acceleration;
-    recall(half, state);
-    if (!is_implicit()) return;
-    const double beta = centred_.beta, gamma = centred_.gamma;
-    const Vector3 mean_rate = (1 - gamma) * rate + (beta - 0.5 * gamma) * h * acceleration - gamma / h * d;
-    state.known = half.stiffness.cwiseProduct((1 - beta) * d) + half.damping.cwiseProduct(mean_rate);
-}
-
-Network::PastWeights Network::past_weights(double h) const {
-    if (!is_implicit()) return {{1, 0, 0, 0}, velocity_weights(scheme_, h)};
-    return {{centred_.weight_now(), centred_.weight_before(), 0, 0}, {(1 - 2 * centred_.gamma) / h, (centred_.gamma - 1) / h, 0, 0}};
+Network::Weights Network::weights_of(double h) const {
+    // centred:  w₊ d₊ + w₀ d + w₋ d₋ = d + w₊ δ₊ − w₋ δ,   (γ d₊ + (1 − 2γ) d + (γ − 1) d₋)/h = (γ δ₊ + (1 − γ) δ)/h
+    if (is_implicit())
+        return {{centred_.weight_after(), -centred_.weight_before()}, {centred_.gamma / h, (1 - centred_.gamma) / h, 0, 0}};
+    // explicit:  Σ w_i x_{n−i} with Σ w_i = 0, in increments
+    const std::array<double, 4> w = velocity_weights(scheme_, h);
+    return {{0, 0}, {0, w[0], w[0] + w[1], w[0] + w[1] + w[2]}};
 }
 
 void Network::set_step_size(double h) {
     clock_ = {h, 0};
-    // implicit: f = k (w₊ d₊ + w₀ d + w₋ d₋) + c (C d₊ + D) = k̂ d₊ + known
-    // explicit: f = k d + c (C d + D), all of it known: k̂ serves the transfer equations only
-    const PastWeights past = past_weights(h);
-    const StepCoefficients step = is_implicit() ? StepCoefficients{centred_.weight_after(), centred_.gamma / h}
-                                                : StepCoefficients{1, past.rate[0]};
-    recalled_ = 4;
-    while (recalled_ > 1 && past.elastic[static_cast<size_t>(recalled_ - 1)] == 0 && past.rate[static_cast<size_t>(recalled_ - 1)] == 0) --recalled_;
+    weights_ = weights_of(h);
+    // The unknown of the transfer equations is the increment over the open step, or, explicit, the one that ends at t_n.
+    const StepCoefficients step =
+        is_implicit() ? StepCoefficients{weights_.elastic[0], weights_.rate[0]} : StepCoefficients{1, weights_.rate[1]};
     for (size_t j = 0; j < joints_.size(); ++j) {
         try {
             solve_law(joints_[j], step);
         } catch (const Error& error) {
             throw Error(error.status(), error.what(), static_cast<int>(j));
         }
-        for (Half& half : joints_[j].halves)
-            for (size_t i = 0; i < 4; ++i) half.recall[i] = past.elastic[i] * half.stiffness + past.rate[i] * half.damping;
     }
 }
 
@@ -345,10 +304,77 @@ void Network::solve_law(Joint& joint, const StepCoefficients& step) const {
     }
 }
 
-/// What of the force over the coming step is known before its end is: everything for an explicit scheme.
+/// What of the force over the coming step is known before its end is: for an explicit scheme all of it.
 inline void Network::recall(const Half& half, HalfState& state) const {
-    state.known = half.recall[0].cwiseProduct(state.d[0]);
-    for (int i = 1; i < recalled_; ++i) state.known += half.recall[i].cwiseProduct(state.d[i]);
+    if (is_implicit()) {
+        state.known = half.stiffness.cwiseProduct(state.d + weights_.elastic[1] * state.delta[0]) +
+                      half.damping.cwiseProduct(weights_.rate[1] * state.delta[0]);
+    } else {
+        // k d + c Σ rate δ = k̂ δ + k (d − δ) + c (…),   k̂ = k + c rate[1]
+        state.known = half.law.cwiseProduct(state.delta[0]) + half.stiffness.cwiseProduct(state.d - state.delta[0]) +
+                      half.damping.cwiseProduct(weights_.rate[2] * state.delta[1] + weights_.rate[3] * state.delta[2]);
+    }
+}
+
+/// What a finite rotation adds to the linear law: k ∘ θ becomes J⁻ᵀ (k ∘ θ).
+void Network::settle_turn(const Joint& joint, TurnState& state) const {
+    const Half& half = joint.halves[kRotation];
+    state.conjugate = rotation_vector_rate(state.rotation.d).transpose();
+    const Vector3 elastic = half.stiffness.cwiseProduct(state.rotation.d + weights_.elastic[1] * state.rotation.delta[0]);
+    state.rotation.known += state.conjugate * elastic - elastic;
+}
+
+/// ∂m/∂δ₊ of the open step, the same addition in it.
+Matrix3 Network::turn_gain(const Half& half, const TurnState& state) const {
+    Matrix3 gain = half.law.asDiagonal();
+    const Vector3 elastic = weights_.elastic[0] * half.stiffness;
+    gain += (state.conjugate - Matrix3::Identity()) * elastic.asDiagonal();
+    return gain;
+}
+
+// ---- Time steps ---------------------------------------------------------------------------------------------------------
+
+void Network::start(const dttmm_step& step, const dttmm_motion* ports, const double* accelerations) {
+    if (open_) throw Error(DTTMM_ERROR_PHASE, "start: a step is open");
+    if (!(step.size > 0) || !std::isfinite(step.size)) throw Error(DTTMM_ERROR_ARGUMENT, "start: the step size must be positive");
+    refuse_large_rotation(ports);
+    set_step_size(step.size);
+    for (size_t j = 0; j < joints_.size(); ++j) start_joint(j, ports, accelerations);
+    for (int p = 0; p < port_count_; ++p) {
+        std::copy_n(ports[p].position, 3, ports_[static_cast<size_t>(p)].position);
+        std::copy_n(ports[p].rotation, 9, ports_[static_cast<size_t>(p)].rotation);
+    }
+    started_ = true;
+}
+
+void Network::start_joint(size_t index, const dttmm_motion* ports, const double* accelerations) {
+    const Joint& joint = joints_[index];
+    const FrameView from = trial(joint.from, ports), to = trial(joint.to, ports);
+    const Vector6 rate = deformation_rate(joint, ports);
+    const Vector6 acceleration = deformation_acceleration(joint, ports, accelerations);
+    JointState& state = joint_states_[index];
+    state.dissipated = 0;
+    state.power = 0;
+    start_half(joint.halves[kTranslation], translation(joint, from, arm(from, to)), rate.head<3>(), acceleration.head<3>(), state.translation);
+    if (joint.turn < 0) return;
+    TurnState& turn = turn_states_[static_cast<size_t>(joint.turn)];
+    turn.attitude = attitude(joint, from, to);
+    start_half(joint.halves[kRotation], rotation_vector(turn.attitude), rate.tail<3>(), acceleration.tail<3>(), turn.rotation);
+    settle_turn(joint, turn);
+}
+
+/// The past before the start is the parabola through it, which suits every explicit scheme. The first step of the centred
+/// scheme is Newmark's from d, d', d'': the elastic force before the start counts as that at the start, and the rate is
+/// γ δ₊/h + (1 − γ) d' + (β − γ/2) h d''.
+void Network::start_half(const Half& half, const Vector3& d, const Vector3& rate, const Vector3& acceleration, HalfState& state) const {
+    const double h = clock_.step_size, beta = centred_.beta, gamma = centred_.gamma;
+    state.d = d;
+    for (int back = 0; back < 3; ++back) state.delta[back] = h * rate - (back + 0.5) * h * h * acceleration;
+    state.d_before = d - state.delta[0];
+    if (is_implicit())
+        state.known = half.stiffness.cwiseProduct(d) + half.damping.cwiseProduct((1 - gamma) * rate + (beta - 0.5 * gamma) * h * acceleration);
+    else
+        recall(half, state);
 }
 
 void Network::begin_step(const dttmm_step& step) {
@@ -365,41 +391,72 @@ void Network::evaluate(const dttmm_motion* motion, double* wrench, double* stiff
     if (stiffness) std::fill_n(stiffness, n * n, 0.0);
     for (size_t j = 0; j < joints_.size(); ++j) {
         const Joint& joint = joints_[j];
-        const JointState& state = joint_states_[j];
-        const FrameView from_now = committed(joint.from);
+        const HalfState& slide = joint_states_[j].translation;
+        const TurnState* turn = joint.turn >= 0 ? &turn_states_[static_cast<size_t>(joint.turn)] : nullptr;
+        const FrameView from_now = committed(joint.from), from = trial(joint.from, motion), to = trial(joint.to, motion);
         const Vector3 arm_now = arm(from_now, committed(joint.to));
-        Vector3 force[2] = {state.halves[kTranslation].known, state.halves[kRotation].known};
-        if (is_implicit()) {
-            const FrameView from = trial(joint.from, motion), to = trial(joint.to, motion);
-            force[kTranslation] += joint.halves[kTranslation].law.cwiseProduct(translation(joint, from, arm(from, to)));
-            if (joint.half_count > 1) force[kRotation] += joint.halves[kRotation].law.cwiseProduct(rotation(joint, from, to));
-            if (stiffness) {
-                Vector6 law;
-                law << joint.halves[kTranslation].law, joint.halves[kRotation].law;
-                add_stiffness(joint, law, from, to, from_now, arm_now, stiffness);
+        const auto R_now = matrix(from_now.rotation);
+
+        Vector3 f = slide.known, M = Vector3::Zero();
+        if (is_implicit()) f += joint.halves[kTranslation].law.cwiseProduct(translation(joint, from, arm(from, to)) - slide.d);
+        Vector3 delta = Vector3::Zero();  // of the rotation over the open step
+        if (turn) {
+            Vector3 m = turn->rotation.known;
+            if (is_implicit()) {
+                delta = rotation_vector(attitude(joint, from, to) * turn->attitude.transpose());
+                m += turn_gain(joint.halves[kRotation], *turn) * delta;
             }
+            M = R_now * m;
         }
-        add_wrench(joint, from_now, arm_now, force, wrench);
+        add_wrench(joint, arm_now, R_now * f, M, wrench);
+        if (stiffness && is_implicit()) {
+            const Matrix3 turn_answer = turn ? Matrix3(turn_gain(joint.halves[kRotation], *turn) * rotation_vector_rate(delta)) : Matrix3(Matrix3::Zero());
+            add_stiffness(joint, {joint.halves[kTranslation].law, turn_answer, R_now, arm_now}, from, to, stiffness);
+        }
+    }
+}
+
+/// Moves one half of a joint on by the increment `delta` to `d`; returns the power of its damper at the start of the step.
+inline double Network::advance_half(const Half& half, const Vector3& d, const Vector3& delta, HalfState& state) const {
+    state.delta[2] = state.delta[1];
+    state.delta[1] = state.delta[0];
+    state.delta[0] = delta;
+    state.d_before = state.d;
+    state.d = d;
+    recall(half, state);
+    const Vector3 rate = 0.5 / clock_.step_size * (state.delta[0] + state.delta[1]);
+    return rate.dot(half.damping.cwiseProduct(rate));
+}
+
+void Network::refuse_large_rotation(const dttmm_motion* ports) const {
+    for (size_t j = 0; j < joints_.size(); ++j) {
+        const Joint& joint = joints_[j];
+        if (joint.turn < 0 || joint.halves[kRotation].stiffness.isZero(0)) continue;
+        const double angle = rotation_vector(attitude(joint, trial(joint.from, ports), trial(joint.to, ports))).norm();
+        if (!(angle <= kLargestRotation))
+            throw Error(DTTMM_ERROR_NUMERIC,
+                        fmt::format("its ends have turned {:.3g} rad against each other; a rotational stiffness holds up to {:g} rad", angle,
+                                    kLargestRotation),
+                        static_cast<int>(j));
     }
 }
 
 void Network::commit_step(const dttmm_motion* accepted) {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "commit_step: no step is open");
-    const double h = clock_.step_size, per_two_steps = 1 / (2 * h);
+    if (!turn_states_.empty()) refuse_large_rotation(accepted);
+    const double h = clock_.step_size;
     for (size_t j = 0; j < joints_.size(); ++j) {
         const Joint& joint = joints_[j];
         const FrameView from = trial(joint.from, accepted), to = trial(joint.to, accepted);
         JointState& state = joint_states_[j];
-        double power = 0;
-        for (int half = 0; half < joint.half_count; ++half) {
-            HalfState& memory = state.halves[half];
-            memory.d[3] = memory.d[2];
-            memory.d[2] = memory.d[1];
-            memory.d[1] = memory.d[0];
-            memory.d[0] = half == kTranslation ? translation(joint, from, arm(from, to)) : rotation(joint, from, to);
-            const Vector3 rate = per_two_steps * (memory.d[0] - memory.d[2]);
-            power += rate.dot(joint.halves[half].damping.cwiseProduct(rate));
-            recall(joint.halves[half], memory);
+        const Vector3 d = translation(joint, from, arm(from, to));
+        double power = advance_half(joint.halves[kTranslation], d, d - state.translation.d, state.translation);
+        if (joint.turn >= 0) {
+            TurnState& turn = turn_states_[static_cast<size_t>(joint.turn)];
+            const Matrix3 next = attitude(joint, from, to);
+            power += advance_half(joint.halves[kRotation], rotation_vector(next), rotation_vector(next * turn.attitude.transpose()), turn.rotation);
+            turn.attitude = next;
+            settle_turn(joint, turn);
         }
         if (clock_.steps > 0) state.dissipated += 0.5 * h * (state.power + power);
         state.power = power;
@@ -419,8 +476,18 @@ void Network::discard_step() {
 
 // ---- State and results --------------------------------------------------------------------------------------------------
 
+/// Everything that changes from step to step, as pieces of memory.
+std::vector<std::pair<void*, size_t>> Network::state_parts() {
+    return {{&clock_, sizeof clock_},
+            {joint_states_.data(), joint_states_.size() * sizeof(JointState)},
+            {turn_states_.data(), turn_states_.size() * sizeof(TurnState)},
+            {ports_.data(), ports_.size() * sizeof(Frame)}};
+}
+
 size_t Network::state_size() const {
-    return sizeof(Clock) + joint_states_.size() * sizeof(JointState) + ports_.size() * sizeof(Frame);
+    size_t size = 0;
+    for (const auto& [data, bytes] : const_cast<Network*>(this)->state_parts()) size += bytes;
+    return size;
 }
 
 void Network::save_state(void* buffer, size_t size) const {
@@ -428,10 +495,10 @@ void Network::save_state(void* buffer, size_t size) const {
     if (size != state_size())
         throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("save_state: the state has {} bytes, not {}", state_size(), size));
     char* out = static_cast<char*>(buffer);
-    const size_t joints = joint_states_.size() * sizeof(JointState);
-    std::memcpy(out, &clock_, sizeof clock_);
-    std::memcpy(out + sizeof clock_, joint_states_.data(), joints);
-    std::memcpy(out + sizeof clock_ + joints, ports_.data(), ports_.size() * sizeof(Frame));
+    for (const auto& [data, bytes] : const_cast<Network*>(this)->state_parts()) {
+        if (bytes > 0) std::memcpy(out, data, bytes);
+        out += bytes;
+    }
 }
 
 void Network::restore_state(const void* buffer, size_t size) {
@@ -439,33 +506,38 @@ void Network::restore_state(const void* buffer, size_t size) {
     if (size != state_size())
         throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("restore_state: the state has {} bytes, not {}", state_size(), size));
     const char* in = static_cast<const char*>(buffer);
-    const size_t joints = joint_states_.size() * sizeof(JointState);
     Clock saved;
     std::memcpy(&saved, in, sizeof saved);
     if (saved.step_size != clock_.step_size)
         throw Error(DTTMM_ERROR_ARGUMENT, "restore_state: saved at another step size, or by another network");
-    clock_ = saved;
-    std::memcpy(static_cast<void*>(joint_states_.data()), in + sizeof saved, joints);
-    std::memcpy(static_cast<void*>(ports_.data()), in + sizeof saved + joints, ports_.size() * sizeof(Frame));
+    for (const auto& [data, bytes] : state_parts()) {
+        if (bytes > 0) std::memcpy(data, in, bytes);
+        in += bytes;
+    }
 }
 
 void Network::outputs(double* values) const {
     if (clock_.steps == 0) throw Error(DTTMM_ERROR_PHASE, "outputs: no step has been committed");
+    const auto rate = [this](const HalfState& state) { return Vector3(0.5 / clock_.step_size * (state.delta[0] + state.delta[1])); };
     for (size_t j = 0; j < joints_.size(); ++j) {
         const Joint& joint = joints_[j];
         double* out = values + kChannelsPerJoint * j;
-        vector6(out).setZero();
-        vector6(out + 6).setZero();
-        out[12] = 0;
-        for (int half = 0; half < joint.half_count; ++half) {
-            const Vector3* d = joint_states_[j].halves[half].d;  // d[1] is that at t_n, the start of the last step
-            const Vector3 rate = (d[0] - d[2]) / (2 * clock_.step_size);
-            const Vector3 elastic = joint.halves[half].stiffness.cwiseProduct(d[1]);
-            vector(out + 3 * half) = elastic + joint.halves[half].damping.cwiseProduct(rate);
-            vector(out + 6 + 3 * half) = d[1];
-            out[12] += 0.5 * elastic.dot(d[1]);
-        }
+        const Half& slide = joint.halves[kTranslation];
+        const HalfState& state = joint_states_[j].translation;  // d_before is that at t_n, the start of the last step
+        const Vector3 elastic = slide.stiffness.cwiseProduct(state.d_before);
+        vector(out) = elastic + slide.damping.cwiseProduct(rate(state));
+        vector(out + 3).setZero();
+        vector(out + 6) = state.d_before;
+        vector(out + 9).setZero();
+        out[12] = 0.5 * elastic.dot(state.d_before);
         out[13] = joint_states_[j].dissipated;
+        if (joint.turn < 0) continue;
+        const Half& turn = joint.halves[kRotation];
+        const HalfState& rotation = turn_states_[static_cast<size_t>(joint.turn)].rotation;
+        const Vector3 elastic_turn = turn.stiffness.cwiseProduct(rotation.d_before);
+        vector(out + 3) = rotation_vector_rate(rotation.d_before).transpose() * elastic_turn + turn.damping.cwiseProduct(rate(rotation));
+        vector(out + 9) = rotation.d_before;
+        out[12] += 0.5 * elastic_turn.dot(rotation.d_before);
     }
 }
 

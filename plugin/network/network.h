@@ -13,13 +13,19 @@
 namespace dttmm {
 
 /// A connected set of elements between ports and the ground, solved together at every step. It owns the memory of the time
-/// scheme; the ports' motion comes from the host. Rotations are large, deformations small: an element measures its
-/// deformation in the axes of its `from` end, and the wrenches on its two ends balance exactly, lever arm included, at the
-/// poses of t_n, so that the host's momentum and angular momentum are kept to rounding.
+/// scheme; the ports' motion comes from the host. Bodies may turn as they like: an element measures its deformation in the
+/// axes of its `from` end, and the wrenches on its two ends balance exactly, lever arm included, at the poses of t_n, so that
+/// the host's momentum and angular momentum are kept to rounding. A rotational stiffness holds for relative rotations θ up to
+/// kLargestRotation; its moment is the gradient of ½ θᵀ k θ, so that it conserves energy. A rotational damper may turn for ever.
+///
+/// Motion over a step enters as increments δ of the deformation from t_n, rotations as the rotation vector that leads from
+/// t_n to t_{n+1}; the linearised transfer equations are solved for the force at the increment.
 ///
 /// The phases, units and frames are those of dttmm_plugin.h; errors are thrown as Error, with the element's index.
 class Network {
 public:
+    static constexpr double kLargestRotation = 2.5;  ///< rad
+
     explicit Network(const dttmm_network& description);
 
     int port_count() const { return port_count_; }
@@ -61,30 +67,35 @@ private:
     /// Three translations or three rotations of a joint: the same formulas hold for both.
     struct Half {
         Vector3 stiffness, damping;
-        Vector3 law;        ///< k̂: −∂f/∂d of the solved transfer equations [N/m, N m/rad]
-        Vector3 recall[4];  ///< the known part of the force is Σ recall[i] ∘ d[i]
+        Vector3 law;  ///< k̂ = ∂f/∂d of the solved transfer equations [N/m, N m/rad]
     };
-    static constexpr int kTranslation = 0, kRotation = 1;
+    enum { kTranslation, kRotation };
 
     /// An element at work: its data, its rest configuration and its solved force law at the current step size.
     struct Joint {
         End from, to;
         Half halves[2];
-        int half_count;           ///< 1 when it carries no rotation: then the relative rotation is not worked out
-        Vector3 rest_position;    ///< of the `to` end seen from the `from` end, in its axes
-        Matrix3 rest_rotation;    ///< R_fromᵀ R_to
+        int turn;               ///< index of its TurnState; −1 when it carries no rotation: then none is worked out
+        Vector3 rest_position;  ///< of the `to` end seen from the `from` end, in its axes
+        Matrix3 rest_rotation;  ///< R_fromᵀ R_to
         std::unique_ptr<const Element> element;
     };
 
-    /// What changes from step to step, joint by joint; plain numbers, so that saving is copying.
+    /// What changes from step to step; plain numbers, so that saving is copying.
     struct HalfState {
-        Vector3 d[4];   ///< deformation at t_n, t_{n−1}, t_{n−2}, t_{n−3}
-        Vector3 known;  ///< part of the force over the open step that does not depend on its end
+        Vector3 d, d_before;  ///< deformation at t_n and t_{n−1}
+        Vector3 delta[3];     ///< its increments over the steps that ended at t_n, t_{n−1}, t_{n−2}
+        Vector3 known;        ///< part of the force over the open step that does not depend on its end
     };
     struct JointState {
-        HalfState halves[2];
+        HalfState translation;
         double dissipated;  ///< energy lost to damping up to t_{n−1} [J]
         double power;       ///< at t_{n−1} [W]
+    };
+    struct TurnState {
+        HalfState rotation;
+        Matrix3 attitude;   ///< of the `to` end relative to the `from` end at t_n, in the axes of `from`; identity at rest
+        Matrix3 conjugate;  ///< J⁻ᵀ(θ) at t_n: makes of k ∘ θ the moment that does its work
     };
     struct Clock {
         double step_size = 0;
@@ -95,29 +106,44 @@ private:
     static FrameView trial(const End& end, const dttmm_motion* ports);
     static Vector3 arm(FrameView from, FrameView to);
     static Vector3 translation(const Joint& joint, FrameView from, const Vector3& arm);
-    static Vector3 rotation(const Joint& joint, FrameView from, FrameView to);
-    static Vector6 deformation(const Joint& joint, FrameView from, FrameView to);
+    static Matrix3 attitude(const Joint& joint, FrameView from, FrameView to);
     static Vector6 deformation_rate(const Joint& joint, const dttmm_motion* ports);
     static Vector6 deformation_acceleration(const Joint& joint, const dttmm_motion* ports, const double* accelerations);
 
-    /// Adds the wrenches of a joint's force and moment (axes of `from`) to its ports; `arm` leads from `from` to `to`.
-    static void add_wrench(const Joint& joint, FrameView from, const Vector3& arm, const Vector3* force, double* wrench);
-    /// Adds −∂(wrench)/∂(pose), or by velocity, of a joint whose force changes by `gain` ∘ δd. The force acts in the axes
-    /// of `from_now` over the lever `arm_now`; the deformation changes with the frames from and to.
-    void add_stiffness(const Joint& joint, const Vector6& gain, FrameView from, FrameView to, FrameView from_now,
-                       const Vector3& arm_now, double* stiffness) const;
+    /// Adds the wrenches of a joint's force F and moment M (world axes) to its ports; `arm` leads from `from` to `to`.
+    static void add_wrench(const Joint& joint, const Vector3& arm, const Vector3& F, const Vector3& M, double* wrench);
+    /// How a joint's force answers a small motion of its ends: δf = gain δd and δm = turn_gain δε, ε the relative turn, in the
+    /// axes of `from`; they act in the axes R_now of the `from` end over the lever `arm_now`.
+    struct Answer {
+        Vector3 gain;
+        Matrix3 turn_gain;
+        Matrix3 R_now;
+        Vector3 arm_now;
+    };
+    /// Adds −∂(wrench)/∂(pose), or by velocity; the deformation changes with the frames `from` and `to`.
+    void add_stiffness(const Joint& joint, const Answer& answer, FrameView from, FrameView to, double* stiffness) const;
+
+    /// How the scheme weighs increments δ of the deformation in the force over a step,
+    ///     f = k ∘ (d + elastic[0] δ₊ + elastic[1] δ) + c ∘ (rate[0] δ₊ + rate[1] δ + rate[2] δ₋ + rate[3] δ₋₋),
+    /// δ₊ over the open step (implicit schemes only), δ, δ₋, δ₋₋ over the three before.
+    struct Weights {
+        double elastic[2];
+        double rate[4];  ///< [1/s]
+    };
+    Weights weights_of(double h) const;
 
     std::vector<End> place_ends(const dttmm_network& description);
     void build_joint(const dttmm_network& description, const std::vector<End>& ends, uint32_t index);
     void set_step_size(double h);
-    /// How a scheme weights d at t_n, t_{n−1}, t_{n−2}, t_{n−3} in the known part of elastic force and rate.
-    struct PastWeights {
-        std::array<double, 4> elastic, rate;
-    };
-    PastWeights past_weights(double h) const;
     void solve_law(Joint& joint, const StepCoefficients& step) const;
+    void start_joint(size_t index, const dttmm_motion* ports, const double* accelerations);
     void start_half(const Half& half, const Vector3& d, const Vector3& rate, const Vector3& acceleration, HalfState& state) const;
     void recall(const Half& half, HalfState& state) const;
+    void settle_turn(const Joint& joint, TurnState& state) const;
+    Matrix3 turn_gain(const Half& half, const TurnState& state) const;
+    void refuse_large_rotation(const dttmm_motion* ports) const;
+    double advance_half(const Half& half, const Vector3& d, const Vector3& delta, HalfState& state) const;
+    std::vector<std::pair<void*, size_t>> state_parts();
 
     uint32_t scheme_;
     Centred centred_;
@@ -125,9 +151,9 @@ private:
     std::vector<Joint> joints_;
     std::vector<dttmm_channel> channels_;
 
-    int recalled_ = 0;  ///< how many past deformations the scheme looks at
-
+    Weights weights_{};
     std::vector<JointState> joint_states_;
+    std::vector<TurnState> turn_states_;
     std::vector<Frame> ports_;  ///< at t_n
     Clock clock_;
     bool started_ = false, open_ = false;

@@ -18,6 +18,7 @@ struct dttmm_instance {
     double k[3], rest[3];  /* stiffness; where the spring is slack */
     double weights[3];     /* of d at the end of the step, at its start t_n, and one step before */
     double d[3][3];        /* d at t_n, t_n-1, t_n-2 */
+    double h;              /* step size; 0 before start */
     int32_t first, open;   /* no step has been committed; a step is open */
 };
 
@@ -64,17 +65,18 @@ static dttmm_status linearise(const dttmm_instance *s, const dttmm_motion *port,
 
 /* Before the start the spring counts as at the start: the first step of the centred scheme is then Newmark's. */
 static dttmm_status start(dttmm_instance *s, const dttmm_step *step, const dttmm_motion *port, const double *accelerations, dttmm_error *error) {
-    (void)step, (void)accelerations;
+    (void)accelerations;
     if (s->open) return fail(error, DTTMM_ERROR_PHASE, "start: a step is open");
     for (int back = 0; back < 3; ++back)
         for (int i = 0; i < 3; ++i) s->d[back][i] = port->position[i] - s->rest[i];
+    s->h = step->size;
     s->first = 1;
     return DTTMM_OK;
 }
 
 static dttmm_status begin_step(dttmm_instance *s, const dttmm_step *step, dttmm_error *error) {
-    (void)step;
-    if (s->open) return fail(error, DTTMM_ERROR_PHASE, "begin_step: a step is open");
+    if (s->h == 0 || s->open) return fail(error, DTTMM_ERROR_PHASE, "begin_step: not started, or a step is open");
+    if (step->size != s->h) return fail(error, DTTMM_ERROR_ARGUMENT, "begin_step: a new step size wants a new start");
     s->open = 1;
     return DTTMM_OK;
 }

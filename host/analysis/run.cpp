@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
@@ -166,8 +167,11 @@ void print_elements(const std::vector<std::string>& files) {
             for (uint32_t p = 0; p < type.parameter_count; ++p) {
                 const dttmm_parameter& parameter = type.parameters[p];
                 const bool required = parameter.flags & DTTMM_PARAMETER_REQUIRED;
-                fmt::print("    {:<22} {} x {:<10} {:<12} {}\n", parameter.name, parameter.count, parameter.unit,
-                           required ? "required" : fmt::format("default {:g}", parameter.default_value), parameter.documentation);
+                const bool bounded = parameter.maximum < std::numeric_limits<double>::max();
+                fmt::print("    {:<22} {} x {:<10} {:<12} {:<16} {}\n", parameter.name, parameter.count, parameter.unit,
+                           required ? "required" : fmt::format("default {:g}", parameter.default_value),
+                           bounded ? fmt::format("{:g} to {:g}", parameter.minimum, parameter.maximum) : fmt::format(">= {:g}", parameter.minimum),
+                           parameter.documentation);
             }
         }
         fmt::print("\n");

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
+#include <functional>
 #include <string_view>
 
 namespace dttmm {
@@ -94,15 +96,30 @@ Json describe_energy(const Recorder& recorder) {
 
 }  // namespace
 
+namespace {
+
+/// A number that tells whether a file has changed.
+std::string digest_of(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    const std::string content((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    return fmt::format("{:016x}-{}", std::hash<std::string>{}(content), content.size());
+}
+
+}  // namespace
+
 Json describe_inputs(const Model& model, const RunRequest& request) {
     Json overrides = Json::object();
     for (const auto& [name, value] : request.overrides.parameters) overrides[name] = value;
+    Json files = Json::object(), plugins = Json::object();
+    for (const std::filesystem::path& file : model.files) files[file.string()] = digest_of(file);
+    for (const std::string& plugin : request.plugins) plugins[plugin] = digest_of(plugin);
     return {{"model_text", model.source},
             {"set", overrides},
             {"step", request.overrides.step.value_or("")},
             {"duration", request.overrides.duration.value_or("")},
             {"coupling", request.overrides.coupling.value_or("")},
-            {"plugins", request.plugins},
+            {"files", files},
+            {"plugins", plugins},
             {"force", request.force},
             {"version", DTTMM_VERSION}};
 }

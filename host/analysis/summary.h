@@ -21,7 +21,8 @@ struct Outcome {
     double wall_time = 0;              ///< [s]
 };
 
-/// What determines a run's result: the text of the model and all that the command line changed. A sweep reuses a case whose
+/// What determines a run's result: the text of the model, the files it names, the plugins and all that the command line
+/// changed. A sweep reuses a case whose
 /// inputs are equal.
 Json describe_inputs(const Model& model, const RunRequest& request);
 

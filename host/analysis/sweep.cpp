@@ -3,8 +3,8 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -24,8 +24,6 @@
 #include "record/atomic_file.h"
 #include "record/progress_bar.h"
 #include "record/results_folder.h"
-
-extern char** environ;
 
 namespace dttmm {
 
@@ -94,24 +92,24 @@ std::vector<std::string> command_of(const RunRequest& request, const Case& one) 
     return words;
 }
 
+/// Starts `words` in a process of its own: out of the terminal's process group, so that Ctrl-C reaches the sweep alone, which
+/// then stops its cases; and ended by the kernel if the sweep is killed.
 pid_t spawn(const std::vector<std::string>& words, int error_descriptor) {
     std::vector<char*> arguments;
     for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    posix_spawn_file_actions_adddup2(&actions, error_descriptor, STDERR_FILENO);
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);  // Ctrl-C reaches the sweep, which then stops its cases
-    posix_spawnattr_setpgroup(&attributes, 0);
-    pid_t child = 0;
-    const int fault = posix_spawn(&child, "/proc/self/exe", &actions, &attributes, arguments.data(), environ);
-    posix_spawnattr_destroy(&attributes);
-    posix_spawn_file_actions_destroy(&actions);
-    if (fault != 0) throw Error(ExitCode::resource_limit, fmt::format("a case could not be started: {}", std::strerror(fault)));
-    return child;
+    const pid_t parent = ::getpid();
+    const pid_t child = ::fork();
+    if (child < 0) throw Error(ExitCode::resource_limit, fmt::format("a case could not be started: {}", std::strerror(errno)));
+    if (child > 0) return child;
+    // Between fork and exec: system calls only.
+    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (::getppid() != parent) ::_exit(static_cast<int>(ExitCode::stopped_by_user));
+    ::setpgid(0, 0);
+    ::dup2(::open("/dev/null", O_WRONLY | O_CLOEXEC), STDOUT_FILENO);
+    ::dup2(error_descriptor, STDERR_FILENO);
+    ::execv("/proc/self/exe", arguments.data());
+    ::_exit(static_cast<int>(ExitCode::internal_error));
 }
 
 /// Judges a case by how its process ended and what it left.

@@ -12,6 +12,7 @@
 
 #include "analysis/run.h"
 #include "analysis/sweep.h"
+#include "model/diagnostics.h"
 #include "model/wording.h"
 
 namespace dttmm {
@@ -131,6 +132,9 @@ int run_command(int argc, char** argv) {
     ExitCode code = ExitCode::internal_error;
     try {
         code = dispatch_and_flush(argc, argv);
+    } catch (const ModelError& error) {
+        fmt::print(stderr, "{}\n", error.what());  // every line begins with its file:line:column
+        code = error.code();
     } catch (const Error& error) {
         fmt::print(stderr, "dttmm: {}\n", error.what());
         code = error.code();

@@ -151,11 +151,11 @@ EndOfStep::Norms EndOfStep::correct(const std::vector<BodyState>& now) {
         right_hand_side_.segment<6>(matrix_.index(static_cast<int>(b))) = r;
     }
     solution_ = solver_.solve(right_hand_side_);
-    // Norm: square root of twice the kinetic energy, rotations weighted with the larger moments of inertia.
+    // Norm: square root of twice the kinetic energy, rotations weighted with a bound of the moments of inertia.
     double correction = 0, motion = 0;
     for (size_t b = 0; b < now.size(); ++b) {
         const auto norm_squared = [&](const Vector6& u) {
-            return inertias_[b].mass * u.head<3>().squaredNorm() + inertias_[b].largest * u.tail<3>().squaredNorm();
+            return inertias_[b].mass * u.head<3>().squaredNorm() + inertias_[b].bound * u.tail<3>().squaredNorm();
         };
         correction_[b] = solution_.segment<6>(matrix_.index(static_cast<int>(b)));
         u_[b] += correction_[b];

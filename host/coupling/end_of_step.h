@@ -20,10 +20,10 @@ using Feedback = std::vector<Eigen::Matrix<double, 6, 1>>;
 /// ODE moves a free body by  v+ = v + h M⁻¹ f,  x+ = x + h v+. Its momentum over the step, P = [m v; L(ω)], therefore obeys
 ///     P(u) = P− + h (f_loads + f_networks(x + h u)),     u = [v; ω] over the step, 6 per body,
 /// where L(ω) = R_{n+1/2} J R_{n+1/2}ᵀ ω is the angular momentum half way through the step: the centred gyroscopic moment, which
-/// keeps the angular momentum of a free body to rounding. Newton's method with the matrix
-///     K = ∂P/∂u + h² S,     S: stiffness of the networks seen from the centres of mass,
-/// symmetric, sparse, factored once and kept while it converges fast. For explicit schemes S is zero and u follows at once:
-/// there is one path for both.
+/// keeps the angular momentum of a free body to rounding. Simplified Newton iteration with the matrix
+///     K = M + h² S,     S: stiffness of the networks seen from the centres of mass,
+/// symmetric (the gyroscopic part of ∂P/∂u and the little asymmetry of S away from rest are left to the iteration), sparse,
+/// factored once and kept while it converges fast. For explicit schemes S is zero and u follows at once: one path for both.
 ///
 /// A step is accepted when the estimated remaining error, (rate of convergence) × (last correction), is below kTolerance of
 /// the motion or at rounding, both in the kinetic-energy norm; the rate of the previous steps may be used, so a linear model takes one pass.
@@ -53,7 +53,7 @@ private:
         std::string name;
         double mass;
         Eigen::Matrix3d J;  ///< body axes
-        double largest;     ///< moment of inertia
+        double bound;       ///< of its moments of inertia: none is larger
         double held_mass;   ///< mass if an element holds the body, else 0
         double reach;       ///< farthest marker from the centre of mass [m]
     };

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,6 +44,7 @@ struct Load {
     Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit vector, world axes
     bool is_moment = false;                               ///< a moment [N m] instead of a force [N]
     Signal signal;                                        ///< magnitude along `direction` against time
+    std::string place;                                    ///< "file:line:column", for errors found later
 };
 
 struct Element {
@@ -88,6 +90,7 @@ struct Model {
     std::vector<Body> bodies;
     std::vector<Load> loads;
     std::vector<Element> elements;
+    std::vector<std::filesystem::path> files;  ///< beside the model file that were read: tables of loads
     std::vector<std::string> warnings;  ///< each with its place, ready to print
 };
 

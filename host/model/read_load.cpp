@@ -21,7 +21,7 @@ std::optional<Load> read_load(const ReadContext& context, const TomlValue& entry
     const bool is_moment = magnitude->key == "moment";
     const auto signal = read_signal(context, magnitude->value, table.what(magnitude->key), is_moment ? "N*m" : "N");
     if (!on || !direction || !signal) return std::nullopt;
-    return Load{*on, *direction, is_moment, *signal};
+    return Load{*on, *direction, is_moment, *signal, context.diagnostics.place_text(magnitude->place)};
 }
 
 }  // namespace

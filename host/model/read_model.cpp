@@ -130,7 +130,7 @@ Model parse_model(std::string_view text, const fs::path& file, const ElementCata
     const Parameters parameters(table ? &table->value : nullptr, overrides.parameters, diagnostics);
     model.parameters = parameters.all();
 
-    const ReadContext context{parameters, diagnostics, file.parent_path()};
+    const ReadContext context{parameters, diagnostics, file.parent_path(), model.files};
     const TableReader root(context, *document, "", known_keys(*document));
     if (check_later_keys(root)) read_contents(root, catalogue, overrides, model);
     diagnostics.throw_if_errors();

@@ -142,6 +142,7 @@ std::optional<Signal> read_file_table(const TableReader& table) {
             table.error(member->place, fmt::format("{} and file exclude each other", key));
     try {
         TimeTable columns = read_table_file(table.context().folder, *name);
+        table.context().files.push_back(table.context().folder / *name);
         return make_signal<TableSignal>(std::move(columns.times), std::move(columns.values));
     } catch (const Error& error) {
         table.error(table.find("file")->value.place, error.what());

@@ -38,12 +38,12 @@ void on_failure(int number, const char* text, va_list arguments) {
 }
 
 dBodyID body_id(void* id) { return static_cast<dBodyID>(id); }
-dWorldID world_id(void* id) { return static_cast<dWorldID>(id); }
 
 }  // namespace
 
 /// ODE's process-wide state: initialised with the first world, closed with the last.
-struct World::Library {
+class World::Library {
+public:
     Library() {
         dInitODE2(0);
         dAllocateODEDataForThread(dAllocateMaskAll);
@@ -62,11 +62,25 @@ struct World::Library {
     }
 };
 
-World::World(const std::vector<Body>& bodies) : library_(Library::acquire()), world_(dWorldCreate()) {
-    dWorldSetGravity(world_id(world_), 0, 0, 0);
-    dWorldSetAutoDisableFlag(world_id(world_), 0);
+/// One world of ODE with its bodies, and the library for as long as it lives.
+class World::Owner {
+public:
+    Owner() : library_(Library::acquire()), id_(dWorldCreate()) {}
+    ~Owner() { dWorldDestroy(id_); }
+    Owner(const Owner&) = delete;
+    Owner& operator=(const Owner&) = delete;
+    dWorldID id() const { return id_; }
+
+private:
+    std::shared_ptr<Library> library_;
+    dWorldID id_;
+};
+
+World::World(const std::vector<Body>& bodies) : world_(std::make_unique<Owner>()) {
+    dWorldSetGravity(world_->id(), 0, 0, 0);
+    dWorldSetAutoDisableFlag(world_->id(), 0);
     for (const Body& body : bodies) {
-        const dBodyID id = dBodyCreate(world_id(world_));
+        const dBodyID id = dBodyCreate(world_->id());
         dBodySetFiniteRotationMode(id, 1);
         dBodySetGyroscopicMode(id, 0);
         const Eigen::Matrix3d& J = body.inertia;
@@ -81,7 +95,7 @@ World::World(const std::vector<Body>& bodies) : library_(Library::acquire()), wo
     }
 }
 
-World::~World() { dWorldDestroy(world_id(world_)); }
+World::~World() = default;
 
 void World::read_states(std::vector<BodyState>& states) const {
     using Rows = Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>;
@@ -126,7 +140,7 @@ void World::apply(const std::vector<Eigen::Matrix<double, 6, 1>>& wrenches) {
 
 void World::advance(double h) {
     const int before = complaints;
-    if (dWorldStep(world_id(world_), h) == 0)
+    if (dWorldStep(world_->id(), h) == 0)
         throw Error(ExitCode::resource_limit, "ODE could not allocate the memory for a step: nothing has moved");
     if (complaints != before)
         throw Error(ExitCode::numerical_failure, "ODE reported a numerical problem during the step");

@@ -10,7 +10,8 @@
 namespace dttmm {
 
 /// A rigid body as ODE keeps it: pose of the centre of mass at t_n, velocities over the step that ended there (half a step
-/// back). World axes; R turns body axes into world axes.
+/// back). World axes; R turns body axes into world axes. Before the first step, in the arguments named `at`, the velocities are
+/// those of the instant.
 struct BodyState {
     Eigen::Vector3d position;          ///< [m]
     Eigen::Matrix3d rotation;
@@ -26,8 +27,6 @@ public:
     /// Bodies at their model positions with their model velocities.
     explicit World(const std::vector<Body>& bodies);
     ~World();
-    World(const World&) = delete;
-    World& operator=(const World&) = delete;
 
     int body_count() const { return static_cast<int>(bodies_.size()); }
 
@@ -45,14 +44,14 @@ public:
 
 private:
     void set_state(size_t body, const BodyState& state);
-    struct Library;
+    class Library;
+    class Owner;
     /// ODE's handle of a body, and where ODE keeps its numbers.
     struct Handle {
         void* id;
         const double *position, *rotation, *velocity, *angular_velocity;
     };
-    std::shared_ptr<Library> library_;
-    void* world_ = nullptr;
+    std::unique_ptr<Owner> world_;
     std::vector<Handle> bodies_;
 };
 

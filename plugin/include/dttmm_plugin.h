@@ -9,7 +9,8 @@
  * Units     SI: m, kg, s, rad, N, N m.
  * Frame     world axes, right-handed, unless a comment says otherwise. Matrices are row-major.
  * Order     a pose change is [translation x y z; rotation x y z], a wrench [force x y z; moment x y z].
- * Wrench    acts on the host's body, at the port's position.
+ * Wrench    acts on the host's body, at the port's position at t_n, the start of the step (linearise: at the given instant).
+ *           The wrenches on the ports of a network must balance there, or angular momentum is not kept.
  * Memory    whoever calls owns every buffer it passes; what a plugin returns by pointer lives as long as the instance or,
  *           for the table and what it points to, as long as the library stays loaded. No allocated memory crosses.
  * Errors    every function that can fail returns a dttmm_status; on anything but DTTMM_OK it has filled *error (which the
@@ -107,7 +108,12 @@ typedef struct dttmm_element {
 /* The time scheme. Centred: every quantity of the network stands at t_n, the middle of three instants,
  *     x'' = (x+ - 2x + x-)/h^2,   x' = (gamma x+ + (1 - 2 gamma) x + (gamma - 1) x-)/h,
  *     elastic forces weighted  beta (.)+ + (1/2 + gamma - 2 beta) (.) + (1/2 - gamma + beta) (.)-.
- * The others are explicit: the wrench over the step is the force law at t_n, the velocity in it from the named formula. */
+ * Its first step after start is Newmark's from x, x', x'': the elastic force before the start counts as that at the start, and
+ *     x' = gamma (x+ - x)/h + (1 - gamma) x'(0) + (beta - gamma/2) h x''(0).
+ * The others are explicit: the wrench over the step is the force law at t_n, the velocity in it from the named formula; the
+ * past before the start is the parabola x(0) + t x'(0) + t^2/2 x''(0). Where a formula wants the previous velocity (Fox-Euler),
+ * it is the host's, the mean of those over the two steps around t_(n-1): never the formula's own last result, which a leap-frog
+ * host would drive unstable. */
 enum {
     DTTMM_SCHEME_CENTRED = 0,
     DTTMM_SCHEME_FOX_EULER = 1,
@@ -166,8 +172,8 @@ typedef struct dttmm_plugin {
     void (*destroy)(dttmm_instance *instance);
 
     /* The force law at one instant, no time scheme in it: wrench (6 per port) at the given poses and velocities and, where
-     * not NULL, stiffness = -d(wrench)/d(pose) and damping = -d(wrench)/d(velocity), each 6P x 6P row-major for P ports.
-     * Pure. [after create] */
+     * not NULL, stiffness = -d(wrench)/d(pose) and damping = -d(wrench)/d(velocity), each 6P x 6P row-major for P ports. What
+     * stems from a force already acting only changing its direction may be left out. Pure. [after create] */
     dttmm_status (*linearise)(const dttmm_instance *instance, const dttmm_motion *ports, double *wrench, double *stiffness,
                               double *damping, dttmm_error *error);
 
@@ -180,7 +186,8 @@ typedef struct dttmm_plugin {
     dttmm_status (*begin_step)(dttmm_instance *instance, const dttmm_step *step, dttmm_error *error);
 
     /* The wrench on every port (6 per port) that acts over the open step if the ports end it as in `trial`, and, where not
-     * NULL, stiffness = -d(wrench)/d(trial pose), 6P x 6P row-major. Pure: any number of calls in any order. [step open] */
+     * NULL, stiffness = -d(wrench)/d(trial pose), 6P x 6P row-major. The host uses it to find the end of the step; an
+     * approximation costs passes, not accuracy. Pure: any number of calls in any order. [step open] */
     dttmm_status (*evaluate)(const dttmm_instance *instance, const dttmm_motion *trial, double *wrench, double *stiffness,
                              dttmm_error *error);
 
@@ -197,7 +204,8 @@ typedef struct dttmm_plugin {
      * weights[0] at the end of the step, [1] at its start, [2] one step before. [after create] */
     void (*load_weights)(const dttmm_instance *instance, double weights[3]);
 
-    /* The whole state that changes from step to step, exact to the bit. [after start, no step open] */
+    /* The whole state that changes from step to step, exact to the bit; restored only into an instance of the same network,
+     * started with the same step size. [after start, no step open] */
     size_t (*state_size)(const dttmm_instance *instance);
     dttmm_status (*save_state)(const dttmm_instance *instance, void *buffer, size_t size, dttmm_error *error);
     dttmm_status (*restore_state)(dttmm_instance *instance, const void *buffer, size_t size, dttmm_error *error);

@@ -3,11 +3,9 @@
 // The tree is the design: a layer may include only what stands to its left, and some headers belong to one place.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <regex>
 #include <set>
 #include <string>
 #include <vector>
@@ -38,16 +36,17 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
 
 Includes read_includes() {
     Includes includes;
-    const std::regex line_of_include(R"(^\s*#\s*include\s*[<"]([^>"]+)[>"])");
     for (const char* half : {"plugin", "host"}) {
         for (const auto& entry : fs::recursive_directory_iterator(kSource / half)) {
             const std::string extension = entry.path().extension();
             if (extension != ".h" && extension != ".cpp") continue;
             std::vector<std::string>& found = includes[fs::relative(entry.path(), kSource).generic_string()];
             std::ifstream file(entry.path());
-            std::smatch match;
-            for (std::string line; std::getline(file, line);)
-                if (std::regex_search(line, match, line_of_include)) found.push_back(match[1]);
+            for (std::string line; std::getline(file, line);) {
+                const size_t begin = line.find_first_of("<\"");
+                if (line.starts_with("#include") && begin != std::string::npos)
+                    found.push_back(line.substr(begin + 1, line.find_first_of(">\"", begin + 1) - begin - 1));
+            }
         }
     }
     return includes;
@@ -89,26 +88,26 @@ TEST(Layers, TheHalvesShareOneHeader) {
         }
 }
 
-/// Files in which an include matching `pattern` stands.
-std::set<std::string> files_with(const std::string& pattern) {
+/// Files with an include that begins so.
+std::set<std::string> files_with(const std::string& beginning) {
     std::set<std::string> files;
     for (const auto& [file, list] : read_includes())
         for (const std::string& include : list)
-            if (std::regex_search(include, std::regex(pattern))) files.insert(file);
+            if (include.starts_with(beginning)) files.insert(file);
     return files;
 }
 
 TEST(Layers, OdeIsSeenByTheWorldOnly) {
-    for (const std::string& file : files_with("^ode/")) EXPECT_EQ(layer_of(file), "host/world") << file;
+    for (const std::string& file : files_with("ode/")) EXPECT_EQ(layer_of(file), "host/world") << file;
 }
 
 TEST(Layers, TheTomlParserIsSeenByOneFile) {
-    EXPECT_EQ(files_with(R"(^toml\+\+/)"), std::set<std::string>{"host/model/toml_document.cpp"});
+    EXPECT_EQ(files_with("toml++/"), std::set<std::string>{"host/model/toml_document.cpp"});
 }
 
 TEST(Layers, ThePluginReadsNoFilesAndKnowsNoEngine) {
-    EXPECT_TRUE(std::ranges::none_of(files_with("^(fstream|filesystem|cstdio|stdio.h|iostream|ode/.*|hdf5.h)$"),
-                                     [](const std::string& file) { return half_of(file) == "plugin"; }));
+    for (const char* header : {"fstream", "filesystem", "cstdio", "stdio.h", "iostream", "ode/", "hdf5.h"})
+        for (const std::string& file : files_with(header)) EXPECT_EQ(half_of(file), "host") << file << " includes " << header;
 }
 
 TEST(Layers, TheInterfaceIsImplementedByAbiAlone) {

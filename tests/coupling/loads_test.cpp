@@ -28,8 +28,8 @@ Model loaded_bodies() {
     second.rotation = Eigen::AngleAxisd(0.6, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
     second.markers.push_back({"tip", {0.4, -0.1, 0.2}, Eigen::Matrix3d::Identity()});
     model.bodies = {first, second};
-    Load force{{1, 0}, Eigen::Vector3d(1, 2, -2) / 3, false, parabola()};
-    Load moment{{0, -1}, Eigen::Vector3d::UnitY(), true, test::constant(4)};
+    Load force{{1, 0}, Eigen::Vector3d(1, 2, -2) / 3, false, parabola(), ""};
+    Load moment{{0, -1}, Eigen::Vector3d::UnitY(), true, test::constant(4), ""};
     model.loads = {force, moment};
     return model;
 }

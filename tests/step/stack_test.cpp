@@ -4,36 +4,15 @@
 // modal solution of the axial chain.
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 #include "step/simulation.h"
-#include "support/exact_linear_system.h"
+#include "support/exact_chain.h"
 #include "support/models.h"
 
 namespace dttmm {
 namespace {
-
-/// Positions of the plates of the chain (masses m, springs 4k, dampers 4c to the one below) at `end`, mode by mode: the
-/// damping is proportional to the stiffness, so each mode is one equation, solved exactly.
-Eigen::VectorXd exact_chain(int count, double k, double c, double end) {
-    Eigen::MatrixXd L = Eigen::MatrixXd::Zero(count, count);
-    for (int i = 0; i < count; ++i) {
-        L(i, i) = i + 1 < count ? 2 : 1;
-        if (i > 0) L(i, i - 1) = L(i - 1, i) = -1;
-    }
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(L);
-    Eigen::VectorXd x = Eigen::VectorXd::Zero(count);
-    const auto one = [](double value) { return Eigen::MatrixXd(Eigen::MatrixXd::Constant(1, 1, value)); };
-    for (int i = 0; i < count; ++i) {
-        const double lambda = modes.eigenvalues()(i);
-        test::ExactLinearSystem mode(one(test::kPlateMass), one(4 * c * lambda), one(4 * k * lambda),
-                                     Eigen::VectorXd::Constant(1, modes.eigenvectors()(count - 1, i)), 1000, 18.4e-3);
-        mode.advance(end);
-        x += mode.q()(0) * modes.eigenvectors().col(i);
-    }
-    return x;
-}
 
 /// Largest error of a plate's position at `end`, as a share of the static stretch of the stack.
 double stack_error(int count, double step, Coupling coupling) {
@@ -42,7 +21,7 @@ double stack_error(int count, double step, Coupling coupling) {
     const Model model = test::plate_stack(plugins, count, k, c, step, coupling);
     Simulation simulation(model, plugins);
     while (simulation.time() < end - 0.5 * step) simulation.step();
-    const Eigen::VectorXd exact = exact_chain(count, k, c, end);
+    const Eigen::VectorXd exact = test::exact_chain(count, k, c, end);
     double worst = 0;
     for (int p = 0; p < count; ++p) {
         const auto i = static_cast<size_t>(p);

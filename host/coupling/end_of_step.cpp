@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <numeric>
 
 #include "coupling/rotation_step.h"
 #include "model/error.h"
@@ -24,6 +26,21 @@ constexpr double kSlowestContraction = 0.1;
 /// Positions are known to a few units in the last place of their size.
 constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
 
+/// Numbers the groups of bodies that elements connect: group of every body, from 0.
+std::vector<size_t> find_groups(size_t count, const std::vector<std::pair<int, int>>& neighbours) {
+    std::vector<size_t> group(count);
+    std::iota(group.begin(), group.end(), size_t{0});
+    const auto root = [&](size_t b) {
+        while (group[b] != b) b = group[b] = group[group[b]];
+        return b;
+    };
+    for (const auto& [i, j] : neighbours) group[root(static_cast<size_t>(i))] = root(static_cast<size_t>(j));
+    std::map<size_t, size_t> numbers;
+    std::vector<size_t> numbered;
+    for (size_t b = 0; b < count; ++b) numbered.push_back(numbers.try_emplace(root(b), numbers.size()).first->second);
+    return numbered;
+}
+
 /// Whether an element holds each body: its forces then carry the rounding of the body's position.
 std::vector<bool> find_held(const Model& model) {
     std::vector<bool> held(model.bodies.size());
@@ -33,8 +50,9 @@ std::vector<bool> find_held(const Model& model) {
     return held;
 }
 
-double farthest_marker(const Body& body) {
-    double reach = 0;
+/// Distance from the centre of mass to the farthest marker, at least the largest radius of gyration.
+double reach_of(const Body& body) {
+    double reach = std::sqrt(body.inertia.trace() / (2 * body.mass));
     for (const Marker& marker : body.markers) reach = std::max(reach, (marker.position - body.center_of_mass).norm());
     return reach;
 }
@@ -43,12 +61,14 @@ double farthest_marker(const Body& body) {
 
 EndOfStep::EndOfStep(const Model& model, const Networks& networks)
     : matrix_(static_cast<int>(model.bodies.size()), networks.neighbours()) {
+    const size_t n = model.bodies.size();
     const std::vector<bool> held = find_held(model);
-    for (size_t b = 0; b < model.bodies.size(); ++b) {
+    const std::vector<size_t> group = find_groups(n, networks.neighbours());
+    for (size_t b = 0; b < n; ++b) {
         const Body& body = model.bodies[b];
-        inertias_.push_back({body.name, body.mass, body.inertia, body.inertia.trace() / 2, held[b] ? body.mass : 0, farthest_marker(body)});
+        inertias_.push_back({body.name, body.mass, body.inertia, reach_of(body), held[b], group[b]});
     }
-    const size_t n = inertias_.size();
+    groups_.resize(n == 0 ? 0 : 1 + *std::max_element(group.begin(), group.end()));
     for (auto* list : {&u_, &previous_u_, &correction_, &free_momentum_, &feedback_}) list->assign(n, Vector6::Zero());
     wrenches_.resize(6 * n);
     right_hand_side_.resize(static_cast<Eigen::Index>(6 * n));
@@ -61,8 +81,7 @@ std::vector<BodyState> EndOfStep::start(const dttmm_step& step, const std::vecto
     time_ = step.time;
     trial_ = at;
     stiffness_wanted_ = true;
-    contraction_ = 1;
-    scale_ = 0;
+    std::fill(groups_.begin(), groups_.end(), Group{});
 
     // a = M⁻¹ f,  α = I⁻¹ (m − ω × I ω) at t0
     loads.start(step.time);
@@ -121,7 +140,9 @@ void EndOfStep::evaluate(const std::vector<BodyState>& now, Networks& networks) 
     }
     matrix_.set_zero();
     networks.evaluate(trial_, wrenches_.data(), [this](int row, int column, const BlockMatrix::Block& S) {
-        matrix_.add(row, column, h_ * h_ * S);
+        // Symmetric part: away from rest S is not quite symmetric
+        matrix_.add(row, column, 0.5 * h_ * h_ * S);
+        matrix_.add(column, row, 0.5 * h_ * h_ * S.transpose());
     });
     factor(now);
 }
@@ -142,8 +163,8 @@ void EndOfStep::factor(const std::vector<BodyState>& now) {
                     fmt::format("t = {:.9g} s: the matrix of the end of the step, M + h² S, is singular", time_));
 }
 
-/// One correction δ = K⁻¹ (P− + h f − P(u)), applied to u. Returns the norms of both.
-EndOfStep::Norms EndOfStep::correct(const std::vector<BodyState>& now) {
+/// One correction δ = K⁻¹ (P− + h f − P(u)), applied to u.
+void EndOfStep::correct(const std::vector<BodyState>& now) {
     for (size_t b = 0; b < now.size(); ++b) {
         Vector6 r = free_momentum_[b] + h_ * Eigen::Map<const Vector6>(&wrenches_[6 * b]);
         r.head<3>() -= inertias_[b].mass * u_[b].head<3>();
@@ -151,29 +172,60 @@ EndOfStep::Norms EndOfStep::correct(const std::vector<BodyState>& now) {
         right_hand_side_.segment<6>(matrix_.index(static_cast<int>(b))) = r;
     }
     solution_ = solver_.solve(right_hand_side_);
-    // Norm: square root of twice the kinetic energy, rotations weighted with a bound of the moments of inertia.
-    double correction = 0, motion = 0;
     for (size_t b = 0; b < now.size(); ++b) {
-        const auto norm_squared = [&](const Vector6& u) {
-            return inertias_[b].mass * u.head<3>().squaredNorm() + inertias_[b].bound * u.tail<3>().squaredNorm();
-        };
         correction_[b] = solution_.segment<6>(matrix_.index(static_cast<int>(b)));
         u_[b] += correction_[b];
-        correction += norm_squared(correction_[b]);
-        motion += norm_squared(u_[b]);
     }
-    return {std::sqrt(correction), std::sqrt(motion)};
 }
 
-/// Norm of the velocities that rounding of the held bodies' positions feigns: nothing below it can be asked for.
-double EndOfStep::rounding_floor(const std::vector<BodyState>& now) const {
-    double sum = 0;
-    for (size_t b = 0; b < now.size(); ++b)
-        sum += inertias_[b].held_mass * (now[b].position.squaredNorm() + inertias_[b].reach * inertias_[b].reach);
-    return kRounding / h_ * std::sqrt(sum);
+/// Opens the books of a step: what rounding feigns, and how far the rates of convergence of old are trusted.
+void EndOfStep::open_groups(const std::vector<BodyState>& now) {
+    for (Group& group : groups_) {
+        group.contraction = std::min(1.0, kForget * group.contraction);
+        group.floor_squared = 0;
+    }
+    const double rounding = kRounding / h_;
+    for (size_t b = 0; b < now.size(); ++b) {
+        if (!inertias_[b].held) continue;
+        Group& group = groups_[inertias_[b].group];
+        const double size_squared = now[b].position.squaredNorm() + inertias_[b].reach * inertias_[b].reach;
+        group.floor_squared = std::max(group.floor_squared, rounding * rounding * size_squared);
+    }
 }
 
-const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& networks, const Loads& loads) {
+/// Takes a pass into the books; true if every group may stop.
+bool EndOfStep::judge(int pass) {
+    for (Group& group : groups_) {
+        group.previous_squared = group.correction_squared;
+        group.correction_squared = 0;
+        group.scale_squared *= 0.98;
+    }
+    for (size_t b = 0; b < u_.size(); ++b) {
+        // Square of the largest speed of a point of the body, at most
+        const double reach_squared = inertias_[b].reach * inertias_[b].reach;
+        const auto speed_squared = [&](const Vector6& u) { return 2 * (u.head<3>().squaredNorm() + reach_squared * u.tail<3>().squaredNorm()); };
+        Group& group = groups_[inertias_[b].group];
+        group.scale_squared = std::max(group.scale_squared, speed_squared(u_[b]));
+        const double correction = speed_squared(correction_[b]);
+        if (!std::isfinite(correction)) fail(pass);
+        group.correction_squared = std::max(group.correction_squared, correction);
+    }
+    bool done = true;
+    for (Group& group : groups_) {
+        if (pass == 1 || (pass > 1 && group.correction_squared > group.floor_squared)) {  // a later one at rounding measures nothing
+            const double rate = group.previous_squared > 0 ? std::sqrt(group.correction_squared / group.previous_squared) : 0;
+            group.contraction = rate < 1 ? rate / (1 - rate) : 1e3;
+            if (rate > kSlowestContraction && group.correction_squared > group.floor_squared) stiffness_wanted_ = true;
+        }
+        const double remaining_squared = group.contraction * group.contraction * group.correction_squared;
+        done = done && (group.correction_squared <= group.floor_squared ||
+                        remaining_squared <= std::max(kTolerance * kTolerance * group.scale_squared, group.floor_squared));
+    }
+    return done;
+}
+
+const Feedback& EndOfStep::solve(const dttmm_step& step, const std::vector<BodyState>& now, Networks& networks, const Loads& loads) {
+    time_ = step.time;
     std::fill(wrenches_.begin(), wrenches_.end(), 0.0);
     loads.add_over_step(now, wrenches_.data());
     for (size_t b = 0; b < now.size(); ++b) {
@@ -186,29 +238,19 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
     }
 
     predict(now);
-    contraction_ = std::min(1.0, kForget * contraction_);
-    const double floor = rounding_floor(now);
-    double previous = 0;
+    open_groups(now);
     for (int pass = 0; pass < kMostPasses; ++pass) {
         if (pass == 0 || networks.is_implicit() || stiffness_wanted_) {
             if (networks.is_implicit()) place_trial(now);
             evaluate(now, networks);
         }
-        const auto [correction, motion] = correct(now);
-        scale_ = std::max(0.99 * scale_, motion);
-        if (!std::isfinite(correction)) fail(correction);
-        if (pass == 1 || (pass > 1 && correction > floor)) {  // a later correction at rounding measures nothing
-            const double rate = correction / previous;
-            contraction_ = rate < 1 ? rate / (1 - rate) : 1e3;
-            if (rate > kSlowestContraction) stiffness_wanted_ = true;
-        }
-        if (contraction_ * correction <= std::max(kTolerance * scale_, floor) || correction <= floor) {
+        correct(now);
+        if (judge(pass)) {
             form_feedback(now);
             return feedback_;
         }
-        previous = correction;
     }
-    fail(previous);
+    fail(kMostPasses);
 }
 
 void EndOfStep::form_feedback(const std::vector<BodyState>& now) {
@@ -221,14 +263,14 @@ void EndOfStep::form_feedback(const std::vector<BodyState>& now) {
     }
 }
 
-void EndOfStep::fail(double correction) const {
+void EndOfStep::fail(int passes) const {
     size_t worst = 0;
     for (size_t b = 1; b < correction_.size(); ++b)
         if (!(correction_[b].squaredNorm() <= correction_[worst].squaredNorm())) worst = b;
     throw Error(ExitCode::numerical_failure,
-                fmt::format("t = {:.9g} s: the end of the step was not found in {} passes (last correction {:.1e} of the motion), worst "
-                            "at body \"{}\"; try a smaller step",
-                            time_, kMostPasses, scale_ > 0 ? correction / scale_ : correction, inertias_[worst].name));
+                fmt::format("t = {:.9g} s: the end of the step was not found in {} passes (last correction {:.1e} m/s), worst at body "
+                            "\"{}\"; try a smaller step",
+                            time_, passes, correction_[worst].norm(), inertias_[worst].name));
 }
 
 }  // namespace dttmm

@@ -25,8 +25,9 @@ using Feedback = std::vector<Eigen::Matrix<double, 6, 1>>;
 /// symmetric (the gyroscopic part of ∂P/∂u and the little asymmetry of S away from rest are left to the iteration), sparse,
 /// factored once and kept while it converges fast. For explicit schemes S is zero and u follows at once: one path for both.
 ///
-/// A step is accepted when the estimated remaining error, (rate of convergence) × (last correction), is below kTolerance of
-/// the motion or at rounding, both in the kinetic-energy norm; the rate of the previous steps may be used, so a linear model takes one pass.
+/// A step is accepted when in every group of connected bodies the estimated remaining error, (rate of convergence) × (last
+/// correction), is below kTolerance of the group's motion or at rounding, all measured as the largest speed of a point of its
+/// bodies. The rate of the steps before may be used, so that a linear model takes one pass.
 /// Source of the acceptance rule: Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.8.
 class EndOfStep {
 public:
@@ -41,7 +42,7 @@ public:
 
     /// `now`: poses at t_n, velocities over the step before. Networks and loads have begun the step.
     /// Throws Error(numerical_failure) naming the worst body when it does not converge.
-    const Feedback& solve(const std::vector<BodyState>& now, Networks& networks, const Loads& loads);
+    const Feedback& solve(const dttmm_step& step, const std::vector<BodyState>& now, Networks& networks, const Loads& loads);
 
     /// Evaluations of the networks over all steps so far, and matrix factorisations.
     long passes() const { return passes_; }
@@ -53,23 +54,29 @@ private:
         std::string name;
         double mass;
         Eigen::Matrix3d J;  ///< body axes
-        double bound;       ///< of its moments of inertia: none is larger
-        double held_mass;   ///< mass if an element holds the body, else 0
-        double reach;       ///< farthest marker from the centre of mass [m]
+        double reach;       ///< of its markers and of its mass from the centre of mass [m]
+        bool held;          ///< by an element
+        size_t group;       ///< of connected bodies
+    };
+    /// The books of a group over a step: squares of speeds [m²/s²].
+    struct Group {
+        double contraction = 1;         ///< θ/(1 − θ) last measured, grown by kForget per step since; θ: rate of convergence
+        double scale_squared = 0;       ///< of the motion, slowly forgetting
+        double floor_squared = 0;       ///< what rounding of the held bodies' positions feigns: nothing below can be asked for
+        double correction_squared = 0;  ///< of the last pass
+        double previous_squared = 0;    ///< of the one before
     };
 
     void predict(const std::vector<BodyState>& now);
     void place_trial(const std::vector<BodyState>& now);
     void evaluate(const std::vector<BodyState>& now, Networks& networks);
     void factor(const std::vector<BodyState>& now);
-    struct Norms {
-        double correction, motion;
-    };
-    Norms correct(const std::vector<BodyState>& now);
-    double rounding_floor(const std::vector<BodyState>& now) const;
+    void correct(const std::vector<BodyState>& now);
+    void open_groups(const std::vector<BodyState>& now);
+    bool judge(int pass);
     Eigen::Vector3d momentum_over_step(size_t body, const Eigen::Matrix3d& R, const Eigen::Vector3d& w) const;
     void form_feedback(const std::vector<BodyState>& now);
-    [[noreturn]] void fail(double correction) const;
+    [[noreturn]] void fail(int passes) const;
 
     double h_ = 0, time_ = 0;
     std::vector<Inertia> inertias_;
@@ -83,8 +90,7 @@ private:
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Upper, Eigen::NaturalOrdering<int>> solver_;
     Eigen::VectorXd right_hand_side_, solution_;
     bool stiffness_wanted_ = true;  ///< by the next evaluation, which then factors the matrix anew
-    double contraction_ = 1;  ///< rate of convergence θ/(1 − θ) last seen, grown by kForget per step since
-    double scale_ = 0;        ///< of the motion, kinetic-energy norm
+    std::vector<Group> groups_;
     long passes_ = 0, factorisations_ = 0;
 };
 

@@ -29,7 +29,12 @@ Simulation::Simulation(const Model& model, const Plugins& plugins)
       after_(model.bodies.size()) {
     world_.read_states(now_);
     fastest_ = find_fastest_mode(model, networks_, now_);
+    first_after_ = now_;
     now_ = end_of_step_.start({0, 0.0, step_size_}, now_, networks_, loads_);
+    for (size_t b = 0; b < now_.size(); ++b) {
+        first_after_[b].velocity += first_after_[b].velocity - now_[b].velocity;
+        first_after_[b].angular_velocity += first_after_[b].angular_velocity - now_[b].angular_velocity;
+    }
     world_.set_states(now_);
 }
 
@@ -41,7 +46,7 @@ void Simulation::step() {
     const dttmm_step step{index_, time(), step_size_};
     networks_.begin_step(step);
     loads_.begin_step(step);
-    const Feedback& feedback = end_of_step_.solve(now_, networks_, loads_);  // calls evaluate at will
+    const Feedback& feedback = end_of_step_.solve(step, now_, networks_, loads_);  // calls evaluate at will
     world_.apply(feedback);
     world_.advance(step_size_);
     world_.read_states(after_);
@@ -53,23 +58,25 @@ void Simulation::step() {
 }
 
 void Simulation::observe() {
-    observer_.advance(loads_, now_, after_, step_size_);
-    if (index_ % static_cast<uint64_t>(model_.output.every) == 0)
-        sink_(observer_.row(time(), networks_, now_, after_, step_size_));
+    // At the start velocity and acceleration are the initial conditions, whatever the first step makes of them.
+    const std::vector<BodyState>& after = index_ == 0 ? first_after_ : after_;
+    observer_.advance(loads_, now_, after, step_size_);
+    if (index_ % static_cast<uint64_t>(model_.output.every) == 0) sink_(observer_.row(time(), networks_, now_, after, step_size_));
 }
 
 void Simulation::refuse_divergence() const {
     for (size_t b = 0; b < after_.size(); ++b) {
         const BodyState& body = after_[b];
         const bool sane = (body.position.array().abs() <= kFarthest).all() && (body.velocity.array().abs() <= kFastest).all() &&
-                          (body.angular_velocity.array().abs() <= kFastest).all();  // false for NaN
+                          (body.angular_velocity.array().abs() <= kFastest).all() &&
+                          body.angular_velocity.norm() * step_size_ <= M_PI;  // false for NaN
         if (sane) [[likely]]
             continue;
         throw Error(ExitCode::numerical_failure,
-                    fmt::format("t = {:.9g} s: body \"{}\" has diverged: position ({:.4g}, {:.4g}, {:.4g}) m, velocity ({:.4g}, {:.4g}, "
-                                "{:.4g}) m/s. omega*h = {:.4g} with the fastest vibration at {:.6g} Hz (body \"{}\")",
+                    fmt::format("t = {:.9g} s: body \"{}\" has diverged, or turns more than half a turn a step: position ({:.4g}, {:.4g}, "
+                                "{:.4g}) m, velocity ({:.4g}, {:.4g}, {:.4g}) m/s, turning at {:.4g} rad/s. omega*h = {:.4g} with the fastest vibration at {:.6g} Hz (body \"{}\")",
                                 time() + step_size_, model_.bodies[b].name, body.position.x(), body.position.y(), body.position.z(),
-                                body.velocity.x(), body.velocity.y(), body.velocity.z(), fastest_.omega * step_size_,
+                                body.velocity.x(), body.velocity.y(), body.velocity.z(), body.angular_velocity.norm(), fastest_.omega * step_size_,
                                 fastest_.omega / (2 * M_PI), fastest_.body));
     }
 }

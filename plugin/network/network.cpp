@@ -369,6 +369,7 @@ void Network::start_joint(size_t index, const dttmm_motion* ports, const double*
 void Network::start_half(const Half& half, const Vector3& d, const Vector3& rate, const Vector3& acceleration, HalfState& state) const {
     const double h = clock_.step_size, beta = centred_.beta, gamma = centred_.gamma;
     state.d = d;
+    state.rate = rate;
     for (int back = 0; back < 3; ++back) state.delta[back] = h * rate - (back + 0.5) * h * h * acceleration;
     state.d_before = d - state.delta[0];
     if (is_implicit())
@@ -424,8 +425,8 @@ inline double Network::advance_half(const Half& half, const Vector3& d, const Ve
     state.d_before = state.d;
     state.d = d;
     recall(half, state);
-    const Vector3 rate = 0.5 / clock_.step_size * (state.delta[0] + state.delta[1]);
-    return rate.dot(half.damping.cwiseProduct(rate));
+    if (clock_.steps > 0) state.rate = 0.5 / clock_.step_size * (state.delta[0] + state.delta[1]);
+    return state.rate.dot(half.damping.cwiseProduct(state.rate));
 }
 
 void Network::refuse_large_rotation(const dttmm_motion* ports) const {
@@ -518,14 +519,13 @@ void Network::restore_state(const void* buffer, size_t size) {
 
 void Network::outputs(double* values) const {
     if (clock_.steps == 0) throw Error(DTTMM_ERROR_PHASE, "outputs: no step has been committed");
-    const auto rate = [this](const HalfState& state) { return Vector3(0.5 / clock_.step_size * (state.delta[0] + state.delta[1])); };
     for (size_t j = 0; j < joints_.size(); ++j) {
         const Joint& joint = joints_[j];
         double* out = values + kChannelsPerJoint * j;
         const Half& slide = joint.halves[kTranslation];
         const HalfState& state = joint_states_[j].translation;  // d_before is that at t_n, the start of the last step
         const Vector3 elastic = slide.stiffness.cwiseProduct(state.d_before);
-        vector(out) = elastic + slide.damping.cwiseProduct(rate(state));
+        vector(out) = elastic + slide.damping.cwiseProduct(state.rate);
         vector(out + 3).setZero();
         vector(out + 6) = state.d_before;
         vector(out + 9).setZero();
@@ -535,7 +535,7 @@ void Network::outputs(double* values) const {
         const Half& turn = joint.halves[kRotation];
         const HalfState& rotation = turn_states_[static_cast<size_t>(joint.turn)].rotation;
         const Vector3 elastic_turn = turn.stiffness.cwiseProduct(rotation.d_before);
-        vector(out + 3) = rotation_vector_rate(rotation.d_before).transpose() * elastic_turn + turn.damping.cwiseProduct(rate(rotation));
+        vector(out + 3) = rotation_vector_rate(rotation.d_before).transpose() * elastic_turn + turn.damping.cwiseProduct(rotation.rate);
         vector(out + 9) = rotation.d_before;
         out[12] += 0.5 * elastic_turn.dot(rotation.d_before);
     }

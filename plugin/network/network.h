@@ -85,6 +85,7 @@ private:
     struct HalfState {
         Vector3 d, d_before;  ///< deformation at t_n and t_{n−1}
         Vector3 delta[3];     ///< its increments over the steps that ended at t_n, t_{n−1}, t_{n−2}
+        Vector3 rate;         ///< of the deformation at t_{n−1}: centred, at the start the initial one
         Vector3 known;        ///< part of the force over the open step that does not depend on its end
     };
     struct JointState {

@@ -40,6 +40,7 @@ struct memory {
     double past[4][3];        /* d at t_n, t_{n-1}, t_{n-2}, t_{n-3} */
     double known[3];          /* what of the force over the coming step does not depend on its end */
     double axes[9], arm[3];   /* of the from end, and from it to the to end, at t_n: there the wrenches balance */
+    double rate[3];           /* d' at t_{n-1}: centred, at the start the initial one */
     double power, dissipated; /* lost to damping at and up to t_{n-1} */
 };
 
@@ -250,6 +251,7 @@ static dttmm_status start(dttmm_instance *s, const dttmm_step *step, const dttmm
     to_local(v.axes, v.velocity, rate);
     deformation_acceleration(s, &v, ports, accelerations, acceleration);
     s->memory = (struct memory){.h = h, .power = NAN}; /* no power before the first step */
+    memcpy(s->memory.rate, rate, sizeof rate);
     for (int back = 0; back < 4; ++back)               /* the past before the start is the parabola through it */
         for (int i = 0; i < 3; ++i)
             s->memory.past[back][i] = v.d[i] - back * h * rate[i] + 0.5 * back * back * h * h * acceleration[i];
@@ -294,7 +296,10 @@ static dttmm_status commit_step(dttmm_instance *s, const dttmm_motion *accepted,
     memcpy(m->past[0], v.d, sizeof v.d);
     settle(s, &v);
     double power = 0;
-    for (int i = 0; i < 3; ++i) power += s->c[i] * centred_rate(m, i) * centred_rate(m, i);
+    for (int i = 0; i < 3; ++i) {
+        if (!isnan(m->power)) m->rate[i] = centred_rate(m, i);
+        power += s->c[i] * m->rate[i] * m->rate[i];
+    }
     if (!isnan(m->power)) m->dissipated += 0.5 * m->h * (m->power + power);
     m->power = power;
     return DTTMM_OK;
@@ -344,7 +349,7 @@ static dttmm_status outputs(const dttmm_instance *s, double *values, dttmm_error
     const double *d = s->memory.past[1];
     values[6] = 0;
     for (int i = 0; i < 3; ++i) {
-        values[i] = s->k[i] * d[i] + s->c[i] * centred_rate(&s->memory, i);
+        values[i] = s->k[i] * d[i] + s->c[i] * s->memory.rate[i];
         values[3 + i] = d[i];
         values[6] += 0.5 * s->k[i] * d[i] * d[i];
     }

@@ -14,6 +14,7 @@
 #include "record/progress_bar.h"
 #include "record/recorder.h"
 #include "record/results_folder.h"
+#include "record/tell.h"
 #include "step/simulation.h"
 
 namespace dttmm {
@@ -21,7 +22,7 @@ namespace dttmm {
 namespace {
 
 void print_warnings(const Model& model) {
-    for (const std::string& warning : model.warnings) fmt::print(stderr, "warning: {}\n", warning);
+    for (const std::string& warning : model.warnings) tell(fmt::format("warning: {}", warning));
 }
 
 /// The largest step up to `longest` [s] that divides `step` into 1, 2, 4, 5, 8, 10, 20, ... parts: it then divides duration and
@@ -45,7 +46,7 @@ void refuse_unstable(const Model& model, const Simulation& simulation, bool forc
                                 "--coupling implicit, or --force to run anyway",
                                 simulation.step_size(), facts, divide_step(simulation.step_size(), 0.9 * kExplicitLimit / fastest.omega)));
     if (omega_h > 0.8 * kExplicitLimit)
-        fmt::print(stderr, "warning: {}: {} the limit of the explicit coupling\n", facts, omega_h < kExplicitLimit ? "near" : "beyond");
+        tell(fmt::format("warning: {}: {} the limit of the explicit coupling", facts, omega_h < kExplicitLimit ? "near" : "beyond"));
 }
 
 /// Runs to the end; says how it ended. A failure on the way is an outcome too: what was recorded is kept.
@@ -96,14 +97,31 @@ void print_forces(const Recorder& recorder, const Model& model) {
     }
 }
 
+/// What the ledger cannot account for was made or lost by the integration itself: a long step in a fast turning, stiff machine.
+void warn_energy(const Recorder& recorder, double step) {
+    double turned_over = 0, residual = 0;
+    for (size_t c = 0; c < recorder.channels().size(); ++c) {
+        const std::string& name = recorder.channels()[c].name;
+        const double peak = recorder.statistics(static_cast<int>(c)).peak;
+        if (name == "energy.residual")
+            residual = peak;
+        else if (name.starts_with("energy."))
+            turned_over = std::max(turned_over, peak);
+    }
+    if (residual > 0.1 * turned_over)
+        tell(fmt::format("warning: the energy balance leaves {:.3g} J unaccounted for, of {:.3g} J at most: the step of {:g} s is too long for this motion",
+                         residual, turned_over, step));
+}
+
 void print_report(const Recorder& recorder, const Model& model, const Simulation& simulation, const ResultsFolder& folder,
                   const Outcome& outcome) {
     if (!model.title.empty()) fmt::print("{}\n", model.title);
     print_forces(recorder, model);
-    fmt::print("{} steps of {:g} s in {:.3g} s ({:.3g} us per step, {:.3g} passes), omega*h = {:.3g}\nresults in {}\n", simulation.index(),
-               simulation.step_size(), outcome.wall_time, 1e6 * outcome.wall_time / static_cast<double>(std::max<uint64_t>(simulation.index(), 1)),
-               static_cast<double>(simulation.end_of_step().passes()) / static_cast<double>(std::max<uint64_t>(simulation.index(), 1)),
-               simulation.fastest_mode().omega * simulation.step_size(), folder.path().string());
+    const auto steps = static_cast<double>(std::max<uint64_t>(simulation.index(), 1));
+    fmt::print("{} rows, {} steps of {:g} s in {:.3g} s ({:.3g} us and {:.3g} evaluations per step), omega*h = {:.3g}\nresults in {}\n",
+               recorder.rows(), simulation.index() - 1, simulation.step_size(), outcome.wall_time, 1e6 * outcome.wall_time / steps,
+               static_cast<double>(simulation.end_of_step().passes()) / steps, simulation.fastest_mode().omega * simulation.step_size(),
+               folder.path().string());
 }
 
 }  // namespace
@@ -127,11 +145,12 @@ ExitCode run(const RunRequest& request) {
     const Json summary = describe_run(model, request, plugins, simulation, recorder, ending.outcome);
     write_atomically(folder.file("summary.json"), summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 
+    warn_energy(recorder, simulation.step_size());
     if (ending.outcome.status == "failed") {
         throw Error(ending.code, fmt::format("{} ({} rows recorded in {})", ending.outcome.reason, recorder.rows(), folder.path().string()));
     }
     if (!request.quiet) print_report(recorder, model, simulation, folder, ending.outcome);
-    if (ending.code != ExitCode::ok) fmt::print(stderr, "{} at t = {:g} s; {} rows are kept\n", ending.outcome.reason, simulation.time(), recorder.rows());
+    if (ending.code != ExitCode::ok) tell(fmt::format("{} at t = {:g} s; {} rows are kept", ending.outcome.reason, simulation.time(), recorder.rows()));
     return ending.code;
 }
 

@@ -26,12 +26,20 @@ StopSignals::StopSignals() {
     struct sigaction action {};
     action.sa_handler = on_signal;
     sigemptyset(&action.sa_mask);
-    for (int number : kHandled) sigaction(number, &action, nullptr);  // no SA_RESTART: a sweep's wait must wake up
+    for (int number : kHandled) {
+        struct sigaction inherited {};
+        sigaction(number, nullptr, &inherited);
+        if (inherited.sa_handler != SIG_IGN) sigaction(number, &action, nullptr);  // else nohup: the caller wants it ignored
+    }
     std::signal(SIGXFSZ, SIG_IGN);
 }
 
 StopSignals::~StopSignals() {
-    for (int number : kHandled) std::signal(number, SIG_DFL);
+    for (int number : kHandled) {
+        struct sigaction present {};
+        sigaction(number, nullptr, &present);
+        if (present.sa_handler == on_signal) std::signal(number, SIG_DFL);
+    }
     std::signal(SIGXFSZ, SIG_DFL);
 }
 

@@ -20,10 +20,12 @@
 
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
+#include "model/units.h"
 #include "model/wording.h"
 #include "record/atomic_file.h"
 #include "record/progress_bar.h"
 #include "record/results_folder.h"
+#include "record/tell.h"
 
 namespace dttmm {
 
@@ -129,13 +131,18 @@ void conclude(Case& one, int wait_status, const Capture& said) {
     }
 }
 
+/// A completed case of the same inputs, whole as far as the table needs it.
 bool reuse(Case& one, const Model& model, const RunRequest& request) {
-    Json summary = read_summary(one.folder);
-    if (!summary.is_object() || summary.value("status", "") != "completed" || !summary.contains("inputs") ||
+    const Json summary = read_summary(one.folder);
+    const auto has = [&](const char* key, bool (Json::*is)() const noexcept) { return summary.contains(key) && (summary[key].*is)(); };
+    const bool whole = summary.is_object() && has("status", &Json::is_string) && has("elements", &Json::is_object) &&
+                       has("accelerations", &Json::is_object) && std::filesystem::exists(one.folder / "history.csv") &&
+                       std::filesystem::exists(one.folder / "history.h5");
+    if (!whole || summary["status"] != "completed" || !summary.contains("inputs") ||
         summary["inputs"] != describe_inputs(model, request_of(request, one)))
         return false;
     one.status = "completed";
-    one.summary = std::move(summary);
+    one.summary = summary;
     return true;
 }
 
@@ -239,13 +246,16 @@ std::vector<Column> result_columns(const std::vector<Case>& cases, const Model& 
 std::string sweep_table(const std::vector<Case>& cases, const Model& model) {
     const std::vector<Column> columns = result_columns(cases, model);
     std::string text = "case";
-    for (const auto& [name, value] : cases.front().parameters) text += "," + csv_field(name);
+    for (const auto& [name, value] : cases.front().parameters) {
+        const std::string unit = parse_quantity(value).unit;
+        text += "," + csv_field(unit == "1" ? name : fmt::format("{} [{}]", name, unit));
+    }
     text += ",status,reason";
     for (const Column& c : columns) text += "," + csv_field(fmt::format("{}.{}.{}.{}", c.owner, c.quantity, c.axis, c.statistic));
     text += "\n";
     for (const Case& one : cases) {
         text += one.folder.filename().string();
-        for (const auto& [name, value] : one.parameters) text += "," + csv_field(value);
+        for (const auto& [name, value] : one.parameters) text += "," + number_text(parse_quantity(value).value);
         text += fmt::format(",{},{}", one.status, csv_field(one.reason));
         for (const Column& c : columns)
             text += one.status == "completed"
@@ -261,8 +271,41 @@ void print_failures(const std::vector<Case>& cases) {
         if (one.status != "failed") continue;
         std::string at;
         for (const auto& [name, value] : one.parameters) at += fmt::format(" {}={}", name, value);
-        fmt::print(stderr, "{}{}: {}\n", one.folder.filename().string(), at, one.reason);
+        tell(fmt::format("{}{}: {}", one.folder.filename().string(), at, one.reason));
     }
+}
+
+}  // namespace
+
+namespace {
+
+void refuse_unknown(const std::vector<SweepAxis>& axes, const Model& model) {
+    std::vector<std::string> known;
+    for (const Parameter& parameter : model.parameters) known.push_back(parameter.name);
+    for (const SweepAxis& axis : axes)
+        if (std::find(known.begin(), known.end(), axis.name) == known.end())
+            throw Error(ExitCode::usage, fmt::format("--sweep {}: no such parameter{}", quote(axis.name), suggestion(axis.name, known)));
+}
+
+/// A single case may be at fault; if all are, the fault of the first is the sweep's.
+void refuse_if_none_reads(const std::vector<Case>& cases, const RunRequest& request, const Plugins& plugins) {
+    std::exception_ptr first;
+    for (const Case& one : cases) {
+        try {
+            read_model(request.model, plugins.catalogue(), request_of(request, one).overrides);
+            return;
+        } catch (const Error&) {
+            if (!first) first = std::current_exception();
+        }
+    }
+    std::rethrow_exception(first);
+}
+
+/// results/<model name>_sweep: a plain run of the model must not replace its sweep.
+std::filesystem::path default_sweep_path(const std::filesystem::path& model) {
+    std::filesystem::path path = default_results_path(model);
+    path += "_sweep";
+    return path;
 }
 
 }  // namespace
@@ -272,10 +315,11 @@ ExitCode run_sweep(const RunRequest& request, const std::vector<SweepAxis>& axes
     const Plugins plugins(request.plugins);
     std::vector<Case> cases;
     for (SweepCase& parameters : make_grid(axes)) cases.push_back({std::move(parameters), {}, "missing", {}, {}});
-    // The first case stands for all: its faults are the sweep's.
-    const Model model = read_model(request.model, plugins.catalogue(), request_of(request, cases.front()).overrides);
+    const Model model = read_model(request.model, plugins.catalogue(), request.overrides);
+    refuse_unknown(axes, model);
+    refuse_if_none_reads(cases, request, plugins);
 
-    const ResultsFolder folder(request.output.value_or(default_results_path(request.model)), Claim::keep);
+    const ResultsFolder folder(request.output.value_or(default_sweep_path(request.model)), Claim::keep);
     std::vector<Case*> todo;
     for (size_t i = 0; i < cases.size(); ++i) {
         cases[i].folder = folder.file(fmt::format("case-{:06}", i + 1));

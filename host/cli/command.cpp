@@ -2,17 +2,20 @@
 #include "cli/command.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <cstdlib>
 #include <new>
 #include <system_error>
 
 #include "analysis/run.h"
 #include "analysis/sweep.h"
 #include "model/diagnostics.h"
+#include "record/tell.h"
 #include "model/wording.h"
 
 namespace dttmm {
@@ -109,7 +112,7 @@ ExitCode dispatch(int argc, char** argv) {
 /// A reader that has gone away, as in `dttmm run ... | head -1`, is no failure; a full disk is.
 ExitCode judge_output_failure(int number) {
     if (number == EPIPE) return ExitCode::ok;
-    fmt::print(stderr, "dttmm: cannot write to the standard output: {}\n", std::strerror(number));
+    tell(fmt::format("dttmm: cannot write to the standard output: {}", std::strerror(number)));
     return ExitCode::input_output;
 }
 
@@ -127,23 +130,39 @@ ExitCode dispatch_and_flush(int argc, char** argv) {
 
 }  // namespace
 
+namespace {
+
+bool at_work = false;
+
+/// Nothing of ours calls exit() while a command is at work: a plugin did.
+void refuse_exit() {
+    if (!at_work) return;
+    tell("dttmm: a plugin ended the process; what was recorded up to then is in history.csv");
+    ::_exit(static_cast<int>(ExitCode::plugin_failure));
+}
+
+}  // namespace
+
 int run_command(int argc, char** argv) {
     std::signal(SIGPIPE, SIG_IGN);
+    std::atexit(refuse_exit);
+    at_work = true;
     ExitCode code = ExitCode::internal_error;
     try {
         code = dispatch_and_flush(argc, argv);
     } catch (const ModelError& error) {
-        fmt::print(stderr, "{}\n", error.what());  // every line begins with its file:line:column
+        tell(error.what());  // every line begins with its file:line:column
         code = error.code();
     } catch (const Error& error) {
-        fmt::print(stderr, "dttmm: {}\n", error.what());
+        tell(fmt::format("dttmm: {}", error.what()));
         code = error.code();
     } catch (const std::bad_alloc&) {
-        fmt::print(stderr, "dttmm: out of memory\n");
+        tell("dttmm: out of memory");
         code = ExitCode::resource_limit;
     } catch (const std::exception& error) {
-        fmt::print(stderr, "dttmm: internal error: {}\n", error.what());
+        tell(fmt::format("dttmm: internal error: {}", error.what()));
     }
+    at_work = false;
     return static_cast<int>(code);
 }
 

@@ -48,19 +48,22 @@ std::optional<MassProperties> read_shape(const TableReader& table, const TomlMem
     return make_sphere(density, (*sizes)[0]);
 }
 
-std::optional<MassProperties> read_density_and_shape(const TableReader& table) {
-    for (const char* key : {"mass", "inertia"})
-        if (const TomlMember* member = table.find(key))
-            table.error(
-                member->place,
-                fmt::format("\"{}\" and a density exclude each other: give mass and inertia, or density and a shape", key));
-    const auto density = table.number("density", "kg/m^3", kPositive);
+/// A shape of a given density, or of a given mass spread evenly through it.
+std::optional<MassProperties> read_shape_and_density(const TableReader& table) {
+    if (const TomlMember* member = table.find("inertia"))
+        table.error(member->place, "\"inertia\" and a shape exclude each other: the shape gives the inertia");
     const TomlMember* shape = table.require_one(kShapes);
     if (!shape) return std::nullopt;
     const bool is_round = shape->key == "cylinder" || shape->key == "tube";
     if (table.find("axis") && !is_round) table.error(table.find("axis")->place, fmt::format("a {} has no axis", shape->key));
-    auto properties = read_shape(table, *shape, density.value_or(1));  // the shape is checked whatever the density
-    return density ? properties : std::nullopt;
+    const auto unit = read_shape(table, *shape, 1);  // of density one; the shape is checked whatever the amount
+    const TomlMember* amount = table.require_one({"density", "mass"});
+    if (!amount || !unit) return std::nullopt;
+    const bool by_mass = amount->key == "mass";
+    const double value = table.number(amount->key, by_mass ? "kg" : "kg/m^3", kPositive).value_or(0);
+    if (value == 0) return std::nullopt;
+    const double density = by_mass ? value / unit->mass : value;
+    return MassProperties{density * unit->mass, density * unit->inertia};
 }
 
 /// The symmetric tensor of `inertia = { xx, yy, zz, xy, xz, yz }` (tensor entries, not products of inertia) or `[xx, yy,
@@ -81,9 +84,6 @@ std::optional<Eigen::Matrix3d> read_inertia(const TableReader& body) {
 }
 
 std::optional<MassProperties> read_mass_and_inertia(const TableReader& table) {
-    for (const std::string& shape : kShapes)
-        if (const TomlMember* member = table.find(shape))
-            table.error(member->place, "a shape needs a density, and no mass or inertia");
     if (const TomlMember* axis = table.find("axis")) table.error(axis->place, "axis belongs to a cylinder or tube");
     const auto mass = table.number("mass", "kg");
     const auto inertia = read_inertia(table);
@@ -101,13 +101,13 @@ std::optional<MassProperties> read_mass_and_inertia(const TableReader& table) {
 
 void read_mass_properties(const TableReader& table, Body& body) {
     const bool has_shape = std::any_of(kShapes.begin(), kShapes.end(), [&](const auto& key) { return table.find(key); });
-    const bool by_density = table.find("density") || (has_shape && !table.find("mass"));
-    const auto properties = by_density ? read_density_and_shape(table) : read_mass_and_inertia(table);
+    const bool by_shape = has_shape || table.find("density");
+    const auto properties = by_shape ? read_shape_and_density(table) : read_mass_and_inertia(table);
     if (!properties) return;
-    if (by_density) {
+    if (by_shape) {
         auto fault = find_mass_fault(properties->mass);
         if (!fault) fault = find_inertia_fault(properties->inertia);
-        if (fault) return table.error(table.find("density")->value.place, *fault);
+        if (fault) return table.error(table.find(table.find("density") ? "density" : "mass")->value.place, *fault);
     }
     body.mass = properties->mass;
     body.inertia = properties->inertia;

@@ -18,7 +18,8 @@ namespace dttmm {
 
 namespace {
 
-constexpr hsize_t kRowsPerChunk = 1024;
+constexpr hsize_t kMostRowsPerChunk = 1024, kFewestRowsPerChunk = 16;
+constexpr hsize_t kNumbersWaiting = hsize_t{1} << 21;  ///< at most, 16 MiB
 
 /// The library, ours while this lives: one thread at a time, its own error printing off.
 class Hdf5Turn {
@@ -102,7 +103,8 @@ private:
     PartFile part_;  // declared first: removed last
     Handle file_;
     std::vector<Handle> datasets_;
-    std::vector<double> waiting_;  ///< channels x kRowsPerChunk: each channel's values stand together
+    hsize_t rows_per_chunk_;       ///< few for many channels, so that a short run of a large machine stays small
+    std::vector<double> waiting_;  ///< channels x rows_per_chunk_: each channel's values stand together
     hsize_t rows_waiting_ = 0;
     hsize_t rows_written_ = 0;
 };
@@ -116,7 +118,7 @@ Result Hdf5Writer::Implementation::check(Result result, std::string_view fault) 
 
 Hdf5Writer::Implementation::Implementation(const std::filesystem::path& path, const std::vector<Channel>& channels,
                                            const Attributes& attributes)
-    : part_(path), file_(create_file()), waiting_(channels.size() * kRowsPerChunk) {
+    : part_(path), file_(create_file()), rows_per_chunk_(std::clamp(kNumbersWaiting / channels.size(), kFewestRowsPerChunk, kMostRowsPerChunk)), waiting_(channels.size() * rows_per_chunk_) {
     for (const auto& [name, text] : attributes) write_attribute(file_, name, text);
     for (const Channel& channel : channels) {
         datasets_.push_back(create_dataset(channel.name));
@@ -133,7 +135,7 @@ Handle Hdf5Writer::Implementation::create_file() const {
 }
 
 Handle Hdf5Writer::Implementation::create_dataset(const std::string& name) const {
-    const hsize_t none = 0, unlimited = H5S_UNLIMITED, chunk = kRowsPerChunk;
+    const hsize_t none = 0, unlimited = H5S_UNLIMITED, chunk = rows_per_chunk_;
     const Handle space(H5Screate_simple(1, &none, &unlimited), &H5Sclose);
     const Handle link(H5Pcreate(H5P_LINK_CREATE), &H5Pclose);
     const Handle layout(H5Pcreate(H5P_DATASET_CREATE), &H5Pclose);
@@ -158,17 +160,17 @@ void Hdf5Writer::Implementation::write_attribute(hid_t owner, const std::string&
 
 void Hdf5Writer::Implementation::write_row(std::span<const double> values) {
     assert(values.size() == datasets_.size());
-    if (rows_waiting_ == kRowsPerChunk) {
+    if (rows_waiting_ == rows_per_chunk_) {
         const Hdf5Turn turn;
         write_waiting_rows();
     }
-    for (std::size_t i = 0; i < values.size(); ++i) waiting_[i * kRowsPerChunk + rows_waiting_] = values[i];
+    for (std::size_t i = 0; i < values.size(); ++i) waiting_[i * rows_per_chunk_ + rows_waiting_] = values[i];
     ++rows_waiting_;
 }
 
 void Hdf5Writer::Implementation::write_waiting_rows() {
     if (rows_waiting_ == 0) return;
-    for (std::size_t i = 0; i < datasets_.size(); ++i) append(datasets_[i], &waiting_[i * kRowsPerChunk]);
+    for (std::size_t i = 0; i < datasets_.size(); ++i) append(datasets_[i], &waiting_[i * rows_per_chunk_]);
     rows_written_ += rows_waiting_;
     rows_waiting_ = 0;
 }

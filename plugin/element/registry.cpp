@@ -22,7 +22,8 @@ std::unique_ptr<const Element> make(const double* values) {
 
 // One line per element, in both tables.
 const std::array kTypes = {SpringDamper::kType};
-constexpr std::array<Maker, 1> kMakers = {make<SpringDamper, 12>};
+constexpr std::array kMakers = {make<SpringDamper, 12>};
+static_assert(kMakers.size() == std::tuple_size_v<decltype(kTypes)>);
 
 void check_values(const dttmm_element_type& type, const double* values) {
     for (uint32_t p = 0; p < type.parameter_count; ++p) {

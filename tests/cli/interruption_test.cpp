@@ -94,7 +94,7 @@ TEST_F(Interruption, AStoppedSweepLeavesNoChild) {
     EXPECT_THAT(ended.out, HasSubstr("0 of 5 cases completed (0 of them reused), 0 failed, 5 not run"));
     EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1);
     EXPECT_EQ(errno, ECHILD);
-    EXPECT_THAT(read_text(folder_ / "out/sweep.csv"), HasSubstr("case-000002,2 kg,missing,"));
+    EXPECT_THAT(read_text(folder_ / "out/sweep.csv"), HasSubstr("case-000002,2,missing,"));
     EXPECT_EQ(read_json(folder_ / "out/case-000001/summary.json")["status"], "stopped");
     EXPECT_FALSE(fs::exists(folder_ / "out/case-000003"));
 

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "record/tell.h"
+
+#include <cstdio>
+
+namespace dttmm {
+
+void tell(const std::string& line) noexcept {
+    std::fwrite(line.data(), 1, line.size(), stderr);
+    std::fputc('\n', stderr);
+}
+
+}  // namespace dttmm

@@ -12,7 +12,8 @@
 static const dttmm_parameter parameters[] = {
     {"stiffness", "N/m", 3, DTTMM_PARAMETER_REQUIRED | DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, "in x, y, z of the world"}};
 static const dttmm_element_type types[] = {{"c_spring", 1, parameters, "a spring from the ground to a body"}};
-static const dttmm_channel force_channels[] = {{"force.x", "N", 0}, {"force.y", "N", 0}, {"force.z", "N", 0}, {"strain_energy", "J", 0}};
+static const dttmm_channel force_channels[] = {
+    {"force.x", "N", 0}, {"force.y", "N", 0}, {"force.z", "N", 0}, {"strain_energy", "J", 0}};
 
 struct dttmm_instance {
     double k[3], rest[3];  /* stiffness; where the spring is slack */
@@ -37,7 +38,8 @@ static dttmm_status create(const dttmm_network *network, dttmm_instance **instan
     if (s == NULL) return fail(error, DTTMM_ERROR_MEMORY, "out of memory");
     memcpy(s->k, spring->values, sizeof s->k);
     memcpy(s->rest, network->nodes[spring->to].position, sizeof s->rest);
-    const double b = network->beta, g = network->gamma, centred[3] = {b, 0.5 + g - 2 * b, 0.5 - g + b}, explicit[3] = {0, 1, 0};
+    const double b = network->beta, g = network->gamma;
+    const double centred[3] = {b, 0.5 + g - 2 * b, 0.5 - g + b}, explicit[3] = {0, 1, 0};
     memcpy(s->weights, network->scheme == DTTMM_SCHEME_CENTRED ? centred : explicit, sizeof s->weights);
     *instance = s;
     return DTTMM_OK;
@@ -53,8 +55,8 @@ static void write_stiffness(const dttmm_instance *s, double factor, double *matr
     for (int i = 0; i < 3; ++i) matrix[7 * i] = factor * s->k[i];
 }
 
-static dttmm_status linearise(const dttmm_instance *s, const dttmm_motion *port, double *wrench, double *stiffness, double *damping,
-                              dttmm_error *error) {
+static dttmm_status linearise(const dttmm_instance *s, const dttmm_motion *port, double *wrench, double *stiffness,
+                              double *damping, dttmm_error *error) {
     (void)error;
     memset(wrench, 0, 6 * sizeof *wrench);
     for (int i = 0; i < 3; ++i) wrench[i] = -s->k[i] * (port->position[i] - s->rest[i]);
@@ -64,7 +66,8 @@ static dttmm_status linearise(const dttmm_instance *s, const dttmm_motion *port,
 }
 
 /* Before the start the spring counts as at the start: the first step of the centred scheme is then Newmark's. */
-static dttmm_status start(dttmm_instance *s, const dttmm_step *step, const dttmm_motion *port, const double *accelerations, dttmm_error *error) {
+static dttmm_status start(dttmm_instance *s, const dttmm_step *step, const dttmm_motion *port, const double *accelerations,
+                          dttmm_error *error) {
     (void)accelerations;
     if (s->open) return fail(error, DTTMM_ERROR_PHASE, "start: a step is open");
     for (int back = 0; back < 3; ++back)
@@ -81,7 +84,8 @@ static dttmm_status begin_step(dttmm_instance *s, const dttmm_step *step, dttmm_
     return DTTMM_OK;
 }
 
-static dttmm_status evaluate(const dttmm_instance *s, const dttmm_motion *trial, double *wrench, double *stiffness, dttmm_error *error) {
+static dttmm_status evaluate(const dttmm_instance *s, const dttmm_motion *trial, double *wrench, double *stiffness,
+                             dttmm_error *error) {
     if (!s->open) return fail(error, DTTMM_ERROR_PHASE, "evaluate: no step is open");
     memset(wrench, 0, 6 * sizeof *wrench);
     for (int i = 0; i < 3; ++i) {
@@ -135,8 +139,9 @@ static dttmm_status outputs(const dttmm_instance *s, double *values, dttmm_error
     return DTTMM_OK;
 }
 
-static const dttmm_plugin plugin = {sizeof(dttmm_plugin), DTTMM_PLUGIN_MAJOR, DTTMM_PLUGIN_MINOR, "minimal plugin", "1.0", 1, types,
-                                    create, destroy, linearise, start, begin_step, evaluate, commit_step, discard_step, is_implicit,
-                                    load_weights, state_size, save_state, restore_state, channel_count, channels, outputs};
+static const dttmm_plugin plugin = {
+    sizeof(dttmm_plugin), DTTMM_PLUGIN_MAJOR, DTTMM_PLUGIN_MINOR, "minimal plugin", "1.0", 1, types, create, destroy, linearise,
+    start, begin_step, evaluate, commit_step, discard_step, is_implicit, load_weights, state_size, save_state, restore_state,
+    channel_count, channels, outputs};
 
 const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major) { return host_major == DTTMM_PLUGIN_MAJOR ? &plugin : NULL; }

@@ -25,8 +25,8 @@ void print_warnings(const Model& model) {
     for (const std::string& warning : model.warnings) tell(fmt::format("warning: {}", warning));
 }
 
-/// The largest step up to `longest` [s] that divides `step` into 1, 2, 4, 5, 8, 10, 20, ... parts: it then divides duration and
-/// output step as well, and is short to write.
+/// The largest step up to `longest` [s] that divides `step` into 1, 2, 4, 5, 8, 10, 20, ... parts: it then divides duration
+/// and output step as well, and is short to write.
 double divide_step(double step, double longest) {
     for (double decade = 1;; decade *= 10)
         for (double parts : {1, 2, 4, 5, 8})
@@ -38,15 +38,18 @@ void refuse_unstable(const Model& model, const Simulation& simulation, bool forc
     if (model.simulation.coupling != Coupling::explicit_) return;
     const FastestMode& fastest = simulation.fastest_mode();
     const double omega_h = fastest.omega * simulation.step_size();
-    const std::string facts = fmt::format("omega*h = {:.4g} (fastest vibration {:.5g} Hz, body \"{}\"; stable below {:g} without damping)",
-                                          omega_h, fastest.omega / (2 * M_PI), fastest.body, kExplicitLimit);
+    const std::string facts =
+        fmt::format("omega*h = {:.4g} (fastest vibration {:.5g} Hz, body \"{}\"; stable below {:g} without damping)",
+                    omega_h, fastest.omega / (2 * M_PI), fastest.body, kExplicitLimit);
     if (omega_h >= kExplicitLimit && !force)
         throw Error(ExitCode::numerical_failure,
                     fmt::format("the explicit coupling would diverge at a step of {:.6g} s: {}; use --step \"{:.12g} s\", "
                                 "--coupling implicit, or --force to run anyway",
-                                simulation.step_size(), facts, divide_step(simulation.step_size(), 0.9 * kExplicitLimit / fastest.omega)));
+                                simulation.step_size(), facts,
+                                divide_step(simulation.step_size(), 0.9 * kExplicitLimit / fastest.omega)));
     if (omega_h > 0.8 * kExplicitLimit)
-        tell(fmt::format("warning: {}: {} the limit of the explicit coupling", facts, omega_h < kExplicitLimit ? "near" : "beyond"));
+        tell(fmt::format("warning: {}: {} the limit of the explicit coupling", facts,
+                         omega_h < kExplicitLimit ? "near" : "beyond"));
 }
 
 /// Runs to the end; says how it ended. A failure on the way is an outcome too: what was recorded is kept.
@@ -63,7 +66,8 @@ Ending advance_to_end(Simulation& simulation, bool quiet) {
     try {
         while (simulation.index() < count && !StopSignals::requested()) {
             simulation.step();
-            if (simulation.index() % 64 == 0) progress.update(static_cast<double>(simulation.index()), static_cast<double>(count));
+            if (simulation.index() % 64 == 0)
+                progress.update(static_cast<double>(simulation.index()), static_cast<double>(count));
         }
         if (simulation.index() < count) ending = {{"stopped", StopSignals::reason(), 0}, StopSignals::exit_code()};
     } catch (const Error& error) {
@@ -90,14 +94,15 @@ void print_forces(const Recorder& recorder, const Model& model) {
             if (largest < 0 || (recorder.statistics(largest).peak == 0 && quantity != std::string_view("force"))) continue;
             const Channel& channel = channels[static_cast<size_t>(largest)];
             const ChannelStatistics& statistics = recorder.statistics(largest);
-            fmt::print("{:<{}}  {:>12}  {:>13}  {:>10.5g}  {:>13}\n", element.name, width, channel.name.substr(element.name.size() + 1),
-                       fmt::format("{:.2f} {}", statistics.peak, channel.unit), statistics.peak_time,
-                       fmt::format("{:.2f} {}", statistics.final, channel.unit));
+            fmt::print("{:<{}}  {:>12}  {:>13}  {:>10.5g}  {:>13}\n", element.name, width,
+                       channel.name.substr(element.name.size() + 1), fmt::format("{:.2f} {}", statistics.peak, channel.unit),
+                       statistics.peak_time, fmt::format("{:.2f} {}", statistics.final, channel.unit));
         }
     }
 }
 
-/// What the ledger cannot account for was made or lost by the integration itself: a long step in a fast turning, stiff machine.
+/// What the ledger cannot account for was made or lost by the integration itself: a long step in a fast turning, stiff
+/// machine.
 void warn_energy(const Recorder& recorder, double step) {
     double turned_over = 0, residual = 0;
     for (size_t c = 0; c < recorder.channels().size(); ++c) {
@@ -109,8 +114,10 @@ void warn_energy(const Recorder& recorder, double step) {
             turned_over = std::max(turned_over, peak);
     }
     if (residual > 0.1 * turned_over)
-        tell(fmt::format("warning: the energy balance leaves {:.3g} J unaccounted for, of {:.3g} J at most: the step of {:g} s is too long for this motion",
-                         residual, turned_over, step));
+        tell(
+            fmt::format("warning: the energy balance leaves {:.3g} J unaccounted for, of {:.3g} J at most: the step of {:g} "
+                        "s is too long for this motion",
+                        residual, turned_over, step));
 }
 
 void print_report(const Recorder& recorder, const Model& model, const Simulation& simulation, const ResultsFolder& folder,
@@ -118,10 +125,12 @@ void print_report(const Recorder& recorder, const Model& model, const Simulation
     if (!model.title.empty()) fmt::print("{}\n", model.title);
     print_forces(recorder, model);
     const auto steps = static_cast<double>(std::max<uint64_t>(simulation.index(), 1));
-    fmt::print("{} rows, {} steps of {:g} s in {:.3g} s ({:.3g} us and {:.3g} evaluations per step), omega*h = {:.3g}\nresults in {}\n",
-               recorder.rows(), simulation.index() - 1, simulation.step_size(), outcome.wall_time, 1e6 * outcome.wall_time / steps,
-               static_cast<double>(simulation.end_of_step().passes()) / steps, simulation.fastest_mode().omega * simulation.step_size(),
-               folder.path().string());
+    fmt::print(
+        "{} rows, {} steps of {:g} s in {:.3g} s ({:.3g} us and {:.3g} evaluations per step), omega*h = {:.3g}\nresults in "
+        "{}\n",
+        recorder.rows(), simulation.index() - 1, simulation.step_size(), outcome.wall_time, 1e6 * outcome.wall_time / steps,
+        static_cast<double>(simulation.end_of_step().passes()) / steps,
+        simulation.fastest_mode().omega * simulation.step_size(), folder.path().string());
 }
 
 }  // namespace
@@ -147,10 +156,12 @@ ExitCode run(const RunRequest& request) {
 
     warn_energy(recorder, simulation.step_size());
     if (ending.outcome.status == "failed") {
-        throw Error(ending.code, fmt::format("{} ({} rows recorded in {})", ending.outcome.reason, recorder.rows(), folder.path().string()));
+        throw Error(ending.code, fmt::format("{} ({} rows recorded in {})", ending.outcome.reason, recorder.rows(),
+                                             folder.path().string()));
     }
     if (!request.quiet) print_report(recorder, model, simulation, folder, ending.outcome);
-    if (ending.code != ExitCode::ok) tell(fmt::format("{} at t = {:g} s; {} rows are kept", ending.outcome.reason, simulation.time(), recorder.rows()));
+    if (ending.code != ExitCode::ok)
+        tell(fmt::format("{} at t = {:g} s; {} rows are kept", ending.outcome.reason, simulation.time(), recorder.rows()));
     return ending.code;
 }
 
@@ -164,14 +175,15 @@ void check(const RunRequest& request) {
     const FastestMode& fastest = simulation.fastest_mode();
     const bool implicit = model.simulation.coupling == Coupling::implicit;
     fmt::print("{}: valid\n", request.model.string());
-    fmt::print("  {} bodies ({} unknowns per step), {} elements, {} loads, {} channels\n", model.bodies.size(), 6 * model.bodies.size(),
-               model.elements.size(), model.loads.size(), simulation.channels().size());
-    fmt::print("  {} coupling, {} steps of {:g} s, a row every {} steps\n", implicit ? "implicit" : "explicit", simulation.step_count() - 1,
-               model.simulation.step, model.output.every);
+    fmt::print("  {} bodies ({} unknowns per step), {} elements, {} loads, {} channels\n", model.bodies.size(),
+               6 * model.bodies.size(), model.elements.size(), model.loads.size(), simulation.channels().size());
+    fmt::print("  {} coupling, {} steps of {:g} s, a row every {} steps\n", implicit ? "implicit" : "explicit",
+               simulation.step_count() - 1, model.simulation.step, model.output.every);
     if (fastest.omega > 0)
-        fmt::print("  fastest vibration {:.6g} Hz at body \"{}\": omega*h = {:.4g} ({})\n", fastest.omega / (2 * M_PI), fastest.body,
-                   fastest.omega * model.simulation.step,
-                   implicit ? "the implicit coupling is stable at any" : fmt::format("stable below {:g} without damping", kExplicitLimit));
+        fmt::print("  fastest vibration {:.6g} Hz at body \"{}\": omega*h = {:.4g} ({})\n", fastest.omega / (2 * M_PI),
+                   fastest.body, fastest.omega * model.simulation.step,
+                   implicit ? "the implicit coupling is stable at any"
+                            : fmt::format("stable below {:g} without damping", kExplicitLimit));
     refuse_unstable(model, simulation, request.force);
 }
 
@@ -189,7 +201,8 @@ void print_elements(const std::vector<std::string>& files) {
                 const bool bounded = parameter.maximum < std::numeric_limits<double>::max();
                 fmt::print("    {:<22} {} x {:<10} {:<12} {:<16} {}\n", parameter.name, parameter.count, parameter.unit,
                            required ? "required" : fmt::format("default {:g}", parameter.default_value),
-                           bounded ? fmt::format("{:g} to {:g}", parameter.minimum, parameter.maximum) : fmt::format(">= {:g}", parameter.minimum),
+                           bounded ? fmt::format("{:g} to {:g}", parameter.minimum, parameter.maximum)
+                                   : fmt::format(">= {:g}", parameter.minimum),
                            parameter.documentation);
             }
         }

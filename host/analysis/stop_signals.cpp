@@ -47,6 +47,8 @@ bool StopSignals::requested() { return received != 0; }
 
 ExitCode StopSignals::exit_code() { return received == SIGXCPU ? ExitCode::resource_limit : ExitCode::stopped_by_user; }
 
-const char* StopSignals::reason() { return received == SIGXCPU ? "the limit of processor time was reached" : "stopped by the user"; }
+const char* StopSignals::reason() {
+    return received == SIGXCPU ? "the limit of processor time was reached" : "stopped by the user";
+}
 
 }  // namespace dttmm

@@ -5,10 +5,9 @@
 
 namespace dttmm {
 
-/// Signals that end a run early but in order: what was recorded is kept. SIGINT, SIGTERM and SIGHUP are the user's (exit code
-/// 130), SIGXCPU is a resource limit (6). A second SIGINT ends the process at once. SIGXFSZ is ignored, so that a full file
-/// is an error of the call that meets it.
-/// The handlers live as long as this object; one at a time.
+/// Signals that end a run early but in order: what was recorded is kept. SIGINT, SIGTERM and SIGHUP are the user's (exit
+/// code 130), SIGXCPU is a resource limit (6). A second SIGINT ends the process at once. SIGXFSZ is ignored, so that a full
+/// file is an error of the call that meets it. The handlers live as long as this object; one at a time.
 class StopSignals {
 public:
     StopSignals();

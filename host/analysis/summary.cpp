@@ -24,11 +24,16 @@ std::string name_of(const Model& model, const Attachment& at) {
 const char* scheme_name(const SimulationSettings& simulation) {
     if (simulation.coupling == Coupling::implicit) return "centred";
     switch (simulation.scheme) {
-        case ExplicitScheme::bdf1: return "bdf1";
-        case ExplicitScheme::bdf2: return "bdf2";
-        case ExplicitScheme::houbolt: return "houbolt";
-        case ExplicitScheme::park: return "park";
-        default: return "fox-euler";
+        case ExplicitScheme::bdf1:
+            return "bdf1";
+        case ExplicitScheme::bdf2:
+            return "bdf2";
+        case ExplicitScheme::houbolt:
+            return "houbolt";
+        case ExplicitScheme::park:
+            return "park";
+        default:
+            return "fox-euler";
     }
 }
 
@@ -48,7 +53,8 @@ Json describe_model(const Model& model, const ElementCatalogue& catalogue) {
     }
     for (const Element& element : model.elements) {
         const dttmm_element_type& type = *catalogue.types[static_cast<size_t>(element.type)];
-        Json& out = elements[element.name] = {{"type", type.name}, {"from", name_of(model, element.from)}, {"to", name_of(model, element.to)}};
+        Json& out = elements[element.name] = {
+            {"type", type.name}, {"from", name_of(model, element.from)}, {"to", name_of(model, element.to)}};
         auto value = element.values.begin();
         for (uint32_t p = 0; p < type.parameter_count; ++p, value += type.parameters[p - 1].count)
             out[type.parameters[p].name] = std::vector<double>(value, value + type.parameters[p].count);
@@ -74,7 +80,8 @@ Json describe_channels(const Recorder& recorder, bool (*wanted)(std::string_view
         const std::string& name = recorder.channels()[c].name;
         const size_t axis = name.rfind('.');
         const size_t quantity = axis == std::string::npos || axis == 0 ? std::string::npos : name.rfind('.', axis - 1);
-        if (quantity == std::string::npos || !wanted(std::string_view(name).substr(quantity + 1, axis - quantity - 1))) continue;
+        if (quantity == std::string::npos || !wanted(std::string_view(name).substr(quantity + 1, axis - quantity - 1)))
+            continue;
         const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
         owners[name.substr(0, quantity)][name.substr(quantity + 1, axis - quantity - 1)][name.substr(axis + 1)] = {
             {"peak", statistics.peak}, {"peak_time", statistics.peak_time}, {"final", statistics.final}};

@@ -43,7 +43,8 @@ struct Case {
 class Capture {
 public:
     Capture() : descriptor_(memfd_create("dttmm-case", MFD_CLOEXEC)) {
-        if (descriptor_ < 0) throw Error(ExitCode::resource_limit, fmt::format("no memory file for a case: {}", std::strerror(errno)));
+        if (descriptor_ < 0)
+            throw Error(ExitCode::resource_limit, fmt::format("no memory file for a case: {}", std::strerror(errno)));
     }
     ~Capture() {
         if (descriptor_ >= 0) ::close(descriptor_);
@@ -94,15 +95,16 @@ std::vector<std::string> command_of(const RunRequest& request, const Case& one) 
     return words;
 }
 
-/// Starts `words` in a process of its own: out of the terminal's process group, so that Ctrl-C reaches the sweep alone, which
-/// then stops its cases; and ended by the kernel if the sweep is killed.
+/// Starts `words` in a process of its own: out of the terminal's process group, so that Ctrl-C reaches the sweep alone,
+/// which then stops its cases; and ended by the kernel if the sweep is killed.
 pid_t spawn(const std::vector<std::string>& words, int error_descriptor) {
     std::vector<char*> arguments;
     for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
     const pid_t parent = ::getpid();
     const pid_t child = ::fork();
-    if (child < 0) throw Error(ExitCode::resource_limit, fmt::format("a case could not be started: {}", std::strerror(errno)));
+    if (child < 0)
+        throw Error(ExitCode::resource_limit, fmt::format("a case could not be started: {}", std::strerror(errno)));
     if (child > 0) return child;
     // Between fork and exec: system calls only.
     ::prctl(PR_SET_PDEATHSIG, SIGTERM);
@@ -134,7 +136,9 @@ void conclude(Case& one, int wait_status, const Capture& said) {
 /// A completed case of the same inputs, whole as far as the table needs it.
 bool reuse(Case& one, const Model& model, const RunRequest& request) {
     const Json summary = read_summary(one.folder);
-    const auto has = [&](const char* key, bool (Json::*is)() const noexcept) { return summary.contains(key) && (summary[key].*is)(); };
+    const auto has = [&](const char* key, bool (Json::*is)() const noexcept) {
+        return summary.contains(key) && (summary[key].*is)();
+    };
     const bool whole = summary.is_object() && has("status", &Json::is_string) && has("elements", &Json::is_object) &&
                        has("accelerations", &Json::is_object) && std::filesystem::exists(one.folder / "history.csv") &&
                        std::filesystem::exists(one.folder / "history.h5");
@@ -150,7 +154,12 @@ bool reuse(Case& one, const Model& model, const RunRequest& request) {
 class Crew {
 public:
     Crew(const RunRequest& request, std::vector<Case*> todo, int jobs, size_t reused, size_t total)
-        : request_(request), todo_(std::move(todo)), jobs_(jobs), done_(reused), total_(total), progress_(request.quiet ? -1 : 2) {}
+        : request_(request),
+          todo_(std::move(todo)),
+          jobs_(jobs),
+          done_(reused),
+          total_(total),
+          progress_(request.quiet ? -1 : 2) {}
 
     void work() {
         while (next_ < todo_.size() || !running_.empty()) {
@@ -251,16 +260,20 @@ std::string sweep_table(const std::vector<Case>& cases, const Model& model) {
         text += "," + csv_field(unit == "1" ? name : fmt::format("{} [{}]", name, unit));
     }
     text += ",status,reason";
-    for (const Column& c : columns) text += "," + csv_field(fmt::format("{}.{}.{}.{}", c.owner, c.quantity, c.axis, c.statistic));
+    for (const Column& c : columns)
+        text += "," + csv_field(fmt::format("{}.{}.{}.{}", c.owner, c.quantity, c.axis, c.statistic));
     text += "\n";
     for (const Case& one : cases) {
         text += one.folder.filename().string();
         for (const auto& [name, value] : one.parameters) text += "," + number_text(parse_quantity(value).value);
         text += fmt::format(",{},{}", one.status, csv_field(one.reason));
         for (const Column& c : columns)
-            text += one.status == "completed"
-                        ? "," + number_text(one.summary.at(c.section).at(c.owner).at(c.quantity).at(c.axis).at(c.statistic).get<double>())
-                        : ",";
+            text +=
+                one.status == "completed"
+                    ? "," +
+                          number_text(
+                              one.summary.at(c.section).at(c.owner).at(c.quantity).at(c.axis).at(c.statistic).get<double>())
+                    : ",";
         text += "\n";
     }
     return text;
@@ -284,7 +297,8 @@ void refuse_unknown(const std::vector<SweepAxis>& axes, const Model& model) {
     for (const Parameter& parameter : model.parameters) known.push_back(parameter.name);
     for (const SweepAxis& axis : axes)
         if (std::find(known.begin(), known.end(), axis.name) == known.end())
-            throw Error(ExitCode::usage, fmt::format("--sweep {}: no such parameter{}", quote(axis.name), suggestion(axis.name, known)));
+            throw Error(ExitCode::usage,
+                        fmt::format("--sweep {}: no such parameter{}", quote(axis.name), suggestion(axis.name, known)));
 }
 
 /// A single case may be at fault; if all are, the fault of the first is the sweep's.
@@ -335,8 +349,9 @@ ExitCode run_sweep(const RunRequest& request, const std::vector<SweepAxis>& axes
         return std::count_if(cases.begin(), cases.end(), [&](const Case& one) { return one.status == status; });
     };
     if (!request.quiet)
-        fmt::print("{} of {} cases completed ({} of them reused), {} failed, {} not run\nresults in {}\n", count("completed"), cases.size(),
-                   reused, count("failed"), count("missing"), folder.file("sweep.csv").string());
+        fmt::print("{} of {} cases completed ({} of them reused), {} failed, {} not run\nresults in {}\n",
+                   count("completed"), cases.size(), reused, count("failed"), count("missing"),
+                   folder.file("sweep.csv").string());
     if (StopSignals::requested()) return StopSignals::exit_code();
     return count("failed") > 0 ? ExitCode::cases_failed : ExitCode::ok;
 }

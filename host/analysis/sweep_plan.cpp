@@ -29,7 +29,8 @@ long count_in(const std::string& text, const std::string& part) {
     long count = 0;
     const auto [end, fault] = std::from_chars(part.data(), part.data() + part.size(), count);
     if (fault != std::errc{} || end != part.data() + part.size() || count < 1 || count > kMostCases)
-        refuse(text, fmt::format("the count after \":\" must be a whole number from 1 to {}, got {}", kMostCases, quote(part)));
+        refuse(text,
+               fmt::format("the count after \":\" must be a whole number from 1 to {}, got {}", kMostCases, quote(part)));
     return count;
 }
 

@@ -19,11 +19,12 @@ using SweepCase = std::vector<std::pair<std::string, std::string>>;
 inline constexpr long kMostCases = 100000;
 
 /// "k1=300N/mm..500N/mm:9" (both ends included, evenly spaced) or "k1=400N/mm,450N/mm". Both ends must have the same
-/// dimension. Throws Error(usage) for the wrong form, Error(model_invalid) for a count below 1 or beyond kMostCases, an empty
-/// list, or a value that is no quantity.
+/// dimension. Throws Error(usage) for the wrong form, Error(model_invalid) for a count below 1 or beyond kMostCases, an
+/// empty list, or a value that is no quantity.
 SweepAxis parse_sweep_axis(const std::string& text);
 
-/// All combinations, the last axis fastest. Throws Error(model_invalid) beyond kMostCases, Error(usage) if two axes have one name.
+/// All combinations, the last axis fastest. Throws Error(model_invalid) beyond kMostCases, Error(usage) if two axes have one
+/// name.
 std::vector<SweepCase> make_grid(const std::vector<SweepAxis>& axes);
 
 }  // namespace dttmm

@@ -7,16 +7,16 @@
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <csignal>
-#include <cstring>
 #include <cstdlib>
+#include <cstring>
 #include <new>
 #include <system_error>
 
 #include "analysis/run.h"
 #include "analysis/sweep.h"
 #include "model/diagnostics.h"
-#include "record/tell.h"
 #include "model/wording.h"
+#include "record/tell.h"
 
 namespace dttmm {
 
@@ -32,18 +32,22 @@ struct Arguments {
 
 void add_model_options(CLI::App& command, Arguments& arguments) {
     command.add_option("MODEL", arguments.request.model, "model file (TOML, format dttmm/1)")->required();
-    command.add_option("--set", arguments.sets, "name=value: another value for a parameter of the model")->allow_extra_args(false);
+    command.add_option("--set", arguments.sets, "name=value: another value for a parameter of the model")
+        ->allow_extra_args(false);
     command.add_option("--step", arguments.step, "time step instead of the model's, e.g. \"0.5 ms\"");
     command.add_option("--duration", arguments.duration, "duration instead of the model's");
     command.add_option("--coupling", arguments.coupling, "\"implicit\" or \"explicit\" instead of the model's");
-    command.add_option("--plugin", arguments.request.plugins, "shared library with more element types")->allow_extra_args(false);
+    command.add_option("--plugin", arguments.request.plugins, "shared library with more element types")
+        ->allow_extra_args(false);
     command.add_flag("--force", arguments.request.force, "run an explicit coupling beyond its stable step");
 }
 
 void add_run_options(CLI::App& command, Arguments& arguments) {
     command.add_option("-o,--output", arguments.output, "results folder; default results/<model name>");
-    command.add_option("--sweep", arguments.sweeps, "name=from..to:count or name=value,value; several span a grid")->allow_extra_args(false);
-    command.add_option("-j,--jobs", arguments.jobs, "cases of a sweep at a time; default one per core")->check(CLI::Range(1, 4096));
+    command.add_option("--sweep", arguments.sweeps, "name=from..to:count or name=value,value; several span a grid")
+        ->allow_extra_args(false);
+    command.add_option("-j,--jobs", arguments.jobs, "cases of a sweep at a time; default one per core")
+        ->check(CLI::Range(1, 4096));
     command.add_flag("-q,--quiet", arguments.request.quiet, "no table and no progress bar");
 }
 
@@ -76,7 +80,8 @@ void refuse_unknown_subcommand(const CLI::App& app) {
     if (!app.get_subcommands().empty() || words.empty() || words.front().starts_with("-")) return;
     std::vector<std::string> known;
     for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
-    throw Error(ExitCode::usage, fmt::format("there is no subcommand {}{}", quote(words.front()), suggestion(words.front(), known)));
+    throw Error(ExitCode::usage,
+                fmt::format("there is no subcommand {}{}", quote(words.front()), suggestion(words.front(), known)));
 }
 
 ExitCode dispatch(int argc, char** argv) {
@@ -92,7 +97,8 @@ ExitCode dispatch(int argc, char** argv) {
     CLI::App* check_command = app.add_subcommand("check", "validate a model, print what would be solved");
     add_model_options(*check_command, arguments);
     CLI::App* elements_command = app.add_subcommand("elements", "list element types and their parameters");
-    elements_command->add_option("--plugin", arguments.request.plugins, "shared library with more element types")->allow_extra_args(false);
+    elements_command->add_option("--plugin", arguments.request.plugins, "shared library with more element types")
+        ->allow_extra_args(false);
 
     try {
         app.parse(argc, argv);

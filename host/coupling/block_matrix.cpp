@@ -48,7 +48,8 @@ BlockMatrix::BlockMatrix(int body_count, const Pairs& pairs)
     for (const auto& [row, column] : blocks) {
         std::array<int, 6>& place = places_[{row, column}];
         for (int c = 0; c < 6; ++c)
-            place[static_cast<size_t>(c)] = static_cast<int>(&matrix_.coeffRef(6 * row, 6 * column + c) - matrix_.valuePtr());
+            place[static_cast<size_t>(c)] =
+                static_cast<int>(&matrix_.coeffRef(6 * row, 6 * column + c) - matrix_.valuePtr());
     }
 }
 

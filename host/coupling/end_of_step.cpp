@@ -76,7 +76,8 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks)
     solver_.analyzePattern(matrix_.upper());
 }
 
-std::vector<BodyState> EndOfStep::start(const dttmm_step& step, const std::vector<BodyState>& at, Networks& networks, Loads& loads) {
+std::vector<BodyState> EndOfStep::start(const dttmm_step& step, const std::vector<BodyState>& at, Networks& networks,
+                                        Loads& loads) {
     h_ = step.size;
     time_ = step.time;
     trial_ = at;
@@ -203,7 +204,9 @@ bool EndOfStep::judge(int pass) {
     for (size_t b = 0; b < u_.size(); ++b) {
         // Square of the largest speed of a point of the body, at most
         const double reach_squared = inertias_[b].reach * inertias_[b].reach;
-        const auto speed_squared = [&](const Vector6& u) { return 2 * (u.head<3>().squaredNorm() + reach_squared * u.tail<3>().squaredNorm()); };
+        const auto speed_squared = [&](const Vector6& u) {
+            return 2 * (u.head<3>().squaredNorm() + reach_squared * u.tail<3>().squaredNorm());
+        };
         Group& group = groups_[inertias_[b].group];
         group.scale_squared = std::max(group.scale_squared, speed_squared(u_[b]));
         const double correction = speed_squared(correction_[b]);
@@ -212,8 +215,10 @@ bool EndOfStep::judge(int pass) {
     }
     bool done = true;
     for (Group& group : groups_) {
-        if (pass == 1 || (pass > 1 && group.correction_squared > group.floor_squared)) {  // a later one at rounding measures nothing
-            const double rate = group.previous_squared > 0 ? std::sqrt(group.correction_squared / group.previous_squared) : 0;
+        if (pass == 1 ||
+            (pass > 1 && group.correction_squared > group.floor_squared)) {  // a later one at rounding measures nothing
+            const double rate =
+                group.previous_squared > 0 ? std::sqrt(group.correction_squared / group.previous_squared) : 0;
             group.contraction = rate < 1 ? rate / (1 - rate) : 1e3;
             if (rate > kSlowestContraction && group.correction_squared > group.floor_squared) stiffness_wanted_ = true;
         }
@@ -224,7 +229,8 @@ bool EndOfStep::judge(int pass) {
     return done;
 }
 
-const Feedback& EndOfStep::solve(const dttmm_step& step, const std::vector<BodyState>& now, Networks& networks, const Loads& loads) {
+const Feedback& EndOfStep::solve(const dttmm_step& step, const std::vector<BodyState>& now, Networks& networks,
+                                 const Loads& loads) {
     time_ = step.time;
     std::fill(wrenches_.begin(), wrenches_.end(), 0.0);
     loads.add_over_step(now, wrenches_.data());
@@ -267,10 +273,12 @@ void EndOfStep::fail(int passes) const {
     size_t worst = 0;
     for (size_t b = 1; b < correction_.size(); ++b)
         if (!(correction_[b].squaredNorm() <= correction_[worst].squaredNorm())) worst = b;
-    throw Error(ExitCode::numerical_failure,
-                fmt::format("t = {:.9g} s: the end of the step was not found in {} passes (last correction {:.1e} m/s), worst at body "
-                            "\"{}\"; try a smaller step",
-                            time_, passes, correction_[worst].norm(), inertias_[worst].name));
+    throw Error(
+        ExitCode::numerical_failure,
+        fmt::format(
+            "t = {:.9g} s: the end of the step was not found in {} passes (last correction {:.1e} m/s), worst at body "
+            "\"{}\"; try a smaller step",
+            time_, passes, correction_[worst].norm(), inertias_[worst].name));
 }
 
 }  // namespace dttmm

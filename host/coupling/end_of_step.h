@@ -15,20 +15,21 @@ namespace dttmm {
 /// What acts on the bodies over a step, for ODE: [force; moment about the centre of mass] per body, world axes.
 using Feedback = std::vector<Eigen::Matrix<double, 6, 1>>;
 
-/// Finds the motion at the end of a step that agrees with the wrench the networks answer to it, for all coupled bodies at once.
+/// Finds the motion at the end of a step that agrees with the wrench the networks answer to it, for all coupled bodies at
+/// once.
 ///
 /// ODE moves a free body by  v+ = v + h M⁻¹ f,  x+ = x + h v+. Its momentum over the step, P = [m v; L(ω)], therefore obeys
 ///     P(u) = P− + h (f_loads + f_networks(x + h u)),     u = [v; ω] over the step, 6 per body,
-/// where L(ω) = R_{n+1/2} J R_{n+1/2}ᵀ ω is the angular momentum half way through the step: the centred gyroscopic moment, which
-/// keeps the angular momentum of a free body to rounding. Simplified Newton iteration with the matrix
+/// where L(ω) = R_{n+1/2} J R_{n+1/2}ᵀ ω is the angular momentum half way through the step: the centred gyroscopic moment,
+/// which keeps the angular momentum of a free body to rounding. Simplified Newton iteration with the matrix
 ///     K = M + h² S,     S: stiffness of the networks seen from the centres of mass,
 /// symmetric (the gyroscopic part of ∂P/∂u and the little asymmetry of S away from rest are left to the iteration), sparse,
 /// factored once and kept while it converges fast. For explicit schemes S is zero and u follows at once: one path for both.
 ///
 /// A step is accepted when in every group of connected bodies the estimated remaining error, (rate of convergence) × (last
-/// correction), is below kTolerance of the group's motion or at rounding, all measured as the largest speed of a point of its
-/// bodies. The rate of the steps before may be used, so that a linear model takes one pass.
-/// Source of the acceptance rule: Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.8.
+/// correction), is below kTolerance of the group's motion or at rounding, all measured as the largest speed of a point of
+/// its bodies. The rate of the steps before may be used, so that a linear model takes one pass. Source of the acceptance
+/// rule: Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.8.
 class EndOfStep {
 public:
     static constexpr double kTolerance = 1e-13;
@@ -60,9 +61,9 @@ private:
     };
     /// The books of a group over a step: squares of speeds [m²/s²].
     struct Group {
-        double contraction = 1;         ///< θ/(1 − θ) last measured, grown by kForget per step since; θ: rate of convergence
-        double scale_squared = 0;       ///< of the motion, slowly forgetting
-        double floor_squared = 0;       ///< what rounding of the held bodies' positions feigns: nothing below can be asked for
+        double contraction = 1;    ///< θ/(1 − θ) last measured, grown by kForget per step since; θ: rate of convergence
+        double scale_squared = 0;  ///< of the motion, slowly forgetting
+        double floor_squared = 0;  ///< what rounding of the held bodies' positions feigns: nothing below can be asked for
         double correction_squared = 0;  ///< of the last pass
         double previous_squared = 0;    ///< of the one before
     };

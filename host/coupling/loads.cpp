@@ -33,8 +33,8 @@ double Loads::magnitude(size_t load, double time) const {
     const double value = loads_[load].load.signal.value(time);
     if (!(std::abs(value) <= kLargestLoad))
         throw Error(ExitCode::numerical_failure,
-                    fmt::format("{}: load at t = {} s: its value is {}, not a finite number up to {:.0e}", loads_[load].load.place, time, value,
-                                kLargestLoad));
+                    fmt::format("{}: load at t = {} s: its value is {}, not a finite number up to {:.0e}",
+                                loads_[load].load.place, time, value, kLargestLoad));
     return value;
 }
 

@@ -25,7 +25,9 @@ public:
     void begin_step(const dttmm_step& step);
 
     /// Adds the wrench over the open step, [force; moment about the centre of mass] in world axes, 6 per body.
-    void add_over_step(const std::vector<BodyState>& now, double* wrenches) const { add(now, &Magnitude::over_step, wrenches); }
+    void add_over_step(const std::vector<BodyState>& now, double* wrenches) const {
+        add(now, &Magnitude::over_step, wrenches);
+    }
 
     /// Adds the wrench at the instant t_n that the step starts from.
     void add_at_start(const std::vector<BodyState>& now, double* wrenches) const { add(now, &Magnitude::now, wrenches); }

@@ -40,11 +40,16 @@ dttmm_node make_node(const char* name, uint32_t kind, const Eigen::Vector3d& pos
 uint32_t scheme_of(const SimulationSettings& simulation) {
     if (simulation.coupling == Coupling::implicit) return DTTMM_SCHEME_CENTRED;
     switch (simulation.scheme) {
-        case ExplicitScheme::bdf1: return DTTMM_SCHEME_BDF1;
-        case ExplicitScheme::bdf2: return DTTMM_SCHEME_BDF2;
-        case ExplicitScheme::houbolt: return DTTMM_SCHEME_HOUBOLT;
-        case ExplicitScheme::park: return DTTMM_SCHEME_PARK;
-        default: return DTTMM_SCHEME_FOX_EULER;
+        case ExplicitScheme::bdf1:
+            return DTTMM_SCHEME_BDF1;
+        case ExplicitScheme::bdf2:
+            return DTTMM_SCHEME_BDF2;
+        case ExplicitScheme::houbolt:
+            return DTTMM_SCHEME_HOUBOLT;
+        case ExplicitScheme::park:
+            return DTTMM_SCHEME_PARK;
+        default:
+            return DTTMM_SCHEME_FOX_EULER;
     }
 }
 
@@ -69,7 +74,8 @@ Networks::Networks(const Model& model, const Plugins& plugins) {
     next_arms_.resize(ports_.size());
     wrenches_.resize(6 * ports_.size() + instances_.size());
     for (size_t n = 0; n < instances_.size(); ++n)
-        std::memcpy(&wrenches_[slots_[n].wrench + 6 * static_cast<size_t>(instances_[n].port_count())], &kGuardPattern, sizeof(double));
+        std::memcpy(&wrenches_[slots_[n].wrench + 6 * static_cast<size_t>(instances_[n].port_count())], &kGuardPattern,
+                    sizeof(double));
 }
 
 Networks::Port Networks::port_at(const Model& model, const Attachment& at) const {
@@ -115,10 +121,11 @@ void Networks::refuse_mixed_weights() const {
     for (const NetworkInstance& instance : instances_) {
         instance.load_weights(other);
         if (std::equal(first, first + 3, other)) continue;
-        throw Error(ExitCode::plugin_failure,
-                    fmt::format("elements \"{}\" and \"{}\" weight loads differently over a step: their plugins use different time "
-                                "schemes and cannot share a model",
-                                instances_.front().element_name(0), instance.element_name(0)));
+        throw Error(
+            ExitCode::plugin_failure,
+            fmt::format("elements \"{}\" and \"{}\" weight loads differently over a step: their plugins use different time "
+                        "schemes and cannot share a model",
+                        instances_.front().element_name(0), instance.element_name(0)));
     }
 }
 
@@ -164,18 +171,21 @@ void Networks::scatter(size_t network, double* wrenches) const {
     uint64_t guard;
     std::memcpy(&guard, wrench, sizeof guard);
     if (guard != kGuardPattern) [[unlikely]]
-        throw Error(ExitCode::plugin_failure, fmt::format("element \"{}\": its plugin wrote past the end of the wrench array",
-                                                          instances_[network].element_name(0)));
+        throw Error(ExitCode::plugin_failure,
+                    fmt::format("element \"{}\": its plugin wrote past the end of the wrench array",
+                                instances_[network].element_name(0)));
 }
 
 void Networks::refuse_wrench(size_t network, size_t port) const {
     const double* wrench = &wrenches_[slots_[network].wrench + 6 * (port - slots_[network].port)];
-    throw Error(ExitCode::numerical_failure,
-                fmt::format("element \"{}\" on body \"{}\" at t = {:.9g} s: force ({:.4g}, {:.4g}, {:.4g}) N, moment ({:.4g}, {:.4g}, "
-                            "{:.4g}) N m is not finite or beyond the cap of {:.0e}; the run ends before it reaches ODE. Is the step too "
-                            "long for an explicit coupling, or the plugin at fault?",
-                            instances_[network].element_name(0), body_names_[static_cast<size_t>(ports_[port].body)], time_, wrench[0],
-                            wrench[1], wrench[2], wrench[3], wrench[4], wrench[5], kLargestWrench));
+    throw Error(
+        ExitCode::numerical_failure,
+        fmt::format(
+            "element \"{}\" on body \"{}\" at t = {:.9g} s: force ({:.4g}, {:.4g}, {:.4g}) N, moment ({:.4g}, {:.4g}, "
+            "{:.4g}) N m is not finite or beyond the cap of {:.0e}; the run ends before it reaches ODE. Is the step too "
+            "long for an explicit coupling, or the plugin at fault?",
+            instances_[network].element_name(0), body_names_[static_cast<size_t>(ports_[port].body)], time_, wrench[0],
+            wrench[1], wrench[2], wrench[3], wrench[4], wrench[5], kLargestWrench));
 }
 
 void Networks::hand_out(size_t network, const std::vector<double>& port_stiffness, const StiffnessSink& sink) const {
@@ -203,7 +213,8 @@ void Networks::linearise(const std::vector<BodyState>& at, double* wrenches, con
     for (size_t n = 0; n < instances_.size(); ++n) {
         const auto size = 6 * static_cast<size_t>(instances_[n].port_count());
         if (stiffness) stiffness_.resize(size * size);
-        instances_[n].linearise(&motions_[slots_[n].port], &wrenches_[slots_[n].wrench], stiffness ? stiffness_.data() : nullptr, nullptr);
+        instances_[n].linearise(&motions_[slots_[n].port], &wrenches_[slots_[n].wrench],
+                                stiffness ? stiffness_.data() : nullptr, nullptr);
         scatter(n, wrenches);
         if (stiffness) hand_out(n, stiffness_, *stiffness);
     }

@@ -34,12 +34,13 @@ public:
     /// The force law at one instant (no time scheme): adds the wrenches of the networks; stiffness is handed out if wanted.
     void linearise(const std::vector<BodyState>& at, double* wrenches, const StiffnessSink* stiffness);
 
-    /// Initial conditions: poses and velocities at that instant, accelerations 6 per body (linear of the centre of mass, angular).
+    /// Initial conditions: poses and velocities at that instant, accelerations 6 per body (linear of the centre of mass,
+    /// angular).
     void start(const dttmm_step& step, const std::vector<BodyState>& at, const double* accelerations);
 
     void begin_step(const dttmm_step& step);
-    /// Adds the wrenches that act over the open step if the bodies end it as in `trial`. Throws Error(numerical_failure) naming
-    /// element and body when one is not finite or beyond 1e15 N. Unless is_implicit(), `trial` is not looked at.
+    /// Adds the wrenches that act over the open step if the bodies end it as in `trial`. Throws Error(numerical_failure)
+    /// naming element and body when one is not finite or beyond 1e15 N. Unless is_implicit(), `trial` is not looked at.
     void evaluate(const std::vector<BodyState>& trial, double* wrenches);
     /// The same, and hands out the stiffness of that wrench.
     void evaluate(const std::vector<BodyState>& trial, double* wrenches, const StiffnessSink& stiffness);

@@ -48,7 +48,8 @@ FastestMode find_fastest_mode(const Model& model, Networks& networks, const std:
     // u ← M⁻¹ K u; uᵀ K M⁻¹ K u / uᵀ K u bounds ω² from below and converges twice as fast as u
     const Eigen::Index n = K.upper().rows();
     Eigen::VectorXd u(n), Ku(n);
-    for (Eigen::Index i = 0; i < n; ++i) u(i) = std::cos(1.0 + 0.7 * static_cast<double>(i) * static_cast<double>(i));  // no symmetry
+    for (Eigen::Index i = 0; i < n; ++i)
+        u(i) = std::cos(1.0 + 0.7 * static_cast<double>(i) * static_cast<double>(i));  // no symmetry
     double omega_squared = 0;
     for (int iteration = 0; iteration < 500; ++iteration) {
         Ku = K.upper().selfadjointView<Eigen::Upper>() * u;

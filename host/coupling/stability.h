@@ -19,8 +19,8 @@ struct FastestMode {
 /// lower bound, 1e-4 below for one body and 2e-4 for a chain of a thousand. Cost linear in the number of elements.
 FastestMode find_fastest_mode(const Model& model, Networks& networks, const std::vector<BodyState>& at);
 
-/// Largest ω h at which an explicit scheme is stable without damping under a leap-frog host (theory: exactly 2). Damping in the
-/// joints lowers it: 1.92 at 2 % of critical, 1.35 at 20 %.
+/// Largest ω h at which an explicit scheme is stable without damping under a leap-frog host (theory: exactly 2). Damping in
+/// the joints lowers it: 1.92 at 2 % of critical, 1.35 at 20 %.
 inline constexpr double kExplicitLimit = 2.0;
 
 }  // namespace dttmm

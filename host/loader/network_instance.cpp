@@ -11,12 +11,16 @@ namespace {
 
 ExitCode exit_code(dttmm_status status) {
     switch (status) {
-        case DTTMM_ERROR_MODEL: return ExitCode::model_invalid;
+        case DTTMM_ERROR_MODEL:
+            return ExitCode::model_invalid;
         case DTTMM_DISCARD:
         case DTTMM_ERROR_SINGULAR:
-        case DTTMM_ERROR_NUMERIC: return ExitCode::numerical_failure;
-        case DTTMM_ERROR_MEMORY: return ExitCode::resource_limit;
-        default: return ExitCode::plugin_failure;
+        case DTTMM_ERROR_NUMERIC:
+            return ExitCode::numerical_failure;
+        case DTTMM_ERROR_MEMORY:
+            return ExitCode::resource_limit;
+        default:
+            return ExitCode::plugin_failure;
     }
 }
 
@@ -57,7 +61,8 @@ void NetworkInstance::fail(dttmm_status status, const dttmm_error& error) const 
     const size_t length = ::strnlen(error.text, sizeof error.text);
     const std::string text = length > 0 ? std::string(error.text, length) : fmt::format("status {} without a text", status);
     const bool named = error.element >= 0 && static_cast<size_t>(error.element) < element_names_.size();
-    const std::string& first = element_names_.empty() ? plugin_.name() : element_names_[named ? static_cast<size_t>(error.element) : 0];
+    const std::string& first =
+        element_names_.empty() ? plugin_.name() : element_names_[named ? static_cast<size_t>(error.element) : 0];
     const std::string place = named || element_names_.size() == 1 ? fmt::format("element \"{}\"", first)
                                                                   : fmt::format("network of element \"{}\"", first);
     throw Error(exit_code(status), fmt::format("{} (plugin {}): {}", place, plugin_.name(), text));

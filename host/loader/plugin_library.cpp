@@ -26,25 +26,28 @@ void check_file(const std::filesystem::path& file) {
 
 const dttmm_plugin* checked(const std::string& name, const dttmm_plugin* table) {
     if (table == nullptr)
-        fail(name, fmt::format("it does not support version {} of the interface (its entry returned null)", DTTMM_PLUGIN_MAJOR));
+        fail(name,
+             fmt::format("it does not support version {} of the interface (its entry returned null)", DTTMM_PLUGIN_MAJOR));
     if (table->major != DTTMM_PLUGIN_MAJOR)
-        fail(name, fmt::format("it was built for version {} of the interface, this host speaks version {}", table->major, DTTMM_PLUGIN_MAJOR));
+        fail(name, fmt::format("it was built for version {} of the interface, this host speaks version {}", table->major,
+                               DTTMM_PLUGIN_MAJOR));
     if (table->size < sizeof(dttmm_plugin))
         fail(name, fmt::format("its table has {} bytes, version {}.{} wants at least {}", table->size, DTTMM_PLUGIN_MAJOR,
                                DTTMM_PLUGIN_MINOR, sizeof(dttmm_plugin)));
-    const bool whole = table->name && table->version && table->create && table->destroy && table->linearise && table->start &&
-                       table->begin_step && table->evaluate && table->commit_step && table->discard_step && table->is_implicit &&
-                       table->load_weights && table->state_size && table->save_state && table->restore_state &&
-                       table->channel_count && table->channels && table->outputs;
+    const bool whole = table->name && table->version && table->create && table->destroy && table->linearise &&
+                       table->start && table->begin_step && table->evaluate && table->commit_step && table->discard_step &&
+                       table->is_implicit && table->load_weights && table->state_size && table->save_state &&
+                       table->restore_state && table->channel_count && table->channels && table->outputs;
     if (!whole) fail(name, "its table has a null entry; every function of the interface is required");
     if (table->element_type_count > 0 && table->element_types == nullptr) fail(name, "its list of element types is null");
     for (uint32_t t = 0; t < table->element_type_count; ++t) {
         const dttmm_element_type& type = table->element_types[t];
-        if (!type.name || (type.parameter_count > 0 && !type.parameters)) fail(name, fmt::format("element type {} has a null name or parameter list", t));
+        if (!type.name || (type.parameter_count > 0 && !type.parameters))
+            fail(name, fmt::format("element type {} has a null name or parameter list", t));
         for (uint32_t p = 0; p < type.parameter_count; ++p) {
             const dttmm_parameter& parameter = type.parameters[p];
-            if (!parameter.name || !parameter.unit || !parameter.documentation || parameter.count == 0 || parameter.count > 1000 ||
-                std::isnan(parameter.default_value) || !(parameter.minimum <= parameter.maximum))
+            if (!parameter.name || !parameter.unit || !parameter.documentation || parameter.count == 0 ||
+                parameter.count > 1000 || std::isnan(parameter.default_value) || !(parameter.minimum <= parameter.maximum))
                 fail(name, fmt::format("element type \"{}\": parameter {} is not well declared", type.name, p));
         }
     }

@@ -9,8 +9,8 @@
 
 namespace dttmm {
 
-/// A plugin's function table, checked: right version, whole, no null function. The built-in plugin is linked in; a foreign one
-/// is a shared library, loaded only because the user gave its path. Stays loaded as long as a copy of this object lives.
+/// A plugin's function table, checked: right version, whole, no null function. The built-in plugin is linked in; a foreign
+/// one is a shared library, loaded only because the user gave its path. Stays loaded as long as a copy of this object lives.
 class PluginLibrary {
 public:
     /// The plugin that comes with dttmm.

@@ -18,8 +18,8 @@ void Plugins::add(PluginLibrary library) {
         const dttmm_element_type& type = table.element_types[t];
         if (const int other = catalogue_.find(type.name); other >= 0)
             throw Error(ExitCode::plugin_failure,
-                        fmt::format("plugin {}: its element type \"{}\" is already declared by plugin {}", library.name(), type.name,
-                                    catalogue_.plugins[static_cast<size_t>(other)]));
+                        fmt::format("plugin {}: its element type \"{}\" is already declared by plugin {}", library.name(),
+                                    type.name, catalogue_.plugins[static_cast<size_t>(other)]));
         catalogue_.add(library.name(), type);
         places_.emplace_back(libraries_.size(), t);
     }

@@ -32,9 +32,7 @@ void Diagnostics::throw_if_errors() const {
     throw ModelError(text);
 }
 
-std::vector<std::string> Diagnostics::warning_texts() const {
-    return texts(warnings_);
-}
+std::vector<std::string> Diagnostics::warning_texts() const { return texts(warnings_); }
 
 std::vector<std::string> Diagnostics::texts(std::vector<Diagnostic> diagnostics) const {
     std::stable_sort(diagnostics.begin(), diagnostics.end(), [](const auto& a, const auto& b) { return a.place < b.place; });

@@ -18,22 +18,14 @@ namespace {
 constexpr std::size_t kLongestExpression = 1000;  // [byte]
 constexpr int kDeepestBrackets = 30;
 
-[[noreturn]] void fail(const std::string& text) {
-    throw Error(ExitCode::model_invalid, text);
-}
+[[noreturn]] void fail(const std::string& text) { throw Error(ExitCode::model_invalid, text); }
 
-bool is_digit(char c) {
-    return c >= '0' && c <= '9';
-}
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_name_start(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || static_cast<unsigned char>(c) >= 0x80;
 }
-bool is_name_part(char c) {
-    return is_name_start(c) || is_digit(c);
-}
-bool is_blank(char c) {
-    return c == ' ' || c == '\t';
-}
+bool is_name_part(char c) { return is_name_start(c) || is_digit(c); }
+bool is_blank(char c) { return c == ' ' || c == '\t'; }
 
 struct Name {
     std::string text;
@@ -169,9 +161,7 @@ double Expression::value(double time) const {
     return compiled_->parser.Eval();
 }
 
-const std::string& Expression::text() const {
-    return compiled_->text;
-}
+const std::string& Expression::text() const { return compiled_->text; }
 
 double evaluate_expression(std::string_view text, const Constants& constants) {
     const double value = Expression(text, constants).value();

@@ -23,13 +23,13 @@ struct Marker {
 
 struct Body {
     std::string name;
-    double mass = 0;                                               ///< [kg]
-    Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero();      ///< in the body's axes [m]
-    Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();             ///< about the centre of mass, body axes [kg m²]
-    Eigen::Vector3d position = Eigen::Vector3d::Zero();            ///< of the body's origin [m]
-    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();        ///< the body's axes in the world
-    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();            ///< of the body's origin [m/s]
-    Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();    ///< world axes [rad/s]
+    double mass = 0;                                             ///< [kg]
+    Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero();    ///< in the body's axes [m]
+    Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();           ///< about the centre of mass, body axes [kg m²]
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();          ///< of the body's origin [m]
+    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();      ///< the body's axes in the world
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< of the body's origin [m/s]
+    Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< world axes [rad/s]
     std::vector<Marker> markers;
 };
 
@@ -91,7 +91,7 @@ struct Model {
     std::vector<Load> loads;
     std::vector<Element> elements;
     std::vector<std::filesystem::path> files;  ///< beside the model file that were read: tables of loads
-    std::vector<std::string> warnings;  ///< each with its place, ready to print
+    std::vector<std::string> warnings;         ///< each with its place, ready to print
 };
 
 }  // namespace dttmm

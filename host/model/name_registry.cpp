@@ -37,9 +37,7 @@ std::string entry_label(const char* kind, const TomlValue& entry, std::size_t in
     return fmt::format("{} {}", kind, quote(name->value.string));
 }
 
-std::string entry_note(const char* kind, std::size_t index) {
-    return fmt::format(" in [[{}]] number {}", kind, index + 1);
-}
+std::string entry_note(const char* kind, std::size_t index) { return fmt::format(" in [[{}]] number {}", kind, index + 1); }
 
 const std::vector<TomlValue>& read_entries(const TableReader& file, const char* kind) {
     static const std::vector<TomlValue> none;

@@ -19,9 +19,7 @@ constexpr Bounds kOnBody = {-kFarthest, kFarthest};  // coordinates in the body'
 const std::vector<std::string> kShapes = {"box", "cylinder", "tube", "sphere"};
 
 /// Axis of a cylinder or tube: 0, 1, 2 for x, y, z.
-int read_axis(const TableReader& table) {
-    return table.choice("axis", {"x", "y", "z"}, 2).value_or(2);
-}
+int read_axis(const TableReader& table) { return table.choice("axis", {"x", "y", "z"}, 2).value_or(2); }
 
 std::optional<MassProperties> read_tube(const TableReader& table, const TomlMember& member, double density) {
     const auto sizes = read_numbers(table.context(), member.value, table.what("tube"), "m", 3, false, kPositive);

@@ -20,14 +20,10 @@ const std::vector<std::string> kCouplings = {"implicit", "explicit"};
 const std::vector<std::string> kSchemes = {"fox-euler", "bdf1", "bdf2", "houbolt",
                                            "park"};  // in the order of ExplicitScheme
 
-bool is_whole(double ratio) {
-    return std::abs(ratio - std::round(ratio)) <= kWholeTolerance;
-}
+bool is_whole(double ratio) { return std::abs(ratio - std::round(ratio)) <= kWholeTolerance; }
 
 /// A number of the file as messages name it: at most 12 digits, so that 0.0010000000000000002 s reads 0.001 s.
-std::string seconds(double value) {
-    return fmt::format("{:.12g} s", value);
-}
+std::string seconds(double value) { return fmt::format("{:.12g} s", value); }
 
 /// A value of [simulation], or the option that stands for it.
 struct Setting {

@@ -10,9 +10,7 @@ namespace {
 constexpr double kTwoPi = 2 * std::numbers::pi;
 }
 
-double ConstantSignal::value(double) const {
-    return value_;
-}
+double ConstantSignal::value(double) const { return value_; }
 
 double StepSignal::value(double time) const {
     if (time < start_) return from_;
@@ -43,8 +41,6 @@ double TableSignal::value(double time) const {
     return (1 - s) * values_[i - 1] + s * values_[i];
 }
 
-double ExpressionSignal::value(double time) const {
-    return expression_.value(time);
-}
+double ExpressionSignal::value(double time) const { return expression_.value(time); }
 
 }  // namespace dttmm

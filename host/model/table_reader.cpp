@@ -160,20 +160,14 @@ std::optional<int> TableReader::choice(std::string_view key, const std::vector<s
     return std::nullopt;
 }
 
-std::string TableReader::what(std::string_view key) const {
-    return labelled(std::string(key));
-}
+std::string TableReader::what(std::string_view key) const { return labelled(std::string(key)); }
 
-void TableReader::error(Place place, const std::string& text) const {
-    context_.diagnostics.error(place, labelled(text));
-}
+void TableReader::error(Place place, const std::string& text) const { context_.diagnostics.error(place, labelled(text)); }
 
 void TableReader::warning(Place place, const std::string& text) const {
     context_.diagnostics.warning(place, labelled(text));
 }
 
-std::string TableReader::labelled(const std::string& text) const {
-    return label_.empty() ? text : label_ + ": " + text;
-}
+std::string TableReader::labelled(const std::string& text) const { return label_.empty() ? text : label_ + ": " + text; }
 
 }  // namespace dttmm

@@ -19,7 +19,7 @@ namespace dttmm {
 struct ReadContext {
     const Parameters& parameters;
     Diagnostics& diagnostics;
-    std::filesystem::path folder;                ///< of the model file
+    std::filesystem::path folder;               ///< of the model file
     std::vector<std::filesystem::path>& files;  ///< that the model names and that were read, in turn
 };
 

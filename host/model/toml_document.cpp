@@ -36,9 +36,7 @@ Place make_place(const toml::source_position& position) {
     return {static_cast<int>(position.line), static_cast<int>(position.column)};
 }
 
-Place place_of(const toml::key& key) {
-    return make_place(key.source().begin);
-}
+Place place_of(const toml::key& key) { return make_place(key.source().begin); }
 
 TomlValue make_value(const toml::node& node);
 

@@ -18,9 +18,7 @@
 namespace dttmm {
 namespace {
 
-[[noreturn]] void fail(const std::string& text) {
-    throw Error(ExitCode::model_invalid, text);
-}
+[[noreturn]] void fail(const std::string& text) { throw Error(ExitCode::model_invalid, text); }
 
 /// A unit as scale times a product of powers of SI base units.
 struct Unit {
@@ -156,9 +154,7 @@ const std::vector<std::vector<std::string>>& usual_units() {
     return units;
 }
 
-std::optional<Unit> parse_unit(std::string_view text) {
-    return UnitSystem::instance().parse(std::string(text));
-}
+std::optional<Unit> parse_unit(std::string_view text) { return UnitSystem::instance().parse(std::string(text)); }
 
 /// The SI unit with the dimension of `unit` as text.
 std::string si_text(const Unit& unit) {
@@ -170,13 +166,9 @@ std::string si_text(const Unit& unit) {
     return text;
 }
 
-std::string accepted_text(std::string_view wanted) {
-    return listed(accepted_units(wanted));
-}
+std::string accepted_text(std::string_view wanted) { return listed(accepted_units(wanted)); }
 
-bool is_cycles(std::string_view unit) {
-    return unit.find("Hz") != unit.npos || unit.find("hertz") != unit.npos;
-}
+bool is_cycles(std::string_view unit) { return unit.find("Hz") != unit.npos || unit.find("hertz") != unit.npos; }
 
 std::string_view trimmed(std::string_view text) {
     constexpr const char* kBlanks = " \t\r\n";
@@ -184,9 +176,7 @@ std::string_view trimmed(std::string_view text) {
     return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
 }
 
-bool is_digit(char c) {
-    return c >= '0' && c <= '9';
-}
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 struct NumberAndUnit {
     double number;

@@ -52,9 +52,7 @@ std::string quote(std::string_view text) {
     return result + "\"";
 }
 
-std::string number_text(double value) {
-    return fmt::format("{}", value);
-}
+std::string number_text(double value) { return fmt::format("{}", value); }
 
 int compute_edit_distance(std::string_view a, std::string_view b) {
     a = a.substr(0, kLongestName);

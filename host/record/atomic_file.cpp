@@ -14,9 +14,7 @@ namespace dttmm {
 
 namespace {
 
-std::filesystem::path with_part(std::filesystem::path path) {
-    return path += ".part";
-}
+std::filesystem::path with_part(std::filesystem::path path) { return path += ".part"; }
 
 /// A rename survives a power cut once its folder is on the disk. Not every file system can sync a folder: best effort.
 void sync_folder_of(const std::filesystem::path& path) {

@@ -47,13 +47,9 @@ File::File(std::filesystem::path path, int flags) : path_(std::move(path)) {
     if (descriptor_ < 0) throw file_error(path_, "cannot open for writing", errno);
 }
 
-File File::create(const std::filesystem::path& path) {
-    return File(path, O_WRONLY | O_TRUNC);
-}
+File File::create(const std::filesystem::path& path) { return File(path, O_WRONLY | O_TRUNC); }
 
-File File::open(const std::filesystem::path& path) {
-    return File(path, O_RDWR);
-}
+File File::open(const std::filesystem::path& path) { return File(path, O_RDWR); }
 
 File::File(File&& other) noexcept : path_(std::move(other.path_)), descriptor_(std::exchange(other.descriptor_, -1)) {}
 

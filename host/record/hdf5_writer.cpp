@@ -118,7 +118,10 @@ Result Hdf5Writer::Implementation::check(Result result, std::string_view fault) 
 
 Hdf5Writer::Implementation::Implementation(const std::filesystem::path& path, const std::vector<Channel>& channels,
                                            const Attributes& attributes)
-    : part_(path), file_(create_file()), rows_per_chunk_(std::clamp(kNumbersWaiting / channels.size(), kFewestRowsPerChunk, kMostRowsPerChunk)), waiting_(channels.size() * rows_per_chunk_) {
+    : part_(path),
+      file_(create_file()),
+      rows_per_chunk_(std::clamp(kNumbersWaiting / channels.size(), kFewestRowsPerChunk, kMostRowsPerChunk)),
+      waiting_(channels.size() * rows_per_chunk_) {
     for (const auto& [name, text] : attributes) write_attribute(file_, name, text);
     for (const Channel& channel : channels) {
         datasets_.push_back(create_dataset(channel.name));
@@ -200,9 +203,7 @@ Hdf5Writer::~Hdf5Writer() {
     implementation_.reset();
 }
 
-void Hdf5Writer::write_row(std::span<const double> values) {
-    implementation_->write_row(values);
-}
+void Hdf5Writer::write_row(std::span<const double> values) { implementation_->write_row(values); }
 
 void Hdf5Writer::publish() {
     {

@@ -16,9 +16,9 @@ namespace dttmm {
 using Attributes = std::vector<std::pair<std::string, std::string>>;
 
 /// history.h5: one dataset of doubles per channel, named as the channel (no groups), its unit in the attribute "unit".
-/// All texts are UTF-8 of variable length. Written as history.h5.part, up to 1024 rows at a time, and published under the final
-/// name once whole. Nothing is allocated by us per row. May be used from several threads, each with its own writer: HDF5
-/// itself is not made for that, so its calls take turns.
+/// All texts are UTF-8 of variable length. Written as history.h5.part, up to 1024 rows at a time, and published under the
+/// final name once whole. Nothing is allocated by us per row. May be used from several threads, each with its own writer:
+/// HDF5 itself is not made for that, so its calls take turns.
 class Hdf5Writer {
 public:
     /// Creates `<path>.part`. Throws Error(input_output).

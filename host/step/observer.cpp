@@ -43,7 +43,8 @@ std::set<std::pair<int, int>> used_markers(const Model& model) {
 
 }  // namespace
 
-Observer::Observer(const Model& model, const Networks& networks) : bodies_(model.bodies), gravity_(model.simulation.gravity) {
+Observer::Observer(const Model& model, const Networks& networks)
+    : bodies_(model.bodies), gravity_(model.simulation.gravity) {
     add_channel("time", "s");
     declare_elements(networks);
     declare_bodies(model);
@@ -65,8 +66,11 @@ void Observer::declare_elements(const Networks& networks) {
         for (uint32_t c = 0; c < instance.channel_count(); ++c) {
             const dttmm_channel& channel = instance.channel(c);
             const std::string_view name = channel.name;
-            sinks_.push_back(name == "strain_energy" ? Sink::strain : name == "dissipated_energy" ? Sink::dissipated : Sink::row);
-            if (sinks_.back() == Sink::row) add_channel(fmt::format("{}.{}", instance.element_name(channel.element), name), channel.unit);
+            sinks_.push_back(name == "strain_energy"       ? Sink::strain
+                             : name == "dissipated_energy" ? Sink::dissipated
+                                                           : Sink::row);
+            if (sinks_.back() == Sink::row)
+                add_channel(fmt::format("{}.{}", instance.element_name(channel.element), name), channel.unit);
         }
     }
 }
@@ -92,10 +96,12 @@ void Observer::declare_bodies(const Model& model) {
 }
 
 void Observer::declare_energies() {
-    for (const char* part : {"kinetic", "strain", "dissipated", "work", "residual"}) add_channel(fmt::format("energy.{}", part), "J");
+    for (const char* part : {"kinetic", "strain", "dissipated", "work", "residual"})
+        add_channel(fmt::format("energy.{}", part), "J");
 }
 
-void Observer::advance(const Loads& loads, const std::vector<BodyState>& before, const std::vector<BodyState>& after, double h) {
+void Observer::advance(const Loads& loads, const std::vector<BodyState>& before, const std::vector<BodyState>& after,
+                       double h) {
     const double power = loads.power_at_start(before, after);
     if (ledger_.started) ledger_.load_work += 0.5 * h * (ledger_.load_power + power);
     ledger_.load_power = power;
@@ -122,15 +128,22 @@ double* Observer::write_elements(double* out, const Networks& networks, double& 
     networks.outputs(outputs_.data());
     for (size_t i = 0; i < outputs_.size(); ++i) {
         switch (sinks_[i]) {
-            case Sink::row: *out++ = outputs_[i]; break;
-            case Sink::strain: strain += outputs_[i]; break;
-            case Sink::dissipated: dissipated += outputs_[i]; break;
+            case Sink::row:
+                *out++ = outputs_[i];
+                break;
+            case Sink::strain:
+                strain += outputs_[i];
+                break;
+            case Sink::dissipated:
+                dissipated += outputs_[i];
+                break;
         }
     }
     return out;
 }
 
-double* Observer::write_bodies(double* out, const std::vector<BodyState>& before, const std::vector<BodyState>& after, double h) const {
+double* Observer::write_bodies(double* out, const std::vector<BodyState>& before, const std::vector<BodyState>& after,
+                               double h) const {
     auto marker = markers_.begin();
     for (size_t b = 0; b < bodies_.size(); ++b) {
         const Centred motion(before[b], after[b], h);
@@ -155,7 +168,8 @@ double Observer::kinetic_energy(const std::vector<BodyState>& before, const std:
     double twice = 0;
     for (size_t b = 0; b < bodies_.size(); ++b) {
         const Eigen::Vector3d v = 0.5 * (before[b].velocity + after[b].velocity);
-        const Eigen::Vector3d w = before[b].rotation.transpose() * (0.5 * (before[b].angular_velocity + after[b].angular_velocity));
+        const Eigen::Vector3d w =
+            before[b].rotation.transpose() * (0.5 * (before[b].angular_velocity + after[b].angular_velocity));
         twice += bodies_[b].mass * v.squaredNorm() + w.dot(bodies_[b].inertia * w);
     }
     return 0.5 * twice;

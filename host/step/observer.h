@@ -50,7 +50,8 @@ private:
     void declare_bodies(const Model& model);
     void declare_energies();
     double* write_elements(double* out, const Networks& networks, double& strain, double& dissipated);
-    double* write_bodies(double* out, const std::vector<BodyState>& before, const std::vector<BodyState>& after, double h) const;
+    double* write_bodies(double* out, const std::vector<BodyState>& before, const std::vector<BodyState>& after,
+                         double h) const;
     double kinetic_energy(const std::vector<BodyState>& before, const std::vector<BodyState>& after) const;
     double gravity_work(const std::vector<BodyState>& at) const;
 

@@ -61,23 +61,28 @@ void Simulation::observe() {
     // At the start velocity and acceleration are the initial conditions, whatever the first step makes of them.
     const std::vector<BodyState>& after = index_ == 0 ? first_after_ : after_;
     observer_.advance(loads_, now_, after, step_size_);
-    if (index_ % static_cast<uint64_t>(model_.output.every) == 0) sink_(observer_.row(time(), networks_, now_, after, step_size_));
+    if (index_ % static_cast<uint64_t>(model_.output.every) == 0)
+        sink_(observer_.row(time(), networks_, now_, after, step_size_));
 }
 
 void Simulation::refuse_divergence() const {
     for (size_t b = 0; b < after_.size(); ++b) {
         const BodyState& body = after_[b];
-        const bool sane = (body.position.array().abs() <= kFarthest).all() && (body.velocity.array().abs() <= kFastest).all() &&
+        const bool sane = (body.position.array().abs() <= kFarthest).all() &&
+                          (body.velocity.array().abs() <= kFastest).all() &&
                           (body.angular_velocity.array().abs() <= kFastest).all() &&
                           body.angular_velocity.norm() * step_size_ <= M_PI;  // false for NaN
         if (sane) [[likely]]
             continue;
-        throw Error(ExitCode::numerical_failure,
-                    fmt::format("t = {:.9g} s: body \"{}\" has diverged, or turns more than half a turn a step: position ({:.4g}, {:.4g}, "
-                                "{:.4g}) m, velocity ({:.4g}, {:.4g}, {:.4g}) m/s, turning at {:.4g} rad/s. omega*h = {:.4g} with the fastest vibration at {:.6g} Hz (body \"{}\")",
-                                time() + step_size_, model_.bodies[b].name, body.position.x(), body.position.y(), body.position.z(),
-                                body.velocity.x(), body.velocity.y(), body.velocity.z(), body.angular_velocity.norm(), fastest_.omega * step_size_,
-                                fastest_.omega / (2 * M_PI), fastest_.body));
+        throw Error(
+            ExitCode::numerical_failure,
+            fmt::format(
+                "t = {:.9g} s: body \"{}\" has diverged, or turns more than half a turn a step: position ({:.4g}, {:.4g}, "
+                "{:.4g}) m, velocity ({:.4g}, {:.4g}, {:.4g}) m/s, turning at {:.4g} rad/s. omega*h = {:.4g} with the "
+                "fastest vibration at {:.6g} Hz (body \"{}\")",
+                time() + step_size_, model_.bodies[b].name, body.position.x(), body.position.y(), body.position.z(),
+                body.velocity.x(), body.velocity.y(), body.velocity.z(), body.angular_velocity.norm(),
+                fastest_.omega * step_size_, fastest_.omega / (2 * M_PI), fastest_.body));
     }
 }
 

@@ -62,7 +62,8 @@ private:
     RowSink sink_;
     FastestMode fastest_;
     std::vector<BodyState> now_, after_;  ///< at the start and at the end of the step
-    std::vector<BodyState> first_after_;  ///< velocities half a step after the start that have the initial ones as their mean
+    std::vector<BodyState>
+        first_after_;  ///< velocities half a step after the start that have the initial ones as their mean
 };
 
 }  // namespace dttmm

@@ -90,8 +90,8 @@ World::World(const std::vector<Body>& bodies) : world_(std::make_unique<Owner>()
         bodies_.push_back({id, dBodyGetPosition(id), dBodyGetRotation(id), dBodyGetLinearVel(id), dBodyGetAngularVel(id)});
 
         const Eigen::Vector3d arm = body.rotation * body.center_of_mass;
-        set_state(bodies_.size() - 1, {body.position + arm, body.rotation,
-                                                         body.velocity + body.angular_velocity.cross(arm), body.angular_velocity});
+        set_state(bodies_.size() - 1, {body.position + arm, body.rotation, body.velocity + body.angular_velocity.cross(arm),
+                                       body.angular_velocity});
     }
 }
 
@@ -131,7 +131,8 @@ void World::apply(const std::vector<Eigen::Matrix<double, 6, 1>>& wrenches) {
         for (int i = 0; i < 6; ++i)
             if (!(std::abs(w(i)) <= kLargestWrench)) [[unlikely]]
                 throw Error(ExitCode::numerical_failure,
-                            fmt::format("body {}: the wrench over the step is not finite or beyond {:.0e} N", b + 1, kLargestWrench));
+                            fmt::format("body {}: the wrench over the step is not finite or beyond {:.0e} N", b + 1,
+                                        kLargestWrench));
         const dBodyID id = body_id(bodies_[b].id);
         dBodySetForce(id, w(0), w(1), w(2));
         dBodySetTorque(id, w(3), w(4), w(5));
@@ -142,8 +143,7 @@ void World::advance(double h) {
     const int before = complaints;
     if (dWorldStep(world_->id(), h) == 0)
         throw Error(ExitCode::resource_limit, "ODE could not allocate the memory for a step: nothing has moved");
-    if (complaints != before)
-        throw Error(ExitCode::numerical_failure, "ODE reported a numerical problem during the step");
+    if (complaints != before) throw Error(ExitCode::numerical_failure, "ODE reported a numerical problem during the step");
 }
 
 }  // namespace dttmm

@@ -10,10 +10,10 @@
 namespace dttmm {
 
 /// A rigid body as ODE keeps it: pose of the centre of mass at t_n, velocities over the step that ended there (half a step
-/// back). World axes; R turns body axes into world axes. Before the first step, in the arguments named `at`, the velocities are
-/// those of the instant.
+/// back). World axes; R turns body axes into world axes. Before the first step, in the arguments named `at`, the velocities
+/// are those of the instant.
 struct BodyState {
-    Eigen::Vector3d position;          ///< [m]
+    Eigen::Vector3d position;  ///< [m]
     Eigen::Matrix3d rotation;
     Eigen::Vector3d velocity;          ///< [m/s]
     Eigen::Vector3d angular_velocity;  ///< [rad/s]
@@ -39,7 +39,8 @@ public:
     /// applied before. Throws Error(numerical_failure) before a number reaches ODE that is not finite or beyond 1e15.
     void apply(const std::vector<Eigen::Matrix<double, 6, 1>>& wrenches);
 
-    /// One step of size h [s]. Throws Error(resource_limit) if ODE ran out of memory, Error(numerical_failure) if it complained.
+    /// One step of size h [s]. Throws Error(resource_limit) if ODE ran out of memory, Error(numerical_failure) if it
+    /// complained.
     void advance(double h);
 
 private:

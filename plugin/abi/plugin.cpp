@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The C interface of the built-in plugin: every function forwards to a Network and turns exceptions into a status and a text.
+// The C interface of the built-in plugin: every function forwards to a Network and turns exceptions into a status and a
+// text.
 #include <cstring>
 #include <new>
 
@@ -140,6 +141,4 @@ const dttmm_plugin& table() {
 
 }  // namespace
 
-const dttmm_plugin* dttmm_plugin_entry(uint32_t host_major) {
-    return host_major == DTTMM_PLUGIN_MAJOR ? &table() : nullptr;
-}
+const dttmm_plugin* dttmm_plugin_entry(uint32_t host_major) { return host_major == DTTMM_PLUGIN_MAJOR ? &table() : nullptr; }

@@ -60,10 +60,11 @@ EndForces solve_driven_ends(const Matrix13& U, Directions carried) {
     const Elimination solved = eliminate_full_pivot(A, B);
     if (!solved.regular()) {
         const int direction = directions[static_cast<size_t>(solved.weakest_unknown % n)];
-        throw Error(DTTMM_ERROR_SINGULAR,
-                    fmt::format("the transfer equations are singular in direction {} (reciprocal condition {:.1e}): a "
-                                "direction that is rigid, or 1e14 times stiffer than another, cannot be driven from both ends",
-                                kDirectionNames[static_cast<size_t>(direction)], solved.reciprocal_condition));
+        throw Error(
+            DTTMM_ERROR_SINGULAR,
+            fmt::format("the transfer equations are singular in direction {} (reciprocal condition {:.1e}): a "
+                        "direction that is rigid, or 1e14 times stiffer than another, cannot be driven from both ends",
+                        kDirectionNames[static_cast<size_t>(direction)], solved.reciprocal_condition));
     }
 
     EndForces forces;

@@ -12,9 +12,10 @@ using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 12,
 
 /// Gaussian elimination with full pivoting of A X = B, and how far to trust it.
 struct Elimination {
-    SmallMatrix X;              ///< n×m; meaningless unless regular()
-    double reciprocal_condition;  ///< 1-norm estimate of 1/cond(A) after the rows were scaled to largest entry one; 0: singular
-    int weakest_unknown;        ///< column of A eliminated last: the unknown that a singular system leaves undetermined
+    SmallMatrix X;  ///< n×m; meaningless unless regular()
+    double
+        reciprocal_condition;  ///< 1-norm estimate of 1/cond(A) after the rows were scaled to largest entry one; 0: singular
+    int weakest_unknown;       ///< column of A eliminated last: the unknown that a singular system leaves undetermined
     bool regular() const { return reciprocal_condition > kSmallestCondition; }
 
     /// Below this fewer than two digits of a double survive.

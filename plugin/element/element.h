@@ -11,13 +11,14 @@ namespace dttmm {
 /// How the wanted instant enters the force law of an element, whatever the scheme:
 ///     elastic force  weight · K d + (known),   damping force  c (C d + D),   d: the unknown deformation
 struct StepCoefficients {
-    double weight = 1;  ///< of the elastic force at the unknown instant; 1 for schemes that stand there, β for the centred one
-    double C = 0;       ///< [1/s] of x' = C x + D
+    double weight =
+        1;         ///< of the elastic force at the unknown instant; 1 for schemes that stand there, β for the centred one
+    double C = 0;  ///< [1/s] of x' = C x + D
 };
 
 /// A massless element between two ends. Immutable. Its deformation d (6×1: m, rad) is the motion of the `to` end relative to
-/// the `from` end, in the axes of the `from` end; its force f (6×1: N, N m) is positive in tension, i.e. it pulls the `to` end
-/// against d and the `from` end along d. In the letters of the state vector f = [−q; m].
+/// the `from` end, in the axes of the `from` end; its force f (6×1: N, N m) is positive in tension, i.e. it pulls the `to`
+/// end against d and the `from` end along d. In the letters of the state vector f = [−q; m].
 class Element {
 public:
     virtual ~Element() = default;

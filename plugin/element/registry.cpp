@@ -30,9 +30,8 @@ void check_values(const dttmm_element_type& type, const double* values) {
         const dttmm_parameter& parameter = type.parameters[p];
         for (uint32_t i = 0; i < parameter.count; ++i, ++values) {
             if (std::isfinite(*values) && *values >= parameter.minimum && *values <= parameter.maximum) continue;
-            throw Error(DTTMM_ERROR_ARGUMENT,
-                        fmt::format("{} must be finite and in [{}, {}] {}, got {}", parameter.name, parameter.minimum,
-                                    parameter.maximum, parameter.unit, *values));
+            throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("{} must be finite and in [{}, {}] {}, got {}", parameter.name,
+                                                          parameter.minimum, parameter.maximum, parameter.unit, *values));
         }
     }
 }

@@ -12,8 +12,10 @@ namespace {
 constexpr double kLargest = std::numeric_limits<double>::max();
 
 constexpr dttmm_parameter kParameters[] = {
-    {"stiffness", "N/m", 3, DTTMM_PARAMETER_SPREADS, 0, 0, kLargest, "in x, y, z of the from end; one number: the same in all"},
-    {"damping", "N*s/m", 3, DTTMM_PARAMETER_SPREADS, 0, 0, kLargest, "in x, y, z of the from end; one number: the same in all"},
+    {"stiffness", "N/m", 3, DTTMM_PARAMETER_SPREADS, 0, 0, kLargest,
+     "in x, y, z of the from end; one number: the same in all"},
+    {"damping", "N*s/m", 3, DTTMM_PARAMETER_SPREADS, 0, 0, kLargest,
+     "in x, y, z of the from end; one number: the same in all"},
     {"rotational_stiffness", "N*m/rad", 3, DTTMM_PARAMETER_SPREADS, 0, 0, kLargest, "about x, y, z of the from end"},
     {"rotational_damping", "N*m*s/rad", 3, DTTMM_PARAMETER_SPREADS, 0, 0, kLargest, "about x, y, z of the from end"},
 };

@@ -25,11 +25,9 @@ Eigen::Map<Vector3> vector(double* v) { return Eigen::Map<Vector3>(v); }
 
 /// The output channels of every joint, in the order outputs() writes them.
 constexpr std::pair<const char*, const char*> kChannels[] = {
-    {"force.x", "N"},        {"force.y", "N"},       {"force.z", "N"},
-    {"moment.x", "N*m"},     {"moment.y", "N*m"},    {"moment.z", "N*m"},
-    {"deflection.x", "m"},   {"deflection.y", "m"},  {"deflection.z", "m"},
-    {"rotation.x", "rad"},   {"rotation.y", "rad"},  {"rotation.z", "rad"},
-    {"strain_energy", "J"},  {"dissipated_energy", "J"},
+    {"force.x", "N"},      {"force.y", "N"},      {"force.z", "N"},       {"moment.x", "N*m"},        {"moment.y", "N*m"},
+    {"moment.z", "N*m"},   {"deflection.x", "m"}, {"deflection.y", "m"},  {"deflection.z", "m"},      {"rotation.x", "rad"},
+    {"rotation.y", "rad"}, {"rotation.z", "rad"}, {"strain_energy", "J"}, {"dissipated_energy", "J"},
 };
 constexpr size_t kChannelsPerJoint = std::size(kChannels);
 
@@ -186,7 +184,8 @@ inline void Network::add_wrench(const Joint& joint, const Vector3& arm, const Ve
     }
 }
 
-void Network::add_stiffness(const Joint& joint, const Answer& answer, FrameView from, FrameView to, double* stiffness) const {
+void Network::add_stiffness(const Joint& joint, const Answer& answer, FrameView from, FrameView to,
+                            double* stiffness) const {
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     Eigen::Map<RowMajor> S(stiffness, 6 * port_count_, 6 * port_count_);
 
@@ -229,11 +228,15 @@ void Network::linearise(const dttmm_motion* ports, double* wrench, double* stiff
         // m = J⁻ᵀ(θ) (k ∘ θ) + c ∘ ω: the gradient of ½ θᵀ k θ, for δθ = J⁻¹ ε
         const Vector3 theta = joint.turn >= 0 ? rotation_vector(attitude(joint, from, to)) : Vector3(Vector3::Zero());
         const Matrix3 inverse_J = rotation_vector_rate(theta);
-        const Vector3 f = slide.stiffness.cwiseProduct(translation(joint, from, lever)) + slide.damping.cwiseProduct(rate.head<3>());
-        const Vector3 m = inverse_J.transpose() * turn.stiffness.cwiseProduct(theta) + turn.damping.cwiseProduct(rate.tail<3>());
+        const Vector3 f =
+            slide.stiffness.cwiseProduct(translation(joint, from, lever)) + slide.damping.cwiseProduct(rate.head<3>());
+        const Vector3 m =
+            inverse_J.transpose() * turn.stiffness.cwiseProduct(theta) + turn.damping.cwiseProduct(rate.tail<3>());
         add_wrench(joint, lever, R * f, R * m, wrench);
         if (stiffness)
-            add_stiffness(joint, {slide.stiffness, inverse_J.transpose() * turn.stiffness.asDiagonal() * inverse_J, R, lever}, from, to, stiffness);
+            add_stiffness(joint,
+                          {slide.stiffness, inverse_J.transpose() * turn.stiffness.asDiagonal() * inverse_J, R, lever}, from,
+                          to, stiffness);
         if (damping) add_stiffness(joint, {slide.damping, turn.damping.asDiagonal(), R, lever}, from, to, damping);
     }
 }
@@ -242,18 +245,23 @@ void Network::linearise(const dttmm_motion* ports, double* wrench, double* stiff
 
 namespace {
 
-/// Velocity formula of an explicit scheme at t_n as weights of x at t_n, t_{n−1}, t_{n−2}, t_{n−3}: one unit history each. The
-/// previous velocity that Fox-Euler wants is the host's, read as everywhere as the mean of those over the two steps around
-/// t_{n−1}: (x_n − x_{n−2})/2h. With it the formula coincides with BDF2's. Its own recursion would be driven unstable by a
-/// leap-frog host.
+/// Velocity formula of an explicit scheme at t_n as weights of x at t_n, t_{n−1}, t_{n−2}, t_{n−3}: one unit history each.
+/// The previous velocity that Fox-Euler wants is the host's, read as everywhere as the mean of those over the two steps
+/// around t_{n−1}: (x_n − x_{n−2})/2h. With it the formula coincides with BDF2's. Its own recursion would be driven unstable
+/// by a leap-frog host.
 std::array<double, 4> velocity_weights(uint32_t scheme, double h) {
     const auto rule = [&](const History& past) {
         switch (scheme) {
-            case DTTMM_SCHEME_BDF1: return bdf1(past, h);
-            case DTTMM_SCHEME_BDF2: return bdf2(past, h);
-            case DTTMM_SCHEME_HOUBOLT: return houbolt(past, h);
-            case DTTMM_SCHEME_PARK: return park(past, h);
-            default: return fox_euler(past, h);
+            case DTTMM_SCHEME_BDF1:
+                return bdf1(past, h);
+            case DTTMM_SCHEME_BDF2:
+                return bdf2(past, h);
+            case DTTMM_SCHEME_HOUBOLT:
+                return houbolt(past, h);
+            case DTTMM_SCHEME_PARK:
+                return park(past, h);
+            default:
+                return fox_euler(past, h);
         }
     };
     std::array<double, 4> weights{};
@@ -336,7 +344,8 @@ Matrix3 Network::turn_gain(const Half& half, const TurnState& state) const {
 
 void Network::start(const dttmm_step& step, const dttmm_motion* ports, const double* accelerations) {
     if (open_) throw Error(DTTMM_ERROR_PHASE, "start: a step is open");
-    if (!(step.size > 0) || !std::isfinite(step.size)) throw Error(DTTMM_ERROR_ARGUMENT, "start: the step size must be positive");
+    if (!(step.size > 0) || !std::isfinite(step.size))
+        throw Error(DTTMM_ERROR_ARGUMENT, "start: the step size must be positive");
     refuse_large_rotation(ports);
     set_step_size(step.size);
     for (size_t j = 0; j < joints_.size(); ++j) start_joint(j, ports, accelerations);
@@ -355,25 +364,29 @@ void Network::start_joint(size_t index, const dttmm_motion* ports, const double*
     JointState& state = joint_states_[index];
     state.dissipated = 0;
     state.power = 0;
-    start_half(joint.halves[kTranslation], translation(joint, from, arm(from, to)), rate.head<3>(), acceleration.head<3>(), state.translation);
+    start_half(joint.halves[kTranslation], translation(joint, from, arm(from, to)), rate.head<3>(), acceleration.head<3>(),
+               state.translation);
     if (joint.turn < 0) return;
     TurnState& turn = turn_states_[static_cast<size_t>(joint.turn)];
     turn.attitude = attitude(joint, from, to);
-    start_half(joint.halves[kRotation], rotation_vector(turn.attitude), rate.tail<3>(), acceleration.tail<3>(), turn.rotation);
+    start_half(joint.halves[kRotation], rotation_vector(turn.attitude), rate.tail<3>(), acceleration.tail<3>(),
+               turn.rotation);
     settle_turn(joint, turn);
 }
 
 /// The past before the start is the parabola through it, which suits every explicit scheme. The first step of the centred
 /// scheme is Newmark's from d, d', d'': the elastic force before the start counts as that at the start, and the rate is
 /// γ δ₊/h + (1 − γ) d' + (β − γ/2) h d''.
-void Network::start_half(const Half& half, const Vector3& d, const Vector3& rate, const Vector3& acceleration, HalfState& state) const {
+void Network::start_half(const Half& half, const Vector3& d, const Vector3& rate, const Vector3& acceleration,
+                         HalfState& state) const {
     const double h = clock_.step_size, beta = centred_.beta, gamma = centred_.gamma;
     state.d = d;
     state.rate = rate;
     for (int back = 0; back < 3; ++back) state.delta[back] = h * rate - (back + 0.5) * h * h * acceleration;
     state.d_before = d - state.delta[0];
     if (is_implicit())
-        state.known = half.stiffness.cwiseProduct(d) + half.damping.cwiseProduct((1 - gamma) * rate + (beta - 0.5 * gamma) * h * acceleration);
+        state.known = half.stiffness.cwiseProduct(d) +
+                      half.damping.cwiseProduct((1 - gamma) * rate + (beta - 0.5 * gamma) * h * acceleration);
     else
         recall(half, state);
 }
@@ -399,7 +412,8 @@ void Network::evaluate(const dttmm_motion* motion, double* wrench, double* stiff
         const auto R_now = matrix(from_now.rotation);
 
         Vector3 f = slide.known, M = Vector3::Zero();
-        if (is_implicit()) f += joint.halves[kTranslation].law.cwiseProduct(translation(joint, from, arm(from, to)) - slide.d);
+        if (is_implicit())
+            f += joint.halves[kTranslation].law.cwiseProduct(translation(joint, from, arm(from, to)) - slide.d);
         Vector3 delta = Vector3::Zero();  // of the rotation over the open step
         if (turn) {
             Vector3 m = turn->rotation.known;
@@ -411,7 +425,9 @@ void Network::evaluate(const dttmm_motion* motion, double* wrench, double* stiff
         }
         add_wrench(joint, arm_now, R_now * f, M, wrench);
         if (stiffness && is_implicit()) {
-            const Matrix3 turn_answer = turn ? Matrix3(turn_gain(joint.halves[kRotation], *turn) * rotation_vector_rate(delta)) : Matrix3(Matrix3::Zero());
+            const Matrix3 turn_answer =
+                turn ? Matrix3(turn_gain(joint.halves[kRotation], *turn) * rotation_vector_rate(delta))
+                     : Matrix3(Matrix3::Zero());
             add_stiffness(joint, {joint.halves[kTranslation].law, turn_answer, R_now, arm_now}, from, to, stiffness);
         }
     }
@@ -435,10 +451,12 @@ void Network::refuse_large_rotation(const dttmm_motion* ports) const {
         if (joint.turn < 0 || joint.halves[kRotation].stiffness.isZero(0)) continue;
         const double angle = rotation_vector(attitude(joint, trial(joint.from, ports), trial(joint.to, ports))).norm();
         if (!(angle <= kLargestRotation))
-            throw Error(DTTMM_ERROR_NUMERIC,
-                        fmt::format("its ends have turned {:.3g} rad against each other; a rotational stiffness holds up to {:g} rad", angle,
-                                    kLargestRotation),
-                        static_cast<int>(j));
+            throw Error(
+                DTTMM_ERROR_NUMERIC,
+                fmt::format(
+                    "its ends have turned {:.3g} rad against each other; a rotational stiffness holds up to {:g} rad", angle,
+                    kLargestRotation),
+                static_cast<int>(j));
     }
 }
 
@@ -455,7 +473,8 @@ void Network::commit_step(const dttmm_motion* accepted) {
         if (joint.turn >= 0) {
             TurnState& turn = turn_states_[static_cast<size_t>(joint.turn)];
             const Matrix3 next = attitude(joint, from, to);
-            power += advance_half(joint.halves[kRotation], rotation_vector(next), rotation_vector(next * turn.attitude.transpose()), turn.rotation);
+            power += advance_half(joint.halves[kRotation], rotation_vector(next),
+                                  rotation_vector(next * turn.attitude.transpose()), turn.rotation);
             turn.attitude = next;
             settle_turn(joint, turn);
         }
@@ -535,7 +554,8 @@ void Network::outputs(double* values) const {
         const Half& turn = joint.halves[kRotation];
         const HalfState& rotation = turn_states_[static_cast<size_t>(joint.turn)].rotation;
         const Vector3 elastic_turn = turn.stiffness.cwiseProduct(rotation.d_before);
-        vector(out + 3) = rotation_vector_rate(rotation.d_before).transpose() * elastic_turn + turn.damping.cwiseProduct(rotation.rate);
+        vector(out + 3) =
+            rotation_vector_rate(rotation.d_before).transpose() * elastic_turn + turn.damping.cwiseProduct(rotation.rate);
         vector(out + 9) = rotation.d_before;
         out[12] += 0.5 * elastic_turn.dot(rotation.d_before);
     }

@@ -14,9 +14,10 @@ namespace dttmm {
 
 /// A connected set of elements between ports and the ground, solved together at every step. It owns the memory of the time
 /// scheme; the ports' motion comes from the host. Bodies may turn as they like: an element measures its deformation in the
-/// axes of its `from` end, and the wrenches on its two ends balance exactly, lever arm included, at the poses of t_n, so that
-/// the host's momentum and angular momentum are kept to rounding. A rotational stiffness holds for relative rotations θ up to
-/// kLargestRotation; its moment is the gradient of ½ θᵀ k θ, so that it conserves energy. A rotational damper may turn for ever.
+/// axes of its `from` end, and the wrenches on its two ends balance exactly, lever arm included, at the poses of t_n, so
+/// that the host's momentum and angular momentum are kept to rounding. A rotational stiffness holds for relative rotations θ
+/// up to kLargestRotation; its moment is the gradient of ½ θᵀ k θ, so that it conserves energy. A rotational damper may turn
+/// for ever.
 ///
 /// Motion over a step enters as increments δ of the deformation from t_n, rotations as the rotation vector that leads from
 /// t_n to t_{n+1}; the linearised transfer equations are solved for the force at the increment.
@@ -113,8 +114,8 @@ private:
 
     /// Adds the wrenches of a joint's force F and moment M (world axes) to its ports; `arm` leads from `from` to `to`.
     static void add_wrench(const Joint& joint, const Vector3& arm, const Vector3& F, const Vector3& M, double* wrench);
-    /// How a joint's force answers a small motion of its ends: δf = gain δd and δm = turn_gain δε, ε the relative turn, in the
-    /// axes of `from`; they act in the axes R_now of the `from` end over the lever `arm_now`.
+    /// How a joint's force answers a small motion of its ends: δf = gain δd and δm = turn_gain δε, ε the relative turn, in
+    /// the axes of `from`; they act in the axes R_now of the `from` end over the lever `arm_now`.
     struct Answer {
         Vector3 gain;
         Matrix3 turn_gain;
@@ -138,7 +139,8 @@ private:
     void set_step_size(double h);
     void solve_law(Joint& joint, const StepCoefficients& step) const;
     void start_joint(size_t index, const dttmm_motion* ports, const double* accelerations);
-    void start_half(const Half& half, const Vector3& d, const Vector3& rate, const Vector3& acceleration, HalfState& state) const;
+    void start_half(const Half& half, const Vector3& d, const Vector3& rate, const Vector3& acceleration,
+                    HalfState& state) const;
     void recall(const Half& half, HalfState& state) const;
     void settle_turn(const Joint& joint, TurnState& state) const;
     Matrix3 turn_gain(const Half& half, const TurnState& state) const;

@@ -11,9 +11,7 @@
 namespace dttmm::test {
 namespace {
 
-const dttmm_plugin& built_in() {
-    return *dttmm_plugin_entry(DTTMM_PLUGIN_MAJOR);
-}
+const dttmm_plugin& built_in() { return *dttmm_plugin_entry(DTTMM_PLUGIN_MAJOR); }
 
 /// The C plugin; stays loaded to the end.
 const dttmm_plugin& independent() {

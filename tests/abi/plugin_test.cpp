@@ -16,9 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-const dttmm_plugin& table() {
-    return *dttmm_plugin_entry(DTTMM_PLUGIN_MAJOR);
-}
+const dttmm_plugin& table() { return *dttmm_plugin_entry(DTTMM_PLUGIN_MAJOR); }
 
 //                               stiffness           damping         rotational stiffness   rotational damping
 const std::vector<double> kUgly = {5e5, 7.3e6, 1.2e4, 100, 0.7, 330, 2e3, 8.1e4, 300, 5, 0.01, 90};
@@ -165,9 +163,7 @@ TEST(Plugin, CallsOutOfPhaseComeBackWithATextAndChangeNothing) {
     EXPECT_EQ(joint.step(0), twin.step(0));
 }
 
-TEST(Plugin, NothingCanBeDestroyed) {
-    table().destroy(nullptr);
-}
+TEST(Plugin, NothingCanBeDestroyed) { table().destroy(nullptr); }
 
 // ---- State --------------------------------------------------------------------------------------------------------------
 

@@ -40,8 +40,8 @@ TEST(SweepPlan, AListKeepsItsTexts) {
 
 TEST(SweepPlan, FaultsAreRefused) {
     for (const char* text : {"k1", "=3", "k1="}) EXPECT_EQ(code_of(text), ExitCode::usage) << text;
-    for (const char* text : {"k1=1..2", "k1=1..2:0", "k1=1..2:-3", "k1=1..2:1000000000", "k1=1..2:2.5", "k1=1N..2m:3", "k1=a..b:3",
-                             "k1=1,,2", "k1=1,", "k1=3 blobs", "k1=..2:3"})
+    for (const char* text : {"k1=1..2", "k1=1..2:0", "k1=1..2:-3", "k1=1..2:1000000000", "k1=1..2:2.5", "k1=1N..2m:3",
+                             "k1=a..b:3", "k1=1,,2", "k1=1,", "k1=3 blobs", "k1=..2:3"})
         EXPECT_EQ(code_of(text), ExitCode::model_invalid) << text;
 }
 

@@ -30,8 +30,10 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"host/record", {"host/model", "host/record"}},
     {"host/coupling", {"host/model", "host/world", "host/loader", "host/record", "host/coupling"}},
     {"host/step", {"host/model", "host/world", "host/loader", "host/record", "host/coupling", "host/step"}},
-    {"host/analysis", {"host/model", "host/world", "host/loader", "host/record", "host/coupling", "host/step", "host/analysis"}},
-    {"host/cli", {"host/model", "host/world", "host/loader", "host/record", "host/coupling", "host/step", "host/analysis", "host/cli"}},
+    {"host/analysis",
+     {"host/model", "host/world", "host/loader", "host/record", "host/coupling", "host/step", "host/analysis"}},
+    {"host/cli",
+     {"host/model", "host/world", "host/loader", "host/record", "host/coupling", "host/step", "host/analysis", "host/cli"}},
 };
 
 Includes read_includes() {
@@ -82,7 +84,8 @@ TEST(Layers, TheHalvesShareOneHeader) {
         for (const std::string& include : list) {
             if (layer_reached(file, include).empty() && include != "dttmm_plugin.h") {
                 const std::string other = half_of(file) == "host" ? "plugin" : "host";
-                EXPECT_FALSE(fs::exists(kSource / other / include)) << file << " includes " << include << " of the other half";
+                EXPECT_FALSE(fs::exists(kSource / other / include))
+                    << file << " includes " << include << " of the other half";
             }
             EXPECT_EQ(include.find(".."), std::string::npos) << file << " includes " << include;
         }
@@ -107,7 +110,8 @@ TEST(Layers, TheTomlParserIsSeenByOneFile) {
 
 TEST(Layers, ThePluginReadsNoFilesAndKnowsNoEngine) {
     for (const char* header : {"fstream", "filesystem", "cstdio", "stdio.h", "iostream", "ode/", "hdf5.h"})
-        for (const std::string& file : files_with(header)) EXPECT_EQ(half_of(file), "host") << file << " includes " << header;
+        for (const std::string& file : files_with(header))
+            EXPECT_EQ(half_of(file), "host") << file << " includes " << header;
 }
 
 TEST(Layers, TheInterfaceIsImplementedByAbiAlone) {
@@ -122,8 +126,9 @@ TEST(Layers, TheInterfaceIsImplementedByAbiAlone) {
 }
 
 TEST(Layers, TheTopLevelHoldsWhatTheDesignNames) {
-    const std::set<std::string> allowed = {"CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", "plugin", "host",
-                                           "examples",       "tests",             "results"};  // results/ is ignored by git
+    const std::set<std::string> allowed = {
+        "CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", "plugin",
+        "host",           "examples",          "tests",   "results"};  // results/ is ignored by git
     for (const auto& entry : fs::directory_iterator(kSource)) {
         const std::string name = entry.path().filename();
         if (name.front() != '.') {

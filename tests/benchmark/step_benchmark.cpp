@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Time per step of the four-bolt plate and of stacks of such plates, recording off, beside a hand-written ODE loop with the
-// same four springs and no plugin. "ratio" is the time over that loop's, both the median of rounds taken in turn in this very
-// run, so that it holds on a machine whose speed drifts.
+// same four springs and no plugin. "ratio" is the time over that loop's, both the median of rounds taken in turn in this
+// very run, so that it holds on a machine whose speed drifts.
 #include <benchmark/benchmark.h>
 #include <ode/ode.h>
 
@@ -89,7 +89,8 @@ void time_plate(benchmark::State& state, Coupling coupling, bool lively) {
     state.counters["us_per_step"] = 1e6 * median(ours);
     state.counters["bare_us"] = 1e6 * median(theirs);
     state.counters["ratio"] = median(ours) / median(theirs);
-    state.counters["passes"] = static_cast<double>(simulation.end_of_step().passes()) / static_cast<double>(simulation.index());
+    state.counters["passes"] =
+        static_cast<double>(simulation.end_of_step().passes()) / static_cast<double>(simulation.index());
 }
 
 void plate_implicit(benchmark::State& state) { time_plate(state, Coupling::implicit, false); }
@@ -129,10 +130,16 @@ void stack_implicit(benchmark::State& state) {
     }
     state.counters["us_per_step"] = 1e6 * median(times);
     state.counters["us_per_plate"] = 1e6 * median(times) / count;
-    state.counters["passes"] = static_cast<double>(simulation.end_of_step().passes()) / static_cast<double>(simulation.index());
+    state.counters["passes"] =
+        static_cast<double>(simulation.end_of_step().passes()) / static_cast<double>(simulation.index());
     state.counters["error_at_0.2s"] = error;
 }
-BENCHMARK(stack_implicit)->RangeMultiplier(10)->Range(1, 1000)->UseManualTime()->Iterations(31)->Unit(benchmark::kMicrosecond);
+BENCHMARK(stack_implicit)
+    ->RangeMultiplier(10)
+    ->Range(1, 1000)
+    ->UseManualTime()
+    ->Iterations(31)
+    ->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace dttmm

@@ -13,9 +13,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-std::string example(const std::string& name) {
-    return DTTMM_SOURCE_DIR "/examples/" + name + "/model.toml";
-}
+std::string example(const std::string& name) { return DTTMM_SOURCE_DIR "/examples/" + name + "/model.toml"; }
 
 /// Runs an example into `out` of a fresh folder and hands back its summary.
 nlohmann::json summary_of(std::vector<std::string> words) {

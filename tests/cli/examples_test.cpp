@@ -62,14 +62,16 @@ TEST_P(Examples, GiveTheNumbersTheyPromise) {
         const Ended ended = run_dttmm(folder.path(), words);
         ASSERT_EQ(ended.code, 0) << ended.err;
         const nlohmann::json summary = read_json(folder.path() / "results" / "summary.json");
-        EXPECT_NEAR(summary.at(nlohmann::json::json_pointer(expected.pointer)).get<double>(), expected.value, expected.tolerance)
+        EXPECT_NEAR(summary.at(nlohmann::json::json_pointer(expected.pointer)).get<double>(), expected.value,
+                    expected.tolerance)
             << expected.options << " " << expected.pointer;
     }
 }
 
 std::vector<std::string> folders() {
     std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(fs::path(DTTMM_SOURCE_DIR) / "examples")) names.push_back(entry.path().filename());
+    for (const auto& entry : fs::directory_iterator(fs::path(DTTMM_SOURCE_DIR) / "examples"))
+        names.push_back(entry.path().filename());
     return names;
 }
 

@@ -105,9 +105,7 @@ inline bool wait_until(const std::function<bool()>& done) {
     return false;
 }
 
-inline nlohmann::json read_json(const fs::path& file) {
-    return nlohmann::json::parse(read_text(file));
-}
+inline nlohmann::json read_json(const fs::path& file) { return nlohmann::json::parse(read_text(file)); }
 
 /// A history.csv: its rows of numbers. Every line must be whole and every number finite, or the test has failed.
 inline std::vector<std::vector<double>> read_history(const fs::path& file) {

@@ -19,9 +19,7 @@ struct Fault {
     const char* place;
     const char* says;
 };
-void PrintTo(const Fault& fault, std::ostream* out) {
-    *out << fault.name;
-}
+void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
 
 Fault change(const char* name, const char* what, const char* instead, const char* place, const char* says) {
     return {name, small_model_with(what, instead), place, says};

@@ -19,9 +19,7 @@ struct Fault {
     int code;
     const char* says;
 };
-void PrintTo(const Fault& fault, std::ostream* out) {
-    *out << fault.name;
-}
+void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
 
 class WrongWords : public testing::TestWithParam<Fault> {};
 
@@ -96,9 +94,7 @@ struct PluginFault {
     const char* says;
     int rows;  ///< -1: it does not get as far as to write results
 };
-void PrintTo(const PluginFault& fault, std::ostream* out) {
-    *out << fault.fault;
-}
+void PrintTo(const PluginFault& fault, std::ostream* out) { *out << fault.fault; }
 
 class FaultyPlugin : public testing::TestWithParam<PluginFault> {};
 

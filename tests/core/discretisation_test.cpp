@@ -18,7 +18,9 @@ struct Power {
     Vector6 size() const { return (Vector6() << 1, -2, 0.5, 3, -0.1, 7).finished(); }
     Vector6 x(double t) const { return size() * std::pow(t / tau, p); }
     Vector6 v(double t) const { return p < 1 ? Vector6::Zero() : Vector6(size() * p / tau * std::pow(t / tau, p - 1)); }
-    Vector6 a(double t) const { return p < 2 ? Vector6::Zero() : Vector6(size() * p * (p - 1) / (tau * tau) * std::pow(t / tau, p - 2)); }
+    Vector6 a(double t) const {
+        return p < 2 ? Vector6::Zero() : Vector6(size() * p * (p - 1) / (tau * tau) * std::pow(t / tau, p - 2));
+    }
     History past(double t, double h) const {
         History past;
         for (int i = 0; i < 3; ++i) {
@@ -72,15 +74,17 @@ AffineMotion linear_acceleration(const History& past, double h) { return newmark
 AffineMotion fox_goodwin(const History& past, double h) { return newmark(past, h, 1.0 / 12, 0.5); }
 AffineMotion damped_newmark(const History& past, double h) { return newmark(past, h, 0.3025, 0.6); }
 
-// Orders by Taylor's series: Newmark's position formula is exact to t² (t³ for β = 1/6), his velocity formula to t² (t³ never,
-// but the acceleration's error cancels in it where γ = 1/2 and β = 1/6); backward formulas to the number of points less one.
-INSTANTIATE_TEST_SUITE_P(Discretisation, Schemes,
-                         ::testing::Values(Scheme{"fox_euler", fox_euler, 2, 2}, Scheme{"average_acceleration", average_acceleration, 2, 2},
-                                           Scheme{"linear_acceleration", linear_acceleration, 3, 3},
-                                           Scheme{"fox_goodwin", fox_goodwin, 2, 2}, Scheme{"damped_newmark", damped_newmark, 2, 2},
-                                           Scheme{"houbolt", houbolt, 3, 3}, Scheme{"houbolt_second_step", houbolt_second_step, 3, 3},
-                                           Scheme{"park", park, 2, 2}, Scheme{"bdf1", bdf1, 1, 1}, Scheme{"bdf2", bdf2, 2, 2}),
-                         [](const auto& scheme) { return scheme.param.name; });
+// Orders by Taylor's series: Newmark's position formula is exact to t² (t³ for β = 1/6), his velocity formula to t² (t³
+// never, but the acceleration's error cancels in it where γ = 1/2 and β = 1/6); backward formulas to the number of points
+// less one.
+INSTANTIATE_TEST_SUITE_P(
+    Discretisation, Schemes,
+    ::testing::Values(Scheme{"fox_euler", fox_euler, 2, 2}, Scheme{"average_acceleration", average_acceleration, 2, 2},
+                      Scheme{"linear_acceleration", linear_acceleration, 3, 3}, Scheme{"fox_goodwin", fox_goodwin, 2, 2},
+                      Scheme{"damped_newmark", damped_newmark, 2, 2}, Scheme{"houbolt", houbolt, 3, 3},
+                      Scheme{"houbolt_second_step", houbolt_second_step, 3, 3}, Scheme{"park", park, 2, 2},
+                      Scheme{"bdf1", bdf1, 1, 1}, Scheme{"bdf2", bdf2, 2, 2}),
+    [](const auto& scheme) { return scheme.param.name; });
 
 // Oracle: the linear-acceleration motion itself, x = t³, for which Wilson's extrapolation and its way back are exact.
 TEST(Discretisation, WilsonThetaReturnsToTheEndOfTheStep) {
@@ -138,7 +142,8 @@ TEST(Discretisation, ConvergesWithTheOrderOfTheTheory) {
     const auto ratio = [](const auto& rule) { return oscillator_error(rule, 400) / oscillator_error(rule, 800); };
     EXPECT_NEAR(ratio(fox_euler), 2, 0.3);
     EXPECT_NEAR(ratio(bdf1), 2, 0.3);
-    for (const auto& rule : {average_acceleration, linear_acceleration, houbolt, park, bdf2}) EXPECT_NEAR(ratio(rule), 4, 0.6);
+    for (const auto& rule : {average_acceleration, linear_acceleration, houbolt, park, bdf2})
+        EXPECT_NEAR(ratio(rule), 4, 0.6);
     EXPECT_NEAR(ratio(fox_goodwin), 16, 2.4);
 }
 
@@ -164,7 +169,8 @@ TEST(Discretisation, GeneralisedAlphaDampsInfiniteFrequencyByRho) {
         // (1 − α_m)(A x + B) + α_m a₁ = −ω² ((1 − α_f) x + α_f x₁)
         const AffineMotion step = newmark(past, h, scheme.beta, scheme.gamma);
         const double lhs = (1 - scheme.alpha_m) * step.A + (1 - scheme.alpha_f) * omega * omega;
-        const Vector6 x = -((1 - scheme.alpha_m) * step.B + scheme.alpha_m * past.a[0] + scheme.alpha_f * omega * omega * past.x[0]) / lhs;
+        const Vector6 x =
+            -((1 - scheme.alpha_m) * step.B + scheme.alpha_m * past.a[0] + scheme.alpha_f * omega * omega * past.x[0]) / lhs;
         const Vector6 v = step.velocity(x), a = step.acceleration(x);
         past.x[0] = x;
         past.v[0] = v;

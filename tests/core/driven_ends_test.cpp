@@ -40,7 +40,7 @@ TEST(DrivenEnds, SolutionFulfilsTheTransferEquation) {
     const Vector12 q = ends.S * x + ends.e;
     const auto z_in = state(x.head<6>(), q.head<6>()), z_out = state(x.tail<6>(), q.tail<6>());
     const Eigen::Matrix<double, 13, 1> miss = U * z_in - z_out;
-    EXPECT_LT(miss.head<6>().cwiseAbs().maxCoeff(), 1e-14);               // m, rad; poses are 1e-2
+    EXPECT_LT(miss.head<6>().cwiseAbs().maxCoeff(), 1e-14);  // m, rad; poses are 1e-2
     EXPECT_LT(miss.tail<7>().cwiseAbs().maxCoeff(), 1e-9 * q.norm());
 }
 
@@ -85,7 +85,8 @@ TEST(DrivenEnds, AFreeDirectionIsNamed) {
         solve_driven_ends(U, Directions(0b000111));
         FAIL() << "a free direction was accepted";
     } catch (const Error& error) {
-        EXPECT_NE(std::string(error.what()).find("direction z: it has neither stiffness nor damping"), std::string::npos) << error.what();
+        EXPECT_NE(std::string(error.what()).find("direction z: it has neither stiffness nor damping"), std::string::npos)
+            << error.what();
     }
 }
 

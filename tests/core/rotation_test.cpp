@@ -15,7 +15,10 @@ const Vector3 kAxis = Vector3(1, -2, 0.5).normalized();
 // 4e-16), so entries of size one agree to a few units in the last place.
 TEST(Rotation, VectorToMatrixIsTheAngleAxisRotation) {
     for (double angle : {0.0, 1e-12, 1e-6, 0.01, 0.5, 2.0, 3.14, M_PI, 5.0})
-        EXPECT_LT((rotation_from_vector(angle * kAxis) - Eigen::AngleAxisd(angle, kAxis).toRotationMatrix()).cwiseAbs().maxCoeff(), 1.5e-15) << angle;
+        EXPECT_LT(
+            (rotation_from_vector(angle * kAxis) - Eigen::AngleAxisd(angle, kAxis).toRotationMatrix()).cwiseAbs().maxCoeff(),
+            1.5e-15)
+            << angle;
 }
 
 // Oracle: the vector the matrix was made from; small angles keep all their digits relative to the angle.
@@ -39,7 +42,8 @@ TEST(Rotation, RateIsTheDerivativeOfTheVector) {
         const Matrix3 R = rotation_from_vector(theta), rate = rotation_vector_rate(theta);
         for (int i = 0; i < 3; ++i) {
             const Vector3 e = 1e-5 * Vector3::Unit(i);
-            const Vector3 difference = (rotation_vector(rotation_from_vector(e) * R) - rotation_vector(rotation_from_vector(-e) * R)) / 2e-5;
+            const Vector3 difference =
+                (rotation_vector(rotation_from_vector(e) * R) - rotation_vector(rotation_from_vector(-e) * R)) / 2e-5;
             EXPECT_LT((rate.col(i) - difference).norm(), 1e-9) << angle << ", axis " << i;
         }
     }

@@ -58,11 +58,13 @@ TEST(EndOfStep, MassOnASpringFollowsTheCentredRecurrence) {
         for (int n = 1; n < 200; ++n) {
             const auto i = static_cast<size_t>(n);
             const double load = (f((n + 1) * h) + 2 * f(n * h) + f((n - 1) * h)) / 4;
-            const double known = m * (2 * x[i] - x[i - 1]) / (h * h) - k * (2 * x[i] + x[i - 1]) / 4 + c * x[i - 1] / (2 * h);
+            const double known =
+                m * (2 * x[i] - x[i - 1]) / (h * h) - k * (2 * x[i] + x[i - 1]) / 4 + c * x[i - 1] / (2 * h);
             x.push_back((load + known) / (m / (h * h) + k / 4 + c / (2 * h)));
         }
         const auto positions = path(model, plugins, 200);
-        for (size_t n = 0; n < x.size(); ++n) EXPECT_NEAR(positions[n].x() - 0.4, x[n], 1e-12 * 1e-3 * 10) << "k = " << k << ", step " << n;
+        for (size_t n = 0; n < x.size(); ++n)
+            EXPECT_NEAR(positions[n].x() - 0.4, x[n], 1e-12 * 1e-3 * 10) << "k = " << k << ", step " << n;
     }
 }
 
@@ -84,7 +86,8 @@ TEST(EndOfStep, ExplicitCouplingFollowsThePapersRecurrence) {
         x.push_back(2 * x[i] - x[i - 1] + h * h / m * (f(n * h) - k * x[i] - c * v));
     }
     const auto positions = path(model, plugins, 200);
-    for (size_t n = 0; n < positions.size(); ++n) EXPECT_NEAR(positions[n].x() - 0.4, x[n + 2], 1e-12 * 1e-3 * 10) << "step " << n;
+    for (size_t n = 0; n < positions.size(); ++n)
+        EXPECT_NEAR(positions[n].x() - 0.4, x[n + 2], 1e-12 * 1e-3 * 10) << "step " << n;
 }
 
 /// Angular momentum about the world's origin half way through the last step: each body by its own theorem.
@@ -94,7 +97,8 @@ Eigen::Vector3d angular_momentum(const Model& model, const Simulation& simulatio
         const BodyState& state = simulation.bodies()[b];
         const Eigen::Vector3d half_back = -0.5 * simulation.step_size() * state.angular_velocity;
         const Eigen::Matrix3d R = Eigen::AngleAxisd(half_back.norm(), half_back.normalized()) * state.rotation;
-        L += model.bodies[b].mass * state.position.cross(state.velocity) + R * model.bodies[b].inertia * R.transpose() * state.angular_velocity;
+        L += model.bodies[b].mass * state.position.cross(state.velocity) +
+             R * model.bodies[b].inertia * R.transpose() * state.angular_velocity;
     }
     return L;
 }

@@ -54,7 +54,8 @@ TEST(Loads, AddUpToTheWrenchOnEachBody) {
 
     const auto f = [](double t) { return 100 + 30 * t + 7 * t * t; };
     const Eigen::Vector3d force = (f(0) + 2 * f(h) + f(2 * h)) / 4 * Eigen::Vector3d(1, 2, -2) / 3;
-    const Eigen::Vector3d arm = model.bodies[1].rotation * (Eigen::Vector3d(0.4, -0.1, 0.2) - model.bodies[1].center_of_mass);
+    const Eigen::Vector3d arm =
+        model.bodies[1].rotation * (Eigen::Vector3d(0.4, -0.1, 0.2) - model.bodies[1].center_of_mass);
     const Eigen::Map<const Eigen::Vector3d> f0(&wrenches[0]), m0(&wrenches[3]), f1(&wrenches[6]), m1(&wrenches[9]);
     EXPECT_LT((f0 - 2 * model.simulation.gravity).norm(), 1e-14);
     EXPECT_LT((m0 - Eigen::Vector3d(0, 4, 0)).norm(), 1e-14);

@@ -35,12 +35,13 @@ Model two_bodies(const Plugins& plugins) {
     return model;
 }
 
-Eigen::Vector3d marker_position(const Model& model, const std::vector<BodyState>& at, size_t body, const Eigen::Vector3d& marker) {
+Eigen::Vector3d marker_position(const Model& model, const std::vector<BodyState>& at, size_t body,
+                                const Eigen::Vector3d& marker) {
     return at[body].position + at[body].rotation * (marker - model.bodies[body].center_of_mass);
 }
 
-// Oracle: isotropic springs by hand: force −k (displacement of the marker from where it was assembled, seen from the other end),
-// moment about the centre of mass by its lever arm.
+// Oracle: isotropic springs by hand: force −k (displacement of the marker from where it was assembled, seen from the other
+// end), moment about the centre of mass by its lever arm.
 TEST(Networks, BodyWrenchesAreThoseOfTheirSprings) {
     const Plugins plugins;
     const Model model = two_bodies(plugins);
@@ -78,7 +79,9 @@ TEST(Networks, BodyStiffnessIsTheDerivativeOfTheBodyWrenches) {
     Networks networks(model, plugins);
     const std::vector<BodyState> rest = states(model);
     Eigen::Matrix<double, 12, 12> S = Eigen::Matrix<double, 12, 12>::Zero();
-    const Networks::StiffnessSink add = [&](int row, int column, const Networks::Block& block) { S.block<6, 6>(6 * row, 6 * column) += block; };
+    const Networks::StiffnessSink add = [&](int row, int column, const Networks::Block& block) {
+        S.block<6, 6>(6 * row, 6 * column) += block;
+    };
     Eigen::Matrix<double, 12, 1> wrench = Eigen::Matrix<double, 12, 1>::Zero();
     networks.linearise(rest, wrench.data(), &add);
     EXPECT_LT(wrench.norm(), 1e-11);
@@ -95,7 +98,8 @@ TEST(Networks, BodyStiffnessIsTheDerivativeOfTheBodyWrenches) {
                 return w;
             };
             const Eigen::Matrix<double, 12, 1> difference = -(wrench_at(1e-6) - wrench_at(-1e-6)) / 2e-6;
-            EXPECT_LT((S.col(static_cast<int>(6 * body) + i) - difference).norm(), 1e-6 * S.norm()) << "body " << body << ", " << i;
+            EXPECT_LT((S.col(static_cast<int>(6 * body) + i) - difference).norm(), 1e-6 * S.norm())
+                << "body " << body << ", " << i;
         }
 }
 

@@ -15,8 +15,9 @@ namespace {
 
 constexpr double kMass = 50, kStiffness = 5e5 * 4, kDamping = 100 * 4, kStep = 1e-3;  // the seed's bolts under 50 kg
 
-/// Largest |x| of a body on four bolts in ODE in the later half of `steps`, ended early where it exceeds 1 m; the bolts' velocity by Fox-Euler, its previous velocity either its own last
-/// result or the host's: the mean of ODE's velocities over the two steps around t_{n−1}.
+/// Largest |x| of a body on four bolts in ODE in the later half of `steps`, ended early where it exceeds 1 m; the bolts'
+/// velocity by Fox-Euler, its previous velocity either its own last result or the host's: the mean of ODE's velocities over
+/// the two steps around t_{n−1}.
 double amplitude_after(int steps, bool own_memory) {
     World world({test::box("plate", kMass, {0.3, 0.2, 0.1}, {1e-6, 0, 0})});
     std::vector<BodyState> now(1), before(1), two_before(1);

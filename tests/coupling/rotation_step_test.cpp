@@ -14,7 +14,10 @@ TEST(RotationStep, IsTheAngleAxisRotation) {
         const Eigen::Matrix3d R = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
         EXPECT_LT((step.apply(v) - R * v).norm(), 4e-15) << angle;
         EXPECT_LT((step.apply(Eigen::Matrix3d(Eigen::AngleAxisd(1.1, Eigen::Vector3d::UnitY()))) -
-                   R * Eigen::AngleAxisd(1.1, Eigen::Vector3d::UnitY()).toRotationMatrix()).norm(), 4e-15) << angle;
+                   R * Eigen::AngleAxisd(1.1, Eigen::Vector3d::UnitY()).toRotationMatrix())
+                      .norm(),
+                  4e-15)
+            << angle;
     }
 }
 

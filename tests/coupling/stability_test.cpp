@@ -23,7 +23,8 @@ TEST(Stability, FastestModeOfThePlateIsItsClosedForm) {
     const Plugins plugins;
     const double k = 5e5, m = test::kPlateMass;
     const Model model = test::plate_stack(plugins, 1, k, 100, 1e-3, Coupling::implicit);
-    const double about_x = 4 * k * 0.08 * 0.08 / (m / 12 * (0.04 + 4e-4)), about_y = 4 * k * 0.13 * 0.13 / (m / 12 * (0.09 + 4e-4)),
+    const double about_x = 4 * k * 0.08 * 0.08 / (m / 12 * (0.04 + 4e-4)),
+                 about_y = 4 * k * 0.13 * 0.13 / (m / 12 * (0.09 + 4e-4)),
                  about_z = 4 * k * (0.13 * 0.13 + 0.08 * 0.08) / (m / 12 * 0.13);
     const FastestMode fastest = fastest_of(model, plugins);
     EXPECT_NEAR(fastest.omega, std::sqrt(std::max({4 * k / m, about_x, about_y, about_z})), 1e-4 * fastest.omega);

@@ -26,7 +26,8 @@ TEST(SpringDamper, StaticTransferMatrixFollowsTheSignConvention) {
     EXPECT_EQ(U, expected);
 }
 
-// Oracle: the paper's eq. (4) and (5): Khat = k + c C, last column c (D_I − D_O)/Khat with Fox-Euler's C and D, both by hand.
+// Oracle: the paper's eq. (4) and (5): Khat = k + c C, last column c (D_I − D_O)/Khat with Fox-Euler's C and D, both by
+// hand.
 TEST(SpringDamper, FoxEulerTransferMatrixIsThePapersEquation4) {
     const double h = 1e-3, k = 5e5, c = 100;
     const SpringDamper joint(std::array<double, 12>{k, k, k, c, c, c, 0, 0, 0, 0, 0, 0});

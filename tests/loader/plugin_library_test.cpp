@@ -52,9 +52,7 @@ TEST(PluginLibrary, WhatIsNoLibraryIsRefused) {
 }
 
 // A bare name is a file of the current folder, not one of the system's libraries.
-TEST(PluginLibrary, ABareNameIsNotSearchedOnTheLibraryPath) {
-    expect_refused("libc.so.6", "there is no such file");
-}
+TEST(PluginLibrary, ABareNameIsNotSearchedOnTheLibraryPath) { expect_refused("libc.so.6", "there is no such file"); }
 
 TEST(PluginLibrary, ALibraryThatIsNoPluginOfThisVersionIsRefused) {
     expect_refused(faulty_plugin("no_entry"), "it exports no dttmm_plugin_entry");

@@ -14,9 +14,7 @@ using testing::HasSubstr;
 
 const Constants kConstants = {{"k", 500.0}, {"mass_2", 3.0}, {"größe", 7.0}, {"k-1", 11.0}, {"min", 13.0}, {"e1", 17.0}};
 
-double value_of(const std::string& text) {
-    return evaluate_expression(text, kConstants);
-}
+double value_of(const std::string& text) { return evaluate_expression(text, kConstants); }
 std::string fault(const std::string& text) {
     return error_of([&] { value_of(text); });
 }

@@ -11,9 +11,7 @@ namespace {
 using testing::HasSubstr;
 
 /// A valid model whose [parameters] are `text`; the first line of it is line 13.
-std::string with_parameters(const std::string& text) {
-    return model_with("[parameters]\n" + text);
-}
+std::string with_parameters(const std::string& text) { return model_with("[parameters]\n" + text); }
 
 std::vector<Parameter> parameters_of(const std::string& text, const Parameters::Overrides& overrides = {}) {
     ModelOverrides all;
@@ -21,9 +19,7 @@ std::vector<Parameter> parameters_of(const std::string& text, const Parameters::
     return parse(with_parameters(text), all).parameters;
 }
 
-std::string fault(const std::string& text) {
-    return errors_of(with_parameters(text));
-}
+std::string fault(const std::string& text) { return errors_of(with_parameters(text)); }
 
 std::string override_fault(const Parameters::Overrides& overrides, ExitCode code) {
     ModelOverrides all;

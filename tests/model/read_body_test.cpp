@@ -11,16 +11,10 @@ namespace {
 
 using testing::HasSubstr;
 
-Body body(const std::string& text) {
-    return parse(body_with(text)).bodies.at(0);
-}
-std::string fault(const std::string& text) {
-    return errors_of(body_with(text));
-}
+Body body(const std::string& text) { return parse(body_with(text)).bodies.at(0); }
+std::string fault(const std::string& text) { return errors_of(body_with(text)); }
 /// The fault of a body that is otherwise complete; the first line of `text` is line 11.
-std::string fault_beside_mass(const std::string& text) {
-    return fault("mass = 2\ninertia = [2, 3, 4]\n" + text);
-}
+std::string fault_beside_mass(const std::string& text) { return fault("mass = 2\ninertia = [2, 3, 4]\n" + text); }
 
 TEST(ReadBody, MassAndInertia) {
     const Body b = body(
@@ -112,7 +106,8 @@ TEST(ReadBody, ShapeFaults) {
     EXPECT_THAT(fault("density = 5\n"), HasSubstr("missing key: one of box, cylinder, tube, sphere"));
     EXPECT_THAT(fault("density = 5\nbox = [1, 2, 3]\nsphere = 1\n"), HasSubstr("\"box\" and \"sphere\" exclude each other"));
     EXPECT_THAT(fault("density = 5\nbox = [1, 2, 3]\nmass = 1\n"), HasSubstr("\"density\" and \"mass\" exclude each other"));
-    EXPECT_THAT(fault("mass = 5\ninertia = [2, 3, 4]\nbox = [1, 2, 3]\n"), HasSubstr("\"inertia\" and a shape exclude each other"));
+    EXPECT_THAT(fault("mass = 5\ninertia = [2, 3, 4]\nbox = [1, 2, 3]\n"),
+                HasSubstr("\"inertia\" and a shape exclude each other"));
     EXPECT_THAT(fault("box = [1, 2, 3]\n"), HasSubstr("missing key: one of density, mass"));
     EXPECT_THAT(fault("density = 5\nbox = [1, 2, 3]\naxis = \"x\"\n"), HasSubstr("a box has no axis"));
     EXPECT_THAT(fault("density = 5\ncylinder = [1, 2]\naxis = \"w\"\n"),

@@ -21,12 +21,8 @@ std::string with_element(const std::string& text) {
 }
 const std::string kEnds = "type = \"spring_damper\"\nfrom = \"ground\"\nto = \"plate.a\"\n";  // lines 20 to 22
 
-Element element(const std::string& text) {
-    return parse(with_element(text)).elements.at(0);
-}
-std::string fault(const std::string& text) {
-    return errors_of(with_element(text));
-}
+Element element(const std::string& text) { return parse(with_element(text)).elements.at(0); }
+std::string fault(const std::string& text) { return errors_of(with_element(text)); }
 
 TEST(ReadElement, ValuesStandInTheDeclaredOrder) {
     const Element e =

@@ -8,12 +8,8 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string with_load(const std::string& text) {
-    return model_with("[[load]]\n" + text);
-}
-std::string fault(const std::string& text) {
-    return errors_of(with_load(text));
-}
+std::string with_load(const std::string& text) { return model_with("[[load]]\n" + text); }
+std::string fault(const std::string& text) { return errors_of(with_load(text)); }
 
 TEST(ReadLoad, ActsOnABodyOrAMarker) {
     const Load load = parse(with_load("on = \"plate\"\ndirection = [3, 0, 4]\nforce = 7\n")).loads.at(0);

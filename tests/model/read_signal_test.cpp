@@ -19,12 +19,8 @@ std::string with_force(const std::string& force, const char* key = "force") {
                       std::string(key) + " = " + force);
 }
 
-Signal signal(const std::string& force) {
-    return parse(with_force(force)).loads.at(0).signal;
-}
-std::string fault(const std::string& force) {
-    return errors_of(with_force(force));
-}
+Signal signal(const std::string& force) { return parse(with_force(force)).loads.at(0).signal; }
+std::string fault(const std::string& force) { return errors_of(with_force(force)); }
 
 // Oracles below: the formulas in signal_shapes.h at points where they are simple.
 TEST(ReadSignal, ANumberOrQuantityIsConstant) {

@@ -9,9 +9,7 @@ namespace {
 using testing::Contains;
 using testing::HasSubstr;
 
-Model with(const std::string& text, const ModelOverrides& overrides = {}) {
-    return parse(simulation_with(text), overrides);
-}
+Model with(const std::string& text, const ModelOverrides& overrides = {}) { return parse(simulation_with(text), overrides); }
 std::string fault(const std::string& text, const ModelOverrides& overrides = {}) {
     return errors_of(simulation_with(text), overrides);
 }

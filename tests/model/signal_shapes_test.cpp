@@ -23,23 +23,15 @@ std::atomic<long> allocations{0};
     ++allocations;
     return std::malloc(size);
 }
-[[gnu::noinline]] void operator delete(void* memory) noexcept {
-    std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
-    std::free(memory);
-}
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace dttmm {
 namespace {
 
-TEST(Signal, WithoutShapeIsZero) {
-    EXPECT_EQ(Signal().value(3), 0);
-}
+TEST(Signal, WithoutShapeIsZero) { EXPECT_EQ(Signal().value(3), 0); }
 
-TEST(ConstantSignal, IsConstant) {
-    EXPECT_EQ(ConstantSignal(7).value(-1), 7);
-}
+TEST(ConstantSignal, IsConstant) { EXPECT_EQ(ConstantSignal(7).value(-1), 7); }
 
 // Oracle: the cubic by hand: s = 1/4 gives 3/16 - 2/64 = 5/32.
 TEST(StepSignal, FollowsTheCubicBetweenItsEnds) {

@@ -66,9 +66,7 @@ inline constexpr const char* kSimulation = "[simulation]\nduration = 1\nstep = 0
 inline constexpr const char* kBody = "[[body]]\nname = \"plate\"\nmass = 2\ninertia = [2, 3, 4]\nmarkers.a = [1, 2, 3]\n";
 
 /// A valid model with one body "plate" and its marker "a", and then `rest`, whose first line is line 12.
-inline std::string model_with(const std::string& rest) {
-    return std::string(kStart) + kSimulation + kBody + rest;
-}
+inline std::string model_with(const std::string& rest) { return std::string(kStart) + kSimulation + kBody + rest; }
 
 /// A valid model with `body` in place of the body; its first line, after [[body]] and name, is line 9.
 inline std::string body_with(const std::string& body) {

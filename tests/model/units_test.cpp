@@ -105,9 +105,7 @@ TEST(Units, ANulDoesNotHideWhatFollows) {
     EXPECT_THAT(fault(std::string("5 m\0foo", 7), "m"), HasSubstr("unknown unit \"m\\u{0}foo\""));
 }
 
-TEST(Units, CommaHintsAtThePoint) {
-    EXPECT_THAT(fault("0,5 mm", "m"), HasSubstr("the decimal sign is a point"));
-}
+TEST(Units, CommaHintsAtThePoint) { EXPECT_THAT(fault("0,5 mm", "m"), HasSubstr("the decimal sign is a point")); }
 
 TEST(Units, NumbersMustBeFiniteAndInRange) {
     for (const char* text : {"inf m", "nan", "-infinity"}) EXPECT_THAT(fault(text, "m"), HasSubstr("not finite")) << text;

@@ -18,9 +18,7 @@ TEST(Wording, QuoteEscapesWhatATerminalWouldActUpon) {
               "\"\\xffa\"");
 }
 
-TEST(Wording, QuoteIsShort) {
-    EXPECT_EQ(quote(std::string(10000, 'x')), "\"" + std::string(100, 'x') + "…\"");
-}
+TEST(Wording, QuoteIsShort) { EXPECT_EQ(quote(std::string(10000, 'x')), "\"" + std::string(100, 'x') + "…\""); }
 
 // Oracle: counted by hand; "ca" to "abc" is the textbook pair that tells this distance (3) from the unrestricted one (2).
 TEST(Wording, EditDistanceCountsEditsAndSwaps) {

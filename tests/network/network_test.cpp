@@ -49,7 +49,8 @@ struct Frame {
 };
 
 const Frame kLeft{vec(0.3, -0.1, 0.2), rotation_from_vector(vec(0.4, -0.8, 1.3)), vec(0.2, -0.3, 0.1), vec(0.5, 0.9, -0.4)};
-const Frame kRight{vec(0.7, 0.25, -0.3), rotation_from_vector(vec(-1.1, 0.2, 0.6)), vec(-0.1, 0.4, 0.6), vec(-0.8, 0.3, 0.7)};
+const Frame kRight{vec(0.7, 0.25, -0.3), rotation_from_vector(vec(-1.1, 0.2, 0.6)), vec(-0.1, 0.4, 0.6),
+                   vec(-0.8, 0.3, 0.7)};
 
 dttmm_node node(const char* name, uint32_t kind, const Frame& frame) {
     dttmm_node n{name, kind, {}, {}};
@@ -69,7 +70,8 @@ Network make_network(uint32_t scheme, bool grounded_left, const Values& values =
 /// Two parallel elements, the second the other way round: three ports, two elements, so that a swapped index shows.
 Network make_pair(uint32_t scheme) {
     const Frame third{vec(-0.2, 0.1, 0.9), rotation_from_vector(vec(0.1, 0.2, 0.3))};
-    const dttmm_node nodes[] = {node("left", DTTMM_NODE_PORT, kLeft), node("right", DTTMM_NODE_PORT, kRight), node("third", DTTMM_NODE_PORT, third)};
+    const dttmm_node nodes[] = {node("left", DTTMM_NODE_PORT, kLeft), node("right", DTTMM_NODE_PORT, kRight),
+                                node("third", DTTMM_NODE_PORT, third)};
     const dttmm_element elements[] = {{"a", 0, 0, 1, kUgly.data()}, {"b", 0, 2, 1, kSoft.data()}};
     return Network({3, nodes, 2, elements, scheme, 0.25, 0.5});
 }
@@ -124,7 +126,8 @@ TEST(Network, LinearisedWrenchIsTheForceLaw) {
     const Network network = make_network(DTTMM_SCHEME_CENTRED, false);
     const Frame left = kLeft.displaced((Vector6() << 0.01, -0.02, 0.03, 0.04, -0.05, 0.06).finished()), right = kRight;
     const double e = 1e-5;
-    const Vector6 rate = (deformation_of(left.after(e), right.after(e)) - deformation_of(left.after(-e), right.after(-e))) / (2 * e);
+    const Vector6 rate =
+        (deformation_of(left.after(e), right.after(e)) - deformation_of(left.after(-e), right.after(-e))) / (2 * e);
     Vector6 f = stiffness_of(kUgly).cwiseProduct(deformation_of(left, right));
     f.head<3>() += damping_of(kUgly).head<3>().cwiseProduct(rate.head<3>());
     const dttmm_motion ports[] = {left.motion(), right.motion()};
@@ -206,7 +209,8 @@ TEST(Network, CentredWrenchIsTheWeightedForceLaw) {
     Vector6 f = stiffness_of(kUgly).cwiseProduct(weighted) + damping_of(kUgly).cwiseProduct(rate);
     // Rotations enter as the vectors that lead from t_n to its neighbours; k ∘ θ becomes J⁻ᵀ (k ∘ θ), J⁻ᵀ from the core.
     const Matrix3 Q = attitude_of(left, right);
-    const Vector3 after = turn_between(Q, attitude_of(next_left, next_right)), before = turn_between(attitude_of(before_left, before_right), Q);
+    const Vector3 after = turn_between(Q, attitude_of(next_left, next_right)),
+                  before = turn_between(attitude_of(before_left, before_right), Q);
     const Vector3 theta = turn_between(Matrix3::Identity(), Q);
     f.tail<3>() = rotation_vector_rate(theta).transpose() *
                       stiffness_of(kUgly).tail<3>().cwiseProduct(theta + 0.31 * after - (0.5 - 0.56 + 0.31) * before) +
@@ -229,7 +233,8 @@ TEST(Network, CentredWrenchIsTheWeightedForceLaw) {
 // Oracle: central differences of evaluate() by the trial pose. The wrench is bilinear in nothing but the trial's frames.
 TEST(Network, StiffnessOfTheStepIsTheDerivativeOfItsWrench) {
     Network network = make_pair(DTTMM_SCHEME_CENTRED);
-    const Frame third{vec(-0.2, 0.1, 0.9), rotation_from_vector(vec(0.1, 0.2, 0.3)), vec(0.3, 0.1, 0.2), vec(0.2, 0.7, -0.5)};
+    const Frame third{vec(-0.2, 0.1, 0.9), rotation_from_vector(vec(0.1, 0.2, 0.3)), vec(0.3, 0.1, 0.2),
+                      vec(0.2, 0.7, -0.5)};
     std::array<Frame, 3> ports = {kLeft, kRight, third};
     const double accelerations[18] = {};
     const auto motions = [](const std::array<Frame, 3>& at) {
@@ -254,7 +259,8 @@ TEST(Network, StiffnessOfTheStepIsTheDerivativeOfItsWrench) {
             plus[p] = ports[p].displaced(e * Vector6::Unit(i));
             minus[p] = ports[p].displaced(-e * Vector6::Unit(i));
             const Eigen::Matrix<double, 18, 1> difference = -(wrench_at(plus) - wrench_at(minus)) / (2 * e);
-            EXPECT_LT((S.col(static_cast<int>(6 * p) + i) - difference).norm(), 1e-7 * S.norm()) << "pose " << i << " of port " << p;
+            EXPECT_LT((S.col(static_cast<int>(6 * p) + i) - difference).norm(), 1e-7 * S.norm())
+                << "pose " << i << " of port " << p;
         }
 }
 
@@ -295,7 +301,8 @@ TEST(Network, ARigidMotionOfTheWholeCausesNoWrench) {
         const Vector3 w = vec(3, -50, 20), v = vec(5, 2, -1), center = vec(0.1, 0.2, 0.3);
         const auto moved = [&](const Frame& frame, double t) {
             const Matrix3 R = rotation_from_vector(t * w);
-            return Frame{center + t * v + R * (frame.position - center), R * frame.rotation, v + w.cross(R * (frame.position - center)), w};
+            return Frame{center + t * v + R * (frame.position - center), R * frame.rotation,
+                         v + w.cross(R * (frame.position - center)), w};
         };
         const dttmm_motion start[] = {moved(kLeft, 0).motion(), moved(kRight, 0).motion()};
         double accelerations[12] = {};
@@ -308,7 +315,8 @@ TEST(Network, ARigidMotionOfTheWholeCausesNoWrench) {
             network.begin_step({n, t - kStep, kStep});
             Vector12 wrench;
             network.evaluate(trial, wrench.data(), nullptr);
-            EXPECT_LT(wrench.cwiseAbs().maxCoeff(), 1e-6) << "step " << n << ", scheme " << scheme;  // N; k d is 1e6 N per metre
+            EXPECT_LT(wrench.cwiseAbs().maxCoeff(), 1e-6)
+                << "step " << n << ", scheme " << scheme;  // N; k d is 1e6 N per metre
             network.commit_step(trial);
         }
     }
@@ -373,7 +381,8 @@ TEST(Network, RestoredStateRepeatsTheFutureToTheBit) {
     }
 }
 
-// Oracle: by hand at the start of the last step: f = k d + c (d₊ − d₋)/2h, strain energy ½ k d², dissipated c d'² h per step.
+// Oracle: by hand at the start of the last step: f = k d + c (d₊ − d₋)/2h, strain energy ½ k d², dissipated c d'² h per
+// step.
 TEST(Network, OutputsStandAtTheStartOfTheLastStep) {
     Network network = make_network(DTTMM_SCHEME_CENTRED, false, kSoft);
     Frame left = kLeft, right = kRight;
@@ -420,7 +429,8 @@ TEST(Network, CallsOutOfOrderAreRefusedAndChangeNothing) {
 }
 
 TEST(Network, StructuralFaultsAreFoundWhenBuilt) {
-    const dttmm_node good[] = {node("a", DTTMM_NODE_GROUND, kLeft), node("b", DTTMM_NODE_PORT, kRight), node("c", DTTMM_NODE_GROUND, kLeft)};
+    const dttmm_node good[] = {node("a", DTTMM_NODE_GROUND, kLeft), node("b", DTTMM_NODE_PORT, kRight),
+                               node("c", DTTMM_NODE_GROUND, kLeft)};
     const auto status = [&](const dttmm_node* nodes, dttmm_element element, uint32_t scheme = 0, double beta = 0.25) {
         return status_of([&] { Network({3, nodes, 1, &element, scheme, beta, 0.5}); });
     };

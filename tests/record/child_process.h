@@ -46,9 +46,7 @@ inline int wait_for(pid_t child) {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
 }
 
-inline int run_in_child(const std::function<void()>& work) {
-    return wait_for(start_child(work));
-}
+inline int run_in_child(const std::function<void()>& work) { return wait_for(start_child(work)); }
 
 /// From now on no file of this process grows beyond `bytes`: a write that would fails with EFBIG, as on a full disk.
 inline void limit_file_size(rlim_t bytes) {

@@ -51,9 +51,7 @@ public:
     ~ReplacedWrite() { replaced_write = nullptr; }
 };
 
-std::vector<double> make_row(int n) {
-    return {0.001 * n, std::sin(n), -1e6 / (n + 1)};
-}
+std::vector<double> make_row(int n) { return {0.001 * n, std::sin(n), -1e6 / (n + 1)}; }
 
 std::string expected_line(int n) {
     const std::vector<double> row = make_row(n);

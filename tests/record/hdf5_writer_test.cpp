@@ -20,9 +20,7 @@ using testing::HasSubstr;
 const std::vector<Channel> kChannels{{"time", "s"}, {"bolt1.force.x", "N"}, {"плита.moment.z", "N m"}};
 const Attributes kAttributes{{"title", "Four bolts"}, {"version", "0.1.0"}, {"model", std::string(100'000, '#')}};
 
-std::vector<double> make_row(int n) {
-    return {0.001 * n, std::sin(n), -1e6 / (n + 1)};
-}
+std::vector<double> make_row(int n) { return {0.001 * n, std::sin(n), -1e6 / (n + 1)}; }
 
 void write_file(const std::filesystem::path& path, int rows) {
     Hdf5Writer writer(path, kChannels, kAttributes);

@@ -45,9 +45,7 @@ private:
     int line_;
 };
 
-void wait(int milliseconds) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
-}
+void wait(int milliseconds) { std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds)); }
 
 // Oracle: the lines as a person would write them.
 TEST(ProgressLine, ShowsShareBarCountAndTimes) {

@@ -24,12 +24,8 @@ std::atomic<long> allocations = 0;
     if (void* memory = std::malloc(size)) return memory;
     throw std::bad_alloc();
 }
-[[gnu::noinline]] void operator delete(void* memory) noexcept {
-    std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
-    std::free(memory);
-}
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace dttmm {
 namespace {
@@ -40,9 +36,7 @@ using testing::HasSubstr;
 const std::vector<Channel> kChannels{
     {"time", "s"}, {"bolt1.force.x", "N"}, {"bolt1.force.y", "N"}, {"plate.position.x", "m"}};
 
-std::vector<double> make_row(int n) {
-    return {0.001 * n, std::sin(n), 1.0 / (n + 1), -2.5 * n};
-}
+std::vector<double> make_row(int n) { return {0.001 * n, std::sin(n), 1.0 / (n + 1), -2.5 * n}; }
 
 std::vector<double> read_dataset(const std::filesystem::path& path, const char* name) {
     const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);

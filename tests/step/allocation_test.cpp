@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Nothing is allocated in the step loop. Every malloc of this executable is counted while a step runs, the plugin's, ODE's and
-// the recorder's included. Under the address sanitizer, which has a malloc of its own, the test has nothing to count and is left out.
+// Nothing is allocated in the step loop. Every malloc of this executable is counted while a step runs, the plugin's, ODE's
+// and the recorder's included. Under the address sanitizer, which has a malloc of its own, the test has nothing to count and
+// is left out.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

@@ -49,8 +49,8 @@ Model thrown_body() {
     return model;
 }
 
-// Oracle: free fall and steady spin in closed form, read at the body's origin and at a marker: x, v and a of both. The scheme
-// is exact for the fall; the spin's centred differences are second order, (ωh)²/6 = 7e-6 of ω² r.
+// Oracle: free fall and steady spin in closed form, read at the body's origin and at a marker: x, v and a of both. The
+// scheme is exact for the fall; the spin's centred differences are second order, (ωh)²/6 = 7e-6 of ω² r.
 TEST(Observer, PositionVelocityAndAccelerationOfAThrownBody) {
     const Plugins plugins;
     const Model model = thrown_body();
@@ -104,8 +104,8 @@ TEST(Observer, EnergyLedgerClosesToSecondOrder) {
     EXPECT_NEAR(coarse / fine, 4, 0.5);
 }
 
-// Oracle: the initial conditions themselves. At t = 0 the springs are slack and the body is given its velocity: a = g + f/m with
-// f = −c v, whatever the first step, here far too long for the damper (c h/m = 4 · 10), makes of it.
+// Oracle: the initial conditions themselves. At t = 0 the springs are slack and the body is given its velocity: a = g + f/m
+// with f = −c v, whatever the first step, here far too long for the damper (c h/m = 4 · 10), makes of it.
 TEST(Observer, TheFirstRowIsTheInitialConditions) {
     const Plugins plugins;
     for (Coupling coupling : {Coupling::implicit, Coupling::explicit_}) {
@@ -137,7 +137,8 @@ TEST(Observer, AnUndampedPlateKeepsItsEnergyOverManySteps) {
     const double energy = rows(0, "energy.kinetic") + rows(0, "energy.strain");
     double early = 0, late = 0;
     for (size_t n = 0; n < rows.count(); ++n)
-        (n < rows.count() / 10 ? early : late) = std::max(n < rows.count() / 10 ? early : late, std::abs(rows(n, "energy.residual")));
+        (n < rows.count() / 10 ? early : late) =
+            std::max(n < rows.count() / 10 ? early : late, std::abs(rows(n, "energy.residual")));
     EXPECT_LT(late, 1.05 * early);  // bounded: what there is oscillates with (ωh)²
     EXPECT_LT(late, 0.15 * energy);
 }

@@ -24,8 +24,8 @@ struct Bolts {
     double c, rise_time;
 };
 
-const Bolts kSoft{{4e5, 5e5, 5e5, 5e5}, 100, 18.4e-3};     // examples/four_bolt_plate, bolt 1 softer by a fifth
-const Bolts kStiff{{4e8, 5e8, 5e8, 5e8}, 1000, 20e-3};     // examples/stiff_bolts
+const Bolts kSoft{{4e5, 5e5, 5e5, 5e5}, 100, 18.4e-3};  // examples/four_bolt_plate, bolt 1 softer by a fifth
+const Bolts kStiff{{4e8, 5e8, 5e8, 5e8}, 1000, 20e-3};  // examples/stiff_bolts
 
 Eigen::Matrix<double, 3, 6> marker_motion(const Eigen::Vector3d& arm) {
     Eigen::Matrix<double, 3, 6> G;
@@ -73,7 +73,8 @@ Forces simulated_forces(const std::string& example, const ModelOverrides& overri
     const auto per_millisecond = static_cast<long>(std::llround(1e-3 / model.simulation.step));
     long row = 0;
     simulation.record_to([&](std::span<const double> values) {
-        if (row++ % per_millisecond == 0) forces.push_back({values[column[0]], values[column[1]], values[column[2]], values[column[3]]});
+        if (row++ % per_millisecond == 0)
+            forces.push_back({values[column[0]], values[column[1]], values[column[2]], values[column[3]]});
     });
     while (simulation.index() < simulation.step_count()) simulation.step();
     return forces;
@@ -96,8 +97,8 @@ ModelOverrides soft_bolt(const std::string& step, const std::string& coupling) {
     return overrides;
 }
 
-// Oracle: matrix exponential; a second-order scheme divides the error by four per halving. Written out by hand for the linear
-// plate, the scheme's three-level formula has the error 1.0296e-2 at 1 ms.
+// Oracle: matrix exponential; a second-order scheme divides the error by four per halving. Written out by hand for the
+// linear plate, the scheme's three-level formula has the error 1.0296e-2 at 1 ms.
 TEST(Plate, ImplicitCouplingIsSecondOrderDownToAHundredthOfAMillisecond) {
     const Forces exact = exact_forces(kSoft, 1000);
     double previous = 0;
@@ -116,7 +117,9 @@ TEST(Plate, ImplicitCouplingIsSecondOrderDownToAHundredthOfAMillisecond) {
 // Oracle: the design's figure, 7.4e-3 at 1 ms, which belongs to a load that rises in 20 ms.
 TEST(Plate, ErrorAtOneMillisecondIsTheDesignsFigureForItsRise) {
     const Bolts bolts{kSoft.k, kSoft.c, 20e-3};
-    EXPECT_NEAR(error(simulated_forces("four_bolt_plate", soft_bolt("1 ms", "implicit"), "20 ms"), exact_forces(bolts, 1000)), 7.4e-3, 5e-5);
+    EXPECT_NEAR(
+        error(simulated_forces("four_bolt_plate", soft_bolt("1 ms", "implicit"), "20 ms"), exact_forces(bolts, 1000)),
+        7.4e-3, 5e-5);
 }
 
 TEST(Plate, ExplicitCouplingOfThePaperFallsBelowOnePerMilleAtATenthOfAMillisecond) {

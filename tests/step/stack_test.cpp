@@ -42,8 +42,8 @@ TEST(Stack, FollowsTheExactChainToSecondOrder) {
 
 TEST(Stack, AHundredPlatesHoldTheirTolerance) { EXPECT_LT(stack_error(100, 5e-4, Coupling::implicit), 2e-4); }
 
-// Oracle: bits. The order in which the elements stand in the file does not decide which bodies they hold: the same stack with
-// its elements reversed gives the same motion to rounding.
+// Oracle: bits. The order in which the elements stand in the file does not decide which bodies they hold: the same stack
+// with its elements reversed gives the same motion to rounding.
 TEST(Stack, OrderOfTheElementsDoesNotMatter) {
     const Plugins plugins;
     const Model model = test::plate_stack(plugins, 4, 5e5, 100, 1e-3, Coupling::implicit);

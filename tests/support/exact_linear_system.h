@@ -8,8 +8,8 @@
 
 namespace dttmm::test {
 
-/// The exact motion of  M q'' + C q' + K q = p a (3 s² − 2 s³),  s = t/T clipped to 0…1,  from rest: the load is a polynomial,
-/// so that the state, extended by 1, t, t², t³, moves by a matrix exponential. Nothing is discretised.
+/// The exact motion of  M q'' + C q' + K q = p a (3 s² − 2 s³),  s = t/T clipped to 0…1,  from rest: the load is a
+/// polynomial, so that the state, extended by 1, t, t², t³, moves by a matrix exponential. Nothing is discretised.
 class ExactLinearSystem {
 public:
     ExactLinearSystem(const Eigen::MatrixXd& M, const Eigen::MatrixXd& C, const Eigen::MatrixXd& K, const Eigen::VectorXd& p,

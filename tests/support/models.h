@@ -43,7 +43,8 @@ inline Body box(const std::string& name, double mass, const Eigen::Vector3d& siz
 }
 
 /// A spring-damper, the same stiffness k and damping c in every translation.
-inline Element spring(const std::string& name, const Plugins& plugins, const Attachment& from, const Attachment& to, double k, double c) {
+inline Element spring(const std::string& name, const Plugins& plugins, const Attachment& from, const Attachment& to,
+                      double k, double c) {
     Element element;
     element.name = name;
     element.type = plugins.catalogue().find("spring_damper");
@@ -58,8 +59,8 @@ inline constexpr double kPlateMass = 9.42;  // 300 x 200 x 20 mm of steel
 inline const Eigen::Vector3d kPlateSize(0.3, 0.2, 0.02);
 inline const Eigen::Vector3d kCorners[] = {{0.13, 0.08, 0}, {-0.13, 0.08, 0}, {-0.13, -0.08, 0}, {0.13, -0.08, 0}};
 
-/// N plates above each other, each bolted to the one below (the first to the ground) by four bolts; the top one is pulled up.
-/// N = 1 is the four-bolt plate.
+/// N plates above each other, each bolted to the one below (the first to the ground) by four bolts; the top one is pulled
+/// up. N = 1 is the four-bolt plate.
 inline Model plate_stack(const Plugins& plugins, int count, double k, double c, double step, Coupling coupling) {
     Model model;
     model.simulation.step = step;

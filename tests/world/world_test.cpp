@@ -38,8 +38,8 @@ TEST(World, PlacesTheCentreOfMass) {
     EXPECT_LT((state[0].rotation - body.rotation).norm(), 1e-15);
 }
 
-// Oracle: the integrator by hand: v+ = v + h f/m, x+ = x + h v+, ω+ = ω + h I⁻¹ m, R+ = exp(h ω+) R. No gravity, no damping and
-// no gyroscopic term of ODE's own may be in it.
+// Oracle: the integrator by hand: v+ = v + h f/m, x+ = x + h v+, ω+ = ω + h I⁻¹ m, R+ = exp(h ω+) R. No gravity, no damping
+// and no gyroscopic term of ODE's own may be in it.
 TEST(World, AdvancesByTheLeapFrogFormula) {
     const Body body = ugly_body();
     World world({body});

@@ -10,6 +10,7 @@
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
 #include "coupling/stability.h"
+#include "model/diagnostics.h"
 #include "record/atomic_file.h"
 #include "record/progress_bar.h"
 #include "record/recorder.h"
@@ -23,6 +24,13 @@ namespace {
 
 void print_warnings(const Model& model) {
     for (const std::string& warning : model.warnings) tell(fmt::format("warning: {}", warning));
+    // A load is looked at once per step: of what is shorter than a few steps little is left.
+    for (const Load& load : model.loads)
+        if (load.signal.shortest_time() < 5 * model.simulation.step)
+            tell(fmt::format(
+                "warning: {}: the load has a wave or pulse of {:.3g} s, shorter than 5 steps of {:g} s: it is poorly "
+                "resolved or lost between them",
+                load.place, load.signal.shortest_time(), model.simulation.step));
 }
 
 /// The largest step up to `longest` [s] that divides `step` into 1, 2, 4, 5, 8, 10, 20, ... parts: it then divides duration
@@ -31,6 +39,15 @@ double divide_step(double step, double longest) {
     for (double decade = 1;; decade *= 10)
         for (double parts : {1, 2, 4, 5, 8})
             if (!(step / (decade * parts) > longest)) return step / (decade * parts);
+}
+
+/// The channels the model asks for. Throws Error(model_invalid) with the place of the list.
+std::vector<int> selected_channels(const Model& model, const Simulation& simulation) {
+    try {
+        return select_channels(simulation.channels(), model.output.channels);
+    } catch (const Error& error) {
+        throw ModelError(fmt::format("{}: {}", model.output.channels_place, error.what()));
+    }
 }
 
 /// An explicit coupling beyond the limit of its scheme would throw the machine apart.
@@ -142,7 +159,7 @@ ExitCode run(const RunRequest& request) {
     print_warnings(model);
     Simulation simulation(model, plugins);
     refuse_unstable(model, simulation, request.force);
-    const std::vector<int> selection = select_channels(simulation.channels(), model.output.channels);
+    const std::vector<int> selection = selected_channels(model, simulation);
 
     const ResultsFolder folder(request.output.value_or(default_results_path(request.model)));
     const Attributes attributes = {{"title", model.title}, {"version", DTTMM_VERSION}, {"model", model.source}};
@@ -170,7 +187,7 @@ void check(const RunRequest& request) {
     const Model model = read_model(request.model, plugins.catalogue(), request.overrides);
     print_warnings(model);
     Simulation simulation(model, plugins);
-    select_channels(simulation.channels(), model.output.channels);
+    selected_channels(model, simulation);
 
     const FastestMode& fastest = simulation.fastest_mode();
     const bool implicit = model.simulation.coupling == Coupling::implicit;

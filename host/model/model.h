@@ -71,6 +71,7 @@ struct SimulationSettings {
 struct OutputSettings {
     int every = 1;                      ///< one row per so many steps
     std::vector<std::string> channels;  ///< glob patterns; empty: the default channels
+    std::string channels_place;         ///< "file:line:column" of the list
 };
 
 struct Parameter {

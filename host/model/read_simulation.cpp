@@ -147,6 +147,7 @@ OutputSettings read_output(const TableReader& file, const SimulationSettings& si
             table.error(channels->value.place,
                         "channels must be a list of texts, e.g. [\"bolt*.force\", \"plate.position\"]");
         for (const TomlValue& item : channels->value.items) settings.channels.push_back(item.string);
+        settings.channels_place = file.context().diagnostics.place_text(channels->value.place);
     }
     const auto step = table.find("step") ? table.number("step", "s", kPositive) : std::nullopt;
     if (!step || !(simulation.step > 0)) return settings;

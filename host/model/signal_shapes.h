@@ -38,6 +38,7 @@ public:
     PulseSignal(double peak, double start, double width, double period = 0, double count = 1)
         : peak_(peak), start_(start), width_(width), period_(period), count_(count) {}
     double value(double time) const override;
+    double shortest_time() const override { return width_; }
 
 private:
     double peak_, start_, width_, period_, count_;
@@ -50,6 +51,7 @@ public:
     SineSignal(double amplitude, double frequency, double phase, double offset, double start)
         : amplitude_(amplitude), frequency_(frequency), phase_(phase), offset_(offset), start_(start) {}
     double value(double time) const override;
+    double shortest_time() const override { return 1 / frequency_; }
 
 private:
     double amplitude_, frequency_, phase_, offset_, start_;

@@ -79,10 +79,9 @@ std::string list_available(const std::vector<Channel>& all) {
 }
 
 Error no_match(const std::vector<Channel>& all, const std::string& pattern) {
-    return Error(
-        ExitCode::model_invalid,
-        fmt::format("[output] channels: the pattern \"{}\" matches no channel; the nearest is \"{}\". Available: {}",
-                    pattern, nearest(all, pattern), list_available(all)));
+    return Error(ExitCode::model_invalid,
+                 fmt::format("the pattern \"{}\" matches no channel; the nearest is \"{}\". Available: {}", pattern,
+                             nearest(all, pattern), list_available(all)));
 }
 
 }  // namespace

@@ -127,6 +127,49 @@ TEST(Command, CheckSaysWhatWouldBeSolvedAndWritesNothing) {
     EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
+TEST(Command, AChannelPatternThatMatchesNothingIsNamedWithItsPlace) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", small_model_with("step = \"5 ms\"", "step = \"5 ms\"\nchannels = [\"two.forse\"]"));
+    const Ended ended = run_dttmm(folder.path(), {"check", "model.toml"});
+    EXPECT_EQ(ended.code, 3);
+    EXPECT_THAT(ended.err, AllOf(HasSubstr("model.toml:13:12: "), HasSubstr("two.forse"), HasSubstr("matches no channel")));
+}
+
+// A load is looked at once per step: a pulse between two steps would vanish without a word.
+TEST(Command, WarnsOfALoadThatIsShorterThanAFewSteps) {
+    const TemporaryFolder folder;
+    write_text(
+        folder / "model.toml",
+        small_model_with("\"100 N\"", "{ type = \"haversine\", peak = 1e6, start = \"0.3 ms\", width = \"0.4 ms\" }"));
+    const Ended ended = run_dttmm(folder.path(), {"check", "model.toml"});
+    EXPECT_EQ(ended.code, 0);
+    EXPECT_THAT(ended.err,
+                AllOf(HasSubstr("warning: "), HasSubstr("model.toml:24:1: "), HasSubstr("0.0004 s, shorter than 5 steps")));
+}
+
+// What the ledger cannot account for is told: a stiff pendulum that turns 0.3 rad per step gains energy from nothing.
+TEST(Command, WarnsOfAnEnergyBalanceThatDoesNotClose) {
+    const TemporaryFolder folder;
+    write_text(folder / "pendulum.toml", R"(format = "dttmm/1"
+simulation = { duration = 1, step = 1e-3, gravity = [0, 0, -9.81] }
+[[body]]
+name = "rod"
+mass = 1
+inertia = [0.01, 0.05, 0.06]
+center_of_mass = [0.5, 0, 0]
+angular_velocity = [0, 300, 0]
+[[element]]
+name = "pivot"
+type = "spring_damper"
+from = "ground"
+to = "rod"
+stiffness = 1e8
+)");
+    const Ended ended = run_dttmm(folder.path(), {"run", "pendulum.toml", "-o", "out"});
+    EXPECT_THAT(ended.err, HasSubstr("energy balance leaves"));
+    read_history(folder / "out/history.csv");  // whole rows, every number finite
+}
+
 // Oracle: the plugins' own tables.
 TEST(Command, ElementsPrintsThePluginsTables) {
     const Ended ended = run_dttmm("/", {"elements", "--plugin", DTTMM_C_SPRING});

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <cfenv>
 #include <cmath>
 #include <cstring>
 
@@ -66,6 +67,10 @@ Networks::Networks(const Model& model, const Plugins& plugins) {
     if (!instances_.empty()) {
         refuse_mixed_weights();
         instances_.front().load_weights(weights_);
+        if (!(std::abs(weights_[0] + weights_[1] + weights_[2] - 1) < 1e-12))
+            throw Error(ExitCode::plugin_failure,
+                        fmt::format("element \"{}\": its plugin weights loads by {}, {} and {}, which do not add up to one",
+                                    instances_.front().element_name(0), weights_[0], weights_[1], weights_[2]));
         is_implicit_ = false;
         for (const NetworkInstance& instance : instances_) is_implicit_ = is_implicit_ || instance.is_implicit();
     }
@@ -279,8 +284,17 @@ size_t Networks::output_count() const {
 void Networks::outputs(double* values) const {
     for (const NetworkInstance& instance : instances_) {
         instance.outputs(values);
-        values += instance.channel_count();
+        for (uint32_t c = 0; c < instance.channel_count(); ++c, ++values) {
+            if (std::isfinite(*values)) [[likely]]
+                continue;
+            const dttmm_channel& channel = instance.channel(c);
+            throw Error(ExitCode::plugin_failure,
+                        fmt::format("element \"{}\" at t = {:.9g} s: its plugin says {} is {}",
+                                    instance.element_name(channel.element), time_, channel.name, *values));
+        }
     }
+    if (std::fegetround() != FE_TONEAREST)
+        throw Error(ExitCode::plugin_failure, "a plugin has changed the rounding mode of the processor");
 }
 
 }  // namespace dttmm

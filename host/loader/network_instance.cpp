@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <set>
+#include <utility>
 
 namespace dttmm {
 
@@ -39,10 +41,21 @@ NetworkInstance::NetworkInstance(const PluginLibrary& plugin, const dttmm_networ
 }
 
 void NetworkInstance::check_channels(uint32_t element_count) const {
+    // Names become columns and datasets: no control character, no slash, no repeat within an element.
+    const auto is_plain = [](const char* text) {
+        if (!text || !*text) return false;
+        for (; *text; ++text)
+            if (static_cast<unsigned char>(*text) < ' ' || *text == '/' || *text == 127) return false;
+        return true;
+    };
     const dttmm_channel* channels = table_->channels(instance_.get());
-    for (uint32_t c = 0; c < channel_count(); ++c)
-        if (!channels || !channels[c].name || !channels[c].unit || channels[c].element >= element_count)
+    std::set<std::pair<uint32_t, std::string>> names;
+    for (uint32_t c = 0; c < channel_count(); ++c) {
+        const bool declared =
+            channels && is_plain(channels[c].name) && channels[c].unit && channels[c].element < element_count;
+        if (!declared || !names.emplace(channels[c].element, channels[c].name).second)
             fail(DTTMM_ERROR_INTERNAL, {-1, "an output channel is not well declared"});
+    }
 }
 
 std::vector<unsigned char> NetworkInstance::save_state() const {

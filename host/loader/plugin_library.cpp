@@ -47,7 +47,8 @@ const dttmm_plugin* checked(const std::string& name, const dttmm_plugin* table) 
         for (uint32_t p = 0; p < type.parameter_count; ++p) {
             const dttmm_parameter& parameter = type.parameters[p];
             if (!parameter.name || !parameter.unit || !parameter.documentation || parameter.count == 0 ||
-                parameter.count > 1000 || std::isnan(parameter.default_value) || !(parameter.minimum <= parameter.maximum))
+                parameter.count > 1000 || !std::isfinite(parameter.default_value) ||
+                !(parameter.minimum <= parameter.maximum))
                 fail(name, fmt::format("element type \"{}\": parameter {} is not well declared", type.name, p));
         }
     }

@@ -124,6 +124,8 @@ const PluginFault kPluginFaults[] = {
     {"create_error", 3, "this spring is made of butter; take steel", -1},
     {"create_nothing", 7, "create returned no instance", -1},
     {"bad_channel", 7, "an output channel is not well declared", -1},
+    {"slash_channel", 7, "an output channel is not well declared", -1},
+    {"nan_output", 7, "its plugin says force.x is nan", 0},
     {"nan_at_step_1000", 4, "on body \"plate\" at t = 1 s: force (0, nan, 0) N", 200},
     {"error_at_step_1000", 7, "the spring has melted", 200},
     {"huge", 4, "beyond the cap of 1e+15", 0},
@@ -133,6 +135,18 @@ const PluginFault kPluginFaults[] = {
 
 INSTANTIATE_TEST_SUITE_P(Command, FaultyPlugin, testing::ValuesIn(kPluginFaults),
                          [](const auto& one) { return one.param.fault; });
+
+// What no element is to blame for is told of the plugin.
+TEST(Plugin, ThatBreaksTheHouseIsRefused) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", faulty_model());
+    for (const auto& [fault, says] :
+         {std::pair{"heavy_weights", "do not add up to one"}, {"rounding_mode", "changed the rounding mode"}}) {
+        const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--plugin", faulty_plugin(fault)});
+        EXPECT_EQ(ended.code, 7) << fault;
+        EXPECT_THAT(ended.err, HasSubstr(says));
+    }
+}
 
 // Oracle: the body falls freely, as the plugin's element never pulls: the same plugin without a fault is in order.
 TEST(Plugin, InOrderRunsToTheEnd) {

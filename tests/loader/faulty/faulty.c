@@ -4,6 +4,7 @@
  * two ends and never pulls. To tell whether the library was run at all, it makes the file named by DTTMM_LOADED_MARKER when
  * it is loaded.
  */
+#include <fenv.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,6 +25,10 @@ enum fault {
     create_error,
     create_nothing,
     bad_channel,
+    slash_channel,
+    heavy_weights,
+    nan_output,
+    rounding_mode,
     nan_at_step_1000,
     huge,
     overrun,
@@ -121,7 +126,7 @@ static int32_t is_implicit(const dttmm_instance *instance) {
 static void load_weights(const dttmm_instance *instance, double weights[3]) {
     (void)instance;
     weights[0] = weights[2] = 0;
-    weights[1] = 1;
+    weights[1] = FAULT == heavy_weights ? 15 : 1;
 }
 
 static size_t state_size(const dttmm_instance *instance) {
@@ -145,14 +150,15 @@ static uint32_t channel_count(const dttmm_instance *instance) {
 }
 
 static const dttmm_channel *channels(const dttmm_instance *instance) {
-    static const dttmm_channel list[] = {{"force.x", FAULT == bad_channel ? NULL : "N", 0}};
+    static const dttmm_channel list[] = {{FAULT == slash_channel ? "force/x" : "force.x", FAULT == bad_channel ? NULL : "N", 0}};
     (void)instance;
     return list;
 }
 
 static dttmm_status outputs(const dttmm_instance *instance, double *values, dttmm_error *error) {
     (void)instance, (void)error;
-    values[0] = 0;
+    if (FAULT == rounding_mode) fesetround(FE_UPWARD);
+    values[0] = FAULT == nan_output ? NAN : 0;
     return DTTMM_OK;
 }
 

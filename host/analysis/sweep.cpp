@@ -255,10 +255,7 @@ std::vector<Column> result_columns(const std::vector<Case>& cases, const Model& 
 std::string sweep_table(const std::vector<Case>& cases, const Model& model) {
     const std::vector<Column> columns = result_columns(cases, model);
     std::string text = "case";
-    for (const auto& [name, value] : cases.front().parameters) {
-        const std::string unit = parse_quantity(value).unit;
-        text += "," + csv_field(unit == "1" ? name : fmt::format("{} [{}]", name, unit));
-    }
+    for (const auto& [name, value] : cases.front().parameters) text += "," + csv_field(name);
     text += ",status,reason";
     for (const Column& c : columns)
         text += "," + csv_field(fmt::format("{}.{}.{}.{}", c.owner, c.quantity, c.axis, c.statistic));
@@ -315,13 +312,6 @@ void refuse_if_none_reads(const std::vector<Case>& cases, const RunRequest& requ
     std::rethrow_exception(first);
 }
 
-/// results/<model name>_sweep: a plain run of the model must not replace its sweep.
-std::filesystem::path default_sweep_path(const std::filesystem::path& model) {
-    std::filesystem::path path = default_results_path(model);
-    path += "_sweep";
-    return path;
-}
-
 }  // namespace
 
 ExitCode run_sweep(const RunRequest& request, const std::vector<SweepAxis>& axes, int jobs) {
@@ -333,7 +323,7 @@ ExitCode run_sweep(const RunRequest& request, const std::vector<SweepAxis>& axes
     refuse_unknown(axes, model);
     refuse_if_none_reads(cases, request, plugins);
 
-    const ResultsFolder folder(request.output.value_or(default_sweep_path(request.model)), Claim::keep);
+    const ResultsFolder folder(request.output.value_or(default_results_path(request.model)), Claim::keep);
     std::vector<Case*> todo;
     for (size_t i = 0; i < cases.size(); ++i) {
         cases[i].folder = folder.file(fmt::format("case-{:06}", i + 1));

@@ -22,7 +22,8 @@ namespace {
 constexpr std::string_view kMarker = ".dttmm-results";
 constexpr std::string_view kPart = ".part";
 constexpr std::string_view kCasePrefix = "case-";
-constexpr std::array<std::string_view, 5> kResults{"history.csv", "history.h5", "summary.json", "modes.csv", "sweep.csv"};
+constexpr std::string_view kSweepTable = "sweep.csv";
+constexpr std::array<std::string_view, 5> kResults{"history.csv", "history.h5", "summary.json", "modes.csv", kSweepTable};
 
 Error refusal(const fs::path& path, std::string_view fault) {
     return Error(ExitCode::input_output, fmt::format("{}: {}; choose another folder with -o", path.string(), fault));
@@ -113,15 +114,12 @@ void remove_entry(const fs::path& path) {
     if (failure) throw file_error(path, "cannot remove the old result", failure.value());
 }
 
-/// Removes all but the marker; nothing at all while another run writes into one of the cases.
+/// Removes what a run has left; a sweep in the same folder stays whole.
 void clear(const fs::path& folder) {
-    const std::vector<fs::path> entries = read_entries(folder);
-    for (const fs::path& entry : entries)
-        if (is_case_folder(entry)) ResultsFolder(entry, Claim::keep);  // refuses
-    for (const fs::path& entry : entries) {
-        if (entry.filename() == kMarker) continue;
-        if (is_case_folder(entry)) remove_entry(ResultsFolder(entry).file(kMarker));
-        remove_entry(entry);
+    for (const fs::path& entry : read_entries(folder)) {
+        const std::string name = entry.filename().string();
+        const bool of_sweep = name == kSweepTable || is_case_folder(entry);
+        if (name != kMarker && !of_sweep) remove_entry(entry);
     }
 }
 

@@ -9,7 +9,7 @@
 namespace dttmm {
 
 enum class Claim {
-    replace,  ///< old results are removed
+    replace,  ///< the old results of a run are removed; those of a sweep, sweep.csv and case-*, stay
     keep,     ///< old results stay: a sweep goes on where it stopped
 };
 

@@ -54,14 +54,15 @@ TEST(ResultsFolder, AnEmptyFolderIsTaken) {
     EXPECT_THAT(names_in(temporary.path()), ElementsAre(".dttmm-results"));
 }
 
-TEST(ResultsFolder, OldResultsAreRemovedWithTheirCases) {
+TEST(ResultsFolder, OldResultsAreRemovedButNotASweep) {
     const TemporaryFolder temporary;
     make_old_results(temporary.path());
+    write_text(temporary / "sweep.csv", "old");
     make_old_results(temporary / "case-001");
-    make_old_results(temporary / "case-001/case-2");
     fs::create_directory(temporary / "case-003");  // killed before it was marked
     const ResultsFolder folder(temporary.path());
-    EXPECT_THAT(names_in(temporary.path()), ElementsAre(".dttmm-results"));
+    EXPECT_THAT(names_in(temporary.path()), ElementsAre(".dttmm-results", "case-001", "case-003", "sweep.csv"));
+    EXPECT_EQ(read_text(temporary / "case-001/history.csv"), "old");
 }
 
 TEST(ResultsFolder, OldResultsAreKeptOnRequest) {
@@ -120,7 +121,8 @@ TEST(ResultsFolder, LinksAreRemovedNotFollowed) {
     make_old_results(temporary / "plate");
     fs::remove(temporary / "plate/history.csv");
     fs::create_symlink("../precious/a", temporary / "plate/history.csv");
-    fs::create_directory_symlink("../precious", temporary / "plate/sweep.csv");
+    fs::remove(temporary / "plate/modes.csv");
+    fs::create_directory_symlink("../precious", temporary / "plate/modes.csv");
     const ResultsFolder folder(temporary / "plate");
     EXPECT_THAT(names_in(folder.path()), ElementsAre(".dttmm-results"));
     EXPECT_EQ(read_text(temporary / "precious/a"), "precious");
@@ -183,16 +185,6 @@ TEST(ResultsFolder, AKilledRunFreesItsFolder) {
     const ResultsFolder folder(temporary / "plate");
     EXPECT_THAT(names_in(folder.path()), ElementsAre(".dttmm-results"));
     EXPECT_THAT(read_text(folder.file(".dttmm-results")), MatchesRegex("process [0-9]+ on host [^\n]+\n"));
-}
-
-TEST(ResultsFolder, ASweepIsNotClearedWhileOneOfItsCasesRuns) {
-    const TemporaryFolder temporary;
-    make_old_results(temporary.path());
-    make_old_results(temporary / "case-1");
-    const ResultsFolder running(temporary / "case-7");
-    expect_refused(temporary.path(), HasSubstr("case-7: another run"));
-    EXPECT_EQ(read_text(temporary / "history.csv"), "old");
-    EXPECT_EQ(read_text(temporary / "case-1/history.csv"), "old");
 }
 
 TEST(ResultsFolder, ASweepHoldsItsFolderWhileItsCasesClaimTheirs) {

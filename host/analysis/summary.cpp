@@ -21,24 +21,15 @@ std::string name_of(const Model& model, const Attachment& at) {
     return at.marker < 0 ? body.name : fmt::format("{}.{}", body.name, body.markers[static_cast<size_t>(at.marker)].name);
 }
 
-const char* scheme_name(const SimulationSettings& simulation) {
-    if (simulation.coupling == Coupling::implicit) return "centred";
-    switch (simulation.scheme) {
-        case ExplicitScheme::bdf1:
-            return "bdf1";
-        case ExplicitScheme::bdf2:
-            return "bdf2";
-        case ExplicitScheme::houbolt:
-            return "houbolt";
-        case ExplicitScheme::park:
-            return "park";
-        default:
-            return "fox-euler";
-    }
-}
-
 Json describe_model(const Model& model, const ElementCatalogue& catalogue) {
-    Json bodies = Json::object(), elements = Json::object();
+    const bool is_implicit = model.simulation.coupling == Coupling::implicit;
+    Json bodies = Json::object(), elements = Json::object(), loads = Json::array();
+    for (const Load& load : model.loads)
+        loads.push_back({{"on", name_of(model, load.on)},
+                         {"quantity", load.is_moment ? "moment" : "force"},
+                         {"direction", vector_json(load.direction)},
+                         {"at_start", load.signal.value(0)},
+                         {"at_end", load.signal.value(model.simulation.duration)}});
     for (const Body& body : model.bodies) {
         Json markers = Json::object();
         for (const Marker& marker : body.markers) markers[marker.name] = vector_json(marker.position);
@@ -66,10 +57,11 @@ Json describe_model(const Model& model, const ElementCatalogue& catalogue) {
             {"simulation",
              {{"duration", model.simulation.duration},
               {"step", model.simulation.step},
-              {"coupling", model.simulation.coupling == Coupling::implicit ? "implicit" : "explicit"},
-              {"scheme", scheme_name(model.simulation)},
+              {"coupling", is_implicit ? "implicit" : "explicit"},
+              {"scheme", is_implicit ? "centred" : scheme_name(model.simulation.scheme)},
               {"gravity", vector_json(model.simulation.gravity)}}},
             {"bodies", bodies},
+            {"loads", loads},
             {"elements", elements}};
 }
 
@@ -134,7 +126,7 @@ Json describe_inputs(const Model& model, const RunRequest& request) {
 Json describe_run(const Model& model, const RunRequest& request, const Plugins& plugins, const Simulation& simulation,
                   const Recorder& recorder, const Outcome& outcome) {
     const auto steps = static_cast<double>(std::max<uint64_t>(simulation.index(), 1));
-    Json versions = {{"dttmm", DTTMM_VERSION}};
+    Json versions = {{"dttmm", DTTMM_VERSION}, {"ode", World::engine_version()}};
     for (const PluginLibrary& library : plugins.libraries())
         versions["plugins"][library.name()] = fmt::format("{} {}", library.table().name, library.table().version);
     return {{"format", "dttmm-summary/1"},

@@ -23,6 +23,7 @@
 #include "model/units.h"
 #include "model/wording.h"
 #include "record/atomic_file.h"
+#include "record/csv_writer.h"
 #include "record/progress_bar.h"
 #include "record/results_folder.h"
 #include "record/tell.h"
@@ -212,13 +213,6 @@ private:
     std::map<pid_t, Running> running_;
     ProgressBar progress_;
 };
-
-std::string csv_field(const std::string& text) {
-    if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-    std::string quoted = "\"";
-    for (char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-    return quoted + "\"";
-}
 
 /// Columns of sweep.csv behind case, parameters, status and reason: owner, quantity, axis and statistic.
 struct Column {

@@ -12,9 +12,6 @@ namespace dttmm {
 
 namespace {
 
-/// ODE aborts on overflow; no machine needs more.
-constexpr double kLargestLoad = 1e15;  // N or N m
-
 Eigen::Vector3d arm_of(const Body& body, const Attachment& on) {
     if (on.marker < 0) return Eigen::Vector3d::Zero();
     return body.markers[static_cast<size_t>(on.marker)].position - body.center_of_mass;
@@ -31,10 +28,10 @@ Loads::Loads(const Model& model, const double weights[3]) : weights_{weights[0],
 
 double Loads::magnitude(size_t load, double time) const {
     const double value = loads_[load].load.signal.value(time);
-    if (!(std::abs(value) <= kLargestLoad))
+    if (!(std::abs(value) <= World::kLargestWrench))
         throw Error(ExitCode::numerical_failure,
                     fmt::format("{}: load at t = {} s: its value is {}, not a finite number up to {:.0e}",
-                                loads_[load].load.place, time, value, kLargestLoad));
+                                loads_[load].load.place, time, value, World::kLargestWrench));
     return value;
 }
 

@@ -14,9 +14,6 @@ namespace dttmm {
 
 namespace {
 
-/// ODE aborts on overflow; no machine needs more.
-constexpr double kLargestWrench = 1e15;  // N or N m
-
 /// Follows each network's wrenches in memory; a plugin that writes past its array changes it. A quiet NaN with a pattern.
 constexpr uint64_t kGuardPattern = 0x7ffadadadadadadaULL;
 
@@ -166,7 +163,7 @@ void Networks::scatter(size_t network, double* wrenches) const {
     for (size_t p = slot.port; p < slot.port + count; ++p, wrench += 6) {
         double size = 0;  // not a number if one of them is not
         for (int i = 0; i < 6; ++i) size += std::abs(wrench[i]);
-        if (!(size <= kLargestWrench)) [[unlikely]]
+        if (!(size <= World::kLargestWrench)) [[unlikely]]
             refuse_wrench(network, p);
         const Eigen::Map<const Eigen::Vector3d> force(wrench), moment(wrench + 3);
         double* on_body = wrenches + 6 * ports_[p].body;
@@ -190,7 +187,7 @@ void Networks::refuse_wrench(size_t network, size_t port) const {
             "{:.4g}) N m is not finite or beyond the cap of {:.0e}; the run ends before it reaches ODE. Is the step too "
             "long for an explicit coupling, or the plugin at fault?",
             instances_[network].element_name(0), body_names_[static_cast<size_t>(ports_[port].body)], time_, wrench[0],
-            wrench[1], wrench[2], wrench[3], wrench[4], wrench[5], kLargestWrench));
+            wrench[1], wrench[2], wrench[3], wrench[4], wrench[5], World::kLargestWrench));
 }
 
 void Networks::hand_out(size_t network, const std::vector<double>& port_stiffness, const StiffnessSink& sink) const {

@@ -108,6 +108,8 @@ Eigen::Vector3d read_gravity(const TableReader& table) {
 
 }  // namespace
 
+const std::string& scheme_name(ExplicitScheme scheme) { return kSchemes[static_cast<std::size_t>(scheme)]; }
+
 SimulationSettings read_simulation(const TableReader& file, const SimulationOverrides& overrides) {
     const TomlMember* member = file.find("simulation");
     std::optional<TableReader> table;

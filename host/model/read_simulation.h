@@ -14,6 +14,9 @@ struct SimulationOverrides {
     std::optional<std::string> step, duration, coupling;
 };
 
+/// The name of a velocity formula in the model file, e.g. "fox-euler".
+const std::string& scheme_name(ExplicitScheme scheme);
+
 /// [simulation]: step 1e-9 s to 1 s, and a duration that is a whole number of steps, at most 1e10. Faults are reported.
 SimulationSettings read_simulation(const TableReader& file, const SimulationOverrides& overrides);
 

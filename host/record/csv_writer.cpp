@@ -16,20 +16,10 @@ constexpr std::size_t kPage = 4096;              // bytes: the kernel takes a wr
 constexpr std::chrono::milliseconds kLongestWait{100};
 constexpr std::size_t kLongestNumber = 25;  // "-2.2250738585072014e-308" and a comma
 
-void append_text(std::string& line, const std::string& text) {
-    if (text.find_first_of(",\"\r\n") == std::string::npos) {
-        line += text;
-        return;
-    }
-    line += '"';
-    for (const char c : text) line.append(c == '"' ? 2 : 1, c);
-    line += '"';
-}
-
 std::string make_header(const std::vector<Channel>& channels, std::string Channel::*text) {
     std::string line;
     for (const Channel& channel : channels) {
-        append_text(line, channel.*text);
+        line += csv_field(channel.*text);
         line += ',';
     }
     line.back() = '\n';
@@ -37,6 +27,13 @@ std::string make_header(const std::vector<Channel>& channels, std::string Channe
 }
 
 }  // namespace
+
+std::string csv_field(const std::string& text) {
+    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+    std::string quoted = "\"";
+    for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
+    return quoted + '"';
+}
 
 CsvWriter::CsvWriter(const std::filesystem::path& path, const std::vector<Channel>& channels) : file_(File::create(path)) {
     assert(!channels.empty());

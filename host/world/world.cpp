@@ -19,9 +19,6 @@ static_assert(sizeof(dReal) == sizeof(double), "ODE must be the double-precision
 
 namespace {
 
-/// ODE swallows a bad force and aborts on a bad torque or on overflow.
-constexpr double kLargestWrench = 1e15;  // N or N m
-
 std::atomic<int> complaints{0};
 
 std::string format_text(const char* text, va_list arguments) {
@@ -96,6 +93,8 @@ World::World(const std::vector<Body>& bodies) : world_(std::make_unique<Owner>()
 }
 
 World::~World() = default;
+
+const char* World::engine_version() { return dODE_VERSION; }
 
 void World::read_states(std::vector<BodyState>& states) const {
     using Rows = Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>;

@@ -24,6 +24,12 @@ struct BodyState {
 /// ODE aborts the process on bad numbers, so all that enters is checked here. One thread at a time.
 class World {
 public:
+    /// No force [N] or moment [N m] beyond this reaches ODE, which aborts on overflow; no machine needs more.
+    static constexpr double kLargestWrench = 1e15;
+
+    /// Of the ODE this was built with, e.g. "0.16.2".
+    static const char* engine_version();
+
     /// Bodies at their model positions with their model velocities.
     explicit World(const std::vector<Body>& bodies);
     ~World();
@@ -36,7 +42,8 @@ public:
     void set_states(const std::vector<BodyState>& states);
 
     /// What acts over the next step, per body: [force at the centre of mass; moment about it], N and N m; replaces what was
-    /// applied before. Throws Error(numerical_failure) before a number reaches ODE that is not finite or beyond 1e15.
+    /// applied before. Throws Error(numerical_failure) before a number reaches ODE that is not finite or beyond
+    /// kLargestWrench.
     void apply(const std::vector<Eigen::Matrix<double, 6, 1>>& wrenches);
 
     /// One step of size h [s]. Throws Error(resource_limit) if ODE ran out of memory, Error(numerical_failure) if it

@@ -196,7 +196,7 @@ TEST(EndOfStep, AHeavyBodyElsewhereChangesNothing) {
     light.bodies[0].markers.push_back({"end", {0.05, 0.1, 0.2}, Eigen::Matrix3d::Identity()});
     light.elements.push_back(test::spring("string", plugins, {}, {0, 0}, 40, 1e-4));
     Model both = light;
-    Body heavy = test::box("heavy", 1e9, {10, 10, 10}, {1000, 0, 0});
+    Body heavy = test::box("heavy", 1e9, {10, 10, 10}, {9e5, 0, 0});
     heavy.velocity = {3, 2, 1};
     both.bodies.push_back(heavy);
     both.elements.push_back(test::spring("anchor", plugins, {}, {1, -1}, 1e12, 1e6));
@@ -204,7 +204,7 @@ TEST(EndOfStep, AHeavyBodyElsewhereChangesNothing) {
     for (int n = 0; n < 500; ++n) {
         alone.step();
         accompanied.step();
-        ASSERT_LT((alone.bodies()[0].position - accompanied.bodies()[0].position).norm(), 1e-9) << "step " << n;
+        ASSERT_LT((alone.bodies()[0].position - accompanied.bodies()[0].position).norm(), 1e-11) << "step " << n;
     }
 }
 
@@ -230,6 +230,21 @@ TEST(EndOfStep, AStiffPairTurnsSlowly) {
     EXPECT_LT((angular_momentum(model, simulation) - L).norm(), 1e-10 * L.norm());
     EXPECT_NEAR(simulation.bodies()[0].angular_velocity.z(), 1, 1e-4);
     EXPECT_LT(simulation.end_of_step().passes(), 7 * 3000);
+}
+
+// Connected bodies are judged together: the far end of a joint brings the rounding of its position to the near one, which by
+// its own place alone would be asked for digits that are not there, and never give them.
+TEST(EndOfStep, AFarPartnerBringsItsRounding) {
+    const Plugins plugins;
+    Model model;
+    model.simulation.step = 1e-3;
+    model.simulation.duration = 1;
+    model.bodies = {test::box("near", 1, {0.1, 0.1, 0.1}, {0, 0, 0}), test::box("far", 1e3, {1, 1, 1}, {900, 0, 0})};
+    model.bodies[0].velocity = {0, 1e-3, 2e-3};
+    model.elements.push_back(test::spring("rope", plugins, {0, -1}, {1, -1}, 1e7, 10));
+    Simulation simulation(model, plugins);
+    for (int n = 0; n < 300; ++n) ASSERT_NO_THROW(simulation.step()) << "step " << n;
+    EXPECT_LT(simulation.end_of_step().passes(), 5 * 300);
 }
 
 // A linear model takes one pass for most steps: the acceptance rule learns it. Every step of it is verified now and then.

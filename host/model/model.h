@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -55,6 +56,20 @@ struct Element {
     std::string place;           ///< "file:line:column", for errors found later
 };
 
+enum class JointType { ball, hinge, slider, universal, fixed };
+
+/// An ideal joint between two bodies, kept by ODE. Between them nothing gives; what they leave free is the joint's motion.
+struct Joint {
+    std::string name;
+    JointType type = JointType::ball;
+    int first = -1, second = -1;                       ///< indices into Model::bodies; -1 is the ground, at one of them
+    Eigen::Vector3d anchor = Eigen::Vector3d::Zero();  ///< point of both bodies at the start, world axes [m]
+    Eigen::Vector3d axis = Eigen::Vector3d::UnitX();   ///< of hinge, slider, universal (on `first`) at the start, world axes
+    Eigen::Vector3d axis2 = Eigen::Vector3d::UnitY();  ///< of universal, on `second`, at right angles to `axis`
+    std::optional<std::array<double, 2>> limits;       ///< stops of a hinge [rad] or slider [m], 0 at the start
+    std::string place;                                 ///< "file:line:column", for errors found later
+};
+
 enum class Coupling { implicit, explicit_ };
 
 /// Velocity formula of the explicit coupling; ignored by the implicit one.
@@ -66,6 +81,8 @@ struct SimulationSettings {
     Coupling coupling = Coupling::implicit;
     ExplicitScheme scheme = ExplicitScheme::fox_euler;
     Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  ///< [m/s²]
+    double spectral_radius = 1;       ///< of the implicit scheme at infinite frequency: 1 no numerical damping, 0 the most
+    std::optional<double> tolerance;  ///< of the results, relative; none: one run at `step`
 };
 
 struct OutputSettings {
@@ -89,6 +106,7 @@ struct Model {
     SimulationSettings simulation;
     OutputSettings output;
     std::vector<Body> bodies;
+    std::vector<Joint> joints;
     std::vector<Load> loads;
     std::vector<Element> elements;
     std::vector<std::filesystem::path> files;  ///< beside the model file that were read: tables of loads

@@ -10,7 +10,8 @@ namespace dttmm {
 /// … of the results folder, and writes sweep.csv: per case the parameters (SI), the status, peak and final force of every
 /// element and the peak acceleration of every marker used. A case that fails is named with its reason and the others go on.
 /// A case whose folder holds a completed summary of the same inputs is not run again. Returns ok, cases_failed, or the stop
-/// signal's code (running cases are stopped, sweep.csv tells what is done). Throws Error for a fault of the model or the folder.
+/// signal's code (running cases are stopped, sweep.csv tells what is done). Throws Error for a fault of the model or the
+/// folder.
 ExitCode run_sweep(const RunRequest& request, const std::vector<SweepAxis>& axes, int jobs);
 
 }  // namespace dttmm

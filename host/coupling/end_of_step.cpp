@@ -10,8 +10,9 @@
 #include <map>
 #include <numeric>
 
-#include "coupling/rotation_step.h"
+#include "model/diagnostics.h"
 #include "model/error.h"
+#include "world/rotation_step.h"
 
 namespace dttmm {
 
@@ -41,13 +42,25 @@ std::vector<size_t> find_groups(size_t count, const std::vector<std::pair<int, i
     return numbered;
 }
 
-/// Whether an element holds each body: its forces then carry the rounding of the body's position.
+/// Whether an element or a joint holds each body: its forces then carry the rounding of the body's position.
 std::vector<bool> find_held(const Model& model) {
     std::vector<bool> held(model.bodies.size());
+    const auto hold = [&](int body) {
+        if (body >= 0) held[static_cast<size_t>(body)] = true;
+    };
     for (const Element& element : model.elements)
-        for (const Attachment& end : {element.from, element.to})
-            if (end.body >= 0) held[static_cast<size_t>(end.body)] = true;
+        for (const Attachment& end : {element.from, element.to}) hold(end.body);
+    for (const Joint& joint : model.joints)
+        for (int body : {joint.first, joint.second}) hold(body);
     return held;
+}
+
+/// Pairs of bodies that share an element or a joint.
+std::vector<std::pair<int, int>> find_neighbours(const Model& model, const Networks& networks) {
+    std::vector<std::pair<int, int>> neighbours = networks.neighbours();
+    for (const Joint& joint : model.joints)
+        if (joint.first >= 0 && joint.second >= 0) neighbours.emplace_back(joint.first, joint.second);
+    return neighbours;
 }
 
 /// Distance from the centre of mass to the farthest marker, at least the largest radius of gyration.
@@ -60,10 +73,12 @@ double reach_of(const Body& body) {
 }  // namespace
 
 EndOfStep::EndOfStep(const Model& model, const Networks& networks)
-    : matrix_(static_cast<int>(model.bodies.size()), networks.neighbours()) {
+    : descriptions_(model.joints),
+      system_(model.bodies, model.joints),
+      matrix_(static_cast<int>(model.bodies.size()), networks.neighbours(), system_.nodes()) {
     const size_t n = model.bodies.size();
     const std::vector<bool> held = find_held(model);
-    const std::vector<size_t> group = find_groups(n, networks.neighbours());
+    const std::vector<size_t> group = find_groups(n, find_neighbours(model, networks));
     for (size_t b = 0; b < n; ++b) {
         const Body& body = model.bodies[b];
         inertias_.push_back({body.name, body.mass, body.inertia, reach_of(body), held[b], group[b]});
@@ -71,8 +86,7 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks)
     groups_.resize(n == 0 ? 0 : 1 + *std::max_element(group.begin(), group.end()));
     for (auto* list : {&u_, &previous_u_, &correction_, &free_momentum_, &feedback_}) list->assign(n, Vector6::Zero());
     wrenches_.resize(6 * n);
-    right_hand_side_.resize(static_cast<Eigen::Index>(6 * n));
-    solution_.resize(static_cast<Eigen::Index>(6 * n));
+    for (Eigen::VectorXd* list : {&right_hand_side_, &solution_, &multipliers_}) list->setZero(matrix_.size());
     solver_.analyzePattern(matrix_.upper());
 }
 
@@ -84,20 +98,16 @@ std::vector<BodyState> EndOfStep::start(const dttmm_step& step, const std::vecto
     stiffness_wanted_ = true;
     std::fill(groups_.begin(), groups_.end(), Group{});
 
-    // a = M⁻¹ f,  α = I⁻¹ (m − ω × I ω) at t0
     loads.start(step.time);
     std::fill(wrenches_.begin(), wrenches_.end(), 0.0);
     networks.linearise(at, wrenches_.data(), nullptr);
     loads.add_at_start(at, wrenches_.data());
+    refuse_opening_joints(at);
     std::vector<double> accelerations(wrenches_.size());
+    find_accelerations(at, accelerations.data());
     std::vector<BodyState> half_step_back = at;
     for (size_t b = 0; b < at.size(); ++b) {
-        const Eigen::Map<const Eigen::Vector3d> force(&wrenches_[6 * b]), moment(&wrenches_[6 * b + 3]);
-        const Eigen::Matrix3d I = at[b].rotation * inertias_[b].J * at[b].rotation.transpose();
-        const Eigen::Vector3d& w = at[b].angular_velocity;
-        Eigen::Map<Eigen::Vector3d> a(&accelerations[6 * b]), alpha(&accelerations[6 * b + 3]);
-        a = force / inertias_[b].mass;
-        alpha = I.inverse() * (moment - w.cross(I * w));
+        const Eigen::Map<const Eigen::Vector3d> a(&accelerations[6 * b]), alpha(&accelerations[6 * b + 3]);
         half_step_back[b].velocity -= 0.5 * h_ * a;
         half_step_back[b].angular_velocity -= 0.5 * h_ * alpha;
         previous_u_[b].head<3>() = half_step_back[b].velocity - h_ * a;
@@ -105,6 +115,45 @@ std::vector<BodyState> EndOfStep::start(const dttmm_step& step, const std::vecto
     }
     networks.start(step, at, accelerations.data());
     return half_step_back;
+}
+
+/// Accelerations at an instant under wrenches_:  M a + Jᵀ q = f,  I α + … = m − ω × I ω,  J a = −C̈ at constant velocities.
+void EndOfStep::find_accelerations(const std::vector<BodyState>& at, double* accelerations) {
+    constexpr int kProximalPasses = 4;
+    system_.linearise(at, std::vector<Stop>(descriptions_.size()));
+    matrix_.set_zero();
+    add_inertia(at);
+    Eigen::VectorXd rows(matrix_.size());
+    for (size_t b = 0; b < at.size(); ++b) {
+        const int start = matrix_.index(static_cast<int>(b));
+        rows.segment<6>(start) = Eigen::Map<const Vector6>(&wrenches_[6 * b]);
+        const Eigen::Vector3d& w = at[b].angular_velocity;
+        rows.segment<3>(start + 3) -= w.cross(at[b].rotation * (inertias_[b].J * (at[b].rotation.transpose() * w)));
+    }
+    system_.write_curvatures(matrix_, at, rows);
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(rows.size());
+    for (int pass = 0; pass < (system_.empty() ? 1 : kProximalPasses); ++pass) {
+        Eigen::VectorXd proximal = rows;
+        for (size_t j = 0; j < descriptions_.size(); ++j) {
+            const auto q = Eigen::seqN(matrix_.joint_index(static_cast<int>(j)), system_.joints()[j].count());
+            proximal(q) += matrix_.upper().diagonal()(q).cwiseProduct(x(q));
+        }
+        x = solver_.solve(proximal);
+    }
+    for (size_t b = 0; b < at.size(); ++b)
+        Eigen::Map<Vector6>(accelerations + 6 * b) = x.segment<6>(matrix_.index(static_cast<int>(b)));
+}
+
+void EndOfStep::refuse_opening_joints(const std::vector<BodyState>& at) const {
+    constexpr double kTolerated = 1e-9;
+    double scale = 0;
+    for (size_t b = 0; b < at.size(); ++b) scale = std::max({scale, at[b].velocity.norm(), at[b].angular_velocity.norm()});
+    for (size_t j = 0; j < descriptions_.size(); ++j)
+        if (const double speed = system_.opening_speed(at, j); speed > kTolerated * scale)
+            throw ModelError(fmt::format(
+                "{}: joint \"{}\": the velocities of its bodies at the start would open it at {:.3g} m/s (or rad/s); "
+                "give both bodies velocities that the joint allows",
+                descriptions_[j].place, descriptions_[j].name, speed));
 }
 
 /// Angular momentum half way through a step that starts at R with the angular velocity w:
@@ -148,23 +197,28 @@ void EndOfStep::evaluate(const std::vector<BodyState>& now, Networks& networks) 
     factor(now);
 }
 
-/// Adds the inertia to the stiffness in the matrix, and factors.
+/// Adds inertia and joints to the stiffness in the matrix, and factors.
 void EndOfStep::factor(const std::vector<BodyState>& now) {
+    add_inertia(now);
+    ++factorisations_;
+    stiffness_wanted_ = false;
+}
+
+void EndOfStep::add_inertia(const std::vector<BodyState>& now) {
     for (size_t b = 0; b < now.size(); ++b) {
         BlockMatrix::Block M = BlockMatrix::Block::Zero();
         M.diagonal().head<3>().setConstant(inertias_[b].mass);
         M.bottomRightCorner<3, 3>() = now[b].rotation * inertias_[b].J * now[b].rotation.transpose();
         matrix_.add(static_cast<int>(b), static_cast<int>(b), M);
     }
+    system_.write_to(matrix_);
     solver_.factorize(matrix_.upper());
-    ++factorisations_;
-    stiffness_wanted_ = false;
     if (solver_.info() != Eigen::Success)
         throw Error(ExitCode::numerical_failure,
                     fmt::format("t = {:.9g} s: the matrix of the end of the step, M + h² S, is singular", time_));
 }
 
-/// One correction δ = K⁻¹ (P− + h f − P(u)), applied to u.
+/// One correction δ = K⁻¹ (P− + h f − P(u)), applied to u; with joints, likewise of u and q.
 void EndOfStep::correct(const std::vector<BodyState>& now) {
     for (size_t b = 0; b < now.size(); ++b) {
         Vector6 r = free_momentum_[b] + h_ * Eigen::Map<const Vector6>(&wrenches_[6 * b]);
@@ -172,7 +226,12 @@ void EndOfStep::correct(const std::vector<BodyState>& now) {
         r.tail<3>() -= momentum_over_step(b, now[b].rotation, u_[b].tail<3>());
         right_hand_side_.segment<6>(matrix_.index(static_cast<int>(b))) = r;
     }
+    if (!system_.empty()) {
+        system_.add_impulses(matrix_, multipliers_, right_hand_side_);
+        system_.write_openings(matrix_, trial_, h_, right_hand_side_);
+    }
     solution_ = solver_.solve(right_hand_side_);
+    if (!system_.empty()) multipliers_ += solution_;
     for (size_t b = 0; b < now.size(); ++b) {
         correction_[b] = solution_.segment<6>(matrix_.index(static_cast<int>(b)));
         u_[b] += correction_[b];
@@ -202,14 +261,9 @@ bool EndOfStep::judge(int pass) {
         group.scale_squared *= 0.98;
     }
     for (size_t b = 0; b < u_.size(); ++b) {
-        // Square of the largest speed of a point of the body, at most
-        const double reach_squared = inertias_[b].reach * inertias_[b].reach;
-        const auto speed_squared = [&](const Vector6& u) {
-            return 2 * (u.head<3>().squaredNorm() + reach_squared * u.tail<3>().squaredNorm());
-        };
         Group& group = groups_[inertias_[b].group];
-        group.scale_squared = std::max(group.scale_squared, speed_squared(u_[b]));
-        const double correction = speed_squared(correction_[b]);
+        group.scale_squared = std::max(group.scale_squared, speed_squared(b, u_[b]));
+        const double correction = speed_squared(b, correction_[b]);
         if (!std::isfinite(correction)) fail(pass);
         group.correction_squared = std::max(group.correction_squared, correction);
     }
@@ -229,8 +283,7 @@ bool EndOfStep::judge(int pass) {
     return done;
 }
 
-const Feedback& EndOfStep::solve(const dttmm_step& step, const std::vector<BodyState>& now, Networks& networks,
-                                 const Loads& loads) {
+void EndOfStep::begin_step(const dttmm_step& step, const std::vector<BodyState>& now, const Loads& loads) {
     time_ = step.time;
     std::fill(wrenches_.begin(), wrenches_.end(), 0.0);
     loads.add_over_step(now, wrenches_.data());
@@ -242,14 +295,20 @@ const Feedback& EndOfStep::solve(const dttmm_step& step, const std::vector<BodyS
         free_momentum_[b].head<3>() += inertias_[b].mass * now[b].velocity;
         free_momentum_[b].tail<3>() += RotationStep(-0.5 * h_ * w).apply(L);
     }
-
     predict(now);
     open_groups(now);
+}
+
+const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& networks, const std::vector<Stop>& stops) {
+    const bool has_joints = !system_.empty();
+    if (has_joints) {
+        system_.linearise(now, stops);
+        multipliers_.setZero();  // what redundant joints share is then found anew at every step, and stays small
+        stiffness_wanted_ = true;
+    }
     for (int pass = 0; pass < kMostPasses; ++pass) {
-        if (pass == 0 || networks.is_implicit() || stiffness_wanted_) {
-            if (networks.is_implicit()) place_trial(now);
-            evaluate(now, networks);
-        }
+        if (networks.is_implicit() || has_joints) place_trial(now);
+        if (pass == 0 || networks.is_implicit() || stiffness_wanted_) evaluate(now, networks);
         correct(now);
         if (judge(pass)) {
             form_feedback(now);
@@ -257,6 +316,38 @@ const Feedback& EndOfStep::solve(const dttmm_step& step, const std::vector<BodyS
         }
     }
     fail(kMostPasses);
+}
+
+void EndOfStep::confirm(const std::vector<BodyState>& after) const {
+    for (size_t j = 0; j < descriptions_.size(); ++j) {
+        for (int body : {descriptions_[j].first, descriptions_[j].second}) {
+            if (body < 0) continue;
+            const auto b = static_cast<size_t>(body);
+            Vector6 difference = u_[b];
+            difference.head<3>() -= after[b].velocity;
+            difference.tail<3>() -= after[b].angular_velocity;
+            const Group& group = groups_[inertias_[b].group];
+            const double off_squared = speed_squared(b, difference);
+            if (off_squared <= kAgreement * kAgreement * group.scale_squared + 1e4 * group.floor_squared) continue;
+            throw Error(
+                ExitCode::numerical_failure,
+                fmt::format("t = {:.9g} s: ODE's joints move body \"{}\" otherwise than foretold, by {:.1e} m/s (joint "
+                            "\"{}\"); very unequal masses, or more joints than the motion allows?",
+                            time_, inertias_[b].name, std::sqrt(off_squared), descriptions_[j].name));
+        }
+    }
+}
+
+Eigen::Matrix<double, 6, 1> EndOfStep::joint_wrench(size_t joint, const std::vector<BodyState>& now) const {
+    // What acts on the second body acts back on the first; both about the anchor
+    const JointEquations& equations = system_.joints()[joint];
+    const int index = static_cast<int>(joint);
+    const double* q = multipliers_.data() + matrix_.joint_index(index);
+    const bool on_first = equations.first() >= 0;
+    const int body = on_first ? equations.first() : equations.second();
+    Vector6 wrench = (on_first ? system_.impulse_on_first(index, q) : Vector6(-system_.impulse_on_second(index, q))) / h_;
+    wrench.tail<3>() += (now[static_cast<size_t>(body)].position - equations.anchor(now)).cross(wrench.head<3>());
+    return wrench;
 }
 
 void EndOfStep::form_feedback(const std::vector<BodyState>& now) {
@@ -267,6 +358,11 @@ void EndOfStep::form_feedback(const std::vector<BodyState>& now) {
         feedback_[b].head<3>() = inertias_[b].mass * per_step * (u_[b].head<3>() - now[b].velocity);
         feedback_[b].tail<3>() = R * (inertias_[b].J * (R.transpose() * angular_acceleration));
     }
+    if (system_.empty()) return;
+    right_hand_side_.setZero();
+    system_.add_impulses(matrix_, multipliers_, right_hand_side_);  // ODE's joints add these themselves
+    for (size_t b = 0; b < now.size(); ++b)
+        feedback_[b] -= per_step * right_hand_side_.segment<6>(matrix_.index(static_cast<int>(b)));
 }
 
 void EndOfStep::fail(int passes) const {

@@ -4,10 +4,11 @@
 #include <Eigen/SparseCholesky>
 #include <vector>
 
-#include "coupling/block_matrix.h"
 #include "coupling/loads.h"
 #include "coupling/networks.h"
 #include "model/model.h"
+#include "world/block_matrix.h"
+#include "world/joint_system.h"
 #include "world/world.h"
 
 namespace dttmm {
@@ -26,6 +27,12 @@ using Feedback = std::vector<Eigen::Matrix<double, 6, 1>>;
 /// symmetric (the gyroscopic part of ∂P/∂u and the little asymmetry of S away from rest are left to the iteration), sparse,
 /// factored once and kept while it converges fast. For explicit schemes S is zero and u follows at once: one path for both.
 ///
+/// Bodies on ideal joints also obey, with the multipliers q and the directions J of t_n (see JointSystem),
+///     P(u) + Jᵀ q = P− + h f,   C(x + h u) = 0,      matrix | K   Jᵀ |
+///                                                           | J  −E  |
+/// just as ODE and the closing of its joints will: only f is handed to ODE, whose joints then find q by themselves. ODE is
+/// asked whether it agrees; it has the last word on which stops act.
+///
 /// A step is accepted when in every group of connected bodies the estimated remaining error, (rate of convergence) × (last
 /// correction), is below kTolerance of the group's motion or at rounding, all measured as the largest speed of a point of
 /// its bodies. The rate of the steps before may be used, so that a linear model takes one pass. Source of the acceptance
@@ -34,6 +41,7 @@ class EndOfStep {
 public:
     static constexpr double kTolerance = 1e-13;
     static constexpr int kMostPasses = 50;
+    static constexpr double kAgreement = 1e-8;
 
     EndOfStep(const Model& model, const Networks& networks);
 
@@ -41,9 +49,20 @@ public:
     /// and returns the motion with the velocities half a step back, as a leap-frog host wants them.
     std::vector<BodyState> start(const dttmm_step& step, const std::vector<BodyState>& at, Networks& networks, Loads& loads);
 
-    /// `now`: poses at t_n, velocities over the step before. Networks and loads have begun the step.
+    /// Opens a step. `now`: poses at t_n, velocities over the step before. Networks and loads have begun the step.
+    void begin_step(const dttmm_step& step, const std::vector<BodyState>& now, const Loads& loads);
+
+    /// The wrenches for ODE if `stops` act over the step, one per joint. May be called again with others.
     /// Throws Error(numerical_failure) naming the worst body when it does not converge.
-    const Feedback& solve(const dttmm_step& step, const std::vector<BodyState>& now, Networks& networks, const Loads& loads);
+    const Feedback& solve(const std::vector<BodyState>& now, Networks& networks, const std::vector<Stop>& stops);
+
+    /// Throws Error(numerical_failure) naming body and joints unless ODE has moved the bodies as solve() foretold, to
+    /// kAgreement of their speeds.
+    void confirm(const std::vector<BodyState>& after) const;
+
+    /// The wrench of a joint at t_n on its first body, [force; moment about the anchor], world axes.
+    Eigen::Matrix<double, 6, 1> joint_wrench(size_t joint, const std::vector<BodyState>& now) const;
+    const JointSystem& joints() const { return system_; }
 
     /// Evaluations of the networks over all steps so far, and matrix factorisations.
     long passes() const { return passes_; }
@@ -56,7 +75,7 @@ private:
         double mass;
         Eigen::Matrix3d J;  ///< body axes
         double reach;       ///< of its markers and of its mass from the centre of mass [m]
-        bool held;          ///< by an element
+        bool held;          ///< by an element or a joint
         size_t group;       ///< of connected bodies
     };
     /// The books of a group over a step: squares of speeds [m²/s²].
@@ -72,6 +91,9 @@ private:
     void place_trial(const std::vector<BodyState>& now);
     void evaluate(const std::vector<BodyState>& now, Networks& networks);
     void factor(const std::vector<BodyState>& now);
+    void add_inertia(const std::vector<BodyState>& now);
+    void find_accelerations(const std::vector<BodyState>& at, double* accelerations);
+    void refuse_opening_joints(const std::vector<BodyState>& at) const;
     void correct(const std::vector<BodyState>& now);
     void open_groups(const std::vector<BodyState>& now);
     bool judge(int pass);
@@ -79,7 +101,13 @@ private:
     void form_feedback(const std::vector<BodyState>& now);
     [[noreturn]] void fail(int passes) const;
 
+    /// Square of the largest speed of a point of the body, at most.
+    double speed_squared(size_t body, const Vector6& u) const {
+        return 2 * (u.head<3>().squaredNorm() + inertias_[body].reach * inertias_[body].reach * u.tail<3>().squaredNorm());
+    }
+
     double h_ = 0, time_ = 0;
+    std::vector<Joint> descriptions_;  ///< of the joints
     std::vector<Inertia> inertias_;
     std::vector<Vector6> u_, previous_u_, correction_;  ///< motion over the step, over the one before, last change of it
     std::vector<Vector6> free_momentum_;                ///< P− + h f_loads
@@ -87,9 +115,11 @@ private:
     std::vector<BodyState> trial_;
     Feedback feedback_;
 
+    JointSystem system_;
     BlockMatrix matrix_;
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Upper, Eigen::NaturalOrdering<int>> solver_;
     Eigen::VectorXd right_hand_side_, solution_;
+    Eigen::VectorXd multipliers_;   ///< q in the joints' rows; the others are not looked at
     bool stiffness_wanted_ = true;  ///< by the next evaluation, which then factors the matrix anew
     std::vector<Group> groups_;
     long passes_ = 0, factorisations_ = 0;

@@ -47,8 +47,8 @@ public:
     void commit_step(const std::vector<BodyState>& accepted);
 
     const std::vector<NetworkInstance>& instances() const { return instances_; }
-    /// Results of all networks, one after the other, at the start of the step last committed. Throws Error(plugin_failure) for
-    /// one that is not finite, and for a rounding mode that is no longer to nearest.
+    /// Results of all networks, one after the other, at the start of the step last committed. Throws Error(plugin_failure)
+    /// for one that is not finite, and for a rounding mode that is no longer to nearest.
     void outputs(double* values) const;
     size_t output_count() const;
 

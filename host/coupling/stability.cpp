@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "coupling/block_matrix.h"
+#include "world/block_matrix.h"
 
 namespace dttmm {
 

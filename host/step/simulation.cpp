@@ -15,18 +15,22 @@ namespace {
 constexpr double kFarthest = 1e6;  // m
 constexpr double kFastest = 1e8;   // m/s and rad/s
 
+constexpr int kMostAttempts = 10;
+
 }  // namespace
 
 Simulation::Simulation(const Model& model, const Plugins& plugins)
     : model_(model),
       step_size_(model.simulation.step),
-      world_(model.bodies),
+      world_(model.bodies, model.joints),
       networks_(model, plugins),
       loads_(model, networks_.load_weights()),
       end_of_step_(model, networks_),
       observer_(model, networks_),
       now_(model.bodies.size()),
-      after_(model.bodies.size()) {
+      after_(model.bodies.size()),
+      stops_(model.joints.size()) {
+    for (const Joint& joint : model.joints) has_stops_ = has_stops_ || joint.limits;
     world_.read_states(now_);
     fastest_ = find_fastest_mode(model, networks_, now_);
     first_after_ = now_;
@@ -46,15 +50,32 @@ void Simulation::step() {
     const dttmm_step step{index_, time(), step_size_};
     networks_.begin_step(step);
     loads_.begin_step(step);
-    const Feedback& feedback = end_of_step_.solve(step, now_, networks_, loads_);  // calls evaluate at will
-    world_.apply(feedback);
-    world_.advance(step_size_);
-    world_.read_states(after_);
+    end_of_step_.begin_step(step, now_, loads_);
+    move_bodies();
     refuse_divergence();
     networks_.commit_step(after_);
     if (sink_) observe();
     now_.swap(after_);
     ++index_;
+}
+
+/// Finds the end of the step and has ODE move the bodies there. ODE decides which stops act: where it differs, the step is
+/// done again with its choice.
+void Simulation::move_bodies() {
+    world_.find_stops(step_size_, stops_);
+    if (has_stops_) world_.save(saved_);
+    for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
+        world_.apply(end_of_step_.solve(now_, networks_, stops_));  // calls evaluate at will
+        world_.advance(step_size_);
+        ++engine_steps_;
+        world_.read_states(after_);
+        if (world_.stops() == stops_) return end_of_step_.confirm(after_);
+        stops_ = world_.stops();
+        world_.restore(saved_);
+    }
+    throw Error(
+        ExitCode::numerical_failure,
+        fmt::format("t = {:.9g} s: no set of stops was found that ODE agrees to in {} tries", time(), kMostAttempts));
 }
 
 void Simulation::observe() {

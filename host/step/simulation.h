@@ -47,7 +47,11 @@ public:
     const EndOfStep& end_of_step() const { return end_of_step_; }
     const FastestMode& fastest_mode() const { return fastest_; }
 
+    /// Steps that ODE has done, those done again because other stops acted than foretold included.
+    uint64_t engine_steps() const { return engine_steps_; }
+
 private:
+    void move_bodies();
     void observe();
     void refuse_divergence() const;
 
@@ -62,6 +66,10 @@ private:
     RowSink sink_;
     FastestMode fastest_;
     std::vector<BodyState> now_, after_;  ///< at the start and at the end of the step
+    World::Saved saved_;                  ///< now_ as ODE has it
+    std::vector<Stop> stops_;             ///< that are thought to act over the step
+    bool has_stops_ = false;
+    uint64_t engine_steps_ = 0;
     std::vector<BodyState>
         first_after_;  ///< velocities half a step after the start that have the initial ones as their mean
 };

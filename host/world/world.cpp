@@ -5,11 +5,13 @@
 #include <ode/ode.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <mutex>
+#include <tuple>
 
 #include "model/error.h"
 
@@ -20,6 +22,9 @@ static_assert(sizeof(dReal) == sizeof(double), "ODE must be the double-precision
 namespace {
 
 std::atomic<int> complaints{0};
+
+/// CFM of ODE's joints over the largest mobility of a body: enough for redundant joints; JointClosure makes up for it.
+constexpr double kSoftness = 1e-10;
 
 std::string format_text(const char* text, va_list arguments) {
     char buffer[512];
@@ -73,7 +78,7 @@ private:
     dWorldID id_;
 };
 
-World::World(const std::vector<Body>& bodies) : world_(std::make_unique<Owner>()) {
+World::World(const std::vector<Body>& bodies, const std::vector<Joint>& joints) : world_(std::make_unique<Owner>()) {
     dWorldSetGravity(world_->id(), 0, 0, 0);
     dWorldSetAutoDisableFlag(world_->id(), 0);
     for (const Body& body : bodies) {
@@ -90,6 +95,79 @@ World::World(const std::vector<Body>& bodies) : world_(std::make_unique<Owner>()
         set_state(bodies_.size() - 1, {body.position + arm, body.rotation, body.velocity + body.angular_velocity.cross(arm),
                                        body.angular_velocity});
     }
+    if (joints.empty()) return;
+    double largest_mobility = 1;
+    for (const Body& body : bodies)
+        largest_mobility = std::max({largest_mobility, 1 / body.mass, 1 / body.inertia.diagonal().minCoeff()});
+    dWorldSetERP(world_->id(), 1);
+    for (const Joint& joint : joints) create_joint(joint, kSoftness * largest_mobility);
+    stops_.resize(joints.size());
+    before_.resize(bodies.size());
+    after_.resize(bodies.size());
+    closure_ = std::make_unique<JointClosure>(bodies, joints);
+}
+
+void World::create_joint(const Joint& joint, double cfm) {
+    // ODE wants a body first. Its coordinate is that of its first body seen from its second: so the joint's second body, if
+    // there is one, goes first; else the axis is turned round.
+    const bool swapped = joint.second >= 0;
+    const int body = swapped ? joint.second : joint.first, other = swapped ? joint.first : joint.second;
+    const dBodyID first = body_id(bodies_[static_cast<size_t>(body)].id);
+    const dBodyID second = other < 0 ? nullptr : body_id(bodies_[static_cast<size_t>(other)].id);
+    const Eigen::Vector3d axis = swapped ? joint.axis : Eigen::Vector3d(-joint.axis);
+    const Eigen::Vector3d& p = joint.anchor;
+    dJointID id = nullptr;
+    switch (joint.type) {
+        case JointType::ball:
+            id = dJointCreateBall(world_->id(), nullptr);
+            dJointAttach(id, first, second);
+            dJointSetBallAnchor(id, p.x(), p.y(), p.z());
+            dJointSetBallParam(id, dParamCFM, cfm);
+            break;
+        case JointType::hinge:
+            id = dJointCreateHinge(world_->id(), nullptr);
+            dJointAttach(id, first, second);
+            dJointSetHingeAnchor(id, p.x(), p.y(), p.z());
+            dJointSetHingeAxis(id, axis.x(), axis.y(), axis.z());
+            dJointSetHingeParam(id, dParamCFM, cfm);
+            break;
+        case JointType::slider:
+            id = dJointCreateSlider(world_->id(), nullptr);
+            dJointAttach(id, first, second);
+            dJointSetSliderAxis(id, axis.x(), axis.y(), axis.z());
+            dJointSetSliderParam(id, dParamCFM, cfm);
+            break;
+        case JointType::universal: {
+            const Eigen::Vector3d &axis1 = swapped ? joint.axis2 : joint.axis, &axis2 = swapped ? joint.axis : joint.axis2;
+            id = dJointCreateUniversal(world_->id(), nullptr);
+            dJointAttach(id, first, second);
+            dJointSetUniversalAnchor(id, p.x(), p.y(), p.z());
+            dJointSetUniversalAxis1(id, axis1.x(), axis1.y(), axis1.z());
+            dJointSetUniversalAxis2(id, axis2.x(), axis2.y(), axis2.z());
+            dJointSetUniversalParam(id, dParamCFM, cfm);
+            break;
+        }
+        case JointType::fixed:
+            id = dJointCreateFixed(world_->id(), nullptr);
+            dJointAttach(id, first, second);
+            dJointSetFixed(id);
+            dJointSetFixedParam(id, dParamCFM, cfm);
+            break;
+    }
+    JointHandle handle{id, false, joint.type == JointType::hinge, 0, 0, body, other};
+    if (joint.limits && (joint.type == JointType::hinge || joint.type == JointType::slider)) {
+        handle.has_stops = true;
+        std::tie(handle.lower, handle.upper) = std::tie((*joint.limits)[0], (*joint.limits)[1]);
+        const auto set = handle.turns ? dJointSetHingeParam : dJointSetSliderParam;
+        // The high stop first: ODE drops a low one beyond it.
+        set(id, dParamHiStop, handle.upper);
+        set(id, dParamLoStop, handle.lower);
+        set(id, dParamHiStop, handle.upper);
+        set(id, dParamStopERP, 1);
+        set(id, dParamStopCFM, cfm);
+        set(id, dParamBounce, 0);
+    }
+    joints_.push_back(handle);
 }
 
 World::~World() = default;
@@ -138,11 +216,59 @@ void World::apply(const std::vector<Eigen::Matrix<double, 6, 1>>& wrenches) {
     }
 }
 
+void World::find_stops(double h, std::vector<Stop>& stops) const {
+    for (size_t j = 0; j < joints_.size(); ++j) {
+        const JointHandle& joint = joints_[j];
+        stops[j] = {};
+        if (!joint.has_stops) continue;
+        const auto id = static_cast<dJointID>(joint.id);
+        const double coordinate = joint.turns ? dJointGetHingeAngle(id) : dJointGetSliderPosition(id);
+        if (coordinate <= joint.lower)
+            stops[j] = {true, (joint.lower - coordinate) / h, 1};
+        else if (coordinate >= joint.upper)
+            stops[j] = {true, (joint.upper - coordinate) / h, -1};
+    }
+}
+
 void World::advance(double h) {
     const int before = complaints;
+    if (closure_) {
+        read_states(before_);
+        find_stops(h, stops_);
+    }
     if (dWorldStep(world_->id(), h) == 0)
         throw Error(ExitCode::resource_limit, "ODE could not allocate the memory for a step: nothing has moved");
     if (complaints != before) throw Error(ExitCode::numerical_failure, "ODE reported a numerical problem during the step");
+    if (!closure_) return;
+    read_states(after_);
+    closure_->close(before_, h, stops_, after_);
+    set_states(after_);
+}
+
+void World::save(Saved& saved) {
+    saved.bodies.resize(bodies_.size());
+    saved.stops = stops_;
+    for (size_t b = 0; b < bodies_.size(); ++b) {
+        Saved::Body& body = saved.bodies[b];
+        std::copy_n(bodies_[b].position, 3, body.position);
+        std::copy_n(dBodyGetQuaternion(body_id(bodies_[b].id)), 4, body.quaternion);
+        std::copy_n(bodies_[b].velocity, 3, body.velocity);
+        std::copy_n(bodies_[b].angular_velocity, 3, body.angular_velocity);
+        set_saved(b, body);
+    }
+}
+
+void World::restore(const Saved& saved) {
+    for (size_t b = 0; b < bodies_.size(); ++b) set_saved(b, saved.bodies[b]);
+    stops_ = saved.stops;
+}
+
+void World::set_saved(size_t body, const Saved::Body& saved) {
+    const dBodyID id = body_id(bodies_[body].id);
+    dBodySetPosition(id, saved.position[0], saved.position[1], saved.position[2]);
+    dBodySetQuaternion(id, saved.quaternion);
+    dBodySetLinearVel(id, saved.velocity[0], saved.velocity[1], saved.velocity[2]);
+    dBodySetAngularVel(id, saved.angular_velocity[0], saved.angular_velocity[1], saved.angular_velocity[2]);
 }
 
 }  // namespace dttmm

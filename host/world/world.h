@@ -6,22 +6,16 @@
 #include <vector>
 
 #include "model/model.h"
+#include "world/body_state.h"
+#include "world/joint_closure.h"
 
 namespace dttmm {
 
-/// A rigid body as ODE keeps it: pose of the centre of mass at t_n, velocities over the step that ended there (half a step
-/// back). World axes; R turns body axes into world axes. Before the first step, in the arguments named `at`, the velocities
-/// are those of the instant.
-struct BodyState {
-    Eigen::Vector3d position;  ///< [m]
-    Eigen::Matrix3d rotation;
-    Eigen::Vector3d velocity;          ///< [m/s]
-    Eigen::Vector3d angular_velocity;  ///< [rad/s]
-};
-
-/// ODE behind one owner: rigid bodies without geometry, no gravity, no damping, no gyroscopic term of its own (the coupling
-/// supplies a centred one), finite rotations. Its step is  v+ = v + h M⁻¹ f,  x+ = x + h v+,  R+ = exp(h ω+) R.
-/// ODE aborts the process on bad numbers, so all that enters is checked here. One thread at a time.
+/// ODE behind one owner: rigid bodies on ideal joints, without geometry, no gravity, no damping, no gyroscopic term of its
+/// own (the coupling supplies a centred one), finite rotations. Its step is  v+ = v + h M⁻¹ (f + joints),  x+ = x + h v+, R+
+/// = exp(h ω+) R; what ODE's joints open over it is closed at once (JointClosure). Stops are ODE's own: one that is reached
+/// at t_n acts over the step, without rebound, and lets go when the bodies part. ODE aborts the process on bad numbers, so
+/// all that enters is checked here. One thread at a time.
 class World {
 public:
     /// No force [N] or moment [N m] beyond this reaches ODE, which aborts on overflow; no machine needs more.
@@ -31,7 +25,7 @@ public:
     static const char* engine_version();
 
     /// Bodies at their model positions with their model velocities.
-    explicit World(const std::vector<Body>& bodies);
+    explicit World(const std::vector<Body>& bodies, const std::vector<Joint>& joints = {});
     ~World();
 
     int body_count() const { return static_cast<int>(bodies_.size()); }
@@ -47,11 +41,30 @@ public:
     void apply(const std::vector<Eigen::Matrix<double, 6, 1>>& wrenches);
 
     /// One step of size h [s]. Throws Error(resource_limit) if ODE ran out of memory, Error(numerical_failure) if it
-    /// complained.
+    /// complained or a joint does not close.
     void advance(double h);
+    /// The stops that are reached now, one per joint in the model's order, and may act over a step of size h.
+    void find_stops(double h, std::vector<Stop>& stops) const;
+    /// Those that acted over the last step.
+    const std::vector<Stop>& stops() const { return stops_; }
+
+    /// The whole state that changes from step to step. ODE normalises a quaternion whenever it is set, which may change its
+    /// last bit: save() therefore sets every body anew to what it reads, so that the world goes on from the very numbers
+    /// that restore() sets later, and both futures agree to the bit.
+    struct Saved {
+        struct Body {
+            double position[3], quaternion[4], velocity[3], angular_velocity[3];
+        };
+        std::vector<Body> bodies;
+        std::vector<Stop> stops;
+    };
+    void save(Saved& saved);
+    void restore(const Saved& saved);
 
 private:
     void set_state(size_t body, const BodyState& state);
+    void set_saved(size_t body, const Saved::Body& saved);
+    void create_joint(const Joint& joint, double cfm);
     class Library;
     class Owner;
     /// ODE's handle of a body, and where ODE keeps its numbers.
@@ -61,6 +74,18 @@ private:
     };
     std::unique_ptr<Owner> world_;
     std::vector<Handle> bodies_;
+
+    /// A joint of ODE's. The stops of a hinge or slider are its own, in ODE's coordinate.
+    struct JointHandle {
+        void* id;
+        bool has_stops, turns;
+        double lower, upper;  ///< [rad, m]
+        int body, other;      ///< ODE's first and second body
+    };
+    std::vector<JointHandle> joints_;
+    std::vector<Stop> stops_;
+    std::vector<BodyState> before_, after_;
+    std::unique_ptr<JointClosure> closure_;  ///< none without joints
 };
 
 }  // namespace dttmm

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "coupling/block_matrix.h"
+#include "world/block_matrix.h"
 
 #include <gtest/gtest.h>
 

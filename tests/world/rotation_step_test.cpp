@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "coupling/rotation_step.h"
+#include "world/rotation_step.h"
 
 #include <gtest/gtest.h>
 

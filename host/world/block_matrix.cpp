@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "world/block_matrix.h"
+
+#include <Eigen/OrderingMethods>
+#include <algorithm>
+#include <set>
+
+namespace dttmm {
+
+namespace {
+
+using Pairs = std::vector<std::pair<int, int>>;
+
+/// Bodies in an elimination order with little fill.
+std::vector<int> minimum_degree_order(int count, const Pairs& pairs) {
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int b = 0; b < count; ++b) entries.emplace_back(b, b, 1.0);
+    for (const auto& [i, j] : pairs) {
+        entries.emplace_back(i, j, 1.0);
+        entries.emplace_back(j, i, 1.0);
+    }
+    Eigen::SparseMatrix<double> graph(count, count);
+    graph.setFromTriplets(entries.begin(), entries.end());
+    Eigen::AMDOrdering<int>::PermutationType inverse;
+    Eigen::AMDOrdering<int>()(graph, inverse);
+    return {inverse.indices().data(), inverse.indices().data() + count};
+}
+
+/// Position of every node (bodies, then joints): the bodies with little fill, each joint after the first of its bodies.
+std::vector<int> order_nodes(int body_count, Pairs pairs, const std::vector<BlockMatrix::JointNode>& joints) {
+    for (const auto& joint : joints)
+        if (joint.first >= 0 && joint.second >= 0) pairs.emplace_back(joint.first, joint.second);
+    std::vector<int> order(static_cast<size_t>(body_count) + joints.size(), -1);
+    std::vector<std::vector<int>> joints_of(static_cast<size_t>(body_count));
+    for (size_t j = 0; j < joints.size(); ++j)
+        for (int body : {joints[j].first, joints[j].second})
+            if (body >= 0) joints_of[static_cast<size_t>(body)].push_back(body_count + static_cast<int>(j));
+    int next = 0;
+    for (int body : minimum_degree_order(body_count, pairs)) {
+        order[static_cast<size_t>(body)] = next++;
+        for (int node : joints_of[static_cast<size_t>(body)])
+            if (order[static_cast<size_t>(node)] < 0) order[static_cast<size_t>(node)] = next++;
+    }
+    return order;
+}
+
+}  // namespace
+
+BlockMatrix::BlockMatrix(int body_count, const Pairs& pairs, const std::vector<JointNode>& joints)
+    : body_count_(body_count), joints_(joints), order_(order_nodes(body_count, pairs, joints)) {
+    const size_t node_count = order_.size();
+    std::vector<int> sizes(node_count), starts(node_count);  // by position
+    const auto size_of = [&](size_t node) {
+        return node < static_cast<size_t>(body_count) ? 6 : joints[node - static_cast<size_t>(body_count)].equations;
+    };
+    for (size_t node = 0; node < node_count; ++node) sizes[static_cast<size_t>(order_[node])] = size_of(node);
+    int total = 0;
+    for (size_t place = 0; place < node_count; ++place) {
+        starts[place] = total;
+        total += sizes[place];
+    }
+    for (size_t node = 0; node < node_count; ++node) start_.push_back(starts[static_cast<size_t>(order_[node])]);
+
+    std::set<std::pair<int, int>> blocks;  // (row, column) positions, upper triangle
+    const auto couple = [&](int node, int other) {
+        const int a = order_[static_cast<size_t>(node)], b = order_[static_cast<size_t>(other)];
+        blocks.emplace(std::min(a, b), std::max(a, b));
+    };
+    for (int node = 0; node < static_cast<int>(node_count); ++node) couple(node, node);
+    for (const auto& [i, j] : pairs) couple(i, j);
+    for (size_t j = 0; j < joints.size(); ++j)
+        for (int body : {joints[j].first, joints[j].second})
+            if (body >= 0) couple(body_count + static_cast<int>(j), body);
+
+    std::vector<Eigen::Triplet<double>> entries;
+    for (const auto& [row, column] : blocks) {
+        const int r0 = starts[static_cast<size_t>(row)], c0 = starts[static_cast<size_t>(column)];
+        for (int c = 0; c < sizes[static_cast<size_t>(column)]; ++c)
+            for (int r = 0; r < (row == column ? c + 1 : sizes[static_cast<size_t>(row)]); ++r)
+                entries.emplace_back(r0 + r, c0 + c, 0.0);
+    }
+    matrix_.resize(total, total);
+    matrix_.setFromTriplets(entries.begin(), entries.end());
+    matrix_.makeCompressed();
+
+    for (const auto& [row, column] : blocks) {
+        Places& place = places_[{row, column}];
+        for (int c = 0; c < sizes[static_cast<size_t>(column)]; ++c)
+            place[static_cast<size_t>(c)] = static_cast<int>(
+                &matrix_.coeffRef(starts[static_cast<size_t>(row)], starts[static_cast<size_t>(column)] + c) -
+                matrix_.valuePtr());
+    }
+}
+
+const BlockMatrix::Places& BlockMatrix::places(int row_node, int column_node) const {
+    return places_.at({order_[static_cast<size_t>(row_node)], order_[static_cast<size_t>(column_node)]});
+}
+
+void BlockMatrix::set_zero() { matrix_.coeffs().setZero(); }
+
+void BlockMatrix::add(int row_body, int column_body, const Block& block) {
+    if (order_[static_cast<size_t>(row_body)] > order_[static_cast<size_t>(column_body)]) return;
+    const Places& place = places(row_body, column_body);
+    for (int c = 0; c < 6; ++c) {
+        double* values = matrix_.valuePtr() + place[static_cast<size_t>(c)];
+        for (int r = 0; r < (row_body == column_body ? c + 1 : 6); ++r) values[r] += block(r, c);
+    }
+}
+
+void BlockMatrix::set_joint(int joint, const Rows& first, const Rows& second, const Values& E) {
+    const JointNode& node = joints_[static_cast<size_t>(joint)];
+    set_side(joint, node.first, first);
+    set_side(joint, node.second, second);
+    const Places& diagonal = places(body_count_ + joint, body_count_ + joint);
+    for (int e = 0; e < node.equations; ++e) matrix_.valuePtr()[diagonal[static_cast<size_t>(e)] + e] = -E(e);
+}
+
+void BlockMatrix::set_side(int joint, int body, const Rows& rows) {
+    if (body < 0) return;
+    const int node = body_count_ + joint, equations = joints_[static_cast<size_t>(joint)].equations;
+    const bool body_first = order_[static_cast<size_t>(body)] < order_[static_cast<size_t>(node)];
+    const Places& place = body_first ? places(body, node) : places(node, body);
+    for (int e = 0; e < equations; ++e)
+        for (int i = 0; i < 6; ++i)
+            matrix_.valuePtr()[body_first ? place[static_cast<size_t>(e)] + i : place[static_cast<size_t>(i)] + e] =
+                rows(e, i);
+}
+
+}  // namespace dttmm

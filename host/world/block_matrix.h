@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <array>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace dttmm {
+
+/// A symmetric sparse matrix over bodies and joints, its upper triangle stored:
+///     | K   Jᵀ |     K: a 6×6 block for every body and every pair of bodies that an element couples, positive definite
+///     | J  −E  |     J: the equations of the joints, E: a small positive diagonal
+/// The pattern is fixed at construction. Bodies are reordered for a sparse factor and every joint follows the first of its
+/// bodies: so each pivot block is regular, and LDLᵀ needs no pivoting. `index(body)` is where a body's six unknowns begin.
+/// Source of that order: Vanderbei (1995), SIAM J. Optim. 5(1), 100–113, on symmetric quasi-definite matrices.
+class BlockMatrix {
+public:
+    using Block = Eigen::Matrix<double, 6, 6>;
+    using Rows = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor, 7, 6>;  ///< equations of a joint, one side
+    using Values = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 7, 1>;              ///< one per equation of a joint
+
+    /// A joint between two bodies (−1: the ground) and the number of its equations.
+    struct JointNode {
+        int first, second, equations;
+    };
+
+    /// Diagonal blocks of bodies are always there; `pairs` lists the off-diagonal ones (either order, repeats allowed).
+    BlockMatrix(int body_count, const std::vector<std::pair<int, int>>& pairs, const std::vector<JointNode>& joints = {});
+
+    int index(int body) const { return start_[static_cast<size_t>(body)]; }
+    int joint_index(int joint) const { return start_[static_cast<size_t>(body_count_ + joint)]; }
+    int size() const { return static_cast<int>(matrix_.rows()); }
+
+    void set_zero();
+    /// Adds a block at (row body, column body). Only what falls into the upper triangle of the reordered matrix is kept: add
+    /// both (i, j) and (j, i), as an assembly over ports does by itself.
+    void add(int row_body, int column_body, const Block& block);
+    /// Sets the equations of a joint: `first` and `second` by the velocities of its bodies (that of the ground is not looked
+    /// at), `E` positive.
+    void set_joint(int joint, const Rows& first, const Rows& second, const Values& E);
+
+    const Eigen::SparseMatrix<double>& upper() const { return matrix_; }
+
+private:
+    using Places = std::array<int, 7>;  ///< of each column of a block in the value array
+    const Places& places(int row_node, int column_node) const;
+    void set_side(int joint, int body, const Rows& rows);
+
+    int body_count_;
+    std::vector<JointNode> joints_;
+    std::vector<int> order_;                        ///< position of every node, the bodies first, then the joints
+    std::vector<int> start_;                        ///< first unknown of every node
+    std::map<std::pair<int, int>, Places> places_;  ///< by positions
+    Eigen::SparseMatrix<double> matrix_;
+};
+
+}  // namespace dttmm

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "world/joint_closure.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+#include "model/error.h"
+#include "world/rotation_step.h"
+
+namespace dttmm {
+
+namespace {
+
+/// Of the speeds at a stop: less is no parting.
+constexpr double kParting = 1e-9;
+
+constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
+
+}  // namespace
+
+JointClosure::JointClosure(const std::vector<Body>& bodies, const std::vector<Joint>& joints)
+    : system_(bodies, joints), matrix_(static_cast<int>(bodies.size()), {}, system_.nodes()) {
+    for (const Body& body : bodies)
+        inertias_.push_back({body.mass, body.inertia, std::sqrt(body.inertia.trace() / (2 * body.mass))});
+    for (const Joint& joint : joints) names_.push_back(joint.name);
+    right_hand_side_.setZero(matrix_.size());
+    solution_.setZero(matrix_.size());
+    solver_.analyzePattern(matrix_.upper());
+}
+
+void JointClosure::factor(const std::vector<BodyState>& now) {
+    matrix_.set_zero();
+    for (size_t b = 0; b < now.size(); ++b) {
+        BlockMatrix::Block M = BlockMatrix::Block::Zero();
+        M.diagonal().head<3>().setConstant(inertias_[b].mass);
+        M.bottomRightCorner<3, 3>() = now[b].rotation * inertias_[b].J * now[b].rotation.transpose();
+        matrix_.add(static_cast<int>(b), static_cast<int>(b), M);
+    }
+    system_.write_to(matrix_);
+    solver_.factorize(matrix_.upper());
+    if (solver_.info() != Eigen::Success) fail();
+}
+
+/// A stop has acted unless ODE lets the joint part from it.
+void JointClosure::judge(std::vector<Stop>& stops, const std::vector<BodyState>& after) const {
+    for (size_t j = 0; j < stops.size(); ++j) {
+        if (!stops[j].acts) continue;
+        const double speed = system_.coordinate_speed(j, after);
+        const double parting = stops[j].side * (speed - stops[j].speed);
+        stops[j].acts = parting <= kParting * (std::abs(speed) + std::abs(stops[j].speed));
+    }
+}
+
+void JointClosure::close(const std::vector<BodyState>& now, double h, std::vector<Stop>& stops,
+                         std::vector<BodyState>& after) {
+    system_.linearise(now, stops);
+    judge(stops, after);
+    system_.linearise(now, stops);
+    factor(now);
+    for (int pass = 0; pass < kMostPasses; ++pass) {
+        for (size_t b = 0; b < now.size(); ++b) {
+            after[b].position = now[b].position + h * after[b].velocity;
+            after[b].rotation = RotationStep(h * after[b].angular_velocity).apply(now[b].rotation);
+        }
+        right_hand_side_.setZero();
+        system_.write_openings(matrix_, after, h, right_hand_side_);
+        solution_ = solver_.solve(right_hand_side_);
+        double correction = 0, scale = 0;
+        for (size_t b = 0; b < now.size(); ++b) {
+            const auto change = solution_.segment<6>(matrix_.index(static_cast<int>(b)));
+            after[b].velocity += change.head<3>();
+            after[b].angular_velocity += change.tail<3>();
+            const double reach = inertias_[b].reach;
+            correction = std::max(correction, change.head<3>().norm() + reach * change.tail<3>().norm());
+            scale = std::max({scale, after[b].velocity.norm() + reach * after[b].angular_velocity.norm(),
+                              (now[b].position.norm() + reach) / h});
+        }
+        if (!std::isfinite(correction)) fail();
+        if (correction <= kRounding * scale) return;
+    }
+    fail();
+}
+
+void JointClosure::fail() const {
+    Eigen::Index worst = 0;
+    int joint = 0;
+    right_hand_side_.cwiseAbs().maxCoeff(&worst);
+    for (size_t j = 0; j < names_.size(); ++j)
+        if (const int start = matrix_.joint_index(static_cast<int>(j));
+            worst >= start && worst < start + system_.joints()[j].count())
+            joint = static_cast<int>(j);
+    throw Error(ExitCode::numerical_failure, fmt::format("joint \"{}\" does not close within a step; try a smaller step",
+                                                         names_[static_cast<size_t>(joint)]));
+}
+
+}  // namespace dttmm

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "world/joint_equations.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace dttmm {
+
+namespace {
+
+const BodyState kGround = {Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero(),
+                           Eigen::Vector3d::Zero()};
+
+Eigen::Matrix3d start_rotation(int body, const std::vector<Body>& bodies) {
+    return body < 0 ? Eigen::Matrix3d::Identity() : bodies[static_cast<size_t>(body)].rotation;
+}
+
+/// From a body's centre of mass to a point of the world at the start, body axes.
+Eigen::Vector3d start_arm(int body, const std::vector<Body>& bodies, const Eigen::Vector3d& point) {
+    if (body < 0) return point;
+    const Body& b = bodies[static_cast<size_t>(body)];
+    return b.rotation.transpose() * (point - b.position) - b.center_of_mass;
+}
+
+}  // namespace
+
+JointEquations::JointEquations(const Joint& joint, const std::vector<Body>& bodies)
+    : first_(joint.first),
+      second_(joint.second),
+      arm_first_(start_arm(joint.first, bodies, joint.anchor)),
+      arm_second_(start_arm(joint.second, bodies, joint.anchor)),
+      has_coordinate_(joint.type == JointType::hinge || joint.type == JointType::slider),
+      turns_(joint.type == JointType::hinge),
+      has_stops_(has_coordinate_ && joint.limits) {
+    const Eigen::Matrix3d to_first = start_rotation(first_, bodies).transpose();
+    const Eigen::Matrix3d to_second = start_rotation(second_, bodies).transpose();
+    const Eigen::Vector3d a = joint.axis.normalized(), b = a.unitOrthogonal(), c = a.cross(b);
+    const auto keep_anchor = [&](const Eigen::Vector3d& d) { anchors_.push_back({d, false}); };
+    const auto keep_right_angle = [&](const Eigen::Vector3d& u, const Eigen::Vector3d& w) {
+        angles_.push_back({to_first * u, to_second * w});
+    };
+    const auto keep_attitude = [&] {
+        keep_right_angle(b, c);
+        keep_right_angle(c, a);
+        keep_right_angle(a, b);
+    };
+    axis_ = to_first * a;
+    zero_ = to_first * b;
+    quarter_ = to_first * c;
+    pointer_ = to_second * b;
+
+    if (joint.type == JointType::slider) {
+        anchors_.push_back({zero_, true});
+        anchors_.push_back({quarter_, true});
+        keep_attitude();
+        return;
+    }
+    for (int i = 0; i < 3; ++i) keep_anchor(Eigen::Vector3d::Unit(i));
+    switch (joint.type) {
+        case JointType::hinge:
+            keep_right_angle(b, a);
+            keep_right_angle(c, a);
+            break;
+        case JointType::universal:
+            keep_right_angle(a, joint.axis2.normalized());
+            break;
+        case JointType::fixed:
+            keep_attitude();
+            break;
+        default:
+            break;
+    }
+}
+
+const BodyState& JointEquations::state(int body, const std::vector<BodyState>& at) {
+    return body < 0 ? kGround : at[static_cast<size_t>(body)];
+}
+
+Eigen::Vector3d JointEquations::direction(const AnchorEquation& equation, const BodyState& first) const {
+    return equation.on_first ? Eigen::Vector3d(first.rotation * equation.d) : equation.d;
+}
+
+void JointEquations::residual(const std::vector<BodyState>& at, Values& C) const {
+    const BodyState &first = state(first_, at), &second = state(second_, at);
+    const Eigen::Vector3d gap =
+        second.position + second.rotation * arm_second_ - first.position - first.rotation * arm_first_;
+    int row = 0;
+    for (const AnchorEquation& equation : anchors_) C(row++) = direction(equation, first).dot(gap);
+    for (const AngleEquation& equation : angles_) C(row++) = (first.rotation * equation.u).dot(second.rotation * equation.w);
+}
+
+void JointEquations::jacobian(const std::vector<BodyState>& at, Jacobian& J) const {
+    const BodyState &first = state(first_, at), &second = state(second_, at);
+    const Eigen::Vector3d r1 = first.rotation * arm_first_, r2 = second.rotation * arm_second_;
+    const Eigen::Vector3d gap = second.position + r2 - first.position - r1;
+    J.first.resize(count(), 6);
+    J.second.resize(count(), 6);
+    // d·(p₂ − p₁): d·(v₂ + ω₂ × r₂ − v₁ − ω₁ × r₁) + ḋ·gap,  ḋ = ω₁ × d where d is fixed on the first body
+    const auto set_anchor_row = [&](int row, const Eigen::Vector3d& d, bool on_first) {
+        J.second.row(row) << d.transpose(), r2.cross(d).transpose();
+        J.first.row(row) << -d.transpose(), -r1.cross(d).transpose();
+        if (on_first) J.first.row(row).tail<3>() += d.cross(gap).transpose();
+    };
+    int row = 0;
+    for (const AnchorEquation& equation : anchors_) set_anchor_row(row++, direction(equation, first), equation.on_first);
+    for (const AngleEquation& equation : angles_) {
+        // u·w: (ω₁ − ω₂)·(u × w)
+        const Eigen::Vector3d n = (first.rotation * equation.u).cross(second.rotation * equation.w);
+        J.first.row(row) << 0, 0, 0, n.transpose();
+        J.second.row(row++) << 0, 0, 0, -n.transpose();
+    }
+    if (!has_stops_) return;
+    const Eigen::Vector3d a = first.rotation * axis_;
+    if (turns_) {
+        J.first.row(row) << 0, 0, 0, -a.transpose();
+        J.second.row(row) << 0, 0, 0, a.transpose();
+    } else {
+        set_anchor_row(row, a, true);
+    }
+}
+
+void JointEquations::curvature(const std::vector<BodyState>& at, Values& rate) const {
+    const BodyState &first = state(first_, at), &second = state(second_, at);
+    const Eigen::Vector3d &w1 = first.angular_velocity, &w2 = second.angular_velocity;
+    const Eigen::Vector3d r1 = first.rotation * arm_first_, r2 = second.rotation * arm_second_;
+    const Eigen::Vector3d gap = second.position + r2 - first.position - r1;
+    const Eigen::Vector3d gap_rate = second.velocity + w2.cross(r2) - first.velocity - w1.cross(r1);
+    const Eigen::Vector3d gap_curvature = w2.cross(w2.cross(r2)) - w1.cross(w1.cross(r1));
+    int row = 0;
+    for (const AnchorEquation& equation : anchors_) {
+        const Eigen::Vector3d d = direction(equation, first);
+        rate(row) = d.dot(gap_curvature);
+        if (equation.on_first) rate(row) += 2 * w1.cross(d).dot(gap_rate) + w1.cross(w1.cross(d)).dot(gap);
+        ++row;
+    }
+    for (const AngleEquation& equation : angles_) {
+        const Eigen::Vector3d u = first.rotation * equation.u, w = second.rotation * equation.w;
+        rate(row++) = w1.cross(w1.cross(u)).dot(w) + 2 * w1.cross(u).dot(w2.cross(w)) + u.dot(w2.cross(w2.cross(w)));
+    }
+}
+
+Eigen::Vector3d JointEquations::anchor(const std::vector<BodyState>& at) const {
+    const BodyState& first = state(first_, at);
+    return first.position + first.rotation * arm_first_;
+}
+
+double JointEquations::coordinate(const std::vector<BodyState>& at) const {
+    const BodyState &first = state(first_, at), &second = state(second_, at);
+    if (turns_) {
+        const Eigen::Vector3d pointer = second.rotation * pointer_;
+        return std::atan2(pointer.dot(first.rotation * quarter_), pointer.dot(first.rotation * zero_));
+    }
+    return (first.rotation * axis_)
+        .dot(second.position + second.rotation * arm_second_ - first.position - first.rotation * arm_first_);
+}
+
+}  // namespace dttmm

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "model/model.h"
+#include "world/block_matrix.h"
+#include "world/body_state.h"
+
+namespace dttmm {
+
+/// What an ideal joint forbids, as equations C = 0 of the poses of its two bodies, C = 0 at the start. Three kinds:
+///     d·(p₂ − p₁) = 0   the anchors of both bodies keep together along d; d fixed in the world, or on the first body
+///     (slider) u₁·w₂ = 0         a direction on the first body stays at right angles to one on the second
+/// ball: 3 anchors. hinge: 3 anchors, 2 angles. universal: 3 anchors, 1 angle. slider: 2 anchors, 3 angles. fixed: 3 and 3.
+/// A hinge and a slider have a coordinate, 0 at the start: the angle [rad, −π..π] of the second body about the axis, or its
+/// travel along it [m], seen from the first. With stops, one equation more holds the coordinate while a stop acts.
+/// Velocities and wrenches are [of the centre of mass; angular] and [force; moment about it], world axes.
+class JointEquations {
+public:
+    using Rows = BlockMatrix::Rows;
+    using Values = BlockMatrix::Values;
+
+    /// The derivatives of the equations by the velocities of the two bodies.
+    struct Jacobian {
+        Rows first, second;
+    };
+
+    JointEquations(const Joint& joint, const std::vector<Body>& bodies);
+
+    int first() const { return first_; }    ///< body; −1: the ground
+    int second() const { return second_; }  ///< body; −1: the ground
+    /// Equations, that of the stops, the last, included.
+    int count() const { return lasting() + (has_stops_ ? 1 : 0); }
+    /// Equations that always hold.
+    int lasting() const { return static_cast<int>(anchors_.size() + angles_.size()); }
+    bool has_stops() const { return has_stops_; }
+
+    /// C [m, rad] of the lasting equations; the stops' is left alone.
+    void residual(const std::vector<BodyState>& at, Values& C) const;
+    /// ∂Ċ/∂(velocities), the last row that of the coordinate where there are stops.
+    void jacobian(const std::vector<BodyState>& at, Jacobian& J) const;
+    /// C̈ of the lasting equations while both bodies keep their velocities.
+    void curvature(const std::vector<BodyState>& at, Values& rate) const;
+
+    /// Where the anchor is in the world [m], on the first body.
+    Eigen::Vector3d anchor(const std::vector<BodyState>& at) const;
+    /// The axes of the first body, in which the joint's force is reported.
+    Eigen::Matrix3d axes(const std::vector<BodyState>& at) const { return state(first_, at).rotation; }
+    bool has_coordinate() const { return has_coordinate_; }
+    bool turns() const { return turns_; }  ///< the coordinate is an angle
+    double coordinate(const std::vector<BodyState>& at) const;
+
+private:
+    struct AnchorEquation {
+        Eigen::Vector3d d;
+        bool on_first;  ///< d is fixed on the first body, in its axes; else in the world
+    };
+    struct AngleEquation {
+        Eigen::Vector3d u, w;  ///< in the axes of the first and of the second body
+    };
+    static const BodyState& state(int body, const std::vector<BodyState>& at);
+    Eigen::Vector3d direction(const AnchorEquation& equation, const BodyState& first) const;
+
+    int first_, second_;
+    std::vector<AnchorEquation> anchors_;
+    std::vector<AngleEquation> angles_;
+    Eigen::Vector3d arm_first_, arm_second_;  ///< from the centres of mass to the anchor, body axes [m]
+    bool has_coordinate_, turns_, has_stops_;
+    Eigen::Vector3d axis_, zero_, quarter_;  ///< on the first body: the axis, where angle 0 points, a quarter turn on
+    Eigen::Vector3d pointer_;                ///< on the second body: what shows the angle
+};
+
+}  // namespace dttmm

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "model/model.h"
+#include "world/block_matrix.h"
+#include "world/body_state.h"
+#include "world/joint_equations.h"
+
+namespace dttmm {
+
+/// The stop of a hinge or slider over a step. While it acts, the coordinate moves at `speed` [rad/s, m/s], which brings it
+/// to the stop; it can push one way only.
+struct Stop {
+    bool acts = false;
+    double speed = 0;
+    int side = 0;  ///< 1: the lower stop, which pushes the coordinate up; −1: the upper
+    bool operator==(const Stop& other) const { return acts == other.acts; }
+};
+
+/// All ideal joints of a model, linearised at t_n, as rows of a BlockMatrix. Over the step they act by impulses −Jᵀ q along
+/// the directions of t_n, such that the joints are closed at its end:
+///     P(u) + Jᵀ q = (momentum without joints),     C(x_n + h u) = 0,     J u = speed for a stop that acts.
+/// This is the SHAKE form of the leap-frog scheme: second order, reversible in time, no drift of the joints.
+/// Source: Ryckaert, Ciccotti and Berendsen (1977), J. Comput. Phys. 23, 327–341.
+///
+/// Joints may be redundant (the four of a plane linkage are): what they share is then settled by a small E in the matrix,
+/// which is proximal, i.e. multiplies the change of q only, so that it costs passes but no accuracy.
+class JointSystem {
+public:
+    JointSystem(const std::vector<Body>& bodies, const std::vector<Joint>& joints);
+
+    bool empty() const { return joints_.empty(); }
+    const std::vector<JointEquations>& joints() const { return joints_; }
+    /// For the pattern of a BlockMatrix.
+    std::vector<BlockMatrix::JointNode> nodes() const;
+
+    /// Takes J and E at t_n; `stops`: one per joint.
+    void linearise(const std::vector<BodyState>& now, const std::vector<Stop>& stops);
+    void write_to(BlockMatrix& matrix) const;
+
+    /// Rate at which a joint's coordinate moves with the velocities of `end`: the last row of J, while its stop acts.
+    double coordinate_speed(size_t joint, const std::vector<BodyState>& end) const;
+
+    /// Writes −C(end)/h [m/s, rad/s], and speed − J u for stops, into the joints' rows of a right-hand side. `end`: poses at
+    /// the end of the step, velocities u over it.
+    void write_openings(const BlockMatrix& matrix, const std::vector<BodyState>& end, double h, Eigen::VectorXd& rows) const;
+    /// Writes −C̈ of bodies that keep their velocities: the right-hand side for accelerations.
+    void write_curvatures(const BlockMatrix& matrix, const std::vector<BodyState>& at, Eigen::VectorXd& rows) const;
+    /// Adds −Jᵀ q to the bodies' rows; q: the joints' rows of `multipliers`.
+    void add_impulses(const BlockMatrix& matrix, const Eigen::VectorXd& multipliers, Eigen::VectorXd& rows) const;
+    /// The impulse −Jᵀ q of one joint on its second body.
+    Eigen::Matrix<double, 6, 1> impulse_on_second(int joint, const double* q) const;
+    Eigen::Matrix<double, 6, 1> impulse_on_first(int joint, const double* q) const;
+
+    /// Largest speed at which a joint opens at the instant `at` [m/s, rad/s]; joint: which.
+    double opening_speed(const std::vector<BodyState>& at, size_t joint) const;
+
+private:
+    struct Inertia {
+        double inverse_mass;
+        Eigen::Matrix3d inverse_inertia;  ///< body axes
+    };
+    double mobility(const Eigen::Matrix<double, 1, 6>& row, int body, const std::vector<BodyState>& now) const;
+
+    std::vector<JointEquations> joints_;
+    std::vector<Inertia> inertias_;
+    std::vector<JointEquations::Jacobian> jacobians_;
+    std::vector<JointEquations::Values> E_;
+    std::vector<Stop> stops_;
+    mutable JointEquations::Values values_;
+};
+
+}  // namespace dttmm

@@ -25,28 +25,33 @@ Attachments::Attachments(const std::vector<Body>& bodies) : bodies_(bodies) {
 }
 
 std::optional<Attachment> Attachments::read(const TableReader& table, const char* key) const {
-    const auto text = table.text(key);
-    if (!text) return std::nullopt;
-    const std::string name = normalise_name(*text);
-    if (name == "ground") return Attachment{};
+    const TomlMember* member = table.require(key);
+    return member ? read(table, member->value, key) : std::nullopt;
+}
+
+std::optional<Attachment> Attachments::read(const TableReader& table, const TomlValue& value,
+                                            const std::string& what) const {
     const auto fail = [&](const std::string& message) {
-        table.error(table.find(key)->value.place, fmt::format("{}: {}", key, message));
+        table.error(value.place, what + message);
         return std::nullopt;
     };
+    if (!value.is_text()) return fail(fmt::format(" must be a text, got {}", kind_text(value.kind)));
+    const std::string name = normalise_name(value.string);
+    if (name == "ground") return Attachment{};
     const std::size_t dot = name.find('.');
     const auto found = index_.find(name.substr(0, dot));
     if (found == index_.end()) {
         std::vector<std::string> known = names_of(bodies_);
         known.emplace_back("ground");
         return fail(
-            fmt::format("there is no body {}{}", quote(name.substr(0, dot)), suggestion(name.substr(0, dot), known)));
+            fmt::format(": there is no body {}{}", quote(name.substr(0, dot)), suggestion(name.substr(0, dot), known)));
     }
     if (dot == name.npos) return Attachment{found->second, -1};
     const std::string marker_name = name.substr(dot + 1);
     const auto& markers = bodies_[static_cast<std::size_t>(found->second)].markers;
     const auto marker = std::find_if(markers.begin(), markers.end(), [&](const Marker& m) { return m.name == marker_name; });
     if (marker == markers.end())
-        return fail(fmt::format("body {} has no marker {}{}", quote(found->first), quote(marker_name),
+        return fail(fmt::format(": body {} has no marker {}{}", quote(found->first), quote(marker_name),
                                 suggestion(marker_name, names_of(markers))));
     return Attachment{found->second, static_cast<int>(marker - markers.begin())};
 }

@@ -20,6 +20,9 @@ public:
     /// The place that `key` of a table names. An unknown name is reported with the nearest; returns nothing then.
     std::optional<Attachment> read(const TableReader& table, const char* key) const;
 
+    /// The same for a value of the table that messages call `what`; anything but a text is reported too.
+    std::optional<Attachment> read(const TableReader& table, const TomlValue& value, const std::string& what) const;
+
     /// Where it is in the world at the start [m]; not for the ground.
     Eigen::Vector3d position(const Attachment& attachment) const;
 

@@ -31,6 +31,16 @@ const Place* NameRegistry::find(const std::string& name) const {
     return found == places_.end() ? nullptr : &found->second;
 }
 
+void check_name(const TableReader& table, const std::string& name, const std::vector<const NameRegistry*>& others) {
+    const Place place = table.find("name") ? table.find("name")->value.place : table.place();
+    if (name == "time" || name == "energy" || name == "ground")
+        table.error(place, fmt::format("the name \"{}\" is reserved", name));
+    for (const NameRegistry* names : others)
+        if (const Place* other = names->find(name))
+            table.error(place, fmt::format("the {} on line {} has the same name; results could not be told apart",
+                                           names->kind(), other->line));
+}
+
 std::string entry_label(const char* kind, const TomlValue& entry, std::size_t index) {
     const TomlMember* name = entry.find("name");
     if (!name || !name->value.is_text()) return fmt::format("{} number {}", kind, index + 1);

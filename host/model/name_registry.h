@@ -20,6 +20,8 @@ public:
     /// The `name` of a table, kept. Empty if there is none to keep, which is reported.
     std::string add_from(const TableReader& table);
 
+    const std::string& kind() const { return kind_; }
+
     /// Null if the name was not given.
     const Place* find(const std::string& name) const;
 
@@ -27,6 +29,9 @@ private:
     std::string kind_;
     std::map<std::string, Place> places_;
 };
+
+/// Reports a name of `table` that is reserved, or that a thing of another kind has: results could not be told apart.
+void check_name(const TableReader& table, const std::string& name, const std::vector<const NameRegistry*>& others = {});
 
 /// How messages call entry `index` of a [[kind]]: by its name if it has one, else by its number, counted from 1.
 std::string entry_label(const char* kind, const TomlValue& entry, std::size_t index);

@@ -157,8 +157,7 @@ Body read_body(const ReadContext& context, const TomlValue& entry, std::size_t i
     if (!table.is_valid()) return body;
     const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
     body.name = names.add_from(table);
-    if (body.name == "ground" || body.name == "time" || body.name == "energy")
-        table.error(table.find("name")->value.place, fmt::format("the name \"{}\" is reserved", body.name));
+    check_name(table, body.name);
     read_mass_properties(table, body);
     body.center_of_mass = table.vector("center_of_mass", "m", zero, kOnBody).value_or(zero);
     body.position = table.vector("position", "m", zero).value_or(zero);

@@ -85,19 +85,11 @@ bool check_ends(const TableReader& table, const Element& element, const Attachme
     return true;
 }
 
-void check_name(const TableReader& table, const std::string& name, const NameRegistry& body_names) {
-    const Place place = table.find("name") ? table.find("name")->value.place : table.place();
-    if (name == "time" || name == "energy" || name == "ground")
-        table.error(place, fmt::format("the name \"{}\" is reserved", name));
-    if (const Place* body = body_names.find(name))
-        table.error(place,
-                    fmt::format("the body on line {} has the same name; results could not be told apart", body->line));
-}
-
 class ElementsReader {
 public:
-    ElementsReader(const ElementCatalogue& catalogue, const Attachments& attachments, const NameRegistry& body_names)
-        : catalogue_(catalogue), attachments_(attachments), body_names_(body_names), names_("element") {}
+    ElementsReader(const ElementCatalogue& catalogue, const Attachments& attachments, const NameRegistry& body_names,
+                   NameRegistry& names)
+        : catalogue_(catalogue), attachments_(attachments), body_names_(body_names), names_(names) {}
 
     void read(const ReadContext& context, const TomlValue& entry, std::size_t index) {
         const std::string label = entry_label("element", entry, index);
@@ -123,7 +115,7 @@ private:
         element.name = names_.add_from(table);
         element.type = type;
         element.place = table.context().diagnostics.place_text(table.place());
-        check_name(table, element.name, body_names_);
+        check_name(table, element.name, {&body_names_});
         const auto from = attachments_.read(table, "from");
         const auto to = attachments_.read(table, "to");
         element.from = from.value_or(Attachment{});
@@ -152,7 +144,7 @@ private:
     const ElementCatalogue& catalogue_;
     const Attachments& attachments_;
     const NameRegistry& body_names_;
-    NameRegistry names_;
+    NameRegistry& names_;
     std::map<std::tuple<int, int, int, int, int, std::vector<double>>, std::string> seen_;
     std::vector<Element> elements_;
 };
@@ -160,8 +152,8 @@ private:
 }  // namespace
 
 std::vector<Element> read_elements(const TableReader& file, const ElementCatalogue& catalogue,
-                                   const Attachments& attachments, const NameRegistry& body_names) {
-    ElementsReader reader(catalogue, attachments, body_names);
+                                   const Attachments& attachments, const NameRegistry& body_names, NameRegistry& names) {
+    ElementsReader reader(catalogue, attachments, body_names, names);
     std::size_t index = 0;
     for (const TomlValue& entry : read_entries(file, "element")) reader.read(file.context(), entry, index++);
     return reader.take();

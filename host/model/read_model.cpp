@@ -12,6 +12,7 @@
 #include "model/name_registry.h"
 #include "model/read_body.h"
 #include "model/read_element.h"
+#include "model/read_joint.h"
 #include "model/read_load.h"
 #include "model/toml_text.h"
 #include "model/wording.h"
@@ -22,8 +23,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "dttmm/1";
-const std::vector<std::string> kKeys = {"format", "title", "parameters", "simulation", "output", "body", "load", "element"};
-const std::vector<std::string> kLaterKeys = {"joint", "nodes", "modes", "dofs"};
+const std::vector<std::string> kKeys = {"format", "title", "parameters", "simulation", "output",
+                                        "body",   "joint", "load",       "element"};
+const std::vector<std::string> kLaterKeys = {"nodes", "modes", "dofs"};
 
 std::string read_text(const fs::path& file) {
     const auto fail = [&](const std::string& why) {
@@ -81,24 +83,28 @@ bool check_later_keys(const TableReader& file) {
 void warn_free_bodies(const TableReader& file, const Model& model) {
     if (!model.simulation.gravity.isZero(0)) return;
     std::vector<bool> is_touched(model.bodies.size());
-    const auto touch = [&](const Attachment& attachment) {
-        if (attachment.body >= 0) is_touched[static_cast<std::size_t>(attachment.body)] = true;
+    const auto touch = [&](int body) {
+        if (body >= 0) is_touched[static_cast<std::size_t>(body)] = true;
     };
-    for (const Load& load : model.loads) touch(load.on);
+    for (const Load& load : model.loads) touch(load.on.body);
     for (const Element& element : model.elements) {
-        touch(element.from);
-        touch(element.to);
+        touch(element.from.body);
+        touch(element.to.body);
+    }
+    for (const Joint& joint : model.joints) {
+        touch(joint.first);
+        touch(joint.second);
     }
     const std::vector<TomlValue>& entries = read_entries(file, "body");
     for (std::size_t i = 0; i < is_touched.size(); ++i)
         if (!is_touched[i])
-            file.warning(entries[i].place, fmt::format("body {}: free body: no element, load or gravity acts on it",
+            file.warning(entries[i].place, fmt::format("body {}: free body: no element, joint, load or gravity acts on it",
                                                        quote(model.bodies[i].name)));
 }
 
 void read_contents(const TableReader& file, const ElementCatalogue& catalogue, const ModelOverrides& overrides,
                    Model& model) {
-    NameRegistry body_names("body");
+    NameRegistry body_names("body"), element_names("element");
     model.title = file.text("title", "").value_or("");
     model.simulation = read_simulation(file, overrides);
     model.output = read_output(file, model.simulation);
@@ -108,7 +114,8 @@ void read_contents(const TableReader& file, const ElementCatalogue& catalogue, c
         file.error(bodies ? bodies->place : file.place(), "no body: at least one [[body]] is needed");
     const Attachments attachments(model.bodies);
     model.loads = read_loads(file, attachments);
-    model.elements = read_elements(file, catalogue, attachments, body_names);
+    model.elements = read_elements(file, catalogue, attachments, body_names, element_names);
+    model.joints = read_joints(file, attachments, model.bodies, {&body_names, &element_names});
 }
 
 }  // namespace

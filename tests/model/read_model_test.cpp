@@ -93,11 +93,10 @@ TEST(ReadModel, UnknownTopKeysGetTheNearest) {
 }
 
 TEST(ReadModel, WhatLaterVersionsCanDoIsRefusedByName) {
-    EXPECT_EQ(errors_of(model_with(
-                  "[nodes]\nhub = [0, 0, 0]\n[modes]\ncount = 3\n[[element]]\nname = \"e\"\nfrom = \"hub\"\n[[joint]]\n")),
+    EXPECT_EQ(errors_of(model_with("[nodes]\nhub = [0, 0, 0]\n[modes]\ncount = 3\n[[element]]\nname = \"e\"\nfrom = "
+                                   "\"hub\"\n[[joint]]\ntype = \"bal\"\n")),
               "m.toml:12:2: this version cannot run a model with \"nodes\" yet\n"
-              "m.toml:14:2: this version cannot run a model with \"modes\" yet\n"
-              "m.toml:19:3: this version cannot run a model with \"joint\" yet");
+              "m.toml:14:2: this version cannot run a model with \"modes\" yet");
     EXPECT_THAT(errors_of("dofs = [\"x\"]\n" + model_with("")),
                 HasSubstr("this version cannot run a model with \"dofs\" yet"));
 }
@@ -128,7 +127,7 @@ TEST(ReadModel, FiftyOneErrorsShowFifty) {
 
 TEST(ReadModel, AFreeBodyIsWarnedOf) {
     EXPECT_THAT(parse(model_with("")).warnings,
-                ElementsAre("m.toml:7:1: body \"plate\": free body: no element, load or gravity acts on it"));
+                ElementsAre("m.toml:7:1: body \"plate\": free body: no element, joint, load or gravity acts on it"));
     EXPECT_TRUE(parse(model_with("[[load]]\non = \"plate\"\ndirection = [0, 0, 1]\nforce = 1\n")).warnings.empty());
     EXPECT_TRUE(parse(simulation_with("duration = 1\nstep = 0.1\ngravity = [0, 0, -9.81]\n")).warnings.empty());
 }

@@ -240,8 +240,9 @@ void EndOfStep::correct(const std::vector<BodyState>& now) {
 
 /// Opens the books of a step: what rounding feigns, and how far the rates of convergence of old are trusted.
 void EndOfStep::open_groups(const std::vector<BodyState>& now) {
+    const double least_contraction = system_.empty() ? 0 : JointSystem::kProximal;
     for (Group& group : groups_) {
-        group.contraction = std::min(1.0, kForget * group.contraction);
+        group.contraction = std::clamp(kForget * group.contraction, least_contraction, 1.0);
         group.floor_squared = 0;
     }
     const double rounding = kRounding / h_;
@@ -302,20 +303,47 @@ void EndOfStep::begin_step(const dttmm_step& step, const std::vector<BodyState>&
 const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& networks, const std::vector<Stop>& stops) {
     const bool has_joints = !system_.empty();
     if (has_joints) {
-        system_.linearise(now, stops);
+        stops_ = stops;
+        system_.linearise(now, stops_);
         multipliers_.setZero();  // what redundant joints share is then found anew at every step, and stays small
         stiffness_wanted_ = true;
     }
+    // A pass finds the multipliers to kProximal only, and that does not show in its own correction: so two with joints.
+    int first_pass = has_joints ? 0 : -1;
     for (int pass = 0; pass < kMostPasses; ++pass) {
         if (networks.is_implicit() || has_joints) place_trial(now);
         if (pass == 0 || networks.is_implicit() || stiffness_wanted_) evaluate(now, networks);
         correct(now);
-        if (judge(pass)) {
+        if (!judge(pass) || pass == first_pass) continue;
+        if (!foresee_stops(now)) {
             form_feedback(now);
             return feedback_;
         }
+        first_pass = pass + 1;
     }
     fail(kMostPasses);
+}
+
+/// Adds the stops that the motion found would run through, so that it ends at them; true if there are any.
+bool EndOfStep::foresee_stops(const std::vector<BodyState>& now) {
+    bool found = false;
+    for (size_t j = 0; j < stops_.size(); ++j) {
+        const JointEquations& joint = system_.joints()[j];
+        if (!joint.has_stops() || stops_[j].acts) continue;
+        if (!found) place_trial(now);
+        const double end = joint.coordinate(trial_), start = joint.coordinate(now);
+        for (int side : {1, -1}) {
+            const double stop = joint.stops()[side > 0 ? 0 : 1];
+            if (side * (end - stop) >= -Stop::kPlay || side * (start - stop) < 0) continue;
+            stops_[j] = {true, (stop - side * Stop::kPlay - start) / h_, side, true};
+            found = true;
+        }
+    }
+    if (found) {
+        system_.linearise(now, stops_);
+        stiffness_wanted_ = true;
+    }
+    return found;
 }
 
 void EndOfStep::confirm(const std::vector<BodyState>& after) const {
@@ -336,6 +364,17 @@ void EndOfStep::confirm(const std::vector<BodyState>& after) const {
                             time_, inertias_[b].name, std::sqrt(off_squared), descriptions_[j].name));
         }
     }
+}
+
+double EndOfStep::stop_work(const std::vector<BodyState>& now, const std::vector<BodyState>& after) const {
+    double work = 0;
+    for (size_t j = 0; j < descriptions_.size(); ++j) {
+        const JointEquations& joint = system_.joints()[j];
+        if (!joint.has_stops()) continue;
+        const double q = multipliers_(matrix_.joint_index(static_cast<int>(j)) + joint.lasting());
+        work -= q * 0.5 * (system_.coordinate_speed(j, now) + system_.coordinate_speed(j, after));
+    }
+    return work;
 }
 
 Eigen::Matrix<double, 6, 1> EndOfStep::joint_wrench(size_t joint, const std::vector<BodyState>& now) const {
@@ -359,8 +398,12 @@ void EndOfStep::form_feedback(const std::vector<BodyState>& now) {
         feedback_[b].tail<3>() = R * (inertias_[b].J * (R.transpose() * angular_acceleration));
     }
     if (system_.empty()) return;
+    // ODE's joints add their impulses themselves, but for stops that it does not see yet
     right_hand_side_.setZero();
-    system_.add_impulses(matrix_, multipliers_, right_hand_side_);  // ODE's joints add these themselves
+    solution_ = multipliers_;
+    for (size_t j = 0; j < stops_.size(); ++j)
+        if (stops_[j].foreseen) solution_(matrix_.joint_index(static_cast<int>(j)) + system_.joints()[j].lasting()) = 0;
+    system_.add_impulses(matrix_, solution_, right_hand_side_);
     for (size_t b = 0; b < now.size(); ++b)
         feedback_[b] -= per_step * right_hand_side_.segment<6>(matrix_.index(static_cast<int>(b)));
 }

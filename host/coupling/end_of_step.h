@@ -52,8 +52,9 @@ public:
     /// Opens a step. `now`: poses at t_n, velocities over the step before. Networks and loads have begun the step.
     void begin_step(const dttmm_step& step, const std::vector<BodyState>& now, const Loads& loads);
 
-    /// The wrenches for ODE if `stops` act over the step, one per joint. May be called again with others.
-    /// Throws Error(numerical_failure) naming the worst body when it does not converge.
+    /// The wrenches for ODE if `stops` act over the step, one per joint; those that the step would run through are added
+    /// here, their forces among the wrenches. May be called again with others. Throws Error(numerical_failure) naming the
+    /// worst body when it does not converge.
     const Feedback& solve(const std::vector<BodyState>& now, Networks& networks, const std::vector<Stop>& stops);
 
     /// Throws Error(numerical_failure) naming body and joints unless ODE has moved the bodies as solve() foretold, to
@@ -63,6 +64,9 @@ public:
     /// The wrench of a joint at t_n on its first body, [force; moment about the anchor], world axes.
     Eigen::Matrix<double, 6, 1> joint_wrench(size_t joint, const std::vector<BodyState>& now) const;
     const JointSystem& joints() const { return system_; }
+    /// Work of the stops at t_n on the bodies [J], never positive but for rounding: a stop takes speed and gives none back.
+    /// now: velocities over the step before; after: those over this one.
+    double stop_work(const std::vector<BodyState>& now, const std::vector<BodyState>& after) const;
 
     /// Evaluations of the networks over all steps so far, and matrix factorisations.
     long passes() const { return passes_; }
@@ -97,6 +101,7 @@ private:
     void correct(const std::vector<BodyState>& now);
     void open_groups(const std::vector<BodyState>& now);
     bool judge(int pass);
+    bool foresee_stops(const std::vector<BodyState>& now);
     Eigen::Vector3d momentum_over_step(size_t body, const Eigen::Matrix3d& R, const Eigen::Vector3d& w) const;
     void form_feedback(const std::vector<BodyState>& now);
     [[noreturn]] void fail(int passes) const;
@@ -119,6 +124,7 @@ private:
     BlockMatrix matrix_;
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Upper, Eigen::NaturalOrdering<int>> solver_;
     Eigen::VectorXd right_hand_side_, solution_;
+    std::vector<Stop> stops_;
     Eigen::VectorXd multipliers_;   ///< q in the joints' rows; the others are not looked at
     bool stiffness_wanted_ = true;  ///< by the next evaluation, which then factors the matrix anew
     std::vector<Group> groups_;

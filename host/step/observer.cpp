@@ -43,10 +43,11 @@ std::set<std::pair<int, int>> used_markers(const Model& model) {
 
 }  // namespace
 
-Observer::Observer(const Model& model, const Networks& networks)
+Observer::Observer(const Model& model, const Networks& networks, const EndOfStep& end_of_step)
     : bodies_(model.bodies), gravity_(model.simulation.gravity) {
     add_channel("time", "s");
     declare_elements(networks);
+    declare_joints(model, end_of_step.joints());
     declare_bodies(model);
     declare_energies();
     row_.resize(channels_.size());
@@ -75,6 +76,20 @@ void Observer::declare_elements(const Networks& networks) {
     }
 }
 
+void Observer::declare_joints(const Model& model, const JointSystem& joints) {
+    for (size_t j = 0; j < model.joints.size(); ++j) {
+        const std::string& name = model.joints[j].name;
+        add_vector(name + ".force", "N");
+        add_vector(name + ".moment", "N*m");
+        const JointEquations& equations = joints.joints()[j];
+        if (!equations.has_coordinate()) continue;
+        if (equations.turns())
+            add_channel(name + ".angle", "rad");
+        else
+            add_channel(name + ".travel", "m");
+    }
+}
+
 void Observer::declare_bodies(const Model& model) {
     const auto used = used_markers(model);
     for (size_t b = 0; b < bodies_.size(); ++b) {
@@ -100,19 +115,23 @@ void Observer::declare_energies() {
         add_channel(fmt::format("energy.{}", part), "J");
 }
 
-void Observer::advance(const Loads& loads, const std::vector<BodyState>& before, const std::vector<BodyState>& after,
-                       double h) {
+void Observer::advance(const Loads& loads, const EndOfStep& end_of_step, const std::vector<BodyState>& before,
+                       const std::vector<BodyState>& after, double h) {
+    const double stop_loss = -end_of_step.stop_work(before, after);
+    ledger_.stop_loss += 0.5 * (ledger_.stop_loss_now + stop_loss);
+    ledger_.stop_loss_now = stop_loss;
     const double power = loads.power_at_start(before, after);
     if (ledger_.started) ledger_.load_work += 0.5 * h * (ledger_.load_power + power);
     ledger_.load_power = power;
     ledger_.started = true;
 }
 
-std::span<const double> Observer::row(double time, const Networks& networks, const std::vector<BodyState>& before,
-                                      const std::vector<BodyState>& after, double h) {
-    double strain = 0, dissipated = 0;
+std::span<const double> Observer::row(double time, const Networks& networks, const EndOfStep& end_of_step,
+                                      const std::vector<BodyState>& before, const std::vector<BodyState>& after, double h) {
+    double strain = 0, dissipated = ledger_.stop_loss;
     row_.front() = time;
     double* out = write_elements(row_.data() + 1, networks, strain, dissipated);
+    out = write_joints(out, end_of_step, before);
     out = write_bodies(out, before, after, h);
 
     const double kinetic = kinetic_energy(before, after);
@@ -138,6 +157,18 @@ double* Observer::write_elements(double* out, const Networks& networks, double& 
                 dissipated += outputs_[i];
                 break;
         }
+    }
+    return out;
+}
+
+double* Observer::write_joints(double* out, const EndOfStep& end_of_step, const std::vector<BodyState>& before) const {
+    const std::vector<JointEquations>& joints = end_of_step.joints().joints();
+    for (size_t j = 0; j < joints.size(); ++j) {
+        const Eigen::Matrix<double, 6, 1> wrench = end_of_step.joint_wrench(j, before);
+        const Eigen::Matrix3d axes = joints[j].axes(before);
+        out = write(out, axes.transpose() * wrench.head<3>());
+        out = write(out, axes.transpose() * wrench.tail<3>());
+        if (joints[j].has_coordinate()) *out++ = joints[j].coordinate(before);
     }
     return out;
 }

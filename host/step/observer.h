@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "coupling/end_of_step.h"
 #include "coupling/loads.h"
 #include "coupling/networks.h"
 #include "model/model.h"
@@ -14,22 +15,25 @@ namespace dttmm {
 
 /// Turns the state around an instant t_n into one row of numbers. ODE's velocities stand half a step aside, so at t_n
 ///     v = (v_{n−1/2} + v_{n+1/2})/2,   a = (v_{n+1/2} − v_{n−1/2})/h,
-/// second order both, and likewise for rotations. A body's position, velocity and acceleration are those of its origin.
-/// Keeps the energy ledger  kinetic + strain + dissipated − work = initial + residual,  gravity counted as work.
+/// second order both, and likewise for rotations. A joint's force and moment (about its anchor) act on its first body in the
+/// axes of that body: as an element's, they are positive in tension. A body's position, velocity and acceleration are those
+/// of its origin. Keeps the energy ledger  kinetic + strain + dissipated − work = initial + residual,  gravity counted as
+/// work.
 class Observer {
 public:
-    Observer(const Model& model, const Networks& networks);
+    Observer(const Model& model, const Networks& networks, const EndOfStep& end_of_step);
 
     /// One per number of a row; the first is "time".
     const std::vector<Channel>& channels() const { return channels_; }
 
-    /// Adds the work of the loads from t_{n−1} to t_n; every step. `before`: poses at t_n, velocities over the step before;
-    /// `after`: one step later.
-    void advance(const Loads& loads, const std::vector<BodyState>& before, const std::vector<BodyState>& after, double h);
+    /// Adds the work of loads and stops from t_{n−1} to t_n; every step. `before`: poses at t_n, velocities over the step
+    /// before; `after`: one step later.
+    void advance(const Loads& loads, const EndOfStep& end_of_step, const std::vector<BodyState>& before,
+                 const std::vector<BodyState>& after, double h);
 
     /// The row at t_n, after the step from t_n was committed and advance() was called. Valid until the next call.
-    std::span<const double> row(double time, const Networks& networks, const std::vector<BodyState>& before,
-                                const std::vector<BodyState>& after, double h);
+    std::span<const double> row(double time, const Networks& networks, const EndOfStep& end_of_step,
+                                const std::vector<BodyState>& before, const std::vector<BodyState>& after, double h);
 
 private:
     /// A point of a body that is recorded.
@@ -39,17 +43,21 @@ private:
     };
     struct Ledger {
         double load_work = 0, load_power = 0;  ///< up to and at the last instant [J, W]
-        double initial = 0;                    ///< kinetic + strain − work of the first row [J]
-        bool started = false;                  ///< a step has been added
-        bool opened = false;                   ///< the first row has been written
+        double stop_loss = 0,
+               stop_loss_now = 0;  ///< what the joints' stops have taken up to, and take around, the last instant
+        double initial = 0;        ///< kinetic + strain − work of the first row [J]
+        bool started = false;      ///< a step has been added
+        bool opened = false;       ///< the first row has been written
     };
 
     void add_channel(const std::string& name, const char* unit, bool by_default = true);
     void add_vector(const std::string& name, const char* unit, bool by_default = true);
     void declare_elements(const Networks& networks);
+    void declare_joints(const Model& model, const JointSystem& joints);
     void declare_bodies(const Model& model);
     void declare_energies();
     double* write_elements(double* out, const Networks& networks, double& strain, double& dissipated);
+    double* write_joints(double* out, const EndOfStep& end_of_step, const std::vector<BodyState>& before) const;
     double* write_bodies(double* out, const std::vector<BodyState>& before, const std::vector<BodyState>& after,
                          double h) const;
     double kinetic_energy(const std::vector<BodyState>& before, const std::vector<BodyState>& after) const;

@@ -26,7 +26,7 @@ Simulation::Simulation(const Model& model, const Plugins& plugins)
       networks_(model, plugins),
       loads_(model, networks_.load_weights()),
       end_of_step_(model, networks_),
-      observer_(model, networks_),
+      observer_(model, networks_, end_of_step_),
       now_(model.bodies.size()),
       after_(model.bodies.size()),
       stops_(model.joints.size()) {
@@ -81,9 +81,9 @@ void Simulation::move_bodies() {
 void Simulation::observe() {
     // At the start velocity and acceleration are the initial conditions, whatever the first step makes of them.
     const std::vector<BodyState>& after = index_ == 0 ? first_after_ : after_;
-    observer_.advance(loads_, now_, after, step_size_);
+    observer_.advance(loads_, end_of_step_, now_, after, step_size_);
     if (index_ % static_cast<uint64_t>(model_.output.every) == 0)
-        sink_(observer_.row(time(), networks_, now_, after, step_size_));
+        sink_(observer_.row(time(), networks_, end_of_step_, now_, after, step_size_));
 }
 
 void Simulation::refuse_divergence() const {

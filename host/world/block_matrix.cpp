@@ -107,6 +107,14 @@ void BlockMatrix::add(int row_body, int column_body, const Block& block) {
     }
 }
 
+BlockMatrix::Block BlockMatrix::diagonal(int body) const {
+    const Places& place = places(body, body);
+    Block block;
+    for (int c = 0; c < 6; ++c)
+        for (int r = 0; r <= c; ++r) block(r, c) = block(c, r) = matrix_.valuePtr()[place[static_cast<size_t>(c)] + r];
+    return block;
+}
+
 void BlockMatrix::set_joint(int joint, const Rows& first, const Rows& second, const Values& E) {
     const JointNode& node = joints_[static_cast<size_t>(joint)];
     set_side(joint, node.first, first);

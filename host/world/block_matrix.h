@@ -37,6 +37,8 @@ public:
     /// Adds a block at (row body, column body). Only what falls into the upper triangle of the reordered matrix is kept: add
     /// both (i, j) and (j, i), as an assembly over ports does by itself.
     void add(int row_body, int column_body, const Block& block);
+    /// The block of a body on the diagonal as summed up so far.
+    Block diagonal(int body) const;
     /// Sets the equations of a joint: `first` and `second` by the velocities of its bodies (that of the ground is not looked
     /// at), `E` positive.
     void set_joint(int joint, const Rows& first, const Rows& second, const Values& E);

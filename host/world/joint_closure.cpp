@@ -44,19 +44,19 @@ void JointClosure::factor(const std::vector<BodyState>& now) {
 }
 
 /// A stop has acted unless ODE lets the joint part from it.
-void JointClosure::judge(std::vector<Stop>& stops, const std::vector<BodyState>& after) const {
+void JointClosure::judge(std::vector<Stop>& stops, double h, const std::vector<BodyState>& after) const {
     for (size_t j = 0; j < stops.size(); ++j) {
         if (!stops[j].acts) continue;
         const double speed = system_.coordinate_speed(j, after);
-        const double parting = stops[j].side * (speed - stops[j].speed);
-        stops[j].acts = parting <= kParting * (std::abs(speed) + std::abs(stops[j].speed));
+        const double parting = stops[j].side * (speed - stops[j].speed) - Stop::kPlay / h;  // ODE's stop has no play
+        stops[j].acts = parting <= kParting * (std::abs(speed) + std::abs(stops[j].speed) + Stop::kPlay / h);
     }
 }
 
 void JointClosure::close(const std::vector<BodyState>& now, double h, std::vector<Stop>& stops,
                          std::vector<BodyState>& after) {
     system_.linearise(now, stops);
-    judge(stops, after);
+    judge(stops, h, after);
     system_.linearise(now, stops);
     factor(now);
     for (int pass = 0; pass < kMostPasses; ++pass) {

@@ -26,7 +26,7 @@ public:
 private:
     static constexpr int kMostPasses = 60;
     void factor(const std::vector<BodyState>& now);
-    void judge(std::vector<Stop>& stops, const std::vector<BodyState>& after) const;
+    void judge(std::vector<Stop>& stops, double h, const std::vector<BodyState>& after) const;
     [[noreturn]] void fail() const;
 
     struct Inertia {

@@ -31,7 +31,8 @@ JointEquations::JointEquations(const Joint& joint, const std::vector<Body>& bodi
       arm_second_(start_arm(joint.second, bodies, joint.anchor)),
       has_coordinate_(joint.type == JointType::hinge || joint.type == JointType::slider),
       turns_(joint.type == JointType::hinge),
-      has_stops_(has_coordinate_ && joint.limits) {
+      has_stops_(has_coordinate_ && joint.limits),
+      stops_(joint.limits.value_or(std::array{0.0, 0.0})) {
     const Eigen::Matrix3d to_first = start_rotation(first_, bodies).transpose();
     const Eigen::Matrix3d to_second = start_rotation(second_, bodies).transpose();
     const Eigen::Vector3d a = joint.axis.normalized(), b = a.unitOrthogonal(), c = a.cross(b);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "model/model.h"
@@ -36,6 +37,7 @@ public:
     /// Equations that always hold.
     int lasting() const { return static_cast<int>(anchors_.size() + angles_.size()); }
     bool has_stops() const { return has_stops_; }
+    const std::array<double, 2>& stops() const { return stops_; }  ///< lower and upper [rad, m]
 
     /// C [m, rad] of the lasting equations; the stops' is left alone.
     void residual(const std::vector<BodyState>& at, Values& C) const;
@@ -68,6 +70,7 @@ private:
     std::vector<AngleEquation> angles_;
     Eigen::Vector3d arm_first_, arm_second_;  ///< from the centres of mass to the anchor, body axes [m]
     bool has_coordinate_, turns_, has_stops_;
+    std::array<double, 2> stops_;
     Eigen::Vector3d axis_, zero_, quarter_;  ///< on the first body: the axis, where angle 0 points, a quarter turn on
     Eigen::Vector3d pointer_;                ///< on the second body: what shows the angle
 };

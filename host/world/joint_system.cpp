@@ -1,23 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "world/joint_system.h"
 
-#include <Eigen/LU>
+#include <Eigen/Cholesky>
 
 namespace dttmm {
 
-namespace {
-
-/// E of an equation over its mobility J M⁻¹ Jᵀ: a pass leaves this part of an error, and rounding feigns forces in redundant
-/// joints as its inverse.
-constexpr double kProximal = 1e-7;
-
-}  // namespace
-
 JointSystem::JointSystem(const std::vector<Body>& bodies, const std::vector<Joint>& joints) {
     for (const Joint& joint : joints) joints_.emplace_back(joint, bodies);
-    for (const Body& body : bodies) inertias_.push_back({1 / body.mass, body.inertia.inverse()});
     jacobians_.resize(joints.size());
-    E_.resize(joints.size());
     stops_.resize(joints.size());
     values_.resize(7);
 }
@@ -28,35 +18,36 @@ std::vector<BlockMatrix::JointNode> JointSystem::nodes() const {
     return nodes;
 }
 
-/// J M⁻¹ Jᵀ of one row and one body.
-double JointSystem::mobility(const Eigen::Matrix<double, 1, 6>& row, int body, const std::vector<BodyState>& now) const {
-    if (body < 0) return 0;
-    const Inertia& inertia = inertias_[static_cast<size_t>(body)];
-    const Eigen::Vector3d turning = now[static_cast<size_t>(body)].rotation.transpose() * row.tail<3>().transpose();
-    return inertia.inverse_mass * row.head<3>().squaredNorm() + turning.dot(inertia.inverse_inertia * turning);
-}
-
 void JointSystem::linearise(const std::vector<BodyState>& now, const std::vector<Stop>& stops) {
     stops_ = stops;
     for (size_t j = 0; j < joints_.size(); ++j) {
         const JointEquations& joint = joints_[j];
         JointEquations::Jacobian& J = jacobians_[j];
         joint.jacobian(now, J);
-        E_[j].resize(joint.count());
-        for (int row = 0; row < joint.count(); ++row)
-            E_[j](row) = kProximal *
-                         (mobility(J.first.row(row), joint.first(), now) + mobility(J.second.row(row), joint.second(), now));
         if (!joint.has_stops() || stops_[j].acts) continue;
         const int idle = joint.lasting();
         J.first.row(idle).setZero();
         J.second.row(idle).setZero();
-        E_[j](idle) = 1;
     }
 }
 
 void JointSystem::write_to(BlockMatrix& matrix) const {
-    for (size_t j = 0; j < joints_.size(); ++j)
-        matrix.set_joint(static_cast<int>(j), jacobians_[j].first, jacobians_[j].second, E_[j]);
+    for (size_t j = 0; j < joints_.size(); ++j) {
+        const JointEquations& joint = joints_[j];
+        values_.setZero(joint.count());
+        const auto add_mobility = [&](int body, const JointEquations::Rows& J) {
+            if (body < 0) return;
+            const Eigen::LDLT<BlockMatrix::Block> K(matrix.diagonal(body));
+            for (int row = 0; row < joint.count(); ++row) {
+                const Eigen::Matrix<double, 6, 1> direction = J.row(row).transpose();
+                values_(row) += kProximal * direction.dot(K.solve(direction));
+            }
+        };
+        add_mobility(joint.first(), jacobians_[j].first);
+        add_mobility(joint.second(), jacobians_[j].second);
+        if (joint.has_stops() && !stops_[j].acts) values_(joint.lasting()) = 1;
+        matrix.set_joint(static_cast<int>(j), jacobians_[j].first, jacobians_[j].second, values_);
+    }
 }
 
 double JointSystem::coordinate_speed(size_t joint, const std::vector<BodyState>& end) const {

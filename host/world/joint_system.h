@@ -12,11 +12,14 @@
 namespace dttmm {
 
 /// The stop of a hinge or slider over a step. While it acts, the coordinate moves at `speed` [rad/s, m/s], which brings it
-/// to the stop; it can push one way only.
+/// to kPlay beyond the stop, so that a joint at rest on its stop has reached it whatever the rounding; it pushes one way
+/// only. ODE makes a stop act from the step on that starts at it; the one that leads there is foreseen by the coupling.
 struct Stop {
+    static constexpr double kPlay = 1e-12;  ///< [rad, m]
     bool acts = false;
     double speed = 0;
     int side = 0;  ///< 1: the lower stop, which pushes the coordinate up; −1: the upper
+    bool foreseen = false;
     bool operator==(const Stop& other) const { return acts == other.acts; }
 };
 
@@ -30,6 +33,10 @@ struct Stop {
 /// which is proximal, i.e. multiplies the change of q only, so that it costs passes but no accuracy.
 class JointSystem {
 public:
+    /// E of an equation over its mobility J K⁻¹ Jᵀ: a pass leaves this part of an error, and rounding feigns forces in
+    /// redundant joints as its inverse.
+    static constexpr double kProximal = 1e-7;
+
     JointSystem(const std::vector<Body>& bodies, const std::vector<Joint>& joints);
 
     bool empty() const { return joints_.empty(); }
@@ -37,8 +44,9 @@ public:
     /// For the pattern of a BlockMatrix.
     std::vector<BlockMatrix::JointNode> nodes() const;
 
-    /// Takes J and E at t_n; `stops`: one per joint.
+    /// Takes J at t_n; `stops`: one per joint.
     void linearise(const std::vector<BodyState>& now, const std::vector<Stop>& stops);
+    /// Writes J and E; E is measured by the bodies' own blocks K, which are to be complete.
     void write_to(BlockMatrix& matrix) const;
 
     /// Rate at which a joint's coordinate moves with the velocities of `end`: the last row of J, while its stop acts.
@@ -59,18 +67,10 @@ public:
     double opening_speed(const std::vector<BodyState>& at, size_t joint) const;
 
 private:
-    struct Inertia {
-        double inverse_mass;
-        Eigen::Matrix3d inverse_inertia;  ///< body axes
-    };
-    double mobility(const Eigen::Matrix<double, 1, 6>& row, int body, const std::vector<BodyState>& now) const;
-
     std::vector<JointEquations> joints_;
-    std::vector<Inertia> inertias_;
     std::vector<JointEquations::Jacobian> jacobians_;
-    std::vector<JointEquations::Values> E_;
     std::vector<Stop> stops_;
-    mutable JointEquations::Values values_;
+    mutable JointEquations::Values values_;  ///< of the joint at hand
 };
 
 }  // namespace dttmm

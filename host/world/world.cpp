@@ -224,9 +224,9 @@ void World::find_stops(double h, std::vector<Stop>& stops) const {
         const auto id = static_cast<dJointID>(joint.id);
         const double coordinate = joint.turns ? dJointGetHingeAngle(id) : dJointGetSliderPosition(id);
         if (coordinate <= joint.lower)
-            stops[j] = {true, (joint.lower - coordinate) / h, 1};
+            stops[j] = {true, (joint.lower - Stop::kPlay - coordinate) / h, 1, false};
         else if (coordinate >= joint.upper)
-            stops[j] = {true, (joint.upper - coordinate) / h, -1};
+            stops[j] = {true, (joint.upper + Stop::kPlay - coordinate) / h, -1, false};
     }
 }
 

@@ -7,6 +7,7 @@
 
 #include "loader/plugins.h"
 #include "model/model.h"
+#include "support/bodies.h"
 
 namespace dttmm::test {
 
@@ -30,16 +31,6 @@ inline Signal smooth_rise(double amplitude, double rise_time) {
         double a_, T_;
     };
     return Signal(std::make_shared<Rise>(amplitude, rise_time));
-}
-
-inline Body box(const std::string& name, double mass, const Eigen::Vector3d& size, const Eigen::Vector3d& position) {
-    Body body;
-    body.name = name;
-    body.mass = mass;
-    const Eigen::Vector3d s = size.cwiseAbs2();
-    body.inertia = (mass / 12 * Eigen::Vector3d(s.y() + s.z(), s.z() + s.x(), s.x() + s.y())).asDiagonal();
-    body.position = position;
-    return body;
 }
 
 /// A spring-damper, the same stiffness k and damping c in every translation.

@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Bodies on ODE joints, coupled with networks: machines whose motion is known.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <map>
+
+#include "model/diagnostics.h"
+#include "step/simulation.h"
+#include "support/adaptive_ode.h"
+#include "support/models.h"
+
+namespace dttmm {
+namespace {
+
+/// All machines stand askew in space: x, y in the plane of the motion, z the axis of the hinges.
+const Eigen::Vector3d kZ = Eigen::Vector3d(1, 2, -2) / 3, kX = kZ.unitOrthogonal(), kY = kZ.cross(kX);
+Eigen::Vector3d at(double x, double y, double z = 0) { return x * kX + y * kY + z * kZ; }
+
+/// A rod in the plane from a to b; markers at its ends.
+Body rod(const std::string& name, double mass, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    const double length = (b - a).norm();
+    Body body = test::box(name, mass, {length, 0.03, 0.02}, 0.5 * (a + b));
+    body.rotation.col(0) = (b - a) / length;
+    body.rotation.col(2) = kZ;
+    body.rotation.col(1) = kZ.cross(body.rotation.col(0));
+    for (int end : {-1, 1}) {
+        Marker marker;
+        marker.name = end < 0 ? "a" : "b";
+        marker.position.x() = 0.5 * end * length;
+        body.markers.push_back(marker);
+    }
+    return body;
+}
+
+/// Sets the body turning at omega about the point p.
+void turn(Body& body, const Eigen::Vector3d& p, double omega) {
+    body.angular_velocity = omega * kZ;
+    body.velocity = body.angular_velocity.cross(body.position - p);
+}
+
+/// All rows of a run as channel → values.
+struct History {
+    std::map<std::string, std::vector<double>> channels;
+    double passes_per_step, engine_steps_per_step;
+    const std::vector<double>& operator[](const std::string& name) const { return channels.at(name); }
+    double largest(const std::string& name) const {
+        double most = 0;
+        for (double value : channels.at(name)) most = std::max(most, std::abs(value));
+        return most;
+    }
+};
+
+History run(Model model, const Plugins& plugins, double step, double duration) {
+    model.simulation.step = step;
+    model.simulation.duration = duration;
+    Simulation simulation(model, plugins);
+    History history;
+    simulation.record_to([&](std::span<const double> row) {
+        for (size_t c = 0; c < row.size(); ++c) history.channels[simulation.channels()[c].name].push_back(row[c]);
+    });
+    while (simulation.index() < simulation.step_count()) simulation.step();
+    const auto steps = static_cast<double>(simulation.index());
+    history.passes_per_step = static_cast<double>(simulation.end_of_step().passes()) / steps;
+    history.engine_steps_per_step = static_cast<double>(simulation.engine_steps()) / steps;
+    return history;
+}
+
+constexpr double kLength = 0.8;
+
+/// A rod on a hinge, its far end held by a spring-damper; it starts with speed.
+Model pendulum(const Plugins& plugins, double k, double c, double omega, const Eigen::Vector3d& gravity = {0, 0, 0}) {
+    Model model;
+    model.simulation.gravity = gravity;
+    model.bodies.push_back(rod("rod", 2.3, at(0, 0), at(kLength, 0)));
+    turn(model.bodies[0], at(0, 0), omega);
+    model.joints.push_back(test::pin("pin", -1, 0, at(0, 0), kZ));
+    if (k > 0) model.elements.push_back(test::spring("bolt", plugins, {}, {0, 1}, k, c));
+    return model;
+}
+
+double inertia_about_end(const Body& body) { return body.inertia(2, 2) + body.mass * kLength * kLength / 4; }
+
+// Oracle: the closed solution of I θ'' + c l² θ' + k l² θ = 0 for small angles,
+//     θ = ω₀/ω_d exp(−ζ ω t) sin ω_d t,
+// at the stiffness of a real bolt. The angle stays below 1e-6, so that what is left out is below 1e-6 of it.
+TEST(Joints, PendulumOnAStiffBoltFollowsTheClosedSolution) {
+    const Plugins plugins;
+    const double k = 4e8, c = 3e3, omega0 = 1e-3;
+    const Model model = pendulum(plugins, k, c, omega0);
+    const double I = inertia_about_end(model.bodies[0]), omega = std::sqrt(k * kLength * kLength / I);
+    const double zeta = c * kLength * kLength / (2 * I * omega), damped = omega * std::sqrt(1 - zeta * zeta);
+    double error[2];
+    for (int halving = 0; halving < 2; ++halving) {
+        const double h = 4e-6 / (1 << halving);  // omega h = 0.09
+        const History history = run(model, plugins, h, 2e-3);
+        error[halving] = 0;
+        for (size_t n = 0; n < history["time"].size(); ++n) {
+            const double t = history["time"][n];
+            const double exact = omega0 / damped * std::exp(-zeta * omega * t) * std::sin(damped * t);
+            error[halving] = std::max(error[halving], std::abs(history["pin.angle"][n] - exact) * damped / omega0);
+        }
+        EXPECT_EQ(history.engine_steps_per_step, 1);
+        EXPECT_LT(history.passes_per_step, 4);
+    }
+    EXPECT_LT(error[0], 2e-2);  // (omega h)²/24 of the phase, over seven periods
+    EXPECT_NEAR(error[0] / error[1], 4, 0.1);
+}
+
+// Stable at any stiffness: omega h = 700. A force beside the joint's axis is carried by joint and bolt as statics has it:
+// the bolt takes F a/l, the pin the rest.
+TEST(Joints, StiffestBoltSharesAStaticLoad) {
+    const Plugins plugins;
+    Model model = pendulum(plugins, 4e11, 1e7, 0);
+    Load load;
+    load.on = {0, -1};  // half way along the rod
+    load.direction = kY;
+    load.signal = test::smooth_rise(700, 0.05);
+    model.loads.push_back(load);
+    const History history = run(model, plugins, 1e-3, 0.3);
+    Eigen::Vector3d bolt, pin_force;
+    for (int i = 0; i < 3; ++i) {
+        bolt(i) = history[std::string("bolt.force.") + "xyz"[i]].back();
+        pin_force(i) = history[std::string("pin.force.") + "xyz"[i]].back();
+    }
+    // Both are positive in tension, from the ground to the rod
+    const double rounding = 4e11 * 1e-16 * 1000;  // of a position of 1 m, many times [N]
+    EXPECT_LT((bolt - 350 * kY).norm(), rounding);
+    EXPECT_LT((pin_force - 350 * kY).norm(), rounding);
+}
+
+// Oracle: error-controlled integration of I θ'' = −m g d sin θ − (spring's moment) to 1e-12; the spring, fixed where the end
+// of the rod is at the start, pulls along the large arc. Second order.
+TEST(Joints, PendulumAtLargeAnglesConvergesToTheSolutionInSecondOrder) {
+    const Plugins plugins;
+    const double k = 15, g = 9.81, omega0 = 3;
+    for (Coupling coupling : {Coupling::implicit, Coupling::explicit_}) {
+        Model model = pendulum(plugins, k, 0, omega0, g * kX);
+        model.simulation.coupling = coupling;
+        const double I = inertia_about_end(model.bodies[0]), m = model.bodies[0].mass;
+        const auto rate = [&](double, const Eigen::VectorXd& y) {
+            // end of the rod at l (cos θ, sin θ), spring towards (l, 0): moment −k l² sin θ
+            Eigen::VectorXd d(2);
+            d << y(1), (-m * g * kLength / 2 * std::sin(y(0)) - k * kLength * kLength * std::sin(y(0))) / I;
+            return d;
+        };
+        const Eigen::VectorXd exact = test::integrate(rate, Eigen::Vector2d(0, omega0), 5);
+        double error[3];
+        for (int halving = 0; halving < 3; ++halving) {
+            const History history = run(model, plugins, 4e-3 / (1 << halving), 5);
+            EXPECT_GT(history.largest("pin.angle"), 0.45);
+            error[halving] = std::abs(history["pin.angle"].back() - exact(0));
+        }
+        EXPECT_LT(error[2], 1e-4);
+        EXPECT_NEAR(error[0] / error[1], 4, 0.2);
+        EXPECT_NEAR(error[1] / error[2], 4, 0.1);
+    }
+}
+
+// Oracle: steady turning wants m ω² r from the pin, along the rod: tension. To the order of the scheme: (ω h)²/12.
+TEST(Joints, PinCarriesTheCentripetalForce) {
+    const Plugins plugins;
+    const double omega = 21;
+    const Model model = pendulum(plugins, 0, 0, omega);
+    const History history = run(model, plugins, 1e-3, 0.5);
+    const double expected = model.bodies[0].mass * omega * omega * kLength / 2;
+    for (size_t n = 0; n < history["time"].size(); ++n) {
+        Eigen::Vector3d force;
+        for (int i = 0; i < 3; ++i) force(i) = history[std::string("pin.force.") + "xyz"[i]][n];
+        const double angle = omega * history["time"][n];
+        // on the ground: the pin is pulled outwards
+        EXPECT_LT((force - expected * (std::cos(angle) * kX + std::sin(angle) * kY)).norm(), 1e-3 * expected) << n;
+    }
+}
+
+enum class CouplerJoint { elastic, fixed };
+
+/// Crank (hinge), a coupler of two halves joined elastically or by an ODE joint, and a piston (slider). It starts turning.
+Model slider_crank(const Plugins& plugins, CouplerJoint joint, double stiffness) {
+    const double r = 0.1, l = 0.35, omega = 30;
+    const Eigen::Vector3d A = at(0, 0), B = at(0, r), C = at(std::sqrt(l * l - r * r), 0), M = 0.4 * B + 0.6 * C;
+    Model model;
+    model.bodies = {rod("crank", 1.7, A, B), rod("half1", 0.5, B, M), rod("half2", 0.8, M, C),
+                    rod("piston", 1.1, C, C + at(0.07, 0))};
+    // With the crank upright the coupler and the piston move along x without turning
+    turn(model.bodies[0], A, omega);
+    for (size_t b = 1; b < 4; ++b) model.bodies[b].velocity = at(-omega * r, 0);
+    model.joints = {test::pin("main", -1, 0, A, kZ), test::pin("big_end", 0, 1, B, kZ), test::pin("small_end", 2, 3, C, kZ)};
+    Joint guide = test::pin("guide", -1, 3, C, kX);
+    guide.type = JointType::slider;
+    model.joints.push_back(guide);
+    if (joint == CouplerJoint::fixed) {
+        Joint weld = test::pin("weld", 1, 2, M, kZ);
+        weld.type = JointType::fixed;
+        model.joints.push_back(weld);
+    } else {
+        Element element = test::spring("weld", plugins, {1, 1}, {2, 0}, stiffness, 0);
+        for (int i = 6; i < 9; ++i) element.values[static_cast<size_t>(i)] = stiffness * 1e-2;
+        model.elements.push_back(element);
+    }
+    return model;
+}
+
+// Energy of a machine with redundant hinges, large turning and an elastic joint: over 48 turns (10 s) it errs by no more
+// than over the first two, and by a quarter when the step is halved.
+TEST(Joints, SliderCrankWithAnElasticCouplerKeepsItsEnergy) {
+    const Plugins plugins;
+    const Model model = slider_crank(plugins, CouplerJoint::elastic, 5e6);
+    double largest[2];
+    for (int halving = 0; halving < 2; ++halving) {
+        const History history = run(model, plugins, 1e-4 / (1 << halving), 2);
+        const std::vector<double>& residual = history["energy.residual"];
+        double early = 0, late = 0;
+        for (size_t n = 0; n < residual.size(); ++n) {
+            if (n < residual.size() / 5) early = std::max(early, std::abs(residual[n]));
+            late = std::max(late, std::abs(residual[n]));
+        }
+        EXPECT_LT(late, 2 * early);
+        largest[halving] = late / history.largest("energy.kinetic");
+        EXPECT_EQ(history.engine_steps_per_step, 1);
+    }
+    EXPECT_LT(largest[0], 3e-3);
+    EXPECT_NEAR(largest[0] / largest[1], 4, 0.8);
+}
+
+// The same machine with ODE's fixed joint and with a very stiff spring-damper in its place. The spring gives by F/k, some
+// 1e-7 of the stroke.
+TEST(Joints, FixedJointAndVeryStiffSpringAgree) {
+    const Plugins plugins;
+    const History fixed = run(slider_crank(plugins, CouplerJoint::fixed, 0), plugins, 2.5e-4, 1);
+    const History stiff = run(slider_crank(plugins, CouplerJoint::elastic, 1e10), plugins, 2.5e-4, 1);
+    const double turned = fixed.largest("guide.travel");
+    EXPECT_GT(turned, 0.114);  // from upright to stretched: it turns round
+    for (size_t n = 0; n < fixed["time"].size(); ++n)
+        ASSERT_NEAR(fixed["guide.travel"][n], stiff["guide.travel"][n], 1e-5 * turned) << n;
+}
+
+// Oracle: Cardan's joint, tan(out) = tan(in)/cos(bend) from where the input's cross arm is at right angles to the plane of
+// the bend.
+TEST(Joints, UniversalJointTurnsAsCardansDoes) {
+    const Plugins plugins;
+    const double bend = 0.5;
+    const Eigen::Vector3d out = std::cos(bend) * kZ + std::sin(bend) * kX;
+    Model model;
+    model.bodies = {test::box("in", 2, {0.2, 0.3, 0.4}, at(0, 0, -0.3)), test::box("out", 1.3, {0.3, 0.1, 0.2}, 0.4 * out)};
+    Eigen::Matrix3d frame;
+    frame << kX, kY, kZ;
+    model.bodies[0].rotation = frame;
+    frame << out.cross(kY).cross(Eigen::Vector3d::Zero()), kY, out;
+    frame.col(0) = kY.cross(out);
+    model.bodies[1].rotation = frame;
+    model.joints = {test::pin("in_bearing", -1, 0, at(0, 0, -0.3), kZ), test::pin("out_bearing", -1, 1, 0.4 * out, out)};
+    Joint cross = test::pin("cross", 0, 1, at(0, 0), kY);
+    cross.type = JointType::universal;
+    cross.axis2 = kY.cross(out);
+    model.joints.push_back(cross);
+    // The arm on the input along y: the output turns at cos(bend) of the input
+    model.bodies[0].angular_velocity = 12 * kZ;
+    model.bodies[1].angular_velocity = 12 * std::cos(bend) * out;
+    const History history = run(model, plugins, 1e-3, 2);
+    for (size_t n = 0; n < history["time"].size(); ++n) {
+        const double in = history["in_bearing.angle"][n], angle = history["out_bearing.angle"][n];
+        ASSERT_NEAR(std::sin(angle) * std::cos(in), std::cos(bend) * std::sin(in) * std::cos(angle), 1e-13) << n;
+    }
+    EXPECT_LT(history.largest("energy.residual"), 1e-3 * history.largest("energy.kinetic"));
+}
+
+// Oracle: a mass on a slider, pulled by a constant force: x = F t²/2m until the stop, then rest; the stop carries F. What it
+// took is in the ledger. Only the step of the impact is done twice at most.
+TEST(Joints, StopTakesTheSpeedAndThenCarriesTheForce) {
+    const Plugins plugins;
+    Model model;
+    model.bodies = {test::box("mass", 4, {0.1, 0.2, 0.3}, at(0.3, 0.1))};
+    Joint guide = test::pin("guide", -1, 0, at(0.3, 0.1), kX);
+    guide.type = JointType::slider;
+    guide.limits = {-0.2, 0.05};
+    model.joints = {guide};
+    Load load;
+    load.on = {0, -1};
+    load.direction = kX;
+    load.signal = test::constant(30);
+    model.loads = {load};
+    const History history = run(model, plugins, 1e-3, 0.5);
+    const double impact = std::sqrt(2 * 0.05 * 4 / 30.0);
+    for (size_t n = 0; n < history["time"].size(); ++n) {
+        const double t = history["time"][n];
+        const double expected = t < impact ? 30 / 8.0 * t * t : 0.05;
+        if (std::abs(t - impact) < 3e-3) continue;
+        ASSERT_NEAR(history["guide.travel"][n], expected, 2e-12);  // the stop's play, 1e-12 m
+    }
+    Eigen::Vector3d force;
+    for (int i = 0; i < 3; ++i) force(i) = history[std::string("guide.force.") + "xyz"[i]].back();
+    EXPECT_LT((force - 30 * kX).norm(), 1e-9);
+    EXPECT_NEAR(history["energy.dissipated"].back(), 30 * 0.05, 0.05);  // half a step's play in the impact
+    EXPECT_LT(std::abs(history["energy.residual"].back()), 1e-3);
+    EXPECT_LE(history.engine_steps_per_step, 1 + 2.0 / 501);
+}
+
+// A rod falls on its lower stop, leaves it when it is pulled off, and flies to the upper one.
+TEST(Joints, StopLetsGo) {
+    const Plugins plugins;
+    Model model = pendulum(plugins, 0, 0, 0, -2 * kY);
+    model.joints[0].limits = {-0.1, 0.2};
+    Load load;
+    load.on = {0, 1};
+    load.direction = kY;
+    load.signal = test::smooth_rise(8, 2);
+    model.loads = {load};
+    const History history = run(model, plugins, 1e-3, 2);
+    const std::vector<double>& angle = history["pin.angle"];
+    EXPECT_NEAR(*std::min_element(angle.begin(), angle.end()), -0.1, 1e-3);
+    EXPECT_NEAR(angle[600], -0.1, 2e-12);
+    EXPECT_NEAR(angle.back(), 0.2, 2e-12);
+    EXPECT_LT(std::abs(history["energy.residual"].back()), 1e-2 * history.largest("energy.work"));
+}
+
+TEST(Joints, VelocitiesThatOpenAJointAreRefused) {
+    const Plugins plugins;
+    Model model = pendulum(plugins, 0, 0, 3);
+    model.joints[0].place = "pendulum.toml:17:1";
+    model.bodies[0].velocity += at(0, 0, 0.01);
+    try {
+        run(model, plugins, 1e-3, 1);
+        FAIL();
+    } catch (const ModelError& error) {
+        EXPECT_THAT(error.what(), testing::HasSubstr("pendulum.toml:17:1: joint \"pin\""));
+        EXPECT_THAT(error.what(), testing::HasSubstr("0.00667 m/s") /* the largest part of 0.01 z */);
+    }
+}
+
+}  // namespace
+}  // namespace dttmm

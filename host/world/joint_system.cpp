@@ -37,10 +37,13 @@ void JointSystem::write_to(BlockMatrix& matrix) const {
         values_.setZero(joint.count());
         const auto add_mobility = [&](int body, const JointEquations::Rows& J) {
             if (body < 0) return;
-            const Eigen::LDLT<BlockMatrix::Block> K(matrix.diagonal(body));
+            // J K⁻¹ Jᵀ = |L⁻¹ Jᵀ|² with K = L Lᵀ
+            const Eigen::LLT<BlockMatrix::Block> K(matrix.diagonal(body));
+            const auto L = K.matrixL();
             for (int row = 0; row < joint.count(); ++row) {
-                const Eigen::Matrix<double, 6, 1> direction = J.row(row).transpose();
-                values_(row) += kProximal * direction.dot(K.solve(direction));
+                Eigen::Matrix<double, 6, 1> direction = J.row(row).transpose();
+                L.solveInPlace(direction);
+                values_(row) += kProximal * direction.squaredNorm();
             }
         };
         add_mobility(joint.first(), jacobians_[j].first);

@@ -82,7 +82,7 @@ struct SimulationSettings {
     ExplicitScheme scheme = ExplicitScheme::fox_euler;
     Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  ///< [m/s²]
     double spectral_radius = 1;       ///< of the implicit scheme at infinite frequency: 1 no numerical damping, 0 the most
-    std::optional<double> tolerance;  ///< of the results, relative; none: one run at `step`
+    std::optional<double> tolerance;  ///< of the results, relative; `step` is then the first tried. None: one run at `step`
 };
 
 struct OutputSettings {

@@ -11,10 +11,10 @@
 namespace dttmm {
 namespace {
 
-constexpr Bounds kStepBounds = {1e-9, 1};  // [s]
-constexpr double kMostSteps = 1e10;
-constexpr double kWholeTolerance = 1e-6;  // of a step
-constexpr double kLargestGravity = 100;   // [m/s²] more looks like another unit
+constexpr Bounds kStepBounds = {kShortestStep, 1};  // [s]
+constexpr Bounds kToleranceBounds = {1e-9, 0.5};    // beyond 50 % nothing is known of a history
+constexpr double kWholeTolerance = 1e-6;            // of a step
+constexpr double kLargestGravity = 100;             // [m/s²] more looks like another unit
 
 const std::vector<std::string> kCouplings = {"implicit", "explicit"};
 const std::vector<std::string> kSchemes = {"fox-euler", "bdf1", "bdf2", "houbolt",
@@ -37,22 +37,30 @@ public:
     SettingsReader(const TableReader& file, const TableReader* table) : file_(file), table_(table) {}
 
     std::optional<Setting> find(const std::string& key, const std::optional<std::string>& option) const {
-        if (option) {
-            TomlValue value;
-            value.kind = TomlValue::Kind::text;
-            value.place = file_.context().diagnostics.option_place("--" + key);
-            value.string = *option;
-            return Setting{value, key};
-        }
-        const TomlMember* member = table_ ? table_->require(key) : nullptr;
+        if (option || !table_) return of_option(key, option);
+        const TomlMember* member = table_->find(key);
         return member ? std::optional(Setting{member->value, table_->what(key)}) : std::nullopt;
     }
+    /// The same; reports the key if it is missing.
+    std::optional<Setting> require(const std::string& key, const std::optional<std::string>& option) const {
+        if (!option && table_) table_->require(key);
+        return find(key, option);
+    }
 
-    std::optional<double> read_time(const std::optional<Setting>& setting, const Bounds& bounds) const {
-        return setting ? read_number(file_.context(), setting->value, setting->what, "s", bounds) : std::nullopt;
+    std::optional<double> read(const std::optional<Setting>& setting, const char* unit, const Bounds& bounds) const {
+        return setting ? read_number(file_.context(), setting->value, setting->what, unit, bounds) : std::nullopt;
     }
 
 private:
+    std::optional<Setting> of_option(const std::string& key, const std::optional<std::string>& option) const {
+        if (!option) return std::nullopt;
+        TomlValue value;
+        value.kind = TomlValue::Kind::text;
+        value.place = file_.context().diagnostics.option_place("--" + key);
+        value.string = *option;
+        return Setting{value, key};
+    }
+
     const TableReader& file_;
     const TableReader* table_;
 };
@@ -115,17 +123,18 @@ SimulationSettings read_simulation(const TableReader& file, const SimulationOver
     std::optional<TableReader> table;
     if (member)
         table.emplace(file.context(), member->value, "simulation",
-                      std::vector<std::string>{"duration", "step", "coupling", "scheme", "gravity"});
+                      std::vector<std::string>{"duration", "step", "tolerance", "coupling", "scheme", "gravity"});
     const bool is_valid = table && table->is_valid();
     const SettingsReader reader(file, is_valid ? &*table : nullptr);
     if (!member && !(overrides.step && overrides.duration))
         file.error(file.place(), "missing table [simulation] with duration and step");
 
     SimulationSettings settings;
-    const auto step_setting = reader.find("step", overrides.step);
-    const auto duration_setting = reader.find("duration", overrides.duration);
-    const auto step = reader.read_time(step_setting, kStepBounds);
-    const auto duration = reader.read_time(duration_setting, kPositive);
+    const auto step_setting = reader.require("step", overrides.step);
+    const auto duration_setting = reader.require("duration", overrides.duration);
+    const auto step = reader.read(step_setting, "s", kStepBounds);
+    const auto duration = reader.read(duration_setting, "s", kPositive);
+    settings.tolerance = reader.read(reader.find("tolerance", overrides.tolerance), "1", kToleranceBounds);
     settings.step = step.value_or(0);
     settings.duration = duration.value_or(0);
     if (step && duration) check_duration(file.context().diagnostics, *duration_setting, *duration, *step);

@@ -9,15 +9,19 @@
 
 namespace dttmm {
 
-/// What the command line says instead of [simulation]: texts as in the file, e.g. "1 ms".
+/// What the command line says instead of [simulation]: texts as in the file, e.g. "1 ms" or "0.1 %".
 struct SimulationOverrides {
-    std::optional<std::string> step, duration, coupling;
+    std::optional<std::string> step, duration, coupling, tolerance;
 };
+
+/// Shortest and most steps of a run [s, 1].
+inline constexpr double kShortestStep = 1e-9, kMostSteps = 1e10;
 
 /// The name of a velocity formula in the model file, e.g. "fox-euler".
 const std::string& scheme_name(ExplicitScheme scheme);
 
-/// [simulation]: step 1e-9 s to 1 s, and a duration that is a whole number of steps, at most 1e10. Faults are reported.
+/// [simulation]: step 1e-9 s to 1 s, a duration that is a whole number of steps, at most 1e10, and a tolerance of 1e-9 to
+/// 0.5. Faults are reported.
 SimulationSettings read_simulation(const TableReader& file, const SimulationOverrides& overrides);
 
 /// [output]: its step is a whole number of time steps and divides the duration, so that the end is a row. Faults are

@@ -72,6 +72,39 @@ TEST(ReadSimulation, OptionsReplaceTheFile) {
     EXPECT_EQ(parse(std::string(kStart) + kBody, with_options("1 ms", "1 s")).simulation.step, 0.001);
 }
 
+TEST(ReadSimulation, ToleranceIsAShareWrittenAsANumberOrWithAUnit) {
+    const std::string settings = "duration = 1\nstep = 0.1\n";
+    EXPECT_FALSE(with(settings).simulation.tolerance.has_value());
+    for (const char* text : {"1e-3", "\"0.1 %\"", "\"0.1%\"", "\"1e-3\"", "\"=0.001\""})
+        EXPECT_DOUBLE_EQ(with(settings + "tolerance = " + text + "\n").simulation.tolerance.value_or(0), 1e-3) << text;
+    ModelOverrides overrides;
+    overrides.tolerance = "2 %";
+    EXPECT_DOUBLE_EQ(with(settings + "tolerance = 0.1\n", overrides).simulation.tolerance.value_or(0), 0.02);
+    EXPECT_DOUBLE_EQ(with(settings, overrides).simulation.tolerance.value_or(0), 0.02);
+    overrides.step = "1 ms";
+    overrides.duration = "1 s";
+    EXPECT_DOUBLE_EQ(parse(std::string(kStart) + kBody, overrides).simulation.tolerance.value_or(0), 0.02);
+}
+
+TEST(ReadSimulation, ToleranceMustBeReasonable) {
+    const std::string settings = "duration = 1\nstep = 0.1\n";
+    const std::string place = "m.toml:7:13: simulation: tolerance ";
+    for (const char* text : {"0", "-1", "1e-10", "\"0 %\""})
+        EXPECT_THAT(fault(settings + "tolerance = " + text + "\n"), HasSubstr(place + "must be ≥ 1e-09")) << text;
+    for (const char* text : {"2", "0.51", "\"200 %\""})
+        EXPECT_THAT(fault(settings + "tolerance = " + text + "\n"), HasSubstr(place + "must be ≤ 0.5")) << text;
+    EXPECT_THAT(fault(settings + "tolerance = nan\n"), HasSubstr("tolerance must be finite"));
+    EXPECT_THAT(fault(settings + "tolerance = \"3 kg\"\n"), HasSubstr("got \"3 kg\""));
+    EXPECT_THAT(fault(settings + "tolerance = \"0,1 %\"\n"), HasSubstr("m.toml:7:13: simulation: tolerance"));
+    EXPECT_THAT(fault(settings + "tolerance = true\n"), HasSubstr("m.toml:7:13: simulation: tolerance"));
+    EXPECT_THAT(fault(settings + "tollerance = 0.1\n"), HasSubstr("did you mean \"tolerance\"?"));
+    ModelOverrides overrides;
+    overrides.tolerance = "3 kg";
+    EXPECT_THAT(fault(settings, overrides), HasSubstr("--tolerance: tolerance"));
+    overrides.tolerance = "0";
+    EXPECT_THAT(fault(settings, overrides), HasSubstr("--tolerance: tolerance must be ≥ 1e-09"));
+}
+
 TEST(ReadSimulation, FaultsOfOptionsNameThem) {
     const std::string settings = "duration = 1\nstep = 0.1\n";
     EXPECT_EQ(fault(settings, with_options("0")), "--step: step must be ≥ 1e-09 s, got 0");
@@ -89,8 +122,9 @@ TEST(ReadSimulation, SchemeBelongsToTheExplicitCoupling) {
     EXPECT_THAT(fault(settings + "coupling = \"explicit\"\nscheme = \"newmark\"\n"),
                 HasSubstr("scheme must be one of: fox-euler, bdf1, bdf2, houbolt, park; got \"newmark\""));
     EXPECT_THAT(fault(settings + "coupling = 3\n"), HasSubstr("coupling must be a text, got a number"));
-    EXPECT_THAT(fault(settings + "solver = 3\n"),
-                HasSubstr("simulation: unknown key \"solver\"; known here: duration, step, coupling, scheme, gravity"));
+    EXPECT_THAT(
+        fault(settings + "solver = 3\n"),
+        HasSubstr("simulation: unknown key \"solver\"; known here: duration, step, tolerance, coupling, scheme, gravity"));
 }
 
 TEST(ReadSimulation, GravityInMillimetresIsWarnedOf) {

@@ -15,7 +15,9 @@ namespace dttmm {
 /// Name and text of what is noted on the file as a whole: title, version, the text of the model.
 using Attributes = std::vector<std::pair<std::string, std::string>>;
 
-/// history.h5: one dataset of doubles per channel, named as the channel (no groups), its unit in the attribute "unit".
+/// history.h5: one dataset of doubles per channel, named as the channel (no groups), its unit in the attribute "unit". A run
+/// to a tolerance has a second one for every channel but the time, `<channel>.error`: a bound estimated for the error of the
+/// values up to and including that row.
 /// All texts are UTF-8 of variable length. Written as history.h5.part, up to 1024 rows at a time, and published under the
 /// final name once whole. Nothing is allocated by us per row. May be used from several threads, each with its own writer:
 /// HDF5 itself is not made for that, so its calls take turns.

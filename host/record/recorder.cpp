@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <utility>
 
@@ -26,57 +27,71 @@ Recorder::Recorder(std::vector<Channel> all) : channels_(std::move(all)), statis
 }
 
 Recorder::Recorder(const ResultsFolder& folder, std::vector<Channel> all, std::vector<int> selection,
-                   const Attributes& attributes)
+                   const Attributes& attributes, Rows rows)
     : Recorder(std::move(all)) {
     selection_ = std::move(selection);
-    selected_values_.resize(selection_.size());
-    const std::vector<Channel> picked = pick(channels_, selection_);
+    std::vector<Channel> picked = pick(channels_, selection_);
     csv_.emplace(folder.file("history.csv"), picked);
+    if (rows == Rows::estimated)
+        for (std::size_t i = 1, count = picked.size(); i < count; ++i)
+            picked.push_back({picked[i].name + ".error", picked[i].unit});
+    selected_values_.resize(picked.size());
     hdf5_.emplace(folder.file("history.h5"), picked, attributes);
 }
 
 void Recorder::close_row(std::span<const double> values) {
-    check_row(values);
-    write_row(values);
-    count_row(values);
-}
-
-void Recorder::check_row(std::span<const double> values) const {
     if (values.size() != channels_.size())
         throw Error(ExitCode::internal_error,
                     fmt::format("a row of {} values was closed for {} channels; this is a fault of "
                                 "dttmm, please report it",
                                 values.size(), channels_.size()));
-    for (std::size_t i = 0; i < values.size(); ++i)
-        if (!std::isfinite(values[i]))
-            throw Error(
-                ExitCode::internal_error,
-                fmt::format("channel \"{}\" is {} at t = {} s; this should have been caught earlier: please report it",
-                            channels_[i].name, values[i], values[0]));
-}
-
-void Recorder::write_row(std::span<const double> values) {
-    if (!csv_) return;
-    for (std::size_t i = 0; i < selection_.size(); ++i)
-        selected_values_[i] = values[static_cast<std::size_t>(selection_[i])];
-    csv_->write_row(selected_values_);
-    hdf5_->write_row(selected_values_);
-}
-
-void Recorder::count_row(std::span<const double> values) {
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        const double value = values[i];
-        ChannelStatistics& s = statistics_[i];
-        if (rows_ == 0) s = {std::abs(value), values[0], value, value, value};
-        if (std::abs(value) > s.peak) {
-            s.peak = std::abs(value);
-            s.peak_time = values[0];
-        }
-        s.minimum = std::min(s.minimum, value);
-        s.maximum = std::max(s.maximum, value);
-        s.final = value;
+    for (std::size_t i = 0; i < values.size(); ++i) check_finite(static_cast<int>(i), values[i], values[0]);
+    if (csv_) {
+        for (std::size_t i = 0; i < selection_.size(); ++i)
+            selected_values_[i] = values[static_cast<std::size_t>(selection_[i])];
+        csv_->write_row(selected_values_);
+        hdf5_->write_row(selected_values_);
     }
+    for (std::size_t i = 0; i < values.size(); ++i) count(static_cast<int>(i), values[i], values[0]);
     ++rows_;
+}
+
+void Recorder::close_estimated_row(std::span<const double> values, std::span<const double> errors) {
+    assert(values.size() == selection_.size() && errors.size() == values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        check_finite(selection_[i], values[i], values[0]);
+        check_finite(selection_[i], errors[i], values[0]);
+    }
+    std::copy(errors.begin() + 1, errors.end(), std::copy(values.begin(), values.end(), selected_values_.begin()));
+    csv_->write_row(values);
+    hdf5_->write_row(selected_values_);
+    for (std::size_t i = 0; i < values.size(); ++i) count(selection_[i], values[i], values[0]);
+    ++rows_;
+}
+
+void Recorder::adopt_unselected(const Recorder& other) {
+    for (std::size_t i = 0; i < channels_.size(); ++i)
+        if (!std::binary_search(selection_.begin(), selection_.end(), static_cast<int>(i)))
+            statistics_[i] = other.statistics_[i];
+}
+
+void Recorder::check_finite(int channel, double value, double time) const {
+    if (!std::isfinite(value))
+        throw Error(ExitCode::internal_error,
+                    fmt::format("channel \"{}\" is {} at t = {} s; this should have been caught earlier: please report it",
+                                channels_[static_cast<std::size_t>(channel)].name, value, time));
+}
+
+void Recorder::count(int channel, double value, double time) {
+    ChannelStatistics& s = statistics_[static_cast<std::size_t>(channel)];
+    if (rows_ == 0) s = {std::abs(value), time, value, value, value};
+    if (std::abs(value) > s.peak) {
+        s.peak = std::abs(value);
+        s.peak_time = time;
+    }
+    s.minimum = std::min(s.minimum, value);
+    s.maximum = std::max(s.maximum, value);
+    s.final = value;
 }
 
 void Recorder::finish() {

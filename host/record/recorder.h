@@ -22,14 +22,18 @@ struct ChannelStatistics {
 };
 
 /// Takes one row of numbers per output time: the selected channels go to history.csv and history.h5, and every channel,
-/// selected or not, to its statistics. Nothing is allocated per row. Destroyed without finish(), it leaves history.csv
-/// with all rows closed so far and no history.h5.
+/// selected or not, to its statistics. Or takes rows of the selected channels alone, each value with an estimate of its
+/// error: history.h5 then has a second dataset for every channel but the time, `<channel>.error`, of the same unit;
+/// history.csv has the values only, and what is not selected takes its statistics from elsewhere. Nothing is allocated per
+/// row. Destroyed without finish(), it leaves history.csv with all rows closed so far and no history.h5.
 class Recorder {
 public:
-    /// selection: indices into `all` as select_channels gives them. Throws Error(input_output), or Error(internal_error) for
-    /// channels that check_channels refuses.
-    Recorder(const ResultsFolder& folder, std::vector<Channel> all, std::vector<int> selection,
-             const Attributes& attributes);
+    enum class Rows : unsigned char { plain, estimated };
+
+    /// selection: indices into `all` as select_channels gives them; rows: which of the two ways they come. Throws
+    /// Error(input_output), or Error(internal_error) for channels that check_channels refuses.
+    Recorder(const ResultsFolder& folder, std::vector<Channel> all, std::vector<int> selection, const Attributes& attributes,
+             Rows rows = Rows::plain);
     /// Statistics only: nothing is written.
     explicit Recorder(std::vector<Channel> all);
 
@@ -37,6 +41,11 @@ public:
     /// value is not finite; the row is then neither written nor counted. Throws Error(input_output) when it cannot be
     /// written.
     void close_row(std::span<const double> values);
+    /// A row of a recorder for estimated rows: values and errors, one per selected channel, the time with them. Throws as
+    /// close_row does.
+    void close_estimated_row(std::span<const double> values, std::span<const double> errors);
+    /// The statistics of all channels that are not selected, from a recorder of the same channels.
+    void adopt_unselected(const Recorder& other);
     /// Brings history.csv to the disk and publishes history.h5; the last call. Throws Error(input_output).
     void finish();
 
@@ -47,8 +56,8 @@ public:
     long rows() const { return rows_; }
 
 private:
-    void check_row(std::span<const double> values) const;
-    void count_row(std::span<const double> values);
+    void check_finite(int channel, double value, double time) const;
+    void count(int channel, double value, double time);
     void write_row(std::span<const double> values);
 
     std::vector<Channel> channels_;
@@ -56,7 +65,7 @@ private:
     long rows_ = 0;
 
     std::vector<int> selection_;
-    std::vector<double> selected_values_;
+    std::vector<double> selected_values_;  ///< of a row, then their errors
     std::optional<CsvWriter> csv_;
     std::optional<Hdf5Writer> hdf5_;
 };

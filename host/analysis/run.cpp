@@ -3,16 +3,17 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 
+#include "analysis/advance.h"
+#include "analysis/halving.h"
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
 #include "coupling/stability.h"
 #include "model/diagnostics.h"
 #include "record/atomic_file.h"
-#include "record/progress_bar.h"
 #include "record/recorder.h"
 #include "record/results_folder.h"
 #include "record/tell.h"
@@ -69,29 +70,19 @@ void refuse_unstable(const Model& model, const Simulation& simulation, bool forc
                          omega_h < kExplicitLimit ? "near" : "beyond"));
 }
 
-/// Runs to the end; says how it ended. A failure on the way is an outcome too: what was recorded is kept.
-struct Ending {
-    Outcome outcome;
-    ExitCode code = ExitCode::ok;
-};
-
-Ending advance_to_end(Simulation& simulation, bool quiet) {
-    const auto start = std::chrono::steady_clock::now();
-    Ending ending;
-    ProgressBar progress(quiet ? -1 : 2);
-    const uint64_t count = simulation.step_count();
-    try {
-        while (simulation.index() < count && !StopSignals::requested()) {
-            simulation.step();
-            if (simulation.index() % 64 == 0)
-                progress.update(static_cast<double>(simulation.index()), static_cast<double>(count));
-        }
-        if (simulation.index() < count) ending = {{"stopped", StopSignals::reason(), 0}, StopSignals::exit_code()};
-    } catch (const Error& error) {
-        ending = {{"failed", error.what(), 0}, error.code()};
-    }
-    ending.outcome.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    return ending;
+/// A run to a tolerance need not be told a stable step: it starts from one, its rows where they were.
+Model start_stable(Model model, const Plugins& plugins) {
+    if (model.simulation.coupling != Coupling::explicit_) return model;
+    const FastestMode fastest = Simulation(model, plugins).fastest_mode();
+    if (fastest.omega * model.simulation.step < kExplicitLimit) return model;
+    const double step = divide_step(model.simulation.step, 0.9 * kExplicitLimit / fastest.omega);
+    const double every = model.output.every * std::round(model.simulation.step / step);
+    if (step < kShortestStep || every > std::numeric_limits<int>::max()) return model;
+    tell(fmt::format("the explicit coupling would diverge at a step of {:g} s; beginning with {:.12g} s",
+                     model.simulation.step, step));
+    model.simulation.step = step;
+    model.output.every = static_cast<int>(every);
+    return model;
 }
 
 /// One line per element: the direction of its largest force or moment, when it peaks and where it ends.
@@ -137,38 +128,59 @@ void warn_energy(const Recorder& recorder, double step) {
                         residual, turned_over, step));
 }
 
+/// How the step was found, in one line.
+void print_halving(const Halving& halving) {
+    const Level& last = halving.levels().back();
+    fmt::print(
+        "error at most {:.3g} % of the largest value of its kind (\"{}\"), asked for {:g} %; step {:g} s of {:g} s at "
+        "first{}\n",
+        100 * last.error, last.worst, 100 * halving.tolerance(), last.step, halving.first_step(),
+        std::isnan(last.order) ? "" : fmt::format(", observed order {:.2f}", last.order));
+}
+
 void print_report(const Recorder& recorder, const Model& model, const Simulation& simulation, const ResultsFolder& folder,
-                  const Outcome& outcome) {
+                  const Outcome& outcome, const Halving* halving) {
     if (!model.title.empty()) fmt::print("{}\n", model.title);
     print_forces(recorder, model);
-    const auto steps = static_cast<double>(std::max<uint64_t>(simulation.index(), 1));
+    if (halving && halving->has_estimates()) print_halving(*halving);
+    const auto own_steps = static_cast<double>(std::max<uint64_t>(simulation.index(), 1));
     fmt::print(
         "{} rows, {} steps of {:g} s in {:.3g} s ({:.3g} us and {:.3g} evaluations per step), omega*h = {:.3g}\nresults in "
         "{}\n",
-        recorder.rows(), simulation.index() - 1, simulation.step_size(), outcome.wall_time, 1e6 * outcome.wall_time / steps,
-        static_cast<double>(simulation.end_of_step().passes()) / steps,
+        recorder.rows(), simulation.index() - 1, simulation.step_size(), outcome.wall_time,
+        1e6 * outcome.wall_time / static_cast<double>(std::max<uint64_t>(outcome.steps, 1)),
+        static_cast<double>(simulation.end_of_step().passes()) / own_steps,
         simulation.fastest_mode().omega * simulation.step_size(), folder.path().string());
 }
 
-}  // namespace
+/// What one command works on: the model, built and checked, before anything is written.
+struct Bench {
+    explicit Bench(const RunRequest& request)
+        : plugins(request.plugins),
+          model(prepare(request, plugins)),
+          simulation(model, plugins),
+          selection(selected_channels(model, simulation)) {
+        if (model.simulation.tolerance) halving.emplace(model, plugins, selection);
+    }
+    static Model prepare(const RunRequest& request, const Plugins& plugins) {
+        Model model = read_model(request.model, plugins.catalogue(), request.overrides);
+        if (model.simulation.tolerance && !request.force) model = start_stable(std::move(model), plugins);
+        print_warnings(model);
+        return model;
+    }
+    const Plugins plugins;
+    const Model model;
+    Simulation simulation;  ///< at the model's step
+    const std::vector<int> selection;
+    std::optional<Halving> halving;  ///< of a run to a tolerance
+};
 
-ExitCode run(const RunRequest& request) {
-    const StopSignals signals;
-    const Plugins plugins(request.plugins);
-    const Model model = read_model(request.model, plugins.catalogue(), request.overrides);
-    print_warnings(model);
-    Simulation simulation(model, plugins);
-    refuse_unstable(model, simulation, request.force);
-    const std::vector<int> selection = selected_channels(model, simulation);
-
-    const ResultsFolder folder(request.output.value_or(default_results_path(request.model)));
-    const Attributes attributes = {{"title", model.title}, {"version", DTTMM_VERSION}, {"model", model.source}};
-    Recorder recorder(folder, simulation.channels(), selection, attributes);
-    simulation.record_to([&](std::span<const double> row) { recorder.close_row(row); });
-
-    const Ending ending = advance_to_end(simulation, request.quiet);
+/// Closes the files, writes the summary, and tells how it went.
+ExitCode conclude(const RunRequest& request, const Bench& bench, const Simulation& simulation, const ResultsFolder& folder,
+                  Recorder& recorder, const Ending& ending) {
+    const Halving* halving = bench.halving ? &*bench.halving : nullptr;
     recorder.finish();
-    const Json summary = describe_run(model, request, plugins, simulation, recorder, ending.outcome);
+    const Json summary = describe_run(bench.model, request, bench.plugins, simulation, recorder, ending.outcome, halving);
     write_atomically(folder.file("summary.json"), summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 
     warn_energy(recorder, simulation.step_size());
@@ -176,19 +188,41 @@ ExitCode run(const RunRequest& request) {
         throw Error(ending.code, fmt::format("{} ({} rows recorded in {})", ending.outcome.reason, recorder.rows(),
                                              folder.path().string()));
     }
-    if (!request.quiet) print_report(recorder, model, simulation, folder, ending.outcome);
+    if (!request.quiet) print_report(recorder, bench.model, simulation, folder, ending.outcome, halving);
     if (ending.code != ExitCode::ok)
-        tell(fmt::format("{} at t = {:g} s; {} rows are kept", ending.outcome.reason, simulation.time(), recorder.rows()));
+        tell(fmt::format("{} at t = {:g} s; {} rows are kept", ending.outcome.reason, ending.time, recorder.rows()));
     return ending.code;
 }
 
-void check(const RunRequest& request) {
-    const Plugins plugins(request.plugins);
-    const Model model = read_model(request.model, plugins.catalogue(), request.overrides);
-    print_warnings(model);
-    Simulation simulation(model, plugins);
-    selected_channels(model, simulation);
+}  // namespace
 
+ExitCode run(const RunRequest& request) {
+    const StopSignals signals;
+    Bench bench(request);
+    refuse_unstable(bench.model, bench.simulation, request.force);
+
+    const ResultsFolder folder(request.output.value_or(default_results_path(request.model)));
+    const Attributes attributes = {{"title", bench.model.title}, {"version", DTTMM_VERSION}, {"model", bench.model.source}};
+    const auto make_recorder = [&](Recorder::Rows rows) {
+        return Recorder(folder, bench.simulation.channels(), bench.selection, attributes, rows);
+    };
+    if (bench.halving) {
+        Halving& halving = *bench.halving;
+        const Ending ending = halving.run(request.quiet);
+        Recorder recorder = make_recorder(halving.has_estimates() ? Recorder::Rows::estimated : Recorder::Rows::plain);
+        halving.write_to(recorder);
+        return conclude(request, bench, halving.simulation(), folder, recorder, ending);
+    }
+    Recorder recorder = make_recorder(Recorder::Rows::plain);
+    bench.simulation.record_to([&](std::span<const double> row) { recorder.close_row(row); });
+    const Ending ending = advance_to_end(bench.simulation, request.quiet);
+    return conclude(request, bench, bench.simulation, folder, recorder, ending);
+}
+
+void check(const RunRequest& request) {
+    const Bench bench(request);
+    const Model& model = bench.model;
+    const Simulation& simulation = bench.simulation;
     const FastestMode& fastest = simulation.fastest_mode();
     const bool implicit = model.simulation.coupling == Coupling::implicit;
     fmt::print("{}: valid\n", request.model.string());
@@ -196,6 +230,8 @@ void check(const RunRequest& request) {
                6 * model.bodies.size(), model.elements.size(), model.loads.size(), simulation.channels().size());
     fmt::print("  {} coupling, {} steps of {:g} s, a row every {} steps\n", implicit ? "implicit" : "explicit",
                simulation.step_count() - 1, model.simulation.step, model.output.every);
+    if (model.simulation.tolerance)
+        fmt::print("  repeated at half the step until the results are within {:g} %\n", 100 * *model.simulation.tolerance);
     if (fastest.omega > 0)
         fmt::print("  fastest vibration {:.6g} Hz at body \"{}\": omega*h = {:.4g} ({})\n", fastest.omega / (2 * M_PI),
                    fastest.body, fastest.omega * model.simulation.step,

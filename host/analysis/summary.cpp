@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <fstream>
 #include <functional>
 #include <string_view>
@@ -81,6 +82,29 @@ Json describe_channels(const Recorder& recorder, bool (*wanted)(std::string_view
     return owners;
 }
 
+/// NaN, which JSON does not know, is null.
+Json number_json(double value) { return std::isnan(value) ? Json() : Json(value); }
+
+Json describe_tolerance(const Halving& halving) {
+    Json levels = Json::array(), estimates = Json::object();
+    for (const Level& level : halving.levels())
+        levels.push_back({{"step", level.step},
+                          {"steps", level.steps},
+                          {"relative_error", number_json(level.error)},
+                          {"worst_channel", level.worst},
+                          {"observed_order", number_json(level.order)}});
+    for (size_t i = 1; i < halving.estimates().size(); ++i) estimates[halving.channel(i)] = halving.estimates()[i];
+    const bool finished = !halving.levels().empty();
+    return {{"tolerance", halving.tolerance()},
+            {"reached", halving.reached()},
+            {"first_step", halving.first_step()},
+            {"step", halving.simulation().step_size()},
+            {"relative_error", finished ? number_json(halving.levels().back().error) : Json()},
+            {"observed_order", finished ? number_json(halving.levels().back().order) : Json()},
+            {"levels", levels},
+            {"error_estimate", estimates}};
+}
+
 Json describe_energy(const Recorder& recorder) {
     Json energy = Json::object();
     for (size_t c = 1; c < recorder.channels().size(); ++c) {
@@ -116,6 +140,7 @@ Json describe_inputs(const Model& model, const RunRequest& request) {
             {"set", overrides},
             {"step", request.overrides.step.value_or("")},
             {"duration", request.overrides.duration.value_or("")},
+            {"tolerance", request.overrides.tolerance.value_or("")},
             {"coupling", request.overrides.coupling.value_or("")},
             {"files", files},
             {"plugins", plugins},
@@ -124,34 +149,37 @@ Json describe_inputs(const Model& model, const RunRequest& request) {
 }
 
 Json describe_run(const Model& model, const RunRequest& request, const Plugins& plugins, const Simulation& simulation,
-                  const Recorder& recorder, const Outcome& outcome) {
+                  const Recorder& recorder, const Outcome& outcome, const Halving* halving) {
     const auto steps = static_cast<double>(std::max<uint64_t>(simulation.index(), 1));
     Json versions = {{"dttmm", DTTMM_VERSION}, {"ode", World::engine_version()}};
     for (const PluginLibrary& library : plugins.libraries())
         versions["plugins"][library.name()] = fmt::format("{} {}", library.table().name, library.table().version);
-    return {{"format", "dttmm-summary/1"},
-            {"status", outcome.status},
-            {"reason", outcome.reason},
-            {"title", model.title},
-            {"command_line", request.command_line},
-            {"versions", versions},
-            {"steps", simulation.index()},
-            {"rows", recorder.rows()},
-            {"wall_time", outcome.wall_time},
-            {"wall_time_per_step", outcome.wall_time / steps},
-            {"coupling",
-             {{"passes", simulation.end_of_step().passes()},
-              {"passes_per_step", static_cast<double>(simulation.end_of_step().passes()) / steps},
-              {"factorisations", simulation.end_of_step().factorisations()}}},
-            {"fastest_vibration",
-             {{"omega_h", simulation.fastest_mode().omega * simulation.step_size()},
-              {"frequency_hz", simulation.fastest_mode().omega / (2 * M_PI)},
-              {"body", simulation.fastest_mode().body}}},
-            {"energy", describe_energy(recorder)},
-            {"elements", describe_channels(recorder, [](std::string_view q) { return q == "force" || q == "moment"; })},
-            {"accelerations", describe_channels(recorder, [](std::string_view q) { return q == "acceleration"; })},
-            {"inputs", describe_inputs(model, request)},
-            {"model", describe_model(model, plugins.catalogue())}};
+    Json summary = {
+        {"format", "dttmm-summary/1"},
+        {"status", outcome.status},
+        {"reason", outcome.reason},
+        {"title", model.title},
+        {"command_line", request.command_line},
+        {"versions", versions},
+        {"steps", outcome.steps},
+        {"rows", recorder.rows()},
+        {"wall_time", outcome.wall_time},
+        {"wall_time_per_step", outcome.wall_time / static_cast<double>(std::max<uint64_t>(outcome.steps, 1))},
+        {"coupling",
+         {{"passes", simulation.end_of_step().passes()},
+          {"passes_per_step", static_cast<double>(simulation.end_of_step().passes()) / steps},
+          {"factorisations", simulation.end_of_step().factorisations()}}},
+        {"fastest_vibration",
+         {{"omega_h", simulation.fastest_mode().omega * simulation.step_size()},
+          {"frequency_hz", simulation.fastest_mode().omega / (2 * M_PI)},
+          {"body", simulation.fastest_mode().body}}},
+        {"energy", describe_energy(recorder)},
+        {"elements", describe_channels(recorder, [](std::string_view q) { return q == "force" || q == "moment"; })},
+        {"accelerations", describe_channels(recorder, [](std::string_view q) { return q == "acceleration"; })},
+        {"inputs", describe_inputs(model, request)},
+        {"model", describe_model(model, plugins.catalogue())}};
+    if (halving) summary["tolerance"] = describe_tolerance(*halving);
+    return summary;
 }
 
 }  // namespace dttmm

@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "analysis/advance.h"
+#include "analysis/halving.h"
 #include "analysis/run.h"
 #include "model/model.h"
 #include "record/recorder.h"
@@ -14,21 +16,15 @@ namespace dttmm {
 /// Key order is as written.
 using Json = nlohmann::ordered_json;
 
-/// How a run ended.
-struct Outcome {
-    std::string status = "completed";  ///< "completed", "stopped", "failed"
-    std::string reason;                ///< of a stop or failure
-    double wall_time = 0;              ///< [s]
-};
-
 /// What determines a run's result: the text of the model, the files it names, the plugins and all that the command line
 /// changed. A sweep reuses a case whose
 /// inputs are equal.
 Json describe_inputs(const Model& model, const RunRequest& request);
 
 /// summary.json: status, inputs, versions, step count and time per step, coupling, omega*h, energy, peak and final values of
-/// every element and marker, the resolved model.
+/// every element and marker, the resolved model. `simulation` is the run whose results are kept; `halving`, of a run to a
+/// tolerance, says what stands behind them, else null.
 Json describe_run(const Model& model, const RunRequest& request, const Plugins& plugins, const Simulation& simulation,
-                  const Recorder& recorder, const Outcome& outcome);
+                  const Recorder& recorder, const Outcome& outcome, const Halving* halving);
 
 }  // namespace dttmm

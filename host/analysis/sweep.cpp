@@ -89,6 +89,7 @@ std::vector<std::string> command_of(const RunRequest& request, const Case& one) 
     };
     option("--step", own.overrides.step);
     option("--duration", own.overrides.duration);
+    option("--tolerance", own.overrides.tolerance);
     option("--coupling", own.overrides.coupling);
     for (const auto& [name, value] : own.overrides.parameters) words.insert(words.end(), {"--set", name + "=" + value});
     for (const std::string& plugin : own.plugins) words.insert(words.end(), {"--plugin", plugin});

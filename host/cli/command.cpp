@@ -26,7 +26,7 @@ namespace {
 struct Arguments {
     RunRequest request;
     std::vector<std::string> sets, sweeps;
-    std::string output, step, duration, coupling;
+    std::string output, step, duration, coupling, tolerance;
     int jobs = 0;
 };
 
@@ -35,6 +35,8 @@ void add_model_options(CLI::App& command, Arguments& arguments) {
     command.add_option("--set", arguments.sets, "name=value: another value for a parameter of the model")
         ->allow_extra_args(false);
     command.add_option("--step", arguments.step, "time step instead of the model's, e.g. \"0.5 ms\"");
+    command.add_option("--tolerance", arguments.tolerance,
+                       "halve the step until results are within, e.g. \"0.1 %\", instead of the model's");
     command.add_option("--duration", arguments.duration, "duration instead of the model's");
     command.add_option("--coupling", arguments.coupling, "\"implicit\" or \"explicit\" instead of the model's");
     command.add_option("--plugin", arguments.request.plugins, "shared library with more element types")
@@ -65,6 +67,7 @@ void settle(Arguments& arguments) {
     if (!arguments.step.empty()) request.overrides.step = arguments.step;
     if (!arguments.duration.empty()) request.overrides.duration = arguments.duration;
     if (!arguments.coupling.empty()) request.overrides.coupling = arguments.coupling;
+    if (!arguments.tolerance.empty()) request.overrides.tolerance = arguments.tolerance;
     if (!arguments.output.empty()) request.output = arguments.output;
 }
 

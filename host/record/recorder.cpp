@@ -56,13 +56,13 @@ void Recorder::close_row(std::span<const double> values) {
     ++rows_;
 }
 
-void Recorder::close_estimated_row(std::span<const double> values, std::span<const double> errors) {
-    assert(values.size() == selection_.size() && errors.size() == values.size());
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        check_finite(selection_[i], values[i], values[0]);
-        check_finite(selection_[i], errors[i], values[0]);
-    }
-    std::copy(errors.begin() + 1, errors.end(), std::copy(values.begin(), values.end(), selected_values_.begin()));
+void Recorder::close_selected_row(std::span<const double> values, std::span<const double> errors) {
+    assert(values.size() == selection_.size());
+    for (std::size_t i = 0; i < values.size(); ++i) check_finite(selection_[i], values[i], values[0]);
+    for (std::size_t i = 0; i < errors.size(); ++i) check_finite(selection_[i], errors[i], values[0]);
+    const auto rest = std::copy(values.begin(), values.end(), selected_values_.begin());
+    if (!errors.empty()) std::copy(errors.begin() + 1, errors.end(), rest);
+    assert(selected_values_.size() == values.size() + (errors.empty() ? 0 : errors.size() - 1));
     csv_->write_row(values);
     hdf5_->write_row(selected_values_);
     for (std::size_t i = 0; i < values.size(); ++i) count(selection_[i], values[i], values[0]);

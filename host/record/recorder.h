@@ -22,10 +22,10 @@ struct ChannelStatistics {
 };
 
 /// Takes one row of numbers per output time: the selected channels go to history.csv and history.h5, and every channel,
-/// selected or not, to its statistics. Or takes rows of the selected channels alone, each value with an estimate of its
-/// error: history.h5 then has a second dataset for every channel but the time, `<channel>.error`, of the same unit;
-/// history.csv has the values only, and what is not selected takes its statistics from elsewhere. Nothing is allocated per
-/// row. Destroyed without finish(), it leaves history.csv with all rows closed so far and no history.h5.
+/// selected or not, to its statistics. Or takes rows of the selected channels alone, and perhaps an estimate of the error of
+/// each value: history.h5 then has a second dataset for every channel but the time, `<channel>.error`, of the same unit.
+/// Nothing is allocated per row. Destroyed without finish(), it leaves history.csv with all rows closed so far and no
+/// history.h5.
 class Recorder {
 public:
     enum class Rows : unsigned char { plain, estimated };
@@ -41,9 +41,9 @@ public:
     /// value is not finite; the row is then neither written nor counted. Throws Error(input_output) when it cannot be
     /// written.
     void close_row(std::span<const double> values);
-    /// A row of a recorder for estimated rows: values and errors, one per selected channel, the time with them. Throws as
+    /// A row of the selected channels, the time among them, and for estimated rows as many errors, else none. Throws as
     /// close_row does.
-    void close_estimated_row(std::span<const double> values, std::span<const double> errors);
+    void close_selected_row(std::span<const double> values, std::span<const double> errors);
     /// The statistics of all channels that are not selected, from a recorder of the same channels.
     void adopt_unselected(const Recorder& other);
     /// Brings history.csv to the disk and publishes history.h5; the last call. Throws Error(input_output).

@@ -186,7 +186,7 @@ TEST(Command, AnswersVersionAndHelp) {
     EXPECT_THAT(help.out, AllOf(HasSubstr("run "), HasSubstr("check "), HasSubstr("elements ")));
     EXPECT_EQ(run_help.code, 0);
     for (const char* option :
-         {"--output", "--set", "--sweep", "--jobs", "--step", "--duration", "--coupling", "--plugin", "--force", "--quiet"})
+         {"--output", "--set", "--sweep", "--jobs", "--step", "--tolerance", "--duration", "--coupling", "--plugin", "--force", "--quiet"})
         EXPECT_THAT(run_help.out, HasSubstr(option));
 }
 

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/error_scale.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <string_view>
+
+namespace dttmm {
+
+namespace {
+
+/// A channel's value times `factor` is comparable with all values of the kind.
+struct Kind {
+    std::string name;
+    double factor = 1;
+};
+
+Kind kind_of(const Channel& channel, double L) {
+    const std::string& unit = channel.unit;
+    if (channel.name.find(".quaternion.") != std::string::npos || unit == "rad") return {"m", L};
+    if (unit == "rad/s") return {"m/s", L};
+    if (unit == "rad/s^2") return {"m/s^2", L};
+    if (unit == "N*m") return {"N", 1 / L};
+    return {unit};
+}
+
+double size_of_machine(const Model& model) {
+    std::vector<Eigen::Vector3d> points;
+    double gyration = 0;
+    for (const Body& body : model.bodies) {
+        points.push_back(body.position);
+        points.push_back(body.position + body.rotation * body.center_of_mass);
+        for (const Marker& marker : body.markers) points.push_back(body.position + body.rotation * marker.position);
+        gyration = std::max(gyration, std::sqrt(body.inertia.diagonal().maxCoeff() / body.mass));
+    }
+    Eigen::Vector3d low = points.front(), high = low;
+    for (const Eigen::Vector3d& point : points) {
+        low = low.cwiseMin(point);
+        high = high.cwiseMax(point);
+    }
+    return std::max((high - low).norm(), 2 * gyration);
+}
+
+}  // namespace
+
+std::vector<double> error_scales(const Model& model, const FastestMode& fastest, const Recorder& seen, double h) {
+    const double L = size_of_machine(model);
+    const auto channel_count = static_cast<int>(seen.channels().size());
+    std::vector<Kind> kinds;
+    for (const Channel& channel : seen.channels()) kinds.push_back(kind_of(channel, L));
+
+    std::map<std::string, double> largest;
+    double coordinate = L;
+    for (int c = 1; c < channel_count; ++c) {
+        const ChannelStatistics& statistics = seen.statistics(c);
+        const Kind& kind = kinds[static_cast<size_t>(c)];
+        const double size = kind.name == "m" ? statistics.maximum - statistics.minimum : statistics.peak;
+        largest[kind.name] = std::max(largest[kind.name], kind.factor * size);
+        if (seen.channels()[static_cast<size_t>(c)].unit == "m") coordinate = std::max(coordinate, statistics.peak);
+    }
+
+    double m = 0;
+    for (const Body& body : model.bodies) m = std::max(m, body.mass);
+    const double rho = std::max(1e-9 * largest["m"], 1e-12 * coordinate), omega_2 = fastest.omega * fastest.omega;
+    const std::pair<const char*, double> floors[] = {{"m", rho},
+                                                     {"m/s", rho / h},
+                                                     {"m/s^2", rho / (h * h)},
+                                                     {"N", m * omega_2 * rho},
+                                                     {"J", m * (omega_2 + 1 / (h * h)) * rho * rho}};
+    for (const auto& [kind, floor] : floors) largest[kind] = std::max(largest[kind], floor);
+
+    std::vector<double> scales;
+    for (const Kind& kind : kinds) scales.push_back(largest[kind.name] / kind.factor);
+    return scales;
+}
+
+}  // namespace dttmm

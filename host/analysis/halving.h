@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "analysis/advance.h"
+#include "analysis/convergence.h"
+#include "loader/plugins.h"
+#include "model/model.h"
+#include "record/recorder.h"
+#include "step/simulation.h"
+
+namespace dttmm {
+
+/// One finished run of the sequence and what it is worth. NaN: not known yet.
+struct Level {
+    double step = 0;  ///< [s]
+    uint64_t steps = 0;
+    double error = std::numeric_limits<double>::quiet_NaN();  ///< largest estimate over scale of all channels judged
+    double order = std::numeric_limits<double>::quiet_NaN();  ///< of the largest difference over scale
+    std::string worst;                                        ///< the channel `error` belongs to
+};
+
+/// A run to a tolerance: the model at its step h, at h/2, h/4, … until the estimated error (convergence.h) of every selected
+/// channel, as a share of its scale (error_scale.h), is at most the tolerance. Histories are kept in memory.
+class Halving {
+public:
+    /// selection: as select_channels gives it; the model must have a tolerance. Model and plugins must outlive this.
+    /// Throws Error(resource_limit) when the histories would take more than 2 GiB.
+    Halving(const Model& model, const Plugins& plugins, std::vector<int> selection);
+
+    /// Runs until the tolerance is reached, and gives up (numerical_failure) after 12 halvings or where the step or the
+    /// number of steps would leave the bounds of the model file. Stopped or failing on the way, it keeps the last finished
+    /// run, or what the first one has recorded.
+    Ending run(bool quiet);
+
+    /// Rows of the selected channels, extrapolated and with estimates where there are any; the statistics of all others are
+    /// those of the shortest step.
+    void write_to(Recorder& recorder) const;
+    bool has_estimates() const { return convergence_.histories() > 1; }
+
+    double tolerance() const { return *model_.simulation.tolerance; }
+    double first_step() const { return model_.simulation.step; }
+    bool reached() const { return !levels_.empty() && levels_.back().error <= tolerance(); }
+    const std::vector<Level>& levels() const { return levels_; }
+    /// Estimated error per selected channel, the first the time's; empty before two runs have finished.
+    const std::vector<double>& estimates() const { return convergence_.estimates(); }
+    /// Name of a selected channel.
+    const std::string& channel(size_t selected) const;
+    /// The run with the shortest step of those kept. After run() only.
+    const Simulation& simulation() const { return kept_->simulation; }
+
+private:
+    /// One run, in memory.
+    struct Run {
+        Run(const Model& at_its_step, const Plugins& plugins)
+            : model(at_its_step), simulation(model, plugins), statistics(simulation.channels()) {}
+        Model model;
+        Simulation simulation;
+        Recorder statistics;          ///< of all channels
+        std::vector<double> history;  ///< of the selected ones
+    };
+    std::unique_ptr<Run> make_run() const;
+    void take_row(Run& run, std::span<const double> row) const;
+    void keep(std::unique_ptr<Run> run);
+    void judge();
+    bool may_halve() const;
+    std::string describe_shortfall() const;
+
+    const Model& model_;
+    const Plugins& plugins_;
+    std::vector<int> selection_;
+    std::vector<std::pair<size_t, size_t>> quaternions_;  ///< begin and end, in the selection, of each one's components
+    Convergence convergence_;
+    std::unique_ptr<Run> kept_;
+    std::vector<Level> levels_;
+    double difference_ = 0;  ///< largest over scale, of the last two runs
+};
+
+}  // namespace dttmm

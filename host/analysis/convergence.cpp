@@ -30,7 +30,7 @@ Convergence::Rule Convergence::rule_for(double difference_before, double differe
     return {0, factor, 0, factor / 4};
 }
 
-void Convergence::add(std::vector<double> history) {
+void Convergence::add(std::vector<double> history, double allowance) {
     assert(history.size() % channels_ == 0 && (count_ == 0 || history.size() == newest().size()));
     histories_[0] = std::move(histories_[1]);
     histories_[1] = std::move(histories_[2]);
@@ -41,6 +41,8 @@ void Convergence::add(std::vector<double> history) {
     measure_differences();
     rules_.assign(channels_, {1.0 / 3, kRoom, 0, 0});
     for (std::size_t c = 0; c < channels_ && count_ > 2; ++c) rules_[c] = rule_for(before[c], differences_[c]);
+
+    for (Rule& rule : rules_) rule = {rule.share, allowance * rule.now, allowance * rule.before, allowance * rule.alone};
 
     estimates_.assign(channels_, 0);
     std::vector<double> values(channels_);

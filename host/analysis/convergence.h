@@ -22,8 +22,11 @@ namespace dttmm {
 /// falls (halving gives δ_{k+1} = ± δ_k/2). The value y_k + δ_k/3 has lost A; of B it keeps at most 4/3 |B_k| + 1/3
 /// |B_{k−1}| ≤ 2 |δ_k|, while 4 δ_k − δ_{k−1}, free of A as well, holds at least 2 |δ_k|. Of a smooth motion it is three
 /// times the error of the extrapolation before, 45 times that of the value. Without a jump's help y_k itself is off by
-/// |δ_k|/(2^p − 1); p above one is a mixture, so one is used. The 3/2 is for motion that answers more than linearly. What
-/// two histories both miss (a pulse between their steps) no estimate sees.
+/// |δ_k|/(2^p − 1); p above one is a mixture, so one is used. The 3/2 is for motion that answers more than linearly.
+///
+/// What all histories miss alike no estimate sees: a pulse between their steps; the acceleration in a row less than a step
+/// from a jump, which in every one of them lies between those before and after; and a vibration too fast for their steps.
+/// For the last there is an allowance: a factor on all estimates.
 ///
 /// An error passes through zero and says nothing there: estimates are maxima over time, up to and including a row, or of the
 /// whole history.
@@ -33,7 +36,8 @@ public:
     explicit Convergence(std::size_t channels) : channels_(channels) {}
 
     /// The next history, row by row, `channels` values each; as many rows as the others, all finite. Keeps three.
-    void add(std::vector<double> history);
+    /// allowance: factor on the estimates, until the next history.
+    void add(std::vector<double> history, double allowance = 1);
 
     std::size_t histories() const { return count_; }
     std::size_t rows() const { return count_ > 0 ? newest().size() / channels_ : 0; }

@@ -90,7 +90,9 @@ void Halving::take_row(Run& run, std::span<const double> row) const {
 
 void Halving::keep(std::unique_ptr<Run> run) {
     kept_ = std::move(run);
-    convergence_.add(std::move(kept_->history));
+    const Simulation& simulation = kept_->simulation;
+    const bool resolved = simulation.fastest_mode().omega * simulation.step_size() <= kUnresolved;
+    convergence_.add(std::move(kept_->history), resolved ? 1 : kUnresolvedAllowance);
     if (!quaternions_.empty() || convergence_.histories() > 1) return;
     constexpr std::string_view kQuaternion = ".quaternion.";
     const auto owner = [&](size_t i) {

@@ -24,6 +24,11 @@ struct Level {
     std::string worst;                                        ///< the channel `error` belongs to
 };
 
+/// From this ω h on a step does not resolve the fastest vibration: its runs miss it alike, and their difference, small as it
+/// is, says little. Estimates are then taken eightfold; the plate on stiff bolts, run at ω h = 2 to 21, needs six
+/// (accelerations).
+inline constexpr double kUnresolved = 1, kUnresolvedAllowance = 8;
+
 /// A run to a tolerance: the model at its step h, at h/2, h/4, … until the estimated error (convergence.h) of every selected
 /// channel, as a share of its scale (error_scale.h), is at most the tolerance. Histories are kept in memory.
 class Halving {

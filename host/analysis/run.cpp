@@ -138,6 +138,17 @@ void print_halving(const Halving& halving) {
         std::isnan(last.order) ? "" : fmt::format(", observed order {:.2f}", last.order));
 }
 
+/// A tolerance reached at a step that misses the fastest vibrations holds for what the step sees.
+void warn_unresolved(const Halving& halving) {
+    const Simulation& simulation = halving.simulation();
+    const double omega_h = simulation.fastest_mode().omega * simulation.step_size();
+    if (halving.reached() && omega_h > kUnresolved)
+        tell(
+            fmt::format("warning: omega*h = {:.3g} at the step used: vibrations near {:.4g} Hz are not followed, and their "
+                        "part in the error is only allowed for",
+                        omega_h, simulation.fastest_mode().omega / (2 * M_PI)));
+}
+
 void print_report(const Recorder& recorder, const Model& model, const Simulation& simulation, const ResultsFolder& folder,
                   const Outcome& outcome, const Halving* halving) {
     if (!model.title.empty()) fmt::print("{}\n", model.title);
@@ -184,6 +195,7 @@ ExitCode conclude(const RunRequest& request, const Bench& bench, const Simulatio
     write_atomically(folder.file("summary.json"), summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 
     warn_energy(recorder, simulation.step_size());
+    if (halving) warn_unresolved(*halving);
     if (ending.outcome.status == "failed") {
         throw Error(ending.code, fmt::format("{} ({} rows recorded in {})", ending.outcome.reason, recorder.rows(),
                                              folder.path().string()));

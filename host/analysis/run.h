@@ -22,10 +22,11 @@ struct RunRequest {
     std::string command_line;                     ///< as typed, for summary.json
 };
 
-/// Runs a model from 0 to its duration into its results folder and prints the table of peak and final forces. A run that
-/// fails or is stopped half way leaves what it has recorded, with the reason in summary.json. Returns ok, or the stop
-/// signal's code; throws Error for everything else, numerical_failure also when an explicit coupling would be unstable and
-/// force is not set.
+/// Runs a model from 0 to its duration into its results folder and prints the table of peak and final forces; with a
+/// tolerance, repeats that at half the step until it is reached. A run that fails or is stopped half way leaves what it has
+/// recorded, with the reason in summary.json. Returns ok, or the stop signal's code; throws Error for everything else,
+/// numerical_failure also when an explicit coupling would be unstable and force is not set (to a tolerance it starts from a
+/// stable step), or when the tolerance is out of reach.
 ExitCode run(const RunRequest& request);
 
 /// Reads and builds everything without a step; prints what would be solved, the step count and omega*h. Throws Error.

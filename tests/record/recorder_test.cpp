@@ -84,6 +84,32 @@ TEST(Recorder, TracksEveryChannel) {
     expect(3, {5.0, 1.0, -5.0, -1.0, -2.0});
 }
 
+// Oracle: the text by hand; HDF5 read back; statistics of what is not selected are the other recorder's.
+TEST(Recorder, EstimatesStandBesideTheirChannels) {
+    const TemporaryFolder temporary;
+    const ResultsFolder folder(temporary / "plate");
+    Recorder other(kChannels);
+    other.close_row(std::vector{0.0, 9.0, 7.0, 9.0});
+    Recorder recorder(folder, kChannels, {0, 1, 3}, {}, Recorder::Rows::estimated);
+    recorder.close_selected_row(std::vector{0.0, 1.5, -3.0}, std::vector{0.0, 0.25, 0.5});
+    recorder.close_selected_row(std::vector{0.25, -2.5, 4.0}, std::vector{0.0, 0.75, 0.5});
+    recorder.adopt_unselected(other);
+    expect_error(
+        [&] {
+            recorder.close_selected_row(std::vector{0.5, 1.0, 1.0}, std::vector{0.0, 1.0, std::nan("")});
+        },
+        ExitCode::internal_error, HasSubstr("plate.position.x"));
+    recorder.finish();
+    EXPECT_EQ(read_text(folder.file("history.csv")), "time,bolt1.force.x,plate.position.x\ns,N,m\n0,1.5,-3\n0.25,-2.5,4\n");
+    EXPECT_EQ(read_dataset(folder.file("history.h5"), "bolt1.force.x"), (std::vector{1.5, -2.5}));
+    EXPECT_EQ(read_dataset(folder.file("history.h5"), "bolt1.force.x.error"), (std::vector{0.25, 0.75}));
+    EXPECT_EQ(read_dataset(folder.file("history.h5"), "plate.position.x.error"), (std::vector{0.5, 0.5}));
+    EXPECT_EQ(recorder.statistics(1).peak, 2.5);
+    EXPECT_EQ(recorder.statistics(2).peak, 7);
+    EXPECT_EQ(recorder.statistics(3).final, 4);
+    EXPECT_EQ(recorder.rows(), 2);
+}
+
 TEST(Recorder, RefusesWhatIsNotFiniteByName) {
     const TemporaryFolder temporary;
     const ResultsFolder folder(temporary / "plate");

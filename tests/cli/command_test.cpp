@@ -185,8 +185,8 @@ TEST(Command, AnswersVersionAndHelp) {
     EXPECT_EQ(help.code, 0);
     EXPECT_THAT(help.out, AllOf(HasSubstr("run "), HasSubstr("check "), HasSubstr("elements ")));
     EXPECT_EQ(run_help.code, 0);
-    for (const char* option :
-         {"--output", "--set", "--sweep", "--jobs", "--step", "--tolerance", "--duration", "--coupling", "--plugin", "--force", "--quiet"})
+    for (const char* option : {"--output", "--set", "--sweep", "--jobs", "--step", "--tolerance", "--duration", "--coupling",
+                               "--plugin", "--force", "--quiet"})
         EXPECT_THAT(run_help.out, HasSubstr(option));
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/SparseCholesky>
 #include <random>
 #include <set>
 
@@ -72,6 +73,69 @@ TEST(BlockMatrix, OrdersAChainWithoutFill) {
         }
     }
     EXPECT_LE(fill, 1u);
+}
+
+// Oracle: the saddle-point system written out densely and solved with pivoting. Joints of 3, 5 and 6 equations, two to the
+// ground, one pair of bodies joined twice (redundant: only E parts them), heavy beside light bodies; LDLᵀ without pivoting
+// must do as well. The system is set up twice: what was there before must not linger.
+TEST(BlockMatrix, JointsMakeASaddlePointThatFactorsWithoutPivoting) {
+    const int n = 4;
+    const std::vector<BlockMatrix::JointNode> joints = {{-1, 2, 5}, {2, 0, 3}, {1, 3, 6}, {3, 1, 5}, {0, -1, 3}};
+    BlockMatrix matrix(n, {{0, 1}, {3, 2}}, joints);
+    ASSERT_EQ(matrix.size(), 6 * n + 22);
+    std::mt19937 generator(7);
+    std::uniform_real_distribution<double> number(-1, 1);
+    const auto random = [&](int rows, int columns) {
+        return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return number(generator); }).eval();
+    };
+    for (int repeat = 0; repeat < 2; ++repeat) {
+        matrix.set_zero();
+        Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(matrix.size(), matrix.size());
+        const auto add = [&](int i, int j, const BlockMatrix::Block& block) {
+            matrix.add(i, j, block);
+            dense.block<6, 6>(matrix.index(i), matrix.index(j)) += block;
+        };
+        for (int b = 0; b < n; ++b) {
+            const Eigen::MatrixXd root = random(6, 6);
+            add(b, b, std::pow(10, 2 * b - 3) * (root * root.transpose() + Eigen::MatrixXd::Identity(6, 6)));
+        }
+        for (auto [i, j] : {std::pair{0, 1}, {3, 2}}) {  // a spring between two bodies: positive semidefinite in all
+            const BlockMatrix::Block S =
+                std::pow(10, i) * BlockMatrix::Block(random(6, 6).cwiseAbs2().rowwise().sum().asDiagonal());
+            add(i, i, S);
+            add(j, j, S);
+            add(i, j, -S);
+            add(j, i, -S);
+        }
+        for (int b = 0; b < n; ++b) {
+            const BlockMatrix::Block expected = dense.block<6, 6>(matrix.index(b), matrix.index(b));
+            EXPECT_EQ(matrix.diagonal(b), expected);
+        }
+        Eigen::MatrixXd twin;
+        for (int j = 0; j < 5; ++j) {
+            const auto& joint = joints[static_cast<size_t>(j)];
+            Eigen::MatrixXd first = random(joint.equations, 6), second = random(joint.equations, 6);
+            if (j == 2) twin = first;
+            if (j == 3) second = twin.topRows(5), first = -second;  // says again what joint 2 says, in part
+            if (j == 2) second = -first;
+            const Eigen::VectorXd E = Eigen::VectorXd::Constant(joint.equations, 1e-7 * (1 + j));
+            matrix.set_joint(j, first, second, E);
+            const int row = matrix.joint_index(j);
+            for (auto [body, J] : {std::pair{joint.first, &first}, {joint.second, &second}}) {
+                if (body < 0) continue;
+                dense.block(row, matrix.index(body), joint.equations, 6) = *J;
+                dense.block(matrix.index(body), row, 6, joint.equations) = J->transpose();
+            }
+            dense.block(row, row, joint.equations, joint.equations).diagonal() = -E;
+        }
+        const Eigen::MatrixXd upper = Eigen::MatrixXd(matrix.upper());
+        EXPECT_LT((upper - Eigen::MatrixXd(dense.triangularView<Eigen::Upper>())).norm(), 1e-12 * upper.norm());
+        Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Upper, Eigen::NaturalOrdering<int>> solver(matrix.upper());
+        ASSERT_EQ(solver.info(), Eigen::Success);
+        const Eigen::VectorXd x = random(matrix.size(), 1), b = dense * x;
+        const Eigen::VectorXd u = solver.solve(b);
+        EXPECT_LT((dense * u - b).norm(), 1e-9 * b.norm());
+    }
 }
 
 }  // namespace

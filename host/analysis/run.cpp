@@ -52,30 +52,26 @@ std::vector<int> selected_channels(const Model& model, const Simulation& simulat
 }
 
 /// An explicit coupling beyond the limit of its scheme would throw the machine apart.
-void refuse_unstable(const Model& model, const Simulation& simulation, bool force) {
-    if (model.simulation.coupling != Coupling::explicit_) return;
-    const FastestMode& fastest = simulation.fastest_mode();
-    const double omega_h = fastest.omega * simulation.step_size();
-    const std::string facts =
-        fmt::format("omega*h = {:.4g} (fastest vibration {:.5g} Hz, body \"{}\"; stable below {:g} without damping)",
-                    omega_h, fastest.omega / (2 * M_PI), fastest.body, kExplicitLimit);
-    if (omega_h >= kExplicitLimit && !force)
+void refuse_unstable(const Simulation& simulation, bool force) {
+    if (!simulation.explicit_limit()) return;
+    const ExplicitLimit& limit = *simulation.explicit_limit();
+    if (limit.load >= kExplicitLimit && !force)
         throw Error(ExitCode::numerical_failure,
                     fmt::format("the explicit coupling would diverge at a step of {:.6g} s: {}; use --step \"{:.12g} s\", "
                                 "--coupling implicit, or --force to run anyway",
-                                simulation.step_size(), facts,
-                                divide_step(simulation.step_size(), 0.9 * kExplicitLimit / fastest.omega)));
-    if (omega_h > 0.8 * kExplicitLimit)
-        tell(fmt::format("warning: {}: {} the limit of the explicit coupling", facts,
-                         omega_h < kExplicitLimit ? "near" : "beyond"));
+                                simulation.step_size(), simulation.describe_speed(),
+                                divide_step(simulation.step_size(), 0.9 * limit.longest_step)));
+    if (limit.load > 0.8 * kExplicitLimit)
+        tell(fmt::format("warning: {}: {} the limit of the explicit coupling", simulation.describe_speed(),
+                         limit.load < kExplicitLimit ? "near" : "beyond"));
 }
 
 /// A run to a tolerance need not be told a stable step: it starts from one, its rows where they were.
 Model start_stable(Model model, const Plugins& plugins) {
     if (model.simulation.coupling != Coupling::explicit_) return model;
-    const FastestMode fastest = Simulation(model, plugins).fastest_mode();
-    if (fastest.omega * model.simulation.step < kExplicitLimit) return model;
-    const double step = divide_step(model.simulation.step, 0.9 * kExplicitLimit / fastest.omega);
+    const auto limit = Simulation(model, plugins).explicit_limit();
+    if (!limit || limit->load < kExplicitLimit) return model;
+    const double step = divide_step(model.simulation.step, 0.9 * limit->longest_step);
     const double every = model.output.every * std::round(model.simulation.step / step);
     if (step < kShortestStep || every > std::numeric_limits<int>::max()) return model;
     tell(fmt::format("the explicit coupling would diverge at a step of {:g} s; beginning with {:.12g} s",
@@ -211,7 +207,7 @@ ExitCode conclude(const RunRequest& request, const Bench& bench, const Simulatio
 ExitCode run(const RunRequest& request) {
     const StopSignals signals;
     Bench bench(request);
-    refuse_unstable(bench.model, bench.simulation, request.force);
+    refuse_unstable(bench.simulation, request.force);
 
     const ResultsFolder folder(request.output.value_or(default_results_path(request.model)));
     const Attributes attributes = {{"title", bench.model.title}, {"version", DTTMM_VERSION}, {"model", bench.model.source}};
@@ -245,11 +241,12 @@ void check(const RunRequest& request) {
     if (model.simulation.tolerance)
         fmt::print("  repeated at half the step until the results are within {:g} %\n", 100 * *model.simulation.tolerance);
     if (fastest.omega > 0)
-        fmt::print("  fastest vibration {:.6g} Hz at body \"{}\": omega*h = {:.4g} ({})\n", fastest.omega / (2 * M_PI),
-                   fastest.body, fastest.omega * model.simulation.step,
-                   implicit ? "the implicit coupling is stable at any"
-                            : fmt::format("stable below {:g} without damping", kExplicitLimit));
-    refuse_unstable(model, simulation, request.force);
+        fmt::print("  fastest vibration {}: omega*h = {:.4g}{}\n", describe(fastest), fastest.omega * simulation.step_size(),
+                   simulation.explicit_limit() ? "" : " (the implicit coupling is stable at any)");
+    if (simulation.explicit_limit() && simulation.explicit_limit()->load > 0)
+        fmt::print("  the explicit coupling is stable up to a step of {:.4g} s; at {:g} s: {}\n",
+                   simulation.explicit_limit()->longest_step, simulation.step_size(), simulation.describe_speed());
+    refuse_unstable(simulation, request.force);
 }
 
 void print_elements(const std::vector<std::string>& files) {

@@ -121,6 +121,25 @@ Json describe_energy(const Recorder& recorder) {
 
 namespace {
 
+Json describe_shares(const FastestMode& mode) {
+    Json shares = Json::object();
+    for (const ElementShare& element : mode.elements) shares[element.element] = element.share;
+    return shares;
+}
+
+/// Of an explicit coupling that something limits; null else.
+Json describe_limit(const Simulation& simulation) {
+    const auto& limit = simulation.explicit_limit();
+    if (!limit || limit->load == 0) return nullptr;
+    return {{"omega_h", limit->load},
+            {"stable_below", kExplicitLimit},
+            {"longest_step", limit->longest_step},
+            {"damping_share", limit->damping_share},
+            {"frequency_hz", limit->mode.omega / (2 * M_PI)},
+            {"body", limit->mode.body},
+            {"elements", describe_shares(limit->mode)}};
+}
+
 /// A number that tells whether a file has changed.
 std::string digest_of(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
@@ -172,7 +191,9 @@ Json describe_run(const Model& model, const RunRequest& request, const Plugins& 
         {"fastest_vibration",
          {{"omega_h", simulation.fastest_mode().omega * simulation.step_size()},
           {"frequency_hz", simulation.fastest_mode().omega / (2 * M_PI)},
-          {"body", simulation.fastest_mode().body}}},
+          {"body", simulation.fastest_mode().body},
+          {"elements", describe_shares(simulation.fastest_mode())},
+          {"explicit_limit", describe_limit(simulation)}}},
         {"energy", describe_energy(recorder)},
         {"elements", describe_channels(recorder, [](std::string_view q) { return q == "force" || q == "moment"; })},
         {"accelerations", describe_channels(recorder, [](std::string_view q) { return q == "acceleration"; })},

@@ -190,35 +190,45 @@ void Networks::refuse_wrench(size_t network, size_t port) const {
             wrench[1], wrench[2], wrench[3], wrench[4], wrench[5], World::kLargestWrench));
 }
 
-void Networks::hand_out(size_t network, const std::vector<double>& port_stiffness, const StiffnessSink& sink) const {
+/// Block (row port, column port) of a matrix over the ports, as one over the poses of their bodies.
+Networks::Block Networks::seen_from_bodies(size_t network, const std::vector<double>& port_matrix, int row,
+                                           int column) const {
     // Port pose by body pose: δp = δx − arm~ δθ; body wrench by port wrench: the transpose.
     const int count = instances_[network].port_count();
-    const Eigen::Map<const RowMajorX> S(port_stiffness.data(), 6 * count, 6 * count);
+    const Eigen::Map<const RowMajorX> S(port_matrix.data(), 6 * count, 6 * count);
     const auto lever = [&](int p) {
         Block G = Block::Identity();
         G.topRightCorner<3, 3>() = -skew(arms_[slots_[network].port + static_cast<size_t>(p)]);
         return G;
     };
+    return lever(row).transpose() * S.block<6, 6>(6 * row, 6 * column) * lever(column);
+}
+
+void Networks::hand_out(size_t network, const std::vector<double>& port_stiffness, const StiffnessSink& sink) const {
+    const int count = instances_[network].port_count();
     for (int i = 0; i < count; ++i)
-        for (int j = 0; j < count; ++j) {
-            const int row = ports_[slots_[network].port + static_cast<size_t>(i)].body;
-            const int column = ports_[slots_[network].port + static_cast<size_t>(j)].body;
-            sink(row, column, lever(i).transpose() * S.block<6, 6>(6 * i, 6 * j) * lever(j));
-        }
+        for (int j = 0; j < count; ++j)
+            sink(body_of(network, i), body_of(network, j), seen_from_bodies(network, port_stiffness, i, j));
 }
 
 // ---- Phases -------------------------------------------------------------------------------------------------------------
 
-void Networks::linearise(const std::vector<BodyState>& at, double* wrenches, const StiffnessSink* stiffness) {
+void Networks::linearise(const std::vector<BodyState>& at, double* wrenches, const LinearSink* sink) {
     gather(at, 0);
     arms_ = next_arms_;
     for (size_t n = 0; n < instances_.size(); ++n) {
-        const auto size = 6 * static_cast<size_t>(instances_[n].port_count());
-        if (stiffness) stiffness_.resize(size * size);
-        instances_[n].linearise(&motions_[slots_[n].port], &wrenches_[slots_[n].wrench],
-                                stiffness ? stiffness_.data() : nullptr, nullptr);
+        const int count = instances_[n].port_count();
+        const size_t size = sink ? 36 * static_cast<size_t>(count * count) : 0;
+        stiffness_.resize(size);
+        damping_.resize(size);
+        instances_[n].linearise(&motions_[slots_[n].port], &wrenches_[slots_[n].wrench], sink ? stiffness_.data() : nullptr,
+                                sink ? damping_.data() : nullptr);
         scatter(n, wrenches);
-        if (stiffness) hand_out(n, stiffness_, *stiffness);
+        if (!sink) continue;
+        for (int i = 0; i < count; ++i)
+            for (int j = 0; j < count; ++j)
+                (*sink)(n, body_of(n, i), body_of(n, j), seen_from_bodies(n, stiffness_, i, j),
+                        seen_from_bodies(n, damping_, i, j));
     }
 }
 

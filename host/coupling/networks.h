@@ -19,6 +19,9 @@ public:
     using Block = Eigen::Matrix<double, 6, 6>;
     /// Receives −∂(wrench on body row)/∂(pose of body column), world axes, centre of mass.
     using StiffnessSink = std::function<void(int row_body, int column_body, const Block&)>;
+    /// Receives the same of one network at one instant, and −∂(wrench)/∂(velocity).
+    using LinearSink =
+        std::function<void(size_t network, int row_body, int column_body, const Block& stiffness, const Block& damping)>;
 
     /// Splits the model into networks and creates each in its plugin. Throws Error with the place in the model file when a
     /// plugin refuses one, or when networks of different plugins weight loads differently.
@@ -31,8 +34,11 @@ public:
     /// Pairs of bodies that share a network.
     const std::vector<std::pair<int, int>>& neighbours() const { return neighbours_; }
 
-    /// The force law at one instant (no time scheme): adds the wrenches of the networks; stiffness is handed out if wanted.
-    void linearise(const std::vector<BodyState>& at, double* wrenches, const StiffnessSink* stiffness);
+    /// The force law at one instant (no time scheme): adds the wrenches of the networks; stiffness and damping are
+    /// handed out if wanted.
+    void linearise(const std::vector<BodyState>& at, double* wrenches, const LinearSink* sink);
+    /// How messages call a network: by its element.
+    const std::string& name(size_t network) const { return instances_[network].element_name(0); }
 
     /// Initial conditions: poses and velocities at that instant, accelerations 6 per body (linear of the centre of mass,
     /// angular).
@@ -69,6 +75,8 @@ private:
     Port port_at(const Model& model, const Attachment& at) const;
     void gather(const std::vector<BodyState>& motion, double step_size);
     void scatter(size_t network, double* wrenches) const;
+    int body_of(size_t network, int port) const { return ports_[slots_[network].port + static_cast<size_t>(port)].body; }
+    Block seen_from_bodies(size_t network, const std::vector<double>& port_matrix, int row, int column) const;
     void hand_out(size_t network, const std::vector<double>& port_stiffness, const StiffnessSink& sink) const;
     [[noreturn]] void refuse_wrench(size_t network, size_t port) const;
     void refuse_mixed_weights() const;
@@ -83,11 +91,11 @@ private:
 
     double step_size_ = 0;
     double time_ = 0;
-    std::vector<dttmm_motion> motions_;       ///< of every port, as last gathered
-    std::vector<Eigen::Vector3d> arms_;       ///< of every port from the centre of mass, world axes, at t_n
-    std::vector<Eigen::Vector3d> next_arms_;  ///< the same as last gathered
-    std::vector<double> wrenches_;            ///< of every port; a guard word follows each network's part
-    std::vector<double> stiffness_;           ///< of the network at hand
+    std::vector<dttmm_motion> motions_;        ///< of every port, as last gathered
+    std::vector<Eigen::Vector3d> arms_;        ///< of every port from the centre of mass, world axes, at t_n
+    std::vector<Eigen::Vector3d> next_arms_;   ///< the same as last gathered
+    std::vector<double> wrenches_;             ///< of every port; a guard word follows each network's part
+    std::vector<double> stiffness_, damping_;  ///< of the network at hand
 };
 
 }  // namespace dttmm

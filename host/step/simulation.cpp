@@ -33,6 +33,7 @@ Simulation::Simulation(const Model& model, const Plugins& plugins)
     for (const Joint& joint : model.joints) has_stops_ = has_stops_ || joint.limits;
     world_.read_states(now_);
     fastest_ = find_fastest_mode(model, networks_, now_);
+    if (!networks_.is_implicit()) limit_ = find_explicit_limit(model, networks_, now_, step_size_, model.simulation.scheme);
     first_after_ = now_;
     now_ = end_of_step_.start({0, 0.0, step_size_}, now_, networks_, loads_);
     for (size_t b = 0; b < now_.size(); ++b) {
@@ -86,6 +87,16 @@ void Simulation::observe() {
         sink_(observer_.row(time(), networks_, end_of_step_, now_, after, step_size_));
 }
 
+std::string Simulation::describe_speed() const {
+    const FastestMode& mode = limit_ ? limit_->mode : fastest_;
+    std::string text = fmt::format("omega*h = {:.4g} (fastest vibration {})", mode.omega * step_size_, describe(mode));
+    if (!limit_) return text;
+    if (limit_->damping_share > 0.01)
+        text += fmt::format(", {:.4g} with the dampers, which make {:.0f} % of its square", limit_->load,
+                            100 * limit_->damping_share);
+    return text + fmt::format("; stable below {:g}", kExplicitLimit);
+}
+
 void Simulation::refuse_divergence() const {
     for (size_t b = 0; b < after_.size(); ++b) {
         const BodyState& body = after_[b];
@@ -99,11 +110,9 @@ void Simulation::refuse_divergence() const {
             ExitCode::numerical_failure,
             fmt::format(
                 "t = {:.9g} s: body \"{}\" has diverged, or turns more than half a turn a step: position ({:.4g}, {:.4g}, "
-                "{:.4g}) m, velocity ({:.4g}, {:.4g}, {:.4g}) m/s, turning at {:.4g} rad/s. omega*h = {:.4g} with the "
-                "fastest vibration at {:.6g} Hz (body \"{}\")",
+                "{:.4g}) m, velocity ({:.4g}, {:.4g}, {:.4g}) m/s, turning at {:.4g} rad/s. {}",
                 time() + step_size_, model_.bodies[b].name, body.position.x(), body.position.y(), body.position.z(),
-                body.velocity.x(), body.velocity.y(), body.velocity.z(), body.angular_velocity.norm(),
-                fastest_.omega * step_size_, fastest_.omega / (2 * M_PI), fastest_.body));
+                body.velocity.x(), body.velocity.y(), body.velocity.z(), body.angular_velocity.norm(), describe_speed()));
     }
 }
 

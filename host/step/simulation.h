@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "coupling/end_of_step.h"
@@ -46,6 +48,10 @@ public:
     const std::vector<BodyState>& bodies() const { return now_; }
     const EndOfStep& end_of_step() const { return end_of_step_; }
     const FastestMode& fastest_mode() const { return fastest_; }
+    /// ω h and what makes it, as messages say it; of an explicit coupling with the part of the dampers in its limit.
+    std::string describe_speed() const;
+    /// Of an explicit coupling.
+    const std::optional<ExplicitLimit>& explicit_limit() const { return limit_; }
 
     /// Steps that ODE has done, those done again because other stops acted than foretold included.
     uint64_t engine_steps() const { return engine_steps_; }
@@ -65,6 +71,7 @@ private:
     Observer observer_;
     RowSink sink_;
     FastestMode fastest_;
+    std::optional<ExplicitLimit> limit_;
     std::vector<BodyState> now_, after_;  ///< at the start and at the end of the step
     World::Saved saved_;                  ///< now_ as ODE has it
     std::vector<Stop> stops_;             ///< that are thought to act over the step

@@ -115,6 +115,29 @@ TEST(Command, AForcedExplicitRunDivergesAndKeepsFiniteRows) {
     EXPECT_EQ(read_json(folder / "out/summary.json")["status"], "failed");
 }
 
+// Oracle: by hand, for the translation: omega^2 = 55000, W h c/m = 4 · 1e-3 · 5000 = 20, of 20.055 in all.
+TEST(Command, ADampedExplicitRunIsRefusedForItsDampersAndForcedStaysFinite) {
+    const TemporaryFolder folder;
+    write_text(folder / "small.toml",
+               small_model_with("stiffness = \"6e4 N/m\"", "stiffness = \"6e4 N/m\"\ndamping = \"10 N*s/mm\""));
+    const Ended refused = run_dttmm(folder.path(), {"run", "small.toml", "--coupling", "explicit"});
+    EXPECT_EQ(refused.code, 4);
+    EXPECT_THAT(refused.err, AllOf(HasSubstr("body \"plate\", made by two (100 %))"),
+                                   HasSubstr("with the dampers, which make 100 % of its square; stable below 2")));
+    const size_t begin = refused.err.find("--step \"") + 8;
+    const std::string step = refused.err.substr(begin, refused.err.find('"', begin) - begin);
+    const Ended cured = run_dttmm(folder.path(), {"run", "small.toml", "--coupling", "explicit", "--step", step});
+    EXPECT_EQ(cured.code, 0) << cured.err;
+    EXPECT_LT(read_json(folder / "results/small/summary.json")["fastest_vibration"]["explicit_limit"]["omega_h"], 2);
+
+    const Ended forced =
+        run_dttmm(folder.path(), {"run", "small.toml", "--coupling", "explicit", "--force", "-o", "forced"});
+    EXPECT_EQ(forced.code, 4);
+    EXPECT_THAT(forced.err, AllOf(HasSubstr("body \"plate\" has diverged"), HasSubstr("made by two (100 %)")));
+    EXPECT_GT(read_history(folder / "forced/history.csv").size(), 0u);  // refuses a number that is not finite
+    EXPECT_EQ(read_json(folder / "forced/summary.json")["fastest_vibration"]["explicit_limit"]["elements"].size(), 1u);
+}
+
 // ---- Questions ----------------------------------------------------------------------------------------------------------
 
 // Oracle: omega*h by hand: the fastest mode of the plate is the vertical one or a tilt; 109.84 Hz times 2 pi times 1 ms.
@@ -122,8 +145,10 @@ TEST(Command, CheckSaysWhatWouldBeSolvedAndWritesNothing) {
     const TemporaryFolder folder;
     const Ended ended = run_dttmm(folder.path(), {"check", example("four_bolt_plate")});
     EXPECT_EQ(ended.code, 0);
-    EXPECT_THAT(ended.out, AllOf(HasSubstr(": valid\n"), HasSubstr("1 bodies"), HasSubstr("4 elements"),
-                                 HasSubstr("implicit coupling, 1000 steps"), HasSubstr("omega*h = 0.690")));
+    EXPECT_THAT(ended.out,
+                AllOf(HasSubstr(": valid\n"), HasSubstr("1 bodies"), HasSubstr("4 elements"),
+                      HasSubstr("implicit coupling, 1000 steps"), HasSubstr("omega*h = 0.690"),
+                      HasSubstr("109.84 Hz at body \"plate\", made by bolt1 (25 %), bolt2 (25 %), bolt3 (25 %)")));
     EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 

@@ -79,7 +79,7 @@ TEST(Networks, BodyStiffnessIsTheDerivativeOfTheBodyWrenches) {
     Networks networks(model, plugins);
     const std::vector<BodyState> rest = states(model);
     Eigen::Matrix<double, 12, 12> S = Eigen::Matrix<double, 12, 12>::Zero();
-    const Networks::StiffnessSink add = [&](int row, int column, const Networks::Block& block) {
+    const Networks::LinearSink add = [&](size_t, int row, int column, const Networks::Block& block, const Networks::Block&) {
         S.block<6, 6>(6 * row, 6 * column) += block;
     };
     Eigen::Matrix<double, 12, 1> wrench = Eigen::Matrix<double, 12, 1>::Zero();
@@ -101,6 +101,27 @@ TEST(Networks, BodyStiffnessIsTheDerivativeOfTheBodyWrenches) {
             EXPECT_LT((S.col(static_cast<int>(6 * body) + i) - difference).norm(), 1e-6 * S.norm())
                 << "body " << body << ", " << i;
         }
+}
+
+// Oracle: springs and dampers side by side act along the same lines, so that an element's damping is its stiffness by c/k.
+TEST(Networks, DampingIsHandedOutElementByElement) {
+    const Plugins plugins;
+    const Model model = two_bodies(plugins);
+    Networks networks(model, plugins);
+    int blocks[2] = {};
+    const Networks::LinearSink compare = [&](size_t network, int row, int column, const Networks::Block& K,
+                                             const Networks::Block& C) {
+        ++blocks[network];
+        EXPECT_TRUE(network == 1 || (row == 0 && column == 0));
+        EXPECT_GT(K.norm(), 300);
+        EXPECT_LT((C - (network == 0 ? 3.0 / 700 : 2.0 / 400) * K).norm(), 1e-14 * K.norm());
+    };
+    std::vector<double> wrenches(12);
+    networks.linearise(states(model), wrenches.data(), &compare);
+    EXPECT_EQ(blocks[0], 1);
+    EXPECT_EQ(blocks[1], 4);
+    EXPECT_EQ(networks.name(0), "leg");
+    EXPECT_EQ(networks.name(1), "arm");
 }
 
 TEST(Networks, NeighboursAreTheBodiesThatShareAnElement) {

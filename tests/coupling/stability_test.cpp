@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "step/simulation.h"
 #include "support/models.h"
 
 namespace dttmm {
@@ -29,6 +31,9 @@ TEST(Stability, FastestModeOfThePlateIsItsClosedForm) {
     const FastestMode fastest = fastest_of(model, plugins);
     EXPECT_NEAR(fastest.omega, std::sqrt(std::max({4 * k / m, about_x, about_y, about_z})), 1e-4 * fastest.omega);
     EXPECT_EQ(fastest.body, "plate1");
+    ASSERT_EQ(fastest.elements.size(), 3u);  // of four alike
+    EXPECT_EQ(fastest.elements[0].element, "bolt1_1");
+    EXPECT_NEAR(fastest.elements[0].share, 0.25, 1e-6);
 }
 
 // Oracle: the same plate turned and moved as a whole has the same frequencies.
@@ -44,11 +49,188 @@ TEST(Stability, FastestModeDoesNotDependOnTheFrame) {
     EXPECT_NEAR(fastest_of(model, plugins).omega, upright, 1e-4 * upright);
 }
 
+// Oracle: closed form, sqrt(k/m). Beside a machine on a mount 1e10 times stiffer, a light thing on a soft spring stores next
+// to no energy and yet is twice as fast.
+TEST(Stability, ALightBodyBesideAHeavyOneIsNotOverheard) {
+    const Plugins plugins;
+    Model model;
+    model.simulation.step = 1e-3;
+    model.bodies = {test::box("machine", 4e6, {1, 1, 1}, {0, 0, 0}),
+                    test::box("sensor", 1e-4, {0.01, 0.01, 0.01}, {2, 0, 0})};
+    model.elements = {test::spring("mount", plugins, {}, {0, -1}, 4e12, 0),
+                      test::spring("glue", plugins, {0, -1}, {1, -1}, 400, 0)};
+    const FastestMode fastest = fastest_of(model, plugins);
+    EXPECT_NEAR(fastest.omega, std::sqrt(400 / 1e-4), 1e-3 * fastest.omega);
+    EXPECT_EQ(fastest.body, "sensor");
+    ASSERT_EQ(fastest.elements.size(), 1u);
+    EXPECT_EQ(fastest.elements[0].element, "glue");
+}
+
+// ---- The limit of the explicit coupling
+// -----------------------------------------------------------------------------------
+
+constexpr ExplicitScheme kSchemes[] = {ExplicitScheme::fox_euler, ExplicitScheme::bdf1, ExplicitScheme::bdf2,
+                                       ExplicitScheme::houbolt, ExplicitScheme::park};
+
+/// h times the velocity formulas of theory 1.3, on x at t_n, t_{n−1}, ...; Fox-Euler's with (x_n − x_{n−2})/2h before.
+std::array<double, 4> velocity_weights(ExplicitScheme scheme) {
+    switch (scheme) {
+        case ExplicitScheme::bdf1:
+            return {1, -1, 0, 0};
+        case ExplicitScheme::houbolt:
+            return {11 / 6.0, -18 / 6.0, 9 / 6.0, -2 / 6.0};
+        case ExplicitScheme::park:
+            return {10 / 6.0, -15 / 6.0, 6 / 6.0, -1 / 6.0};
+        default:
+            return {1.5, -2, 0.5, 0};
+    }
+}
+
+/// Largest root of M (x₊ − 2x + x₋) + h² K x + h C Σ w_i x_{n−i} = 0, by the companion matrix of the whole machine.
+double spectral_radius(const Eigen::MatrixXd& M, const Eigen::MatrixXd& K, const Eigen::MatrixXd& C, double h,
+                       ExplicitScheme scheme) {
+    const auto n = M.rows();
+    const Eigen::MatrixXd inverse = M.inverse(), I = Eigen::MatrixXd::Identity(n, n);
+    Eigen::MatrixXd step = Eigen::MatrixXd::Zero(4 * n, 4 * n);
+    for (int i = 0; i < 4; ++i)
+        step.block(0, i * n, n, n) = -h * inverse * C * velocity_weights(scheme)[static_cast<size_t>(i)];
+    step.block(0, 0, n, n) += 2 * I - h * h * inverse * K;
+    step.block(0, n, n, n) -= I;
+    step.bottomLeftCorner(3 * n, 3 * n) = Eigen::MatrixXd::Identity(3 * n, 3 * n);
+    return Eigen::EigenSolver<Eigen::MatrixXd>(step, false).eigenvalues().cwiseAbs().maxCoeff();
+}
+
+// Oracle: all roots of the recurrence of one mass, from hardly any damping to nothing but damping. At the limit itself the
+// root is −1; one part in 1e4 below it no root is outside the circle, above it one is.
+TEST(Stability, TheLimitOfOneMassIsWhereARootPassesMinusOne) {
+    const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
+    for (ExplicitScheme scheme : kSchemes) {
+        for (double zeta : {0.0, 0.02, 0.0632, 0.2, 0.5, 1.0, 30.0}) {
+            // ω = 1:  h² + 2 ζ W h = 4
+            const double b = zeta * alternating_weight(scheme), h = 4 / (b + std::sqrt(b * b + 4));
+            const auto radius = [&](double step) { return spectral_radius(one, one, 2 * zeta * one, step, scheme); };
+            EXPECT_LT(radius((1 - 1e-4) * h), 1 + 1e-12) << zeta;
+            EXPECT_GT(radius((1 + 1e-4) * h), 1 + 1e-5) << zeta;
+            for (double part = 0.02; part < 1; part += 0.02) EXPECT_LT(radius(part * h), 1 + 1e-12) << zeta << ", " << part;
+        }
+        const double h = 4 / alternating_weight(scheme);  // a damper of c/m = 1 alone; the root 1 is rest anywhere
+        EXPECT_LT(spectral_radius(one, 0 * one, one, 0.999 * h, scheme), 1 + 1e-7);
+        EXPECT_GT(spectral_radius(one, 0 * one, one, 1.001 * h, scheme), 1 + 1e-4);
+    }
+}
+
+// Oracle: theory table 1.4, the first unstable ωh by a scan in thousandths.
+TEST(Stability, TheLimitsAreThoseOfTheTable) {
+    const auto limit = [](ExplicitScheme scheme, double zeta) {
+        const double b = zeta * alternating_weight(scheme);
+        return 4 / (b + std::sqrt(b * b + 4));
+    };
+    for (ExplicitScheme scheme : kSchemes) EXPECT_EQ(limit(scheme, 0), 2);
+    const double zetas[] = {0, 0.02, 0.0632, 0.2, 0.5, 1};
+    const double table[][6] = {{2, 1.961, 1.878, 1.640, 1.236, 0.829},   // BDF1
+                               {2, 1.922, 1.763, 1.354, 0.829, 0.472},   // BDF2
+                               {2, 1.896, 1.691, 1.200, 0.667, 0.363},   // Park
+                               {2, 1.871, 1.623, 1.071, 0.554, 0.294}};  // Houbolt
+    const ExplicitScheme schemes[] = {ExplicitScheme::bdf1, ExplicitScheme::bdf2, ExplicitScheme::park,
+                                      ExplicitScheme::houbolt};
+    for (size_t s = 0; s < 4; ++s)
+        for (size_t z = 1; z < 6; ++z) EXPECT_NEAR(limit(schemes[s], zetas[z]), table[s][z], 7e-4);
+}
+
+ExplicitLimit limit_of(const Model& model, const Plugins& plugins) {
+    const World world(model.bodies);
+    std::vector<BodyState> at(model.bodies.size());
+    world.read_states(at);
+    Networks networks(model, plugins);
+    return find_explicit_limit(model, networks, at, model.simulation.step, model.simulation.scheme);
+}
+
+constexpr double kMasses[] = {2.5, 0.7}, kStiffnesses[] = {3e5, 9e4}, kDampings[] = {0.1, 40};
+
+/// Two masses in a row on the ground; the outer spring has nearly all the damping, so that no modes decouple.
+Model two_masses(const Plugins& plugins) {
+    Model model;
+    model.simulation.step = 1e-3;
+    model.simulation.duration = 1;
+    model.simulation.coupling = Coupling::explicit_;
+    model.bodies = {test::box("inner", kMasses[0], {1, 1, 1}, {0, 0, 0}),
+                    test::box("outer", kMasses[1], {1, 1, 1}, {1, 0, 0})};
+    model.elements = {test::spring("foot", plugins, {}, {0, -1}, kStiffnesses[0], kDampings[0]),
+                      test::spring("link", plugins, {0, -1}, {1, -1}, kStiffnesses[1], kDampings[1])};
+    for (size_t i = 0; i < 2; ++i)  // along x only: no lever arms
+        model.elements[i].values = {kStiffnesses[i], 0, 0, kDampings[i], 0, 0, 0, 0, 0, 0, 0, 0};
+    return model;
+}
+
+Eigen::Matrix2d chain(const double* links) {
+    return Eigen::Matrix2d{{links[0] + links[1], -links[1]}, {-links[1], links[1]}};
+}
+
+// Oracle: the same two masses as 2×2 matrices: eigenvalue, vector and shares by a dense solver, and all roots of their
+// recurrence just below and just above the longest step. The power iteration is known to 1e-4.
+TEST(Stability, TheLimitOfTwoMassesWithOneDampedSpring) {
+    const Plugins plugins;
+    Model model = two_masses(plugins);
+    const Eigen::Matrix2d M = Eigen::Vector2d(kMasses[0], kMasses[1]).asDiagonal(), K = chain(kStiffnesses),
+                          C = chain(kDampings);
+    for (ExplicitScheme scheme : kSchemes) {
+        model.simulation.scheme = scheme;
+        const ExplicitLimit limit = limit_of(model, plugins);
+        const double h = model.simulation.step, W = alternating_weight(scheme);
+        const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix2d> pencil(h * h * K + W * h * C, M);
+        const Eigen::Vector2d u = pencil.eigenvectors().col(1);  // uᵀ M u = 1
+        EXPECT_NEAR(limit.load, std::sqrt(pencil.eigenvalues()(1)), 1e-4 * limit.load);
+        EXPECT_NEAR(limit.damping_share, W * h * u.dot(C * u) / pencil.eigenvalues()(1), 1e-3);
+        EXPECT_NEAR(limit.mode.omega, std::sqrt(u.dot(K * u)), 1e-3 * limit.mode.omega);
+        EXPECT_EQ(limit.mode.body, "outer");
+        const double in_link = (h * h * kStiffnesses[1] + W * h * kDampings[1]) * std::pow(u(1) - u(0), 2);
+        ASSERT_EQ(limit.mode.elements.size(), 2u);
+        EXPECT_EQ(limit.mode.elements[0].element, "link");
+        EXPECT_NEAR(limit.mode.elements[0].share, in_link / pencil.eigenvalues()(1), 1e-3);
+        EXPECT_NEAR(limit.mode.elements[0].share + limit.mode.elements[1].share, 1, 1e-12);
+
+        EXPECT_LT(spectral_radius(M, K, C, (1 - 1e-3) * limit.longest_step, scheme), 1);
+        EXPECT_GT(spectral_radius(M, K, C, (1 + 1e-3) * limit.longest_step, scheme), 1);
+    }
+    EXPECT_EQ(fastest_of(model, plugins).elements[0].element, "link");
+}
+
+// Oracle: the machine itself in ODE, a part in a hundred below and above the step found for it.
+TEST(Stability, ARealRunDivergesAboveTheLongestStepAndNotBelow) {
+    const Plugins plugins;
+    Model model = two_masses(plugins);
+    model.bodies[1].velocity = {0.1, 0, 0};
+    for (ExplicitScheme scheme : kSchemes) {
+        model.simulation.scheme = scheme;
+        model.simulation.step = 1e-3;
+        const double longest = limit_of(model, plugins).longest_step;
+        const auto amplitude = [&](double step) {
+            model.simulation.step = step;
+            Simulation simulation(model, plugins);
+            for (int n = 0; n < 3000; ++n) {
+                simulation.step();
+                if (std::abs(simulation.bodies()[1].position.x() - 1) > 1) break;
+            }
+            return std::abs(simulation.bodies()[1].position.x() - 1);
+        };
+        EXPECT_LT(amplitude(0.99 * longest), 1e-3);
+        EXPECT_GT(amplitude(1.01 * longest), 1);
+    }
+}
+
+TEST(Stability, ModesAreDescribedByBodyAndElements) {
+    EXPECT_EQ(describe({2 * M_PI * 30, "plate", {{"bolt1", 0.612}, {"bolt4", 0.1}}}),
+              "30 Hz at body \"plate\", made by bolt1 (61 %), bolt4 (10 %)");
+    EXPECT_EQ(describe({0, "plate", {}}), "0 Hz at body \"plate\"");
+}
+
 TEST(Stability, NothingElasticHasNoFastestMode) {
     const Plugins plugins;
     Model model = test::plate_stack(plugins, 2, 5e5, 100, 1e-3, Coupling::implicit);
     model.elements.clear();
     EXPECT_EQ(fastest_of(model, plugins).omega, 0);
+    EXPECT_EQ(limit_of(model, plugins).load, 0);
+    EXPECT_TRUE(std::isinf(limit_of(model, plugins).longest_step));
 }
 
 }  // namespace

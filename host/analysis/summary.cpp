@@ -60,6 +60,7 @@ Json describe_model(const Model& model, const ElementCatalogue& catalogue) {
               {"step", model.simulation.step},
               {"coupling", is_implicit ? "implicit" : "explicit"},
               {"scheme", is_implicit ? "centred" : scheme_name(model.simulation.scheme)},
+              {"spectral_radius", model.simulation.spectral_radius},
               {"gravity", vector_json(model.simulation.gravity)}}},
             {"bodies", bodies},
             {"loads", loads},

@@ -51,6 +51,17 @@ uint32_t scheme_of(const SimulationSettings& simulation) {
     }
 }
 
+struct Newmark {
+    double beta, gamma;
+};
+
+/// The centred scheme with the spectral radius ρ at infinite frequency. There w₊ r² + w₀ r + w₋ = 0; a double root takes
+/// w₀² = 4 w₊ w₋, which is β = (γ + 1/2)²/4, and is r = 1 − 2/(γ + 1/2): −ρ for γ = (3 − ρ)/2(1 + ρ).
+Newmark scheme_with_radius(double rho) {
+    const double gamma = (3 - rho) / (2 * (1 + rho));
+    return {0.25 * (gamma + 0.5) * (gamma + 0.5), gamma};
+}
+
 }  // namespace
 
 // ---- Construction -------------------------------------------------------------------------------------------------------
@@ -105,7 +116,8 @@ void Networks::add_network(const Model& model, const Plugins& plugins, const Ele
         }
     }
     const dttmm_element data{element.name.c_str(), type, 0, 1, element.values.data()};
-    const dttmm_network network{2, nodes.data(), 1, &data, scheme_of(model.simulation), 0.25, 0.5};
+    const Newmark newmark = scheme_with_radius(model.simulation.spectral_radius);
+    const dttmm_network network{2, nodes.data(), 1, &data, scheme_of(model.simulation), newmark.beta, newmark.gamma};
     try {
         instances_.emplace_back(*plugin, network);
     } catch (const Error& error) {

@@ -104,6 +104,14 @@ ExplicitScheme read_scheme(const TableReader& table, Coupling coupling, bool is_
     return static_cast<ExplicitScheme>(scheme);
 }
 
+double read_spectral_radius(const TableReader& table, Coupling coupling, bool is_coupling_overridden) {
+    const TomlMember* member = table.find("spectral_radius");
+    if (member && coupling == Coupling::explicit_ && !is_coupling_overridden)
+        table.error(member->place,
+                    "spectral_radius belongs to coupling = \"implicit\"; the explicit coupling has no numerical damping");
+    return table.number("spectral_radius", "1", {0, 1}, 1).value_or(1);
+}
+
 Eigen::Vector3d read_gravity(const TableReader& table) {
     const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
     const Eigen::Vector3d gravity = table.vector("gravity", "m/s^2", zero).value_or(zero);
@@ -122,8 +130,9 @@ SimulationSettings read_simulation(const TableReader& file, const SimulationOver
     const TomlMember* member = file.find("simulation");
     std::optional<TableReader> table;
     if (member)
-        table.emplace(file.context(), member->value, "simulation",
-                      std::vector<std::string>{"duration", "step", "tolerance", "coupling", "scheme", "gravity"});
+        table.emplace(
+            file.context(), member->value, "simulation",
+            std::vector<std::string>{"duration", "step", "tolerance", "coupling", "scheme", "spectral_radius", "gravity"});
     const bool is_valid = table && table->is_valid();
     const SettingsReader reader(file, is_valid ? &*table : nullptr);
     if (!member && !(overrides.step && overrides.duration))
@@ -141,6 +150,7 @@ SimulationSettings read_simulation(const TableReader& file, const SimulationOver
     settings.coupling = read_coupling(file, is_valid ? &*table : nullptr, overrides.coupling);
     if (!is_valid) return settings;
     settings.scheme = read_scheme(*table, settings.coupling, overrides.coupling.has_value());
+    settings.spectral_radius = read_spectral_radius(*table, settings.coupling, overrides.coupling.has_value());
     settings.gravity = read_gravity(*table);
     return settings;
 }

@@ -138,6 +138,28 @@ TEST(Command, ADampedExplicitRunIsRefusedForItsDampersAndForcedStaysFinite) {
     EXPECT_EQ(read_json(folder / "forced/summary.json")["fastest_vibration"]["explicit_limit"]["elements"].size(), 1u);
 }
 
+// ---- The energy ledger --------------------------------------------------------------------------------------------------
+
+// A step that is too long loses energy against our will, numerical damping because it was asked for.
+TEST(Command, NumericalDampingIsToldByTheEnergyItTookAndNotAsAFault) {
+    const TemporaryFolder folder;
+    const std::string kick = "markers.left = [-0.1, 0, 0]\nvelocity = [0, 0, 3]";  // no load that gives back what is lost
+    std::string text = small_model_with("markers.left = [-0.1, 0, 0]", kick);
+    text.replace(text.find("100 N"), 5, "0 N");
+    const auto run = [&](const std::string& radius) {
+        std::string changed = text;
+        write_text(folder / "small.toml",
+                   changed.replace(changed.find("step = \"1 ms\""), 13, "step = \"1 ms\"\nspectral_radius = " + radius));
+        return run_dttmm(folder.path(), {"run", "small.toml", "--step", "0.2 ms"}).err;
+    };
+    EXPECT_EQ(run("1"), "");
+    EXPECT_EQ(run("0.999"), "");
+    EXPECT_THAT(run("0.2"), AllOf(HasSubstr("note: numerical damping (spectral_radius = 0.2) took "),
+                                  HasSubstr("J turned over"), Not(HasSubstr("too long"))));
+    EXPECT_THAT(run_dttmm(folder.path(), {"check", "small.toml"}).out,
+                HasSubstr("implicit coupling with numerical damping (spectral_radius = 0.2), 50 steps"));
+}
+
 // ---- Questions ----------------------------------------------------------------------------------------------------------
 
 // Oracle: omega*h by hand: the fastest mode of the plate is the vertical one or a tilt; 109.84 Hz times 2 pi times 1 ms.

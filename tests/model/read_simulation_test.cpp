@@ -29,6 +29,7 @@ TEST(ReadSimulation, SettingsAndDefaults) {
     EXPECT_EQ(s.step, 0.001);
     EXPECT_EQ(s.coupling, Coupling::implicit);
     EXPECT_EQ(s.scheme, ExplicitScheme::fox_euler);
+    EXPECT_EQ(s.spectral_radius, 1);
     EXPECT_EQ(s.gravity, Eigen::Vector3d(0, 0, 0));
     const SimulationSettings t =
         with("duration = 1\nstep = 0.25\ncoupling = \"explicit\"\nscheme = \"houbolt\"\ngravity = [0, 0, \"-9.81 m/s^2\"]\n")
@@ -122,9 +123,22 @@ TEST(ReadSimulation, SchemeBelongsToTheExplicitCoupling) {
     EXPECT_THAT(fault(settings + "coupling = \"explicit\"\nscheme = \"newmark\"\n"),
                 HasSubstr("scheme must be one of: fox-euler, bdf1, bdf2, houbolt, park; got \"newmark\""));
     EXPECT_THAT(fault(settings + "coupling = 3\n"), HasSubstr("coupling must be a text, got a number"));
-    EXPECT_THAT(
-        fault(settings + "solver = 3\n"),
-        HasSubstr("simulation: unknown key \"solver\"; known here: duration, step, tolerance, coupling, scheme, gravity"));
+    EXPECT_THAT(fault(settings + "solver = 3\n"), HasSubstr("simulation: unknown key \"solver\"; known here: duration, "
+                                                            "step, tolerance, coupling, scheme, spectral_radius, gravity"));
+}
+
+TEST(ReadSimulation, SpectralRadiusBelongsToTheImplicitCoupling) {
+    const std::string settings = "duration = 1\nstep = 0.1\nspectral_radius = ";
+    EXPECT_EQ(with(settings + "0.8\n").simulation.spectral_radius, 0.8);
+    EXPECT_EQ(with(settings + "0\n").simulation.spectral_radius, 0);
+    EXPECT_THAT(fault(settings + "1.01\n"), HasSubstr("m.toml:7:19: simulation: spectral_radius must be ≤ 1, got 1.01"));
+    EXPECT_THAT(fault(settings + "-0.1\n"), HasSubstr("spectral_radius must be ≥ 0, got -0.1"));
+    EXPECT_THAT(fault(settings + "nan\n"), HasSubstr("spectral_radius must be finite"));
+    const std::string is_explicit = settings + "0.8\ncoupling = \"explicit\"\n";
+    EXPECT_THAT(fault(is_explicit),
+                HasSubstr("m.toml:7:1: simulation: spectral_radius belongs to coupling = \"implicit\"; the explicit"));
+    EXPECT_EQ(with(is_explicit, with_options({}, {}, "implicit")).simulation.spectral_radius, 0.8);
+    EXPECT_EQ(with(settings + "0.8\n", with_options({}, {}, "explicit")).simulation.coupling, Coupling::explicit_);
 }
 
 TEST(ReadSimulation, GravityInMillimetresIsWarnedOf) {

@@ -107,9 +107,8 @@ void print_forces(const Recorder& recorder, const Model& model) {
 
 /// The energy ledger of a run, as far as its rows tell.
 struct Ledger {
-    double turned_over = 0;          ///< largest of its items [J]
-    double residual = 0;             ///< largest magnitude [J]
-    double residual_at_the_end = 0;  ///< [J]
+    double turned_over = 0;                                  ///< largest of its items [J]
+    double residual = 0, most = 0, residual_at_the_end = 0;  ///< largest magnitude, largest, last [J]
 };
 
 Ledger read_ledger(const Recorder& recorder) {
@@ -119,6 +118,7 @@ Ledger read_ledger(const Recorder& recorder) {
         const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
         if (name == "energy.residual") {
             ledger.residual = statistics.peak;
+            ledger.most = statistics.maximum;
             ledger.residual_at_the_end = statistics.final;
         } else if (name.starts_with("energy.")) {
             ledger.turned_over = std::max(ledger.turned_over, statistics.peak);
@@ -127,24 +127,37 @@ Ledger read_ledger(const Recorder& recorder) {
     return ledger;
 }
 
-/// What the ledger cannot account for was made or lost by the integration itself: a long step in a fast turning, stiff
-/// machine. Numerical damping loses it on request.
-void warn_energy(const Recorder& recorder, const Model& model) {
+/// Why a run made or lost energy. A vibration that the step does not resolve appears as one of about pi − 4/(omega h) rad
+/// per step; a body that turns by 4/(omega h) per step, give or take, can feed it, however slow that is.
+std::string describe_energy_fault(const Simulation& simulation) {
+    if (simulation.explicit_limit() && simulation.explicit_limit()->load > 0.8 * kExplicitLimit)
+        return fmt::format("near the limit of the explicit coupling, {}", simulation.describe_speed());
+    const double step = simulation.step_size(), omega_h = simulation.fastest_mode().omega * step;
+    const Turning turning = simulation.fastest_turning();
+    if (turning.per_step > 0.1 || turning.per_step * omega_h > 2) {
+        const double longest = step * std::min(0.05 / turning.per_step, 1 / std::sqrt(turning.per_step * omega_h));
+        return fmt::format("body \"{}\" turns {:.3g} rad per step on joints of {}; try --step \"{:.12g} s\"{}", turning.body,
+                           turning.per_step, simulation.describe_speed(), divide_step(step, longest),
+                           simulation.explicit_limit() ? "" : ", or a spectral_radius of 0.9");
+    }
+    return fmt::format("the step of {:g} s is too long for the fastest vibration, {}", step, simulation.describe_speed());
+}
+
+/// What the ledger cannot account for was made or lost by the integration itself. Numerical damping loses it on request.
+void warn_energy(const Recorder& recorder, const Model& model, const Simulation& simulation) {
     const Ledger ledger = read_ledger(recorder);
-    const SimulationSettings& simulation = model.simulation;
-    if (simulation.coupling == Coupling::implicit && simulation.spectral_radius < 1 && ledger.residual_at_the_end < 0) {
+    const bool is_damped = model.simulation.coupling == Coupling::implicit && model.simulation.spectral_radius < 1;
+    if (is_damped && ledger.residual_at_the_end < 0 && ledger.most <= 0.1 * ledger.turned_over) {
         const double taken = -ledger.residual_at_the_end;
         if (taken > 0.01 * ledger.turned_over)
             tell(fmt::format(
                 "note: numerical damping (spectral_radius = {:g}) took {:.3g} J, {:.2g} % of the {:.3g} J turned over",
-                simulation.spectral_radius, taken, 100 * taken / ledger.turned_over, ledger.turned_over));
+                model.simulation.spectral_radius, taken, 100 * taken / ledger.turned_over, ledger.turned_over));
         return;
     }
     if (ledger.residual > 0.1 * ledger.turned_over)
-        tell(
-            fmt::format("warning: the energy balance leaves {:.3g} J unaccounted for, of {:.3g} J at most: the step of {:g} "
-                        "s is too long for this motion",
-                        ledger.residual, ledger.turned_over, simulation.step));
+        tell(fmt::format("warning: the energy balance leaves {:.3g} J unaccounted for, of {:.3g} J at most: {}",
+                         ledger.residual, ledger.turned_over, describe_energy_fault(simulation)));
 }
 
 /// How the step was found, in one line.
@@ -213,7 +226,7 @@ ExitCode conclude(const RunRequest& request, const Bench& bench, const Simulatio
     const Json summary = describe_run(bench.model, request, bench.plugins, simulation, recorder, ending.outcome, halving);
     write_atomically(folder.file("summary.json"), summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 
-    warn_energy(recorder, bench.model);
+    warn_energy(recorder, bench.model, simulation);
     if (halving) warn_unresolved(*halving);
     if (ending.outcome.status == "failed") {
         throw Error(ending.code, fmt::format("{} ({} rows recorded in {})", ending.outcome.reason, recorder.rows(),

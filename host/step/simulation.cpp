@@ -29,8 +29,12 @@ Simulation::Simulation(const Model& model, const Plugins& plugins)
       observer_(model, networks_, end_of_step_),
       now_(model.bodies.size()),
       after_(model.bodies.size()),
-      stops_(model.joints.size()) {
+      stops_(model.joints.size()),
+      held_(model.bodies.size()) {
     for (const Joint& joint : model.joints) has_stops_ = has_stops_ || joint.limits;
+    for (const Element& element : model.elements)
+        for (const Attachment& end : {element.from, element.to})
+            if (end.body >= 0) held_[static_cast<size_t>(end.body)] = true;
     world_.read_states(now_);
     fastest_ = find_fastest_mode(model, networks_, now_);
     if (!networks_.is_implicit()) limit_ = find_explicit_limit(model, networks_, now_, step_size_, model.simulation.scheme);
@@ -54,6 +58,7 @@ void Simulation::step() {
     end_of_step_.begin_step(step, now_, loads_);
     move_bodies();
     refuse_divergence();
+    follow_turning();
     networks_.commit_step(after_);
     if (sink_) observe();
     now_.swap(after_);
@@ -95,6 +100,21 @@ std::string Simulation::describe_speed() const {
         text += fmt::format(", {:.4g} with the dampers, which make {:.0f} % of its square", limit_->load,
                             100 * limit_->damping_share);
     return text + fmt::format("; stable below {:g}", kExplicitLimit);
+}
+
+void Simulation::follow_turning() {
+    for (size_t b = 0; b < after_.size(); ++b) {
+        const double squared = after_[b].angular_velocity.squaredNorm();
+        if (squared <= fastest_turning_squared_ || !held_[b]) [[likely]]
+            continue;
+        fastest_turning_squared_ = squared;
+        fastest_turning_body_ = b;
+    }
+}
+
+Turning Simulation::fastest_turning() const {
+    if (fastest_turning_squared_ == 0) return {};
+    return {std::sqrt(fastest_turning_squared_) * step_size_, model_.bodies[fastest_turning_body_].name};
 }
 
 void Simulation::refuse_divergence() const {

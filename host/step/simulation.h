@@ -20,6 +20,12 @@
 
 namespace dttmm {
 
+/// How far a body that an element holds has turned in one step.
+struct Turning {
+    double per_step = 0;  ///< largest so far [rad]
+    std::string body;
+};
+
 /// A model in motion: the bodies in ODE, the networks in their plugins, and the coupling of both, step by step from t = 0.
 /// A row at t_n is known when the step from t_n is done; N rows apart by h take N steps, the last of which ends beyond the
 /// last row. The model and the plugins must outlive it.
@@ -48,6 +54,8 @@ public:
     const std::vector<BodyState>& bodies() const { return now_; }
     const EndOfStep& end_of_step() const { return end_of_step_; }
     const FastestMode& fastest_mode() const { return fastest_; }
+    /// The fastest turning of a body that elements hold.
+    Turning fastest_turning() const;
     /// ω h and what makes it, as messages say it; of an explicit coupling with the part of the dampers in its limit.
     std::string describe_speed() const;
     /// Of an explicit coupling.
@@ -60,6 +68,7 @@ private:
     void move_bodies();
     void observe();
     void refuse_divergence() const;
+    void follow_turning();
 
     const Model& model_;
     double step_size_;
@@ -79,6 +88,10 @@ private:
     uint64_t engine_steps_ = 0;
     std::vector<BodyState>
         first_after_;  ///< velocities half a step after the start that have the initial ones as their mean
+
+    std::vector<bool> held_;              ///< by an element
+    double fastest_turning_squared_ = 0;  ///< of them [rad²/s²]
+    size_t fastest_turning_body_ = 0;
 };
 
 }  // namespace dttmm

@@ -138,13 +138,15 @@ public:
         });
         const double total = std::accumulate(energies.begin(), energies.end(), 0.0);
         for (size_t network = 0; network < energies.size(); ++network)
-            if (energies[network] >= kSmallestShare * total)
-                mode.elements.push_back({networks_.name(network), energies[network] / total});
+            mode.elements.push_back({networks_.name(network), energies[network] / total});
         // What only rounding tells apart stays in the order of the model
         std::stable_sort(mode.elements.begin(), mode.elements.end(), [](const ElementShare& x, const ElementShare& y) {
             return std::round(1000 * x.share) > std::round(1000 * y.share);
         });
-        mode.elements.resize(std::min(mode.elements.size(), kMostElements));
+        size_t count = std::min<size_t>(mode.elements.size(), 1);  // the largest of many small shares is named too
+        while (count < std::min(mode.elements.size(), kMostElements) && mode.elements[count].share >= kSmallestShare)
+            ++count;
+        mode.elements.resize(count);
         return mode;
     }
 
@@ -166,8 +168,9 @@ private:
 std::string describe(const FastestMode& mode) {
     std::string made_by;
     for (const ElementShare& element : mode.elements)
-        made_by +=
-            fmt::format("{}{} ({:.0f} %)", made_by.empty() ? ", made by " : ", ", element.element, 100 * element.share);
+        made_by += fmt::format("{}{} ({} %)", made_by.empty() ? ", made by " : ", ", element.element,
+                               element.share >= kSmallestShare ? fmt::format("{:.0f}", 100 * element.share)
+                                                               : fmt::format("{:.1g}", 100 * element.share));
     return fmt::format("{:.5g} Hz at body \"{}\"{}", mode.omega / (2 * M_PI), mode.body, made_by);
 }
 

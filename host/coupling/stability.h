@@ -21,7 +21,7 @@ struct ElementShare {
 struct FastestMode {
     double omega = 0;                    ///< [rad/s]; 0 where nothing is elastic
     std::string body;                    ///< the body that moves most in it (by kinetic energy)
-    std::vector<ElementShare> elements;  ///< that hold most of it, largest first: at most three, of 1 % or more
+    std::vector<ElementShare> elements;  ///< that hold most of it, largest first: one, and up to two more of 1 %
 };
 
 /// "10.5 Hz at body "plate", made by bolt1 (62 %), bolt2 (35 %)".

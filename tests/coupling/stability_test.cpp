@@ -49,6 +49,14 @@ TEST(Stability, FastestModeDoesNotDependOnTheFrame) {
     EXPECT_NEAR(fastest_of(model, plugins).omega, upright, 1e-4 * upright);
 }
 
+// Of many elements none of which holds a hundredth, the largest is named all the same.
+TEST(Stability, OneElementIsAlwaysNamed) {
+    const Plugins plugins;
+    const FastestMode fastest = fastest_of(test::plate_stack(plugins, 300, 5e5, 100, 1e-3, Coupling::implicit), plugins);
+    ASSERT_EQ(fastest.elements.size(), 1u);
+    EXPECT_LT(fastest.elements[0].share, 0.01);
+}
+
 // Oracle: closed form, sqrt(k/m). Beside a machine on a mount 1e10 times stiffer, a light thing on a soft spring stores next
 // to no energy and yet is twice as fast.
 TEST(Stability, ALightBodyBesideAHeavyOneIsNotOverheard) {
@@ -221,6 +229,7 @@ TEST(Stability, ARealRunDivergesAboveTheLongestStepAndNotBelow) {
 TEST(Stability, ModesAreDescribedByBodyAndElements) {
     EXPECT_EQ(describe({2 * M_PI * 30, "plate", {{"bolt1", 0.612}, {"bolt4", 0.1}}}),
               "30 Hz at body \"plate\", made by bolt1 (61 %), bolt4 (10 %)");
+    EXPECT_EQ(describe({2 * M_PI * 30, "plate", {{"bolt1", 0.0021}}}), "30 Hz at body \"plate\", made by bolt1 (0.2 %)");
     EXPECT_EQ(describe({0, "plate", {}}), "0 Hz at body \"plate\"");
 }
 

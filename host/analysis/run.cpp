@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 
 #include "analysis/advance.h"
@@ -81,26 +82,39 @@ Model start_stable(Model model, const Plugins& plugins) {
     return model;
 }
 
-/// One line per element: the direction of its largest force or moment, when it peaks and where it ends.
+/// Of every owner's forces and moments, "<owner>.<quantity>", the direction with the largest peak, as a channel.
+std::map<std::string, int> find_largest_directions(const Recorder& recorder) {
+    std::map<std::string, int> largest;
+    for (int c = 1; c < static_cast<int>(recorder.channels().size()); ++c) {
+        const std::string& name = recorder.channels()[static_cast<size_t>(c)].name;
+        const std::string quantity = name.substr(0, name.rfind('.'));
+        if (!quantity.ends_with(".force") && !quantity.ends_with(".moment")) continue;
+        const auto [entry, is_new] = largest.emplace(quantity, c);
+        if (!is_new && recorder.statistics(c).peak > recorder.statistics(entry->second).peak) entry->second = c;
+    }
+    return largest;
+}
+
+/// One line per element and joint: the direction of its largest force or moment, when it peaks and where it ends.
 void print_forces(const Recorder& recorder, const Model& model) {
-    const std::vector<Channel>& channels = recorder.channels();
-    size_t width = 7;
-    for (const Element& element : model.elements) width = std::max(width, element.name.size());
-    fmt::print("{:<{}}  {:>12}  {:>13}  {:>10}  {:>13}\n", "element", width, "", "peak", "at [s]", "final");
-    for (const Element& element : model.elements) {
+    std::vector<std::string> owners;
+    for (const Element& element : model.elements) owners.push_back(element.name);
+    for (const Joint& joint : model.joints) owners.push_back(joint.name);
+    size_t width = model.joints.empty() ? 7 : 14;
+    for (const std::string& owner : owners) width = std::max(width, owner.size());
+    fmt::print("{:<{}}  {:>12}  {:>13}  {:>10}  {:>13}\n", model.joints.empty() ? "element" : "element, joint", width, "",
+               "peak", "at [s]", "final");
+    const std::map<std::string, int> largest = find_largest_directions(recorder);
+    for (const std::string& owner : owners) {
         for (const char* quantity : {"force", "moment"}) {
-            const std::string prefix = fmt::format("{}.{}.", element.name, quantity);
-            int largest = -1;
-            for (size_t c = 0; c < channels.size(); ++c)
-                if (channels[c].name.starts_with(prefix) &&
-                    (largest < 0 || recorder.statistics(static_cast<int>(c)).peak > recorder.statistics(largest).peak))
-                    largest = static_cast<int>(c);
-            if (largest < 0 || (recorder.statistics(largest).peak == 0 && quantity != std::string_view("force"))) continue;
-            const Channel& channel = channels[static_cast<size_t>(largest)];
-            const ChannelStatistics& statistics = recorder.statistics(largest);
-            fmt::print("{:<{}}  {:>12}  {:>13}  {:>10.5g}  {:>13}\n", element.name, width,
-                       channel.name.substr(element.name.size() + 1), fmt::format("{:.2f} {}", statistics.peak, channel.unit),
-                       statistics.peak_time, fmt::format("{:.2f} {}", statistics.final, channel.unit));
+            const auto found = largest.find(fmt::format("{}.{}", owner, quantity));
+            if (found == largest.end()) continue;
+            const Channel& channel = recorder.channels()[static_cast<size_t>(found->second)];
+            const ChannelStatistics& statistics = recorder.statistics(found->second);
+            if (statistics.peak == 0 && quantity != std::string_view("force")) continue;
+            fmt::print("{:<{}}  {:>12}  {:>13}  {:>10.5g}  {:>13}\n", owner, width, channel.name.substr(owner.size() + 1),
+                       fmt::format("{:.2f} {}", statistics.peak, channel.unit), statistics.peak_time,
+                       fmt::format("{:.2f} {}", statistics.final, channel.unit));
         }
     }
 }
@@ -270,8 +284,11 @@ void check(const RunRequest& request) {
     const FastestMode& fastest = simulation.fastest_mode();
     const bool implicit = model.simulation.coupling == Coupling::implicit;
     fmt::print("{}: valid\n", request.model.string());
-    fmt::print("  {} bodies ({} unknowns per step), {} elements, {} loads, {} channels\n", model.bodies.size(),
-               6 * model.bodies.size(), model.elements.size(), model.loads.size(), simulation.channels().size());
+    int equations = 0;
+    for (const JointEquations& joint : simulation.end_of_step().joints().joints()) equations += joint.lasting();
+    fmt::print("  {} bodies ({} unknowns per step), {} elements, {} joints ({} equations), {} loads, {} channels\n",
+               model.bodies.size(), 6 * model.bodies.size(), model.elements.size(), model.joints.size(), equations,
+               model.loads.size(), simulation.channels().size());
     const std::string damping =
         implicit && model.simulation.spectral_radius < 1
             ? fmt::format(" with numerical damping (spectral_radius = {:g})", model.simulation.spectral_radius)

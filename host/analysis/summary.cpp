@@ -6,7 +6,10 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <set>
 #include <string_view>
+
+#include "model/read_joint.h"
 
 namespace dttmm {
 
@@ -24,7 +27,16 @@ std::string name_of(const Model& model, const Attachment& at) {
 
 Json describe_model(const Model& model, const ElementCatalogue& catalogue) {
     const bool is_implicit = model.simulation.coupling == Coupling::implicit;
-    Json bodies = Json::object(), elements = Json::object(), loads = Json::array();
+    Json bodies = Json::object(), elements = Json::object(), joints = Json::object(), loads = Json::array();
+    for (const Joint& joint : model.joints) {
+        Json& out =
+            joints[joint.name] = {{"type", joint_type_name(joint.type)},
+                                  {"between", {name_of(model, {joint.first, -1}), name_of(model, {joint.second, -1})}},
+                                  {"anchor", vector_json(joint.anchor)},
+                                  {"axis", vector_json(joint.axis)}};
+        if (joint.type == JointType::universal) out["axis2"] = vector_json(joint.axis2);
+        if (joint.limits) out["limits"] = *joint.limits;
+    }
     for (const Load& load : model.loads)
         loads.push_back({{"on", name_of(model, load.on)},
                          {"quantity", load.is_moment ? "moment" : "force"},
@@ -64,23 +76,39 @@ Json describe_model(const Model& model, const ElementCatalogue& catalogue) {
               {"gravity", vector_json(model.simulation.gravity)}}},
             {"bodies", bodies},
             {"loads", loads},
+            {"joints", joints},
             {"elements", elements}};
 }
 
 /// Channels "<owner>.<quantity>.<axis>" as owner → quantity → peak, time of peak and final value, per axis.
-Json describe_channels(const Recorder& recorder, bool (*wanted)(std::string_view quantity)) {
+Json describe_channels(const Recorder& recorder,
+                       const std::function<bool(const std::string& owner, std::string_view quantity)>& wanted) {
     Json owners = Json::object();
     for (size_t c = 1; c < recorder.channels().size(); ++c) {
         const std::string& name = recorder.channels()[c].name;
         const size_t axis = name.rfind('.');
         const size_t quantity = axis == std::string::npos || axis == 0 ? std::string::npos : name.rfind('.', axis - 1);
-        if (quantity == std::string::npos || !wanted(std::string_view(name).substr(quantity + 1, axis - quantity - 1)))
-            continue;
+        if (quantity == std::string::npos) continue;
+        const std::string owner = name.substr(0, quantity), what = name.substr(quantity + 1, axis - quantity - 1);
+        if (!wanted(owner, what)) continue;
         const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
-        owners[name.substr(0, quantity)][name.substr(quantity + 1, axis - quantity - 1)][name.substr(axis + 1)] = {
+        owners[owner][what][name.substr(axis + 1)] = {
             {"peak", statistics.peak}, {"peak_time", statistics.peak_time}, {"final", statistics.final}};
     }
     return owners;
+}
+
+/// Forces and moments of the owners that `names` lists.
+Json describe_forces(const Recorder& recorder, const std::set<std::string>& names) {
+    return describe_channels(recorder, [&](const std::string& owner, std::string_view quantity) {
+        return (quantity == "force" || quantity == "moment") && names.contains(owner);
+    });
+}
+
+std::set<std::string> names_of(const auto& things) {
+    std::set<std::string> names;
+    for (const auto& thing : things) names.insert(thing.name);
+    return names;
 }
 
 /// NaN, which JSON does not know, is null.
@@ -174,32 +202,35 @@ Json describe_run(const Model& model, const RunRequest& request, const Plugins& 
     Json versions = {{"dttmm", DTTMM_VERSION}, {"ode", World::engine_version()}};
     for (const PluginLibrary& library : plugins.libraries())
         versions["plugins"][library.name()] = fmt::format("{} {}", library.table().name, library.table().version);
-    Json summary = {
-        {"format", "dttmm-summary/1"},
-        {"status", outcome.status},
-        {"reason", outcome.reason},
-        {"title", model.title},
-        {"command_line", request.command_line},
-        {"versions", versions},
-        {"steps", outcome.steps},
-        {"rows", recorder.rows()},
-        {"wall_time", outcome.wall_time},
-        {"wall_time_per_step", outcome.wall_time / static_cast<double>(std::max<uint64_t>(outcome.steps, 1))},
-        {"coupling",
-         {{"passes", simulation.end_of_step().passes()},
-          {"passes_per_step", static_cast<double>(simulation.end_of_step().passes()) / steps},
-          {"factorisations", simulation.end_of_step().factorisations()}}},
-        {"fastest_vibration",
-         {{"omega_h", simulation.fastest_mode().omega * simulation.step_size()},
-          {"frequency_hz", simulation.fastest_mode().omega / (2 * M_PI)},
-          {"body", simulation.fastest_mode().body},
-          {"elements", describe_shares(simulation.fastest_mode())},
-          {"explicit_limit", describe_limit(simulation)}}},
-        {"energy", describe_energy(recorder)},
-        {"elements", describe_channels(recorder, [](std::string_view q) { return q == "force" || q == "moment"; })},
-        {"accelerations", describe_channels(recorder, [](std::string_view q) { return q == "acceleration"; })},
-        {"inputs", describe_inputs(model, request)},
-        {"model", describe_model(model, plugins.catalogue())}};
+    Json summary = {{"format", "dttmm-summary/1"},
+                    {"status", outcome.status},
+                    {"reason", outcome.reason},
+                    {"title", model.title},
+                    {"command_line", request.command_line},
+                    {"versions", versions},
+                    {"steps", outcome.steps},
+                    {"rows", recorder.rows()},
+                    {"wall_time", outcome.wall_time},
+                    {"wall_time_per_step", outcome.wall_time / static_cast<double>(std::max<uint64_t>(outcome.steps, 1))},
+                    {"coupling",
+                     {{"passes", simulation.end_of_step().passes()},
+                      {"passes_per_step", static_cast<double>(simulation.end_of_step().passes()) / steps},
+                      {"factorisations", simulation.end_of_step().factorisations()},
+                      {"engine_steps", simulation.engine_steps()},
+                      {"engine_steps_per_step", static_cast<double>(simulation.engine_steps()) / steps}}},
+                    {"fastest_vibration",
+                     {{"omega_h", simulation.fastest_mode().omega * simulation.step_size()},
+                      {"frequency_hz", simulation.fastest_mode().omega / (2 * M_PI)},
+                      {"body", simulation.fastest_mode().body},
+                      {"elements", describe_shares(simulation.fastest_mode())},
+                      {"explicit_limit", describe_limit(simulation)}}},
+                    {"energy", describe_energy(recorder)},
+                    {"elements", describe_forces(recorder, names_of(model.elements))},
+                    {"joints", describe_forces(recorder, names_of(model.joints))},
+                    {"accelerations", describe_channels(recorder, [](const std::string&,
+                                                                     std::string_view q) { return q == "acceleration"; })},
+                    {"inputs", describe_inputs(model, request)},
+                    {"model", describe_model(model, plugins.catalogue())}};
     if (halving) summary["tolerance"] = describe_tolerance(*halving);
     return summary;
 }

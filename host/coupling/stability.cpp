@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "world/block_matrix.h"
+#include "world/joint_system.h"
 
 namespace dttmm {
 
@@ -21,28 +23,37 @@ constexpr double kSmallestShare = 0.01;
 
 using Matrix = Eigen::SparseMatrix<double>;
 
-/// M of all bodies, block by block in the matrices' order; M = L Lᵀ.
+/// M of all bodies, block by block in the matrices' order, M = L Lᵀ; and the joints that they hang on.
 class Inertia {
 public:
-    Inertia(const Model& model, const BlockMatrix& order, const std::vector<BodyState>& at) {
+    Inertia(const Model& model, const JointSystem& joints, BlockMatrix matrix, const std::vector<BodyState>& at) {
+        matrix.set_zero();
         for (size_t b = 0; b < model.bodies.size(); ++b) {
+            const int body = static_cast<int>(b);
             const Eigen::Matrix3d I = at[b].rotation * model.bodies[b].inertia * at[b].rotation.transpose();
-            parts_.push_back({order.index(static_cast<int>(b)), model.bodies[b].mass, I, I.llt()});
+            parts_.push_back({matrix.index(body), model.bodies[b].mass, I, I.llt()});
+            BlockMatrix::Block M = BlockMatrix::Block::Zero();
+            M.diagonal().head<3>().setConstant(model.bodies[b].mass);
+            M.bottomRightCorner<3, 3>() = I;
+            matrix.add(body, body, M);
         }
+        joints.write_to(matrix);
+        solver_.compute(matrix.upper());
+        for (size_t j = 0; j < joints.joints().size(); ++j)
+            multipliers_.push_back({matrix.joint_index(static_cast<int>(j)), joints.joints()[j].count()});
     }
-    /// y ← M⁻¹ y
+    /// y ← the motion u that the joints allow with M u + Jᵀ q = y; without joints M⁻¹ y
     void divide(Eigen::VectorXd& y) const {
-        for (const Part& part : parts_) {
-            y.segment<3>(part.index) /= part.mass;
-            y.segment<3>(part.index + 3) = part.factor.solve(y.segment<3>(part.index + 3)).eval();
-        }
+        y = solver_.solve(y).eval();
+        for (const auto& [start, count] : multipliers_) y.segment(start, count).setZero();
     }
-    /// y ← L⁻ᵀ y
-    void divide_by_root(Eigen::VectorXd& y) const {
+    /// u ← M L⁻ᵀ z = L z
+    void multiply_by_root(Eigen::VectorXd& z) const {
         for (const Part& part : parts_) {
-            y.segment<3>(part.index) /= std::sqrt(part.mass);
-            y.segment<3>(part.index + 3) = part.factor.matrixU().solve(y.segment<3>(part.index + 3)).eval();
+            z.segment<3>(part.index) *= std::sqrt(part.mass);
+            z.segment<3>(part.index + 3) = (part.factor.matrixL() * z.segment<3>(part.index + 3)).eval();
         }
+        for (const auto& [start, count] : multipliers_) z.segment(start, count).setZero();
     }
     /// uᵀ M u of one body
     double energy(size_t body, const Eigen::VectorXd& u) const {
@@ -59,6 +70,8 @@ private:
         Eigen::LLT<Eigen::Matrix3d> factor;
     };
     std::vector<Part> parts_;
+    std::vector<std::pair<int, int>> multipliers_;  ///< rows of the joints: start and count
+    Eigen::SimplicialLDLT<Matrix, Eigen::Upper, Eigen::NaturalOrdering<int>> solver_;
 };
 
 /// An eigenvalue of M⁻¹ A and its vector.
@@ -67,16 +80,17 @@ struct Eigenpair {
     Eigen::VectorXd u;
 };
 
-/// The linear machine: M, K and C of the bodies on their networks at one instant.
+/// The linear machine: M, K and C of the bodies on their networks and joints at one instant.
 class Linearisation {
 public:
     Linearisation(const Model& model, Networks& networks, const std::vector<BodyState>& at)
         : model_(model),
           networks_(networks),
           at_(at),
-          K_(static_cast<int>(model.bodies.size()), networks.neighbours()),
+          joints_(linearised(model, at)),
+          K_(static_cast<int>(model.bodies.size()), networks.neighbours(), joints_.nodes()),
           C_(K_),
-          M_(model, K_, at) {
+          M_(model, joints_, K_, at) {
         hand_out([&](size_t, int row, int column, const BlockMatrix::Block& K, const BlockMatrix::Block& C) {
             K_.add(row, column, K);
             C_.add(row, column, C);
@@ -89,13 +103,15 @@ public:
         A.coeffs() = a * K_.upper().coeffs() + b * C_.upper().coeffs();
 
         // u ← M⁻¹ A u; uᵀ A M⁻¹ A u / uᵀ A u bounds λ from below and converges twice as fast as u. In the start L⁻ᵀ z with z
-        // without symmetry, light and heavy bodies move alike by kinetic energy, so that none is overheard.
+        // without symmetry (brought to what the joints allow), light and heavy bodies move alike by kinetic energy, so that
+        // none is overheard.
         const Eigen::Index n = A.rows();
         Eigenpair pair{0, Eigen::VectorXd(n)};
         Eigen::VectorXd& u = pair.u;
         Eigen::VectorXd Au(n);
         for (Eigen::Index i = 0; i < n; ++i) u(i) = std::cos(1.0 + 0.7 * static_cast<double>(i) * static_cast<double>(i));
-        M_.divide_by_root(u);
+        M_.multiply_by_root(u);
+        M_.divide(u);
         for (int iteration = 0; iteration < kMostIterations; ++iteration) {
             Au = A.selfadjointView<Eigen::Upper>() * u;
             const double energy = u.dot(Au);
@@ -151,6 +167,11 @@ public:
     }
 
 private:
+    static JointSystem linearised(const Model& model, const std::vector<BodyState>& at) {
+        JointSystem joints(model.bodies, model.joints);
+        joints.linearise(at, std::vector<Stop>(model.joints.size()));
+        return joints;
+    }
     void hand_out(const Networks::LinearSink& sink) const {
         std::vector<double> wrenches(6 * model_.bodies.size());
         networks_.linearise(at_, wrenches.data(), &sink);
@@ -159,6 +180,7 @@ private:
     const Model& model_;
     Networks& networks_;
     const std::vector<BodyState>& at_;
+    JointSystem joints_;
     BlockMatrix K_, C_;
     Inertia M_;
 };

@@ -17,7 +17,7 @@ struct ElementShare {
     double share = 0;  ///< of the energy of the vibration, 0 … 1
 };
 
-/// A vibration of the bodies on their networks and what makes it.
+/// A vibration of the bodies on their networks and joints, and what makes it.
 struct FastestMode {
     double omega = 0;                    ///< [rad/s]; 0 where nothing is elastic
     std::string body;                    ///< the body that moves most in it (by kinetic energy)
@@ -27,9 +27,9 @@ struct FastestMode {
 /// "10.5 Hz at body "plate", made by bolt1 (62 %), bolt2 (35 %)".
 std::string describe(const FastestMode& mode);
 
-/// The fastest undamped vibration: largest ω of K u = ω² M u from the networks' stiffness and the bodies' inertia in the
-/// motion `at`, by power iteration: a lower bound, 1e-4 below for one body and 2e-4 for a chain of a thousand; the shares
-/// are of its strain energy. Cost linear in the number of elements.
+/// The fastest undamped vibration: largest ω of K u = ω² M u from the networks' stiffness and the bodies' inertia, among
+/// the motions that the joints allow, at `at`, by power iteration: a lower bound, 1e-4 below for one body and 2e-4 for a
+/// chain of a thousand; the shares are of its strain energy. Cost linear in the number of elements.
 FastestMode find_fastest_mode(const Model& model, Networks& networks, const std::vector<BodyState>& at);
 
 /// How near an explicit coupling is to its limit. The velocity formula v = Σ w_i x_{n−i} makes the discrete equation

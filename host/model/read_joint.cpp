@@ -22,8 +22,6 @@ constexpr double kLargestMassRatio = 1e12;
 
 const std::vector<std::string> kTypes = {"ball", "hinge", "slider", "universal", "fixed"};  // in the order of JointType
 
-const std::string& type_name(JointType type) { return kTypes[static_cast<std::size_t>(type)]; }
-
 bool has_axis(JointType type) { return type != JointType::ball && type != JointType::fixed; }
 bool needs_anchor(JointType type) { return type != JointType::slider && type != JointType::fixed; }
 bool has_limits(JointType type) { return type == JointType::hinge || type == JointType::slider; }
@@ -106,14 +104,15 @@ std::optional<Eigen::Vector3d> read_anchor(const TableReader& table, const Attac
     if (!needs_anchor(type)) return attachments.position({ends[1].body < 0 ? ends[0].body : ends[1].body, -1});
     table.error(table.place(), fmt::format("missing key \"anchor\": a {} joint is at a point; give three lengths, or name a "
                                            "marker in between, e.g. \"body.marker\"",
-                                           type_name(type)));
+                                           joint_type_name(type)));
     return std::nullopt;
 }
 
 /// Reports a key that a joint of this type has no use for.
 void refuse(const TableReader& table, const char* key, JointType type, const char* owners) {
     if (const TomlMember* member = table.find(key))
-        table.error(member->place, fmt::format("a {} joint has no {}; it belongs to {}", type_name(type), key, owners));
+        table.error(member->place,
+                    fmt::format("a {} joint has no {}; it belongs to {}", joint_type_name(type), key, owners));
 }
 
 /// Whether `joint` has the axes its type needs.
@@ -239,6 +238,8 @@ private:
 };
 
 }  // namespace
+
+const std::string& joint_type_name(JointType type) { return kTypes[static_cast<std::size_t>(type)]; }
 
 std::vector<Joint> read_joints(const TableReader& file, const Attachments& attachments, const std::vector<Body>& bodies,
                                const std::vector<const NameRegistry*>& others) {

@@ -13,4 +13,7 @@ namespace dttmm {
 std::vector<Joint> read_joints(const TableReader& file, const Attachments& attachments, const std::vector<Body>& bodies,
                                const std::vector<const NameRegistry*>& others);
 
+/// As the model file writes it, e.g. "hinge".
+const std::string& joint_type_name(JointType type);
+
 }  // namespace dttmm

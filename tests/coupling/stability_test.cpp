@@ -49,6 +49,60 @@ TEST(Stability, FastestModeDoesNotDependOnTheFrame) {
     EXPECT_NEAR(fastest_of(model, plugins).omega, upright, 1e-4 * upright);
 }
 
+/// A rod of length l on a hinge, a spring-damper at its far end.
+Model pendulum(const Plugins& plugins, double k, double c, Coupling coupling) {
+    Model model;
+    model.simulation.coupling = coupling;
+    model.simulation.duration = 1;
+    Body rod = test::box("rod", 2.3, {0.8, 0.03, 0.02}, {0.4, 0, 0});
+    Marker end;
+    end.name = "end";
+    end.position = {0.4, 0, 0};
+    rod.markers.push_back(end);
+    rod.angular_velocity = {0, 0, 1e-3};
+    rod.velocity = {0, 4e-4, 0};
+    model.bodies = {rod};
+    model.joints = {test::pin("pin", -1, 0, {0, 0, 0}, {0, 0, 1})};
+    model.elements = {test::spring("bolt", plugins, {}, {0, 0}, k, c)};
+    return model;
+}
+
+// Oracle: closed form. On its hinge the rod can only turn: ω² = k l²/I about the hinge; free it would be far faster.
+TEST(Stability, JointsLeaveTheirMotionsOnly) {
+    const Plugins plugins;
+    const Model model = pendulum(plugins, 4e8, 0, Coupling::implicit);
+    const Body& rod = model.bodies[0];
+    const double I = rod.inertia(2, 2) + rod.mass * 0.16;
+    EXPECT_NEAR(fastest_of(model, plugins).omega, std::sqrt(4e8 * 0.64 / I), 1e-6 * std::sqrt(4e8 * 0.64 / I));
+}
+
+// The limit of an explicit coupling on joints is where runs begin to diverge.
+TEST(Stability, ExplicitLimitOnJointsIsWhereRunsDiverge) {
+    const Plugins plugins;
+    for (double c : {0.0, 6e3}) {
+        Model model = pendulum(plugins, 4e8, c, Coupling::explicit_);
+        model.simulation.step = 1e-4;
+        const double longest = Simulation(model, plugins).explicit_limit()->longest_step;
+        for (double share : {0.99, 1.01}) {
+            model.simulation.step = share * longest;
+            Simulation simulation(model, plugins);
+            double largest = 0;
+            try {
+                for (int n = 0; n < 4000; ++n) {
+                    simulation.step();
+                    largest = std::max(largest, std::abs(simulation.bodies()[0].angular_velocity.z()));
+                }
+            } catch (const Error&) {
+                largest = 1e9;
+            }
+            if (share < 1)
+                EXPECT_LT(largest, 0.02) << "damping " << c;
+            else
+                EXPECT_GT(largest, 1) << "damping " << c;
+        }
+    }
+}
+
 // Of many elements none of which holds a hundredth, the largest is named all the same.
 TEST(Stability, OneElementIsAlwaysNamed) {
     const Plugins plugins;

@@ -215,7 +215,8 @@ void EndOfStep::add_inertia(const std::vector<BodyState>& now) {
     solver_.factorize(matrix_.upper());
     if (solver_.info() != Eigen::Success)
         throw Error(ExitCode::numerical_failure,
-                    fmt::format("t = {:.9g} s: the matrix of the end of the step, M + h² S, is singular", time_));
+                    fmt::format("t = {:.9g} s: the matrix of the end of the step, M + h² S, is singular{}", time_,
+                                system_.empty() ? "" : "; very unequal masses on joints?"));
 }
 
 /// One correction δ = K⁻¹ (P− + h f − P(u)), applied to u; with joints, likewise of u and q.
@@ -275,7 +276,10 @@ bool EndOfStep::judge(int pass) {
             const double rate =
                 group.previous_squared > 0 ? std::sqrt(group.correction_squared / group.previous_squared) : 0;
             group.contraction = rate < 1 ? rate / (1 - rate) : 1e3;
-            if (rate > kSlowestContraction && group.correction_squared > group.floor_squared) stiffness_wanted_ = true;
+            if (rate > kSlowestContraction && group.correction_squared > group.floor_squared) {
+                if (stiffness_wanted_ || pass > 2) system_.tighten();
+                stiffness_wanted_ = true;
+            }
         }
         const double remaining_squared = group.contraction * group.contraction * group.correction_squared;
         done = done && (group.correction_squared <= group.floor_squared ||

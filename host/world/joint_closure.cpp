@@ -16,6 +16,9 @@ namespace {
 /// Of the speeds at a stop: less is no parting.
 constexpr double kParting = 1e-9;
 
+/// A pass that leaves more of the correction before is slow.
+constexpr double kSlow = 0.3;
+
 constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
 
 }  // namespace
@@ -59,6 +62,7 @@ void JointClosure::close(const std::vector<BodyState>& now, double h, std::vecto
     judge(stops, h, after);
     system_.linearise(now, stops);
     factor(now);
+    double before = std::numeric_limits<double>::infinity();  // the correction of the last pass
     for (int pass = 0; pass < kMostPasses; ++pass) {
         for (size_t b = 0; b < now.size(); ++b) {
             after[b].position = now[b].position + h * after[b].velocity;
@@ -79,6 +83,11 @@ void JointClosure::close(const std::vector<BodyState>& now, double h, std::vecto
         }
         if (!std::isfinite(correction)) fail();
         if (correction <= kRounding * scale) return;
+        if (correction > kSlow * before) {
+            system_.tighten();
+            factor(now);
+        }
+        before = correction;
     }
     fail();
 }

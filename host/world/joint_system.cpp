@@ -43,7 +43,7 @@ void JointSystem::write_to(BlockMatrix& matrix) const {
             for (int row = 0; row < joint.count(); ++row) {
                 Eigen::Matrix<double, 6, 1> direction = J.row(row).transpose();
                 L.solveInPlace(direction);
-                values_(row) += kProximal * direction.squaredNorm();
+                values_(row) += proximal_ * direction.squaredNorm();
             }
         };
         add_mobility(joint.first(), jacobians_[j].first);

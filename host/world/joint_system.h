@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <vector>
 
 #include "model/model.h"
@@ -37,6 +38,9 @@ public:
     /// redundant joints as its inverse.
     static constexpr double kProximal = 1e-7;
 
+    /// Makes E smaller from now on, where passes gain too little: very unequal masses in one chain.
+    void tighten() { proximal_ = std::max(1e-3 * proximal_, 1e-13); }
+
     JointSystem(const std::vector<Body>& bodies, const std::vector<Joint>& joints);
 
     bool empty() const { return joints_.empty(); }
@@ -67,6 +71,7 @@ public:
     double opening_speed(const std::vector<BodyState>& at, size_t joint) const;
 
 private:
+    double proximal_ = kProximal;
     std::vector<JointEquations> joints_;
     std::vector<JointEquations::Jacobian> jacobians_;
     std::vector<Stop> stops_;

@@ -315,6 +315,26 @@ TEST(Joints, StopLetsGo) {
     EXPECT_LT(std::abs(history["energy.residual"].back()), 1e-2 * history.largest("energy.work"));
 }
 
+// A heavy load on a light link, masses 1e7 and 1e11 apart: ODE alone lets such a load fall almost freely. Oracle: beside the
+// load the link weighs nothing, so that both loads move alike to 1e-7 of the motion.
+TEST(Joints, HeavyLoadHangsOnALightLink) {
+    const Plugins plugins;
+    std::vector<Eigen::Vector3d> ends;
+    for (double mass : {1e5, 1e9}) {
+        Model model;
+        model.simulation.gravity = 9.81 * kX;
+        model.bodies = {rod("link", 0.01, at(0, 0), at(0.2, 0)), rod("load", mass, at(0.2, 0), at(0.3, 0.3))};
+        model.joints = {test::pin("top", -1, 0, at(0, 0), kZ), test::pin("bottom", 0, 1, at(0.2, 0), kZ)};
+        for (Joint& joint : model.joints) joint.type = JointType::ball;
+        const History history = run(model, plugins, 1e-3, 1);
+        EXPECT_LT(history.largest("energy.residual"), 1e-3 * history.largest("energy.kinetic"));
+        ends.emplace_back(history["load.position.x"].back(), history["load.position.y"].back(),
+                          history["load.position.z"].back());
+    }
+    EXPECT_GT((ends[0] - at(0.25, 0.15)).norm(), 0.01);
+    EXPECT_LT((ends[0] - ends[1]).norm(), 1e-6);
+}
+
 TEST(Joints, VelocitiesThatOpenAJointAreRefused) {
     const Plugins plugins;
     Model model = pendulum(plugins, 0, 0, 3);

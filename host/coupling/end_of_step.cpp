@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -81,7 +81,8 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks)
     const std::vector<size_t> group = find_groups(n, find_neighbours(model, networks));
     for (size_t b = 0; b < n; ++b) {
         const Body& body = model.bodies[b];
-        inertias_.push_back({body.name, body.mass, body.inertia, reach_of(body), held[b], group[b]});
+        const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(body.inertia).eigenvalues()(0);
+        inertias_.push_back({body.name, body.mass, body.inertia, least, reach_of(body), held[b], group[b]});
     }
     groups_.resize(n == 0 ? 0 : 1 + *std::max_element(group.begin(), group.end()));
     for (auto* list : {&u_, &previous_u_, &correction_, &free_momentum_, &feedback_}) list->assign(n, Vector6::Zero());
@@ -255,6 +256,23 @@ void EndOfStep::open_groups(const std::vector<BodyState>& now) {
     }
 }
 
+/// A light body between heavy ones passes on impulses whose rounding alone moves it.
+void EndOfStep::raise_floors() {
+    for (size_t j = 0; j < descriptions_.size(); ++j) {
+        const int joint = static_cast<int>(j);
+        const double* q = multipliers_.data() + matrix_.joint_index(joint);
+        const auto raise = [&](int body, const Vector6& impulse) {
+            const Inertia& inertia = inertias_[static_cast<size_t>(body)];
+            const double p = impulse.head<3>().norm(), L = impulse.tail<3>().norm() + inertia.reach * p;
+            const double speed = kRounding * (p / inertia.mass + inertia.reach * L / inertia.least);
+            Group& group = groups_[inertia.group];
+            group.floor_squared = std::max(group.floor_squared, speed * speed);
+        };
+        if (descriptions_[j].first >= 0) raise(descriptions_[j].first, system_.impulse_on_first(joint, q));
+        if (descriptions_[j].second >= 0) raise(descriptions_[j].second, system_.impulse_on_second(joint, q));
+    }
+}
+
 /// Takes a pass into the books; true if every group may stop.
 bool EndOfStep::judge(int pass) {
     for (Group& group : groups_) {
@@ -318,6 +336,7 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
         if (networks.is_implicit() || has_joints) place_trial(now);
         if (pass == 0 || networks.is_implicit() || stiffness_wanted_) evaluate(now, networks);
         correct(now);
+        if (has_joints) raise_floors();
         if (!judge(pass) || pass == first_pass) continue;
         if (!foresee_stops(now)) {
             form_feedback(now);

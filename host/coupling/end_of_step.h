@@ -78,6 +78,7 @@ private:
         std::string name;
         double mass;
         Eigen::Matrix3d J;  ///< body axes
+        double least;       ///< principal moment [kg m²]
         double reach;       ///< of its markers and of its mass from the centre of mass [m]
         bool held;          ///< by an element or a joint
         size_t group;       ///< of connected bodies
@@ -86,7 +87,8 @@ private:
     struct Group {
         double contraction = 1;    ///< θ/(1 − θ) last measured, grown by kForget per step since; θ: rate of convergence
         double scale_squared = 0;  ///< of the motion, slowly forgetting
-        double floor_squared = 0;  ///< what rounding of the held bodies' positions feigns: nothing below can be asked for
+        double floor_squared = 0;  ///< what rounding of the held bodies' positions and of the joints' impulses feigns:
+                                   ///< nothing below can be asked for
         double correction_squared = 0;  ///< of the last pass
         double previous_squared = 0;    ///< of the one before
     };
@@ -100,6 +102,7 @@ private:
     void refuse_opening_joints(const std::vector<BodyState>& at) const;
     void correct(const std::vector<BodyState>& now);
     void open_groups(const std::vector<BodyState>& now);
+    void raise_floors();
     bool judge(int pass);
     bool foresee_stops(const std::vector<BodyState>& now);
     Eigen::Vector3d momentum_over_step(size_t body, const Eigen::Matrix3d& R, const Eigen::Vector3d& w) const;

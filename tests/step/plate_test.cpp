@@ -10,51 +10,16 @@
 
 #include "model/read_model.h"
 #include "step/simulation.h"
-#include "support/exact_linear_system.h"
-#include "support/models.h"
+#include "support/exact_plate.h"
 
 namespace dttmm {
 namespace {
 
-using test::kCorners;
-using Forces = std::vector<std::array<double, 4>>;  ///< of the bolts along z, on the 1 ms grid, from t = 0 on
+using Bolts = test::PlateOnBolts;
+using Forces = test::PlateForces;
+using test::exact_plate_forces;
 
-struct Bolts {
-    std::array<double, 4> k;
-    double c, rise_time;
-};
-
-const Bolts kSoft{{4e5, 5e5, 5e5, 5e5}, 100, 18.4e-3};  // examples/four_bolt_plate, bolt 1 softer by a fifth
-const Bolts kStiff{{4e8, 5e8, 5e8, 5e8}, 1000, 20e-3};  // examples/stiff_bolts
-
-Eigen::Matrix<double, 3, 6> marker_motion(const Eigen::Vector3d& arm) {
-    Eigen::Matrix<double, 3, 6> G;
-    G << 1, 0, 0, 0, arm.z(), -arm.y(), 0, 1, 0, -arm.z(), 0, arm.x(), 0, 0, 1, arm.y(), -arm.x(), 0;
-    return G;
-}
-
-/// Bolt forces k z + c z' from the exact motion.
-Forces exact_forces(const Bolts& bolts, int milliseconds) {
-    Eigen::MatrixXd M = Eigen::MatrixXd::Zero(6, 6), C = M, K = M;
-    M.diagonal() << 9.42, 9.42, 9.42, 9.42 / 12 * (0.04 + 4e-4), 9.42 / 12 * (0.09 + 4e-4), 9.42 / 12 * 0.13;
-    for (size_t i = 0; i < 4; ++i) {
-        const auto G = marker_motion(kCorners[i]);
-        K += bolts.k[i] * G.transpose() * G;
-        C += bolts.c * G.transpose() * G;
-    }
-    test::ExactLinearSystem plate(M, C, K, Eigen::VectorXd::Unit(6, 2), 1000, bolts.rise_time);
-    Forces forces;
-    for (int ms = 0; ms <= milliseconds; ++ms) {
-        if (ms > 0) plate.advance(1e-3);
-        std::array<double, 4> row;
-        for (size_t i = 0; i < 4; ++i) {
-            const auto G = marker_motion(kCorners[i]);
-            row[i] = bolts.k[i] * (G * plate.q()).z() + bolts.c * (G * plate.rate()).z();
-        }
-        forces.push_back(row);
-    }
-    return forces;
-}
+const Bolts kSoft = test::kSoftBolts, kStiff = test::kStiffBolts;
 
 /// rise: of the load, instead of the example's, as text.
 Forces simulated_forces(const std::string& example, const ModelOverrides& overrides, const std::string& rise = "") {
@@ -80,13 +45,9 @@ Forces simulated_forces(const std::string& example, const ModelOverrides& overri
     return forces;
 }
 
-/// Largest over bolts and the 1 ms grid, as a share of the static force of a bolt, 250 N.
 double error(const Forces& forces, const Forces& exact) {
     EXPECT_EQ(forces.size(), exact.size());
-    double largest = 0;
-    for (size_t n = 0; n < exact.size(); ++n)
-        for (size_t i = 0; i < 4; ++i) largest = std::max(largest, std::abs(forces[n][i] - exact[n][i]));
-    return largest / 250;
+    return test::plate_error(forces, exact);
 }
 
 ModelOverrides soft_bolt(const std::string& step, const std::string& coupling) {
@@ -100,7 +61,7 @@ ModelOverrides soft_bolt(const std::string& step, const std::string& coupling) {
 // Oracle: matrix exponential; a second-order scheme divides the error by four per halving. Written out by hand for the
 // linear plate, the scheme's three-level formula has the error 1.0296e-2 at 1 ms.
 TEST(Plate, ImplicitCouplingIsSecondOrderDownToAHundredthOfAMillisecond) {
-    const Forces exact = exact_forces(kSoft, 1000);
+    const Forces exact = exact_plate_forces(kSoft, 1000);
     double previous = 0;
     for (const char* step : {"1 ms", "0.5 ms", "0.25 ms", "0.125 ms", "0.0625 ms", "0.03125 ms", "0.015625 ms"}) {
         const double now = error(simulated_forces("four_bolt_plate", soft_bolt(step, "implicit")), exact);
@@ -118,12 +79,12 @@ TEST(Plate, ImplicitCouplingIsSecondOrderDownToAHundredthOfAMillisecond) {
 TEST(Plate, ErrorAtOneMillisecondIsTheDesignsFigureForItsRise) {
     const Bolts bolts{kSoft.k, kSoft.c, 20e-3};
     EXPECT_NEAR(
-        error(simulated_forces("four_bolt_plate", soft_bolt("1 ms", "implicit"), "20 ms"), exact_forces(bolts, 1000)),
+        error(simulated_forces("four_bolt_plate", soft_bolt("1 ms", "implicit"), "20 ms"), exact_plate_forces(bolts, 1000)),
         7.4e-3, 5e-5);
 }
 
 TEST(Plate, ExplicitCouplingOfThePaperFallsBelowOnePerMilleAtATenthOfAMillisecond) {
-    const Forces exact = exact_forces(kSoft, 1000);
+    const Forces exact = exact_plate_forces(kSoft, 1000);
     const double coarse = error(simulated_forces("four_bolt_plate", soft_bolt("0.2 ms", "explicit")), exact);
     const double fine = error(simulated_forces("four_bolt_plate", soft_bolt("0.1 ms", "explicit")), exact);
     EXPECT_LT(fine, 1e-3);
@@ -132,7 +93,7 @@ TEST(Plate, ExplicitCouplingOfThePaperFallsBelowOnePerMilleAtATenthOfAMillisecon
 
 // Oracle: matrix exponential. omega*h is 21 here: the explicit coupling of the paper would throw the plate away.
 TEST(Plate, ImplicitCouplingHoldsRealBoltsAtOneMillisecond) {
-    const double now = error(simulated_forces("stiff_bolts", {}), exact_forces(kStiff, 1000));
+    const double now = error(simulated_forces("stiff_bolts", {}), exact_plate_forces(kStiff, 1000));
     EXPECT_LT(now, 1e-3);
     EXPECT_GT(now, 1e-6) << "too good to be a 1 ms step: is the oracle fed with our own numbers?";
 }
@@ -148,7 +109,7 @@ TEST(Plate, ASoftBoltAndItsDiagonalPartnerCarryLess) {
 
 // Oracle: the exact peak on the 1 ms grid, 260.80 N; the paper prints 261 N.
 TEST(Plate, SymmetricPeakIsThatOfTheExactSolution) {
-    const Forces exact = exact_forces({{5e5, 5e5, 5e5, 5e5}, 100, 18.4e-3}, 1000);
+    const Forces exact = exact_plate_forces({{5e5, 5e5, 5e5, 5e5}, 100, 18.4e-3}, 1000);
     ModelOverrides fine;
     fine.step = "0.05 ms";
     const Forces forces = simulated_forces("four_bolt_plate", fine);

@@ -5,7 +5,7 @@
 // largest of the bolt forces over bolts and a 1 ms grid, over the static 250 N, against the exact solution of the linear
 // equations. Steps: 1, 1/2, 1/5, 1/10, … ms; of those the largest from which on every shorter one tried keeps the target.
 // Times: of stepping alone, nothing recorded, median of rounds that all methods take in turn; of the run to a tolerance, of
-// everything (all its runs from 1 ms on, set-up and histories). Takes half a minute.
+// everything (all its runs from 1 ms on, set-up and histories). Takes ten seconds.
 #include <fmt/format.h>
 #include <ode/ode.h>
 

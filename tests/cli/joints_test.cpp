@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Ideal joints, as a user models them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cli/process.h"
+#include "cli/small_model.h"
+
+namespace dttmm {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// A lever on a hinge with stops, held by a spring, pulled up by a constant force until it lies on its upper stop.
+const std::string kLever = R"(format = "dttmm/1"
+title = "lever"
+
+[simulation]
+duration = "0.5 s"
+step = "1 ms"
+
+[[body]]
+name = "lever"
+mass = "3 kg"
+inertia = [0.01, 0.2, 0.2]
+position = ["0.4 m", 0, 0]
+markers.end = ["0.4 m", 0, 0]
+
+[[joint]]
+name = "pin"
+type = "hinge"
+between = ["ground", "lever"]
+anchor = [0, 0, 0]
+axis = [0, -1, 0]
+limits = ["-1 deg", "2 deg"]
+
+[[load]]
+on = "lever"
+direction = [0, 0, 1]
+force = "120 N"
+
+[[element]]
+name = "spring"
+type = "spring_damper"
+from = "ground"
+to = "lever.end"
+stiffness = [0, 0, "1 N/mm"]
+damping = [0, 0, "20 N*s/m"]
+)";
+
+class JointsOfAUser : public testing::Test {
+protected:
+    Ended run(const std::string& model, std::vector<std::string> words = {}) {
+        write_text(folder_ / "model.toml", model);
+        words.insert(words.begin(), {"run", "model.toml", "-o", "out"});
+        return run_dttmm(folder_.path(), words);
+    }
+    static std::string with(std::string model, const std::string& what, const std::string& instead) {
+        return model.replace(model.find(what), what.size(), instead);
+    }
+    const TemporaryFolder folder_;
+};
+
+// Oracle: statics on the stop. The spring, 0.8 m from the pin, is stretched by 0.8 sin 2 deg and pulls with 1 N/mm times
+// that; load and spring are vertical, so the pin carries the rest: its force on the ground, in tension, is load − spring
+// upwards.
+TEST_F(JointsOfAUser, ForcesAngleAndStopsAreReported) {
+    const Ended ended = run(kLever);
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    EXPECT_THAT(ended.out, AllOf(HasSubstr("element, joint"), HasSubstr("pin")));
+    const auto summary = read_json(folder_ / "out/summary.json");
+    const double spring = 1000 * 0.8 * std::sin(2 * M_PI / 180);
+    EXPECT_NEAR(summary["elements"]["spring"]["force"]["z"]["final"].get<double>(), spring, 1e-6);
+    EXPECT_NEAR(summary["joints"]["pin"]["force"]["z"]["final"].get<double>(), 120 - spring, 1e-5);
+    EXPECT_FALSE(summary["elements"].contains("pin"));
+    EXPECT_EQ(summary["model"]["joints"]["pin"]["type"], "hinge");
+    const double engine_steps = summary["coupling"]["engine_steps_per_step"];
+    EXPECT_GE(engine_steps, 1);
+    EXPECT_LT(engine_steps, 1.02);
+    EXPECT_LT(summary["coupling"]["passes_per_step"].get<double>(), 5);
+    std::ifstream history(folder_ / "out/history.csv");
+    std::string names;
+    std::getline(history, names);
+    EXPECT_THAT(names,
+                AllOf(HasSubstr(",pin.force.x,pin.force.y,pin.force.z,pin.moment.x,pin.moment.y,pin.moment.z,pin.angle,")));
+}
+
+TEST_F(JointsOfAUser, CheckCountsTheirEquations) {
+    write_text(folder_ / "model.toml", kLever);
+    const Ended ended = run_dttmm(folder_.path(), {"check", "model.toml"});
+    EXPECT_EQ(ended.code, 0);
+    EXPECT_THAT(ended.out, HasSubstr("1 joints (5 equations)"));
+}
+
+TEST_F(JointsOfAUser, VelocitiesThatOpenAJointAreFaultsOfTheModel) {
+    const Ended ended = run(with(kLever, "markers.end", "velocity = [0, 0.3, 0]\nmarkers.end"));
+    EXPECT_EQ(ended.code, 3);
+    EXPECT_THAT(ended.err, AllOf(HasSubstr("model.toml:16:1: joint \"pin\""), HasSubstr("0.3 m/s")));
+    EXPECT_FALSE(fs::exists(folder_ / "out"));
+}
+
+// A motion that no step of this size can follow ends the run in order: code 4, the time, the body, what to do; the rows
+// stay.
+TEST_F(JointsOfAUser, AMotionTooFastForTheStepEndsInOrder) {
+    const std::string model = with(with(kLever, "120 N", "3e7 N"), "limits = [\"-1 deg\", \"2 deg\"]\n", "");
+    const Ended ended = run(model);
+    EXPECT_EQ(ended.code, 4);
+    EXPECT_THAT(ended.err, AllOf(HasSubstr("body \"lever\""), HasSubstr("t = 0.0"), HasSubstr("rows recorded")));
+    for (const auto& row : read_history(folder_ / "out/history.csv"))
+        for (const double value : row) EXPECT_TRUE(std::isfinite(value));
+}
+
+}  // namespace
+}  // namespace dttmm

@@ -98,6 +98,12 @@ Json describe_channels(const Recorder& recorder,
     return owners;
 }
 
+std::set<std::string> names_of(const auto& things) {
+    std::set<std::string> names;
+    for (const auto& thing : things) names.insert(thing.name);
+    return names;
+}
+
 /// Forces and moments of the owners that `names` lists.
 Json describe_forces(const Recorder& recorder, const std::set<std::string>& names) {
     return describe_channels(recorder, [&](const std::string& owner, std::string_view quantity) {
@@ -105,10 +111,19 @@ Json describe_forces(const Recorder& recorder, const std::set<std::string>& name
     });
 }
 
-std::set<std::string> names_of(const auto& things) {
-    std::set<std::string> names;
-    for (const auto& thing : things) names.insert(thing.name);
-    return names;
+/// The same of the joints, with the angle or travel of each that has one.
+Json describe_joints(const Recorder& recorder, const Model& model) {
+    Json joints = describe_forces(recorder, names_of(model.joints));
+    for (size_t c = 1; c < recorder.channels().size(); ++c) {
+        const std::string& name = recorder.channels()[c].name;
+        const size_t dot = name.rfind('.');
+        const std::string owner = name.substr(0, dot), quantity = name.substr(std::min(dot, name.size() - 1) + 1);
+        if (!joints.contains(owner) || (quantity != "angle" && quantity != "travel")) continue;
+        const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
+        joints[owner][quantity] = {
+            {"peak", statistics.peak}, {"peak_time", statistics.peak_time}, {"final", statistics.final}};
+    }
+    return joints;
 }
 
 /// NaN, which JSON does not know, is null.
@@ -202,35 +217,37 @@ Json describe_run(const Model& model, const RunRequest& request, const Plugins& 
     Json versions = {{"dttmm", DTTMM_VERSION}, {"ode", World::engine_version()}};
     for (const PluginLibrary& library : plugins.libraries())
         versions["plugins"][library.name()] = fmt::format("{} {}", library.table().name, library.table().version);
-    Json summary = {{"format", "dttmm-summary/1"},
-                    {"status", outcome.status},
-                    {"reason", outcome.reason},
-                    {"title", model.title},
-                    {"command_line", request.command_line},
-                    {"versions", versions},
-                    {"steps", outcome.steps},
-                    {"rows", recorder.rows()},
-                    {"wall_time", outcome.wall_time},
-                    {"wall_time_per_step", outcome.wall_time / static_cast<double>(std::max<uint64_t>(outcome.steps, 1))},
-                    {"coupling",
-                     {{"passes", simulation.end_of_step().passes()},
-                      {"passes_per_step", static_cast<double>(simulation.end_of_step().passes()) / steps},
-                      {"factorisations", simulation.end_of_step().factorisations()},
-                      {"engine_steps", simulation.engine_steps()},
-                      {"engine_steps_per_step", static_cast<double>(simulation.engine_steps()) / steps}}},
-                    {"fastest_vibration",
-                     {{"omega_h", simulation.fastest_mode().omega * simulation.step_size()},
-                      {"frequency_hz", simulation.fastest_mode().omega / (2 * M_PI)},
-                      {"body", simulation.fastest_mode().body},
-                      {"elements", describe_shares(simulation.fastest_mode())},
-                      {"explicit_limit", describe_limit(simulation)}}},
-                    {"energy", describe_energy(recorder)},
-                    {"elements", describe_forces(recorder, names_of(model.elements))},
-                    {"joints", describe_forces(recorder, names_of(model.joints))},
-                    {"accelerations", describe_channels(recorder, [](const std::string&,
-                                                                     std::string_view q) { return q == "acceleration"; })},
-                    {"inputs", describe_inputs(model, request)},
-                    {"model", describe_model(model, plugins.catalogue())}};
+    Json summary = {
+        {"format", "dttmm-summary/1"},
+        {"status", outcome.status},
+        {"reason", outcome.reason},
+        {"title", model.title},
+        {"command_line", request.command_line},
+        {"versions", versions},
+        {"steps", outcome.steps},
+        {"rows", recorder.rows()},
+        {"wall_time", outcome.wall_time},
+        {"wall_time_per_step", outcome.wall_time / static_cast<double>(std::max<uint64_t>(outcome.steps, 1))},
+        {"coupling",
+         {{"passes", simulation.end_of_step().passes()},
+          {"passes_per_step", static_cast<double>(simulation.end_of_step().passes()) / steps},
+          {"factorisations", simulation.end_of_step().factorisations()},
+          {"engine_steps", simulation.engine_steps()},
+          {"engine_steps_per_step", static_cast<double>(simulation.engine_steps()) / steps}}},
+        {"fastest_vibration",
+         {{"omega_h", simulation.fastest_mode().omega * simulation.step_size()},
+          {"frequency_hz", simulation.fastest_mode().omega / (2 * M_PI)},
+          {"body", simulation.fastest_mode().body},
+          {"elements", describe_shares(simulation.fastest_mode())},
+          {"explicit_limit", describe_limit(simulation)}}},
+        {"energy", describe_energy(recorder)},
+        {"elements", describe_forces(recorder, names_of(model.elements))},
+        {"joints", describe_joints(recorder, model)},
+        {"positions", describe_channels(recorder, [](const std::string&, std::string_view q) { return q == "position"; })},
+        {"accelerations",
+         describe_channels(recorder, [](const std::string&, std::string_view q) { return q == "acceleration"; })},
+        {"inputs", describe_inputs(model, request)},
+        {"model", describe_model(model, plugins.catalogue())}};
     if (halving) summary["tolerance"] = describe_tolerance(*halving);
     return summary;
 }

@@ -42,17 +42,19 @@ std::vector<size_t> find_groups(size_t count, const std::vector<std::pair<int, i
     return numbered;
 }
 
-/// Whether an element or a joint holds each body: its forces then carry the rounding of the body's position.
-std::vector<bool> find_held(const Model& model) {
-    std::vector<bool> held(model.bodies.size());
-    const auto hold = [&](int body) {
-        if (body >= 0) held[static_cast<size_t>(body)] = true;
+/// What holds each body, e.g. `element "bolt1"`, or nothing: the forces of elements and joints carry the rounding of the
+/// body's position.
+std::vector<std::string> find_holders(const Model& model) {
+    std::vector<std::string> holders(model.bodies.size());
+    const auto hold = [&](int body, const char* kind, const std::string& name) {
+        if (body >= 0 && holders[static_cast<size_t>(body)].empty())
+            holders[static_cast<size_t>(body)] = fmt::format("{} \"{}\"", kind, name);
     };
-    for (const Element& element : model.elements)
-        for (const Attachment& end : {element.from, element.to}) hold(end.body);
     for (const Joint& joint : model.joints)
-        for (int body : {joint.first, joint.second}) hold(body);
-    return held;
+        for (int body : {joint.first, joint.second}) hold(body, "joint", joint.name);
+    for (const Element& element : model.elements)
+        for (const Attachment& end : {element.from, element.to}) hold(end.body, "element", element.name);
+    return holders;
 }
 
 /// Pairs of bodies that share an element or a joint.
@@ -77,12 +79,13 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks)
       system_(model.bodies, model.joints),
       matrix_(static_cast<int>(model.bodies.size()), networks.neighbours(), system_.nodes()) {
     const size_t n = model.bodies.size();
-    const std::vector<bool> held = find_held(model);
+    const std::vector<std::string> holders = find_holders(model);
     const std::vector<size_t> group = find_groups(n, find_neighbours(model, networks));
     for (size_t b = 0; b < n; ++b) {
         const Body& body = model.bodies[b];
         const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(body.inertia).eigenvalues()(0);
-        inertias_.push_back({body.name, body.mass, body.inertia, least, reach_of(body), held[b], group[b]});
+        inertias_.push_back(
+            {body.name, holders[b], body.mass, body.inertia, least, reach_of(body), !holders[b].empty(), group[b]});
     }
     groups_.resize(n == 0 ? 0 : 1 + *std::max_element(group.begin(), group.end()));
     for (auto* list : {&u_, &previous_u_, &correction_, &free_momentum_, &feedback_}) list->assign(n, Vector6::Zero());
@@ -439,8 +442,9 @@ void EndOfStep::fail(int passes) const {
         ExitCode::numerical_failure,
         fmt::format(
             "t = {:.9g} s: the end of the step was not found in {} passes (last correction {:.1e} m/s), worst at body "
-            "\"{}\"; try a smaller step",
-            time_, passes, correction_[worst].norm(), inertias_[worst].name));
+            "\"{}\"{}; try a smaller step",
+            time_, passes, correction_[worst].norm(), inertias_[worst].name,
+            inertias_[worst].held ? fmt::format(" on {}", inertias_[worst].holder) : ""));
 }
 
 }  // namespace dttmm

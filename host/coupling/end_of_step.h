@@ -76,6 +76,7 @@ private:
     using Vector6 = Eigen::Matrix<double, 6, 1>;
     struct Inertia {
         std::string name;
+        std::string holder;  ///< an element or a joint that it hangs on, for messages
         double mass;
         Eigen::Matrix3d J;  ///< body axes
         double least;       ///< principal moment [kg m²]

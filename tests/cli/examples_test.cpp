@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -47,6 +48,17 @@ std::vector<std::string> words_of(const std::string& options) {
     return words;
 }
 
+nlohmann::json run_example(const std::string& name, const std::string& options) {
+    const TemporaryFolder folder;
+    const fs::path model = fs::path(DTTMM_SOURCE_DIR) / "examples" / name / "model.toml";
+    std::vector<std::string> words = {"run", model, "-q", "-o", folder.path() / "results"};
+    if (name == "minimal_plugin") words.insert(words.end(), {"--plugin", DTTMM_C_SPRING});
+    for (const std::string& word : words_of(options)) words.push_back(word);
+    const Ended ended = run_dttmm(folder.path(), words);
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    return read_json(folder.path() / "results" / "summary.json");
+}
+
 class Examples : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Examples, GiveTheNumbersTheyPromise) {
@@ -54,14 +66,10 @@ TEST_P(Examples, GiveTheNumbersTheyPromise) {
     EXPECT_TRUE(fs::exists(example / "README.md"));
     const std::vector<Expectation> expectations = read_expectations(example / "expected.csv");
     ASSERT_FALSE(expectations.empty()) << example;
-    const TemporaryFolder folder;
+    std::map<std::string, nlohmann::json> summaries;  // by options: each set is run once
     for (const Expectation& expected : expectations) {
-        std::vector<std::string> words = {"run", example / "model.toml", "-q", "-o", folder.path() / "results"};
-        if (GetParam() == "minimal_plugin") words.insert(words.end(), {"--plugin", DTTMM_C_SPRING});
-        for (const std::string& word : words_of(expected.options)) words.push_back(word);
-        const Ended ended = run_dttmm(folder.path(), words);
-        ASSERT_EQ(ended.code, 0) << ended.err;
-        const nlohmann::json summary = read_json(folder.path() / "results" / "summary.json");
+        nlohmann::json& summary = summaries[expected.options];
+        if (summary.is_null()) summary = run_example(GetParam(), expected.options);
         EXPECT_NEAR(summary.at(nlohmann::json::json_pointer(expected.pointer)).get<double>(), expected.value,
                     expected.tolerance)
             << expected.options << " " << expected.pointer;

@@ -75,6 +75,7 @@ TEST_F(JointsOfAUser, ForcesAngleAndStopsAreReported) {
     EXPECT_NEAR(summary["elements"]["spring"]["force"]["z"]["final"].get<double>(), spring, 1e-6);
     EXPECT_NEAR(summary["joints"]["pin"]["force"]["z"]["final"].get<double>(), 120 - spring, 1e-5);
     EXPECT_FALSE(summary["elements"].contains("pin"));
+    EXPECT_NEAR(summary["joints"]["pin"]["angle"]["final"].get<double>(), 2 * M_PI / 180, 1e-11);
     EXPECT_EQ(summary["model"]["joints"]["pin"]["type"], "hinge");
     const double engine_steps = summary["coupling"]["engine_steps_per_step"];
     EXPECT_GE(engine_steps, 1);
@@ -107,7 +108,7 @@ TEST_F(JointsOfAUser, AMotionTooFastForTheStepEndsInOrder) {
     const std::string model = with(with(kLever, "120 N", "3e7 N"), "limits = [\"-1 deg\", \"2 deg\"]\n", "");
     const Ended ended = run(model);
     EXPECT_EQ(ended.code, 4);
-    EXPECT_THAT(ended.err, AllOf(HasSubstr("body \"lever\""), HasSubstr("t = 0.0"), HasSubstr("rows recorded")));
+    EXPECT_THAT(ended.err, AllOf(HasSubstr("body \"lever\" on joint \"pin\""), HasSubstr("t = 0.0"), HasSubstr("rows recorded")));
     for (const auto& row : read_history(folder_ / "out/history.csv"))
         for (const double value : row) EXPECT_TRUE(std::isfinite(value));
 }

@@ -292,7 +292,8 @@ bool EndOfStep::judge(int pass) {
     }
     bool done = true;
     for (Group& group : groups_) {
-        if (pass == 1 ||
+        // With joints the first correction is that of multipliers from zero, and nothing can be measured by it
+        if ((pass == 1 && system_.empty()) ||
             (pass > 1 && group.correction_squared > group.floor_squared)) {  // a later one at rounding measures nothing
             const double rate =
                 group.previous_squared > 0 ? std::sqrt(group.correction_squared / group.previous_squared) : 0;

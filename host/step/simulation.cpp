@@ -94,6 +94,7 @@ void Simulation::observe() {
 
 std::string Simulation::describe_speed() const {
     const FastestMode& mode = limit_ ? limit_->mode : fastest_;
+    if (mode.body.empty()) return "nothing vibrates";
     std::string text = fmt::format("omega*h = {:.4g} (fastest vibration {})", mode.omega * step_size_, describe(mode));
     if (!limit_) return text;
     if (limit_->damping_share > 0.01)

@@ -85,6 +85,7 @@ void JointEquations::residual(const std::vector<BodyState>& at, Values& C) const
     const BodyState &first = state(first_, at), &second = state(second_, at);
     const Eigen::Vector3d gap =
         second.position + second.rotation * arm_second_ - first.position - first.rotation * arm_first_;
+    C.resize(count());
     int row = 0;
     for (const AnchorEquation& equation : anchors_) C(row++) = direction(equation, first).dot(gap);
     for (const AngleEquation& equation : angles_) C(row++) = (first.rotation * equation.u).dot(second.rotation * equation.w);
@@ -127,6 +128,7 @@ void JointEquations::curvature(const std::vector<BodyState>& at, Values& rate) c
     const Eigen::Vector3d gap = second.position + r2 - first.position - r1;
     const Eigen::Vector3d gap_rate = second.velocity + w2.cross(r2) - first.velocity - w1.cross(r1);
     const Eigen::Vector3d gap_curvature = w2.cross(w2.cross(r2)) - w1.cross(w1.cross(r1));
+    rate.resize(count());
     int row = 0;
     for (const AnchorEquation& equation : anchors_) {
         const Eigen::Vector3d d = direction(equation, first);

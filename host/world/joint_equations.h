@@ -39,11 +39,11 @@ public:
     bool has_stops() const { return has_stops_; }
     const std::array<double, 2>& stops() const { return stops_; }  ///< lower and upper [rad, m]
 
-    /// C [m, rad] of the lasting equations; the stops' is left alone.
+    /// C [m, rad] of the lasting equations, sized for all.
     void residual(const std::vector<BodyState>& at, Values& C) const;
     /// ∂Ċ/∂(velocities), the last row that of the coordinate where there are stops.
     void jacobian(const std::vector<BodyState>& at, Jacobian& J) const;
-    /// C̈ of the lasting equations while both bodies keep their velocities.
+    /// C̈ of the lasting equations, sized for all, while both bodies keep their velocities.
     void curvature(const std::vector<BodyState>& at, Values& rate) const;
 
     /// Where the anchor is in the world [m], on the first body.

@@ -9,7 +9,6 @@ JointSystem::JointSystem(const std::vector<Body>& bodies, const std::vector<Join
     for (const Joint& joint : joints) joints_.emplace_back(joint, bodies);
     jacobians_.resize(joints.size());
     stops_.resize(joints.size());
-    values_.resize(7);
 }
 
 std::vector<BlockMatrix::JointNode> JointSystem::nodes() const {

@@ -22,8 +22,8 @@ using Json = nlohmann::ordered_json;
 Json describe_inputs(const Model& model, const RunRequest& request);
 
 /// summary.json: status, inputs, versions, step count and time per step, coupling, omega*h, energy, peak and final values of
-/// every element, joint and marker, the resolved model. `simulation` is the run whose results are kept; `halving`, of a run to a
-/// tolerance, says what stands behind them, else null.
+/// every element, joint and marker, the resolved model. `simulation` is the run whose results are kept; `halving`, of a run
+/// to a tolerance, says what stands behind them, else null.
 Json describe_run(const Model& model, const RunRequest& request, const Plugins& plugins, const Simulation& simulation,
                   const Recorder& recorder, const Outcome& outcome, const Halving* halving);
 

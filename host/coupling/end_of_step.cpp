@@ -77,7 +77,8 @@ double reach_of(const Body& body) {
 EndOfStep::EndOfStep(const Model& model, const Networks& networks)
     : descriptions_(model.joints),
       system_(model.bodies, model.joints),
-      matrix_(static_cast<int>(model.bodies.size()), networks.neighbours(), system_.nodes()) {
+      matrix_(static_cast<int>(model.bodies.size()), networks.neighbours(), system_.nodes()),
+      factor_(matrix_) {
     const size_t n = model.bodies.size();
     const std::vector<std::string> holders = find_holders(model);
     const std::vector<size_t> group = find_groups(n, find_neighbours(model, networks));
@@ -91,7 +92,6 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks)
     for (auto* list : {&u_, &previous_u_, &correction_, &free_momentum_, &feedback_}) list->assign(n, Vector6::Zero());
     wrenches_.resize(6 * n);
     for (Eigen::VectorXd* list : {&right_hand_side_, &solution_, &multipliers_}) list->setZero(matrix_.size());
-    solver_.analyzePattern(matrix_.upper());
 }
 
 std::vector<BodyState> EndOfStep::start(const dttmm_step& step, const std::vector<BodyState>& at, Networks& networks,
@@ -142,7 +142,7 @@ void EndOfStep::find_accelerations(const std::vector<BodyState>& at, double* acc
             const auto q = Eigen::seqN(matrix_.joint_index(static_cast<int>(j)), system_.joints()[j].count());
             proximal(q) += matrix_.upper().diagonal()(q).cwiseProduct(x(q));
         }
-        x = solver_.solve(proximal);
+        factor_.solve(proximal, x);
     }
     for (size_t b = 0; b < at.size(); ++b)
         Eigen::Map<Vector6>(accelerations + 6 * b) = x.segment<6>(matrix_.index(static_cast<int>(b)));
@@ -216,8 +216,7 @@ void EndOfStep::add_inertia(const std::vector<BodyState>& now) {
         matrix_.add(static_cast<int>(b), static_cast<int>(b), M);
     }
     system_.write_to(matrix_);
-    solver_.factorize(matrix_.upper());
-    if (solver_.info() != Eigen::Success)
+    if (!factor_.factor(matrix_))
         throw Error(ExitCode::numerical_failure,
                     fmt::format("t = {:.9g} s: the matrix of the end of the step, M + h² S, is singular{}", time_,
                                 system_.empty() ? "" : "; very unequal masses on joints?"));
@@ -235,7 +234,7 @@ void EndOfStep::correct(const std::vector<BodyState>& now) {
         system_.add_impulses(matrix_, multipliers_, right_hand_side_);
         system_.write_openings(matrix_, trial_, h_, right_hand_side_);
     }
-    solution_ = solver_.solve(right_hand_side_);
+    factor_.solve(right_hand_side_, solution_);
     if (!system_.empty()) multipliers_ += solution_;
     for (size_t b = 0; b < now.size(); ++b) {
         correction_[b] = solution_.segment<6>(matrix_.index(static_cast<int>(b)));

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/SparseCholesky>
 #include <vector>
 
 #include "coupling/loads.h"
 #include "coupling/networks.h"
 #include "model/model.h"
+#include "world/block_factor.h"
 #include "world/block_matrix.h"
 #include "world/joint_system.h"
 #include "world/world.h"
@@ -126,7 +126,7 @@ private:
 
     JointSystem system_;
     BlockMatrix matrix_;
-    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Upper, Eigen::NaturalOrdering<int>> solver_;
+    BlockFactor factor_;
     Eigen::VectorXd right_hand_side_, solution_;
     std::vector<Stop> stops_;
     Eigen::VectorXd multipliers_;   ///< q in the joints' rows; the others are not looked at

@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "world/block_factor.h"
 #include "world/block_matrix.h"
 #include "world/joint_system.h"
 
@@ -26,7 +26,8 @@ using Matrix = Eigen::SparseMatrix<double>;
 /// M of all bodies, block by block in the matrices' order, M = L Lᵀ; and the joints that they hang on.
 class Inertia {
 public:
-    Inertia(const Model& model, const JointSystem& joints, BlockMatrix matrix, const std::vector<BodyState>& at) {
+    Inertia(const Model& model, const JointSystem& joints, BlockMatrix matrix, const std::vector<BodyState>& at)
+        : factor_(matrix) {
         matrix.set_zero();
         for (size_t b = 0; b < model.bodies.size(); ++b) {
             const int body = static_cast<int>(b);
@@ -38,13 +39,14 @@ public:
             matrix.add(body, body, M);
         }
         joints.write_to(matrix);
-        solver_.compute(matrix.upper());
+        factor_.factor(matrix);
         for (size_t j = 0; j < joints.joints().size(); ++j)
             multipliers_.push_back({matrix.joint_index(static_cast<int>(j)), joints.joints()[j].count()});
     }
     /// y ← the motion u that the joints allow with M u + Jᵀ q = y; without joints M⁻¹ y
     void divide(Eigen::VectorXd& y) const {
-        y = solver_.solve(y).eval();
+        const Eigen::VectorXd momentum = y;
+        factor_.solve(momentum, y);
         for (const auto& [start, count] : multipliers_) y.segment(start, count).setZero();
     }
     /// u ← M L⁻ᵀ z = L z
@@ -71,7 +73,7 @@ private:
     };
     std::vector<Part> parts_;
     std::vector<std::pair<int, int>> multipliers_;  ///< rows of the joints: start and count
-    Eigen::SimplicialLDLT<Matrix, Eigen::Upper, Eigen::NaturalOrdering<int>> solver_;
+    BlockFactor factor_;
 };
 
 /// An eigenvalue of M⁻¹ A and its vector.

@@ -47,7 +47,10 @@ std::vector<int> order_nodes(int body_count, Pairs pairs, const std::vector<Bloc
 }  // namespace
 
 BlockMatrix::BlockMatrix(int body_count, const Pairs& pairs, const std::vector<JointNode>& joints)
-    : body_count_(body_count), joints_(joints), order_(order_nodes(body_count, pairs, joints)) {
+    : body_count_(body_count),
+      is_coupled_(!pairs.empty() || !joints.empty()),
+      joints_(joints),
+      order_(order_nodes(body_count, pairs, joints)) {
     const size_t node_count = order_.size();
     std::vector<int> sizes(node_count), starts(node_count);  // by position
     const auto size_of = [&](size_t node) {

@@ -32,6 +32,8 @@ public:
     int index(int body) const { return start_[static_cast<size_t>(body)]; }
     int joint_index(int joint) const { return start_[static_cast<size_t>(body_count_ + joint)]; }
     int size() const { return static_cast<int>(matrix_.rows()); }
+    /// Whether there is anything but the diagonal blocks of bodies.
+    bool is_coupled() const { return is_coupled_; }
 
     void set_zero();
     /// Adds a block at (row body, column body). Only what falls into the upper triangle of the reordered matrix is kept: add
@@ -51,6 +53,7 @@ private:
     void set_side(int joint, int body, const Rows& rows);
 
     int body_count_;
+    bool is_coupled_;
     std::vector<JointNode> joints_;
     std::vector<int> order_;                        ///< position of every node, the bodies first, then the joints
     std::vector<int> start_;                        ///< first unknown of every node

@@ -24,13 +24,12 @@ constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
 }  // namespace
 
 JointClosure::JointClosure(const std::vector<Body>& bodies, const std::vector<Joint>& joints)
-    : system_(bodies, joints), matrix_(static_cast<int>(bodies.size()), {}, system_.nodes()) {
+    : system_(bodies, joints), matrix_(static_cast<int>(bodies.size()), {}, system_.nodes()), factor_(matrix_) {
     for (const Body& body : bodies)
         inertias_.push_back({body.mass, body.inertia, std::sqrt(body.inertia.trace() / (2 * body.mass))});
     for (const Joint& joint : joints) names_.push_back(joint.name);
     right_hand_side_.setZero(matrix_.size());
     solution_.setZero(matrix_.size());
-    solver_.analyzePattern(matrix_.upper());
 }
 
 void JointClosure::factor(const std::vector<BodyState>& now) {
@@ -42,8 +41,7 @@ void JointClosure::factor(const std::vector<BodyState>& now) {
         matrix_.add(static_cast<int>(b), static_cast<int>(b), M);
     }
     system_.write_to(matrix_);
-    solver_.factorize(matrix_.upper());
-    if (solver_.info() != Eigen::Success) fail();
+    if (!factor_.factor(matrix_)) fail();
 }
 
 /// A stop has acted unless ODE lets the joint part from it.
@@ -70,7 +68,7 @@ void JointClosure::close(const std::vector<BodyState>& now, double h, std::vecto
         }
         right_hand_side_.setZero();
         system_.write_openings(matrix_, after, h, right_hand_side_);
-        solution_ = solver_.solve(right_hand_side_);
+        factor_.solve(right_hand_side_, solution_);
         double correction = 0, scale = 0;
         for (size_t b = 0; b < now.size(); ++b) {
             const auto change = solution_.segment<6>(matrix_.index(static_cast<int>(b)));

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/SparseCholesky>
 #include <vector>
 
 #include "model/model.h"
+#include "world/block_factor.h"
 #include "world/block_matrix.h"
 #include "world/body_state.h"
 #include "world/joint_system.h"
@@ -38,7 +38,7 @@ private:
     std::vector<std::string> names_;
     JointSystem system_;
     BlockMatrix matrix_;
-    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Upper, Eigen::NaturalOrdering<int>> solver_;
+    BlockFactor factor_;
     Eigen::VectorXd right_hand_side_, solution_;
 };
 

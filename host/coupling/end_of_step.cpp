@@ -24,9 +24,6 @@ constexpr double kForget = 2;
 /// Slower than this, the matrix is formed anew.
 constexpr double kSlowestContraction = 0.1;
 
-/// Positions are known to a few units in the last place of their size.
-constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
-
 /// Numbers the groups of bodies that elements connect: group of every body, from 0.
 std::vector<size_t> find_groups(size_t count, const std::vector<std::pair<int, int>>& neighbours) {
     std::vector<size_t> group(count);
@@ -67,7 +64,7 @@ std::vector<std::pair<int, int>> find_neighbours(const Model& model, const Netwo
 
 /// Distance from the centre of mass to the farthest marker, at least the largest radius of gyration.
 double reach_of(const Body& body) {
-    double reach = std::sqrt(body.inertia.trace() / (2 * body.mass));
+    double reach = Inertia(body).gyration_bound();
     for (const Marker& marker : body.markers) reach = std::max(reach, (marker.position - body.center_of_mass).norm());
     return reach;
 }
@@ -85,9 +82,13 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks)
     for (size_t b = 0; b < n; ++b) {
         const Body& body = model.bodies[b];
         const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(body.inertia).eigenvalues()(0);
-        inertias_.push_back(
-            {body.name, holders[b], body.mass, body.inertia, least, reach_of(body), !holders[b].empty(), group[b]});
+        bodies_.push_back({Inertia(body), body.name, holders[b], least, reach_of(body), group[b]});
     }
+    for (const JointEquations& joint : system_.joints())
+        for (const auto side : {JointEquations::kFirst, JointEquations::kSecond})
+            if (const int body = joint.bodies()[side]; body >= 0)
+                bodies_[static_cast<size_t>(body)].reach =
+                    std::max(bodies_[static_cast<size_t>(body)].reach, joint.arm(side));
     groups_.resize(n == 0 ? 0 : 1 + *std::max_element(group.begin(), group.end()));
     for (auto* list : {&u_, &previous_u_, &correction_, &free_momentum_, &feedback_}) list->assign(n, Vector6::Zero());
     wrenches_.resize(6 * n);
@@ -99,6 +100,7 @@ std::vector<BodyState> EndOfStep::start(const dttmm_step& step, const std::vecto
     h_ = step.size;
     time_ = step.time;
     trial_ = at;
+    steps_ = 0;
     stiffness_wanted_ = true;
     std::fill(groups_.begin(), groups_.end(), Group{});
 
@@ -126,13 +128,13 @@ void EndOfStep::find_accelerations(const std::vector<BodyState>& at, double* acc
     constexpr int kProximalPasses = 4;
     system_.linearise(at, std::vector<Stop>(descriptions_.size()));
     matrix_.set_zero();
-    add_inertia(at);
+    factor(at);
     Eigen::VectorXd rows(matrix_.size());
     for (size_t b = 0; b < at.size(); ++b) {
         const int start = matrix_.index(static_cast<int>(b));
         rows.segment<6>(start) = Eigen::Map<const Vector6>(&wrenches_[6 * b]);
         const Eigen::Vector3d& w = at[b].angular_velocity;
-        rows.segment<3>(start + 3) -= w.cross(at[b].rotation * (inertias_[b].J * (at[b].rotation.transpose() * w)));
+        rows.segment<3>(start + 3) -= w.cross(bodies_[b].inertia.turned(at[b].rotation, w));
     }
     system_.write_curvatures(matrix_, at, rows);
     Eigen::VectorXd x = Eigen::VectorXd::Zero(rows.size());
@@ -144,6 +146,7 @@ void EndOfStep::find_accelerations(const std::vector<BodyState>& at, double* acc
         }
         factor_.solve(proximal, x);
     }
+    start_multipliers_ = h_ * x;
     for (size_t b = 0; b < at.size(); ++b)
         Eigen::Map<Vector6>(accelerations + 6 * b) = x.segment<6>(matrix_.index(static_cast<int>(b)));
 }
@@ -153,7 +156,7 @@ void EndOfStep::refuse_opening_joints(const std::vector<BodyState>& at) const {
     double scale = 0;
     for (size_t b = 0; b < at.size(); ++b) scale = std::max({scale, at[b].velocity.norm(), at[b].angular_velocity.norm()});
     for (size_t j = 0; j < descriptions_.size(); ++j)
-        if (const double speed = system_.opening_speed(at, j); speed > kTolerated * scale)
+        if (const double speed = system_.opening_speed(j, at); speed > kTolerated * scale)
             throw ModelError(fmt::format(
                 "{}: joint \"{}\": the velocities of its bodies at the start would open it at {:.3g} m/s (or rad/s); "
                 "give both bodies velocities that the joint allows",
@@ -163,8 +166,7 @@ void EndOfStep::refuse_opening_joints(const std::vector<BodyState>& at) const {
 /// Angular momentum half way through a step that starts at R with the angular velocity w:
 ///     L = R_{½} J R_{½}ᵀ w = exp(h w~/2) R J Rᵀ w,   for the exponential leaves w alone
 Eigen::Vector3d EndOfStep::momentum_over_step(size_t body, const Eigen::Matrix3d& R, const Eigen::Vector3d& w) const {
-    const Eigen::Vector3d L = R * (inertias_[body].J * (R.transpose() * w));
-    return RotationStep(0.5 * h_ * w).apply(L);
+    return RotationStep(0.5 * h_ * w).apply(bodies_[body].inertia.turned(R, w));
 }
 
 void EndOfStep::predict(const std::vector<BodyState>& now) {
@@ -199,22 +201,14 @@ void EndOfStep::evaluate(const std::vector<BodyState>& now, Networks& networks) 
         matrix_.add(column, row, 0.5 * h_ * h_ * S.transpose());
     });
     factor(now);
-}
-
-/// Adds inertia and joints to the stiffness in the matrix, and factors.
-void EndOfStep::factor(const std::vector<BodyState>& now) {
-    add_inertia(now);
     ++factorisations_;
     stiffness_wanted_ = false;
 }
 
-void EndOfStep::add_inertia(const std::vector<BodyState>& now) {
-    for (size_t b = 0; b < now.size(); ++b) {
-        BlockMatrix::Block M = BlockMatrix::Block::Zero();
-        M.diagonal().head<3>().setConstant(inertias_[b].mass);
-        M.bottomRightCorner<3, 3>() = now[b].rotation * inertias_[b].J * now[b].rotation.transpose();
-        matrix_.add(static_cast<int>(b), static_cast<int>(b), M);
-    }
+/// Adds inertia and joints to the stiffness in the matrix, and factors.
+void EndOfStep::factor(const std::vector<BodyState>& now) {
+    for (size_t b = 0; b < now.size(); ++b)
+        matrix_.add(static_cast<int>(b), static_cast<int>(b), bodies_[b].inertia.block(now[b].rotation));
     system_.write_to(matrix_);
     if (!factor_.factor(matrix_))
         throw Error(ExitCode::numerical_failure,
@@ -226,7 +220,7 @@ void EndOfStep::add_inertia(const std::vector<BodyState>& now) {
 void EndOfStep::correct(const std::vector<BodyState>& now) {
     for (size_t b = 0; b < now.size(); ++b) {
         Vector6 r = free_momentum_[b] + h_ * Eigen::Map<const Vector6>(&wrenches_[6 * b]);
-        r.head<3>() -= inertias_[b].mass * u_[b].head<3>();
+        r.head<3>() -= bodies_[b].inertia.mass * u_[b].head<3>();
         r.tail<3>() -= momentum_over_step(b, now[b].rotation, u_[b].tail<3>());
         right_hand_side_.segment<6>(matrix_.index(static_cast<int>(b))) = r;
     }
@@ -251,9 +245,10 @@ void EndOfStep::open_groups(const std::vector<BodyState>& now) {
     }
     const double rounding = kRounding / h_;
     for (size_t b = 0; b < now.size(); ++b) {
-        if (!inertias_[b].held) continue;
-        Group& group = groups_[inertias_[b].group];
-        const double size_squared = now[b].position.squaredNorm() + inertias_[b].reach * inertias_[b].reach;
+        Group& group = groups_[bodies_[b].group];
+        group.floor_squared = std::max(group.floor_squared, kRounding * kRounding * speed_squared(b, u_[b]));
+        if (bodies_[b].holder.empty()) continue;
+        const double size_squared = now[b].position.squaredNorm() + bodies_[b].reach * bodies_[b].reach;
         group.floor_squared = std::max(group.floor_squared, rounding * rounding * size_squared);
     }
 }
@@ -261,17 +256,16 @@ void EndOfStep::open_groups(const std::vector<BodyState>& now) {
 /// A light body between heavy ones passes on impulses whose rounding alone moves it.
 void EndOfStep::raise_floors() {
     for (size_t j = 0; j < descriptions_.size(); ++j) {
-        const int joint = static_cast<int>(j);
-        const double* q = multipliers_.data() + matrix_.joint_index(joint);
-        const auto raise = [&](int body, const Vector6& impulse) {
-            const Inertia& inertia = inertias_[static_cast<size_t>(body)];
-            const double p = impulse.head<3>().norm(), L = impulse.tail<3>().norm() + inertia.reach * p;
-            const double speed = kRounding * (p / inertia.mass + inertia.reach * L / inertia.least);
-            Group& group = groups_[inertia.group];
+        const double* q = multipliers_.data() + matrix_.joint_index(static_cast<int>(j));
+        for (const auto side : {JointEquations::kFirst, JointEquations::kSecond}) {
+            if (system_.joints()[j].bodies()[side] < 0) continue;
+            const Coupled& body = bodies_[static_cast<size_t>(system_.joints()[j].bodies()[side])];
+            const Vector6 impulse = system_.impulse(j, side, q);
+            const double p = impulse.head<3>().norm(), L = impulse.tail<3>().norm() + body.reach * p;
+            const double speed = kRounding * (p / body.inertia.mass + body.reach * L / body.least);
+            Group& group = groups_[body.group];
             group.floor_squared = std::max(group.floor_squared, speed * speed);
-        };
-        if (descriptions_[j].first >= 0) raise(descriptions_[j].first, system_.impulse_on_first(joint, q));
-        if (descriptions_[j].second >= 0) raise(descriptions_[j].second, system_.impulse_on_second(joint, q));
+        }
     }
 }
 
@@ -283,42 +277,43 @@ bool EndOfStep::judge(int pass) {
         group.scale_squared *= 0.98;
     }
     for (size_t b = 0; b < u_.size(); ++b) {
-        Group& group = groups_[inertias_[b].group];
+        Group& group = groups_[bodies_[b].group];
         group.scale_squared = std::max(group.scale_squared, speed_squared(b, u_[b]));
         const double correction = speed_squared(b, correction_[b]);
         if (!std::isfinite(correction)) fail(pass);
         group.correction_squared = std::max(group.correction_squared, correction);
     }
-    bool done = true;
+    bool done = true, slow = false;
     for (Group& group : groups_) {
-        // With joints the first correction is that of multipliers from zero, and nothing can be measured by it
-        if ((pass == 1 && system_.empty()) ||
-            (pass > 1 && group.correction_squared > group.floor_squared)) {  // a later one at rounding measures nothing
+        // A correction at rounding measures nothing; with joints nor does the first, that of multipliers from zero
+        if ((pass == 1 && system_.empty()) || (pass > 1 && group.correction_squared > group.floor_squared)) {
             const double rate =
                 group.previous_squared > 0 ? std::sqrt(group.correction_squared / group.previous_squared) : 0;
             group.contraction = rate < 1 ? rate / (1 - rate) : 1e3;
-            if (rate > kSlowestContraction && group.correction_squared > group.floor_squared) {
-                if (stiffness_wanted_ || pass > 2) system_.tighten();
-                stiffness_wanted_ = true;
-            }
+            slow = slow || (rate > kSlowestContraction && group.correction_squared > 100 * group.floor_squared);
         }
         const double remaining_squared = group.contraction * group.contraction * group.correction_squared;
         done = done && (group.correction_squared <= group.floor_squared ||
                         remaining_squared <= std::max(kTolerance * kTolerance * group.scale_squared, group.floor_squared));
+    }
+    if (slow) {
+        if (pass > 2) system_.tighten();  // a new matrix was not enough
+        stiffness_wanted_ = true;
     }
     return done;
 }
 
 void EndOfStep::begin_step(const dttmm_step& step, const std::vector<BodyState>& now, const Loads& loads) {
     time_ = step.time;
+    ++steps_;
     std::fill(wrenches_.begin(), wrenches_.end(), 0.0);
     loads.add_over_step(now, wrenches_.data());
     for (size_t b = 0; b < now.size(); ++b) {
         // R of the step before: L = exp(−h w~/2) R J Rᵀ w with R at its end
         const Eigen::Vector3d& w = now[b].angular_velocity;
-        const Eigen::Vector3d L = now[b].rotation * (inertias_[b].J * (now[b].rotation.transpose() * w));
+        const Eigen::Vector3d L = bodies_[b].inertia.turned(now[b].rotation, w);
         free_momentum_[b] = h_ * Eigen::Map<const Vector6>(&wrenches_[6 * b]);
-        free_momentum_[b].head<3>() += inertias_[b].mass * now[b].velocity;
+        free_momentum_[b].head<3>() += bodies_[b].inertia.mass * now[b].velocity;
         free_momentum_[b].tail<3>() += RotationStep(-0.5 * h_ * w).apply(L);
     }
     predict(now);
@@ -329,47 +324,70 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
     const bool has_joints = !system_.empty();
     if (has_joints) {
         stops_ = stops;
+        foreseen_.assign(stops.size(), false);
         system_.linearise(now, stops_);
         multipliers_.setZero();  // what redundant joints share is then found anew at every step, and stays small
         stiffness_wanted_ = true;
     }
     // A pass finds the multipliers to kProximal only, and that does not show in its own correction: so two with joints.
-    int first_pass = has_joints ? 0 : -1;
+    int first_trusted = has_joints ? 1 : 0;
     for (int pass = 0; pass < kMostPasses; ++pass) {
         if (networks.is_implicit() || has_joints) place_trial(now);
         if (pass == 0 || networks.is_implicit() || stiffness_wanted_) evaluate(now, networks);
         correct(now);
         if (has_joints) raise_floors();
-        if (!judge(pass) || pass == first_pass) continue;
-        if (!foresee_stops(now)) {
+        if (!judge(pass) || pass < first_trusted) continue;
+        if (!revise_stops(now)) {
             form_feedback(now);
             return feedback_;
         }
-        first_pass = pass + 1;
+        first_trusted = pass + 2;
     }
     fail(kMostPasses);
 }
 
-/// Adds the stops that the motion found would run through, so that it ends at them; true if there are any.
-bool EndOfStep::foresee_stops(const std::vector<BodyState>& now) {
-    bool found = false;
+/// Adds the first stop that the motion found would run through, so that it ends there, and lets go those that would pull;
+/// true if anything has changed.
+bool EndOfStep::revise_stops(const std::vector<BodyState>& now) {
+    bool changed = false;
+    double first = std::numeric_limits<double>::infinity();  // share of the step after which a stop is reached
+    size_t reached = stops_.size();
+    Stop stop_reached;
+    const double weak = kRounding * multipliers_.cwiseAbs().maxCoeff();
     for (size_t j = 0; j < stops_.size(); ++j) {
         const JointEquations& joint = system_.joints()[j];
-        if (!joint.has_stops() || stops_[j].acts) continue;
-        if (!found) place_trial(now);
-        const double end = joint.coordinate(trial_), start = joint.coordinate(now);
+        if (!joint.has_stops()) continue;
+        if (stops_[j].acts) {
+            // The impulse −q on the coordinate must have the sign of the stop's side
+            const double q = multipliers_(matrix_.joint_index(static_cast<int>(j)) + joint.lasting());
+            if (!foreseen_[j] || stops_[j].side * q <= weak) continue;
+            stops_[j].acts = foreseen_[j] = false;
+            changed = true;
+            continue;
+        }
+        place_trial(now);
+        const double start = joint.coordinate(now);
+        double way = joint.coordinate(trial_) - start;
+        if (joint.turns()) way = std::remainder(way, 2 * M_PI);
         for (int side : {1, -1}) {
             const double stop = joint.stops()[side > 0 ? 0 : 1];
-            if (side * (end - stop) >= -Stop::kPlay || side * (start - stop) < 0) continue;
-            stops_[j] = {true, (stop - side * Stop::kPlay - start) / h_, side, true};
-            found = true;
+            if (side * (start + way - stop) >= -Stop::kPlay || side * (start - stop) < 0) continue;
+            const double share = (stop - start) / way;
+            if (share >= first) continue;
+            first = share;
+            reached = j;
+            stop_reached = {true, (stop - side * Stop::kPlay - start) / h_, side};
         }
     }
-    if (found) {
+    if (reached < stops_.size() && !changed) {
+        stops_[reached] = stop_reached;
+        foreseen_[reached] = changed = true;
+    }
+    if (changed) {
         system_.linearise(now, stops_);
         stiffness_wanted_ = true;
     }
-    return found;
+    return changed;
 }
 
 void EndOfStep::confirm(const std::vector<BodyState>& after) const {
@@ -380,14 +398,14 @@ void EndOfStep::confirm(const std::vector<BodyState>& after) const {
             Vector6 difference = u_[b];
             difference.head<3>() -= after[b].velocity;
             difference.tail<3>() -= after[b].angular_velocity;
-            const Group& group = groups_[inertias_[b].group];
+            const Group& group = groups_[bodies_[b].group];
             const double off_squared = speed_squared(b, difference);
             if (off_squared <= kAgreement * kAgreement * group.scale_squared + 1e4 * group.floor_squared) continue;
             throw Error(
                 ExitCode::numerical_failure,
                 fmt::format("t = {:.9g} s: ODE's joints move body \"{}\" otherwise than foretold, by {:.1e} m/s (joint "
-                            "\"{}\"); very unequal masses, or more joints than the motion allows?",
-                            time_, inertias_[b].name, std::sqrt(off_squared), descriptions_[j].name));
+                            "\"{}\"); a step too long for the turning, very unequal masses, or a singular position?",
+                            time_, bodies_[b].name, std::sqrt(off_squared), descriptions_[j].name));
         }
     }
 }
@@ -406,29 +424,28 @@ double EndOfStep::stop_work(const std::vector<BodyState>& now, const std::vector
 Eigen::Matrix<double, 6, 1> EndOfStep::joint_wrench(size_t joint, const std::vector<BodyState>& now) const {
     // What acts on the second body acts back on the first; both about the anchor
     const JointEquations& equations = system_.joints()[joint];
-    const int index = static_cast<int>(joint);
-    const double* q = multipliers_.data() + matrix_.joint_index(index);
-    const bool on_first = equations.first() >= 0;
-    const int body = on_first ? equations.first() : equations.second();
-    Vector6 wrench = (on_first ? system_.impulse_on_first(index, q) : Vector6(-system_.impulse_on_second(index, q))) / h_;
-    wrench.tail<3>() += (now[static_cast<size_t>(body)].position - equations.anchor(now)).cross(wrench.head<3>());
+    const bool at_start = steps_ == 1 && std::ranges::none_of(stops_, &Stop::acts);
+    const double* q = (at_start ? start_multipliers_ : multipliers_).data() + matrix_.joint_index(static_cast<int>(joint));
+    const auto side = equations.bodies()[JointEquations::kFirst] >= 0 ? JointEquations::kFirst : JointEquations::kSecond;
+    const auto body = static_cast<size_t>(equations.bodies()[side]);
+    Vector6 wrench = (side == JointEquations::kFirst ? 1 : -1) / h_ * system_.impulse(joint, side, q);
+    wrench.tail<3>() += (now[body].position - equations.anchor(now)).cross(wrench.head<3>());
     return wrench;
 }
 
 void EndOfStep::form_feedback(const std::vector<BodyState>& now) {
     const double per_step = 1 / h_;
     for (size_t b = 0; b < now.size(); ++b) {
-        const Eigen::Matrix3d& R = now[b].rotation;
         const Eigen::Vector3d angular_acceleration = per_step * (u_[b].tail<3>() - now[b].angular_velocity);
-        feedback_[b].head<3>() = inertias_[b].mass * per_step * (u_[b].head<3>() - now[b].velocity);
-        feedback_[b].tail<3>() = R * (inertias_[b].J * (R.transpose() * angular_acceleration));
+        feedback_[b].head<3>() = bodies_[b].inertia.mass * per_step * (u_[b].head<3>() - now[b].velocity);
+        feedback_[b].tail<3>() = bodies_[b].inertia.turned(now[b].rotation, angular_acceleration);
     }
     if (system_.empty()) return;
     // ODE's joints add their impulses themselves, but for stops that it does not see yet
     right_hand_side_.setZero();
     solution_ = multipliers_;
-    for (size_t j = 0; j < stops_.size(); ++j)
-        if (stops_[j].foreseen) solution_(matrix_.joint_index(static_cast<int>(j)) + system_.joints()[j].lasting()) = 0;
+    for (size_t j = 0; j < foreseen_.size(); ++j)
+        if (foreseen_[j]) solution_(matrix_.joint_index(static_cast<int>(j)) + system_.joints()[j].lasting()) = 0;
     system_.add_impulses(matrix_, solution_, right_hand_side_);
     for (size_t b = 0; b < now.size(); ++b)
         feedback_[b] -= per_step * right_hand_side_.segment<6>(matrix_.index(static_cast<int>(b)));
@@ -443,8 +460,8 @@ void EndOfStep::fail(int passes) const {
         fmt::format(
             "t = {:.9g} s: the end of the step was not found in {} passes (last correction {:.1e} m/s), worst at body "
             "\"{}\"{}; try a smaller step",
-            time_, passes, correction_[worst].norm(), inertias_[worst].name,
-            inertias_[worst].held ? fmt::format(" on {}", inertias_[worst].holder) : ""));
+            time_, passes, correction_[worst].norm(), bodies_[worst].name,
+            bodies_[worst].holder.empty() ? "" : " on " + bodies_[worst].holder));
 }
 
 }  // namespace dttmm

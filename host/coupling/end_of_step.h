@@ -8,6 +8,7 @@
 #include "model/model.h"
 #include "world/block_factor.h"
 #include "world/block_matrix.h"
+#include "world/inertia.h"
 #include "world/joint_system.h"
 #include "world/world.h"
 
@@ -25,7 +26,8 @@ using Feedback = std::vector<Eigen::Matrix<double, 6, 1>>;
 /// which keeps the angular momentum of a free body to rounding. Simplified Newton iteration with the matrix
 ///     K = M + h² S,     S: stiffness of the networks seen from the centres of mass,
 /// symmetric (the gyroscopic part of ∂P/∂u and the little asymmetry of S away from rest are left to the iteration), sparse,
-/// factored once and kept while it converges fast. For explicit schemes S is zero and u follows at once: one path for both.
+/// factored once and kept while it converges fast (with joints formed anew for every solve, as J turns). For explicit
+/// schemes S is zero and u follows at once: one path for both.
 ///
 /// Bodies on ideal joints also obey, with the multipliers q and the directions J of t_n (see JointSystem),
 ///     P(u) + Jᵀ q = P− + h f,   C(x + h u) = 0,      matrix | K   Jᵀ |
@@ -33,10 +35,11 @@ using Feedback = std::vector<Eigen::Matrix<double, 6, 1>>;
 /// just as ODE and the closing of its joints will: only f is handed to ODE, whose joints then find q by themselves. ODE is
 /// asked whether it agrees; it has the last word on which stops act.
 ///
-/// A step is accepted when in every group of connected bodies the estimated remaining error, (rate of convergence) × (last
-/// correction), is below kTolerance of the group's motion or at rounding, all measured as the largest speed of a point of
-/// its bodies. The rate of the steps before may be used, so that a linear model takes one pass. Source of the acceptance
-/// rule: Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.8.
+/// A step is accepted when in every group of connected bodies the estimated remaining error, θ/(1 − θ) × (last
+/// correction), θ the rate of convergence, is below kTolerance of the group's motion or at rounding, all measured as the
+/// largest speed of a point of its bodies. The rate of the steps before may be used, so that a linear model takes one pass,
+/// with joints two (their multipliers do not show in the correction). Source of the acceptance rule: Hairer and Wanner,
+/// Solving Ordinary Differential Equations II, section IV.8.
 class EndOfStep {
 public:
     static constexpr double kTolerance = 1e-13;
@@ -63,7 +66,7 @@ public:
 
     /// The wrench of a joint at t_n on its first body, [force; moment about the anchor], world axes.
     Eigen::Matrix<double, 6, 1> joint_wrench(size_t joint, const std::vector<BodyState>& now) const;
-    const JointSystem& joints() const { return system_; }
+    const std::vector<JointEquations>& joints() const { return system_.joints(); }
     /// Work of the stops at t_n on the bodies [J], never positive but for rounding: a stop takes speed and gives none back.
     /// now: velocities over the step before; after: those over this one.
     double stop_work(const std::vector<BodyState>& now, const std::vector<BodyState>& after) const;
@@ -74,15 +77,14 @@ public:
 
 private:
     using Vector6 = Eigen::Matrix<double, 6, 1>;
-    struct Inertia {
+    /// A body as the coupling sees it.
+    struct Coupled {
+        Inertia inertia;
         std::string name;
-        std::string holder;  ///< an element or a joint that it hangs on, for messages
-        double mass;
-        Eigen::Matrix3d J;  ///< body axes
-        double least;       ///< principal moment [kg m²]
-        double reach;       ///< of its markers and of its mass from the centre of mass [m]
-        bool held;          ///< by an element or a joint
-        size_t group;       ///< of connected bodies
+        std::string holder;  ///< an element or a joint that it hangs on; empty if none
+        double least;        ///< principal moment [kg m²]
+        double reach;        ///< of its markers and of its mass from the centre of mass [m]
+        size_t group;        ///< of connected bodies
     };
     /// The books of a group over a step: squares of speeds [m²/s²].
     struct Group {
@@ -98,26 +100,26 @@ private:
     void place_trial(const std::vector<BodyState>& now);
     void evaluate(const std::vector<BodyState>& now, Networks& networks);
     void factor(const std::vector<BodyState>& now);
-    void add_inertia(const std::vector<BodyState>& now);
     void find_accelerations(const std::vector<BodyState>& at, double* accelerations);
     void refuse_opening_joints(const std::vector<BodyState>& at) const;
     void correct(const std::vector<BodyState>& now);
     void open_groups(const std::vector<BodyState>& now);
     void raise_floors();
     bool judge(int pass);
-    bool foresee_stops(const std::vector<BodyState>& now);
+    bool revise_stops(const std::vector<BodyState>& now);
     Eigen::Vector3d momentum_over_step(size_t body, const Eigen::Matrix3d& R, const Eigen::Vector3d& w) const;
     void form_feedback(const std::vector<BodyState>& now);
     [[noreturn]] void fail(int passes) const;
 
     /// Square of the largest speed of a point of the body, at most.
     double speed_squared(size_t body, const Vector6& u) const {
-        return 2 * (u.head<3>().squaredNorm() + inertias_[body].reach * inertias_[body].reach * u.tail<3>().squaredNorm());
+        return 2 * (u.head<3>().squaredNorm() + bodies_[body].reach * bodies_[body].reach * u.tail<3>().squaredNorm());
     }
 
     double h_ = 0, time_ = 0;
+    long steps_ = 0;                   ///< begun since the start
     std::vector<Joint> descriptions_;  ///< of the joints
-    std::vector<Inertia> inertias_;
+    std::vector<Coupled> bodies_;
     std::vector<Vector6> u_, previous_u_, correction_;  ///< motion over the step, over the one before, last change of it
     std::vector<Vector6> free_momentum_;                ///< P− + h f_loads
     std::vector<double> wrenches_;
@@ -129,8 +131,10 @@ private:
     BlockFactor factor_;
     Eigen::VectorXd right_hand_side_, solution_;
     std::vector<Stop> stops_;
-    Eigen::VectorXd multipliers_;   ///< q in the joints' rows; the others are not looked at
-    bool stiffness_wanted_ = true;  ///< by the next evaluation, which then factors the matrix anew
+    Eigen::VectorXd start_multipliers_;  ///< q of the accelerations at the start, where the first step's is one order less
+    std::vector<bool> foreseen_;         ///< stops that ODE does not see yet
+    Eigen::VectorXd multipliers_;        ///< q in the joints' rows; the others are not looked at
+    bool stiffness_wanted_ = true;       ///< by the next evaluation, which then factors the matrix anew
     std::vector<Group> groups_;
     long passes_ = 0, factorisations_ = 0;
 };

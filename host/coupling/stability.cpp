@@ -10,6 +10,7 @@
 
 #include "world/block_factor.h"
 #include "world/block_matrix.h"
+#include "world/inertia.h"
 #include "world/joint_system.h"
 
 namespace dttmm {
@@ -24,18 +25,15 @@ constexpr double kSmallestShare = 0.01;
 using Matrix = Eigen::SparseMatrix<double>;
 
 /// M of all bodies, block by block in the matrices' order, M = L Lᵀ; and the joints that they hang on.
-class Inertia {
+class ConstrainedInertia {
 public:
-    Inertia(const Model& model, const JointSystem& joints, BlockMatrix matrix, const std::vector<BodyState>& at)
+    ConstrainedInertia(const Model& model, const JointSystem& joints, BlockMatrix matrix, const std::vector<BodyState>& at)
         : factor_(matrix) {
         matrix.set_zero();
         for (size_t b = 0; b < model.bodies.size(); ++b) {
             const int body = static_cast<int>(b);
-            const Eigen::Matrix3d I = at[b].rotation * model.bodies[b].inertia * at[b].rotation.transpose();
-            parts_.push_back({matrix.index(body), model.bodies[b].mass, I, I.llt()});
-            BlockMatrix::Block M = BlockMatrix::Block::Zero();
-            M.diagonal().head<3>().setConstant(model.bodies[b].mass);
-            M.bottomRightCorner<3, 3>() = I;
+            const BlockMatrix::Block M = Inertia(model.bodies[b]).block(at[b].rotation);
+            parts_.push_back({matrix.index(body), M, M.llt()});
             matrix.add(body, body, M);
         }
         joints.write_to(matrix);
@@ -49,27 +47,22 @@ public:
         factor_.solve(momentum, y);
         for (const auto& [start, count] : multipliers_) y.segment(start, count).setZero();
     }
-    /// u ← M L⁻ᵀ z = L z
+    /// z ← L z
     void multiply_by_root(Eigen::VectorXd& z) const {
-        for (const Part& part : parts_) {
-            z.segment<3>(part.index) *= std::sqrt(part.mass);
-            z.segment<3>(part.index + 3) = (part.factor.matrixL() * z.segment<3>(part.index + 3)).eval();
-        }
+        for (const Part& part : parts_) z.segment<6>(part.index) = (part.root.matrixL() * z.segment<6>(part.index)).eval();
         for (const auto& [start, count] : multipliers_) z.segment(start, count).setZero();
     }
     /// uᵀ M u of one body
     double energy(size_t body, const Eigen::VectorXd& u) const {
-        const Part& part = parts_[body];
-        const Eigen::Vector3d w = u.segment<3>(part.index + 3);
-        return part.mass * u.segment<3>(part.index).squaredNorm() + w.dot(part.inertia * w);
+        const auto part = u.segment<6>(parts_[body].index);
+        return part.dot(parts_[body].M * part);
     }
 
 private:
     struct Part {
         int index;
-        double mass;
-        Eigen::Matrix3d inertia;
-        Eigen::LLT<Eigen::Matrix3d> factor;
+        BlockMatrix::Block M;
+        Eigen::LLT<BlockMatrix::Block> root;
     };
     std::vector<Part> parts_;
     std::vector<std::pair<int, int>> multipliers_;  ///< rows of the joints: start and count
@@ -184,7 +177,7 @@ private:
     const std::vector<BodyState>& at_;
     JointSystem joints_;
     BlockMatrix K_, C_;
-    Inertia M_;
+    ConstrainedInertia M_;
 };
 
 }  // namespace

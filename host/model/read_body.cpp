@@ -92,7 +92,8 @@ std::optional<MassProperties> read_mass_and_inertia(const TableReader& table) {
         }
     }
     if (inertia) {
-        if (const auto fault = find_inertia_fault(*inertia)) table.error(table.find("inertia")->value.place, *fault);
+        if (const auto fault = find_inertia_fault(*inertia, mass.value_or(0)))
+            table.error(table.find("inertia")->value.place, *fault);
     }
     return mass && inertia ? std::optional(MassProperties{*mass, *inertia}) : std::nullopt;
 }
@@ -104,7 +105,7 @@ void read_mass_properties(const TableReader& table, Body& body) {
     if (!properties) return;
     if (by_shape) {
         auto fault = find_mass_fault(properties->mass);
-        if (!fault) fault = find_inertia_fault(properties->inertia);
+        if (!fault) fault = find_inertia_fault(properties->inertia, properties->mass);
         if (fault) return table.error(table.find(table.find("density") ? "density" : "mass")->value.place, *fault);
     }
     body.mass = properties->mass;

@@ -14,10 +14,12 @@
 namespace dttmm {
 namespace {
 
-constexpr double kCoincident = 1e-6;       // [m]
-constexpr double kRightAngle = 1e-6;       // [rad]
-constexpr double kFarthest = 1e6;          // [m]
-constexpr double kSuspectMassRatio = 1e6;  // ODE's joints give way beyond
+constexpr double kCoincident = 1e-6;                // [m]
+constexpr double kRightAngle = 1e-6;                // [rad]
+constexpr double kFarthest = 1e6;                   // [m]
+constexpr double kSuspectMassRatio = 1e6;           // ODE's joints give way beyond
+constexpr double kLargestAngle = 175 * M_PI / 180;  // of a stop: the angle jumps at 180 degrees
+constexpr double kLeastPlay = 1e-9;                 // between two stops [rad, m]
 constexpr double kLargestMassRatio = 1e12;
 
 const std::vector<std::string> kTypes = {"ball", "hinge", "slider", "universal", "fixed"};  // in the order of JointType
@@ -149,7 +151,7 @@ bool read_limits(const TableReader& table, Joint& joint) {
     }
     const bool is_hinge = joint.type == JointType::hinge;
     const char* unit = is_hinge ? "rad" : "m";
-    const double most = is_hinge ? M_PI : kFarthest;
+    const double most = is_hinge ? kLargestAngle : kFarthest;
     const auto limits = read_numbers(table.context(), member->value, table.what("limits"), unit, 2);
     if (!limits) return false;
     const double low = (*limits)[0], high = (*limits)[1];
@@ -159,9 +161,10 @@ bool read_limits(const TableReader& table, Joint& joint) {
         return false;
     };
     if (!(low < high)) return fail("must have low < high");
+    if (!(high - low >= kLeastPlay)) return fail("must lie 1e-9 apart at least (a fixed joint has no play)");
     if (!(low <= 0 && high >= 0)) return fail("must have 0 between them, which is where the joint starts");
     if (!(-most < low && high < most))
-        return fail(is_hinge ? "of a hinge must lie within -180 to 180 degrees" : "must lie within 1e6 m");
+        return fail(is_hinge ? "of a hinge must lie within -175 to 175 degrees" : "must lie within 1e6 m");
     joint.limits = {low, high};
     return true;
 }
@@ -214,7 +217,7 @@ private:
             table.error(place,
                         fmt::format("{}; at most {:g} is allowed, as the joint would give way", text, kLargestMassRatio));
         else
-            table.warning(place, text + "; the joint may give way");
+            table.warning(place, text + "; digits are lost: see that the energy balance closes");
     }
 
     void warn_twin(const TableReader& table, const Joint& joint) {

@@ -12,6 +12,7 @@ namespace {
 constexpr double kSmallestMass = 1e-12;  // [kg]
 constexpr double kLargestMass = 1e12;    // [kg]
 constexpr double kTriangleTolerance = 1e-9;
+constexpr double kLeastGyration = 1e-7;  // radius [m]
 }  // namespace
 
 MassProperties make_box(double density, const Eigen::Vector3d& lengths) {
@@ -40,11 +41,14 @@ std::optional<std::string> find_mass_fault(double mass) {
     return fmt::format("mass must lie within {} kg and {} kg, got {} kg", kSmallestMass, kLargestMass, mass);
 }
 
-std::optional<std::string> find_inertia_fault(const Eigen::Matrix3d& inertia) {
+std::optional<std::string> find_inertia_fault(const Eigen::Matrix3d& inertia, double mass) {
     if (!inertia.allFinite()) return "inertia must be finite";
     const Eigen::Vector3d p = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
     const std::string moments = fmt::format("principal moments {:.17g}, {:.17g}, {:.17g} kg m²", p[0], p[1], p[2]);
     if (!(p[0] > 0)) return "inertia must be positive definite: " + moments;
+    if (p[0] < kLeastGyration * kLeastGyration * mass)
+        return fmt::format("inertia is too small beside the mass of {:g} kg (radius of gyration below {:g} m): {}", mass,
+                           kLeastGyration, moments);
     if (p[2] - p[1] - p[0] > kTriangleTolerance * p[2])  // p[0] <= p[1] <= p[2]
         return "inertia breaks the triangle inequality, the largest principal moment exceeds the sum of the others: " +
                moments;

@@ -26,9 +26,9 @@ MassProperties make_sphere(double density, double diameter);
 /// The rule a mass breaks: 1e-12 kg to 1e12 kg. Nothing if it breaks none.
 std::optional<std::string> find_mass_fault(double mass);
 
-/// The rule an inertia about the centre of mass breaks, with its principal moments in full: finite, positive definite, and
-/// no principal moment larger than the sum of the others (to 1e-9 of the largest), as no distribution of mass has it.
-/// `inertia` is symmetric. Nothing if it breaks none.
-std::optional<std::string> find_inertia_fault(const Eigen::Matrix3d& inertia);
+/// The rule an inertia about the centre of mass breaks, with its principal moments in full: finite, positive definite,
+/// its radii of gyration at least 1e-7 m, and no principal moment larger than the sum of the others (to 1e-9 of the
+/// largest), as no distribution of mass has it. `inertia` is symmetric. Nothing if it breaks none.
+std::optional<std::string> find_inertia_fault(const Eigen::Matrix3d& inertia, double mass);
 
 }  // namespace dttmm

@@ -76,12 +76,12 @@ void Observer::declare_elements(const Networks& networks) {
     }
 }
 
-void Observer::declare_joints(const Model& model, const JointSystem& joints) {
+void Observer::declare_joints(const Model& model, const std::vector<JointEquations>& joints) {
     for (size_t j = 0; j < model.joints.size(); ++j) {
         const std::string& name = model.joints[j].name;
         add_vector(name + ".force", "N");
         add_vector(name + ".moment", "N*m");
-        const JointEquations& equations = joints.joints()[j];
+        const JointEquations& equations = joints[j];
         if (!equations.has_coordinate()) continue;
         if (equations.turns())
             add_channel(name + ".angle", "rad");
@@ -162,7 +162,7 @@ double* Observer::write_elements(double* out, const Networks& networks, double& 
 }
 
 double* Observer::write_joints(double* out, const EndOfStep& end_of_step, const std::vector<BodyState>& before) const {
-    const std::vector<JointEquations>& joints = end_of_step.joints().joints();
+    const std::vector<JointEquations>& joints = end_of_step.joints();
     for (size_t j = 0; j < joints.size(); ++j) {
         const Eigen::Matrix<double, 6, 1> wrench = end_of_step.joint_wrench(j, before);
         const Eigen::Matrix3d axes = joints[j].axes(before);

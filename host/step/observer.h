@@ -53,7 +53,7 @@ private:
     void add_channel(const std::string& name, const char* unit, bool by_default = true);
     void add_vector(const std::string& name, const char* unit, bool by_default = true);
     void declare_elements(const Networks& networks);
-    void declare_joints(const Model& model, const JointSystem& joints);
+    void declare_joints(const Model& model, const std::vector<JointEquations>& joints);
     void declare_bodies(const Model& model);
     void declare_energies();
     double* write_elements(double* out, const Networks& networks, double& strain, double& dissipated);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "model/error.h"
@@ -75,7 +76,7 @@ void Simulation::move_bodies() {
         world_.advance(step_size_);
         ++engine_steps_;
         world_.read_states(after_);
-        if (world_.stops() == stops_) return end_of_step_.confirm(after_);
+        if (std::ranges::equal(world_.stops(), stops_, {}, &Stop::acts, &Stop::acts)) return end_of_step_.confirm(after_);
         stops_ = world_.stops();
         world_.restore(saved_);
     }

@@ -21,7 +21,7 @@ bool BlockFactor::factor(const BlockMatrix& matrix) {
     }
     for (size_t b = 0; b < starts_.size(); ++b) {
         const Eigen::LDLT<BlockMatrix::Block> block(matrix.diagonal(static_cast<int>(b)));
-        if (block.info() != Eigen::Success || !block.isPositive()) return false;
+        if (!(block.vectorD().minCoeff() > 0)) return false;
         inverses_[b] = block.solve(BlockMatrix::Block::Identity());
     }
     return true;

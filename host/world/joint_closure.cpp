@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -16,17 +17,24 @@ namespace {
 /// Of the speeds at a stop: less is no parting.
 constexpr double kParting = 1e-9;
 
+/// What stays open at rounding of the motion, over that rounding: more is a contradiction between joints and stops.
+constexpr double kOpen = 1e4;
+
 /// A pass that leaves more of the correction before is slow.
 constexpr double kSlow = 0.3;
-
-constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
 
 }  // namespace
 
 JointClosure::JointClosure(const std::vector<Body>& bodies, const std::vector<Joint>& joints)
     : system_(bodies, joints), matrix_(static_cast<int>(bodies.size()), {}, system_.nodes()), factor_(matrix_) {
-    for (const Body& body : bodies)
-        inertias_.push_back({body.mass, body.inertia, std::sqrt(body.inertia.trace() / (2 * body.mass))});
+    for (const Body& body : bodies) {
+        inertias_.emplace_back(body);
+        reaches_.push_back(inertias_.back().gyration_bound());
+    }
+    for (const JointEquations& joint : system_.joints())
+        for (const auto side : {JointEquations::kFirst, JointEquations::kSecond})
+            if (const int body = joint.bodies()[side]; body >= 0)
+                reaches_[static_cast<size_t>(body)] = std::max(reaches_[static_cast<size_t>(body)], joint.arm(side));
     for (const Joint& joint : joints) names_.push_back(joint.name);
     right_hand_side_.setZero(matrix_.size());
     solution_.setZero(matrix_.size());
@@ -34,31 +42,45 @@ JointClosure::JointClosure(const std::vector<Body>& bodies, const std::vector<Jo
 
 void JointClosure::factor(const std::vector<BodyState>& now) {
     matrix_.set_zero();
-    for (size_t b = 0; b < now.size(); ++b) {
-        BlockMatrix::Block M = BlockMatrix::Block::Zero();
-        M.diagonal().head<3>().setConstant(inertias_[b].mass);
-        M.bottomRightCorner<3, 3>() = now[b].rotation * inertias_[b].J * now[b].rotation.transpose();
-        matrix_.add(static_cast<int>(b), static_cast<int>(b), M);
-    }
+    for (size_t b = 0; b < now.size(); ++b)
+        matrix_.add(static_cast<int>(b), static_cast<int>(b), inertias_[b].block(now[b].rotation));
     system_.write_to(matrix_);
     if (!factor_.factor(matrix_)) fail();
 }
 
-/// A stop has acted unless ODE lets the joint part from it.
-void JointClosure::judge(std::vector<Stop>& stops, double h, const std::vector<BodyState>& after) const {
+/// A stop has acted unless ODE lets the joint part from it; true if one has parted.
+bool JointClosure::judge(std::vector<Stop>& stops, double h, const std::vector<BodyState>& after) const {
+    bool parted = false;
     for (size_t j = 0; j < stops.size(); ++j) {
         if (!stops[j].acts) continue;
         const double speed = system_.coordinate_speed(j, after);
         const double parting = stops[j].side * (speed - stops[j].speed) - Stop::kPlay / h;  // ODE's stop has no play
         stops[j].acts = parting <= kParting * (std::abs(speed) + std::abs(stops[j].speed) + Stop::kPlay / h);
+        parted = parted || !stops[j].acts;
     }
+    return parted;
 }
 
 void JointClosure::close(const std::vector<BodyState>& now, double h, std::vector<Stop>& stops,
                          std::vector<BodyState>& after) {
     system_.linearise(now, stops);
-    judge(stops, h, after);
+    if (judge(stops, h, after)) system_.linearise(now, stops);
+    engine_ = after;
+    if (find_closed(now, h, after)) return;
+    // A stop at a dead centre can hold the joints open: it lets go
+    bool released = false;
+    for (Stop& stop : stops) {
+        released = released || stop.acts;
+        stop.acts = false;
+    }
+    if (!released) fail();
+    after = engine_;
     system_.linearise(now, stops);
+    if (!find_closed(now, h, after)) fail();
+}
+
+/// Whether the joints and the stops that act can be closed together.
+bool JointClosure::find_closed(const std::vector<BodyState>& now, double h, std::vector<BodyState>& after) {
     factor(now);
     double before = std::numeric_limits<double>::infinity();  // the correction of the last pass
     for (int pass = 0; pass < kMostPasses; ++pass) {
@@ -74,20 +96,23 @@ void JointClosure::close(const std::vector<BodyState>& now, double h, std::vecto
             const auto change = solution_.segment<6>(matrix_.index(static_cast<int>(b)));
             after[b].velocity += change.head<3>();
             after[b].angular_velocity += change.tail<3>();
-            const double reach = inertias_[b].reach;
+            const double reach = reaches_[b];
             correction = std::max(correction, change.head<3>().norm() + reach * change.tail<3>().norm());
             scale = std::max({scale, after[b].velocity.norm() + reach * after[b].angular_velocity.norm(),
                               (now[b].position.norm() + reach) / h});
         }
         if (!std::isfinite(correction)) fail();
-        if (correction <= kRounding * scale) return;
-        if (correction > kSlow * before) {
+        // Near rounding no pass gains any more
+        const bool stalls = correction > kSlow * before;
+        if (correction <= kRounding * scale || (stalls && correction <= 10 * kRounding * scale))
+            return right_hand_side_.cwiseAbs().maxCoeff() <= kOpen * kRounding * scale;
+        if (stalls) {
             system_.tighten();
             factor(now);
         }
         before = correction;
     }
-    fail();
+    return false;
 }
 
 void JointClosure::fail() const {

@@ -7,6 +7,7 @@
 #include "world/block_factor.h"
 #include "world/block_matrix.h"
 #include "world/body_state.h"
+#include "world/inertia.h"
 #include "world/joint_system.h"
 
 namespace dttmm {
@@ -18,24 +19,23 @@ class JointClosure {
 public:
     JointClosure(const std::vector<Body>& bodies, const std::vector<Joint>& joints);
 
-    /// now: poses at t_n, joints closed. stops: those reached at t_n; on return those that ODE has made act. after: ODE's
+    /// now: poses at t_n, joints closed. stops: those reached at t_n; on return those that ODE has made act and that let the
+    /// joints close. after: ODE's
     /// velocities over the step; poses and velocities are set. Throws Error(numerical_failure) naming the joint that does
     /// not close.
     void close(const std::vector<BodyState>& now, double h, std::vector<Stop>& stops, std::vector<BodyState>& after);
 
 private:
     static constexpr int kMostPasses = 60;
+    bool find_closed(const std::vector<BodyState>& now, double h, std::vector<BodyState>& after);
     void factor(const std::vector<BodyState>& now);
-    void judge(std::vector<Stop>& stops, double h, const std::vector<BodyState>& after) const;
+    bool judge(std::vector<Stop>& stops, double h, const std::vector<BodyState>& after) const;
     [[noreturn]] void fail() const;
 
-    struct Inertia {
-        double mass;
-        Eigen::Matrix3d J;  ///< body axes
-        double reach;       ///< [m]
-    };
     std::vector<Inertia> inertias_;
+    std::vector<double> reaches_;  ///< of the anchors and of the mass from the centre of mass [m]
     std::vector<std::string> names_;
+    std::vector<BodyState> engine_;  ///< the motion as ODE left it
     JointSystem system_;
     BlockMatrix matrix_;
     BlockFactor factor_;

@@ -25,16 +25,15 @@ Eigen::Vector3d start_arm(int body, const std::vector<Body>& bodies, const Eigen
 }  // namespace
 
 JointEquations::JointEquations(const Joint& joint, const std::vector<Body>& bodies)
-    : first_(joint.first),
-      second_(joint.second),
+    : bodies_{joint.first, joint.second},
       arm_first_(start_arm(joint.first, bodies, joint.anchor)),
       arm_second_(start_arm(joint.second, bodies, joint.anchor)),
       has_coordinate_(joint.type == JointType::hinge || joint.type == JointType::slider),
       turns_(joint.type == JointType::hinge),
       has_stops_(has_coordinate_ && joint.limits),
       stops_(joint.limits.value_or(std::array{0.0, 0.0})) {
-    const Eigen::Matrix3d to_first = start_rotation(first_, bodies).transpose();
-    const Eigen::Matrix3d to_second = start_rotation(second_, bodies).transpose();
+    const Eigen::Matrix3d to_first = start_rotation(joint.first, bodies).transpose();
+    const Eigen::Matrix3d to_second = start_rotation(joint.second, bodies).transpose();
     const Eigen::Vector3d a = joint.axis.normalized(), b = a.unitOrthogonal(), c = a.cross(b);
     const auto keep_anchor = [&](const Eigen::Vector3d& d) { anchors_.push_back({d, false}); };
     const auto keep_right_angle = [&](const Eigen::Vector3d& u, const Eigen::Vector3d& w) {
@@ -73,62 +72,66 @@ JointEquations::JointEquations(const Joint& joint, const std::vector<Body>& bodi
     }
 }
 
-const BodyState& JointEquations::state(int body, const std::vector<BodyState>& at) {
-    return body < 0 ? kGround : at[static_cast<size_t>(body)];
+const BodyState& JointEquations::state(Side side, const std::vector<BodyState>& at) const {
+    return bodies_[side] < 0 ? kGround : at[static_cast<size_t>(bodies_[side])];
 }
 
 Eigen::Vector3d JointEquations::direction(const AnchorEquation& equation, const BodyState& first) const {
     return equation.on_first ? Eigen::Vector3d(first.rotation * equation.d) : equation.d;
 }
 
-void JointEquations::residual(const std::vector<BodyState>& at, Values& C) const {
-    const BodyState &first = state(first_, at), &second = state(second_, at);
+JointEquations::Values JointEquations::residual(const std::vector<BodyState>& at) const {
+    const BodyState &first = state(kFirst, at), &second = state(kSecond, at);
     const Eigen::Vector3d gap =
         second.position + second.rotation * arm_second_ - first.position - first.rotation * arm_first_;
-    C.resize(count());
+    Values C(lasting());
     int row = 0;
     for (const AnchorEquation& equation : anchors_) C(row++) = direction(equation, first).dot(gap);
     for (const AngleEquation& equation : angles_) C(row++) = (first.rotation * equation.u).dot(second.rotation * equation.w);
+    return C;
 }
 
-void JointEquations::jacobian(const std::vector<BodyState>& at, Jacobian& J) const {
-    const BodyState &first = state(first_, at), &second = state(second_, at);
+JointEquations::Jacobian JointEquations::jacobian(const std::vector<BodyState>& at) const {
+    const BodyState &first = state(kFirst, at), &second = state(kSecond, at);
     const Eigen::Vector3d r1 = first.rotation * arm_first_, r2 = second.rotation * arm_second_;
     const Eigen::Vector3d gap = second.position + r2 - first.position - r1;
-    J.first.resize(count(), 6);
-    J.second.resize(count(), 6);
+    Jacobian J{Rows(count(), 6), Rows(count(), 6)};
     // d·(p₂ − p₁): d·(v₂ + ω₂ × r₂ − v₁ − ω₁ × r₁) + ḋ·gap,  ḋ = ω₁ × d where d is fixed on the first body
     const auto set_anchor_row = [&](int row, const Eigen::Vector3d& d, bool on_first) {
-        J.second.row(row) << d.transpose(), r2.cross(d).transpose();
-        J.first.row(row) << -d.transpose(), -r1.cross(d).transpose();
-        if (on_first) J.first.row(row).tail<3>() += d.cross(gap).transpose();
+        J[kSecond].row(row) << d.transpose(), r2.cross(d).transpose();
+        J[kFirst].row(row) << -d.transpose(), -r1.cross(d).transpose();
+        if (on_first) J[kFirst].row(row).tail<3>() += d.cross(gap).transpose();
     };
     int row = 0;
     for (const AnchorEquation& equation : anchors_) set_anchor_row(row++, direction(equation, first), equation.on_first);
     for (const AngleEquation& equation : angles_) {
         // u·w: (ω₁ − ω₂)·(u × w)
         const Eigen::Vector3d n = (first.rotation * equation.u).cross(second.rotation * equation.w);
-        J.first.row(row) << 0, 0, 0, n.transpose();
-        J.second.row(row++) << 0, 0, 0, -n.transpose();
+        J[kFirst].row(row) << 0, 0, 0, n.transpose();
+        J[kSecond].row(row++) << 0, 0, 0, -n.transpose();
     }
-    if (!has_stops_) return;
-    const Eigen::Vector3d a = first.rotation * axis_;
-    if (turns_) {
-        J.first.row(row) << 0, 0, 0, -a.transpose();
-        J.second.row(row) << 0, 0, 0, a.transpose();
-    } else {
-        set_anchor_row(row, a, true);
+    if (has_stops_) {
+        const Eigen::Vector3d a = first.rotation * axis_;
+        if (turns_) {
+            J[kFirst].row(row) << 0, 0, 0, -a.transpose();
+            J[kSecond].row(row) << 0, 0, 0, a.transpose();
+        } else {
+            set_anchor_row(row, a, true);
+        }
     }
+    for (Side side : {kFirst, kSecond})
+        if (bodies_[side] < 0) J[side].setZero();
+    return J;
 }
 
-void JointEquations::curvature(const std::vector<BodyState>& at, Values& rate) const {
-    const BodyState &first = state(first_, at), &second = state(second_, at);
+JointEquations::Values JointEquations::curvature(const std::vector<BodyState>& at) const {
+    const BodyState &first = state(kFirst, at), &second = state(kSecond, at);
     const Eigen::Vector3d &w1 = first.angular_velocity, &w2 = second.angular_velocity;
     const Eigen::Vector3d r1 = first.rotation * arm_first_, r2 = second.rotation * arm_second_;
     const Eigen::Vector3d gap = second.position + r2 - first.position - r1;
     const Eigen::Vector3d gap_rate = second.velocity + w2.cross(r2) - first.velocity - w1.cross(r1);
     const Eigen::Vector3d gap_curvature = w2.cross(w2.cross(r2)) - w1.cross(w1.cross(r1));
-    rate.resize(count());
+    Values rate(lasting());
     int row = 0;
     for (const AnchorEquation& equation : anchors_) {
         const Eigen::Vector3d d = direction(equation, first);
@@ -140,15 +143,16 @@ void JointEquations::curvature(const std::vector<BodyState>& at, Values& rate) c
         const Eigen::Vector3d u = first.rotation * equation.u, w = second.rotation * equation.w;
         rate(row++) = w1.cross(w1.cross(u)).dot(w) + 2 * w1.cross(u).dot(w2.cross(w)) + u.dot(w2.cross(w2.cross(w)));
     }
+    return rate;
 }
 
 Eigen::Vector3d JointEquations::anchor(const std::vector<BodyState>& at) const {
-    const BodyState& first = state(first_, at);
+    const BodyState& first = state(kFirst, at);
     return first.position + first.rotation * arm_first_;
 }
 
 double JointEquations::coordinate(const std::vector<BodyState>& at) const {
-    const BodyState &first = state(first_, at), &second = state(second_, at);
+    const BodyState &first = state(kFirst, at), &second = state(kSecond, at);
     if (turns_) {
         const Eigen::Vector3d pointer = second.rotation * pointer_;
         return std::atan2(pointer.dot(first.rotation * quarter_), pointer.dot(first.rotation * zero_));

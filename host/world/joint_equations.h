@@ -11,9 +11,12 @@
 
 namespace dttmm {
 
-/// What an ideal joint forbids, as equations C = 0 of the poses of its two bodies, C = 0 at the start. Three kinds:
-///     d·(p₂ − p₁) = 0   the anchors of both bodies keep together along d; d fixed in the world, or on the first body
-///     (slider) u₁·w₂ = 0         a direction on the first body stays at right angles to one on the second
+/// What an ideal joint forbids, as equations C = 0 of the poses of its two bodies, C = 0 at the start. Two kinds:
+///     anchor    d·(p₂ − p₁) = 0    the anchor points keep together along d, fixed in the world or (slider) on the first
+///     body
+///
+///     angle     u₁·w₂ = 0          a direction on the first body stays at right angles to one on the second
+///
 /// ball: 3 anchors. hinge: 3 anchors, 2 angles. universal: 3 anchors, 1 angle. slider: 2 anchors, 3 angles. fixed: 3 and 3.
 /// A hinge and a slider have a coordinate, 0 at the start: the angle [rad, −π..π] of the second body about the axis, or its
 /// travel along it [m], seen from the first. With stops, one equation more holds the coordinate while a stop acts.
@@ -23,15 +26,13 @@ public:
     using Rows = BlockMatrix::Rows;
     using Values = BlockMatrix::Values;
 
-    /// The derivatives of the equations by the velocities of the two bodies.
-    struct Jacobian {
-        Rows first, second;
-    };
+    enum Side : size_t { kFirst, kSecond };
+    /// The derivatives of the equations by the velocities of the bodies, by side.
+    using Jacobian = std::array<Rows, 2>;
 
     JointEquations(const Joint& joint, const std::vector<Body>& bodies);
 
-    int first() const { return first_; }    ///< body; −1: the ground
-    int second() const { return second_; }  ///< body; −1: the ground
+    const std::array<int, 2>& bodies() const { return bodies_; }  ///< by side; −1: the ground
     /// Equations, that of the stops, the last, included.
     int count() const { return lasting() + (has_stops_ ? 1 : 0); }
     /// Equations that always hold.
@@ -39,17 +40,19 @@ public:
     bool has_stops() const { return has_stops_; }
     const std::array<double, 2>& stops() const { return stops_; }  ///< lower and upper [rad, m]
 
-    /// C [m, rad] of the lasting equations, sized for all.
-    void residual(const std::vector<BodyState>& at, Values& C) const;
-    /// ∂Ċ/∂(velocities), the last row that of the coordinate where there are stops.
-    void jacobian(const std::vector<BodyState>& at, Jacobian& J) const;
-    /// C̈ of the lasting equations, sized for all, while both bodies keep their velocities.
-    void curvature(const std::vector<BodyState>& at, Values& rate) const;
+    /// C [m, rad] of the lasting equations.
+    Values residual(const std::vector<BodyState>& at) const;
+    /// ∂Ċ/∂(velocities), the last row that of the coordinate where there are stops; zero for the ground.
+    Jacobian jacobian(const std::vector<BodyState>& at) const;
+    /// C̈ of the lasting equations while both bodies keep their velocities.
+    Values curvature(const std::vector<BodyState>& at) const;
 
+    /// From the centre of mass of the body on a side to the anchor [m].
+    double arm(Side side) const { return (side == kFirst ? arm_first_ : arm_second_).norm(); }
     /// Where the anchor is in the world [m], on the first body.
     Eigen::Vector3d anchor(const std::vector<BodyState>& at) const;
     /// The axes of the first body, in which the joint's force is reported.
-    Eigen::Matrix3d axes(const std::vector<BodyState>& at) const { return state(first_, at).rotation; }
+    Eigen::Matrix3d axes(const std::vector<BodyState>& at) const { return state(kFirst, at).rotation; }
     bool has_coordinate() const { return has_coordinate_; }
     bool turns() const { return turns_; }  ///< the coordinate is an angle
     double coordinate(const std::vector<BodyState>& at) const;
@@ -62,10 +65,10 @@ private:
     struct AngleEquation {
         Eigen::Vector3d u, w;  ///< in the axes of the first and of the second body
     };
-    static const BodyState& state(int body, const std::vector<BodyState>& at);
+    const BodyState& state(Side side, const std::vector<BodyState>& at) const;
     Eigen::Vector3d direction(const AnchorEquation& equation, const BodyState& first) const;
 
-    int first_, second_;
+    std::array<int, 2> bodies_;
     std::vector<AnchorEquation> anchors_;
     std::vector<AngleEquation> angles_;
     Eigen::Vector3d arm_first_, arm_second_;  ///< from the centres of mass to the anchor, body axes [m]

@@ -14,14 +14,12 @@ namespace dttmm {
 
 /// The stop of a hinge or slider over a step. While it acts, the coordinate moves at `speed` [rad/s, m/s], which brings it
 /// to kPlay beyond the stop, so that a joint at rest on its stop has reached it whatever the rounding; it pushes one way
-/// only. ODE makes a stop act from the step on that starts at it; the one that leads there is foreseen by the coupling.
+/// only.
 struct Stop {
     static constexpr double kPlay = 1e-12;  ///< [rad, m]
     bool acts = false;
     double speed = 0;
     int side = 0;  ///< 1: the lower stop, which pushes the coordinate up; −1: the upper
-    bool foreseen = false;
-    bool operator==(const Stop& other) const { return acts == other.acts; }
 };
 
 /// All ideal joints of a model, linearised at t_n, as rows of a BlockMatrix. Over the step they act by impulses −Jᵀ q along
@@ -48,12 +46,12 @@ public:
     /// For the pattern of a BlockMatrix.
     std::vector<BlockMatrix::JointNode> nodes() const;
 
-    /// Takes J at t_n; `stops`: one per joint.
+    /// Takes J at t_n; `stops`: one per joint. What tighten() has done wears off from step to step.
     void linearise(const std::vector<BodyState>& now, const std::vector<Stop>& stops);
     /// Writes J and E; E is measured by the bodies' own blocks K, which are to be complete.
     void write_to(BlockMatrix& matrix) const;
 
-    /// Rate at which a joint's coordinate moves with the velocities of `end`: the last row of J, while its stop acts.
+    /// Rate at which a joint's coordinate moves with the velocities of `end` [rad/s, m/s]; of a joint whose stop acts.
     double coordinate_speed(size_t joint, const std::vector<BodyState>& end) const;
 
     /// Writes −C(end)/h [m/s, rad/s], and speed − J u for stops, into the joints' rows of a right-hand side. `end`: poses at
@@ -63,19 +61,17 @@ public:
     void write_curvatures(const BlockMatrix& matrix, const std::vector<BodyState>& at, Eigen::VectorXd& rows) const;
     /// Adds −Jᵀ q to the bodies' rows; q: the joints' rows of `multipliers`.
     void add_impulses(const BlockMatrix& matrix, const Eigen::VectorXd& multipliers, Eigen::VectorXd& rows) const;
-    /// The impulse −Jᵀ q of one joint on its second body.
-    Eigen::Matrix<double, 6, 1> impulse_on_second(int joint, const double* q) const;
-    Eigen::Matrix<double, 6, 1> impulse_on_first(int joint, const double* q) const;
+    /// The impulse −Jᵀ q of one joint on its body on that side.
+    Eigen::Matrix<double, 6, 1> impulse(size_t joint, JointEquations::Side side, const double* q) const;
 
-    /// Largest speed at which a joint opens at the instant `at` [m/s, rad/s]; joint: which.
-    double opening_speed(const std::vector<BodyState>& at, size_t joint) const;
+    /// Largest speed at which a joint opens at the instant `at` [m/s, rad/s].
+    double opening_speed(size_t joint, const std::vector<BodyState>& at) const;
 
 private:
     double proximal_ = kProximal;
     std::vector<JointEquations> joints_;
     std::vector<JointEquations::Jacobian> jacobians_;
     std::vector<Stop> stops_;
-    mutable JointEquations::Values values_;  ///< of the joint at hand
 };
 
 }  // namespace dttmm

@@ -11,7 +11,6 @@
 #include <cstdarg>
 #include <cstdio>
 #include <mutex>
-#include <tuple>
 
 #include "model/error.h"
 
@@ -97,9 +96,14 @@ World::World(const std::vector<Body>& bodies, const std::vector<Joint>& joints) 
     }
     if (joints.empty()) return;
     double largest_mobility = 1;
-    for (const Body& body : bodies)
-        largest_mobility = std::max({largest_mobility, 1 / body.mass, 1 / body.inertia.diagonal().minCoeff()});
+    for (const Joint& joint : joints)
+        for (int index : {joint.first, joint.second}) {
+            if (index < 0) continue;
+            const Body& body = bodies[static_cast<size_t>(index)];
+            largest_mobility = std::max({largest_mobility, 1 / body.mass, 1 / body.inertia.diagonal().minCoeff()});
+        }
     dWorldSetERP(world_->id(), 1);
+    dWorldSetCFM(world_->id(), kSoftness * largest_mobility);  // a hinge's own parameter is that of its stops only
     for (const Joint& joint : joints) create_joint(joint, kSoftness * largest_mobility);
     stops_.resize(joints.size());
     before_.resize(bodies.size());
@@ -122,20 +126,17 @@ void World::create_joint(const Joint& joint, double cfm) {
             id = dJointCreateBall(world_->id(), nullptr);
             dJointAttach(id, first, second);
             dJointSetBallAnchor(id, p.x(), p.y(), p.z());
-            dJointSetBallParam(id, dParamCFM, cfm);
             break;
         case JointType::hinge:
             id = dJointCreateHinge(world_->id(), nullptr);
             dJointAttach(id, first, second);
             dJointSetHingeAnchor(id, p.x(), p.y(), p.z());
             dJointSetHingeAxis(id, axis.x(), axis.y(), axis.z());
-            dJointSetHingeParam(id, dParamCFM, cfm);
             break;
         case JointType::slider:
             id = dJointCreateSlider(world_->id(), nullptr);
             dJointAttach(id, first, second);
             dJointSetSliderAxis(id, axis.x(), axis.y(), axis.z());
-            dJointSetSliderParam(id, dParamCFM, cfm);
             break;
         case JointType::universal: {
             const Eigen::Vector3d &axis1 = swapped ? joint.axis2 : joint.axis, &axis2 = swapped ? joint.axis : joint.axis2;
@@ -144,23 +145,20 @@ void World::create_joint(const Joint& joint, double cfm) {
             dJointSetUniversalAnchor(id, p.x(), p.y(), p.z());
             dJointSetUniversalAxis1(id, axis1.x(), axis1.y(), axis1.z());
             dJointSetUniversalAxis2(id, axis2.x(), axis2.y(), axis2.z());
-            dJointSetUniversalParam(id, dParamCFM, cfm);
             break;
         }
         case JointType::fixed:
             id = dJointCreateFixed(world_->id(), nullptr);
             dJointAttach(id, first, second);
             dJointSetFixed(id);
-            dJointSetFixedParam(id, dParamCFM, cfm);
             break;
     }
-    JointHandle handle{id, false, joint.type == JointType::hinge, 0, 0, body, other};
+    JointHandle handle{id, false, joint.type == JointType::hinge, 0, 0};
     if (joint.limits && (joint.type == JointType::hinge || joint.type == JointType::slider)) {
         handle.has_stops = true;
-        std::tie(handle.lower, handle.upper) = std::tie((*joint.limits)[0], (*joint.limits)[1]);
+        handle.lower = (*joint.limits)[0];
+        handle.upper = (*joint.limits)[1];
         const auto set = handle.turns ? dJointSetHingeParam : dJointSetSliderParam;
-        // The high stop first: ODE drops a low one beyond it.
-        set(id, dParamHiStop, handle.upper);
         set(id, dParamLoStop, handle.lower);
         set(id, dParamHiStop, handle.upper);
         set(id, dParamStopERP, 1);
@@ -224,9 +222,9 @@ void World::find_stops(double h, std::vector<Stop>& stops) const {
         const auto id = static_cast<dJointID>(joint.id);
         const double coordinate = joint.turns ? dJointGetHingeAngle(id) : dJointGetSliderPosition(id);
         if (coordinate <= joint.lower)
-            stops[j] = {true, (joint.lower - Stop::kPlay - coordinate) / h, 1, false};
+            stops[j] = {true, (joint.lower - Stop::kPlay - coordinate) / h, 1};
         else if (coordinate >= joint.upper)
-            stops[j] = {true, (joint.upper + Stop::kPlay - coordinate) / h, -1, false};
+            stops[j] = {true, (joint.upper + Stop::kPlay - coordinate) / h, -1};
     }
 }
 
@@ -236,8 +234,14 @@ void World::advance(double h) {
         read_states(before_);
         find_stops(h, stops_);
     }
-    if (dWorldStep(world_->id(), h) == 0)
-        throw Error(ExitCode::resource_limit, "ODE could not allocate the memory for a step: nothing has moved");
+    int done = 0;
+    try {
+        done = dWorldStep(world_->id(), h);
+    } catch (...) {
+        (void)world_.release();  // of a world that was left in the middle of a step nothing can be freed
+        throw;
+    }
+    if (done == 0) throw Error(ExitCode::resource_limit, "ODE could not allocate the memory for a step: nothing has moved");
     if (complaints != before) throw Error(ExitCode::numerical_failure, "ODE reported a numerical problem during the step");
     if (!closure_) return;
     read_states(after_);

@@ -80,7 +80,6 @@ private:
         void* id;
         bool has_stops, turns;
         double lower, upper;  ///< [rad, m]
-        int body, other;      ///< ODE's first and second body
     };
     std::vector<JointHandle> joints_;
     std::vector<Stop> stops_;

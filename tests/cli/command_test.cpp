@@ -196,7 +196,7 @@ TEST(Command, AStiffPendulumThatFeedsItsPinIsToldHowToBeCalmed) {
         "[[element]]\nname = \"pin\"\ntype = \"spring_damper\"\nfrom = \"ground\"\nto = \"arm.pin\"\nstiffness = 1e9\n";
     write_text(folder / "small.toml", text);
     const std::string err = run_dttmm(folder.path(), {"run", "small.toml"}).err;
-    EXPECT_THAT(err, AllOf(HasSubstr("body \"arm\" turns 0."), HasSubstr("rad per step on joints of omega*h = 30.82 ("),
+    EXPECT_THAT(err, AllOf(HasSubstr("body \"arm\" turns 0."), HasSubstr("rad per step on elements of omega*h = 30.82 ("),
                            HasSubstr("made by pin (100 %)"), HasSubstr(", or a spectral_radius of 0.9")));
     const size_t begin = err.find("--step \"") + 8;
     const std::string step = err.substr(begin, err.find('"', begin) - begin);

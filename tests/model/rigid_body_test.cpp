@@ -76,17 +76,20 @@ TEST(RigidBody, InertiaMustBelongToADistributionOfMass) {
     const auto diagonal = [](double x, double y, double z) {
         return Eigen::Matrix3d(Eigen::Vector3d(x, y, z).asDiagonal());
     };
-    EXPECT_FALSE(find_inertia_fault(diagonal(1, 2, 3)));  // a flat body: equality
-    EXPECT_FALSE(find_inertia_fault(diagonal(1, 2, 3 * (1 + 3e-10))));
-    EXPECT_THAT(*find_inertia_fault(diagonal(1, 1, 100)), HasSubstr("triangle inequality"));
-    EXPECT_THAT(*find_inertia_fault(diagonal(1, 1, 100)), HasSubstr("principal moments 1, 1, 100 kg m²"));
-    EXPECT_THAT(*find_inertia_fault(diagonal(1, 2, 3.00001)), HasSubstr("3.0000100000000001"));
-    EXPECT_THAT(*find_inertia_fault(diagonal(-1, 2, 2)), HasSubstr("positive definite"));
-    EXPECT_THAT(*find_inertia_fault(diagonal(0, 2, 2)), HasSubstr("positive definite"));
-    EXPECT_THAT(*find_inertia_fault(diagonal(1, 2, std::nan(""))), HasSubstr("finite"));
+    EXPECT_FALSE(find_inertia_fault(diagonal(1, 2, 3), 1));  // a flat body: equality
+    EXPECT_FALSE(find_inertia_fault(diagonal(1, 2, 3 * (1 + 3e-10)), 1));
+    EXPECT_THAT(*find_inertia_fault(diagonal(1, 1, 100), 1), HasSubstr("triangle inequality"));
+    EXPECT_THAT(*find_inertia_fault(diagonal(1, 1, 100), 1), HasSubstr("principal moments 1, 1, 100 kg m²"));
+    EXPECT_THAT(*find_inertia_fault(diagonal(1, 2, 3.00001), 1), HasSubstr("3.0000100000000001"));
+    EXPECT_THAT(*find_inertia_fault(diagonal(-1, 2, 2), 1), HasSubstr("positive definite"));
+    EXPECT_THAT(*find_inertia_fault(diagonal(0, 2, 2), 1), HasSubstr("positive definite"));
+    EXPECT_THAT(find_inertia_fault(diagonal(1e-14, 2, 2), 2).value_or(""), HasSubstr("too small beside the mass of 2 kg"));
+    EXPECT_FALSE(find_inertia_fault(diagonal(1e-14, 1e-14, 1e-14), 0.9));
+    EXPECT_THAT(*find_inertia_fault(diagonal(1, 2, std::nan("")), 1), HasSubstr("finite"));
     const Eigen::Matrix3d turned = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
-    EXPECT_THAT(find_inertia_fault(turned * diagonal(1, 1, 100) * turned.transpose()).value_or(""), HasSubstr("triangle"));
-    EXPECT_FALSE(find_inertia_fault(turned * diagonal(4, 5, 6) * turned.transpose()));
+    EXPECT_THAT(find_inertia_fault(turned * diagonal(1, 1, 100) * turned.transpose(), 1).value_or(""),
+                HasSubstr("triangle"));
+    EXPECT_FALSE(find_inertia_fault(turned * diagonal(4, 5, 6) * turned.transpose(), 1));
 }
 
 }  // namespace

@@ -315,6 +315,115 @@ TEST(Joints, StopLetsGo) {
     EXPECT_LT(std::abs(history["energy.residual"].back()), 1e-2 * history.largest("energy.work"));
 }
 
+/// Blocks on sliders along x with stops, each block riding on the one before (−1: the ground).
+struct Block {
+    double mass, x, speed;
+    int on;
+    std::array<double, 2> limits;
+};
+Model train(const std::vector<Block>& blocks) {
+    Model model;
+    for (size_t b = 0; b < blocks.size(); ++b) {
+        Body body = test::box(fmt::format("block{}", b), blocks[b].mass, {0.1, 0.2, 0.3}, at(blocks[b].x, 0));
+        body.velocity = blocks[b].speed * kX;
+        model.bodies.push_back(body);
+        Joint guide = test::pin(fmt::format("guide{}", b), blocks[b].on, static_cast<int>(b), at(blocks[b].x, 0), kX);
+        guide.type = JointType::slider;
+        guide.limits = blocks[b].limits;
+        model.joints.push_back(guide);
+    }
+    return model;
+}
+
+// Oracle: momentum. Block 1 catches block 0 before block 0 reaches its own stop, though one step leads through both: they go
+// on together at (−1 + 9)/2 m/s, and the stop of block 0, which could only push, does nothing.
+TEST(Joints, OfTwoStopsWithinOneStepTheFirstActsAlone) {
+    const Plugins plugins;
+    const History history = run(train({{1, 0, -1, -1, {-0.0105, 1}}, {1, 0.5, 9, 0, {-0.1, 0.1042}}}), plugins, 1e-3, 0.02);
+    EXPECT_NEAR(history["guide1.travel"].back(), 0.1042, 2e-12);
+    double speed = 0;
+    for (const char* axis : {"x", "y", "z"}) speed += std::pow(history[std::string("block0.velocity.") + axis].back(), 2);
+    EXPECT_NEAR(std::sqrt(speed), 4, 1e-8);
+    EXPECT_LT(history.largest("guide0.force.x"), 1e-6);
+}
+
+// Two stops of one motion, 5 mm apart: the nearer one holds, to rest, and nothing rebounds.
+TEST(Joints, TheNearerOfTwoStopsHolds) {
+    const Plugins plugins;
+    Model model = train({{1, 0, 10, -1, {-0.1, 0.1}}});
+    model.joints.push_back(model.joints[0]);
+    model.joints[1].name = "guide1";
+    model.joints[1].limits = {-0.1, 0.105};
+    const History history = run(model, plugins, 1e-3, 0.05);
+    EXPECT_LT(history.largest("guide0.travel"), 0.1 + 2e-12);
+    EXPECT_NEAR(history["guide0.travel"].back(), 0.1, 2e-12);
+    EXPECT_NEAR(history["energy.dissipated"].back(), 50, 1e-9);
+}
+
+// A slider-crank at its dead centre stands on a stop of its slider: the loop must draw back, and the stop lets it.
+TEST(Joints, StopAtADeadCentreLetsTheMachineGo) {
+    const Plugins plugins;
+    const double r = 0.1, l = 0.5, omega = 30;
+    Model model;
+    model.bodies = {rod("crank", 1.2, at(0, 0), at(r, 0)), rod("rod", 0.9, at(r, 0), at(r + l, 0)),
+                    rod("piston", 0.5, at(r + l, 0), at(r + l + 0.1, 0))};
+    turn(model.bodies[0], at(0, 0), omega);
+    turn(model.bodies[1], at(r + l, 0), -omega * r / l);
+    model.joints = {test::pin("main", -1, 0, at(0, 0), kZ), test::pin("big_end", 0, 1, at(r, 0), kZ),
+                    test::pin("small_end", 1, 2, at(r + l, 0), kZ)};
+    Joint guide = test::pin("guide", -1, 2, at(r + l, 0), kX);
+    guide.type = JointType::slider;
+    guide.limits = {-0.05, 0};
+    model.joints.push_back(guide);
+    const History history = run(model, plugins, 1e-3, 0.02);
+    // Oracle: centripetal and static forces at the start; the piston alone has m r ω² (1 + r/l) = 54 N
+    EXPECT_LT(std::abs(history["small_end.force.x"][0]), 200);
+    EXPECT_LT(history["guide.travel"][10], -1e-3);  // it has gone
+}
+
+// Row 0 tells the reaction at the start in the order of the rest: m ω² r of a rod that turns at once.
+TEST(Joints, ReactionAtTheStartIsExact) {
+    const Plugins plugins;
+    const Model model = pendulum(plugins, 0, 0, 3);
+    for (double h : {4e-3, 1e-3}) {
+        const History history = run(model, plugins, h, 0.1);
+        Eigen::Vector3d force;
+        for (int i = 0; i < 3; ++i) force(i) = history[std::string("pin.force.") + "xyz"[i]][0];
+        EXPECT_LT((force - model.bodies[0].mass * 9 * kLength / 2 * kX).norm(), 1e-9);
+    }
+}
+
+// Bodies that no joint and no element holds, light and heavy, beside a pendulum: they must not keep its step from being
+// found.
+TEST(Joints, FreeBodiesBesideAPendulumDoNotMatter) {
+    const Plugins plugins;
+    for (double mass : {1e-9, 1e-3, 10.0}) {
+        Model model = pendulum(plugins, 0, 0, 0, 9.81 * kX + 3 * kY);
+        model.bodies.push_back(test::box("free", mass, {0.1, 0.1, 0.1}, at(5, 0)));
+        EXPECT_NO_THROW(run(model, plugins, 1e-3, 1)) << mass;
+    }
+}
+
+// Tiny parts on redundant joints: what once made ODE fail within its step.
+TEST(Joints, TinyPartsOnRedundantJointsRun) {
+    const Plugins plugins;
+    Model model;
+    model.bodies = {test::box("part", 1e-8, {1e-1, 1e-1, 1e-1}, at(0.1, 0))};
+    model.bodies[0].inertia = 1e-10 * Eigen::Matrix3d::Identity();
+    model.joints = {test::pin("weld", -1, 0, at(0.1, 0), kZ), test::pin("hinge", -1, 0, at(0, 0), kY)};
+    model.joints[0].type = JointType::fixed;
+    Load load;
+    load.on = {0, -1};
+    load.direction = kX;
+    load.signal = test::constant(1e-9);
+    model.loads = {load};
+    const History history = run(model, plugins, 1e-3, 0.1);
+    for (const char* axis : {"x", "y", "z"}) {
+        const std::vector<double>& position = history[std::string("part.position.") + axis];
+        EXPECT_NEAR(position.back(), position.front(), 1e-12);
+    }
+}
+
 // A heavy load on a light link, masses 1e7 and 1e11 apart: ODE alone lets such a load fall almost freely. Oracle: beside the
 // load the link weighs nothing, so that both loads move alike to 1e-7 of the motion.
 TEST(Joints, HeavyLoadHangsOnALightLink) {

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <limits>
+
+#include "model/model.h"
+#include "world/block_matrix.h"
+
+namespace dttmm {
+
+/// Positions are known to a few units in the last place of their size.
+inline constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
+
+/// Mass and inertia of a body about its centre of mass; R turns its axes into world axes.
+struct Inertia {
+    double mass;        ///< [kg]
+    Eigen::Matrix3d J;  ///< body axes [kg m²]
+
+    explicit Inertia(const Body& body) : mass(body.mass), J(body.inertia) {}
+
+    /// diag(m, R J Rᵀ), world axes
+    BlockMatrix::Block block(const Eigen::Matrix3d& R) const {
+        BlockMatrix::Block M = BlockMatrix::Block::Zero();
+        M.diagonal().head<3>().setConstant(mass);
+        M.bottomRightCorner<3, 3>() = R * J * R.transpose();
+        return M;
+    }
+    /// R J Rᵀ w: of an angular velocity the angular momentum, of an angular acceleration the moment
+    Eigen::Vector3d turned(const Eigen::Matrix3d& R, const Eigen::Vector3d& w) const {
+        return R * (J * (R.transpose() * w));
+    }
+    /// An upper bound of the largest radius of gyration [m]
+    double gyration_bound() const { return std::sqrt(J.trace() / (2 * mass)); }
+};
+
+}  // namespace dttmm

@@ -16,7 +16,7 @@ BlockFactor::BlockFactor(const BlockMatrix& matrix) {
 
 bool BlockFactor::factor(const BlockMatrix& matrix) {
     if (matrix.is_coupled()) {
-        solver_.factorize(matrix.upper());
+        solver_.refactor(matrix.upper());
         return solver_.info() == Eigen::Success;
     }
     for (size_t b = 0; b < starts_.size(); ++b) {

@@ -20,7 +20,14 @@ public:
     void solve(const Eigen::VectorXd& b, Eigen::VectorXd& x) const;
 
 private:
-    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Upper, Eigen::NaturalOrdering<int>> solver_;
+    using Sparse = Eigen::SparseMatrix<double>;
+    using Ldlt = Eigen::SimplicialLDLT<Sparse, Eigen::Upper, Eigen::NaturalOrdering<int>>;
+    /// Eigen's factorize() makes an empty matrix each time; what it calls then does without.
+    class Solver : public Ldlt {
+    public:
+        void refactor(const Sparse& matrix) { this->template factorize_preordered<true>(matrix); }
+    };
+    Solver solver_;
     std::vector<int> starts_;  ///< first unknown of every body, if none is coupled to another; else empty
     std::vector<BlockMatrix::Block> inverses_;
 };

@@ -43,6 +43,11 @@ TEST(Allocation, NothingIsAllocatedInTheStepLoop) {
     for (Coupling coupling : {Coupling::implicit, Coupling::explicit_}) {
         Model model = test::plate_stack(plugins, 5, 5e5, 100, 1e-3, coupling);
         model.elements[7].values[0] *= 0.8;  // tilts the plates: more than one pass per step
+        Body lever = test::box("lever", 1, {0.2, 0.02, 0.02}, {1, 0, 0});
+        lever.angular_velocity = {0, 0, 4};
+        model.bodies.push_back(lever);
+        model.joints.push_back(test::pin("pin", -1, 5, {1, 0, 0}, {0, 0, 1}));
+        model.joints[0].limits = {-0.5, 0.2};  // reached on the way
         Simulation simulation(model, plugins);
         Recorder recorder(simulation.channels());
         simulation.record_to([&](std::span<const double> row) { recorder.close_row(row); });

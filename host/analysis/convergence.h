@@ -21,7 +21,7 @@ namespace dttmm {
 /// first where a load jumps within a step: an error B_k with |B_k| ≤ |δ_k| whose sign depends on where in the step the jump
 /// falls (halving gives δ_{k+1} = ± δ_k/2). The value y_k + δ_k/3 has lost A; of B it keeps at most 4/3 |B_k| + 1/3
 /// |B_{k−1}| ≤ 2 |δ_k|, while 4 δ_k − δ_{k−1}, free of A as well, holds at least 2 |δ_k|. Of a smooth motion it is three
-/// times the error of the extrapolation before, 45 times that of the value. Without a jump's help y_k itself is off by
+/// times the error of the extrapolation before, 45 times that of the value. At any other order p, y_k itself is off by
 /// |δ_k|/(2^p − 1); p above one is a mixture, so one is used. The 3/2 is for motion that answers more than linearly.
 ///
 /// What all histories miss alike no estimate sees: a pulse between their steps; the acceleration in a row less than a step

@@ -13,8 +13,8 @@ namespace dttmm {
 ///     | K   Jᵀ |     K: a 6×6 block for every body and every pair of bodies that an element couples, positive definite
 ///     | J  −E  |     J: the equations of the joints, E: a small positive diagonal
 /// The pattern is fixed at construction. Bodies are reordered for a sparse factor and every joint follows the first of its
-/// bodies: so each pivot block is regular, and LDLᵀ needs no pivoting. `index(body)` is where a body's six unknowns begin.
-/// Source of that order: Vanderbei (1995), SIAM J. Optim. 5(1), 100–113, on symmetric quasi-definite matrices.
+/// bodies, so that its pivot block is J K⁻¹ Jᵀ + E, not the tiny E alone. `index(body)` is where a body's six unknowns
+/// begin. That LDLᵀ needs no pivoting: Vanderbei (1995), SIAM J. Optim. 5(1), 100–113, on symmetric quasi-definite matrices.
 class BlockMatrix {
 public:
     using Block = Eigen::Matrix<double, 6, 6>;

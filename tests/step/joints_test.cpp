@@ -202,8 +202,8 @@ Model slider_crank(const Plugins& plugins, CouplerJoint joint, double stiffness)
     return model;
 }
 
-// Energy of a machine with redundant hinges, large turning and an elastic joint: over 48 turns (10 s) it errs by no more
-// than over the first two, and by a quarter when the step is halved.
+// Oracle: energy is conserved. A machine with redundant hinges, large turning and an elastic joint: over nine turns (2 s) it
+// errs by no more than twice what it does over the first two, and halving the step leaves a quarter.
 TEST(Joints, SliderCrankWithAnElasticCouplerKeepsItsEnergy) {
     const Plugins plugins;
     const Model model = slider_crank(plugins, CouplerJoint::elastic, 5e6);
@@ -247,8 +247,7 @@ TEST(Joints, UniversalJointTurnsAsCardansDoes) {
     Eigen::Matrix3d frame;
     frame << kX, kY, kZ;
     model.bodies[0].rotation = frame;
-    frame << out.cross(kY).cross(Eigen::Vector3d::Zero()), kY, out;
-    frame.col(0) = kY.cross(out);
+    frame << kY.cross(out), kY, out;
     model.bodies[1].rotation = frame;
     model.joints = {test::pin("in_bearing", -1, 0, at(0, 0, -0.3), kZ), test::pin("out_bearing", -1, 1, 0.4 * out, out)};
     Joint cross = test::pin("cross", 0, 1, at(0, 0), kY);
@@ -292,12 +291,14 @@ TEST(Joints, StopTakesTheSpeedAndThenCarriesTheForce) {
     Eigen::Vector3d force;
     for (int i = 0; i < 3; ++i) force(i) = history[std::string("guide.force.") + "xyz"[i]].back();
     EXPECT_LT((force - 30 * kX).norm(), 1e-9);
-    EXPECT_NEAR(history["energy.dissipated"].back(), 30 * 0.05, 0.05);  // half a step's play in the impact
+    // Where in the step the stop is reached is not resolved: F v h/2 = 30 N 0.87 m/s 0.5 ms
+    EXPECT_NEAR(history["energy.dissipated"].back(), 30 * 0.05, 0.013);
     EXPECT_LT(std::abs(history["energy.residual"].back()), 1e-3);
     EXPECT_LE(history.engine_steps_per_step, 1 + 2.0 / 501);
 }
 
-// A rod falls on its lower stop, leaves it when it is pulled off, and flies to the upper one.
+// Oracle: at rest on a stop the angle is the limit to the stop's play, and the ledger closes. A rod falls on its lower stop,
+// leaves it when it is pulled off, and flies to the upper one.
 TEST(Joints, StopLetsGo) {
     const Plugins plugins;
     Model model = pendulum(plugins, 0, 0, 0, -2 * kY);

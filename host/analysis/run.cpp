@@ -126,10 +126,12 @@ struct Ledger {
     double rounding = 0;                                     ///< below this the ledger tells nothing [J]
 };
 
-Ledger read_ledger(const Recorder& recorder, const Model& model) {
+Ledger read_ledger(const Recorder& recorder, const Model& model, double step) {
     Ledger ledger;
-    for (const Body& body : model.bodies)
-        ledger.rounding += 1e-12 * body.mass * model.simulation.gravity.norm() * (1 + body.position.norm());
+    for (const Body& body : model.bodies) {
+        const double size = 1 + body.position.norm(), speed = 1e-11 * size / step;  // m, and rounding of it over a step
+        ledger.rounding += body.mass * (1e-12 * model.simulation.gravity.norm() * size + speed * speed);
+    }
     for (size_t c = 0; c < recorder.channels().size(); ++c) {
         const std::string& name = recorder.channels()[c].name;
         const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
@@ -153,8 +155,8 @@ std::string describe_energy_fault(const Simulation& simulation) {
     const Turning turning = simulation.fastest_turning();
     if (turning.per_step > 0.1 || turning.per_step * omega_h > 2) {
         const double longest = step * std::min(0.05 / turning.per_step, 1 / std::sqrt(turning.per_step * omega_h));
-        return fmt::format("body \"{}\" turns {:.3g} rad per step on elements of {}; try --step \"{:.12g} s\"{}", turning.body,
-                           turning.per_step, simulation.describe_speed(), divide_step(step, longest),
+        return fmt::format("body \"{}\" turns {:.3g} rad per step on elements of {}; try --step \"{:.12g} s\"{}",
+                           turning.body, turning.per_step, simulation.describe_speed(), divide_step(step, longest),
                            simulation.explicit_limit() ? "" : ", or a spectral_radius of 0.9");
     }
     return fmt::format("the step of {:g} s is too long for the fastest vibration, {}", step, simulation.describe_speed());
@@ -162,7 +164,7 @@ std::string describe_energy_fault(const Simulation& simulation) {
 
 /// What the ledger cannot account for was made or lost by the integration itself. Numerical damping loses it on request.
 void warn_energy(const Recorder& recorder, const Model& model, const Simulation& simulation) {
-    const Ledger ledger = read_ledger(recorder, model);
+    const Ledger ledger = read_ledger(recorder, model, simulation.step_size());
     const bool is_damped = model.simulation.coupling == Coupling::implicit && model.simulation.spectral_radius < 1;
     if (is_damped && ledger.residual_at_the_end < 0 && ledger.most <= 0.1 * ledger.turned_over) {
         const double taken = -ledger.residual_at_the_end;
@@ -176,8 +178,8 @@ void warn_energy(const Recorder& recorder, const Model& model, const Simulation&
     const bool has_stops = std::ranges::any_of(model.joints, [](const Joint& joint) { return joint.limits.has_value(); });
     const double residual = has_stops ? std::max(ledger.most, std::abs(ledger.residual_at_the_end)) : ledger.residual;
     if (residual > 0.1 * ledger.turned_over && residual > ledger.rounding)
-        tell(fmt::format("warning: the energy balance leaves {:.3g} J unaccounted for, of {:.3g} J at most: {}",
-                         residual, ledger.turned_over, describe_energy_fault(simulation)));
+        tell(fmt::format("warning: the energy balance leaves {:.3g} J unaccounted for, of {:.3g} J at most: {}", residual,
+                         ledger.turned_over, describe_energy_fault(simulation)));
 }
 
 /// How the step was found, in one line.

@@ -123,5 +123,18 @@ TEST_F(JointsOfAUser, AStepThatIsNotFoundNamesWhatHoldsTheBody) {
     EXPECT_THAT(ended.err, HasSubstr("body \"lever\" on joint \"pin\"; try a smaller step"));
 }
 
+// At rest on its joint nothing turns energy over; rounding is no reason to warn. Nor is the row of an impact on a stop,
+// where the ledger stands between before and after.
+TEST_F(JointsOfAUser, NeitherRestNorImpactIsAFaultOfTheEnergyBalance) {
+    std::string rest = with(with(kLever, "limits = [\"-1 deg\", \"2 deg\"]\n", ""), "axis = [0, -1, 0]\n", "");
+    rest = with(with(rest, "\"hinge\"", "\"fixed\""), "\"120 N\"", "0");
+    const Ended at_rest = run(with(rest, "step = \"1 ms\"", "step = \"1 ms\"\ngravity = [0, 0, -9.81]"));
+    EXPECT_EQ(at_rest.code, 0);
+    EXPECT_EQ(at_rest.err, "");
+    const Ended impact = run(with(kLever, "\"120 N\"", "\"300 N\""));
+    EXPECT_EQ(impact.code, 0);
+    EXPECT_EQ(impact.err, "");
+}
+
 }  // namespace
 }  // namespace dttmm

@@ -150,7 +150,7 @@ Ledger read_ledger(const Recorder& recorder, const Model& model, double step) {
 /// per step; a body that turns by 4/(omega h) per step, give or take, can feed it, however slow that is.
 std::string describe_energy_fault(const Simulation& simulation) {
     if (simulation.explicit_limit() && simulation.explicit_limit()->load > 0.8 * kExplicitLimit)
-        return fmt::format("near the limit of the explicit coupling, {}", simulation.describe_speed());
+        return fmt::format("near the limit of the explicit coupling or beyond it, {}", simulation.describe_speed());
     const double step = simulation.step_size(), omega_h = simulation.fastest_mode().omega * step;
     const Turning turning = simulation.fastest_turning();
     if (turning.per_step > 0.1 || turning.per_step * omega_h > 2) {

@@ -82,13 +82,9 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks)
     for (size_t b = 0; b < n; ++b) {
         const Body& body = model.bodies[b];
         const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(body.inertia).eigenvalues()(0);
-        bodies_.push_back({Inertia(body), body.name, holders[b], least, reach_of(body), group[b]});
+        const double reach = std::max(reach_of(body), system_.longest_arm(static_cast<int>(b)));
+        bodies_.push_back({Inertia(body), body.name, holders[b], least, reach, group[b]});
     }
-    for (const JointEquations& joint : system_.joints())
-        for (const auto side : {JointEquations::kFirst, JointEquations::kSecond})
-            if (const int body = joint.bodies()[side]; body >= 0)
-                bodies_[static_cast<size_t>(body)].reach =
-                    std::max(bodies_[static_cast<size_t>(body)].reach, joint.arm(side));
     groups_.resize(n == 0 ? 0 : 1 + *std::max_element(group.begin(), group.end()));
     for (auto* list : {&u_, &previous_u_, &correction_, &free_momentum_, &feedback_}) list->assign(n, Vector6::Zero());
     wrenches_.resize(6 * n);
@@ -349,6 +345,8 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
 /// Adds the first stop that the motion found would run through, so that it ends there, and lets go those that would pull;
 /// true if anything has changed.
 bool EndOfStep::revise_stops(const std::vector<BodyState>& now) {
+    if (!system_.has_stops()) return false;
+    place_trial(now);
     bool changed = false;
     double first = std::numeric_limits<double>::infinity();  // share of the step after which a stop is reached
     size_t reached = stops_.size();
@@ -365,7 +363,6 @@ bool EndOfStep::revise_stops(const std::vector<BodyState>& now) {
             changed = true;
             continue;
         }
-        place_trial(now);
         const double start = joint.coordinate(now);
         double way = joint.coordinate(trial_) - start;
         if (joint.turns()) way = std::remainder(way, 2 * M_PI);

@@ -29,12 +29,9 @@ JointClosure::JointClosure(const std::vector<Body>& bodies, const std::vector<Jo
     : system_(bodies, joints), matrix_(static_cast<int>(bodies.size()), {}, system_.nodes()), factor_(matrix_) {
     for (const Body& body : bodies) {
         inertias_.emplace_back(body);
-        reaches_.push_back(inertias_.back().gyration_bound());
+        const int index = static_cast<int>(reaches_.size());
+        reaches_.push_back(std::max(inertias_.back().gyration_bound(), system_.longest_arm(index)));
     }
-    for (const JointEquations& joint : system_.joints())
-        for (const auto side : {JointEquations::kFirst, JointEquations::kSecond})
-            if (const int body = joint.bodies()[side]; body >= 0)
-                reaches_[static_cast<size_t>(body)] = std::max(reaches_[static_cast<size_t>(body)], joint.arm(side));
     for (const Joint& joint : joints) names_.push_back(joint.name);
     right_hand_side_.setZero(matrix_.size());
     solution_.setZero(matrix_.size());

@@ -35,6 +35,14 @@ std::vector<BlockMatrix::JointNode> JointSystem::nodes() const {
     return nodes;
 }
 
+double JointSystem::longest_arm(int body) const {
+    double longest = 0;
+    for (const JointEquations& joint : joints_)
+        for (const auto side : kSides)
+            if (joint.bodies()[side] == body) longest = std::max(longest, joint.arm(side));
+    return longest;
+}
+
 void JointSystem::linearise(const std::vector<BodyState>& now, const std::vector<Stop>& stops) {
     stops_ = stops;
     proximal_ = std::min(kProximal, 10 * proximal_);

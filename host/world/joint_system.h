@@ -43,6 +43,9 @@ public:
 
     bool empty() const { return joints_.empty(); }
     const std::vector<JointEquations>& joints() const { return joints_; }
+    bool has_stops() const { return std::ranges::any_of(joints_, &JointEquations::has_stops); }
+    /// From the centre of mass of a body to the farthest of its anchors [m]; 0 without joints.
+    double longest_arm(int body) const;
     /// For the pattern of a BlockMatrix.
     std::vector<BlockMatrix::JointNode> nodes() const;
 

@@ -9,7 +9,7 @@
  * Units     SI: m, kg, s, rad, N, N m.
  * Frame     world axes, right-handed, unless a comment says otherwise. Matrices are row-major.
  * Order     a pose change is [translation x y z; rotation x y z], a wrench [force x y z; moment x y z].
- * Wrench    acts on the host's body, at the port's position at t_n, the start of the step (linearise: at the given instant).
+ * Wrench    of a port: acts on the host's body, at the port's position at t_n, the start of the step (linearise: at the given instant).
  *           The wrenches on the ports of a network must balance there, or angular momentum is not kept.
  * Memory    whoever calls owns every buffer it passes; what a plugin returns by pointer lives as long as the instance or,
  *           for the table and what it points to, as long as the library stays loaded. No allocated memory crosses.
@@ -18,7 +18,8 @@
  * Threads   one thread at a time per instance; different instances may be used by different threads. No statics.
  * Phases    create -> [linearise] -> start -> { begin_step -> evaluate* -> commit_step | discard_step }* -> destroy.
  *           A comment in [brackets] names the phases in which a function may be called.
- * Versions  a table starts with its size and version. Minor versions append members; a host reads only what `size` covers.
+ * Versions  the table starts with its size and version. Minor versions append members to it; a host reads only what `size`
+ *           covers. The other structures stay as they are within a major version.
  */
 #ifndef DTTMM_PLUGIN_H
 #define DTTMM_PLUGIN_H
@@ -63,22 +64,39 @@ typedef struct dttmm_error {
 /* ---- Element types, declared as data: the host checks the model file against them and converts the units ---- */
 
 enum {
-    DTTMM_PARAMETER_REQUIRED = 1u, /* the model must give it; otherwise default_value stands for every number */
-    DTTMM_PARAMETER_SPREADS = 2u   /* a single number in the model stands for all `count` numbers */
+    DTTMM_PARAMETER_REQUIRED = 1u,  /* the model must give it; otherwise default_value stands for every number */
+    DTTMM_PARAMETER_SPREADS = 2u,   /* a single number in the model stands for all `count` numbers */
+    DTTMM_PARAMETER_INTEGER = 4u,   /* whole numbers only */
+    DTTMM_PARAMETER_WORDS_ONLY = 8u /* one of `words`, never a number */
 };
 
+/* A text that stands for a number: "free" for 0, "rigid" for infinity. The only way to a value that is not finite. */
+typedef struct dttmm_word {
+    const char *name;
+    double value;
+} dttmm_word;
+
 typedef struct dttmm_parameter {
-    const char *name;          /* the key in the model file */
+    const char *name;          /* the key in the model file; "section.tube" is the key tube of the table section = { ... } */
     const char *unit;          /* as UDUNITS-2 reads it, e.g. "N/m"; "1" for a pure number */
-    uint32_t count;            /* how many numbers, at least 1 */
+    uint32_t count;            /* how many numbers, at least 1; 1 where there are words */
     uint32_t flags;            /* DTTMM_PARAMETER_... */
-    double default_value;      /* SI */
-    double minimum, maximum;   /* SI, both included; every number is finite whatever the bounds */
+    double default_value;      /* SI; not a number tells the plugin that the model does not give it */
+    double minimum, maximum;   /* SI, both included, for numbers; these are finite whatever the bounds */
+    const dttmm_word *words;   /* that the model may write in place of a number; NULL: none */
+    uint32_t word_count;
     const char *documentation; /* one line */
 } dttmm_parameter;
 
+/* How an element hangs on its nodes. */
+enum {
+    DTTMM_ENDS_FROM_TO = 0, /* the keys `from` and `to`: two nodes */
+    DTTMM_ENDS_AT = 1       /* the key `at`: one node, or a list of them */
+};
+
 typedef struct dttmm_element_type {
     const char *name; /* the `type` of the model file */
+    uint32_t ends;    /* DTTMM_ENDS_... */
     uint32_t parameter_count;
     const dttmm_parameter *parameters;
     const char *documentation; /* one line */
@@ -88,7 +106,8 @@ typedef struct dttmm_element_type {
 
 enum {
     DTTMM_NODE_GROUND = 0, /* fixed in the world */
-    DTTMM_NODE_PORT = 1    /* moves with a body of the host */
+    DTTMM_NODE_PORT = 1,   /* moves with a body of the host */
+    DTTMM_NODE_INNER = 2   /* a point of the network: moves as the elements have it */
 };
 
 typedef struct dttmm_node {
@@ -96,13 +115,18 @@ typedef struct dttmm_node {
     uint32_t kind;      /* DTTMM_NODE_... */
     double position[3]; /* at the start [m] */
     double rotation[9]; /* axes of the node in the world at the start: v_world = rotation * v_node */
+    /* Of inner nodes only: */
+    uint32_t fixed; /* bit d set: direction d of x y z rx ry rz (world axes) is held where it is at the start */
+    int32_t moves;  /* non-zero: it starts with the velocities below; otherwise as straining the network least */
+    double velocity[3], angular_velocity[3];
 } dttmm_node;
 
 typedef struct dttmm_element {
     const char *name;
-    uint32_t type;     /* index into dttmm_plugin.element_types */
-    uint32_t from, to; /* indices into dttmm_network.nodes */
-    const double *values; /* the numbers of all parameters of the type, in the order declared */
+    uint32_t type;         /* index into dttmm_plugin.element_types */
+    uint32_t end_count;    /* 2 for DTTMM_ENDS_FROM_TO */
+    const uint32_t *ends;  /* indices into dttmm_network.nodes: from and to, or those of `at` */
+    const double *values;  /* the numbers of all parameters of the type, in the order declared */
 } dttmm_element;
 
 /* The time scheme. Centred: every quantity of the network stands at t_n, the middle of three instants,
@@ -130,6 +154,7 @@ typedef struct dttmm_network {
     const dttmm_element *elements;
     uint32_t scheme;    /* DTTMM_SCHEME_... */
     double beta, gamma; /* of the centred scheme */
+    double gravity[3];  /* on the masses of the network [m/s^2] */
 } dttmm_network;
 
 typedef struct dttmm_instance dttmm_instance;
@@ -150,10 +175,24 @@ typedef struct dttmm_step {
     double size;    /* h [s], the same from start to the next start */
 } dttmm_step;
 
+/* What a channel belongs to and what becomes of it: a column of the results, by default or only when asked for; or a part of
+ * the host's energy ledger, in joules. */
+enum { DTTMM_OF_ELEMENT = 0, DTTMM_OF_NODE = 1 };
+enum {
+    DTTMM_ROLE_RESULT = 0,
+    DTTMM_ROLE_ON_REQUEST = 1,
+    DTTMM_ROLE_STRAIN_ENERGY = 2,
+    DTTMM_ROLE_KINETIC_ENERGY = 3,
+    DTTMM_ROLE_DISSIPATED_ENERGY = 4, /* since the start */
+    DTTMM_ROLE_WORK = 5               /* of gravity and of the loads on inner nodes, since the start */
+};
+
 typedef struct dttmm_channel {
-    const char *name; /* e.g. "force.x"; "strain_energy" and "dissipated_energy" enter the host's energy ledger */
+    const char *name; /* e.g. "force.x": the column is called <element or node>.force.x */
     const char *unit;
-    uint32_t element; /* index into dttmm_network.elements */
+    uint32_t of;    /* DTTMM_OF_... */
+    uint32_t index; /* into dttmm_network.elements or .nodes */
+    uint32_t role;  /* DTTMM_ROLE_... */
 } dttmm_channel;
 
 typedef struct dttmm_plugin {
@@ -178,12 +217,14 @@ typedef struct dttmm_plugin {
                               double *damping, dttmm_error *error);
 
     /* Sets the memory of the scheme to the initial conditions at step->time: poses, velocities and accelerations of the ports
-     * (6 per port: linear, angular) at that instant. [after create; may be called again to start anew] */
+     * (6 per port: linear, angular) at that instant, and the loads on the inner nodes then. [after create; may be called
+     * again to start anew] */
     dttmm_status (*start)(dttmm_instance *instance, const dttmm_step *step, const dttmm_motion *ports,
-                          const double *accelerations, dttmm_error *error);
+                          const double *accelerations, const double *loads, dttmm_error *error);
 
-    /* Opens the step from step->time to step->time + step->size. [after start, no step open] */
-    dttmm_status (*begin_step)(dttmm_instance *instance, const dttmm_step *step, dttmm_error *error);
+    /* Opens the step from step->time to step->time + step->size. `loads`: 6 per inner node (wrench in world axes, at the node)
+     * as they are at the end of the step; NULL: none. [after start, no step open] */
+    dttmm_status (*begin_step)(dttmm_instance *instance, const dttmm_step *step, const double *loads, dttmm_error *error);
 
     /* The wrench on every port (6 per port) that acts over the open step if the ports end it as in `trial`, and, where not
      * NULL, stiffness = -d(wrench)/d(trial pose), 6P x 6P row-major. The host uses it to find the end of the step; an

@@ -10,10 +10,15 @@
 #include "dttmm_plugin.h"
 
 static const dttmm_parameter parameters[] = {
-    {"stiffness", "N/m", 3, DTTMM_PARAMETER_REQUIRED | DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, "in x, y, z of the world"}};
-static const dttmm_element_type types[] = {{"c_spring", 1, parameters, "a spring from the ground to a body"}};
+    {"stiffness", "N/m", 3, DTTMM_PARAMETER_REQUIRED | DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, NULL, 0,
+     "in x, y, z of the world"}};
+static const dttmm_element_type types[] = {
+    {"c_spring", DTTMM_ENDS_FROM_TO, 1, parameters, "a spring from the ground to a body"}};
 static const dttmm_channel force_channels[] = {
-    {"force.x", "N", 0}, {"force.y", "N", 0}, {"force.z", "N", 0}, {"strain_energy", "J", 0}};
+    {"force.x", "N", DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_RESULT},
+    {"force.y", "N", DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_RESULT},
+    {"force.z", "N", DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_RESULT},
+    {"strain_energy", "J", DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_STRAIN_ENERGY}};
 
 struct dttmm_instance {
     double k[3], rest[3];  /* stiffness; where the spring is slack */
@@ -32,12 +37,13 @@ static dttmm_status fail(dttmm_error *error, dttmm_status status, const char *te
 static dttmm_status create(const dttmm_network *network, dttmm_instance **instance, dttmm_error *error) {
     *instance = NULL;
     const dttmm_element *spring = network->elements;
-    if (network->node_count != 2 || network->element_count != 1 || network->nodes[spring->from].kind != DTTMM_NODE_GROUND)
+    if (network->node_count != 2 || network->element_count != 1 || network->nodes[spring->ends[0]].kind != DTTMM_NODE_GROUND ||
+        network->nodes[spring->ends[1]].kind != DTTMM_NODE_PORT)
         return fail(error, DTTMM_ERROR_MODEL, "a c_spring leads from the ground to a body");
     dttmm_instance *s = calloc(1, sizeof *s);
     if (s == NULL) return fail(error, DTTMM_ERROR_MEMORY, "out of memory");
     memcpy(s->k, spring->values, sizeof s->k);
-    memcpy(s->rest, network->nodes[spring->to].position, sizeof s->rest);
+    memcpy(s->rest, network->nodes[spring->ends[1]].position, sizeof s->rest);
     const double b = network->beta, g = network->gamma;
     const double centred[3] = {b, 0.5 + g - 2 * b, 0.5 - g + b}, explicit[3] = {0, 1, 0};
     memcpy(s->weights, network->scheme == DTTMM_SCHEME_CENTRED ? centred : explicit, sizeof s->weights);
@@ -67,8 +73,8 @@ static dttmm_status linearise(const dttmm_instance *s, const dttmm_motion *port,
 
 /* Before the start the spring counts as at the start: the first step of the centred scheme is then Newmark's. */
 static dttmm_status start(dttmm_instance *s, const dttmm_step *step, const dttmm_motion *port, const double *accelerations,
-                          dttmm_error *error) {
-    (void)accelerations;
+                          const double *loads, dttmm_error *error) {
+    (void)accelerations, (void)loads; /* loads act on inner nodes, and there are none */
     if (s->open) return fail(error, DTTMM_ERROR_PHASE, "start: a step is open");
     for (int back = 0; back < 3; ++back)
         for (int i = 0; i < 3; ++i) s->d[back][i] = port->position[i] - s->rest[i];
@@ -77,7 +83,8 @@ static dttmm_status start(dttmm_instance *s, const dttmm_step *step, const dttmm
     return DTTMM_OK;
 }
 
-static dttmm_status begin_step(dttmm_instance *s, const dttmm_step *step, dttmm_error *error) {
+static dttmm_status begin_step(dttmm_instance *s, const dttmm_step *step, const double *loads, dttmm_error *error) {
+    (void)loads;
     if (s->h == 0 || s->open) return fail(error, DTTMM_ERROR_PHASE, "begin_step: not started, or a step is open");
     if (step->size != s->h) return fail(error, DTTMM_ERROR_ARGUMENT, "begin_step: a new step size wants a new start");
     s->open = 1;

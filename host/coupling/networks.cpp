@@ -29,7 +29,7 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& a) {
 }
 
 dttmm_node make_node(const char* name, uint32_t kind, const Eigen::Vector3d& position, const Eigen::Matrix3d& rotation) {
-    dttmm_node node{name, kind, {}, {}};
+    dttmm_node node{name, kind, {}, {}, 0, 0, {}, {}};
     vector(node.position) = position;
     Eigen::Map<RowMajor3>{node.rotation} = rotation;
     return node;
@@ -115,9 +115,12 @@ void Networks::add_network(const Model& model, const Plugins& plugins, const Ele
             nodes.push_back(make_node("ground", DTTMM_NODE_GROUND, position, Eigen::Matrix3d::Identity()));
         }
     }
-    const dttmm_element data{element.name.c_str(), type, 0, 1, element.values.data()};
+    const uint32_t from_to[] = {0, 1};
+    const dttmm_element data{element.name.c_str(), type, 2, from_to, element.values.data()};
     const Newmark newmark = scheme_with_radius(model.simulation.spectral_radius);
-    const dttmm_network network{2, nodes.data(), 1, &data, scheme_of(model.simulation), newmark.beta, newmark.gamma};
+    const Eigen::Vector3d& g = model.simulation.gravity;
+    const dttmm_network network{
+        2, nodes.data(), 1, &data, scheme_of(model.simulation), newmark.beta, newmark.gamma, {g.x(), g.y(), g.z()}};
     try {
         instances_.emplace_back(*plugin, network);
     } catch (const Error& error) {
@@ -259,12 +262,12 @@ void Networks::start(const dttmm_step& step, const std::vector<BodyState>& at, c
         vector(&port_accelerations[6 * p + 3]) = alpha;
     }
     for (size_t n = 0; n < instances_.size(); ++n)
-        instances_[n].start(step, &motions_[slots_[n].port], &port_accelerations[6 * slots_[n].port]);
+        instances_[n].start(step, &motions_[slots_[n].port], &port_accelerations[6 * slots_[n].port], nullptr);
 }
 
 void Networks::begin_step(const dttmm_step& step) {
     time_ = step.time;
-    for (NetworkInstance& instance : instances_) instance.begin_step(step);
+    for (NetworkInstance& instance : instances_) instance.begin_step(step, nullptr);
 }
 
 void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches) {
@@ -307,9 +310,9 @@ void Networks::outputs(double* values) const {
             if (std::isfinite(*values)) [[likely]]
                 continue;
             const dttmm_channel& channel = instance.channel(c);
-            throw Error(ExitCode::plugin_failure,
-                        fmt::format("element \"{}\" at t = {:.9g} s: its plugin says {} is {}",
-                                    instance.element_name(channel.element), time_, channel.name, *values));
+            throw Error(ExitCode::plugin_failure, fmt::format("{} \"{}\" at t = {:.9g} s: its plugin says {} is {}",
+                                                              channel.of == DTTMM_OF_NODE ? "node" : "element",
+                                                              instance.owner_of(channel), time_, channel.name, *values));
         }
     }
     if (std::fegetround() != FE_TONEAREST)

@@ -5,7 +5,7 @@
 
 #include <cstring>
 #include <set>
-#include <utility>
+#include <tuple>
 
 namespace dttmm {
 
@@ -31,31 +31,40 @@ ExitCode exit_code(dttmm_status status) {
 NetworkInstance::NetworkInstance(const PluginLibrary& plugin, const dttmm_network& network)
     : plugin_(plugin), table_(&plugin.table()), instance_(nullptr, table_->destroy) {
     for (uint32_t n = 0; n < network.node_count; ++n) port_count_ += network.nodes[n].kind == DTTMM_NODE_PORT;
+    for (uint32_t n = 0; n < network.node_count; ++n) node_names_.emplace_back(network.nodes[n].name);
     for (uint32_t e = 0; e < network.element_count; ++e) element_names_.emplace_back(network.elements[e].name);
     dttmm_error error;
     dttmm_instance* instance = nullptr;
     check(table_->create(&network, &instance, cleared(error)), error);
     if (instance == nullptr) fail(DTTMM_ERROR_INTERNAL, {-1, "create returned no instance"});
     instance_.reset(instance);
-    check_channels(network.element_count);
+    check_channels(network);
 }
 
-void NetworkInstance::check_channels(uint32_t element_count) const {
-    // Names become columns and datasets: no control character, no slash, no repeat within an element.
+bool NetworkInstance::is_declared(const dttmm_channel& channel, const dttmm_network& network) const {
+    // Names become columns and datasets: no control character, no slash.
     const auto is_plain = [](const char* text) {
         if (!text || !*text) return false;
         for (; *text; ++text)
             if (static_cast<unsigned char>(*text) < ' ' || *text == '/' || *text == 127) return false;
         return true;
     };
+    if (!is_plain(channel.name) || !channel.unit || channel.role > DTTMM_ROLE_WORK) return false;
+    const bool is_energy = channel.role >= DTTMM_ROLE_STRAIN_ENERGY;
+    if (is_energy && std::strcmp(channel.unit, "J") != 0) return false;
+    if (channel.of == DTTMM_OF_ELEMENT) return channel.index < network.element_count;
+    // A port's motion is its body's, and the ground's is nobody's: their columns are not the plugin's.
+    return channel.of == DTTMM_OF_NODE && channel.index < network.node_count &&
+           (is_energy || network.nodes[channel.index].kind == DTTMM_NODE_INNER);
+}
+
+void NetworkInstance::check_channels(const dttmm_network& network) const {
     const dttmm_channel* channels = table_->channels(instance_.get());
-    std::set<std::pair<uint32_t, std::string>> names;
-    for (uint32_t c = 0; c < channel_count(); ++c) {
-        const bool declared =
-            channels && is_plain(channels[c].name) && channels[c].unit && channels[c].element < element_count;
-        if (!declared || !names.emplace(channels[c].element, channels[c].name).second)
+    std::set<std::tuple<uint32_t, uint32_t, std::string>> names;
+    for (uint32_t c = 0; c < channel_count(); ++c)
+        if (!channels || !is_declared(channels[c], network) ||
+            !names.emplace(channels[c].of, channels[c].index, channels[c].name).second)
             fail(DTTMM_ERROR_INTERNAL, {-1, "an output channel is not well declared"});
-    }
 }
 
 std::vector<unsigned char> NetworkInstance::save_state() const {

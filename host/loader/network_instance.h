@@ -27,13 +27,13 @@ public:
         dttmm_error error;
         check(table_->linearise(instance_.get(), ports, wrench, stiffness, damping, cleared(error)), error);
     }
-    void start(const dttmm_step& step, const dttmm_motion* ports, const double* accelerations) {
+    void start(const dttmm_step& step, const dttmm_motion* ports, const double* accelerations, const double* loads) {
         dttmm_error error;
-        check(table_->start(instance_.get(), &step, ports, accelerations, cleared(error)), error);
+        check(table_->start(instance_.get(), &step, ports, accelerations, loads, cleared(error)), error);
     }
-    void begin_step(const dttmm_step& step) {
+    void begin_step(const dttmm_step& step, const double* loads) {
         dttmm_error error;
-        check(table_->begin_step(instance_.get(), &step, cleared(error)), error);
+        check(table_->begin_step(instance_.get(), &step, loads, cleared(error)), error);
     }
     void evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const {
         dttmm_error error;
@@ -58,6 +58,10 @@ public:
         check(table_->outputs(instance_.get(), values, cleared(error)), error);
     }
     const std::string& element_name(uint32_t element) const { return element_names_[element]; }
+    /// Name of the element or node that a channel belongs to.
+    const std::string& owner_of(const dttmm_channel& channel) const {
+        return (channel.of == DTTMM_OF_NODE ? node_names_ : element_names_)[channel.index];
+    }
 
 private:
     static dttmm_error* cleared(dttmm_error& error) {
@@ -70,13 +74,14 @@ private:
             fail(status, error);
     }
     [[noreturn]] void fail(dttmm_status status, const dttmm_error& error) const;
-    void check_channels(uint32_t element_count) const;
+    void check_channels(const dttmm_network& network) const;
+    bool is_declared(const dttmm_channel& channel, const dttmm_network& network) const;
 
     PluginLibrary plugin_;
     const dttmm_plugin* table_;
     std::unique_ptr<dttmm_instance, void (*)(dttmm_instance*)> instance_;
     int port_count_ = 0;
-    std::vector<std::string> element_names_;
+    std::vector<std::string> element_names_, node_names_;
 };
 
 }  // namespace dttmm

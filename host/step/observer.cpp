@@ -5,7 +5,6 @@
 
 #include <Eigen/Geometry>
 #include <set>
-#include <string_view>
 
 namespace dttmm {
 
@@ -66,12 +65,11 @@ void Observer::declare_elements(const Networks& networks) {
     for (const NetworkInstance& instance : networks.instances()) {
         for (uint32_t c = 0; c < instance.channel_count(); ++c) {
             const dttmm_channel& channel = instance.channel(c);
-            const std::string_view name = channel.name;
-            sinks_.push_back(name == "strain_energy"       ? Sink::strain
-                             : name == "dissipated_energy" ? Sink::dissipated
-                                                           : Sink::row);
+            sinks_.push_back(channel.role == DTTMM_ROLE_STRAIN_ENERGY       ? Sink::strain
+                             : channel.role == DTTMM_ROLE_DISSIPATED_ENERGY ? Sink::dissipated
+                                                                            : Sink::row);
             if (sinks_.back() == Sink::row)
-                add_channel(fmt::format("{}.{}", instance.element_name(channel.element), name), channel.unit);
+                add_channel(fmt::format("{}.{}", instance.owner_of(channel), channel.name), channel.unit);
         }
     }
 }

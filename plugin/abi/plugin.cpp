@@ -67,12 +67,12 @@ dttmm_status linearise(const dttmm_instance* instance, const dttmm_motion* ports
 }
 
 dttmm_status start(dttmm_instance* instance, const dttmm_step* step, const dttmm_motion* ports, const double* accelerations,
-                   dttmm_error* error) {
-    return guard(error, [&] { instance->network.start(*step, ports, accelerations); });
+                   const double* loads, dttmm_error* error) {
+    return guard(error, [&] { instance->network.start(*step, ports, accelerations, loads); });
 }
 
-dttmm_status begin_step(dttmm_instance* instance, const dttmm_step* step, dttmm_error* error) {
-    return guard(error, [&] { instance->network.begin_step(*step); });
+dttmm_status begin_step(dttmm_instance* instance, const dttmm_step* step, const double* loads, dttmm_error* error) {
+    return guard(error, [&] { instance->network.begin_step(*step, loads); });
 }
 
 dttmm_status evaluate(const dttmm_instance* instance, const dttmm_motion* trial, double* wrench, double* stiffness,

@@ -12,18 +12,20 @@ namespace {
 constexpr double kLargest = std::numeric_limits<double>::max();
 
 constexpr dttmm_parameter kParameters[] = {
-    {"stiffness", "N/m", 3, DTTMM_PARAMETER_SPREADS, 0, 0, kLargest,
+    {"stiffness", "N/m", 3, DTTMM_PARAMETER_SPREADS, 0, 0, kLargest, nullptr, 0,
      "in x, y, z of the from end; one number: the same in all"},
-    {"damping", "N*s/m", 3, DTTMM_PARAMETER_SPREADS, 0, 0, kLargest,
+    {"damping", "N*s/m", 3, DTTMM_PARAMETER_SPREADS, 0, 0, kLargest, nullptr, 0,
      "in x, y, z of the from end; one number: the same in all"},
-    {"rotational_stiffness", "N*m/rad", 3, DTTMM_PARAMETER_SPREADS, 0, 0, kLargest, "about x, y, z of the from end"},
-    {"rotational_damping", "N*m*s/rad", 3, DTTMM_PARAMETER_SPREADS, 0, 0, kLargest, "about x, y, z of the from end"},
+    {"rotational_stiffness", "N*m/rad", 3, DTTMM_PARAMETER_SPREADS, 0, 0, kLargest, nullptr, 0,
+     "about x, y, z of the from end"},
+    {"rotational_damping", "N*m*s/rad", 3, DTTMM_PARAMETER_SPREADS, 0, 0, kLargest, nullptr, 0,
+     "about x, y, z of the from end"},
 };
 
 }  // namespace
 
 const dttmm_element_type SpringDamper::kType = {
-    "spring_damper", std::size(kParameters), kParameters,
+    "spring_damper", DTTMM_ENDS_FROM_TO, std::size(kParameters), kParameters,
     "springs and dampers in three translations and three rotations; a direction without either is free"};
 
 SpringDamper::SpringDamper(std::span<const double, 12> values) {

@@ -24,10 +24,25 @@ Eigen::Map<const RowMajor3> matrix(const double* m) { return Eigen::Map<const Ro
 Eigen::Map<Vector3> vector(double* v) { return Eigen::Map<Vector3>(v); }
 
 /// The output channels of every joint, in the order outputs() writes them.
-constexpr std::pair<const char*, const char*> kChannels[] = {
-    {"force.x", "N"},      {"force.y", "N"},      {"force.z", "N"},       {"moment.x", "N*m"},        {"moment.y", "N*m"},
-    {"moment.z", "N*m"},   {"deflection.x", "m"}, {"deflection.y", "m"},  {"deflection.z", "m"},      {"rotation.x", "rad"},
-    {"rotation.y", "rad"}, {"rotation.z", "rad"}, {"strain_energy", "J"}, {"dissipated_energy", "J"},
+struct JointChannel {
+    const char *name, *unit;
+    uint32_t role = DTTMM_ROLE_RESULT;
+};
+constexpr JointChannel kChannels[] = {
+    {"force.x", "N"},
+    {"force.y", "N"},
+    {"force.z", "N"},
+    {"moment.x", "N*m"},
+    {"moment.y", "N*m"},
+    {"moment.z", "N*m"},
+    {"deflection.x", "m"},
+    {"deflection.y", "m"},
+    {"deflection.z", "m"},
+    {"rotation.x", "rad"},
+    {"rotation.y", "rad"},
+    {"rotation.z", "rad"},
+    {"strain_energy", "J", DTTMM_ROLE_STRAIN_ENERGY},
+    {"dissipated_energy", "J", DTTMM_ROLE_DISSIPATED_ENERGY},
 };
 constexpr size_t kChannelsPerJoint = std::size(kChannels);
 
@@ -57,7 +72,8 @@ std::vector<Network::End> Network::place_ends(const dttmm_network& description) 
     for (uint32_t i = 0; i < description.node_count; ++i) {
         const dttmm_node& node = description.nodes[i];
         if (node.kind > DTTMM_NODE_PORT)
-            throw Error(DTTMM_ERROR_MODEL, fmt::format("node \"{}\": there is no node kind {}", node.name, node.kind));
+            throw Error(DTTMM_ERROR_MODEL, fmt::format("node \"{}\": there is no node kind {}, or none this plugin knows",
+                                                       node.name, node.kind));
         if (!vector(node.position).allFinite() || !is_rotation(matrix(node.rotation)))
             throw Error(DTTMM_ERROR_ARGUMENT,
                         fmt::format("node \"{}\": its position must be finite and its axes orthonormal", node.name));
@@ -72,10 +88,12 @@ std::vector<Network::End> Network::place_ends(const dttmm_network& description) 
 void Network::build_joint(const dttmm_network& description, const std::vector<End>& ends, uint32_t index) {
     const dttmm_element& data = description.elements[index];
     const int element = static_cast<int>(index);
-    if (data.from >= ends.size() || data.to >= ends.size())
+    if (data.end_count != 2 || data.ends == nullptr) throw Error(DTTMM_ERROR_MODEL, "it wants two ends", element);
+    const uint32_t from = data.ends[0], to = data.ends[1];
+    if (from >= ends.size() || to >= ends.size())
         throw Error(DTTMM_ERROR_MODEL, "an end is no node of the network", element);
-    if (data.from == data.to) throw Error(DTTMM_ERROR_MODEL, "both ends are the same node", element);
-    Joint joint{ends[data.from], ends[data.to], {}, -1, {}, {}, nullptr};
+    if (from == to) throw Error(DTTMM_ERROR_MODEL, "both ends are the same node", element);
+    Joint joint{ends[from], ends[to], {}, -1, {}, {}, nullptr};
     if (joint.from.port < 0 && joint.to.port < 0) throw Error(DTTMM_ERROR_MODEL, "both ends are on the ground", element);
     try {
         joint.element = make_element(data.type, data.values);
@@ -95,7 +113,7 @@ void Network::build_joint(const dttmm_network& description, const std::vector<En
     joint.rest_position = R_from.transpose() * (vector(joint.to.start.position) - vector(joint.from.start.position));
     joint.rest_rotation = R_from.transpose() * matrix(joint.to.start.rotation);
     joints_.push_back(std::move(joint));
-    for (const auto& [name, unit] : kChannels) channels_.push_back({name, unit, index});
+    for (const auto& [name, unit, role] : kChannels) channels_.push_back({name, unit, DTTMM_OF_ELEMENT, index, role});
 }
 
 void Network::load_weights(double weights[3]) const {
@@ -342,7 +360,7 @@ Matrix3 Network::turn_gain(const Half& half, const TurnState& state) const {
 
 // ---- Time steps ---------------------------------------------------------------------------------------------------------
 
-void Network::start(const dttmm_step& step, const dttmm_motion* ports, const double* accelerations) {
+void Network::start(const dttmm_step& step, const dttmm_motion* ports, const double* accelerations, const double*) {
     if (open_) throw Error(DTTMM_ERROR_PHASE, "start: a step is open");
     if (!(step.size > 0) || !std::isfinite(step.size))
         throw Error(DTTMM_ERROR_ARGUMENT, "start: the step size must be positive");
@@ -391,7 +409,7 @@ void Network::start_half(const Half& half, const Vector3& d, const Vector3& rate
         recall(half, state);
 }
 
-void Network::begin_step(const dttmm_step& step) {
+void Network::begin_step(const dttmm_step& step, const double*) {
     if (!started_) throw Error(DTTMM_ERROR_PHASE, "begin_step: start has not been called");
     if (open_) throw Error(DTTMM_ERROR_PHASE, "begin_step: the step before is still open");
     if (step.size != clock_.step_size) throw Error(DTTMM_ERROR_ARGUMENT, "begin_step: a new step size wants a new start");

@@ -34,8 +34,8 @@ public:
     void load_weights(double weights[3]) const;
 
     void linearise(const dttmm_motion* ports, double* wrench, double* stiffness, double* damping) const;
-    void start(const dttmm_step& step, const dttmm_motion* ports, const double* accelerations);
-    void begin_step(const dttmm_step& step);
+    void start(const dttmm_step& step, const dttmm_motion* ports, const double* accelerations, const double* loads);
+    void begin_step(const dttmm_step& step, const double* loads);
     void evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const;
     void commit_step(const dttmm_motion* accepted);
     void discard_step();

@@ -8,5 +8,5 @@
 const size_t dttmm_layout_in_c[] = {
     sizeof(dttmm_error),   sizeof(dttmm_parameter), sizeof(dttmm_element_type),      sizeof(dttmm_node),
     sizeof(dttmm_element), sizeof(dttmm_network),   sizeof(dttmm_motion),            sizeof(dttmm_step),
-    sizeof(dttmm_channel), sizeof(dttmm_plugin),    offsetof(dttmm_plugin, outputs), offsetof(dttmm_network, gamma),
+    sizeof(dttmm_channel), sizeof(dttmm_plugin),    offsetof(dttmm_plugin, outputs), offsetof(dttmm_network, gravity),
 };

@@ -18,15 +18,22 @@
 /* ---- What the model file may say ---- */
 
 static const dttmm_parameter parameters[] = {
-    {"stiffness", "N/m", 3, DTTMM_PARAMETER_REQUIRED | DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, "in x, y, z of the from end"},
-    {"damping", "N*s/m", 3, DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, "in x, y, z of the from end"},
+    {"stiffness", "N/m", 3, DTTMM_PARAMETER_REQUIRED | DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, NULL, 0, "in x, y, z of the from end"},
+    {"damping", "N*s/m", 3, DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, NULL, 0, "in x, y, z of the from end"},
 };
-static const dttmm_element_type types[] = {{"independent_spring", 2, parameters, "a spring and a damper in three translations"}};
+static const dttmm_element_type types[] = {
+    {"independent_spring", DTTMM_ENDS_FROM_TO, 2, parameters, "a spring and a damper in three translations"}};
 
 enum { CHANNELS = 8 };
 static const dttmm_channel channel_table[CHANNELS] = {
-    {"force.x", "N", 0},      {"force.y", "N", 0},      {"force.z", "N", 0},       {"deflection.x", "m", 0},
-    {"deflection.y", "m", 0}, {"deflection.z", "m", 0}, {"strain_energy", "J", 0}, {"dissipated_energy", "J", 0},
+    {"force.x", "N", DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_RESULT},
+    {"force.y", "N", DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_RESULT},
+    {"force.z", "N", DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_RESULT},
+    {"deflection.x", "m", DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_RESULT},
+    {"deflection.y", "m", DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_RESULT},
+    {"deflection.z", "m", DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_RESULT},
+    {"strain_energy", "J", DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_STRAIN_ENERGY},
+    {"dissipated_energy", "J", DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_DISSIPATED_ENERGY},
 };
 
 /* ---- Memory ---- */
@@ -156,7 +163,7 @@ static dttmm_status set_scheme(dttmm_instance *s, const dttmm_network *network, 
 }
 
 static void place_ends(dttmm_instance *s, const dttmm_network *network) {
-    const uint32_t nodes[2] = {network->elements->from, network->elements->to};
+    const uint32_t *nodes = network->elements->ends;
     s->port[FROM] = s->port[TO] = -1; /* for now both are where they start */
     for (int end = FROM; end <= TO; ++end) {
         memcpy(s->ground[end].position, network->nodes[nodes[end]].position, sizeof s->ground[end].position);
@@ -175,8 +182,11 @@ static dttmm_status create(const dttmm_network *network, dttmm_instance **instan
         return fail(error, DTTMM_ERROR_MODEL, -1, "independent_spring joins two bodies, or a body and the ground, and nothing else");
     const dttmm_element *element = network->elements;
     if (element->type != 0 || element->values == NULL) return fail(error, DTTMM_ERROR_ARGUMENT, 0, "this is no independent_spring");
-    if (element->from > 1 || element->to > 1) return fail(error, DTTMM_ERROR_MODEL, 0, "an end is no node of the network");
-    if (element->from == element->to) return fail(error, DTTMM_ERROR_MODEL, 0, "both ends are the same node");
+    if (element->end_count != 2 || element->ends[FROM] > 1 || element->ends[TO] > 1)
+        return fail(error, DTTMM_ERROR_MODEL, 0, "an end is no node of the network");
+    if (element->ends[FROM] == element->ends[TO]) return fail(error, DTTMM_ERROR_MODEL, 0, "both ends are the same node");
+    for (int end = FROM; end <= TO; ++end)
+        if (network->nodes[end].kind > DTTMM_NODE_PORT) return fail(error, DTTMM_ERROR_MODEL, 0, "it joins bodies, and no node");
     if (network->nodes[0].kind == DTTMM_NODE_GROUND && network->nodes[1].kind == DTTMM_NODE_GROUND)
         return fail(error, DTTMM_ERROR_MODEL, 0, "both ends are on the ground; attach one of them to a body");
 
@@ -242,7 +252,8 @@ static void settle(dttmm_instance *s, const struct view *now) {
 static int32_t is_implicit(const dttmm_instance *s) { return s->elastic[0] > 0; }
 
 static dttmm_status start(dttmm_instance *s, const dttmm_step *step, const dttmm_motion *ports, const double *accelerations,
-                          dttmm_error *error) {
+                          const double *loads, dttmm_error *error) {
+    (void)loads;
     if (s->phase == IN_STEP) return fail(error, DTTMM_ERROR_PHASE, -1, "start: a step is open");
     if (!(step->size > 0) || isinf(step->size)) return fail(error, DTTMM_ERROR_ARGUMENT, -1, "start: no positive step");
     const double h = step->size, b = s->elastic[0], g = s->rate[0];
@@ -262,7 +273,8 @@ static dttmm_status start(dttmm_instance *s, const dttmm_step *step, const dttmm
     return DTTMM_OK;
 }
 
-static dttmm_status begin_step(dttmm_instance *s, const dttmm_step *step, dttmm_error *error) {
+static dttmm_status begin_step(dttmm_instance *s, const dttmm_step *step, const double *loads, dttmm_error *error) {
+    (void)loads;
     if (s->phase != BETWEEN_STEPS) return fail(error, DTTMM_ERROR_PHASE, -1, "begin_step: not started, or a step is open");
     if (step->size != s->memory.h) return fail(error, DTTMM_ERROR_ARGUMENT, -1, "begin_step: a new size wants a new start");
     s->phase = IN_STEP;

@@ -70,13 +70,14 @@ public:
         for (int end : {0, 1}) {
             const bool moves = end == 0 ? ends.from_moves : ends.to_moves;
             const dttmm_motion at = motions[end].at(0);
-            nodes[end] = {end == 0 ? "from" : "to", moves ? DTTMM_NODE_PORT : DTTMM_NODE_GROUND, {}, {}};
+            nodes[end] = {end == 0 ? "from" : "to", moves ? DTTMM_NODE_PORT : DTTMM_NODE_GROUND, {}, {}, 0, 0, {}, {}};
             std::memcpy(nodes[end].position, at.position, sizeof at.position);
             std::memcpy(nodes[end].rotation, at.rotation, sizeof at.rotation);
             if (moves) ports_.push_back(motions[end]);
         }
-        const dttmm_element element{"joint", type, 0, 1, values.data()};
-        const dttmm_network network{2, nodes, 1, &element, scheme, 0.27, 0.53};
+        const uint32_t from_to[] = {0, 1};
+        const dttmm_element element{"joint", type, 2, from_to, values.data()};
+        const dttmm_network network{2, nodes, 1, &element, scheme, 0.27, 0.53, {}};
         check(table_.create(&network, &instance_, &error_));
         start();
     }
@@ -99,7 +100,7 @@ public:
     Answer step(uint64_t n) {
         const dttmm_step step{n, static_cast<double>(n) * kStep, kStep};
         Answer answer = make_answer();
-        check(table_.begin_step(instance_, &step, &error_));
+        check(table_.begin_step(instance_, &step, nullptr, &error_));
         check(table_.evaluate(instance_, motions(n + 1).data(), answer.wrench.data(), answer.stiffness.data(), &error_));
         check(table_.commit_step(instance_, motions(n + 1).data(), &error_));
         std::vector<double> values(table_.channel_count(instance_));
@@ -117,7 +118,7 @@ private:
             accelerations.insert(accelerations.end(), a.data(), a.data() + 3);
             accelerations.insert(accelerations.end(), alpha.data(), alpha.data() + 3);
         }
-        check(table_.start(instance_, &step, motions(0).data(), accelerations.data(), &error_));
+        check(table_.start(instance_, &step, motions(0).data(), accelerations.data(), nullptr, &error_));
     }
     std::vector<dttmm_motion> motions(uint64_t n) const {
         std::vector<dttmm_motion> at;

@@ -35,7 +35,7 @@ TEST(Plugin, TheInterfaceHasOneLayoutInCAndCpp) {
         sizeof(dttmm_channel),
         sizeof(dttmm_plugin),
         offsetof(dttmm_plugin, outputs),
-        offsetof(dttmm_network, gamma),
+        offsetof(dttmm_network, gravity),
     };
     EXPECT_THAT(layout, testing::ElementsAreArray(dttmm_layout_in_c));
     EXPECT_EQ(sizeof(dttmm_error), 512u);
@@ -84,11 +84,13 @@ struct Refusal {
     dttmm_instance* instance;
 };
 Refusal create_pair(uint32_t from, uint32_t to, const double* values, const char* name = "port") {
-    const dttmm_node nodes[] = {{"ground", DTTMM_NODE_GROUND, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}},
-                                {name, DTTMM_NODE_PORT, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}},
-                                {"other port", DTTMM_NODE_PORT, {}, {1, 0, 0, 0, 1, 0, 0, 0, name[0] == 'p' ? 1. : 2.}}};
-    const dttmm_element elements[] = {{"good", 0, 0, 1, kUgly.data()}, {"second", 0, from, to, values}};
-    const dttmm_network network{3, nodes, 2, elements, DTTMM_SCHEME_CENTRED, 0.25, 0.5};
+    const dttmm_node nodes[] = {
+        {"ground", DTTMM_NODE_GROUND, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}},
+        {name, DTTMM_NODE_PORT, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}},
+        {"other port", DTTMM_NODE_PORT, {}, {1, 0, 0, 0, 1, 0, 0, 0, name[0] == 'p' ? 1. : 2.}, 0, 0, {}, {}}};
+    const uint32_t first_ends[] = {0, 1}, second_ends[] = {from, to};
+    const dttmm_element elements[] = {{"good", 0, 2, first_ends, kUgly.data()}, {"second", 0, 2, second_ends, values}};
+    const dttmm_network network{3, nodes, 2, elements, DTTMM_SCHEME_CENTRED, 0.25, 0.5, {}};
     Refusal refusal{DTTMM_OK, {}, reinterpret_cast<dttmm_instance*>(0x5a5a)};  // what was there before
     refusal.status = table().create(&network, &refusal.instance, &refusal.error);
     return refusal;
@@ -115,7 +117,7 @@ TEST(Plugin, ARefusedNetworkIsStatusTextElementAndNoInstance) {
 }
 
 TEST(Plugin, NullIsRefusedWhereANetworkIsWanted) {
-    const dttmm_network hollow{2, nullptr, 1, nullptr, DTTMM_SCHEME_CENTRED, 0.25, 0.5};
+    const dttmm_network hollow{2, nullptr, 1, nullptr, DTTMM_SCHEME_CENTRED, 0.25, 0.5, {}};
     for (const dttmm_network* network : {static_cast<const dttmm_network*>(nullptr), &hollow}) {
         auto* instance = reinterpret_cast<dttmm_instance*>(0x5a5a);
         dttmm_error error{7, "unwritten"};
@@ -131,9 +133,10 @@ TEST(Plugin, ALongTextIsCutBetweenCharacters) {
     for (const char* shift : {"", "x"}) {
         std::string name = shift;
         for (int i = 0; i < 400; ++i) name += "ö";
-        dttmm_node node{name.c_str(), 99, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-        const dttmm_element element{"joint", 0, 0, 0, kUgly.data()};
-        const dttmm_network network{1, &node, 1, &element, DTTMM_SCHEME_CENTRED, 0.25, 0.5};
+        dttmm_node node{name.c_str(), 99, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}};
+        const uint32_t ends[] = {0, 0};
+        const dttmm_element element{"joint", 0, 2, ends, kUgly.data()};
+        const dttmm_network network{1, &node, 1, &element, DTTMM_SCHEME_CENTRED, 0.25, 0.5, {}};
         dttmm_instance* instance = nullptr;
         dttmm_error error;
         std::memset(&error, 'z', sizeof error);

@@ -12,20 +12,21 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr dttmm_node kNodes[] = {{"ground", DTTMM_NODE_GROUND, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}},
-                                 {"mass", DTTMM_NODE_PORT, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}}};
+constexpr dttmm_node kNodes[] = {{"ground", DTTMM_NODE_GROUND, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}},
+                                 {"mass", DTTMM_NODE_PORT, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}}};
 
 /// One element "joint" between the ground and a port, in the plugin with this fault; `number` is its one parameter.
 NetworkInstance make_joint(const std::string& fault, double number = 0) {
-    const dttmm_element joint{"joint", 0, 0, 1, &number};
-    return {PluginLibrary::load(faulty_plugin(fault)), {2, kNodes, 1, &joint, DTTMM_SCHEME_CENTRED, 0.25, 0.5}};
+    const uint32_t from_to[] = {0, 1};
+    const dttmm_element joint{"joint", 0, 2, from_to, &number};
+    return {PluginLibrary::load(faulty_plugin(fault)), {2, kNodes, 1, &joint, DTTMM_SCHEME_CENTRED, 0.25, 0.5, {}}};
 }
 
 void expect_step_fails(const std::string& fault, uint64_t index, ExitCode code, const std::string& text) {
     NetworkInstance joint = make_joint(fault);
     dttmm_motion port{};
     double wrench[7];
-    joint.begin_step({index, 0, 1e-3});
+    joint.begin_step({index, 0, 1e-3}, nullptr);
     expect_error([&] { joint.evaluate(&port, wrench, nullptr); }, code, HasSubstr(text));
 }
 

@@ -15,17 +15,17 @@ namespace dttmm {
 /// of one with a required count of two and an upper bound, to test what the first does not have.
 inline const ElementCatalogue& test_catalogue() {
     static const dttmm_parameter spring[] = {
-        {"stiffness", "N/m", 3, DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, "stiffness along x, y, z"},
-        {"damping", "N*s/m", 3, DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, "damping along x, y, z"},
-        {"rotational_stiffness", "N*m/rad", 3, DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, "stiffness about x, y, z"},
-        {"rotational_damping", "N*m*s/rad", 3, DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, "damping about x, y, z"},
+        {"stiffness", "N/m", 3, DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, nullptr, 0, "stiffness along x, y, z"},
+        {"damping", "N*s/m", 3, DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, nullptr, 0, "damping along x, y, z"},
+        {"rotational_stiffness", "N*m/rad", 3, DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, nullptr, 0, "stiffness about x, y, z"},
+        {"rotational_damping", "N*m*s/rad", 3, DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, nullptr, 0, "damping about x, y, z"},
     };
     static const dttmm_parameter strut[] = {
-        {"lengths", "m", 2, DTTMM_PARAMETER_REQUIRED, 0, 0.5, 7, "lengths of the two halves"},
-        {"ratio", "1", 1, 0, 0.25, 0, 0.5, "Poisson's ratio"},
+        {"lengths", "m", 2, DTTMM_PARAMETER_REQUIRED, 0, 0.5, 7, nullptr, 0, "lengths of the two halves"},
+        {"ratio", "1", 1, 0, 0.25, 0, 0.5, nullptr, 0, "Poisson's ratio"},
     };
-    static const dttmm_element_type types[] = {{"spring_damper", 4, spring, "three-way spring-damper"},
-                                               {"strut", 2, strut, "strut"}};
+    static const dttmm_element_type types[] = {{"spring_damper", DTTMM_ENDS_FROM_TO, 4, spring, "three-way spring-damper"},
+                                               {"strut", DTTMM_ENDS_FROM_TO, 2, strut, "strut"}};
     static const ElementCatalogue catalogue = [] {
         ElementCatalogue result;
         result.add("dttmm", types[0]);

@@ -52,8 +52,10 @@ const Frame kLeft{vec(0.3, -0.1, 0.2), rotation_from_vector(vec(0.4, -0.8, 1.3))
 const Frame kRight{vec(0.7, 0.25, -0.3), rotation_from_vector(vec(-1.1, 0.2, 0.6)), vec(-0.1, 0.4, 0.6),
                    vec(-0.8, 0.3, 0.7)};
 
+constexpr uint32_t kFromTo[] = {0, 1};
+
 dttmm_node node(const char* name, uint32_t kind, const Frame& frame) {
-    dttmm_node n{name, kind, {}, {}};
+    dttmm_node n{name, kind, {}, {}, 0, 0, {}, {}};
     Eigen::Map<Vector3>{n.position} = frame.position;
     Eigen::Map<RowMajor3>{n.rotation} = frame.rotation;
     return n;
@@ -63,8 +65,8 @@ dttmm_node node(const char* name, uint32_t kind, const Frame& frame) {
 Network make_network(uint32_t scheme, bool grounded_left, const Values& values = kUgly, Centred centred = {}) {
     const dttmm_node nodes[] = {node("left", grounded_left ? DTTMM_NODE_GROUND : DTTMM_NODE_PORT, kLeft),
                                 node("right", DTTMM_NODE_PORT, kRight)};
-    const dttmm_element elements[] = {{"joint", 0, 0, 1, values.data()}};
-    return Network({2, nodes, 1, elements, scheme, centred.beta, centred.gamma});
+    const dttmm_element elements[] = {{"joint", 0, 2, kFromTo, values.data()}};
+    return Network({2, nodes, 1, elements, scheme, centred.beta, centred.gamma, {}});
 }
 
 /// Two parallel elements, the second the other way round: three ports, two elements, so that a swapped index shows.
@@ -72,8 +74,9 @@ Network make_pair(uint32_t scheme) {
     const Frame third{vec(-0.2, 0.1, 0.9), rotation_from_vector(vec(0.1, 0.2, 0.3))};
     const dttmm_node nodes[] = {node("left", DTTMM_NODE_PORT, kLeft), node("right", DTTMM_NODE_PORT, kRight),
                                 node("third", DTTMM_NODE_PORT, third)};
-    const dttmm_element elements[] = {{"a", 0, 0, 1, kUgly.data()}, {"b", 0, 2, 1, kSoft.data()}};
-    return Network({3, nodes, 2, elements, scheme, 0.25, 0.5});
+    const uint32_t third_to_right[] = {2, 1};
+    const dttmm_element elements[] = {{"a", 0, 2, kFromTo, kUgly.data()}, {"b", 0, 2, third_to_right, kSoft.data()}};
+    return Network({3, nodes, 2, elements, scheme, 0.25, 0.5, {}});
 }
 
 /// The deformation by definition, written anew: the `to` end in the axes of the `from` end, less the same at rest.
@@ -183,12 +186,12 @@ constexpr double kStep = 1.7e-3;
 void advance_twice(Network& network, Frame& left, Frame& right) {
     const dttmm_motion start[] = {left.motion(), right.motion()};
     const double accelerations[18] = {};
-    network.start({0, 0, kStep}, start, accelerations);
+    network.start({0, 0, kStep}, start, accelerations, nullptr);
     for (uint64_t n = 0; n < 2; ++n) {
         left = left.after(kStep);
         right = right.after(kStep);
         const dttmm_motion accepted[] = {left.motion(), right.motion()};
-        network.begin_step({n, static_cast<double>(n) * kStep, kStep});
+        network.begin_step({n, static_cast<double>(n) * kStep, kStep}, nullptr);
         network.commit_step(accepted);
     }
 }
@@ -216,7 +219,7 @@ TEST(Network, CentredWrenchIsTheWeightedForceLaw) {
                       stiffness_of(kUgly).tail<3>().cwiseProduct(theta + 0.31 * after - (0.5 - 0.56 + 0.31) * before) +
                   damping_of(kUgly).tail<3>().cwiseProduct(0.56 * after + (1 - 0.56) * before) / kStep;
 
-    network.begin_step({2, 2 * kStep, kStep});
+    network.begin_step({2, 2 * kStep, kStep}, nullptr);
     const dttmm_motion trial[] = {next_left.motion(), next_right.motion()};
     Vector12 wrench;
     network.evaluate(trial, wrench.data(), nullptr);
@@ -240,8 +243,8 @@ TEST(Network, StiffnessOfTheStepIsTheDerivativeOfItsWrench) {
     const auto motions = [](const std::array<Frame, 3>& at) {
         return std::array<dttmm_motion, 3>{at[0].motion(), at[1].motion(), at[2].motion()};
     };
-    network.start({0, 0, kStep}, motions(ports).data(), accelerations);
-    network.begin_step({0, 0, kStep});
+    network.start({0, 0, kStep}, motions(ports).data(), accelerations, nullptr);
+    network.begin_step({0, 0, kStep}, nullptr);
     for (Frame& port : ports) port = port.after(kStep);
 
     const auto wrench_at = [&](const std::array<Frame, 3>& at) {
@@ -281,7 +284,7 @@ TEST(Network, ExplicitWrenchIsTheForceLawAtTheStartOfTheStep) {
     f.tail<3>() = rotation_vector_rate(d2.tail<3>()).transpose() * stiffness_of(kUgly).tail<3>().cwiseProduct(d2.tail<3>()) +
                   damping_of(kUgly).tail<3>().cwiseProduct(turn_rate);
 
-    network.begin_step({2, 2 * kStep, kStep});
+    network.begin_step({2, 2 * kStep, kStep}, nullptr);
     Vector12 near, far;
     Eigen::Matrix<double, 12, 12, Eigen::RowMajor> S;
     const dttmm_motion here[] = {left.motion(), right.motion()};
@@ -308,11 +311,11 @@ TEST(Network, ARigidMotionOfTheWholeCausesNoWrench) {
         double accelerations[12] = {};
         for (int p = 0; p < 2; ++p)
             Eigen::Map<Vector3>{accelerations + 6 * p} = w.cross(w.cross((p ? kRight : kLeft).position - center));
-        network.start({0, 0, kStep}, start, accelerations);
+        network.start({0, 0, kStep}, start, accelerations, nullptr);
         for (uint64_t n = 0; n < 3; ++n) {
             const double t = static_cast<double>(n + 1) * kStep;
             const dttmm_motion trial[] = {moved(kLeft, t).motion(), moved(kRight, t).motion()};
-            network.begin_step({n, t - kStep, kStep});
+            network.begin_step({n, t - kStep, kStep}, nullptr);
             Vector12 wrench;
             network.evaluate(trial, wrench.data(), nullptr);
             EXPECT_LT(wrench.cwiseAbs().maxCoeff(), 1e-6)
@@ -329,8 +332,8 @@ TEST(Network, EvaluateLeavesNoTrace) {
     advance_twice(quiet, left, right);
     advance_twice(busy, left2, right2);
     const dttmm_motion trial[] = {left.after(kStep).motion(), right.after(kStep).motion()};
-    quiet.begin_step({2, 2 * kStep, kStep});
-    busy.begin_step({2, 2 * kStep, kStep});
+    quiet.begin_step({2, 2 * kStep, kStep}, nullptr);
+    busy.begin_step({2, 2 * kStep, kStep}, nullptr);
     for (double far : {1.0, -3.0, 0.2}) {
         const dttmm_motion elsewhere[] = {left.after(far).motion(), right.after(-far).motion()};
         Vector12 ignored;
@@ -341,7 +344,7 @@ TEST(Network, EvaluateLeavesNoTrace) {
     busy.evaluate(trial, again.data(), nullptr);
     EXPECT_EQ(once, again);
     busy.discard_step();
-    busy.begin_step({2, 2 * kStep, kStep});
+    busy.begin_step({2, 2 * kStep, kStep}, nullptr);
     quiet.commit_step(trial);
     busy.commit_step(trial);
     std::array<double, 14> a{}, b{};
@@ -356,7 +359,7 @@ TEST(Network, RestoredStateRepeatsTheFutureToTheBit) {
         Network network = make_network(scheme, true);
         const dttmm_motion start[] = {kRight.motion()};
         const double accelerations[6] = {1, 2, 3, 4, 5, 6};
-        network.start({0, 0, kStep}, start, accelerations);
+        network.start({0, 0, kStep}, start, accelerations, nullptr);
         std::vector<unsigned char> saved(network.state_size());
         const auto run = [&](Frame at, uint64_t from, uint64_t to) {
             std::vector<Vector6> wrenches;
@@ -365,7 +368,7 @@ TEST(Network, RestoredStateRepeatsTheFutureToTheBit) {
                 at.velocity += vec(0.01, -0.02, 0.005);
                 const dttmm_motion trial[] = {at.motion()};
                 Vector6 wrench;
-                network.begin_step({n, static_cast<double>(n) * kStep, kStep});
+                network.begin_step({n, static_cast<double>(n) * kStep, kStep}, nullptr);
                 network.evaluate(trial, wrench.data(), nullptr);
                 network.commit_step(trial);
                 wrenches.push_back(wrench);
@@ -414,37 +417,42 @@ TEST(Network, CallsOutOfOrderAreRefusedAndChangeNothing) {
     const dttmm_motion ports[] = {kLeft.motion(), kRight.motion()};
     const double accelerations[12] = {};
     double wrench[12];
-    EXPECT_EQ(status_of([&] { network.begin_step({0, 0, kStep}); }), DTTMM_ERROR_PHASE);
+    EXPECT_EQ(status_of([&] { network.begin_step({0, 0, kStep}, nullptr); }), DTTMM_ERROR_PHASE);
     EXPECT_EQ(status_of([&] { network.evaluate(ports, wrench, nullptr); }), DTTMM_ERROR_PHASE);
-    network.start({0, 0, kStep}, ports, accelerations);
+    network.start({0, 0, kStep}, ports, accelerations, nullptr);
     EXPECT_EQ(status_of([&] { network.commit_step(ports); }), DTTMM_ERROR_PHASE);
     EXPECT_EQ(status_of([&] { network.discard_step(); }), DTTMM_ERROR_PHASE);
-    EXPECT_EQ(status_of([&] { network.begin_step({0, 0, 2 * kStep}); }), DTTMM_ERROR_ARGUMENT);
-    network.begin_step({0, 0, kStep});
-    EXPECT_EQ(status_of([&] { network.begin_step({0, 0, kStep}); }), DTTMM_ERROR_PHASE);
-    EXPECT_EQ(status_of([&] { network.start({0, 0, kStep}, ports, accelerations); }), DTTMM_ERROR_PHASE);
+    EXPECT_EQ(status_of([&] { network.begin_step({0, 0, 2 * kStep}, nullptr); }), DTTMM_ERROR_ARGUMENT);
+    network.begin_step({0, 0, kStep}, nullptr);
+    EXPECT_EQ(status_of([&] { network.begin_step({0, 0, kStep}, nullptr); }), DTTMM_ERROR_PHASE);
+    EXPECT_EQ(status_of([&] { network.start({0, 0, kStep}, ports, accelerations, nullptr); }), DTTMM_ERROR_PHASE);
     EXPECT_EQ(status_of([&] { network.save_state(nullptr, network.state_size()); }), DTTMM_ERROR_PHASE);
     network.discard_step();
-    EXPECT_EQ(status_of([&] { network.start({0, 0, 0}, ports, accelerations); }), DTTMM_ERROR_ARGUMENT);
+    EXPECT_EQ(status_of([&] { network.start({0, 0, 0}, ports, accelerations, nullptr); }), DTTMM_ERROR_ARGUMENT);
 }
 
 TEST(Network, StructuralFaultsAreFoundWhenBuilt) {
     const dttmm_node good[] = {node("a", DTTMM_NODE_GROUND, kLeft), node("b", DTTMM_NODE_PORT, kRight),
                                node("c", DTTMM_NODE_GROUND, kLeft)};
+    const uint32_t grounds[] = {0, 2}, same[] = {1, 1}, beyond[] = {0, 3};
     const auto status = [&](const dttmm_node* nodes, dttmm_element element, uint32_t scheme = 0, double beta = 0.25) {
-        return status_of([&] { Network({3, nodes, 1, &element, scheme, beta, 0.5}); });
+        return status_of([&] { Network({3, nodes, 1, &element, scheme, beta, 0.5, {}}); });
     };
-    EXPECT_EQ(status(good, {"e", 0, 0, 1, kUgly.data()}), DTTMM_OK);
-    EXPECT_EQ(status(good, {"e", 0, 0, 2, kUgly.data()}), DTTMM_ERROR_MODEL) << "both ends on the ground";
-    EXPECT_EQ(status(good, {"e", 0, 1, 1, kUgly.data()}), DTTMM_ERROR_MODEL) << "both ends the same node";
-    EXPECT_EQ(status(good, {"e", 0, 0, 3, kUgly.data()}), DTTMM_ERROR_MODEL) << "no such node";
-    EXPECT_EQ(status(good, {"e", 99, 0, 1, kUgly.data()}), DTTMM_ERROR_ARGUMENT) << "no such type";
-    EXPECT_EQ(status(good, {"e", 0, 0, 1, nullptr}), DTTMM_ERROR_ARGUMENT) << "no values";
-    EXPECT_EQ(status(good, {"e", 0, 0, 1, kUgly.data()}, 17), DTTMM_ERROR_ARGUMENT) << "no such scheme";
-    EXPECT_EQ(status(good, {"e", 0, 0, 1, kUgly.data()}, 0, 0.0), DTTMM_ERROR_ARGUMENT) << "beta 0";
+    EXPECT_EQ(status(good, {"e", 0, 2, kFromTo, kUgly.data()}), DTTMM_OK);
+    EXPECT_EQ(status(good, {"e", 0, 2, grounds, kUgly.data()}), DTTMM_ERROR_MODEL) << "both ends on the ground";
+    EXPECT_EQ(status(good, {"e", 0, 2, same, kUgly.data()}), DTTMM_ERROR_MODEL) << "both ends the same node";
+    EXPECT_EQ(status(good, {"e", 0, 2, beyond, kUgly.data()}), DTTMM_ERROR_MODEL) << "no such node";
+    EXPECT_EQ(status(good, {"e", 99, 2, kFromTo, kUgly.data()}), DTTMM_ERROR_ARGUMENT) << "no such type";
+    EXPECT_EQ(status(good, {"e", 0, 2, kFromTo, nullptr}), DTTMM_ERROR_ARGUMENT) << "no values";
+    EXPECT_EQ(status(good, {"e", 0, 2, kFromTo, kUgly.data()}, 17), DTTMM_ERROR_ARGUMENT) << "no such scheme";
+    EXPECT_EQ(status(good, {"e", 0, 2, kFromTo, kUgly.data()}, 0, 0.0), DTTMM_ERROR_ARGUMENT) << "beta 0";
+    EXPECT_EQ(status(good, {"e", 0, 1, kFromTo, kUgly.data()}), DTTMM_ERROR_MODEL) << "one end";
+    dttmm_node inner[] = {good[0], good[1], good[2]};
+    inner[1].kind = DTTMM_NODE_INNER;
+    EXPECT_EQ(status(inner, {"e", 0, 2, kFromTo, kUgly.data()}), DTTMM_ERROR_MODEL) << "an inner node";
     dttmm_node skewed[] = {good[0], good[1], good[2]};
     skewed[1].rotation[4] += 0.1;
-    EXPECT_EQ(status(skewed, {"e", 0, 0, 1, kUgly.data()}), DTTMM_ERROR_ARGUMENT) << "axes not orthonormal";
+    EXPECT_EQ(status(skewed, {"e", 0, 2, kFromTo, kUgly.data()}), DTTMM_ERROR_ARGUMENT) << "axes not orthonormal";
 }
 
 // Oracle: a rotor that turns at a steady ω feels −c ω from a rotational damper, at every angle: half turns are no event.
@@ -457,11 +465,11 @@ TEST(Network, ARotationalDamperMayTurnForEver) {
         Frame rotor{kRight.position, kRight.rotation, Vector3::Zero(), w * axis};
         const dttmm_motion start[] = {rotor.motion()};
         const double accelerations[6] = {};
-        network.start({0, 0, h}, start, accelerations);
+        network.start({0, 0, h}, start, accelerations, nullptr);
         for (uint64_t n = 0; n < 50; ++n) {
             rotor = rotor.after(h);
             const dttmm_motion trial[] = {rotor.motion()};
-            network.begin_step({n, static_cast<double>(n) * h, h});
+            network.begin_step({n, static_cast<double>(n) * h, h}, nullptr);
             Vector6 wrench;
             network.evaluate(trial, wrench.data(), nullptr);
             EXPECT_LT((wrench.tail<3>() + c * w * axis).norm(), 1e-10 * c * w) << "step " << n << ", scheme " << scheme;
@@ -475,8 +483,8 @@ TEST(Network, ARotationalSpringRefusesLargeRotations) {
     Network network = make_network(DTTMM_SCHEME_CENTRED, true);
     const dttmm_motion start[] = {kRight.motion()};
     const double accelerations[6] = {};
-    network.start({0, 0, kStep}, start, accelerations);
-    network.begin_step({0, 0, kStep});
+    network.start({0, 0, kStep}, start, accelerations, nullptr);
+    network.begin_step({0, 0, kStep}, nullptr);
     const dttmm_motion far[] = {kRight.displaced((Vector6() << 0, 0, 0, 0, 2.6, 0).finished()).motion()};
     EXPECT_EQ(status_of([&] { network.commit_step(far); }), DTTMM_ERROR_NUMERIC);
     network.discard_step();
@@ -488,7 +496,7 @@ TEST(Network, AnElementWithoutStiffnessCarriesNothing) {
     Network network = make_network(DTTMM_SCHEME_CENTRED, false, kFree);
     Frame left = kLeft, right = kRight;
     advance_twice(network, left, right);
-    network.begin_step({2, 2 * kStep, kStep});
+    network.begin_step({2, 2 * kStep, kStep}, nullptr);
     const dttmm_motion trial[] = {left.after(1).motion(), right.motion()};
     Vector12 wrench;
     network.evaluate(trial, wrench.data(), nullptr);

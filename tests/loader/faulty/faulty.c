@@ -84,13 +84,13 @@ static dttmm_status linearise(const dttmm_instance *instance, const dttmm_motion
 }
 
 static dttmm_status start(dttmm_instance *instance, const dttmm_step *step, const dttmm_motion *ports,
-                          const double *accelerations, dttmm_error *error) {
-    (void)instance, (void)step, (void)ports, (void)accelerations, (void)error;
+                          const double *accelerations, const double *loads, dttmm_error *error) {
+    (void)instance, (void)step, (void)ports, (void)accelerations, (void)loads, (void)error;
     return DTTMM_OK;
 }
 
-static dttmm_status begin_step(dttmm_instance *instance, const dttmm_step *step, dttmm_error *error) {
-    (void)error;
+static dttmm_status begin_step(dttmm_instance *instance, const dttmm_step *step, const double *loads, dttmm_error *error) {
+    (void)loads, (void)error;
     instance->step = step->index;
     return DTTMM_OK;
 }
@@ -150,7 +150,8 @@ static uint32_t channel_count(const dttmm_instance *instance) {
 }
 
 static const dttmm_channel *channels(const dttmm_instance *instance) {
-    static const dttmm_channel list[] = {{FAULT == slash_channel ? "force/x" : "force.x", FAULT == bad_channel ? NULL : "N", 0}};
+    static const dttmm_channel list[] = {{FAULT == slash_channel ? "force/x" : "force.x", FAULT == bad_channel ? NULL : "N",
+                                          DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_RESULT}};
     (void)instance;
     return list;
 }
@@ -163,10 +164,11 @@ static dttmm_status outputs(const dttmm_instance *instance, double *values, dttm
 }
 
 static const dttmm_parameter parameters[] = {
-    {"number", "1", 1, 0, 0, FAULT == bad_parameter ? 200 : -100, 100, "any number: the status of a create that fails"},
+    {"number", "1", 1, 0, 0, FAULT == bad_parameter ? 200 : -100, 100, NULL, 0,
+     "any number: the status of a create that fails"},
 };
 static const dttmm_element_type types[] = {
-    {FAULT == builtin_name ? "spring_damper" : "faulty", 1, parameters, "an element with a fault"},
+    {FAULT == builtin_name ? "spring_damper" : "faulty", DTTMM_ENDS_FROM_TO, 1, parameters, "an element with a fault"},
 };
 
 static const dttmm_plugin table = {

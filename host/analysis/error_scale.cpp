@@ -35,12 +35,14 @@ double size_of_machine(const Model& model) {
         for (const Marker& marker : body.markers) points.push_back(body.position + body.rotation * marker.position);
         gyration = std::max(gyration, std::sqrt(body.inertia.diagonal().maxCoeff() / body.mass));
     }
+    for (const Node& node : model.nodes) points.push_back(node.position);
     Eigen::Vector3d low = points.front(), high = low;
     for (const Eigen::Vector3d& point : points) {
         low = low.cwiseMin(point);
         high = high.cwiseMax(point);
     }
-    return std::max((high - low).norm(), 2 * gyration);
+    const double size = std::max((high - low).norm(), 2 * gyration);
+    return size > 0 ? size : 1;  // a single node has none
 }
 
 }  // namespace
@@ -61,7 +63,7 @@ std::vector<double> error_scales(const Model& model, const FastestMode& fastest,
         if (seen.channels()[static_cast<size_t>(c)].unit == "m") coordinate = std::max(coordinate, statistics.peak);
     }
 
-    double m = 0;
+    double m = model.bodies.empty() ? 1 : 0;  // what nodes weigh is the plugin's
     for (const Body& body : model.bodies) m = std::max(m, body.mass);
     const double rho = std::max(1e-9 * largest["m"], 1e-12 * coordinate), omega_2 = fastest.omega * fastest.omega;
     const std::pair<const char*, double> floors[] = {{"m", rho},

@@ -132,6 +132,10 @@ Ledger read_ledger(const Recorder& recorder, const Model& model, double step) {
         const double size = 1 + body.position.norm(), speed = 1e-11 * size / step;  // m, and rounding of it over a step
         ledger.rounding += body.mass * (1e-12 * model.simulation.gravity.norm() * size + speed * speed);
     }
+    for (const Node& node : model.nodes) {  // its mass is the plugin's: one kilogram stands for it
+        const double size = 1 + node.position.norm(), speed = 1e-11 * size / step;
+        ledger.rounding += 1e-12 * model.simulation.gravity.norm() * size + speed * speed;
+    }
     for (size_t c = 0; c < recorder.channels().size(); ++c) {
         const std::string& name = recorder.channels()[c].name;
         const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
@@ -294,9 +298,10 @@ void check(const RunRequest& request) {
     fmt::print("{}: valid\n", request.model.string());
     int equations = 0;
     for (const JointEquations& joint : simulation.end_of_step().joints()) equations += joint.lasting();
-    fmt::print("  {} bodies ({} unknowns per step), {} elements, {} joints ({} equations), {} loads, {} channels\n",
-               model.bodies.size(), 6 * model.bodies.size(), model.elements.size(), model.joints.size(), equations,
-               model.loads.size(), simulation.channels().size());
+    fmt::print("  {} bodies ({} unknowns per step), {}{} elements, {} joints ({} equations), {} loads, {} channels\n",
+               model.bodies.size(), 6 * model.bodies.size(),
+               model.nodes.empty() ? "" : fmt::format("{} nodes, ", model.nodes.size()), model.elements.size(),
+               model.joints.size(), equations, model.loads.size(), simulation.channels().size());
     const std::string damping =
         implicit && model.simulation.spectral_radius < 1
             ? fmt::format(" with numerical damping (spectral_radius = {:g})", model.simulation.spectral_radius)
@@ -314,6 +319,44 @@ void check(const RunRequest& request) {
     refuse_unstable(simulation, request.force);
 }
 
+namespace {
+
+/// The value of a parameter that the model leaves out, as the model would write it.
+std::string describe_default(const dttmm_parameter& parameter) {
+    if (parameter.flags & DTTMM_PARAMETER_REQUIRED) return "required";
+    if (std::isnan(parameter.default_value)) return "optional";
+    for (uint32_t w = 0; w < parameter.word_count; ++w)
+        if (parameter.words[w].value == parameter.default_value)
+            if (!std::isfinite(parameter.default_value) || parameter.flags & DTTMM_PARAMETER_WORDS_ONLY)
+                return fmt::format("default {}", parameter.words[w].name);
+    return fmt::format("default {:g}", parameter.default_value);
+}
+
+/// What it may be: a range, words, or both.
+std::string describe_range(const dttmm_parameter& parameter) {
+    std::string range;
+    if (!(parameter.flags & DTTMM_PARAMETER_WORDS_ONLY)) {
+        const double most = std::numeric_limits<double>::max();
+        const bool has_least = parameter.minimum > -most, has_most = parameter.maximum < most;
+        range = has_most    ? fmt::format("{:g} to {:g}", parameter.minimum, parameter.maximum)
+                : has_least ? fmt::format(">= {:g}", parameter.minimum)
+                            : "any";
+        if (parameter.flags & DTTMM_PARAMETER_INTEGER) range += ", whole";
+    }
+    for (uint32_t w = 0; w < parameter.word_count; ++w)
+        range += fmt::format("{}{}", range.empty() ? "" : " | ", parameter.words[w].name);
+    return range;
+}
+
+void print_parameter(const dttmm_parameter& parameter) {
+    const bool is_word = parameter.flags & DTTMM_PARAMETER_WORDS_ONLY;
+    fmt::print("    {:<22} {:<14} {:<12} {:<16} {}\n", parameter.name,
+               is_word ? "a word" : fmt::format("{} x {}", parameter.count, parameter.unit), describe_default(parameter),
+               describe_range(parameter), parameter.documentation);
+}
+
+}  // namespace
+
 void print_elements(const std::vector<std::string>& files) {
     const Plugins plugins(files);
     for (const PluginLibrary& library : plugins.libraries()) {
@@ -321,17 +364,9 @@ void print_elements(const std::vector<std::string>& files) {
         fmt::print("plugin {}: {} {}\n", library.name(), table.name, table.version);
         for (uint32_t t = 0; t < table.element_type_count; ++t) {
             const dttmm_element_type& type = table.element_types[t];
-            fmt::print("\n  {}  {}\n", type.name, type.documentation ? type.documentation : "");
-            for (uint32_t p = 0; p < type.parameter_count; ++p) {
-                const dttmm_parameter& parameter = type.parameters[p];
-                const bool required = parameter.flags & DTTMM_PARAMETER_REQUIRED;
-                const bool bounded = parameter.maximum < std::numeric_limits<double>::max();
-                fmt::print("    {:<22} {} x {:<10} {:<12} {:<16} {}\n", parameter.name, parameter.count, parameter.unit,
-                           required ? "required" : fmt::format("default {:g}", parameter.default_value),
-                           bounded ? fmt::format("{:g} to {:g}", parameter.minimum, parameter.maximum)
-                                   : fmt::format(">= {:g}", parameter.minimum),
-                           parameter.documentation);
-            }
+            fmt::print("\n  {} ({})  {}\n", type.name, type.ends == DTTMM_ENDS_AT ? "at" : "from, to",
+                       type.documentation ? type.documentation : "");
+            for (uint32_t p = 0; p < type.parameter_count; ++p) print_parameter(type.parameters[p]);
         }
         fmt::print("\n");
     }

@@ -20,14 +20,55 @@ Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 Json matrix_json(const Eigen::Matrix3d& m) { return {vector_json(m.row(0)), vector_json(m.row(1)), vector_json(m.row(2))}; }
 
 std::string name_of(const Model& model, const Attachment& at) {
-    if (at.body < 0) return "ground";
+    if (at.is_ground()) return "ground";
+    if (at.node >= 0) return model.nodes[static_cast<size_t>(at.node)].name;
     const Body& body = model.bodies[static_cast<size_t>(at.body)];
     return at.marker < 0 ? body.name : fmt::format("{}.{}", body.name, body.markers[static_cast<size_t>(at.marker)].name);
 }
 
+/// A number as the model may write it: a word for what is not finite, null for what is not given.
+Json value_json(double value, const dttmm_parameter& parameter) {
+    for (uint32_t w = 0; w < parameter.word_count; ++w)
+        if (parameter.words[w].value == value && (!std::isfinite(value) || parameter.flags & DTTMM_PARAMETER_WORDS_ONLY))
+            return parameter.words[w].name;
+    return std::isfinite(value) ? Json(value) : Json();
+}
+
+Json describe_element(const Model& model, const Element& element, const dttmm_element_type& type) {
+    Json out = {{"type", type.name}};
+    if (type.ends == DTTMM_ENDS_AT)
+        for (const Attachment& end : element.ends) out["at"].push_back(name_of(model, end));
+    else
+        for (size_t i = 0; i < 2; ++i) out[i == 0 ? "from" : "to"] = name_of(model, element.ends[i]);
+    auto value = element.values.begin();
+    for (uint32_t p = 0; p < type.parameter_count; ++p) {
+        const dttmm_parameter& parameter = type.parameters[p];
+        const std::string name = parameter.name;
+        const size_t dot = name.find('.');
+        Json& values = dot == name.npos ? out[name] : out[name.substr(0, dot)][name.substr(dot + 1)];
+        values = Json::array();
+        for (uint32_t i = 0; i < parameter.count; ++i) values.push_back(value_json(*value++, parameter));
+    }
+    return out;
+}
+
+Json describe_node(const Node& node) {
+    constexpr const char* kDirections[] = {"x", "y", "z", "rx", "ry", "rz"};
+    Json fixed = Json::array();
+    for (size_t d = 0; d < 6; ++d)
+        if (node.fixed[d]) fixed.push_back(kDirections[d]);
+    Json out = {{"position", vector_json(node.position)}, {"rotation", matrix_json(node.rotation)}, {"fixed", fixed}};
+    if (node.moves) {
+        out["velocity"] = vector_json(node.velocity);
+        out["angular_velocity"] = vector_json(node.angular_velocity);
+    }
+    return out;
+}
+
 Json describe_model(const Model& model, const ElementCatalogue& catalogue) {
     const bool is_implicit = model.simulation.coupling == Coupling::implicit;
-    Json bodies = Json::object(), elements = Json::object(), joints = Json::object(), loads = Json::array();
+    Json bodies = Json::object(), nodes = Json::object(), elements = Json::object(), joints = Json::object(),
+         loads = Json::array();
     for (const Joint& joint : model.joints) {
         Json& out =
             joints[joint.name] = {{"type", joint_type_name(joint.type)},
@@ -55,14 +96,9 @@ Json describe_model(const Model& model, const ElementCatalogue& catalogue) {
                              {"angular_velocity", vector_json(body.angular_velocity)},
                              {"markers", markers}};
     }
-    for (const Element& element : model.elements) {
-        const dttmm_element_type& type = *catalogue.types[static_cast<size_t>(element.type)];
-        Json& out = elements[element.name] = {
-            {"type", type.name}, {"from", name_of(model, element.from)}, {"to", name_of(model, element.to)}};
-        auto value = element.values.begin();
-        for (uint32_t p = 0; p < type.parameter_count; ++p, value += type.parameters[p - 1].count)
-            out[type.parameters[p].name] = std::vector<double>(value, value + type.parameters[p].count);
-    }
+    for (const Node& node : model.nodes) nodes[node.name] = describe_node(node);
+    for (const Element& element : model.elements)
+        elements[element.name] = describe_element(model, element, *catalogue.types[static_cast<size_t>(element.type)]);
     Json parameters = Json::object();
     for (const Parameter& parameter : model.parameters) parameters[parameter.name] = parameter.value;
     return {{"title", model.title},
@@ -75,6 +111,7 @@ Json describe_model(const Model& model, const ElementCatalogue& catalogue) {
               {"spectral_radius", model.simulation.spectral_radius},
               {"gravity", vector_json(model.simulation.gravity)}}},
             {"bodies", bodies},
+            {"nodes", nodes},
             {"loads", loads},
             {"joints", joints},
             {"elements", elements}};

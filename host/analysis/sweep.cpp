@@ -224,14 +224,13 @@ struct Column {
 std::vector<Column> result_columns(const std::vector<Case>& cases, const Model& model) {
     std::set<std::string> used;
     const auto note = [&](const Attachment& at) {
+        if (at.node >= 0) used.insert(model.nodes[static_cast<size_t>(at.node)].name);
         if (at.body < 0 || at.marker < 0) return;
         const Body& body = model.bodies[static_cast<size_t>(at.body)];
         used.insert(body.name + "." + body.markers[static_cast<size_t>(at.marker)].name);
     };
-    for (const Element& element : model.elements) {
-        note(element.from);
-        note(element.to);
-    }
+    for (const Element& element : model.elements)
+        for (const Attachment& end : element.ends) note(end);
     for (const Load& load : model.loads) note(load.on);
 
     std::vector<Column> columns;

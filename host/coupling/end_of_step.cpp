@@ -50,7 +50,7 @@ std::vector<std::string> find_holders(const Model& model) {
     for (const Joint& joint : model.joints)
         for (int body : {joint.first, joint.second}) hold(body, "joint", joint.name);
     for (const Element& element : model.elements)
-        for (const Attachment& end : {element.from, element.to}) hold(end.body, "element", element.name);
+        for (const Attachment& end : element.ends) hold(end.body, "element", element.name);
     return holders;
 }
 
@@ -115,7 +115,7 @@ std::vector<BodyState> EndOfStep::start(const dttmm_step& step, const std::vecto
         previous_u_[b].head<3>() = half_step_back[b].velocity - h_ * a;
         previous_u_[b].tail<3>() = half_step_back[b].angular_velocity - h_ * alpha;
     }
-    networks.start(step, at, accelerations.data());
+    networks.start(step, at, accelerations.data(), loads.on_nodes());
     return half_step_back;
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "model/error.h"
@@ -12,8 +13,9 @@ namespace dttmm {
 
 namespace {
 
-Eigen::Vector3d arm_of(const Body& body, const Attachment& on) {
+Eigen::Vector3d arm_of(const Model& model, const Attachment& on) {
     if (on.marker < 0) return Eigen::Vector3d::Zero();
+    const Body& body = model.bodies[static_cast<size_t>(on.body)];
     return body.markers[static_cast<size_t>(on.marker)].position - body.center_of_mass;
 }
 
@@ -21,9 +23,9 @@ Eigen::Vector3d arm_of(const Body& body, const Attachment& on) {
 
 Loads::Loads(const Model& model, const double weights[3]) : weights_{weights[0], weights[1], weights[2]} {
     for (const Body& body : model.bodies) weight_forces_.push_back(body.mass * model.simulation.gravity);
-    for (const Load& load : model.loads)
-        loads_.push_back({load, arm_of(model.bodies[static_cast<size_t>(load.on.body)], load.on)});
+    for (const Load& load : model.loads) loads_.push_back({load, arm_of(model, load.on)});
     magnitudes_.resize(loads_.size());
+    node_loads_.resize(6 * model.nodes.size());
 }
 
 double Loads::magnitude(size_t load, double time) const {
@@ -37,6 +39,7 @@ double Loads::magnitude(size_t load, double time) const {
 
 void Loads::start(double t0) {
     for (size_t i = 0; i < loads_.size(); ++i) magnitudes_[i].after = magnitudes_[i].now = magnitude(i, t0);
+    gather_node_loads();
 }
 
 void Loads::begin_step(const dttmm_step& step) {
@@ -48,12 +51,24 @@ void Loads::begin_step(const dttmm_step& step) {
         m.after = magnitude(i, end);
         m.over_step = weights_[0] * m.after + weights_[1] * m.now + weights_[2] * m.before;
     }
+    gather_node_loads();
+}
+
+void Loads::gather_node_loads() {
+    std::fill(node_loads_.begin(), node_loads_.end(), 0.0);
+    for (size_t i = 0; i < loads_.size(); ++i) {
+        const Load& load = loads_[i].load;
+        if (load.on.node < 0) continue;
+        double* wrench = &node_loads_[6 * static_cast<size_t>(load.on.node)];
+        Eigen::Map<Eigen::Vector3d>(wrench + (load.is_moment ? 3 : 0)) += magnitudes_[i].after * load.direction;
+    }
 }
 
 void Loads::add(const std::vector<BodyState>& now, double Magnitude::*magnitude, double* wrenches) const {
     for (size_t b = 0; b < weight_forces_.size(); ++b) Eigen::Map<Eigen::Vector3d>(wrenches + 6 * b) += weight_forces_[b];
     for (size_t i = 0; i < loads_.size(); ++i) {
         const Load& load = loads_[i].load;
+        if (load.on.body < 0) continue;  // on a node
         const auto body = static_cast<size_t>(load.on.body);
         const Eigen::Vector3d value = magnitudes_[i].*magnitude * load.direction;
         Eigen::Map<Eigen::Vector3d> force(wrenches + 6 * body), moment(wrenches + 6 * body + 3);
@@ -70,6 +85,7 @@ double Loads::power_at_start(const std::vector<BodyState>& before, const std::ve
     double power = 0;
     for (size_t i = 0; i < loads_.size(); ++i) {
         const Load& load = loads_[i].load;
+        if (load.on.body < 0) continue;  // its work is the network's
         const BodyState &from = before[static_cast<size_t>(load.on.body)], &to = after[static_cast<size_t>(load.on.body)];
         Eigen::Vector3d rate = 0.5 * (from.angular_velocity + to.angular_velocity);
         if (!load.is_moment) rate = 0.5 * (from.velocity + to.velocity) + rate.cross(from.rotation * loads_[i].arm);

@@ -12,7 +12,8 @@ namespace dttmm {
 
 /// Gravity and the loads of the model. Over a step a load is weighted as the scheme weights the network's forces,
 ///     w+ f(t_{n+1}) + w0 f(t_n) + w− f(t_{n−1}),
-/// so that both stand at the same instant.
+/// so that both stand at the same instant. Loads on nodes and the weight of what is between the bodies are the networks':
+/// they are handed on unweighted.
 class Loads {
 public:
     Loads(const Model& model, const double weights[3]);
@@ -24,6 +25,10 @@ public:
     /// the first step of the centred scheme is Newmark's.
     void begin_step(const dttmm_step& step);
 
+    /// Loads on the nodes, [force; moment] in world axes, 6 per node of the model: at the end of the open step; after start,
+    /// at t0.
+    const double* on_nodes() const { return node_loads_.data(); }
+
     /// Adds the wrench over the open step, [force; moment about the centre of mass] in world axes, 6 per body.
     void add_over_step(const std::vector<BodyState>& now, double* wrenches) const {
         add(now, &Magnitude::over_step, wrenches);
@@ -32,8 +37,8 @@ public:
     /// Adds the wrench at the instant t_n that the step starts from.
     void add_at_start(const std::vector<BodyState>& now, double* wrenches) const { add(now, &Magnitude::now, wrenches); }
 
-    /// Power of the loads (without gravity) at t_n [W]; the velocities there are the means of those over the steps `before`
-    /// and `after`, the poses those of `before`.
+    /// Power of the loads on bodies (without gravity) at t_n [W]; the velocities there are the means of those over the steps
+    /// `before` and `after`, the poses those of `before`.
     double power_at_start(const std::vector<BodyState>& before, const std::vector<BodyState>& after) const;
 
 private:
@@ -47,11 +52,13 @@ private:
     };
     void add(const std::vector<BodyState>& now, double Magnitude::*magnitude, double* wrenches) const;
     double magnitude(size_t load, double time) const;
+    void gather_node_loads();
 
     double weights_[3];
     std::vector<Eigen::Vector3d> weight_forces_;  ///< m g of every body [N]
     std::vector<Placed> loads_;
     std::vector<Magnitude> magnitudes_;
+    std::vector<double> node_loads_;
 };
 
 }  // namespace dttmm

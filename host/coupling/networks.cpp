@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cfenv>
 #include <cmath>
 #include <cstring>
 
+#include "coupling/network_description.h"
 #include "model/error.h"
 
 namespace dttmm {
@@ -28,61 +30,27 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& a) {
     return m;
 }
 
-dttmm_node make_node(const char* name, uint32_t kind, const Eigen::Vector3d& position, const Eigen::Matrix3d& rotation) {
-    dttmm_node node{name, kind, {}, {}, 0, 0, {}, {}};
-    vector(node.position) = position;
-    Eigen::Map<RowMajor3>{node.rotation} = rotation;
-    return node;
-}
-
-uint32_t scheme_of(const SimulationSettings& simulation) {
-    if (simulation.coupling == Coupling::implicit) return DTTMM_SCHEME_CENTRED;
-    switch (simulation.scheme) {
-        case ExplicitScheme::bdf1:
-            return DTTMM_SCHEME_BDF1;
-        case ExplicitScheme::bdf2:
-            return DTTMM_SCHEME_BDF2;
-        case ExplicitScheme::houbolt:
-            return DTTMM_SCHEME_HOUBOLT;
-        case ExplicitScheme::park:
-            return DTTMM_SCHEME_PARK;
-        default:
-            return DTTMM_SCHEME_FOX_EULER;
-    }
-}
-
-struct Newmark {
-    double beta, gamma;
-};
-
-/// The centred scheme with the spectral radius ρ at infinite frequency. There w₊ r² + w₀ r + w₋ = 0; a double root takes
-/// w₀² = 4 w₊ w₋, which is β = (γ + 1/2)²/4, and is r = 1 − 2/(γ + 1/2): −ρ for γ = (3 − ρ)/2(1 + ρ).
-Newmark scheme_with_radius(double rho) {
-    const double gamma = (3 - rho) / (2 * (1 + rho));
-    return {0.25 * (gamma + 0.5) * (gamma + 0.5), gamma};
-}
-
 }  // namespace
 
 // ---- Construction -------------------------------------------------------------------------------------------------------
 
 Networks::Networks(const Model& model, const Plugins& plugins) {
     for (const Body& body : model.bodies) body_names_.push_back(body.name);
-    for (const Element& element : model.elements) add_network(model, plugins, element);
+    for (const std::vector<size_t>& elements : split_into_networks(model)) add_network(model, plugins, elements);
 
-    // Elements meet only at bodies, so each is a network of its own.
     is_implicit_ = model.simulation.coupling == Coupling::implicit;
     if (!instances_.empty()) {
         refuse_mixed_weights();
         instances_.front().load_weights(weights_);
         if (!(std::abs(weights_[0] + weights_[1] + weights_[2] - 1) < 1e-12))
             throw Error(ExitCode::plugin_failure,
-                        fmt::format("element \"{}\": its plugin weights loads by {}, {} and {}, which do not add up to one",
-                                    instances_.front().element_name(0), weights_[0], weights_[1], weights_[2]));
+                        fmt::format("{}: its plugin weights loads by {}, {} and {}, which do not add up to one",
+                                    instances_.front().label(), weights_[0], weights_[1], weights_[2]));
         is_implicit_ = false;
         for (const NetworkInstance& instance : instances_) is_implicit_ = is_implicit_ || instance.is_implicit();
     }
     motions_.resize(ports_.size());
+    loads_.resize(6 * inner_nodes_.size());
     arms_.resize(ports_.size());
     next_arms_.resize(ports_.size());
     wrenches_.resize(6 * ports_.size() + instances_.size());
@@ -97,39 +65,38 @@ Networks::Port Networks::port_at(const Model& model, const Attachment& at) const
     return {at.body, marker.position - body.center_of_mass, !marker.rotation.isIdentity(0), marker.rotation};
 }
 
-void Networks::add_network(const Model& model, const Plugins& plugins, const Element& element) {
-    const auto [plugin, type] = plugins.resolve(element.type);
+void Networks::add_network(const Model& model, const Plugins& plugins, const std::vector<size_t>& elements) {
+    const NetworkDescription description(model, plugins, elements);
     const size_t first_port = ports_.size();
+    places_.emplace_back();
+    for (size_t e : elements) places_.back().push_back(model.elements[e].place);
+    tell_place(places_.size() - 1, [&] { instances_.emplace_back(description.plugin(), description.network()); });
 
-    // The ground point is where the other end is at the start, with the world's axes.
-    const Attachment& moving = element.from.body >= 0 ? element.from : element.to;
-    std::vector<dttmm_node> nodes;
-    for (const Attachment& end : {element.from, element.to}) {
-        const Port port = port_at(model, end.body >= 0 ? end : moving);
-        const Body& body = model.bodies[static_cast<size_t>(port.body)];
-        const Eigen::Vector3d position = body.position + body.rotation * (port.arm + body.center_of_mass);
-        if (end.body >= 0) {
-            ports_.push_back(port);
-            nodes.push_back(make_node(body.name.c_str(), DTTMM_NODE_PORT, position, body.rotation * port.rotation));
-        } else {
-            nodes.push_back(make_node("ground", DTTMM_NODE_GROUND, position, Eigen::Matrix3d::Identity()));
-        }
+    for (const Attachment& port : description.ports()) ports_.push_back(port_at(model, port));
+    slots_.push_back({first_port, 6 * first_port + slots_.size(), inner_nodes_.size(), false});
+    for (int node : description.inner_nodes()) {
+        inner_nodes_.push_back(static_cast<size_t>(node));
+        for (const Load& load : model.loads) slots_.back().is_loaded = slots_.back().is_loaded || load.on.node == node;
     }
-    const uint32_t from_to[] = {0, 1};
-    const dttmm_element data{element.name.c_str(), type, 2, from_to, element.values.data()};
-    const Newmark newmark = scheme_with_radius(model.simulation.spectral_radius);
-    const Eigen::Vector3d& g = model.simulation.gravity;
-    const dttmm_network network{
-        2, nodes.data(), 1, &data, scheme_of(model.simulation), newmark.beta, newmark.gamma, {g.x(), g.y(), g.z()}};
-    try {
-        instances_.emplace_back(*plugin, network);
-    } catch (const Error& error) {
-        throw Error(error.code(), fmt::format("{}: {}", element.place, error.what()));
-    }
-    slots_.push_back({first_port, 6 * first_port + slots_.size()});
     for (size_t i = first_port; i < ports_.size(); ++i)
         for (size_t j = first_port; j < i; ++j)
             if (ports_[i].body != ports_[j].body) neighbours_.emplace_back(ports_[i].body, ports_[j].body);
+}
+
+/// Puts the place of the element that a plugin blames, or of the first of the network, before what it says.
+template <class Action>
+void Networks::tell_place(size_t network, Action&& action) const {
+    try {
+        action();
+    } catch (const NetworkError& error) {
+        const auto element = static_cast<size_t>(std::max(error.element(), 0));
+        throw Error(error.code(), fmt::format("{}: {}", places_[network][element], error.what()));
+    }
+}
+
+std::string Networks::name(size_t network) const {
+    const NetworkInstance& instance = instances_[network];
+    return instance.element_count() == 1 ? instance.element_name(0) : instance.label();
 }
 
 void Networks::refuse_mixed_weights() const {
@@ -138,11 +105,10 @@ void Networks::refuse_mixed_weights() const {
     for (const NetworkInstance& instance : instances_) {
         instance.load_weights(other);
         if (std::equal(first, first + 3, other)) continue;
-        throw Error(
-            ExitCode::plugin_failure,
-            fmt::format("elements \"{}\" and \"{}\" weight loads differently over a step: their plugins use different time "
-                        "schemes and cannot share a model",
-                        instances_.front().element_name(0), instance.element_name(0)));
+        throw Error(ExitCode::plugin_failure,
+                    fmt::format("{} and {} weight loads differently over a step: their plugins use different time "
+                                "schemes and cannot share a model",
+                                instances_.front().label(), instance.label()));
     }
 }
 
@@ -189,8 +155,7 @@ void Networks::scatter(size_t network, double* wrenches) const {
     std::memcpy(&guard, wrench, sizeof guard);
     if (guard != kGuardPattern) [[unlikely]]
         throw Error(ExitCode::plugin_failure,
-                    fmt::format("element \"{}\": its plugin wrote past the end of the wrench array",
-                                instances_[network].element_name(0)));
+                    fmt::format("{}: its plugin wrote past the end of the wrench array", instances_[network].label()));
 }
 
 void Networks::refuse_wrench(size_t network, size_t port) const {
@@ -198,11 +163,11 @@ void Networks::refuse_wrench(size_t network, size_t port) const {
     throw Error(
         ExitCode::numerical_failure,
         fmt::format(
-            "element \"{}\" on body \"{}\" at t = {:.9g} s: force ({:.4g}, {:.4g}, {:.4g}) N, moment ({:.4g}, {:.4g}, "
+            "{} on body \"{}\" at t = {:.9g} s: force ({:.4g}, {:.4g}, {:.4g}) N, moment ({:.4g}, {:.4g}, "
             "{:.4g}) N m is not finite or beyond the cap of {:.0e}; the run ends before it reaches ODE. Is the step too "
             "long for an explicit coupling, or the plugin at fault?",
-            instances_[network].element_name(0), body_names_[static_cast<size_t>(ports_[port].body)], time_, wrench[0],
-            wrench[1], wrench[2], wrench[3], wrench[4], wrench[5], World::kLargestWrench));
+            instances_[network].label(), body_names_[static_cast<size_t>(ports_[port].body)], time_, wrench[0], wrench[1],
+            wrench[2], wrench[3], wrench[4], wrench[5], World::kLargestWrench));
 }
 
 /// Block (row port, column port) of a matrix over the ports, as one over the poses of their bodies.
@@ -236,8 +201,8 @@ void Networks::linearise(const std::vector<BodyState>& at, double* wrenches, con
         const size_t size = sink ? 36 * static_cast<size_t>(count * count) : 0;
         stiffness_.resize(size);
         damping_.resize(size);
-        instances_[n].linearise(&motions_[slots_[n].port], &wrenches_[slots_[n].wrench], sink ? stiffness_.data() : nullptr,
-                                sink ? damping_.data() : nullptr);
+        instances_[n].linearise(motions_.data() + slots_[n].port, &wrenches_[slots_[n].wrench],
+                                sink ? stiffness_.data() : nullptr, sink ? damping_.data() : nullptr);
         scatter(n, wrenches);
         if (!sink) continue;
         for (int i = 0; i < count; ++i)
@@ -247,7 +212,8 @@ void Networks::linearise(const std::vector<BodyState>& at, double* wrenches, con
     }
 }
 
-void Networks::start(const dttmm_step& step, const std::vector<BodyState>& at, const double* accelerations) {
+void Networks::start(const dttmm_step& step, const std::vector<BodyState>& at, const double* accelerations,
+                     const double* node_loads) {
     step_size_ = step.size;
     time_ = step.time;
     gather(at, 0);
@@ -262,18 +228,32 @@ void Networks::start(const dttmm_step& step, const std::vector<BodyState>& at, c
         vector(&port_accelerations[6 * p + 3]) = alpha;
     }
     for (size_t n = 0; n < instances_.size(); ++n)
-        instances_[n].start(step, &motions_[slots_[n].port], &port_accelerations[6 * slots_[n].port], nullptr);
+        tell_place(n, [&] {
+            instances_[n].start(step, motions_.data() + slots_[n].port, port_accelerations.data() + 6 * slots_[n].port,
+                                gather_loads(n, node_loads));
+        });
 }
 
-void Networks::begin_step(const dttmm_step& step) {
+void Networks::begin_step(const dttmm_step& step, const double* node_loads) {
     time_ = step.time;
-    for (NetworkInstance& instance : instances_) instance.begin_step(step, nullptr);
+    for (size_t n = 0; n < instances_.size(); ++n) instances_[n].begin_step(step, gather_loads(n, node_loads));
+}
+
+/// Loads on the inner nodes of one network; null if there are none.
+const double* Networks::gather_loads(size_t network, const double* node_loads) {
+    const Slot& slot = slots_[network];
+    if (!slot.is_loaded) [[likely]]
+        return nullptr;
+    const size_t end = network + 1 < slots_.size() ? slots_[network + 1].inner_node : inner_nodes_.size();
+    double* out = loads_.data();
+    for (size_t i = slot.inner_node; i < end; ++i) out = std::copy_n(node_loads + 6 * inner_nodes_[i], 6, out);
+    return loads_.data();
 }
 
 void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches) {
     if (is_implicit_) gather(trial, step_size_);
     for (size_t n = 0; n < instances_.size(); ++n) {
-        instances_[n].evaluate(&motions_[slots_[n].port], &wrenches_[slots_[n].wrench], nullptr);
+        instances_[n].evaluate(motions_.data() + slots_[n].port, &wrenches_[slots_[n].wrench], nullptr);
         scatter(n, wrenches);
     }
 }
@@ -283,7 +263,7 @@ void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches, c
     for (size_t n = 0; n < instances_.size(); ++n) {
         const auto size = 6 * static_cast<size_t>(instances_[n].port_count());
         stiffness_.resize(size * size);
-        instances_[n].evaluate(&motions_[slots_[n].port], &wrenches_[slots_[n].wrench], stiffness_.data());
+        instances_[n].evaluate(motions_.data() + slots_[n].port, &wrenches_[slots_[n].wrench], stiffness_.data());
         scatter(n, wrenches);
         hand_out(n, stiffness_, stiffness);
     }
@@ -291,7 +271,7 @@ void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches, c
 
 void Networks::commit_step(const std::vector<BodyState>& accepted) {
     gather(accepted, step_size_);
-    for (size_t n = 0; n < instances_.size(); ++n) instances_[n].commit_step(&motions_[slots_[n].port]);
+    for (size_t n = 0; n < instances_.size(); ++n) instances_[n].commit_step(motions_.data() + slots_[n].port);
     arms_.swap(next_arms_);
 }
 

@@ -24,7 +24,7 @@ public:
         std::function<void(size_t network, int row_body, int column_body, const Block& stiffness, const Block& damping)>;
 
     /// Splits the model into networks and creates each in its plugin. Throws Error with the place in the model file when a
-    /// plugin refuses one, or when networks of different plugins weight loads differently.
+    /// plugin refuses one, when one would need two plugins, or when networks of different plugins weight loads differently.
     Networks(const Model& model, const Plugins& plugins);
 
     /// True if the wrench over a step depends on the end of the step: then the coupling has to solve for it.
@@ -37,14 +37,16 @@ public:
     /// The force law at one instant (no time scheme): adds the wrenches of the networks; stiffness and damping are
     /// handed out if wanted.
     void linearise(const std::vector<BodyState>& at, double* wrenches, const LinearSink* sink);
-    /// How messages call a network: by its element.
-    const std::string& name(size_t network) const { return instances_[network].element_name(0); }
+    /// How messages call a network: by its element, `bolt1`, or `network of element "barrel"` if it has several.
+    std::string name(size_t network) const;
 
     /// Initial conditions: poses and velocities at that instant, accelerations 6 per body (linear of the centre of mass,
-    /// angular).
-    void start(const dttmm_step& step, const std::vector<BodyState>& at, const double* accelerations);
+    /// angular), loads 6 per node of the model.
+    void start(const dttmm_step& step, const std::vector<BodyState>& at, const double* accelerations,
+               const double* node_loads);
 
-    void begin_step(const dttmm_step& step);
+    /// node_loads: 6 per node of the model, at the end of the step.
+    void begin_step(const dttmm_step& step, const double* node_loads);
     /// Adds the wrenches that act over the open step if the bodies end it as in `trial`. Throws Error(numerical_failure)
     /// naming element and body when one is not finite or beyond 1e15 N. Unless is_implicit(), `trial` is not looked at.
     void evaluate(const std::vector<BodyState>& trial, double* wrenches);
@@ -66,12 +68,16 @@ private:
         bool turned;               ///< the marker's axes are not the body's
         Eigen::Matrix3d rotation;  ///< marker axes in body axes
     };
-    /// Where a network's ports and its wrenches begin in the arrays below.
+    /// Where a network's ports, its wrenches and its inner nodes begin in the arrays below.
     struct Slot {
-        size_t port, wrench;
+        size_t port, wrench, inner_node;
+        bool is_loaded;  ///< on an inner node
     };
 
-    void add_network(const Model& model, const Plugins& plugins, const Element& element);
+    void add_network(const Model& model, const Plugins& plugins, const std::vector<size_t>& elements);
+    template <class Action>
+    void tell_place(size_t network, Action&& action) const;
+    const double* gather_loads(size_t network, const double* node_loads);
     Port port_at(const Model& model, const Attachment& at) const;
     void gather(const std::vector<BodyState>& motion, double step_size);
     void scatter(size_t network, double* wrenches) const;
@@ -84,6 +90,8 @@ private:
     std::vector<NetworkInstance> instances_;
     std::vector<Slot> slots_;
     std::vector<Port> ports_;
+    std::vector<size_t> inner_nodes_;               ///< indices into Model::nodes
+    std::vector<std::vector<std::string>> places_;  ///< in the model file, of the elements of every network
     std::vector<std::string> body_names_;
     std::vector<std::pair<int, int>> neighbours_;
     double weights_[3] = {0, 1, 0};
@@ -91,11 +99,11 @@ private:
 
     double step_size_ = 0;
     double time_ = 0;
-    std::vector<dttmm_motion> motions_;        ///< of every port, as last gathered
-    std::vector<Eigen::Vector3d> arms_;        ///< of every port from the centre of mass, world axes, at t_n
-    std::vector<Eigen::Vector3d> next_arms_;   ///< the same as last gathered
-    std::vector<double> wrenches_;             ///< of every port; a guard word follows each network's part
-    std::vector<double> stiffness_, damping_;  ///< of the network at hand
+    std::vector<dttmm_motion> motions_;                ///< of every port, as last gathered
+    std::vector<Eigen::Vector3d> arms_;                ///< of every port from the centre of mass, world axes, at t_n
+    std::vector<Eigen::Vector3d> next_arms_;           ///< the same as last gathered
+    std::vector<double> wrenches_;                     ///< of every port; a guard word follows each network's part
+    std::vector<double> stiffness_, damping_, loads_;  ///< of the network at hand
 };
 
 }  // namespace dttmm

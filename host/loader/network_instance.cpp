@@ -82,12 +82,16 @@ void NetworkInstance::restore_state(const std::vector<unsigned char>& state) {
 void NetworkInstance::fail(dttmm_status status, const dttmm_error& error) const {
     const size_t length = ::strnlen(error.text, sizeof error.text);
     const std::string text = length > 0 ? std::string(error.text, length) : fmt::format("status {} without a text", status);
-    const bool named = error.element >= 0 && static_cast<size_t>(error.element) < element_names_.size();
-    const std::string& first =
-        element_names_.empty() ? plugin_.name() : element_names_[named ? static_cast<size_t>(error.element) : 0];
-    const std::string place = named || element_names_.size() == 1 ? fmt::format("element \"{}\"", first)
-                                                                  : fmt::format("network of element \"{}\"", first);
-    throw Error(exit_code(status), fmt::format("{} (plugin {}): {}", place, plugin_.name(), text));
+    const bool is_named = error.element >= 0 && static_cast<size_t>(error.element) < element_names_.size();
+    const std::string place =
+        is_named ? fmt::format("element \"{}\"", element_names_[static_cast<size_t>(error.element)]) : label();
+    throw NetworkError(exit_code(status), fmt::format("{} (plugin {}): {}", place, plugin_.name(), text),
+                       is_named ? error.element : -1);
+}
+
+std::string NetworkInstance::label() const {
+    if (element_names_.empty()) return "network without elements";
+    return fmt::format("{}element \"{}\"", element_names_.size() > 1 ? "network of " : "", element_names_.front());
 }
 
 }  // namespace dttmm

@@ -10,10 +10,20 @@
 
 namespace dttmm {
 
+/// A failure of a plugin that may blame one element.
+class NetworkError : public Error {
+public:
+    NetworkError(ExitCode code, const std::string& text, int element) : Error(code, text), element_(element) {}
+    int element() const { return element_; }  ///< of the network; -1: none is blamed
+
+private:
+    int element_;
+};
+
 /// One network inside a plugin: the C interface as a C++ object. Arguments, units and phases are those of dttmm_plugin.h.
-/// A failure becomes Error: numerical_failure for DTTMM_DISCARD, _SINGULAR and _NUMERIC, model_invalid for what create
-/// refuses, resource_limit for memory, plugin_failure for the rest. Its text begins with the plugin's and, where known, the
-/// element's name. The calls of a step are inline: one compare and one indirect call each.
+/// A failure becomes NetworkError: numerical_failure for DTTMM_DISCARD, _SINGULAR and _NUMERIC, model_invalid for what
+/// create refuses, resource_limit for memory, plugin_failure for the rest. Its text begins with the plugin's and, where
+/// known, the element's name. The calls of a step are inline: one compare and one indirect call each.
 class NetworkInstance {
 public:
     NetworkInstance(const PluginLibrary& plugin, const dttmm_network& network);
@@ -57,7 +67,10 @@ public:
         dttmm_error error;
         check(table_->outputs(instance_.get(), values, cleared(error)), error);
     }
+    size_t element_count() const { return element_names_.size(); }
     const std::string& element_name(uint32_t element) const { return element_names_[element]; }
+    /// How messages call it: `element "bolt1"`, or `network of element "barrel"` if it has several.
+    std::string label() const;
     /// Name of the element or node that a channel belongs to.
     const std::string& owner_of(const dttmm_channel& channel) const {
         return (channel.of == DTTMM_OF_NODE ? node_names_ : element_names_)[channel.index];

@@ -6,6 +6,9 @@
 #include <sys/stat.h>
 
 #include <cmath>
+#include <cstring>
+#include <set>
+#include <span>
 
 #include "model/error.h"
 
@@ -22,6 +25,53 @@ void check_file(const std::filesystem::path& file) {
     if (::stat(file.c_str(), &status) != 0) fail(file, "there is no such file; --plugin wants the path of a shared library");
     if (!S_ISREG(status.st_mode)) fail(file, "this is no regular file");
     if (status.st_mode & S_IWOTH) fail(file, "everybody may write to this file; it is not loaded (chmod o-w)");
+}
+
+/// Words are one text for one number, each its own, none that reads as a number.
+bool has_good_words(const dttmm_parameter& parameter) {
+    if (parameter.word_count == 0) return !(parameter.flags & DTTMM_PARAMETER_WORDS_ONLY);
+    if (!parameter.words || parameter.count != 1 || parameter.word_count > 1000) return false;
+    std::set<std::string> names;
+    for (const dttmm_word& word : std::span(parameter.words, parameter.word_count)) {
+        if (!word.name || !*word.name || std::strchr(" =+-.0123456789", *word.name) || std::isnan(word.value)) return false;
+        if (!names.emplace(word.name).second) return false;
+    }
+    return true;
+}
+
+/// A number that is not finite needs a word; not a number says that the model does not give it.
+bool has_good_default(const dttmm_parameter& parameter) {
+    const double value = parameter.default_value;
+    if (std::isnan(value) || (std::isfinite(value) && !(parameter.flags & DTTMM_PARAMETER_WORDS_ONLY))) return true;
+    if (parameter.flags & DTTMM_PARAMETER_REQUIRED) return true;
+    for (uint32_t w = 0; w < parameter.word_count; ++w)
+        if (parameter.words[w].value == value) return true;
+    return false;
+}
+
+bool is_well_declared(const dttmm_parameter& parameter) {
+    return parameter.name && parameter.unit && parameter.documentation && parameter.count >= 1 && parameter.count <= 1000 &&
+           parameter.minimum <= parameter.maximum && has_good_words(parameter) && has_good_default(parameter);
+}
+
+/// Keys of the model file: no two alike, none that every element has, and "a.b" only where "a" is no number.
+void check_parameters(const std::string& plugin, const dttmm_element_type& type) {
+    std::set<std::string> names = {"name", "type", "from", "to", "at"}, tables;
+    for (uint32_t p = 0; p < type.parameter_count; ++p) {
+        const dttmm_parameter& parameter = type.parameters[p];
+        if (!is_well_declared(parameter))
+            fail(plugin, fmt::format("element type \"{}\": parameter {} is not well declared", type.name, p));
+        const std::string name = parameter.name;
+        const size_t dot = name.find('.');
+        const bool is_key = !name.empty() && dot != 0 && dot + 1 != name.size() && name.find('.', dot + 1) == name.npos;
+        if (dot != name.npos) tables.insert(name.substr(0, dot));
+        if (!is_key || !names.insert(name).second)
+            fail(plugin, fmt::format("element type \"{}\": the name \"{}\" of parameter {} is taken, or no key", type.name,
+                                     name, p));
+    }
+    for (const std::string& table : tables)
+        if (names.contains(table))
+            fail(plugin, fmt::format("element type \"{}\": \"{}\" cannot be both a key and a table", type.name, table));
 }
 
 const dttmm_plugin* checked(const std::string& name, const dttmm_plugin* table) {
@@ -44,13 +94,9 @@ const dttmm_plugin* checked(const std::string& name, const dttmm_plugin* table) 
         const dttmm_element_type& type = table->element_types[t];
         if (!type.name || (type.parameter_count > 0 && !type.parameters))
             fail(name, fmt::format("element type {} has a null name or parameter list", t));
-        for (uint32_t p = 0; p < type.parameter_count; ++p) {
-            const dttmm_parameter& parameter = type.parameters[p];
-            if (!parameter.name || !parameter.unit || !parameter.documentation || parameter.count == 0 ||
-                parameter.count > 1000 || !std::isfinite(parameter.default_value) ||
-                !(parameter.minimum <= parameter.maximum))
-                fail(name, fmt::format("element type \"{}\": parameter {} is not well declared", type.name, p));
-        }
+        if (type.ends > DTTMM_ENDS_AT)
+            fail(name, fmt::format("element type \"{}\": there is no kind {} of ends", type.name, type.ends));
+        check_parameters(name, type);
     }
     return table;
 }

@@ -19,9 +19,17 @@ std::vector<std::string> names_of(const auto& things) {
 
 }  // namespace
 
-Attachments::Attachments(const std::vector<Body>& bodies) : bodies_(bodies) {
+Attachments::Attachments(const std::vector<Body>& bodies, const std::vector<Node>& nodes) : bodies_(bodies), nodes_(nodes) {
     for (std::size_t i = 0; i < bodies.size(); ++i)
-        if (!bodies[i].name.empty()) index_.emplace(bodies[i].name, static_cast<int>(i));
+        if (!bodies[i].name.empty()) index_.emplace(bodies[i].name, Attachment{static_cast<int>(i), -1, -1});
+    for (std::size_t i = 0; i < nodes.size(); ++i) index_.emplace(nodes[i].name, Attachment{-1, -1, static_cast<int>(i)});
+}
+
+std::vector<std::string> Attachments::known_names() const {
+    std::vector<std::string> known = names_of(bodies_);
+    for (const Node& node : nodes_) known.push_back(node.name);
+    known.emplace_back("ground");
+    return known;
 }
 
 std::optional<Attachment> Attachments::read(const TableReader& table, const char* key) const {
@@ -40,23 +48,23 @@ std::optional<Attachment> Attachments::read(const TableReader& table, const Toml
     if (name == "ground") return Attachment{};
     const std::size_t dot = name.find('.');
     const auto found = index_.find(name.substr(0, dot));
-    if (found == index_.end()) {
-        std::vector<std::string> known = names_of(bodies_);
-        known.emplace_back("ground");
-        return fail(
-            fmt::format(": there is no body {}{}", quote(name.substr(0, dot)), suggestion(name.substr(0, dot), known)));
-    }
-    if (dot == name.npos) return Attachment{found->second, -1};
+    if (found == index_.end())
+        return fail(fmt::format(": there is no {} {}{}", nodes_.empty() ? "body" : "body or node",
+                                quote(name.substr(0, dot)), suggestion(name.substr(0, dot), known_names())));
+    const Attachment& whole = found->second;
+    if (dot == name.npos) return whole;
+    if (whole.node >= 0) return fail(fmt::format(": {} is a node, which has no markers", quote(found->first)));
     const std::string marker_name = name.substr(dot + 1);
-    const auto& markers = bodies_[static_cast<std::size_t>(found->second)].markers;
+    const auto& markers = bodies_[static_cast<std::size_t>(whole.body)].markers;
     const auto marker = std::find_if(markers.begin(), markers.end(), [&](const Marker& m) { return m.name == marker_name; });
     if (marker == markers.end())
         return fail(fmt::format(": body {} has no marker {}{}", quote(found->first), quote(marker_name),
                                 suggestion(marker_name, names_of(markers))));
-    return Attachment{found->second, static_cast<int>(marker - markers.begin())};
+    return Attachment{whole.body, static_cast<int>(marker - markers.begin()), -1};
 }
 
 Eigen::Vector3d Attachments::position(const Attachment& attachment) const {
+    if (attachment.node >= 0) return nodes_[static_cast<std::size_t>(attachment.node)].position;
     const Body& body = bodies_[static_cast<std::size_t>(attachment.body)];
     if (attachment.marker < 0) return body.position;
     return body.position + body.rotation * body.markers[static_cast<std::size_t>(attachment.marker)].position;

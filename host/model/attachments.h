@@ -12,10 +12,10 @@
 
 namespace dttmm {
 
-/// Finds what "ground", "body" and "body.marker" mean.
+/// Finds what "ground", "body", "body.marker" and "node" mean.
 class Attachments {
 public:
-    explicit Attachments(const std::vector<Body>& bodies);
+    Attachments(const std::vector<Body>& bodies, const std::vector<Node>& nodes);
 
     /// The place that `key` of a table names. An unknown name is reported with the nearest; returns nothing then.
     std::optional<Attachment> read(const TableReader& table, const char* key) const;
@@ -27,8 +27,11 @@ public:
     Eigen::Vector3d position(const Attachment& attachment) const;
 
 private:
+    std::vector<std::string> known_names() const;
+
     const std::vector<Body>& bodies_;
-    std::map<std::string, int, std::less<>> index_;
+    const std::vector<Node>& nodes_;
+    std::map<std::string, Attachment, std::less<>> index_;
 };
 
 }  // namespace dttmm

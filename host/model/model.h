@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <bitset>
+#include <compare>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -34,10 +36,26 @@ struct Body {
     std::vector<Marker> markers;
 };
 
-/// A place on a body: one of its markers, or the body itself (its origin; for a load, its centre of mass).
+/// A point of the elastic network that is no body: it moves as the elements on it have it.
+struct Node {
+    std::string name;
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();      ///< at the start [m]
+    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< its axes in the world at the start
+    std::bitset<6> fixed;  ///< directions x y z rx ry rz (world axes) in which it stays where it is at the start
+    bool moves = false;    ///< it starts with the velocities below; otherwise as straining the network least
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< [m/s]
+    Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< world axes [rad/s]
+};
+
+/// A place on a body: one of its markers, or the body itself (its origin; for a load, its centre of mass); or a node; or,
+/// without either, the ground.
 struct Attachment {
-    int body = -1;    ///< index into Model::bodies; -1 is the ground
+    int body = -1;    ///< index into Model::bodies
     int marker = -1;  ///< index into Body::markers; -1 is the body itself
+    int node = -1;    ///< index into Model::nodes
+
+    bool is_ground() const { return body < 0 && node < 0; }
+    auto operator<=>(const Attachment&) const = default;
 };
 
 struct Load {
@@ -50,10 +68,10 @@ struct Load {
 
 struct Element {
     std::string name;
-    int type = -1;  ///< index into the catalogue the model was read with
-    Attachment from, to;
-    std::vector<double> values;  ///< numbers of all parameters of the type, in the order declared
-    std::string place;           ///< "file:line:column", for errors found later
+    int type = -1;                 ///< index into the catalogue the model was read with
+    std::vector<Attachment> ends;  ///< from and to, or those of `at`, as the type declares
+    std::vector<double> values;    ///< numbers of all parameters of the type, in the order declared
+    std::string place;             ///< "file:line:column", for errors found later
 };
 
 enum class JointType { ball, hinge, slider, universal, fixed };
@@ -106,6 +124,7 @@ struct Model {
     SimulationSettings simulation;
     OutputSettings output;
     std::vector<Body> bodies;
+    std::vector<Node> nodes;
     std::vector<Joint> joints;
     std::vector<Load> loads;
     std::vector<Element> elements;

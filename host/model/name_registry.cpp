@@ -31,14 +31,20 @@ const Place* NameRegistry::find(const std::string& name) const {
     return found == places_.end() ? nullptr : &found->second;
 }
 
-void check_name(const TableReader& table, const std::string& name, const std::vector<const NameRegistry*>& others) {
-    const Place place = table.find("name") ? table.find("name")->value.place : table.place();
+std::vector<std::string> find_name_conflicts(const std::string& name, const std::vector<const NameRegistry*>& others) {
+    std::vector<std::string> conflicts;
     if (name == "time" || name == "energy" || name == "ground")
-        table.error(place, fmt::format("the name \"{}\" is reserved", name));
+        conflicts.push_back(fmt::format("the name \"{}\" is reserved", name));
     for (const NameRegistry* names : others)
         if (const Place* other = names->find(name))
-            table.error(place, fmt::format("the {} on line {} has the same name; results could not be told apart",
-                                           names->kind(), other->line));
+            conflicts.push_back(fmt::format("the {} on line {} has the same name; results could not be told apart",
+                                            names->kind(), other->line));
+    return conflicts;
+}
+
+void check_name(const TableReader& table, const std::string& name, const std::vector<const NameRegistry*>& others) {
+    const Place place = table.find("name") ? table.find("name")->value.place : table.place();
+    for (const std::string& conflict : find_name_conflicts(name, others)) table.error(place, conflict);
 }
 
 std::string entry_label(const char* kind, const TomlValue& entry, std::size_t index) {

@@ -30,7 +30,10 @@ private:
     std::map<std::string, Place> places_;
 };
 
-/// Reports a name of `table` that is reserved, or that a thing of another kind has: results could not be told apart.
+/// What speaks against a name: it is reserved, or a thing of another kind has it, so that results could not be told apart.
+std::vector<std::string> find_name_conflicts(const std::string& name, const std::vector<const NameRegistry*>& others);
+
+/// Reports the same of the `name` of a table.
 void check_name(const TableReader& table, const std::string& name, const std::vector<const NameRegistry*>& others = {});
 
 /// How messages call entry `index` of a [[kind]]: by its name if it has one, else by its number, counted from 1.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "model/read_position.h"
 #include "model/read_rotation.h"
 #include "model/rigid_body.h"
 #include "model/wording.h"
@@ -12,8 +13,6 @@
 namespace dttmm {
 namespace {
 
-constexpr double kFarthest = 1e6;                    // [m] beyond it a small motion is lost in rounding
-constexpr double kFar = 1e4;                         // [m]
 constexpr Bounds kOnBody = {-kFarthest, kFarthest};  // coordinates in the body's axes [m]
 
 const std::vector<std::string> kShapes = {"box", "cylinder", "tube", "sphere"};
@@ -137,17 +136,6 @@ void read_markers(const TableReader& table, Body& body) {
     for (const TomlMember& member : markers->value.members) body.markers.push_back(read_marker(table, member, names));
 }
 
-void check_position(const TableReader& table, const Body& body) {
-    const double distance = body.position.cwiseAbs().maxCoeff();
-    if (distance <= kFar) return;
-    const Place place = table.find("position")->value.place;
-    if (distance > kFarthest)
-        return table.error(place, fmt::format("position must be within {} m of the origin in every direction, got {} m",
-                                              kFarthest, distance));
-    table.warning(place,
-                  fmt::format("position is {} m from the origin: small motions lose digits; move the origin", distance));
-}
-
 Body read_body(const ReadContext& context, const TomlValue& entry, std::size_t index, NameRegistry& names) {
     const TableReader table(
         context, entry, entry_label("body", entry, index),
@@ -166,7 +154,8 @@ Body read_body(const ReadContext& context, const TomlValue& entry, std::size_t i
     body.velocity = table.vector("velocity", "m/s", zero).value_or(zero);
     body.angular_velocity = table.vector("angular_velocity", "rad/s", zero).value_or(zero);
     read_markers(table, body);
-    check_position(table, body);
+    if (const TomlMember* position = table.find("position"))
+        check_position(context, position->value.place, entry_label("body", entry, index), body.position);
     return body;
 }
 

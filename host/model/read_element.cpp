@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <map>
-#include <span>
 #include <tuple>
 
+#include "model/read_values.h"
 #include "model/wording.h"
 
 namespace dttmm {
@@ -15,13 +17,12 @@ namespace {
 
 constexpr double kFarApart = 1000;  // [m]
 
-std::span<const dttmm_parameter> parameters_of(const dttmm_element_type& type) {
-    return {type.parameters, type.parameter_count};
-}
-
 std::vector<std::string> keys_of(const dttmm_element_type& type) {
-    std::vector<std::string> keys = {"name", "type", "from", "to"};
-    for (const dttmm_parameter& parameter : parameters_of(type)) keys.emplace_back(parameter.name);
+    std::vector<std::string> keys = {"name", "type"};
+    for (const char* key : {"from", "to"})
+        if (type.ends == DTTMM_ENDS_FROM_TO) keys.emplace_back(key);
+    if (type.ends == DTTMM_ENDS_AT) keys.emplace_back("at");
+    for (std::string& key : parameter_keys(type)) keys.push_back(std::move(key));
     return keys;
 }
 
@@ -50,46 +51,59 @@ int read_type(const ReadContext& context, const TomlValue& entry, const std::str
                             nearest ? fmt::format("; did you mean {}?", quote(*nearest)) : ""));
 }
 
-std::optional<std::vector<double>> read_parameter(const TableReader& table, const dttmm_parameter& parameter) {
-    const std::vector<double> defaults(parameter.count, parameter.default_value);
-    const bool is_required = parameter.flags & DTTMM_PARAMETER_REQUIRED;
-    if (!is_required && !table.find(parameter.name)) return defaults;
-    const TomlMember* member = table.require(parameter.name);
-    if (!member) return std::nullopt;
-    return read_numbers(table.context(), member->value, table.what(parameter.name), parameter.unit, parameter.count,
-                        parameter.flags & DTTMM_PARAMETER_SPREADS, {parameter.minimum, parameter.maximum});
-}
+using Ends = std::vector<Attachment>;
 
-std::optional<std::vector<double>> read_values(const TableReader& table, const dttmm_element_type& type) {
-    std::vector<double> values;
-    bool is_complete = true;
-    for (const dttmm_parameter& parameter : parameters_of(type)) {
-        const auto numbers = read_parameter(table, parameter);
-        if (numbers) values.insert(values.end(), numbers->begin(), numbers->end());
-        is_complete &= numbers.has_value();
-    }
-    return is_complete ? std::optional(values) : std::nullopt;
-}
-
-/// An element between one body and itself, or the ground and itself, cannot deform.
-bool check_ends(const TableReader& table, const Element& element, const Attachments& attachments) {
+/// The ends `from` and `to`, between which an element can deform.
+std::optional<Ends> read_from_to(const TableReader& table, const Attachments& attachments) {
+    const auto from = attachments.read(table, "from");
+    const auto to = attachments.read(table, "to");
+    if (!from || !to) return std::nullopt;
     const Place place = table.find("to")->value.place;
-    if (element.from.body == element.to.body) {
-        table.error(place, element.to.body < 0 ? "both ends are on the ground" : "both ends are on the same body");
-        return false;
+    if (from->body == to->body && from->node == to->node) {
+        table.error(place, from->is_ground() ? "both ends are on the ground"
+                           : from->node >= 0 ? "both ends are on the same node"
+                                             : "both ends are on the same body");
+        return std::nullopt;
     }
-    if (element.from.body < 0 || element.to.body < 0) return true;  // the ground end coincides with the other
-    const double distance = (attachments.position(element.to) - attachments.position(element.from)).norm();
+    if (from->is_ground() || to->is_ground()) return Ends{*from, *to};  // the ground end coincides with the other
+    const double distance = (attachments.position(*to) - attachments.position(*from)).norm();
     if (distance > kFarApart)
         table.warning(place, fmt::format("the ends are {} m apart at the start", number_text(distance)));
-    return true;
+    return Ends{*from, *to};
+}
+
+/// The nodes of `at`: one, or a list.
+std::optional<Ends> read_at(const TableReader& table, const Attachments& attachments) {
+    const TomlMember* member = table.require("at");
+    if (!member) return std::nullopt;
+    const TomlValue& value = member->value;
+    Ends ends;
+    const auto add = [&](const TomlValue& item) {
+        const auto at = attachments.read(table, item, "at");
+        if (!at) return false;
+        const auto fail = [&](const std::string& text) {
+            table.error(item.place, "at: " + text);
+            return false;
+        };
+        if (at->is_ground()) return fail("the ground does not move; name a node");
+        if (at->body >= 0) return fail(fmt::format("{} is a body; give the mass to the body", quote(item.string)));
+        if (std::find(ends.begin(), ends.end(), *at) != ends.end())
+            return fail(fmt::format("{} is named twice", quote(item.string)));
+        ends.push_back(*at);
+        return true;
+    };
+    if (!value.is_array()) return add(value) ? std::optional(ends) : std::nullopt;
+    bool is_whole = true;
+    for (const TomlValue& item : value.items) is_whole &= add(item);
+    if (value.items.empty()) table.error(value.place, "at is empty; name a node");
+    return is_whole && !ends.empty() ? std::optional(ends) : std::nullopt;
 }
 
 class ElementsReader {
 public:
-    ElementsReader(const ElementCatalogue& catalogue, const Attachments& attachments, const NameRegistry& body_names,
-                   NameRegistry& names)
-        : catalogue_(catalogue), attachments_(attachments), body_names_(body_names), names_(names) {}
+    ElementsReader(const ElementCatalogue& catalogue, const Attachments& attachments,
+                   const std::vector<const NameRegistry*>& others, NameRegistry& names)
+        : catalogue_(catalogue), attachments_(attachments), others_(others), names_(names) {}
 
     void read(const ReadContext& context, const TomlValue& entry, std::size_t index) {
         const std::string label = entry_label("element", entry, index);
@@ -115,45 +129,55 @@ private:
         element.name = names_.add_from(table);
         element.type = type;
         element.place = table.context().diagnostics.place_text(table.place());
-        check_name(table, element.name, {&body_names_});
-        const auto from = attachments_.read(table, "from");
-        const auto to = attachments_.read(table, "to");
-        element.from = from.value_or(Attachment{});
-        element.to = to.value_or(Attachment{});
-        const bool has_ends = from && to && check_ends(table, element, attachments_);
+        check_name(table, element.name, others_);
+        const auto ends = reads_at(table, type) ? read_at(table, attachments_) : read_from_to(table, attachments_);
         if (type < 0) return;
         const auto values = read_values(table, *catalogue_.types[static_cast<std::size_t>(type)]);
-        if (!has_ends || !values) return;
+        if (!ends || !values) return;
+        element.ends = *ends;
         element.values = *values;
         warn(table, element);
         elements_.push_back(std::move(element));
+    }
+
+    /// An element of unknown type is judged by what it has.
+    bool reads_at(const TableReader& table, int type) const {
+        return type < 0 ? table.find("at") != nullptr
+                        : catalogue_.types[static_cast<std::size_t>(type)]->ends == DTTMM_ENDS_AT;
     }
 
     void warn(const TableReader& table, const Element& element) {
         const auto is_zero = [](double value) { return value == 0; };
         if (!element.values.empty() && std::all_of(element.values.begin(), element.values.end(), is_zero))
             table.warning(table.place(), "free: every parameter is zero, it carries nothing");
-        const auto [twin, is_new] = seen_.emplace(std::tuple(element.type, element.from.body, element.from.marker,
-                                                             element.to.body, element.to.marker, element.values),
-                                                  element.name);
+        const auto [twin, is_new] =
+            seen_.emplace(std::tuple(element.type, element.ends, bits_of(element.values)), element.name);
         if (!is_new)
             table.warning(table.place(),
                           fmt::format("identical to element {}: same ends, type and values", quote(twin->second)));
     }
 
+    /// Numbers that can be put in order: not a number stands for what the model does not give.
+    static std::vector<std::uint64_t> bits_of(const std::vector<double>& values) {
+        std::vector<std::uint64_t> bits;
+        for (double value : values) bits.push_back(std::bit_cast<std::uint64_t>(value));
+        return bits;
+    }
+
     const ElementCatalogue& catalogue_;
     const Attachments& attachments_;
-    const NameRegistry& body_names_;
+    const std::vector<const NameRegistry*>& others_;
     NameRegistry& names_;
-    std::map<std::tuple<int, int, int, int, int, std::vector<double>>, std::string> seen_;
+    std::map<std::tuple<int, Ends, std::vector<std::uint64_t>>, std::string> seen_;
     std::vector<Element> elements_;
 };
 
 }  // namespace
 
 std::vector<Element> read_elements(const TableReader& file, const ElementCatalogue& catalogue,
-                                   const Attachments& attachments, const NameRegistry& body_names, NameRegistry& names) {
-    ElementsReader reader(catalogue, attachments, body_names, names);
+                                   const Attachments& attachments, const std::vector<const NameRegistry*>& others,
+                                   NameRegistry& names) {
+    ElementsReader reader(catalogue, attachments, others, names);
     std::size_t index = 0;
     for (const TomlValue& entry : read_entries(file, "element")) reader.read(file.context(), entry, index++);
     return reader.take();

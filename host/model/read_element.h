@@ -9,9 +9,10 @@
 
 namespace dttmm {
 
-/// The [[element]] entries of the file, checked against what the plugins declare; their names go to `names`. Elements with
-/// faults, which are reported, are left out.
+/// The [[element]] entries of the file, checked against what the plugins declare; their names go to `names` and must not
+/// be those of `others`. Elements with faults, which are reported, are left out.
 std::vector<Element> read_elements(const TableReader& file, const ElementCatalogue& catalogue,
-                                   const Attachments& attachments, const NameRegistry& body_names, NameRegistry& names);
+                                   const Attachments& attachments, const std::vector<const NameRegistry*>& others,
+                                   NameRegistry& names);
 
 }  // namespace dttmm

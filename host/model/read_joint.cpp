@@ -8,6 +8,7 @@
 #include <map>
 #include <tuple>
 
+#include "model/read_position.h"
 #include "model/read_rotation.h"
 #include "model/wording.h"
 
@@ -16,7 +17,6 @@ namespace {
 
 constexpr double kCoincident = 1e-6;                // [m]
 constexpr double kRightAngle = 1e-6;                // [rad]
-constexpr double kFarthest = 1e6;                   // [m]
 constexpr double kSuspectMassRatio = 1e6;           // ODE's joints give way beyond
 constexpr double kLargestAngle = 175 * M_PI / 180;  // of a stop: the angle jumps at 180 degrees
 constexpr double kLeastPlay = 1e-9;                 // between two stops [rad, m]
@@ -59,7 +59,15 @@ std::optional<Ends> read_ends(const TableReader& table, const Attachments& attac
     const auto first = attachments.read(table, value.items[0], "between");
     const auto second = attachments.read(table, value.items[1], "between");
     if (!first || !second) return std::nullopt;
-    if (first->body != second->body) return Ends{*first, *second};
+    const Ends ends{*first, *second};
+    for (std::size_t i : {0u, 1u})
+        if (ends[i].node >= 0) {
+            table.error(value.items[i].place, fmt::format("between: {} is a node; a joint joins bodies or a body and the "
+                                                          "ground, an element holds a node",
+                                                          quote(value.items[i].string)));
+            return std::nullopt;
+        }
+    if (first->body != second->body) return ends;
     table.error(value.items[1].place, first->body < 0 ? "both ends are on the ground" : "both ends are on the same body");
     return std::nullopt;
 }
@@ -71,7 +79,11 @@ std::optional<Eigen::Vector3d> read_point(const TableReader& table, const TomlMe
     const auto at = attachments.read(table, member.value, member.key);
     if (!at) return std::nullopt;
     if (at->body >= 0) return attachments.position(*at);
-    table.error(member.value.place, "anchor: the ground has no point of its own; give three lengths, or \"body.marker\"");
+    if (at->node >= 0)
+        table.error(member.value.place, "anchor: a node is no point of a body; give three lengths, or \"body.marker\"");
+    else
+        table.error(member.value.place,
+                    "anchor: the ground has no point of its own; give three lengths, or \"body.marker\"");
     return std::nullopt;
 }
 

@@ -16,7 +16,7 @@ std::optional<Load> read_load(const ReadContext& context, const TomlValue& entry
     const auto on = attachments.read(table, "on");
     const auto direction = read_direction(table, "direction");
     const TomlMember* magnitude = table.require_one({"force", "moment"});
-    if (on && on->body < 0) table.error(table.find("on")->value.place, "a load on the ground moves nothing");
+    if (on && on->is_ground()) table.error(table.find("on")->value.place, "a load on the ground moves nothing");
     if (!magnitude) return std::nullopt;
     const bool is_moment = magnitude->key == "moment";
     const auto signal = read_signal(context, magnitude->value, table.what(magnitude->key), is_moment ? "N*m" : "N");

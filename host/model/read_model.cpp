@@ -14,6 +14,7 @@
 #include "model/read_element.h"
 #include "model/read_joint.h"
 #include "model/read_load.h"
+#include "model/read_node.h"
 #include "model/toml_text.h"
 #include "model/wording.h"
 
@@ -23,9 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "dttmm/1";
-const std::vector<std::string> kKeys = {"format", "title", "parameters", "simulation", "output",
-                                        "body",   "joint", "load",       "element"};
-const std::vector<std::string> kLaterKeys = {"nodes", "modes", "dofs"};
+const std::vector<std::string> kKeys = {"format", "title", "parameters", "simulation", "output", "nodes",
+                                        "body",   "joint", "load",       "element",    "modes"};
 
 std::string read_text(const fs::path& file) {
     const auto fail = [&](const std::string& why) {
@@ -59,24 +59,47 @@ bool check_format(const TomlValue& document, Diagnostics& diagnostics) {
     return false;
 }
 
-/// The keys a file may have; those of later versions, refused for a reason of their own, only where the file has them.
+/// The keys a file may have; that of a later version, refused for a reason of its own, only where the file has it.
 std::vector<std::string> known_keys(const TomlValue& document) {
     std::vector<std::string> keys = kKeys;
-    for (const std::string& key : kLaterKeys)
-        if (document.find(key)) keys.push_back(key);
+    if (document.find("dofs")) keys.push_back("dofs");
     return keys;
 }
 
 /// Whether the file asks for nothing that only later versions can do; reports what it asks for.
 bool check_later_keys(const TableReader& file) {
-    bool is_free = true;
-    for (const std::string& key : kLaterKeys) {
-        const TomlMember* member = file.find(key);
-        if (!member) continue;
-        file.error(member->place, fmt::format("this version cannot run a model with \"{}\" yet", key));
-        is_free = false;
-    }
-    return is_free;
+    const TomlMember* dofs = file.find("dofs");
+    if (dofs) file.error(dofs->place, "dofs is for modes, which this version cannot do yet");
+    return !dofs;
+}
+
+/// What `modes` says is for another command, so that one file serves both.
+void check_modes(const TableReader& file) {
+    const TomlMember* modes = file.find("modes");
+    if (modes && !modes->value.is_table())
+        file.error(modes->place, fmt::format("modes must be a table, got {}; write [modes]", kind_text(modes->value.kind)));
+}
+
+void check_bodies(const TableReader& file, const Model& model) {
+    if (!model.nodes.empty()) return;
+    const TomlMember* bodies = file.find("body");
+    if (!bodies || (bodies->value.is_array() && model.bodies.empty()))
+        file.error(bodies ? bodies->place : file.place(),
+                   "no body: at least one [[body]] is needed, or [nodes] with elements on them");
+}
+
+/// A node that no element holds would never be heard of again. Of a file with other faults this is not known.
+void check_nodes(const TableReader& file, const Model& model) {
+    const TomlMember* nodes = file.find("nodes");
+    if (!nodes || file.context().diagnostics.has_errors()) return;
+    std::vector<bool> is_used(model.nodes.size());
+    for (const Element& element : model.elements)
+        for (const Attachment& end : element.ends)
+            if (end.node >= 0) is_used[static_cast<std::size_t>(end.node)] = true;
+    for (std::size_t i = 0; i < is_used.size(); ++i)
+        if (!is_used[i])
+            file.error(nodes->value.members[i].place,
+                       fmt::format("node {} is used nowhere: no element holds it", quote(model.nodes[i].name)));
 }
 
 /// A body that nothing holds, drives or pulls stays where it is: most likely something was forgotten.
@@ -88,8 +111,7 @@ void warn_free_bodies(const TableReader& file, const Model& model) {
     };
     for (const Load& load : model.loads) touch(load.on.body);
     for (const Element& element : model.elements) {
-        touch(element.from.body);
-        touch(element.to.body);
+        for (const Attachment& end : element.ends) touch(end.body);
     }
     for (const Joint& joint : model.joints) {
         touch(joint.first);
@@ -104,18 +126,19 @@ void warn_free_bodies(const TableReader& file, const Model& model) {
 
 void read_contents(const TableReader& file, const ElementCatalogue& catalogue, const ModelOverrides& overrides,
                    Model& model) {
-    NameRegistry body_names("body"), element_names("element");
+    NameRegistry body_names("body"), node_names("node"), element_names("element");
     model.title = file.text("title", "").value_or("");
     model.simulation = read_simulation(file, overrides);
     model.output = read_output(file, model.simulation);
     model.bodies = read_bodies(file, body_names);
-    const TomlMember* bodies = file.find("body");
-    if (!bodies || (bodies->value.is_array() && model.bodies.empty()))
-        file.error(bodies ? bodies->place : file.place(), "no body: at least one [[body]] is needed");
-    const Attachments attachments(model.bodies);
+    model.nodes = read_nodes(file, {&body_names}, node_names);
+    check_modes(file);
+    check_bodies(file, model);
+    const Attachments attachments(model.bodies, model.nodes);
     model.loads = read_loads(file, attachments);
-    model.elements = read_elements(file, catalogue, attachments, body_names, element_names);
-    model.joints = read_joints(file, attachments, model.bodies, {&body_names, &element_names});
+    model.elements = read_elements(file, catalogue, attachments, {&body_names, &node_names}, element_names);
+    model.joints = read_joints(file, attachments, model.bodies, {&body_names, &node_names, &element_names});
+    check_nodes(file, model);
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ struct Centred {
 std::set<std::pair<int, int>> used_markers(const Model& model) {
     std::set<std::pair<int, int>> used;
     for (const Element& element : model.elements)
-        for (const Attachment& end : {element.from, element.to}) used.emplace(end.body, end.marker);
+        for (const Attachment& end : element.ends) used.emplace(end.body, end.marker);
     for (const Load& load : model.loads) used.emplace(load.on.body, load.on.marker);
     return used;
 }
@@ -45,7 +45,7 @@ std::set<std::pair<int, int>> used_markers(const Model& model) {
 Observer::Observer(const Model& model, const Networks& networks, const EndOfStep& end_of_step)
     : bodies_(model.bodies), gravity_(model.simulation.gravity) {
     add_channel("time", "s");
-    declare_elements(networks);
+    declare_networks(networks);
     declare_joints(model, end_of_step.joints());
     declare_bodies(model);
     declare_energies();
@@ -61,15 +61,14 @@ void Observer::add_vector(const std::string& name, const char* unit, bool by_def
     for (const char* axis : kAxes) add_channel(name + "." + axis, unit, by_default);
 }
 
-void Observer::declare_elements(const Networks& networks) {
+void Observer::declare_networks(const Networks& networks) {
     for (const NetworkInstance& instance : networks.instances()) {
         for (uint32_t c = 0; c < instance.channel_count(); ++c) {
             const dttmm_channel& channel = instance.channel(c);
-            sinks_.push_back(channel.role == DTTMM_ROLE_STRAIN_ENERGY       ? Sink::strain
-                             : channel.role == DTTMM_ROLE_DISSIPATED_ENERGY ? Sink::dissipated
-                                                                            : Sink::row);
-            if (sinks_.back() == Sink::row)
-                add_channel(fmt::format("{}.{}", instance.owner_of(channel), channel.name), channel.unit);
+            roles_.push_back(channel.role);
+            if (channel.role <= DTTMM_ROLE_ON_REQUEST)
+                add_channel(fmt::format("{}.{}", instance.owner_of(channel), channel.name), channel.unit,
+                            channel.role == DTTMM_ROLE_RESULT);
         }
     }
 }
@@ -126,14 +125,13 @@ void Observer::advance(const Loads& loads, const EndOfStep& end_of_step, const s
 
 std::span<const double> Observer::row(double time, const Networks& networks, const EndOfStep& end_of_step,
                                       const std::vector<BodyState>& before, const std::vector<BodyState>& after, double h) {
-    double strain = 0, dissipated = ledger_.stop_loss;
+    Energies energies{kinetic_energy(before, after), 0, ledger_.stop_loss, ledger_.load_work + gravity_work(before)};
     row_.front() = time;
-    double* out = write_elements(row_.data() + 1, networks, strain, dissipated);
+    double* out = write_networks(row_.data() + 1, networks, energies);
     out = write_joints(out, end_of_step, before);
     out = write_bodies(out, before, after, h);
 
-    const double kinetic = kinetic_energy(before, after);
-    const double work = ledger_.load_work + gravity_work(before);
+    const auto& [kinetic, strain, dissipated, work] = energies;
     const double balance = kinetic + strain + dissipated - work;
     if (!ledger_.opened) ledger_.initial = balance;
     ledger_.opened = true;
@@ -141,19 +139,24 @@ std::span<const double> Observer::row(double time, const Networks& networks, con
     return row_;
 }
 
-double* Observer::write_elements(double* out, const Networks& networks, double& strain, double& dissipated) {
+double* Observer::write_networks(double* out, const Networks& networks, Energies& energies) {
     networks.outputs(outputs_.data());
     for (size_t i = 0; i < outputs_.size(); ++i) {
-        switch (sinks_[i]) {
-            case Sink::row:
+        switch (roles_[i]) {
+            case DTTMM_ROLE_STRAIN_ENERGY:
+                energies.strain += outputs_[i];
+                break;
+            case DTTMM_ROLE_KINETIC_ENERGY:
+                energies.kinetic += outputs_[i];
+                break;
+            case DTTMM_ROLE_DISSIPATED_ENERGY:
+                energies.dissipated += outputs_[i];
+                break;
+            case DTTMM_ROLE_WORK:
+                energies.work += outputs_[i];
+                break;
+            default:
                 *out++ = outputs_[i];
-                break;
-            case Sink::strain:
-                strain += outputs_[i];
-                break;
-            case Sink::dissipated:
-                dissipated += outputs_[i];
-                break;
         }
     }
     return out;

@@ -18,7 +18,7 @@ namespace dttmm {
 /// second order both, and likewise for rotations. A joint's force and moment (about its anchor) act on its first body in the
 /// axes of that body: as an element's, they are positive in tension. A body's position, velocity and acceleration are those
 /// of its origin. Keeps the energy ledger  kinetic + strain + dissipated − work = initial + residual,  gravity counted as
-/// work.
+/// work; the networks' parts in each are their plugins'.
 class Observer {
 public:
     Observer(const Model& model, const Networks& networks, const EndOfStep& end_of_step);
@@ -50,13 +50,18 @@ private:
         bool opened = false;       ///< the first row has been written
     };
 
+    /// [J]
+    struct Energies {
+        double kinetic = 0, strain = 0, dissipated = 0, work = 0;
+    };
+
     void add_channel(const std::string& name, const char* unit, bool by_default = true);
     void add_vector(const std::string& name, const char* unit, bool by_default = true);
-    void declare_elements(const Networks& networks);
+    void declare_networks(const Networks& networks);
     void declare_joints(const Model& model, const std::vector<JointEquations>& joints);
     void declare_bodies(const Model& model);
     void declare_energies();
-    double* write_elements(double* out, const Networks& networks, double& strain, double& dissipated);
+    double* write_networks(double* out, const Networks& networks, Energies& energies);
     double* write_joints(double* out, const EndOfStep& end_of_step, const std::vector<BodyState>& before) const;
     double* write_bodies(double* out, const std::vector<BodyState>& before, const std::vector<BodyState>& after,
                          double h) const;
@@ -69,9 +74,7 @@ private:
     Eigen::Vector3d gravity_;
     std::vector<double> row_, outputs_;
 
-    /// What becomes of each output of the networks: a number of the row, or part of an energy.
-    enum class Sink : unsigned char { row, strain, dissipated };
-    std::vector<Sink> sinks_;
+    std::vector<uint32_t> roles_;  ///< of the outputs of the networks: a number of the row, or part of an energy
     Ledger ledger_;
 };
 

@@ -34,7 +34,7 @@ Simulation::Simulation(const Model& model, const Plugins& plugins)
       held_(model.bodies.size()) {
     for (const Joint& joint : model.joints) has_stops_ = has_stops_ || joint.limits;
     for (const Element& element : model.elements)
-        for (const Attachment& end : {element.from, element.to})
+        for (const Attachment& end : element.ends)
             if (end.body >= 0) held_[static_cast<size_t>(end.body)] = true;
     world_.read_states(now_);
     fastest_ = find_fastest_mode(model, networks_, now_);
@@ -54,8 +54,8 @@ uint64_t Simulation::step_count() const {
 
 void Simulation::step() {
     const dttmm_step step{index_, time(), step_size_};
-    networks_.begin_step(step);
     loads_.begin_step(step);
+    networks_.begin_step(step, loads_.on_nodes());
     end_of_step_.begin_step(step, now_, loads_);
     move_bodies();
     refuse_divergence();

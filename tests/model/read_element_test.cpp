@@ -36,12 +36,12 @@ TEST(ReadElement, ValuesStandInTheDeclaredOrder) {
 TEST(ReadElement, EndsAreResolved) {
     const Element e = element("type = \"strut\"\nlengths = [1, 2]\nfrom = \"disc.c\"\nto = \"plate\"\n");
     EXPECT_EQ(e.type, 1);
-    EXPECT_EQ(e.from.body, 1);
-    EXPECT_EQ(e.from.marker, 1);
-    EXPECT_EQ(e.to.body, 0);
-    EXPECT_EQ(e.to.marker, -1);
+    EXPECT_EQ(e.ends[0].body, 1);
+    EXPECT_EQ(e.ends[0].marker, 1);
+    EXPECT_EQ(e.ends[1].body, 0);
+    EXPECT_EQ(e.ends[1].marker, -1);
     EXPECT_THAT(e.values, ElementsAre(1, 2, 0.25));
-    EXPECT_EQ(element(kEnds).from.body, -1);
+    EXPECT_EQ(element(kEnds).ends[0].body, -1);
 }
 
 TEST(ReadElement, ValuesMustSatisfyTheDeclaration) {

@@ -46,9 +46,9 @@ TEST(ReadModel, FourBoltPlate) {
     for (int i = 0; i < 4; ++i) {
         const Element& bolt = model.elements[static_cast<std::size_t>(i)];
         EXPECT_EQ(bolt.name, "bolt" + std::to_string(i + 1));
-        EXPECT_EQ(bolt.from.body, -1);
-        EXPECT_EQ(bolt.to.body, 0);
-        EXPECT_EQ(bolt.to.marker, i);
+        EXPECT_EQ(bolt.ends[0].body, -1);
+        EXPECT_EQ(bolt.ends[1].body, 0);
+        EXPECT_EQ(bolt.ends[1].marker, i);
         EXPECT_THAT(bolt.values, ElementsAre(5e5, 5e5, 5e5, 100, 100, 100, 0, 0, 0, 0, 0, 0));
     }
     EXPECT_TRUE(model.warnings.empty());
@@ -92,16 +92,14 @@ TEST(ReadModel, UnknownTopKeysGetTheNearest) {
                 HasSubstr("unknown key \"solvr\"; known here: format, title, parameters, simulation"));
 }
 
-TEST(ReadModel, WhatLaterVersionsCanDoIsRefusedByName) {
-    EXPECT_EQ(errors_of(model_with("[nodes]\nhub = [0, 0, 0]\n[modes]\ncount = 3\n[[element]]\nname = \"e\"\nfrom = "
-                                   "\"hub\"\n[[joint]]\ntype = \"bal\"\n")),
-              "m.toml:12:2: this version cannot run a model with \"nodes\" yet\n"
-              "m.toml:14:2: this version cannot run a model with \"modes\" yet");
-    EXPECT_THAT(errors_of("dofs = [\"x\"]\n" + model_with("")),
-                HasSubstr("this version cannot run a model with \"dofs\" yet"));
+TEST(ReadModel, WhatIsForModesIsIgnoredOrRefusedByName) {
+    EXPECT_TRUE(parse(model_with("[modes]\ncount = 3\nbeams = \"exact\"\n")).nodes.empty());
+    EXPECT_EQ(errors_of("modes = 3\n" + model_with("")), "m.toml:1:1: modes must be a table, got a number; write [modes]");
+    EXPECT_EQ(errors_of("dofs = [\"x\"]\n" + model_with("[[joint]]\ntype = \"bal\"\n")),
+              "m.toml:1:1: dofs is for modes, which this version cannot do yet");
 }
 
-TEST(ReadModel, AModelNeedsABody) {
+TEST(ReadModel, AModelNeedsABodyOrANode) {
     EXPECT_THAT(errors_of("body = []\n" + std::string(kStart) + kSimulation), HasSubstr("m.toml:1:1: no body"));
     EXPECT_THAT(errors_of(std::string(kStart) + kSimulation), HasSubstr("no body: at least one [[body]] is needed"));
 }

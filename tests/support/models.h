@@ -39,8 +39,7 @@ inline Element spring(const std::string& name, const Plugins& plugins, const Att
     Element element;
     element.name = name;
     element.type = plugins.catalogue().find("spring_damper");
-    element.from = from;
-    element.to = to;
+    element.ends = {from, to};
     element.values = {k, k, k, c, c, c, 0, 0, 0, 0, 0, 0};
     element.place = name;
     return element;

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "coupling/network_description.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "model/error.h"
+
+namespace dttmm {
+
+namespace {
+
+using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+uint32_t scheme_of(const SimulationSettings& simulation) {
+    if (simulation.coupling == Coupling::implicit) return DTTMM_SCHEME_CENTRED;
+    switch (simulation.scheme) {
+        case ExplicitScheme::bdf1:
+            return DTTMM_SCHEME_BDF1;
+        case ExplicitScheme::bdf2:
+            return DTTMM_SCHEME_BDF2;
+        case ExplicitScheme::houbolt:
+            return DTTMM_SCHEME_HOUBOLT;
+        case ExplicitScheme::park:
+            return DTTMM_SCHEME_PARK;
+        default:
+            return DTTMM_SCHEME_FOX_EULER;
+    }
+}
+
+struct Newmark {
+    double beta, gamma;
+};
+
+/// The centred scheme with the spectral radius ρ at infinite frequency. There w₊ r² + w₀ r + w₋ = 0; a double root takes
+/// w₀² = 4 w₊ w₋, which is β = (γ + 1/2)²/4, and is r = 1 − 2/(γ + 1/2): −ρ for γ = (3 − ρ)/2(1 + ρ).
+Newmark scheme_with_radius(double rho) {
+    const double gamma = (3 - rho) / (2 * (1 + rho));
+    return {0.25 * (gamma + 0.5) * (gamma + 0.5), gamma};
+}
+
+std::string name_of(const Model& model, const Attachment& at) {
+    const Body& body = model.bodies[static_cast<size_t>(at.body)];
+    return at.marker < 0 ? body.name : fmt::format("{}.{}", body.name, body.markers[static_cast<size_t>(at.marker)].name);
+}
+
+}  // namespace
+
+std::vector<std::vector<size_t>> split_into_networks(const Model& model) {
+    // Every element points to an earlier one of its network, or to itself.
+    std::vector<size_t> root(model.elements.size());
+    std::iota(root.begin(), root.end(), size_t{0});
+    const auto find = [&](size_t e) {
+        while (root[e] != e) e = root[e] = root[root[e]];
+        return e;
+    };
+    std::vector<size_t> first_at(model.nodes.size(), root.size());  // element on every node
+    for (size_t e = 0; e < root.size(); ++e)
+        for (const Attachment& end : model.elements[e].ends) {
+            if (end.node < 0) continue;
+            size_t& other = first_at[static_cast<size_t>(end.node)];
+            if (other == root.size()) other = e;
+            const auto [low, high] = std::minmax(find(e), find(other));
+            root[high] = low;
+        }
+    std::vector<std::vector<size_t>> networks;
+    std::map<size_t, size_t> numbers;
+    for (size_t e = 0; e < root.size(); ++e) {
+        const auto [number, is_new] = numbers.try_emplace(find(e), networks.size());
+        if (is_new) networks.emplace_back();
+        networks[number->second].push_back(e);
+    }
+    return networks;
+}
+
+Frame frame_at_start(const Model& model, const Attachment& at) {
+    if (at.node >= 0) {
+        const Node& node = model.nodes[static_cast<size_t>(at.node)];
+        return {node.position, node.rotation};
+    }
+    const Body& body = model.bodies[static_cast<size_t>(at.body)];
+    const Marker marker = at.marker < 0 ? Marker{} : body.markers[static_cast<size_t>(at.marker)];
+    return {body.position + body.rotation * marker.position, body.rotation * marker.rotation};
+}
+
+NetworkDescription::NetworkDescription(const Model& model, const Plugins& plugins, const std::vector<size_t>& elements)
+    : model_(model) {
+    for (size_t e : elements) {
+        const Element& element = model.elements[e];
+        const auto [plugin, type] = plugins.resolve(element.type);
+        if (plugin_ && plugin != plugin_)
+            throw Error(ExitCode::model_invalid,
+                        fmt::format("{}: element \"{}\" (plugin {}) hangs together with element \"{}\" (plugin {}) through "
+                                    "nodes; one plugin must solve them both, so put a body between them",
+                                    element.place, element.name, plugin->name(), model.elements[elements.front()].name,
+                                    plugin_->name()));
+        plugin_ = plugin;
+        add_element(element);
+        elements_.back().type = type;
+    }
+    for (size_t e = 0; e < elements_.size(); ++e) elements_[e].ends = ends_[e].data();
+    for (size_t n = 0; n < nodes_.size(); ++n) nodes_[n].name = node_names_[n].c_str();
+}
+
+void NetworkDescription::add_element(const Element& element) {
+    std::vector<uint32_t> ends;
+    for (const Attachment& end : element.ends)
+        ends.push_back(find_or_add_node(end, end.is_ground() ? element.ends[&end == &element.ends.front() ? 1 : 0] : end));
+    elements_.push_back({element.name.c_str(), 0, static_cast<uint32_t>(ends.size()), nullptr, element.values.data()});
+    ends_.push_back(std::move(ends));
+}
+
+uint32_t NetworkDescription::find_or_add_node(const Attachment& end, const Attachment& other) {
+    if (end.is_ground()) {
+        places_.push_back(end);
+        return add_node("ground", DTTMM_NODE_GROUND, frame_at_start(model_, other).position, Eigen::Matrix3d::Identity());
+    }
+    const auto found = std::find(places_.begin(), places_.end(), end);
+    if (found != places_.end()) return static_cast<uint32_t>(found - places_.begin());
+    places_.push_back(end);
+    const Frame frame = frame_at_start(model_, end);
+    if (end.body >= 0) {
+        ports_.push_back(end);
+        return add_node(name_of(model_, end), DTTMM_NODE_PORT, frame.position, frame.rotation);
+    }
+    inner_nodes_.push_back(end.node);
+    const Node& node = model_.nodes[static_cast<size_t>(end.node)];
+    const uint32_t index = add_node(node.name, DTTMM_NODE_INNER, frame.position, frame.rotation);
+    dttmm_node& inner = nodes_[index];
+    inner.fixed = static_cast<uint32_t>(node.fixed.to_ulong());
+    inner.moves = node.moves;
+    Eigen::Map<Eigen::Vector3d>{inner.velocity} = node.velocity;
+    Eigen::Map<Eigen::Vector3d>{inner.angular_velocity} = node.angular_velocity;
+    return index;
+}
+
+uint32_t NetworkDescription::add_node(const std::string& name, uint32_t kind, const Eigen::Vector3d& position,
+                                      const Eigen::Matrix3d& rotation) {
+    dttmm_node node{nullptr, kind, {}, {}, 0, 0, {}, {}};
+    Eigen::Map<Eigen::Vector3d>{node.position} = position;
+    Eigen::Map<RowMajor3>{node.rotation} = rotation;
+    nodes_.push_back(node);
+    node_names_.push_back(name);
+    return static_cast<uint32_t>(nodes_.size() - 1);
+}
+
+dttmm_network NetworkDescription::network() const {
+    const Newmark newmark = scheme_with_radius(model_.simulation.spectral_radius);
+    dttmm_network network{};
+    network.node_count = static_cast<uint32_t>(nodes_.size());
+    network.nodes = nodes_.data();
+    network.element_count = static_cast<uint32_t>(elements_.size());
+    network.elements = elements_.data();
+    network.scheme = scheme_of(model_.simulation);
+    network.beta = newmark.beta;
+    network.gamma = newmark.gamma;
+    Eigen::Map<Eigen::Vector3d>{network.gravity} = model_.simulation.gravity;
+    return network;
+}
+
+}  // namespace dttmm

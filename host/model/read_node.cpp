@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model/read_node.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "model/read_position.h"
+#include "model/read_rotation.h"
+#include "model/wording.h"
+
+namespace dttmm {
+namespace {
+
+const std::vector<std::string> kDirections = {"x", "y", "z", "rx", "ry", "rz"};
+
+/// The directions that `fixed` lists.
+std::bitset<6> read_fixed(const TableReader& table) {
+    std::bitset<6> fixed;
+    const TomlMember* member = table.find("fixed");
+    if (!member) return fixed;
+    if (!member->value.is_array()) {
+        table.error(member->value.place, fmt::format("fixed must be a list of directions out of {}; got {}",
+                                                     listed(kDirections), kind_text(member->value.kind)));
+        return fixed;
+    }
+    for (const TomlValue& item : member->value.items) {
+        const auto found = std::find(kDirections.begin(), kDirections.end(), item.string);
+        const std::string got = item.is_text() ? quote(item.string) : std::string(kind_text(item.kind));
+        const auto d = static_cast<std::size_t>(found - kDirections.begin());
+        if (!item.is_text() || found == kDirections.end())
+            table.error(item.place, fmt::format("fixed: {} is none of the directions {}", got, listed(kDirections)));
+        else if (fixed[d])
+            table.error(item.place, fmt::format("fixed names {} twice", got));
+        else
+            fixed[d] = true;
+    }
+    return fixed;
+}
+
+/// A velocity and a direction held where it is exclude each other.
+void check_motion(const TableReader& table, const Node& node) {
+    const auto check = [&](const char* key, const Eigen::Vector3d& velocity, std::size_t first) {
+        for (std::size_t d = 0; d < 3; ++d)
+            if (node.fixed[first + d] && velocity(static_cast<Eigen::Index>(d)) != 0)
+                table.error(table.find(key)->value.place,
+                            fmt::format("{} moves the node in {}, which is fixed", key, kDirections[first + d]));
+    };
+    check("velocity", node.velocity, 0);
+    check("angular_velocity", node.angular_velocity, 3);
+}
+
+Node read_node(const ReadContext& context, const TomlMember& member, NameRegistry& names) {
+    Node node;
+    node.name = names.add(context, member.place, member.key);
+    const std::string label = "node " + quote(member.key);
+    if (!member.value.is_table()) {
+        node.position = read_vector(context, member.value, label, "m").value_or(node.position);
+        check_position(context, member.value.place, label, node.position);
+        return node;
+    }
+    const TableReader table(context, member.value, label,
+                            {"position", "fixed", "rotation", "quaternion", "velocity", "angular_velocity"});
+    const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+    node.position = table.vector("position", "m").value_or(zero);
+    if (const TomlMember* position = table.find("position"))
+        check_position(context, position->value.place, label, node.position);
+    node.fixed = read_fixed(table);
+    node.rotation = read_rotation(table).value_or(node.rotation);
+    node.moves = table.find("velocity") || table.find("angular_velocity");
+    node.velocity = table.vector("velocity", "m/s", zero).value_or(zero);
+    node.angular_velocity = table.vector("angular_velocity", "rad/s", zero).value_or(zero);
+    check_motion(table, node);
+    return node;
+}
+
+}  // namespace
+
+std::vector<Node> read_nodes(const TableReader& file, const std::vector<const NameRegistry*>& others, NameRegistry& names) {
+    std::vector<Node> nodes;
+    const TomlMember* member = file.find("nodes");
+    if (!member) return nodes;
+    if (!member->value.is_table()) {
+        file.error(member->place, fmt::format("nodes must be a table of name = [x, y, z], got {}; write [nodes]",
+                                              kind_text(member->value.kind)));
+        return nodes;
+    }
+    for (const TomlMember& entry : member->value.members) {
+        nodes.push_back(read_node(file.context(), entry, names));
+        for (const std::string& conflict : find_name_conflicts(nodes.back().name, others))
+            file.context().diagnostics.error(entry.place, fmt::format("node {}: {}", quote(entry.key), conflict));
+    }
+    return nodes;
+}
+
+}  // namespace dttmm

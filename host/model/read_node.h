@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "model/name_registry.h"
+
+namespace dttmm {
+
+/// The [nodes] of the file, each `name = [x, y, z]` or a table with `position`; their names go to `names` and must not be
+/// those of `others`. Faults are reported.
+std::vector<Node> read_nodes(const TableReader& file, const std::vector<const NameRegistry*>& others, NameRegistry& names);
+
+}  // namespace dttmm

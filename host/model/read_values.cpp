@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model/read_values.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <span>
+
+#include "model/wording.h"
+
+namespace dttmm {
+namespace {
+
+std::span<const dttmm_parameter> parameters_of(const dttmm_element_type& type) {
+    return {type.parameters, type.parameter_count};
+}
+
+/// "section.tube": the table `section`, empty for the element's own, and the key `tube` in it.
+struct Path {
+    explicit Path(const std::string& name) {
+        const std::size_t dot = name.find('.');
+        if (dot != name.npos) table = name.substr(0, dot);
+        key = dot == name.npos ? name : name.substr(dot + 1);
+    }
+    std::string table, key;
+};
+
+std::vector<std::string> words_of(const dttmm_parameter& parameter) {
+    std::vector<std::string> words;
+    for (std::uint32_t w = 0; w < parameter.word_count; ++w) words.emplace_back(parameter.words[w].name);
+    return words;
+}
+
+/// Whether a text is meant as a quantity or an expression, however faulty.
+bool is_numeric(std::string_view text) {
+    const std::size_t first = text.find_first_not_of(" \t");
+    return first != text.npos && std::string_view("=+-.0123456789").find(text[first]) != std::string_view::npos;
+}
+
+std::optional<double> read_word(const TableReader& table, const TomlMember& member, const dttmm_parameter& parameter) {
+    const TomlValue& value = member.value;
+    const std::vector<std::string> words = words_of(parameter);
+    if (value.is_text()) {
+        const auto word = std::find(words.begin(), words.end(), value.string);
+        if (word != words.end()) return parameter.words[word - words.begin()].value;
+    }
+    const bool words_only = parameter.flags & DTTMM_PARAMETER_WORDS_ONLY;
+    const auto nearest = value.is_text() ? find_nearest(value.string, words) : std::nullopt;
+    table.error(value.place, fmt::format("{} must be {}one of: {}; got {}{}", member.key,
+                                         words_only ? "" : fmt::format("a number in {} or ", parameter.unit), listed(words),
+                                         value.is_text() ? quote(value.string) : kind_text(value.kind),
+                                         nearest ? fmt::format("; did you mean {}?", quote(*nearest)) : ""));
+    return std::nullopt;
+}
+
+bool check_whole(const TableReader& table, const TomlMember& member, const std::vector<double>& numbers) {
+    const auto broken = std::find_if(numbers.begin(), numbers.end(), [](double x) { return x != std::round(x); });
+    if (broken == numbers.end()) return true;
+    const TomlValue& value = member.value;
+    const Place place =
+        value.is_array() ? value.items[static_cast<std::size_t>(broken - numbers.begin())].place : value.place;
+    table.error(place, fmt::format("{} must be a whole number, got {}", member.key, number_text(*broken)));
+    return false;
+}
+
+std::optional<std::vector<double>> read_value(const TableReader& table, const TomlMember& member,
+                                              const dttmm_parameter& parameter) {
+    const bool is_word = parameter.word_count > 0 && member.value.is_text() && !is_numeric(member.value.string);
+    if (is_word || parameter.flags & DTTMM_PARAMETER_WORDS_ONLY) {
+        const auto word = read_word(table, member, parameter);
+        return word ? std::optional(std::vector{*word}) : std::nullopt;
+    }
+    auto numbers = read_numbers(table.context(), member.value, table.what(member.key), parameter.unit, parameter.count,
+                                parameter.flags & DTTMM_PARAMETER_SPREADS, {parameter.minimum, parameter.maximum});
+    if (numbers && parameter.flags & DTTMM_PARAMETER_INTEGER && !check_whole(table, member, *numbers)) return std::nullopt;
+    return numbers;
+}
+
+/// The element's table and those within it.
+class ParameterTables {
+public:
+    ParameterTables(const TableReader& own, const dttmm_element_type& type) : own_(own) {
+        std::map<std::string, std::vector<std::string>> keys;
+        for (const dttmm_parameter& parameter : parameters_of(type)) {
+            const Path path(parameter.name);
+            if (!path.table.empty()) keys[path.table].push_back(path.key);
+        }
+        for (const auto& [name, inner] : keys)
+            if (const TomlMember* member = own.find(name))
+                inner_.try_emplace(name, own.context(), member->value, own.what(name), inner);
+    }
+
+    std::optional<std::vector<double>> read(const dttmm_parameter& parameter) const {
+        const Path path(parameter.name);
+        const auto inner = inner_.find(path.table);
+        const TableReader* table = path.table.empty() ? &own_ : inner == inner_.end() ? nullptr : &inner->second;
+        if (table && !table->is_valid()) return std::nullopt;
+        if (table)
+            if (const TomlMember* member = table->find(path.key)) return read_value(*table, *member, parameter);
+        if (!(parameter.flags & DTTMM_PARAMETER_REQUIRED)) return std::vector(parameter.count, parameter.default_value);
+        if (table)
+            table->require(path.key);
+        else
+            own_.error(own_.place(), fmt::format("missing key \"{}\"", parameter.name));
+        return std::nullopt;
+    }
+
+private:
+    const TableReader& own_;
+    std::map<std::string, TableReader> inner_;
+};
+
+}  // namespace
+
+std::vector<std::string> parameter_keys(const dttmm_element_type& type) {
+    std::vector<std::string> keys;
+    for (const dttmm_parameter& parameter : parameters_of(type)) {
+        const Path path(parameter.name);
+        const std::string& key = path.table.empty() ? path.key : path.table;
+        if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
+    }
+    return keys;
+}
+
+std::optional<std::vector<double>> read_values(const TableReader& table, const dttmm_element_type& type) {
+    const ParameterTables tables(table, type);
+    std::vector<double> values;
+    bool is_complete = true;
+    for (const dttmm_parameter& parameter : parameters_of(type)) {
+        const auto numbers = tables.read(parameter);
+        if (numbers) values.insert(values.end(), numbers->begin(), numbers->end());
+        is_complete &= numbers.has_value();
+    }
+    return is_complete ? std::optional(values) : std::nullopt;
+}
+
+}  // namespace dttmm

@@ -63,8 +63,8 @@ std::vector<std::vector<size_t>> split_into_networks(const Model& model) {
             if (end.node < 0) continue;
             size_t& other = first_at[static_cast<size_t>(end.node)];
             if (other == root.size()) other = e;
-            const size_t mine = find(e), its = find(other);
-            root[std::max(mine, its)] = std::min(mine, its);
+            const auto [low, high] = std::minmax({find(e), find(other)});  // by value: find returns no lvalue
+            root[high] = low;
         }
     std::vector<std::vector<size_t>> networks;
     std::map<size_t, size_t> numbers;

@@ -79,8 +79,8 @@ Ended run_chain(const TemporaryFolder& folder, const char* command, const std::s
 }
 
 // Oracle: what the file says must stand in the results: units, names, ends, words, nested tables; in the mean the foot
-// carries the whole pull of 40 N, so that its peak is more; and the ledger closes to the scheme's second order, (omega h)^2
-// = 5e-3 / 12 of what was turned over.
+// carries the whole pull of 40 N, so that its peak is more; and the ledger closes to the scheme's second order, (omega h)^2/4
+// = 2e-4 of what was turned over.
 TEST(NodesInAFile, AChainRunsFromItsFileToItsSummary) {
     const TemporaryFolder folder;
     const Ended ended = run_chain(folder, "run", kChain);

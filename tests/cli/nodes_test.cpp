@@ -79,8 +79,8 @@ Ended run_chain(const TemporaryFolder& folder, const char* command, const std::s
 }
 
 // Oracle: what the file says must stand in the results: units, names, ends, words, nested tables; in the mean the foot
-// carries the whole pull of 40 N, so that its peak is more; and the ledger closes to the scheme's second order, (omega h)^2/4
-// = 2e-4 of what was turned over.
+// carries the whole pull of 40 N, so that its peak is more; and the ledger closes to the scheme's second order, (omega
+// h)^2/4 = 2e-4 of what was turned over.
 TEST(NodesInAFile, AChainRunsFromItsFileToItsSummary) {
     const TemporaryFolder folder;
     const Ended ended = run_chain(folder, "run", kChain);
@@ -112,6 +112,14 @@ TEST(NodesInAFile, ChannelsOnRequestAreRecordedWhenAsked) {
     const std::string history = read_text(folder / "results/chain/history.csv");
     EXPECT_EQ(history.substr(0, history.find('\n')),
               "time,near.velocity.x,near.velocity.y,near.velocity.z,far.position.z,far.velocity.z");
+}
+
+TEST(NodesInAFile, AnElementMayBeCalledLikeANode) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(run_chain(folder, "run", chain_with("name = \"foot\"", "name = \"near\"")).code, 0);
+    const auto summary = read_json(folder / "results/chain/summary.json");
+    EXPECT_TRUE(summary["elements"].contains("near"));
+    EXPECT_TRUE(summary["positions"].contains("near"));
 }
 
 TEST(NodesInAFile, CheckCountsThem) {
@@ -180,7 +188,6 @@ const Fault kFaults[] = {
     {"UnknownDirection", "[\"x\", \"y\"]", "[\"x\", \"phi\"]", "12:47", "\"phi\" is none of the directions x, y, z"},
     {"DirectionTwice", "[\"x\", \"y\"]", "[\"x\", \"x\"]", "12:47", "fixed names \"x\" twice"},
     {"NodeNamedLikeABody", "name = \"block\"", "name = \"near\"", "11:1", "the body on line 15 has the same name"},
-    {"ElementNamedLikeANode", "name = \"foot\"", "name = \"far\"", "27:8", "the node on line 12 has the same name"},
     {"NodeNamedGround", "near = [", "ground = [0, 0, 0]\nnear = [", "11:1", "the name \"ground\" is reserved"},
     {"NodeNamedWithBlank", "near = [", "\"a b\" = [0, 0, 0]\nnear = [", "11:1", "a name is made of letters"},
     {"NodeUsedNowhere", "near = [", "spare = [0, 0, 0]\nnear = [", "11:1", "node \"spare\" is used nowhere"},

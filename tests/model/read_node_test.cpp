@@ -67,8 +67,8 @@ TEST(ReadNode, NamesFollowTheRulesOfBodies) {
                 HasSubstr("m.toml:14:1: node \"ground\": the name \"ground\" is reserved"));
     EXPECT_THAT(errors_of(with_node("tip = [0, 0, 0]\nplate = [0, 0, 0]")),
                 HasSubstr("m.toml:14:1: node \"plate\": the body on line 8 has the same name"));
-    EXPECT_THAT(errors_of(with_node("tip = [0, 0, 0]\nmass = [0, 0, 0]")),
-                HasSubstr("m.toml:16:8: element \"mass\": the node on line 14 has the same name"));
+    EXPECT_THAT(errors_of(with_node("tip = [0, 0, 0]\n[[joint]]\nname = \"tip\"")),
+                HasSubstr("m.toml:15:8: joint \"tip\": the node on line 13 has the same name"));
     EXPECT_THAT(errors_of("nodes = 3\n" + model_with("")),
                 HasSubstr("m.toml:1:1: nodes must be a table of name = [x, y, z]"));
 }

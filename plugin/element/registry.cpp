@@ -7,6 +7,9 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "element/beam.h"
+#include "element/elastic_hinge.h"
+#include "element/mass.h"
 #include "element/spring_damper.h"
 
 namespace dttmm {
@@ -21,15 +24,26 @@ std::unique_ptr<const Element> make(const double* values) {
 }
 
 // One line per element, in both tables.
-const std::array kTypes = {SpringDamper::kType};
-constexpr std::array kMakers = {make<SpringDamper, 12>};
+const std::array kTypes = {SpringDamper::kType, ElasticHinge::kType, PointMass::kType,
+                           RigidBody::kType,    Beam::kType,         Rod::kType};
+constexpr std::array kMakers = {make<SpringDamper, 12>, make<ElasticHinge, 12>, make<PointMass, 1>,
+                                make<RigidBody, 10>,    make<Beam, 26>,         make<Rod, 22>};
 static_assert(kMakers.size() == std::tuple_size_v<decltype(kTypes)>);
+
+/// A number in its range, what a word stands for, or nothing where nothing may be given.
+bool is_allowed(const dttmm_parameter& parameter, double value) {
+    for (uint32_t w = 0; w < parameter.word_count; ++w)
+        if (value == parameter.words[w].value) return true;
+    if (std::isnan(value)) return std::isnan(parameter.default_value) && !(parameter.flags & DTTMM_PARAMETER_REQUIRED);
+    if (parameter.flags & DTTMM_PARAMETER_INTEGER && value != std::round(value)) return false;
+    return std::isfinite(value) && value >= parameter.minimum && value <= parameter.maximum;
+}
 
 void check_values(const dttmm_element_type& type, const double* values) {
     for (uint32_t p = 0; p < type.parameter_count; ++p) {
         const dttmm_parameter& parameter = type.parameters[p];
         for (uint32_t i = 0; i < parameter.count; ++i, ++values) {
-            if (std::isfinite(*values) && *values >= parameter.minimum && *values <= parameter.maximum) continue;
+            if (is_allowed(parameter, *values)) continue;
             throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("{} must be finite and in [{}, {}] {}, got {}", parameter.name,
                                                           parameter.minimum, parameter.maximum, parameter.unit, *values));
         }

@@ -1,36 +1,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
+#include <deque>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "core/discretisation.h"
 #include "dttmm_plugin.h"
-#include "element/element.h"
+#include "network/interior.h"
+#include "network/mechanism.h"
 
 namespace dttmm {
 
 /// A connected set of elements between ports and the ground, solved together at every step. It owns the memory of the time
-/// scheme; the ports' motion comes from the host. Bodies may turn as they like: an element measures its deformation in the
-/// axes of its `from` end, and the wrenches on its two ends balance exactly, lever arm included, at the poses of t_n, so
-/// that the host's momentum and angular momentum are kept to rounding. A rotational stiffness holds for relative rotations θ
-/// up to kLargestRotation; its moment is the gradient of ½ θᵀ k θ, so that it conserves energy. A rotational damper may turn
-/// for ever.
+/// scheme; the ports' motion comes from the host. Bodies, lumps and nodes may turn as they like, deformations are small:
+/// every joint measures its own in axes that go with it, and the wrenches on its two ends balance exactly, lever arms
+/// included, at the poses of t_n, so that momentum and angular momentum are kept to rounding.
 ///
-/// Motion over a step enters as increments δ of the deformation from t_n, rotations as the rotation vector that leads from
-/// t_n to t_{n+1}; the linearised transfer equations are solved for the force at the increment.
+/// Elements between bodies only are joints side by side. What else moves, nodes and the masses of beams, is solved for
+/// inside (Interior), in time linear in the number of elements.
 ///
 /// The phases, units and frames are those of dttmm_plugin.h; errors are thrown as Error, with the element's index.
 class Network {
 public:
-    static constexpr double kLargestRotation = 2.5;  ///< rad
-
     explicit Network(const dttmm_network& description);
 
-    int port_count() const { return port_count_; }
-    bool is_implicit() const { return scheme_ == DTTMM_SCHEME_CENTRED; }
+    int port_count() const { return mechanism_.assembly.port_count; }
+    bool is_implicit() const { return mechanism_.scheme.is_implicit(); }
     void load_weights(double weights[3]) const;
 
     void linearise(const dttmm_motion* ports, double* wrench, double* stiffness, double* damping) const;
@@ -48,118 +44,43 @@ public:
     void outputs(double* values) const;
 
 private:
-    /// A frame in the world: origin [m] and axes, row-major as in dttmm_motion.
-    struct Frame {
-        double position[3];
-        double rotation[9];
-    };
-    /// The same somewhere else in memory: a port's trial motion, the committed one, or a point of the ground.
-    struct FrameView {
-        const double* position;
-        const double* rotation;
-    };
+    FrameView trial(int frame, const dttmm_motion* ports) const {
+        if (frame < port_count()) return ports[frame];
+        return mechanism_.frame(frame);
+    }
+    void add_stiffness(const Joint& joint, const Matrix6& answer, FrameView from_now, FrameView to_now, FrameView from,
+                       FrameView to, double* stiffness) const;
+    void commit_joints(const dttmm_motion* accepted);
+    void refuse_large_rotations(const dttmm_motion* ports) const;
 
-    /// One end of a joint: a port, or (port −1) a point of the ground, which stays where it was at the start.
-    struct End {
-        int port;
-        Frame start;
-    };
+    void declare_channels(const dttmm_network& description);
+    void declare(const std::string& name, const char* unit, uint32_t of, uint32_t index, uint32_t role);
+    void declare_vectors(const std::string& prefix, std::initializer_list<std::pair<const char*, const char*>> vectors,
+                         uint32_t of, uint32_t index, uint32_t role);
+    Vector6 joint_force(size_t joint) const;
+    double* write_joint(double* out, size_t joint) const;
+    double* write_chain(double* out, size_t element) const;
+    double* write_node(double* out, size_t node) const;
+    double* write_energies(double* out, int first, int last) const;
 
-    /// Three translations or three rotations of a joint: the same formulas hold for both.
-    struct Half {
-        Vector3 stiffness, damping;
-        Vector3 law;  ///< k̂ = ∂f/∂d of the solved transfer equations [N/m, N m/rad]
-    };
-    enum { kTranslation, kRotation };
+    std::vector<std::pair<void*, size_t>> state_parts() const;
 
-    /// An element at work: its data, its rest configuration and its solved force law at the current step size.
-    struct Joint {
-        End from, to;
-        Half halves[2];
-        int turn;               ///< index of its TurnState; −1 when it carries no rotation: then none is worked out
-        Vector3 rest_position;  ///< of the `to` end seen from the `from` end, in its axes
-        Matrix3 rest_rotation;  ///< R_fromᵀ R_to
-        std::unique_ptr<const Element> element;
-    };
-
-    /// What changes from step to step; plain numbers, so that saving is copying.
-    struct HalfState {
-        Vector3 d, d_before;  ///< deformation at t_n and t_{n−1}
-        Vector3 delta[3];     ///< its increments over the steps that ended at t_n, t_{n−1}, t_{n−2}
-        Vector3 rate;         ///< of the deformation at t_{n−1}: centred, at the start the initial one
-        Vector3 known;        ///< part of the force over the open step that does not depend on its end
-    };
-    struct JointState {
-        HalfState translation;
-        double dissipated;  ///< energy lost to damping up to t_{n−1} [J]
-        double power;       ///< at t_{n−1} [W]
-    };
-    struct TurnState {
-        HalfState rotation;
-        Matrix3 attitude;   ///< of the `to` end relative to the `from` end at t_n, in the axes of `from`; identity at rest
-        Matrix3 conjugate;  ///< J⁻ᵀ(θ) at t_n: makes of k ∘ θ the moment that does its work
-    };
-    struct Clock {
-        double step_size = 0;
-        uint64_t steps = 0;  ///< committed since the start
-    };
-
-    FrameView committed(const End& end) const;
-    static FrameView trial(const End& end, const dttmm_motion* ports);
-    static Vector3 arm(FrameView from, FrameView to);
-    static Vector3 translation(const Joint& joint, FrameView from, const Vector3& arm);
-    static Matrix3 attitude(const Joint& joint, FrameView from, FrameView to);
-    static Vector6 deformation_rate(const Joint& joint, const dttmm_motion* ports);
-    static Vector6 deformation_acceleration(const Joint& joint, const dttmm_motion* ports, const double* accelerations);
-
-    /// Adds the wrenches of a joint's force F and moment M (world axes) to its ports; `arm` leads from `from` to `to`.
-    static void add_wrench(const Joint& joint, const Vector3& arm, const Vector3& F, const Vector3& M, double* wrench);
-    /// How a joint's force answers a small motion of its ends: δf = gain δd and δm = turn_gain δε, ε the relative turn, in
-    /// the axes of `from`; they act in the axes R_now of the `from` end over the lever `arm_now`.
-    struct Answer {
-        Vector3 gain;
-        Matrix3 turn_gain;
-        Matrix3 R_now;
-        Vector3 arm_now;
-    };
-    /// Adds −∂(wrench)/∂(pose), or by velocity; the deformation changes with the frames `from` and `to`.
-    void add_stiffness(const Joint& joint, const Answer& answer, FrameView from, FrameView to, double* stiffness) const;
-
-    /// How the scheme weighs increments δ of the deformation in the force over a step,
-    ///     f = k ∘ (d + elastic[0] δ₊ + elastic[1] δ) + c ∘ (rate[0] δ₊ + rate[1] δ + rate[2] δ₋ + rate[3] δ₋₋),
-    /// δ₊ over the open step (implicit schemes only), δ, δ₋, δ₋₋ over the three before.
-    struct Weights {
-        double elastic[2];
-        double rate[4];  ///< [1/s]
-    };
-    Weights weights_of(double h) const;
-
-    std::vector<End> place_ends(const dttmm_network& description);
-    void build_joint(const dttmm_network& description, const std::vector<End>& ends, uint32_t index);
-    void set_step_size(double h);
-    void solve_law(Joint& joint, const StepCoefficients& step) const;
-    void start_joint(size_t index, const dttmm_motion* ports, const double* accelerations);
-    void start_half(const Half& half, const Vector3& d, const Vector3& rate, const Vector3& acceleration,
-                    HalfState& state) const;
-    void recall(const Half& half, HalfState& state) const;
-    void settle_turn(const Joint& joint, TurnState& state) const;
-    Matrix3 turn_gain(const Half& half, const TurnState& state) const;
-    void refuse_large_rotation(const dttmm_motion* ports) const;
-    double advance_half(const Half& half, const Vector3& d, const Vector3& delta, HalfState& state) const;
-    std::vector<std::pair<void*, size_t>> state_parts();
-
-    uint32_t scheme_;
-    Centred centred_;
-    int port_count_ = 0;
-    std::vector<Joint> joints_;
-    std::vector<dttmm_channel> channels_;
-
-    Weights weights_{};
-    std::vector<JointState> joint_states_;
-    std::vector<TurnState> turn_states_;
-    std::vector<Frame> ports_;  ///< at t_n
-    Clock clock_;
+    Mechanism mechanism_;
+    std::unique_ptr<Interior> interior_;  ///< none where everything is joints between bodies and ground
+    double step_size_ = 0;
     bool started_ = false, open_ = false;
+
+    /// A beam or rod as results show it: its joints, its ends and its axes.
+    struct ChainView {
+        int from_node = 0, to_node = 0;
+        Matrix3 from_axes = Matrix3::Identity();  ///< of the element in those of the frame at its `from` end
+        Matrix3 to_axes = Matrix3::Identity();    ///< the same at rest in those at its `to` end
+        Vector3 rest = Vector3::Zero();           ///< from end to end, axes of the element
+    };
+    std::vector<ChainView> chains_;  ///< of every element; unused where it has one joint or none
+    std::vector<int> shown_nodes_;   ///< nodes with channels
+    std::deque<std::string> names_;  ///< of channels
+    std::vector<dttmm_channel> channels_;
 };
 
 }  // namespace dttmm

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "element/beam.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <array>
+
+#include "core/error.h"
+#include "core/state_vector.h"
+#include "element/parameters.h"
+
+namespace dttmm {
+
+namespace {
+
+constexpr double kShortest = 1e-6;  // [m]
+
+constexpr dttmm_word kTheories[] = {{"euler-bernoulli", 0}, {"timoshenko", 1}};
+
+constexpr dttmm_parameter kSegments = {
+    "segments", "1", 1, DTTMM_PARAMETER_INTEGER, 10, 1, 100000, nullptr, 0, "lumps in time: one mass at the middle of each"};
+
+template <size_t first>
+constexpr auto with_section(const std::array<dttmm_parameter, first>& own) {
+    std::array<dttmm_parameter, first + kSectionParameters.size()> all{};
+    std::copy(own.begin(), own.end(), all.begin());
+    std::copy(kSectionParameters.begin(), kSectionParameters.end(), all.begin() + first);
+    return all;
+}
+
+constexpr auto kBeamParameters = with_section<3>(
+    {{{"theory", "1", 1, DTTMM_PARAMETER_WORDS_ONLY, 1, 0, 1, kTheories, std::size(kTheories), "of bending; timoshenko"},
+      kSegments,
+      optional("up", "1", 3, -kLargest, kLargest, "local z as near to it as can be; world z, x for a vertical beam")}});
+constexpr auto kRodParameters = with_section<1>({kSegments});
+
+/// Half a segment, a whole one, …, and half a one again: lumps at the middle of their segments on joints at the middle of
+/// the spans between them.
+Parts lay_out(std::span<const Pose> ends, const Matrix3& axes, int segments, const Lump& lump, const Vector3& offset,
+              const auto& law_of_length) {
+    const Vector3 start = ends[0].position, way = ends[1].position - start;
+    const double length = way.norm() / segments;
+    const auto point = [&](double segment) { return Vector3(start + segment / segments * way); };
+    Parts parts;
+    for (int i = 0; i < segments; ++i) {
+        parts.lumps.push_back(lump);
+        parts.lumps.back().pose = {point(i + 0.5) + axes * offset, axes};
+    }
+    for (int i = 0; i <= segments; ++i) {
+        const bool half = i == 0 || i == segments;
+        const double middle = i == 0 ? 0.25 : i == segments ? segments - 0.25 : i;
+        parts.joints.push_back({i == 0 ? 0 : 1 + i,
+                                i == segments ? 1 : 2 + i,
+                                law_of_length(half ? 0.5 * length : length),
+                                {point(middle), axes}});
+    }
+    return parts;
+}
+
+void require(double value, const char* key) {
+    if (!is_given(value)) throw Error(DTTMM_ERROR_MODEL, fmt::format("section.{} is needed in time", key));
+}
+
+}  // namespace
+
+const dttmm_element_type Beam::kType = {"beam", DTTMM_ENDS_FROM_TO, kBeamParameters.size(), kBeamParameters.data(),
+                                        "a uniform beam: axial force, torsion, bending and shear in both planes"};
+
+const dttmm_element_type Rod::kType = {"rod", DTTMM_ENDS_FROM_TO, kRodParameters.size(), kRodParameters.data(),
+                                       "a uniform bar with axial waves, rigid otherwise"};
+
+Beam::Beam(std::span<const double, 5 + kSectionValueCount> values)
+    : segments_(static_cast<int>(values[1])),
+      up_(values[2], values[3], values[4]),
+      section_(make_section(values.last<kSectionValueCount>(),
+                            values[0] > 0 ? BeamTheory::timoshenko : BeamTheory::euler_bernoulli)) {}
+
+Rod::Rod(std::span<const double, 1 + kSectionValueCount> values)
+    : segments_(static_cast<int>(values[0])),
+      section_(make_section(values.last<kSectionValueCount>(), BeamTheory::euler_bernoulli)) {}
+
+Matrix3 beam_axes(const Vector3& from, const Vector3& to, const Vector3& up) {
+    const double length = (to - from).norm();
+    if (!(length >= kShortest))
+        throw Error(DTTMM_ERROR_MODEL,
+                    fmt::format("its ends are {:.3g} m apart; it needs a length of at least {:g} m", length, kShortest));
+    const Vector3 x = (to - from) / length;
+    Vector3 z;
+    if (up.array().isNaN().any()) {
+        const bool is_vertical = x.head<2>().norm() < 1e-6;
+        z = is_vertical ? Vector3::UnitX() : Vector3::UnitZ();
+    } else {
+        if (!(up.norm() > 0) || x.cross(up.normalized()).norm() < 1e-6)
+            throw Error(DTTMM_ERROR_MODEL, "up: it must have a length and must not lie along the beam");
+        z = up.normalized();
+    }
+    z = (z - x * x.dot(z)).normalized();
+    Matrix3 axes;
+    axes << x, z.cross(x), z;
+    return axes;
+}
+
+Parts Beam::discretise(std::span<const Pose> ends) const {
+    require(section_.EIy, "EIy");
+    require(section_.EIz, "EIz");
+    require(section_.GJ, "GJ");
+    require(section_.GAy, "GAy");
+    require(section_.GAz, "GAz");
+    const Matrix3 axes = beam_axes(ends[0].position, ends[1].position, up_);
+    const double l = (ends[1].position - ends[0].position).norm() / segments_;
+    const Section& s = section_;
+    const Vector3 offset(0, s.offset_y, s.offset_z);
+
+    Lump lump;
+    lump.mass = s.mass * l;
+    const double about_centre = s.inertia - s.mass * offset.squaredNorm();  // polar
+    lump.inertia.diagonal() << l * about_centre, l * s.rotary_y + lump.mass * l * l / 12,
+        l * s.rotary_z + lump.mass * l * l / 12;
+    return lay_out(ends, axes, segments_, lump, offset, [&](double length) {
+        JointLaw law;
+        const double cube = length * length * length / 12;
+        law.stiffness << s.EA / length, 1 / (cube / s.EIz + length / s.GAy), 1 / (cube / s.EIy + length / s.GAz),
+            s.GJ / length, s.EIy / length, s.EIz / length;
+        law.damping = s.stiffness_damping * law.stiffness;
+        return law;
+    });
+}
+
+Parts Rod::discretise(std::span<const Pose> ends) const {
+    const Vector3 up = Vector3::Constant(kNotGiven);
+    const Matrix3 axes = beam_axes(ends[0].position, ends[1].position, up);
+    const double l = (ends[1].position - ends[0].position).norm() / segments_;
+    Lump lump;
+    lump.mass = section_.mass * l;
+    const double polar = is_given(section_.inertia) ? section_.inertia : 0;
+    lump.inertia.diagonal() << l * polar, lump.mass * l * l / 12, lump.mass * l * l / 12;
+    return lay_out(ends, axes, segments_, lump, Vector3::Zero(), [&](double length) {
+        JointLaw law;
+        law.stiffness(0) = section_.EA / length;
+        law.damping(0) = section_.stiffness_damping * law.stiffness(0);
+        for (size_t d = 1; d < 6; ++d) law.rigid.set(d);
+        return law;
+    });
+}
+
+}  // namespace dttmm

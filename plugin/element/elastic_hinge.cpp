@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "element/elastic_hinge.h"
+
+#include "core/error.h"
+#include "core/state_vector.h"
+#include "element/parameters.h"
+
+namespace dttmm {
+
+namespace {
+
+constexpr dttmm_word kWords[] = {{"free", 0}, {"rigid", kRigid}};
+
+constexpr dttmm_parameter stiffness(const char* name, const char* unit) {
+    return {name, unit, 1, 0, kRigid, 0, kLargest, kWords, std::size(kWords), "in that direction of the from end, or free"};
+}
+constexpr dttmm_parameter damping(const char* name, const char* unit) {
+    return zero_by_default(name, unit, 0, "beside the stiffness");
+}
+
+constexpr dttmm_parameter kParameters[] = {
+    stiffness("stiffness.x", "N/m"),      stiffness("stiffness.y", "N/m"),      stiffness("stiffness.z", "N/m"),
+    stiffness("stiffness.rx", "N*m/rad"), stiffness("stiffness.ry", "N*m/rad"), stiffness("stiffness.rz", "N*m/rad"),
+    damping("damping.x", "N*s/m"),        damping("damping.y", "N*s/m"),        damping("damping.z", "N*s/m"),
+    damping("damping.rx", "N*m*s/rad"),   damping("damping.ry", "N*m*s/rad"),   damping("damping.rz", "N*m*s/rad"),
+};
+
+}  // namespace
+
+const dttmm_element_type ElasticHinge::kType = {"elastic_hinge", DTTMM_ENDS_FROM_TO, std::size(kParameters), kParameters,
+                                                "a joint elastic, rigid or free per direction; what is not named is rigid"};
+
+ElasticHinge::ElasticHinge(std::span<const double, 12> values) {
+    for (size_t d = 0; d < 6; ++d) {
+        law_.rigid[d] = std::isinf(values[d]);
+        if (law_.rigid[d] && values[6 + d] > 0)
+            throw Error(DTTMM_ERROR_MODEL, std::string("damping.") + kDirectionNames[d] +
+                                               ": the hinge is rigid in that direction; give it a stiffness, or \"free\"");
+        if (!law_.rigid[d]) law_.stiffness(static_cast<int>(d)) = values[d];
+        law_.damping(static_cast<int>(d)) = values[6 + d];
+    }
+}
+
+Parts ElasticHinge::discretise(std::span<const Pose> ends) const {
+    return {{}, {{0, 1, law_, {ends[1].position, ends[0].rotation}}}, {}};
+}
+
+}  // namespace dttmm

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "element/joint_law.h"
+
+#include "core/state_vector.h"
+
+namespace dttmm {
+
+Directions JointLaw::elastic() const {
+    Directions elastic;
+    for (int d = 0; d < 6; ++d)
+        elastic[static_cast<size_t>(d)] = !rigid[static_cast<size_t>(d)] && (stiffness(d) > 0 || damping(d) > 0);
+    return elastic;
+}
+
+Matrix13 JointLaw::transfer(const StepCoefficients& step, const Vector6& known) const {
+    // f = k̂ (x_O − x_I) + known with k̂ = weight k + c C, and f = [−q; m]:
+    //     x_O = x_I − (q + known)/k̂,   θ_O = θ_I + (m − known)/k̂;   q and m pass through
+    Matrix13 U = Matrix13::Identity();
+    for (int d = 0; d < 6; ++d) {
+        if (rigid[static_cast<size_t>(d)]) continue;
+        const double k_hat = step.weight * stiffness(d) + damping(d) * step.C;
+        const bool turns = d >= 3;
+        const int pose = turns ? state::kAngle + d - 3 : state::kPosition + d;
+        const int load = turns ? state::kMoment + d - 3 : state::kForce + d;
+        U(pose, load) = turns ? 1 / k_hat : -1 / k_hat;
+        U(pose, state::kOne) = k_hat > 0 ? -known(d) / k_hat : 0;
+    }
+    return U;
+}
+
+}  // namespace dttmm

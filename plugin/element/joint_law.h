@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <bitset>
+
+#include "core/types.h"
+
+namespace dttmm {
+
+/// Some of the six directions x y z rx ry rz.
+using Directions = std::bitset<6>;
+
+/// How the wanted instant enters the force law of a joint, whatever the scheme:
+///     elastic force  weight · K d + (known),   damping force  c (C d + D),   d: the unknown deformation
+struct StepCoefficients {
+    double weight =
+        1;         ///< of the elastic force at the unknown instant; 1 for schemes that stand there, β for the centred one
+    double C = 0;  ///< [1/s] of x' = C x + D
+};
+
+/// The law of a massless joint in its six directions, each a spring with a damper beside it, rigid, or free. Its deformation
+/// d (6×1: m, rad) is the motion of the `to` end relative to the `from` end in the axes of the joint, which go with the
+/// `from` end; its force f (6×1: N, N m) is positive in tension: it pulls the `to` end against d and the `from` end along d.
+/// In the letters of the state vector f = [−q; m].
+struct JointLaw {
+    Vector6 stiffness = Vector6::Zero();  ///< [N/m, N m/rad]
+    Vector6 damping = Vector6::Zero();    ///< [N s/m, N m s/rad]
+    Directions rigid;                     ///< d = 0 there; stiffness and damping are not looked at
+
+    /// Directions with a stiffness or damping that is not rigid.
+    Directions elastic() const;
+    /// Those in which the joint transmits a force.
+    Directions carried() const { return elastic() | rigid; }
+
+    /// z_O = U z_I at a time step: 13×13, axes of the joint. `known` (6×1) is the part of f that does not depend on the
+    /// unknown d. In a free direction the compliance, and with it the entry of U, is infinite; in a rigid one it is zero.
+    Matrix13 transfer(const StepCoefficients& step, const Vector6& known) const;
+};
+
+}  // namespace dttmm

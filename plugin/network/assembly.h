@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/pose.h"
+#include "dttmm_plugin.h"
+#include "element/joint_law.h"
+
+namespace dttmm {
+
+/// A frame that joints meet at: a body of the host, a point of the ground, or something that moves inside the network, a
+/// mass (its origin then is the centre of mass) or a massless node.
+struct FrameSpec {
+    enum class Kind { port, ground, inner };
+    Kind kind = Kind::inner;
+    std::string name;                   ///< for messages: node "muzzle", segment 3 of element "barrel"
+    int element = -1;                   ///< one that hangs on it
+    Pose pose;                          ///< at the start
+    double mass = 0;                    ///< [kg]
+    Matrix3 inertia = Matrix3::Zero();  ///< about the origin, axes of the frame [kg m²]
+};
+
+/// A massless joint between two frames.
+struct JointSpec {
+    int element = 0;
+    int from = 0, to = 0;  ///< frames
+    JointLaw law;
+    Pose pose;  ///< the point where its ends meet at the start, and its axes
+};
+
+/// A node of the description as a point of a frame.
+struct NodeSpec {
+    int frame = -1;
+    Vector3 offset = Vector3::Zero();        ///< from the frame's origin, in its axes
+    Matrix3 rotation = Matrix3::Identity();  ///< of the node's axes in those of the frame
+};
+
+/// A network taken apart into frames and joints. The ports come first among the frames, in their order, then the ground,
+/// then what is inside; the joints are in the order of the elements, within an element from its `from` end to its `to` end.
+struct Assembly {
+    std::vector<FrameSpec> frames;
+    int port_count = 0, driven_count = 0;  ///< ports; ports and ground
+    std::vector<JointSpec> joints;
+    std::vector<NodeSpec> nodes;   ///< in the order of the description
+    std::vector<int> first_joint;  ///< of every element, and one past the last
+    int inner_count() const { return static_cast<int>(frames.size()) - driven_count; }
+};
+
+/// Throws Error naming element or node: an end that is no node, a mass on a body, both ends of a joint on one frame, a
+/// number that is not finite.
+Assembly assemble(const dttmm_network& description);
+
+}  // namespace dttmm

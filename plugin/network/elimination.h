@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/types.h"
+
+namespace dttmm {
+
+/// A coupling of two unknown frames, or of one with what is known (to = −1), and the number of equations in which the joint
+/// there is rigid.
+struct Link {
+    int from, to;
+    int rigid_count;
+};
+
+/// The dynamic stiffness of the frames inside a network and its factor, in blocks:
+///     K u + Jᵀ q = r,   J u = g         u: 6 per frame, symmetric K;  J: the equations of rigid directions, q: their forces
+/// Frames are eliminated from the tips of the tree inwards, each together with the rigid directions of its joints not yet
+/// eliminated, by full-pivot elimination of its own block: f = S e + P in Riccati's form, f the force and e the motion that
+/// the frames already eliminated hand on. Loops inside the network fill in blocks between the frames that close them. Cost
+/// per factor and per solution linear in the number of frames of a tree.
+/// Source: Gu, Rui et al. (2017), Riccati transfer matrix method for linear tree multibody systems, J. Appl. Mech. 84.
+class Elimination {
+public:
+    /// Fixes order and storage; nothing is allocated later.
+    Elimination(int frame_count, const std::vector<Link>& links);
+
+    void set_zero();
+    void add_diagonal(int frame, const Matrix6& block) { diagonal_[static_cast<size_t>(frame)] += block; }
+    const Matrix6& diagonal(int frame) const { return diagonal_[static_cast<size_t>(frame)]; }
+    /// Block (from, to) of the frames of a link; its transpose is understood.
+    void add_coupling(int link, const Matrix6& block);
+    /// Row of a link's rigid direction number i: its derivatives by the motions of its frames.
+    void set_rigid(int link, int i, const Vector6& by_from, const Vector6& by_to);
+
+    /// What makes a system singular: an unknown of a frame (direction 0 … 5), or the i-th rigid direction of a link.
+    struct Fault {
+        int frame = -1, direction = -1;
+        int link = -1, rigid = -1;
+    };
+    /// Nothing if all is well.
+    std::optional<Fault> factor();
+
+    /// Solves in place: r → u (6 per frame), g → q (in the order of the links' rigid directions).
+    void solve(std::span<Vector6> r, std::span<double> g) const;
+
+    int rigid_begin(int link) const { return rigid_begin_[static_cast<size_t>(link)]; }
+    int rigid_count() const { return rigid_total_; }
+
+    /// Unknowns of one block at most: a frame and its rigid directions.
+    static constexpr int kLargestBlock = 18;
+
+private:
+    using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kLargestBlock, kLargestBlock>;
+    using Rows = Eigen::Matrix<double, Eigen::Dynamic, 6, 0, kLargestBlock, 6>;
+    using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kLargestBlock, 1>;
+
+    /// A frame that is eliminated later than the one at hand, and what couples the two.
+    struct Neighbour {
+        int frame;
+        int coupling;                            ///< block (this frame, neighbour), or −1
+        std::vector<std::pair<int, int>> rigid;  ///< rows of the block at hand, and rows of J
+    };
+    /// The elimination of one frame.
+    struct Pivot {
+        int frame;
+        std::vector<int> rigid;  ///< rows of J eliminated with it
+        std::vector<Neighbour> neighbours;
+        std::vector<int> fills;  ///< couplings between two neighbours, as pairs i < j run
+        bool is_plain;           ///< one neighbour at most and nothing rigid
+        int plain = -1;          ///< index into the arrays of plain pivots
+    };
+    /// The factor of a plain pivot: the inverse of its block and that times the coupling.
+    struct Plain {
+        Matrix6 inverse, gain;
+        int frame, neighbour;
+    };
+    struct General {
+        Block inverse;
+        std::vector<Rows> gains;
+    };
+
+    bool invert(const Pivot& pivot, const Block& block, Block& inverse, Fault& fault) const;
+    bool factor_plain(const Pivot& pivot, Fault& fault);
+    bool factor_general(size_t index, Fault& fault);
+
+    struct Coupling {
+        int row, column;  ///< the row is eliminated first
+        Matrix6 original = Matrix6::Zero(), block = Matrix6::Zero();
+    };
+    struct RigidRow {
+        int link, index;
+        int frames[2];
+        Vector6 by[2];
+    };
+
+    std::vector<Matrix6> diagonal_, work_;
+    std::vector<Coupling> couplings_;
+    std::vector<int> link_coupling_;
+    std::vector<bool> link_transposed_;
+    std::vector<RigidRow> rigid_rows_;
+    std::vector<int> rigid_begin_;
+    int rigid_total_ = 0;
+    std::vector<int> order_;     ///< position of every frame in the elimination
+    std::vector<Pivot> pivots_;  ///< in that order
+    std::vector<Plain> plain_;
+    std::vector<General> general_;
+    mutable std::vector<Column> columns_;
+};
+
+}  // namespace dttmm

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "network/elimination.h"
+#include "network/mechanism.h"
+
+namespace dttmm {
+
+/// What moves inside a network between its ports: lumps, rigid masses and massless nodes, on the joints between them. For a
+/// given motion of the ports over a step it finds its own,
+///     P(u) = P− + h (f(x + h u) + weight + loads),     massless: 0 = f + loads,     rigid directions: d(x + h u) = 0,
+/// u = [v; ω] of every frame over the step in the frame's own axes at t_n, P = [m v; L(ω)] its momentum, L half way through
+/// the step as the host has it, so that momentum and angular momentum are kept to rounding. f is the centred force of the
+/// joints: the same recursion as the host's, DT-TMM with A = 1/h², C = γ/h.
+///
+/// Newton's iteration with the matrix M + h² S of a configuration of before, in the frames' axes, in which it changes with
+/// the deformations only, not with the motion of the whole: it is factored once per step size and kept until it converges
+/// slowly. A pass starts from the extrapolated motion; what it leaves of the equations of motion (second order in its
+/// correction) is carried into the next step, so that momentum is kept however few passes are taken. Accepted when
+/// θ/(1 − θ) × (last correction), θ the rate of convergence, is below kTolerance of the motion.
+///
+/// A massless frame would ring under weights of three instants, for (z + 1)² makes a double root at −1: where no damper and
+/// no rigid direction acts on it, its force balances at the end of every step; otherwise, without numerical damping, half
+/// way through every step, which leaves a single root.
+class Interior {
+public:
+    static constexpr double kTolerance = 1e-10;
+    static constexpr int kMostPasses = 30;
+
+    /// Throws Error(DTTMM_ERROR_MODEL) naming what cannot move as described: a massless node that nothing holds in some
+    /// direction, a rigid direction that is driven from both its ends; or a scheme that is explicit.
+    Interior(const Mechanism& mechanism, const dttmm_network& description);
+
+    int node_count() const { return static_cast<int>(inner_nodes_.size()); }
+
+    /// The force law at one instant with the inside at its start: wrenches on the ports, and −∂(wrench)/∂(pose of the ports)
+    /// when the inside follows without inertia.
+    void linearise(const Mechanism& mechanism, const dttmm_motion* ports, double* wrench, double* stiffness,
+                   double* damping) const;
+
+    void start(Mechanism& mechanism, const dttmm_motion* ports, const double* accelerations, const double* loads);
+    void begin_step(const Mechanism& mechanism, const double* loads);
+    /// Wrenches on the ports over the open step, at a trial end of it.
+    void evaluate(const Mechanism& mechanism, const dttmm_motion* trial, double* wrench) const;
+    /// −∂(wrench)/∂(pose), 6P × 6P row-major.
+    void write_stiffness(const Mechanism& mechanism, double* stiffness) const;
+    void commit(Mechanism& mechanism, const dttmm_motion* accepted);
+
+    /// At t_n, the start of the step last committed; a point of a frame in its axes.
+    Twist velocity(const Mechanism& mechanism, int frame, const Vector3& offset) const;
+    Twist acceleration(const Mechanism& mechanism, int frame, const Vector3& offset) const;
+    double kinetic_energy(const Mechanism& mechanism) const;
+    double work(const Mechanism& mechanism) const;  ///< of gravity and loads since the start
+    /// Force of a joint's rigid directions, joint axes.
+    Vector6 rigid_force(const Mechanism& mechanism, size_t joint) const;
+
+    /// Everything that changes from step to step, as pieces of memory; the factor goes with them by refactor().
+    void add_state_parts(std::vector<std::pair<void*, size_t>>& parts);
+    void refactor(const Mechanism& mechanism);
+
+private:
+    /// How the equation of a half of a frame (translation, rotation) stands in time.
+    enum class Balance : unsigned char { momentum, end_of_step, half_step, centred };
+
+    struct Inertia {
+        double mass;
+        Matrix3 moment;  ///< of inertia, frame axes
+        double reach;    ///< of its joints from its origin [m], at least its radius of gyration
+        Balance balance[2];
+    };
+    /// What changes from step to step.
+    struct State {
+        Vector6 momentum;                 ///< over the step before t_n, world
+        Vector6 u, u_before;              ///< over that step and the one before, each in the axes at its start
+        Twist velocity, velocity_before;  ///< the same, world
+        Vector6 load[3];                  ///< at the frame's origin, world, at t_{n+1}, t_n, t_{n−1}
+        Vector6 imbalance[2];             ///< of a massless frame, at t_n and t_{n−1}
+    };
+    struct Books {
+        double contraction = 1, scale = 0;
+        double load_work = 0, load_power = 0;
+    };
+
+    size_t at(int frame) const { return static_cast<size_t>(frame - driven_); }
+    bool is_inner(int frame) const { return frame >= driven_; }
+
+    void set_reaches(const Mechanism& mechanism);
+    void set_balances(const Mechanism& mechanism);
+    void assemble(const Mechanism& mechanism);
+    void factor(const Mechanism& mechanism, dttmm_status status);
+    [[noreturn]] void refuse(const Mechanism& mechanism, const Elimination::Fault& fault, dttmm_status status) const;
+    void find_responses(const Mechanism& mechanism);
+    Twist start_velocity(int frame, const dttmm_motion* ports) const;
+    void settle_at_start(Mechanism& mechanism, const dttmm_motion* ports);
+    void find_start_velocities(const Mechanism& mechanism, const dttmm_motion* ports);
+    void read_loads(const Mechanism& mechanism, const double* loads, int instant);
+    void find_imbalances(const Mechanism& mechanism);
+
+    void predict() const;
+    void place(const Mechanism& mechanism) const;
+    void add_joint_forces(const Mechanism& mechanism) const;
+    void form_residuals(const Mechanism& mechanism) const;
+    double correct(double step_size) const;
+    void solve(const Mechanism& mechanism, const dttmm_motion* ports) const;
+    void add_port_changes(const Mechanism& mechanism, double* wrench) const;
+
+    Matrix6 mass_matrix(size_t frame) const;
+    Matrix6 local_by_from(const Mechanism& mechanism, size_t joint) const;
+    Matrix6 local_by_to(const Mechanism& mechanism, size_t joint) const;
+    Matrix6 gain(const Mechanism& mechanism, size_t joint) const;
+
+    int ports_ = 0, driven_ = 0, count_ = 0;
+    Vector3 gravity_;
+    std::vector<Inertia> inertias_;
+    std::vector<int> inner_nodes_;  ///< nodes of the description that loads and motions go by
+    std::vector<dttmm_node> node_data_;
+    std::vector<size_t> port_joints_;
+    std::vector<bool> half_wanted_;  ///< of each joint: an end of it balances half way
+    Elimination elimination_;
+    std::vector<Eigen::Matrix<double, 6, Eigen::Dynamic>> responses_;  ///< ∂u/∂(u of the ports) per inner frame
+    Eigen::MatrixXd rigid_responses_;  ///< the same of the forces of rigid directions, times h
+    bool settles_ = false;             ///< some frame balances at the end of every step
+
+    std::vector<State> state_;
+    std::vector<double> rigid_,
+        rigid_before_;  ///< forces of the rigid directions over the step before t_n, and the one before
+    Books books_;
+
+    // Working memory of a solution
+    mutable std::vector<Frame> trial_;
+    mutable std::vector<Vector6> u_, r_, wrench_, half_wrench_, momentum_;
+    mutable std::vector<double> g_, q_;
+    mutable double contraction_ = 1, scale_ = 0, rate_ = 0;
+};
+
+}  // namespace dttmm

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "network/assembly.h"
+#include "network/joint.h"
+#include "network/scheme.h"
+
+namespace dttmm {
+
+/// The frames and joints of a network with their memory: what its phases work on.
+struct Mechanism {
+    explicit Mechanism(const dttmm_network& description);
+
+    Assembly assembly;
+    Scheme scheme;
+    std::vector<Joint> joints;
+    std::vector<int> turn_of;  ///< index of each joint's TurnState; −1: it has none
+    std::vector<JointState> states;
+    std::vector<TurnState> turns;
+    std::vector<Frame> frames;  ///< all at t_n
+    std::vector<Frame> before;  ///< all at t_{n−1}
+    uint64_t steps = 0;         ///< committed since the start
+
+    TurnState* turn(size_t joint) { return turn_of[joint] < 0 ? nullptr : &turns[static_cast<size_t>(turn_of[joint])]; }
+    const TurnState* turn(size_t joint) const {
+        return turn_of[joint] < 0 ? nullptr : &turns[static_cast<size_t>(turn_of[joint])];
+    }
+    FrameView frame(int index) const { return frames[static_cast<size_t>(index)]; }
+};
+
+/// The frame of a pose.
+Frame make_frame(const Pose& pose);
+/// Velocity of a port's motion.
+inline Twist twist(const dttmm_motion& motion) {
+    return {Eigen::Map<const Vector3>(motion.velocity), Eigen::Map<const Vector3>(motion.angular_velocity)};
+}
+
+}  // namespace dttmm

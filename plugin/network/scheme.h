@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "core/discretisation.h"
+#include "dttmm_plugin.h"
+
+namespace dttmm {
+
+/// The time scheme of a network at its present step size: how it weighs increments δ of a deformation in the force over a
+/// step,
+///     f = k ∘ (d + elastic[0] δ₊ + elastic[1] δ) + c ∘ (rate[0] δ₊ + rate[1] δ + rate[2] δ₋ + rate[3] δ₋₋),
+/// δ₊ over the open step (implicit schemes only), δ, δ₋, δ₋₋ over the three before.
+class Scheme {
+public:
+    /// id: DTTMM_SCHEME_…; beta, gamma of the centred one. Throws Error(DTTMM_ERROR_ARGUMENT).
+    Scheme(uint32_t id, Centred centred);
+
+    bool is_implicit() const { return id_ == DTTMM_SCHEME_CENTRED; }
+    const Centred& centred() const { return centred_; }
+    /// No numerical damping: the elastic weights are those of (z + 1)², of which the damper's z² − 1 shares a factor.
+    bool is_trapezoidal() const { return is_implicit() && centred_.beta == 0.25 && centred_.gamma == 0.5; }
+    double step_size() const { return h_; }
+    void set_step_size(double h);
+
+    /// How external loads are weighted: at the end of the step, at its start, one step before.
+    double load_weight(int back) const { return load_weights_[back]; }
+
+    /// Of the elastic force at the end of the step.
+    double elastic_weight() const { return is_implicit() ? centred_.beta : 0; }
+
+    double elastic[2] = {0, 0};
+    double rate[4] = {0, 0, 0, 0};  ///< [1/s]
+
+private:
+    uint32_t id_;
+    Centred centred_;
+    double load_weights_[3];
+    double h_ = 0;
+};
+
+}  // namespace dttmm

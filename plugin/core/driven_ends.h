@@ -16,7 +16,7 @@ struct EndForces {
     double reciprocal_condition = 1;
 };
 
-/// Which of x y z rx ry rz an element carries.
+/// Some of the six directions x y z rx ry rz.
 using Directions = std::bitset<6>;
 
 /// Solves the 2n unknown end forces of the n carried directions at once by full-pivot elimination: for a joint in three

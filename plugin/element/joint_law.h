@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <bitset>
-
-#include "core/types.h"
+#include "core/driven_ends.h"
 
 namespace dttmm {
-
-/// Some of the six directions x y z rx ry rz.
-using Directions = std::bitset<6>;
 
 /// How the wanted instant enters the force law of a joint, whatever the scheme:
 ///     elastic force  weight · K d + (known),   damping force  c (C d + D),   d: the unknown deformation

@@ -106,7 +106,7 @@ private:
         const dttmm_element& data = element(e);
         const auto types = element_types();
         if (data.type < types.size() && types[data.type].ends == DTTMM_ENDS_FROM_TO) {
-            if (data.end_count != 2) throw Error(DTTMM_ERROR_ARGUMENT, "an element of this type has two ends", e);
+            if (data.end_count != 2) throw Error(DTTMM_ERROR_MODEL, "an element of this type has two ends", e);
             if (data.ends[0] == data.ends[1]) throw Error(DTTMM_ERROR_MODEL, "both ends are the same node", e);
         }
         if (data.end_count == 0) throw Error(DTTMM_ERROR_ARGUMENT, "an element without an end", e);

@@ -257,9 +257,12 @@ std::vector<std::pair<void*, size_t>> Network::state_parts() const {
     auto& mechanism = const_cast<Mechanism&>(mechanism_);
     std::vector<std::pair<void*, size_t>> parts = {{&mechanism.steps, sizeof mechanism.steps},
                                                    {mechanism.states.data(), mechanism.states.size() * sizeof(JointState)},
-                                                   {mechanism.turns.data(), mechanism.turns.size() * sizeof(TurnState)},
-                                                   {mechanism.frames.data(), mechanism.frames.size() * sizeof(Frame)},
-                                                   {mechanism.before.data(), mechanism.before.size() * sizeof(Frame)}};
+                                                   {mechanism.turns.data(), mechanism.turns.size() * sizeof(TurnState)}};
+    const auto ports = static_cast<size_t>(port_count()), driven = static_cast<size_t>(mechanism.assembly.driven_count);
+    for (std::vector<Frame>* frames : {&mechanism.frames, &mechanism.before}) {
+        parts.emplace_back(frames->data(), ports * sizeof(Frame));  // the ground behind them stays where it is
+        parts.emplace_back(frames->data() + driven, (frames->size() - driven) * sizeof(Frame));
+    }
     if (interior_) interior_->add_state_parts(parts);
     return parts;
 }

@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <map>
+#include <set>
+#include <string>
 
 #include "core/error.h"
 
@@ -19,13 +22,43 @@ dttmm_status status_of(uint32_t type, const double* values) {
     }
 }
 
-TEST(Registry, EveryDeclaredTypeIsBuiltFromItsDefaults) {
+/// What a type needs beyond its defaults, for an element that can be built.
+std::map<std::string, std::vector<double>> needed_of(const std::string& type) {
+    if (type == "point_mass" || type == "rigid_body") return {{"mass", {2.5}}};
+    if (type == "beam")
+        return {{"section.tube", {0.05, 0.03}},
+                {"material.E", {2e11}},
+                {"material.poisson", {0.3}},
+                {"material.density", {7850}}};
+    if (type == "rod") return {{"section.EA", {1e9}}, {"section.mass", {30}}};
+    return {};
+}
+
+TEST(Registry, EveryDeclaredTypeIsBuiltFromItsDefaultsAndWhatItNeeds) {
     for (uint32_t t = 0; t < element_types().size(); ++t) {
         std::vector<double> values;
         const dttmm_element_type& type = element_types()[t];
-        for (uint32_t p = 0; p < type.parameter_count; ++p)
-            values.insert(values.end(), type.parameters[p].count, type.parameters[p].default_value);
+        const auto needed = needed_of(type.name);
+        for (uint32_t p = 0; p < type.parameter_count; ++p) {
+            const dttmm_parameter& parameter = type.parameters[p];
+            if (const auto given = needed.find(parameter.name); given != needed.end())
+                values.insert(values.end(), given->second.begin(), given->second.end());
+            else
+                values.insert(values.end(), parameter.count, parameter.default_value);
+        }
         EXPECT_NE(make_element(t, values.data()), nullptr) << type.name;
+    }
+}
+
+TEST(Registry, NamesAreUniqueAndWordsHaveOneNumber) {
+    std::set<std::string> names;
+    for (const dttmm_element_type& type : element_types()) {
+        EXPECT_TRUE(names.insert(type.name).second) << type.name;
+        std::set<std::string> keys;
+        for (uint32_t p = 0; p < type.parameter_count; ++p) {
+            EXPECT_TRUE(keys.insert(type.parameters[p].name).second) << type.parameters[p].name;
+            EXPECT_TRUE(type.parameters[p].word_count == 0 || type.parameters[p].count == 1) << type.parameters[p].name;
+        }
     }
 }
 

@@ -17,7 +17,7 @@ constexpr std::array<double, 12> kUgly = {5e5, 7.3e8, 12, 100, 0.7, 33, 2e4, 8.1
 // Oracle: the unit relations of the sign convention: x_O = x_I − q/K and θ_O = θ_I + m/K', loads pass through.
 TEST(SpringDamper, StaticTransferMatrixFollowsTheSignConvention) {
     const SpringDamper joint(kUgly);
-    const Matrix13 U = joint.transfer({1, 0}, Vector6::Zero());
+    const Matrix13 U = joint.law().transfer({1, 0}, Vector6::Zero());
     Matrix13 expected = Matrix13::Identity();
     for (int d = 0; d < 3; ++d) {
         expected(state::kPosition + d, state::kForce + d) = -1 / kUgly[static_cast<size_t>(d)];
@@ -40,7 +40,7 @@ TEST(SpringDamper, FoxEulerTransferMatrixIsThePapersEquation4) {
     past.x[0].setConstant(x_out_1 - x_in_1);
     past.v[0].setConstant(v_out_1 - v_in_1);
     const AffineMotion step = fox_euler(past, h);
-    const Matrix13 U = joint.transfer({1, step.C}, c * step.D);
+    const Matrix13 U = joint.law().transfer({1, step.C}, c * step.D);
     for (int d = 0; d < 3; ++d) {
         EXPECT_DOUBLE_EQ(U(d, state::kForce + d), -1 / k_hat);
         EXPECT_DOUBLE_EQ(U(d, state::kOne), c * (D_in - D_out) / k_hat);
@@ -52,7 +52,7 @@ TEST(SpringDamper, EliminationInSpaceEqualsTheClosedForm) {
     const SpringDamper joint(kUgly);
     const StepCoefficients step{0.25, 500};
     const Vector6 known = (Vector6() << 3, -1, 0.5, 2, -7, 0.1).finished();
-    const EndForces ends = solve_driven_ends(joint.transfer(step, known), joint.carried());
+    const EndForces ends = solve_driven_ends(joint.law().transfer(step, known), joint.law().carried());
     for (int d = 0; d < 6; ++d) {
         const auto g = static_cast<size_t>(d < 3 ? d : 3 + d);
         const double k_hat = 0.25 * kUgly[g] + 500 * kUgly[g + 3], sign = d < 3 ? -1 : 1;
@@ -68,9 +68,9 @@ TEST(SpringDamper, EliminationInSpaceEqualsTheClosedForm) {
 
 TEST(SpringDamper, ADirectionWithoutStiffnessOrDampingIsFree) {
     const SpringDamper joint(std::array<double, 12>{1, 0, 0, 0, 2, 0, 0, 3, 0, 0, 0, 4});
-    EXPECT_EQ(joint.carried(), Directions(0b110011));
-    EXPECT_TRUE(std::isinf(joint.transfer({1, 10}, Vector6::Zero())(state::kPosition + 2, state::kForce + 2)));
-    const EndForces ends = solve_driven_ends(joint.transfer({1, 10}, Vector6::Zero()), joint.carried());
+    EXPECT_EQ(joint.law().carried(), Directions(0b110011));
+    EXPECT_TRUE(std::isinf(joint.law().transfer({1, 10}, Vector6::Zero())(state::kPosition + 2, state::kForce + 2)));
+    const EndForces ends = solve_driven_ends(joint.law().transfer({1, 10}, Vector6::Zero()), joint.law().carried());
     EXPECT_EQ(ends.S.row(2).norm(), 0);
     EXPECT_DOUBLE_EQ(ends.S(1, 7), -20);
 }

@@ -449,7 +449,8 @@ TEST(Network, StructuralFaultsAreFoundWhenBuilt) {
     EXPECT_EQ(status(good, {"e", 0, 1, kFromTo, kUgly.data()}), DTTMM_ERROR_MODEL) << "one end";
     dttmm_node inner[] = {good[0], good[1], good[2]};
     inner[1].kind = DTTMM_NODE_INNER;
-    EXPECT_EQ(status(inner, {"e", 0, 2, kFromTo, kUgly.data()}), DTTMM_ERROR_MODEL) << "an inner node";
+    EXPECT_EQ(status(inner, {"e", 0, 2, kFromTo, kUgly.data()}), DTTMM_OK) << "an inner node";
+    EXPECT_EQ(status(inner, {"e", 0, 2, kFromTo, kUgly.data()}, 1), DTTMM_ERROR_MODEL) << "the same, explicit";
     dttmm_node skewed[] = {good[0], good[1], good[2]};
     skewed[1].rotation[4] += 0.1;
     EXPECT_EQ(status(skewed, {"e", 0, 2, kFromTo, kUgly.data()}), DTTMM_ERROR_ARGUMENT) << "axes not orthonormal";

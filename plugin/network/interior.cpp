@@ -88,10 +88,11 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     }
     for (int f = 0; f < count_; ++f) {
         const FrameSpec& frame = mechanism.assembly.frames[static_cast<size_t>(driven_ + f)];
-        inertias_.push_back({frame.mass, frame.inertia, 0, {Balance::momentum, Balance::momentum}});
+        inertias_.push_back({frame.mass, frame.inertia, 0, {Balance::momentum, Balance::momentum}, -1});
     }
     set_reaches(mechanism);
     set_balances(mechanism);
+    choose_heirs(mechanism);
     for (size_t j = 0; j < mechanism.joints.size(); ++j)
         if (mechanism.joints[j].from() < ports_ || mechanism.joints[j].to() < ports_) port_joints_.push_back(j);
     state_.resize(n);
@@ -141,6 +142,29 @@ void Interior::set_balances(const Mechanism& mechanism) {
                 for (Balance balance : inertias_[at(frame)].balance) wanted = wanted || balance == Balance::half_step;
         half_wanted_.push_back(wanted);
     }
+}
+
+/// The nearest frame over joints that has mass and inertia, or a body of the host.
+void Interior::choose_heirs(const Mechanism& mechanism) {
+    const auto inherits = [&](int frame) {
+        if (!is_inner(frame)) return frame < ports_;
+        const Inertia& inertia = inertias_[at(frame)];
+        return inertia.balance[0] == Balance::momentum && inertia.balance[1] == Balance::momentum;
+    };
+    std::vector<int> heir(mechanism.frames.size(), -1);
+    for (size_t f = 0; f < heir.size(); ++f)
+        if (inherits(static_cast<int>(f))) heir[f] = static_cast<int>(f);
+    for (bool grows = true; grows;) {
+        grows = false;
+        for (const Joint& joint : mechanism.joints) {
+            int &a = heir[static_cast<size_t>(joint.from())], &b = heir[static_cast<size_t>(joint.to())];
+            if ((a < 0) == (b < 0)) continue;
+            (a < 0 ? a : b) = std::max(a, b);
+            grows = true;
+        }
+    }
+    for (size_t i = 0; i < inertias_.size(); ++i)
+        if (!inherits(driven_ + static_cast<int>(i))) inertias_[i].heir = heir[static_cast<size_t>(driven_) + i];
 }
 
 // ---- The matrix ---------------------------------------------------------------------------------------------------------
@@ -199,6 +223,7 @@ void Interior::assemble(const Mechanism& mechanism) {
 }
 
 void Interior::factor(const Mechanism& mechanism, dttmm_status status) {
+    ++factorisations_;
     if (const auto fault = elimination_.factor()) refuse(mechanism, *fault, status);
 }
 
@@ -554,6 +579,29 @@ void Interior::add_joint_forces(const Mechanism& mechanism) const {
     }
 }
 
+/// Hands what massless frames leave unbalanced of the centred forces to their heirs. It does not depend on the trial.
+void Interior::pass_on_imbalances(const Mechanism& mechanism) const {
+    const Scheme& scheme = mechanism.scheme;
+    for (size_t i = 0; i < state_.size(); ++i) {
+        const Inertia& inertia = inertias_[i];
+        if (inertia.heir < 0) continue;
+        const State& state = state_[i];
+        const size_t f = static_cast<size_t>(driven_) + i, to = static_cast<size_t>(inertia.heir);
+        Vector6 left = Vector6::Zero();
+        for (int half : {0, 1}) {
+            if (inertia.balance[half] == Balance::end_of_step)
+                left.segment<3>(3 * half) = scheme.load_weight(1) * state.imbalance[0].segment<3>(3 * half) +
+                                            scheme.load_weight(2) * state.imbalance[1].segment<3>(3 * half);
+            if (inertia.balance[half] == Balance::half_step)
+                left.segment<3>(3 * half) =
+                    (wrench_[f] - half_wrench_[f] + 0.25 * (state.load[1] + state.load[2])).segment<3>(3 * half);
+        }
+        const Vector3 arm = mechanism.frame(static_cast<int>(f)).origin() - mechanism.frame(inertia.heir).origin();
+        wrench_[to].head<3>() += head(left);
+        wrench_[to].tail<3>() += tail(left) + arm.cross(head(left));
+    }
+}
+
 /// What the equations lack at the trial motion: r in the frames' axes, g of the rigid directions.
 void Interior::form_residuals(const Mechanism& mechanism) const {
     const Scheme& scheme = mechanism.scheme;
@@ -645,8 +693,10 @@ void Interior::solve(const Mechanism& mechanism, const dttmm_motion* ports) cons
     const double floor = kRounding * size / h;
     double previous = 0;
     for (int pass = 0; pass < kMostPasses; ++pass) {
+        ++passes_;
         place(mechanism);
         add_joint_forces(mechanism);
+        pass_on_imbalances(mechanism);
         form_residuals(mechanism);
         const double correction = correct(h);
         if (!std::isfinite(correction)) break;
@@ -782,6 +832,17 @@ double Interior::work(const Mechanism& mechanism) const {
             inertias_[i].mass * gravity_.dot(FrameView(mechanism.before[static_cast<size_t>(driven_) + i]).origin() - start);
     }
     return work;
+}
+
+Twist Interior::momentum(const Mechanism& mechanism) const {
+    // x_n × p = x_{n−1} × p, for p is along what leads from one to the other
+    Twist total;
+    for (size_t i = 0; i < state_.size(); ++i) {
+        const Vector3 p = head(state_[i].momentum);
+        total.linear += p;
+        total.angular += mechanism.frame(driven_ + static_cast<int>(i)).origin().cross(p) + tail(state_[i].momentum);
+    }
+    return total;
 }
 
 Vector6 Interior::rigid_force(const Mechanism& mechanism, size_t j) const {

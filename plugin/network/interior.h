@@ -57,6 +57,13 @@ public:
     /// Force of a joint's rigid directions, joint axes.
     Vector6 rigid_force(const Mechanism& mechanism, size_t joint) const;
 
+    /// Momentum and angular momentum about the world's origin over the step before t_n, of all that is inside.
+    Twist momentum(const Mechanism& mechanism) const;
+
+    /// Solutions of the linear equations over all steps so far, and factorisations.
+    long passes() const { return passes_; }
+    long factorisations() const { return factorisations_; }
+
     /// Everything that changes from step to step, as pieces of memory; the factor goes with them by refactor().
     void add_state_parts(std::vector<std::pair<void*, size_t>>& parts);
     void refactor(const Mechanism& mechanism);
@@ -70,6 +77,7 @@ private:
         Matrix3 moment;  ///< of inertia, frame axes
         double reach;    ///< of its joints from its origin [m], at least its radius of gyration
         Balance balance[2];
+        int heir = -1;  ///< frame nearby that takes over what a massless one leaves unbalanced; −1: none
     };
     /// What changes from step to step.
     struct State {
@@ -89,6 +97,7 @@ private:
 
     void set_reaches(const Mechanism& mechanism);
     void set_balances(const Mechanism& mechanism);
+    void choose_heirs(const Mechanism& mechanism);
     void assemble(const Mechanism& mechanism);
     void factor(const Mechanism& mechanism, dttmm_status status);
     [[noreturn]] void refuse(const Mechanism& mechanism, const Elimination::Fault& fault, dttmm_status status) const;
@@ -102,6 +111,7 @@ private:
     void predict() const;
     void place(const Mechanism& mechanism) const;
     void add_joint_forces(const Mechanism& mechanism) const;
+    void pass_on_imbalances(const Mechanism& mechanism) const;
     void form_residuals(const Mechanism& mechanism) const;
     double correct(double step_size) const;
     void solve(const Mechanism& mechanism, const dttmm_motion* ports) const;
@@ -133,6 +143,8 @@ private:
     mutable std::vector<Frame> trial_;
     mutable std::vector<Vector6> u_, r_, wrench_, half_wrench_, momentum_;
     mutable std::vector<double> g_, q_;
+    mutable long passes_ = 0;
+    long factorisations_ = 0;
     mutable double contraction_ = 1, scale_ = 0, rate_ = 0;
 };
 

@@ -43,6 +43,10 @@ public:
     const std::vector<dttmm_channel>& channels() const { return channels_; }
     void outputs(double* values) const;
 
+    /// What moves inside; null where everything is joints between bodies and ground.
+    const Interior* interior() const { return interior_.get(); }
+    const Mechanism& mechanism() const { return mechanism_; }
+
 private:
     FrameView trial(int frame, const dttmm_motion* ports) const {
         if (frame < port_count()) return ports[frame];

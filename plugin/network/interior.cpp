@@ -24,6 +24,10 @@ constexpr double kForget = 2;
 constexpr double kSlowestContraction = 0.1;
 /// Of a frame's place, in the corrections: nothing finer can be asked for.
 constexpr double kRounding = 1e-14;
+/// Of the motion: no more digits are asked for.
+constexpr double kFinest = 1e-13;
+/// Radius of gyration below which a mass is a point [m].
+constexpr double kSmallestGyration = 1e-7;
 /// Of a step at which a network is first looked at, to see that it can be solved.
 constexpr double kTrialStep = 1e-3;
 /// A step so long that nothing has inertia in it and no damper resists: its matrix is β h² times the static stiffness.
@@ -107,6 +111,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     anchor_.q.assign(rigid, 0);
     anchor_.q_change.assign(rigid, 0);
     anchor_.wrench.assign(mechanism.frames.size(), Vector6::Zero());
+    anchor_.left.assign(n, Vector6::Zero());
     other_ = anchor_;
     port_change_.setZero(6 * ports_);
     wrench_.assign(mechanism.frames.size(), Vector6::Zero());
@@ -146,7 +151,8 @@ void Interior::set_balances(const Mechanism& mechanism) {
                                  : mechanism.scheme.is_trapezoidal() ? Balance::half_step
                                                                      : Balance::centred;
         if (inertias_[i].mass == 0) inertias_[i].balance[0] = massless;
-        if (inertias_[i].moment.isZero(0)) inertias_[i].balance[1] = massless;
+        if (inertias_[i].moment.trace() <= kSmallestGyration * kSmallestGyration * inertias_[i].mass)
+            inertias_[i].balance[1] = massless;
         for (Balance balance : inertias_[i].balance) settles_ = settles_ || balance == Balance::end_of_step;
     }
     for (const Joint& joint : mechanism.joints) {
@@ -179,6 +185,19 @@ void Interior::choose_heirs(const Mechanism& mechanism) {
     }
     for (size_t i = 0; i < inertias_.size(); ++i)
         if (!inherits(driven_ + static_cast<int>(i))) inertias_[i].heir = heir[static_cast<size_t>(driven_) + i];
+
+    // What the ports feel: their own joints, and those of the frames whose heirs they are
+    std::vector<bool> at_port(mechanism.frames.size(), false);
+    for (int f = 0; f < static_cast<int>(at_port.size()); ++f) {
+        const bool is_estate = is_inner(f) && inertias_[at(f)].heir >= 0 && inertias_[at(f)].heir < ports_;
+        if (f >= ports_ && !is_estate) continue;
+        at_port[static_cast<size_t>(f)] = true;
+        port_frames_.push_back(f);
+    }
+    for (size_t j = 0; j < mechanism.joints.size(); ++j)
+        if (at_port[static_cast<size_t>(mechanism.joints[j].from())] ||
+            at_port[static_cast<size_t>(mechanism.joints[j].to())])
+            port_side_joints_.push_back(j);
 }
 
 // ---- The matrix ---------------------------------------------------------------------------------------------------------
@@ -217,6 +236,13 @@ Matrix6 Interior::gain(const Mechanism& mechanism, size_t j) const {
     return gain;
 }
 
+/// From the columns of [d; relative turn ε] those of [d; θ] that rigid directions hold: δθ = J⁻¹ ε.
+Matrix6 Interior::rigid_rows(const Mechanism& mechanism, size_t j, const Matrix6& G) const {
+    Matrix6 rows = G;
+    if (const TurnState* turn = mechanism.turn(j)) rows.bottomRows<3>() = turn->conjugate.transpose() * G.bottomRows<3>();
+    return rows;
+}
+
 void Interior::assemble(const Mechanism& mechanism) {
     const double h = mechanism.scheme.step_size(), square = h * h;
     elimination_.set_zero();
@@ -230,8 +256,10 @@ void Interior::assemble(const Mechanism& mechanism) {
         if (to_inside) elimination_.add_diagonal(joint.to() - driven_, square * G_to.transpose() * Lambda * G_to);
         if (from_inside && to_inside)
             elimination_.add_coupling(static_cast<int>(j), square * G_from.transpose() * Lambda * G_to);
+        if (joint.rigid().none()) continue;
+        const Matrix6 by_from = rigid_rows(mechanism, j, G_from), by_to = rigid_rows(mechanism, j, G_to);
         for_each_rigid(joint, [&](int i, int d) {
-            elimination_.set_rigid(static_cast<int>(j), i, G_from.row(d).transpose(), G_to.row(d).transpose());
+            elimination_.set_rigid(static_cast<int>(j), i, by_from.row(d).transpose(), by_to.row(d).transpose());
         });
     }
 }
@@ -288,8 +316,9 @@ void Interior::find_responses(const Mechanism& mechanism) {
             const Vector6 d = (is_from ? G_from : G_to).col(c);
             const int other = is_from ? joint.to() : joint.from();
             if (is_inner(other)) r[at(other)] -= (is_from ? G_to : G_from).transpose() * (Lambda * d);
+            const Vector6 held = rigid_rows(mechanism, j, is_from ? G_from : G_to).col(c);
             for_each_rigid(joint, [&](int i, int direction) {
-                g[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)] = -d(direction);
+                g[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)] = -held(direction);
             });
         }
         elimination_.solve(r, g);
@@ -313,12 +342,15 @@ void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) co
             if (is_inner(frames[end])) D += G[end] * responses_[at(frames[end])];
             if (frames[end] < ports_) D.middleCols<6>(6 * frames[end]) += G[end];
         }
-        Eigen::Matrix<double, 6, Eigen::Dynamic> f = h * h * gain(mechanism, j) * D;
+        const Eigen::Matrix<double, 6, Eigen::Dynamic> f = h * h * gain(mechanism, j) * D;
+        Eigen::Matrix<double, 6, Eigen::Dynamic> rigid = Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, 6 * ports_);
         for_each_rigid(joint, [&](int i, int d) {
-            f.row(d) = rigid_responses_.row(elimination_.rigid_begin(static_cast<int>(j)) + i);
+            rigid.row(d) = rigid_responses_.row(elimination_.rigid_begin(static_cast<int>(j)) + i);
         });
         for (int end : {0, 1})
-            if (frames[end] < ports_) S.middleRows<6>(6 * frames[end]) += G[end].transpose() * f;
+            if (frames[end] < ports_)
+                S.middleRows<6>(6 * frames[end]) +=
+                    G[end].transpose() * f + rigid_rows(mechanism, j, G[end]).transpose() * rigid;
     }
     for (int p = 0; p < ports_; ++p) {
         const Matrix3 R = mechanism.frame(p).axes();
@@ -400,8 +432,9 @@ void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_mot
             u << R.transpose() * v.linear, R.transpose() * v.angular;
             const Vector6 d = G[end] * u;
             if (is_inner(frames[1 - end])) r[at(frames[1 - end])] -= square * (G[1 - end].transpose() * (gain(slow, j) * d));
+            const Vector6 held = rigid_rows(slow, j, G[end]) * u;
             for_each_rigid(joint, [&](int i, int direction) {
-                g[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)] -= d(direction);
+                g[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)] -= held(direction);
             });
         }
     }
@@ -483,8 +516,7 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
         for (int half : {0, 1})
             if (inertia.balance[half] == Balance::momentum) force.segment<3>(3 * half).setZero();
         Vector6& momentum = state_[at(inertia.heir)].momentum;
-        const Vector3 arm =
-            mechanism.frame(driven_ + static_cast<int>(i)).origin() - mechanism.frame(inertia.heir).origin();
+        const Vector3 arm = mechanism.frame(driven_ + static_cast<int>(i)).origin() - mechanism.frame(inertia.heir).origin();
         momentum.head<3>() -= 0.5 * h * head(force);
         momentum.tail<3>() -= 0.5 * h * (tail(force) + arm.cross(head(force)));
     }
@@ -655,10 +687,28 @@ void Interior::pass_on_imbalances(const Mechanism& mechanism, Solution& solution
                 left.segment<3>(3 * half) =
                     (solution.wrench[f] - half_wrench_[f] + 0.25 * (state.load[1] + state.load[2])).segment<3>(3 * half);
         }
-        const Vector3 arm = mechanism.frame(static_cast<int>(f)).origin() - mechanism.frame(inertia.heir).origin();
-        solution.wrench[to].head<3>() += head(left);
-        solution.wrench[to].tail<3>() += tail(left) + arm.cross(head(left));
+        bequeath(mechanism, i, left, solution.wrench[to]);
+        solution.left[i] = left;
     }
+}
+
+/// Adds a wrench at a massless frame to that at its heir.
+void Interior::bequeath(const Mechanism& mechanism, size_t frame, const Vector6& left, Vector6& to_heir) const {
+    const Vector3 arm =
+        mechanism.frame(driven_ + static_cast<int>(frame)).origin() - mechanism.frame(inertias_[frame].heir).origin();
+    to_heir.head<3>() += head(left);
+    to_heir.tail<3>() += tail(left) + arm.cross(head(left));
+}
+
+/// What the linear change of the forces leaves on a massless frame beyond what its heir has already: second order in the
+/// change.
+void Interior::settle_estate(const Mechanism& mechanism, size_t frame, const Solution& solution) const {
+    const Inertia& inertia = inertias_[frame];
+    Vector6 left = wrench_[static_cast<size_t>(driven_) + frame] + load_over_step(mechanism.scheme, state_[frame]) -
+                   solution.left[frame];
+    for (int half : {0, 1})
+        if (inertia.balance[half] == Balance::momentum) left.segment<3>(3 * half).setZero();
+    bequeath(mechanism, frame, left, wrench_[static_cast<size_t>(inertia.heir)]);
 }
 
 /// What the equations lack at the trial motion, into `change` (in the frames' axes) and `q_change`.
@@ -746,7 +796,7 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
     }
     solution.scale = std::max(solution.scale, std::sqrt(speed));
     solution.rate = 0;
-    solution.floor = kRounding * size / h;
+    const double floor = std::max(kRounding * size / h, kFinest * solution.scale);
     double previous = 0;
     for (int pass = 0; pass < kMostPasses; ++pass) {
         ++passes_;
@@ -760,12 +810,12 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
         form_residuals(mechanism, solution);
         const double correction = correct(solution);
         if (!std::isfinite(correction)) break;
-        if (pass > 0 && correction > solution.floor) {
+        if (pass > 0 && correction > floor) {
             solution.rate = previous > 0 ? correction / previous : 0;
             solution.contraction = solution.rate < 1 ? solution.rate / (1 - solution.rate) : 1e3;
         }
         previous = correction;
-        if (pass == 0) solution.scale = std::max(solution.scale, correction);
+        if (pass == 0) solution.tolerance = std::max(floor, std::min(kShare * correction, kTolerance * solution.scale));
         if (is_good_enough(correction, solution)) return;
     }
     throw Error(DTTMM_ERROR_NUMERIC,
@@ -776,8 +826,7 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
 }
 
 bool Interior::is_good_enough(double correction, const Solution& solution) {
-    return correction <= solution.floor ||
-           solution.contraction * correction <= std::max(kTolerance * solution.scale, solution.floor);
+    return std::min(solution.contraction, 1.0) * correction <= solution.tolerance;
 }
 
 /// The solution for a motion of the ports: the anchored one, to which port_change_ is to be added linearly, if that is good
@@ -842,19 +891,22 @@ Vector6 Interior::force_change(const Mechanism& mechanism, size_t j, const Twist
 
 void Interior::evaluate(const Mechanism& mechanism, const dttmm_motion* trial, double* wrench) const {
     const Solution& solution = respond(mechanism, trial);
-    for (int p = 0; p < ports_; ++p) Eigen::Map<Vector6>{wrench + 6 * p} = solution.wrench[static_cast<size_t>(p)];
-    for (size_t j : port_joints_) {
+    const auto change = [&](int frame) {
+        const Vector6 local = change_of(frame, solution);
+        const RowMajor3 R = mechanism.frame(frame).axes();
+        return Twist{R * head(local), R * tail(local)};
+    };
+    for (int frame : port_frames_) wrench_[static_cast<size_t>(frame)] = solution.wrench[static_cast<size_t>(frame)];
+    for (size_t j : port_side_joints_) {
         const Joint& joint = mechanism.joints[j];
-        const auto change = [&](int frame) {
-            const Vector6 local = change_of(frame, solution);
-            const RowMajor3 R = mechanism.frame(frame).axes();
-            return Twist{R * head(local), R * tail(local)};
-        };
         const Vector6 f = force_change(mechanism, j, change(joint.from()), change(joint.to()), solution);
         const auto& [R, arm, lever] = now_[j];
-        joint.add_wrench(arm, lever, R * head(f), R * tail(f), joint.from() < ports_ ? wrench + 6 * joint.from() : nullptr,
-                         joint.to() < ports_ ? wrench + 6 * joint.to() : nullptr);
+        joint.add_wrench(arm, lever, R * head(f), R * tail(f), wrench_[static_cast<size_t>(joint.from())].data(),
+                         wrench_[static_cast<size_t>(joint.to())].data());
     }
+    for (int frame : port_frames_)
+        if (is_inner(frame)) settle_estate(mechanism, at(frame), solution);
+    for (int p = 0; p < ports_; ++p) Eigen::Map<Vector6>{wrench + 6 * p} = wrench_[static_cast<size_t>(p)];
 }
 
 void Interior::commit(Mechanism& mechanism, const dttmm_motion* accepted) {
@@ -896,6 +948,8 @@ void Interior::take_momentum(const Mechanism& mechanism, const Solution& solutio
         const auto& [R, arm, lever] = now_[j];
         joint.add_wrench(arm, lever, R * head(f), R * tail(f), wrench_[a].data(), wrench_[b].data());
     }
+    for (size_t i = 0; i < state_.size(); ++i)
+        if (inertias_[i].heir >= 0) settle_estate(mechanism, i, solution);
     for (size_t i = 0; i < state_.size(); ++i) {
         State& state = state_[i];
         const Vector6 impulse = h * (wrench_[static_cast<size_t>(driven_) + i] + load_over_step(mechanism.scheme, state));

@@ -19,9 +19,10 @@ namespace dttmm {
 /// Newton's iteration with the matrix M + h² S of a configuration of before, in the frames' axes, in which it changes with
 /// the deformations only, not with the motion of the whole: it is factored once per step size and kept until it converges
 /// slowly. Passes start from the extrapolated motion; the solution is accepted when θ/(1 − θ) × (last correction), θ the
-/// rate of convergence, is below kTolerance of the motion. The forces of the last pass with their linear change then move
-/// the momentum, in pairs that balance exactly, so that it is kept however few passes were taken; what the motion lacks to
-/// it is made up for in the next step.
+/// rate of convergence, is below kShare of the first one, which measures what the step itself leaves out, and below
+/// kTolerance of the motion. The forces of the last pass with their linear change then move the momentum, in pairs that
+/// balance exactly, so that it is kept however few passes were taken; what the motion lacks to it is made up for in the next
+/// step.
 ///
 /// A step is solved once, for ports that go on as they have; the answer to another motion of the ports is the linear one
 /// from there, as long as that is good enough by the same measure. A linear network thus takes one pass per step.
@@ -31,7 +32,8 @@ namespace dttmm {
 /// way through every step, which leaves a single root.
 class Interior {
 public:
-    static constexpr double kTolerance = 1e-8;
+    static constexpr double kTolerance = 1e-7;
+    static constexpr double kShare = 1e-4;
     static constexpr int kMostPasses = 30;
 
     /// Throws Error(DTTMM_ERROR_MODEL) naming what cannot move as described: a massless node that nothing holds in some
@@ -108,7 +110,9 @@ private:
         std::vector<double> q;         ///< forces of the rigid directions, before the correction
         std::vector<double> q_change;  ///< correction of them, times h
         std::vector<Vector6> wrench;   ///< over the step at u, on every frame at its origin, world
-        double contraction = 1, scale = 0, rate = 0, floor = 0;
+        std::vector<Vector6> left;     ///< what massless frames have passed on to their heirs
+        double contraction = 1, scale = 0, rate = 0;
+        double tolerance = 0;  ///< of what remains to be corrected [m/s]
     };
 
     size_t at(int frame) const { return static_cast<size_t>(frame - driven_); }
@@ -130,6 +134,8 @@ private:
     void place(const Mechanism& mechanism, const Solution& solution) const;
     void find_forces(const Mechanism& mechanism, Solution& solution) const;
     void pass_on_imbalances(const Mechanism& mechanism, Solution& solution) const;
+    void bequeath(const Mechanism& mechanism, size_t frame, const Vector6& left, Vector6& to_heir) const;
+    void settle_estate(const Mechanism& mechanism, size_t frame, const Solution& solution) const;
     void form_residuals(const Mechanism& mechanism, Solution& solution) const;
     static Vector6 load_over_step(const Scheme& scheme, const State& state);
     double correct(Solution& solution) const;
@@ -147,6 +153,7 @@ private:
     Matrix6 mass_matrix(size_t frame) const;
     Matrix6 local_by_from(const Mechanism& mechanism, size_t joint) const;
     Matrix6 local_by_to(const Mechanism& mechanism, size_t joint) const;
+    Matrix6 rigid_rows(const Mechanism& mechanism, size_t joint, const Matrix6& G) const;
     Matrix6 gain(const Mechanism& mechanism, size_t joint) const;
 
     int ports_ = 0, driven_ = 0, count_ = 0;
@@ -154,8 +161,10 @@ private:
     std::vector<Inertia> inertias_;
     std::vector<int> inner_nodes_;  ///< nodes of the description that loads and motions go by
     std::vector<dttmm_node> node_data_;
-    std::vector<size_t> port_joints_;
-    std::vector<bool> half_wanted_;  ///< of each joint: an end of it balances half way
+    std::vector<size_t> port_joints_;       ///< of the ports
+    std::vector<size_t> port_side_joints_;  ///< whose forces the ports feel
+    std::vector<int> port_frames_;          ///< the ports, and massless frames whose heirs they are
+    std::vector<bool> half_wanted_;         ///< of each joint: an end of it balances half way
     Elimination elimination_;
     std::vector<Eigen::Matrix<double, 6, Eigen::Dynamic>> responses_;  ///< ∂u/∂(u of the ports) per inner frame
     Eigen::MatrixXd rigid_responses_;  ///< the same of the forces of rigid directions, times h
@@ -177,7 +186,7 @@ private:
     mutable Eigen::VectorXd port_change_;  ///< from the solution in use to the end of the step asked for, 6 per port, local
     mutable std::vector<Frame> trial_;
     mutable std::vector<Vector6> half_wrench_;
-    std::vector<Vector6> wrench_;
+    mutable std::vector<Vector6> wrench_;
     std::vector<Twist> world_change_;
     mutable long passes_ = 0;
     long factorisations_ = 0;

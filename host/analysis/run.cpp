@@ -350,7 +350,7 @@ std::string describe_range(const dttmm_parameter& parameter) {
 
 void print_parameter(const dttmm_parameter& parameter) {
     const bool is_word = parameter.flags & DTTMM_PARAMETER_WORDS_ONLY;
-    fmt::print("    {:<22} {:<14} {:<12} {:<16} {}\n", parameter.name,
+    fmt::print("    {:<22} {:<14} {:<12} {:<20} {}\n", parameter.name,
                is_word ? "a word" : fmt::format("{} x {}", parameter.count, parameter.unit), describe_default(parameter),
                describe_range(parameter), parameter.documentation);
 }

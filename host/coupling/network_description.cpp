@@ -63,7 +63,7 @@ std::vector<std::vector<size_t>> split_into_networks(const Model& model) {
             if (end.node < 0) continue;
             size_t& other = first_at[static_cast<size_t>(end.node)];
             if (other == root.size()) other = e;
-            const auto [low, high] = std::minmax(find(e), find(other));
+            const auto [low, high] = std::minmax({find(e), find(other)});  // by value: find returns no lvalue
             root[high] = low;
         }
     std::vector<std::vector<size_t>> networks;

@@ -28,6 +28,7 @@ bool BlockFactor::factor(const BlockMatrix& matrix) {
 }
 
 void BlockFactor::solve(const Eigen::VectorXd& b, Eigen::VectorXd& x) const {
+    if (b.size() == 0) return;  // no body, and no pattern
     if (starts_.empty())
         x = solver_.solve(b);
     else

@@ -16,6 +16,8 @@ namespace {
 
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
+constexpr double kSamePoint = 1e-9;  // [m]: nearer than this is rounding
+
 bool is_rotation(const Matrix3& R) {
     return R.allFinite() && (R * R.transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff() < 1e-9 && R.determinant() > 0;
 }
@@ -177,7 +179,8 @@ private:
         for (int member : members) {
             const Part& part = parts_[static_cast<size_t>(member)];
             const Matrix3 axes = frame.pose.rotation.transpose() * part.pose.rotation;
-            const Vector3 arm = frame.pose.rotation.transpose() * (part.pose.position - frame.pose.position);
+            Vector3 arm = frame.pose.rotation.transpose() * (part.pose.position - frame.pose.position);
+            if (arm.norm() < kSamePoint) arm.setZero();
             frame.inertia += axes * part.frame.inertia * axes.transpose() - part.frame.mass * skew(arm) * skew(arm);
         }
         return frame;

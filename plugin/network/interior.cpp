@@ -24,6 +24,10 @@ constexpr double kForget = 2;
 constexpr double kSlowestContraction = 0.1;
 /// Of a frame's place, in the corrections: nothing finer can be asked for.
 constexpr double kRounding = 1e-14;
+/// Of the motion: no more digits are asked for.
+constexpr double kFinest = 1e-13;
+/// Radius of gyration below which a mass is a point [m].
+constexpr double kSmallestGyration = 1e-7;
 /// Of a step at which a network is first looked at, to see that it can be solved.
 constexpr double kTrialStep = 1e-3;
 /// A step so long that nothing has inertia in it and no damper resists: its matrix is β h² times the static stiffness.
@@ -96,11 +100,22 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     for (size_t j = 0; j < mechanism.joints.size(); ++j)
         if (mechanism.joints[j].from() < ports_ || mechanism.joints[j].to() < ports_) port_joints_.push_back(j);
     state_.resize(n);
-    for (auto* list : {&u_, &r_, &momentum_}) list->assign(n, Vector6::Zero());
-    for (auto* list : {&wrench_, &half_wrench_}) list->assign(mechanism.frames.size(), Vector6::Zero());
-    const auto rigid = static_cast<size_t>(elimination_.rigid_count());
+    const auto rigid = static_cast<size_t>(elimination_.rigid_count()), ports = static_cast<size_t>(ports_);
     for (auto* list : {&rigid_, &rigid_before_}) list->assign(rigid, 0);
-    for (auto* list : {&g_, &q_}) list->assign(rigid, 0);
+    for (auto* list : {&port_u_, &port_u_before_}) list->assign(ports, Vector6::Zero());
+    half_wrench_.assign(mechanism.frames.size(), Vector6::Zero());
+    now_.resize(mechanism.joints.size());
+    anchor_.ports.assign(mechanism.frames.begin(), mechanism.frames.begin() + ports_);
+    anchor_.u.assign(n, Vector6::Zero());
+    anchor_.change.assign(n, Vector6::Zero());
+    anchor_.q.assign(rigid, 0);
+    anchor_.q_change.assign(rigid, 0);
+    anchor_.wrench.assign(mechanism.frames.size(), Vector6::Zero());
+    anchor_.left.assign(n, Vector6::Zero());
+    other_ = anchor_;
+    port_change_.setZero(6 * ports_);
+    wrench_.assign(mechanism.frames.size(), Vector6::Zero());
+    world_change_.resize(mechanism.frames.size());
     trial_ = mechanism.frames;
     responses_.assign(n, Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, 6 * ports_));
     rigid_responses_.setZero(static_cast<Eigen::Index>(rigid), 6 * ports_);
@@ -111,14 +126,18 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
 }
 
 void Interior::set_reaches(const Mechanism& mechanism) {
+    port_reach_.assign(static_cast<size_t>(ports_), 0);
     for (Inertia& inertia : inertias_)
         if (inertia.mass > 0) inertia.reach = std::sqrt(inertia.moment.trace() / inertia.mass);
     for (const Joint& joint : mechanism.joints) {
         const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
-        if (is_inner(joint.from()))
-            inertias_[at(joint.from())].reach = std::max(inertias_[at(joint.from())].reach, joint.arm(from, to).norm());
-        if (is_inner(joint.to()))
-            inertias_[at(joint.to())].reach = std::max(inertias_[at(joint.to())].reach, joint.lever(to).norm());
+        const auto reach_out = [&](int frame, double length) {
+            if (frame >= ports_ && !is_inner(frame)) return;
+            double& reach = is_inner(frame) ? inertias_[at(frame)].reach : port_reach_[static_cast<size_t>(frame)];
+            reach = std::max(reach, length);
+        };
+        reach_out(joint.from(), joint.arm(from, to).norm());
+        reach_out(joint.to(), joint.lever(to).norm());
     }
 }
 
@@ -132,7 +151,8 @@ void Interior::set_balances(const Mechanism& mechanism) {
                                  : mechanism.scheme.is_trapezoidal() ? Balance::half_step
                                                                      : Balance::centred;
         if (inertias_[i].mass == 0) inertias_[i].balance[0] = massless;
-        if (inertias_[i].moment.isZero(0)) inertias_[i].balance[1] = massless;
+        if (inertias_[i].moment.trace() <= kSmallestGyration * kSmallestGyration * inertias_[i].mass)
+            inertias_[i].balance[1] = massless;
         for (Balance balance : inertias_[i].balance) settles_ = settles_ || balance == Balance::end_of_step;
     }
     for (const Joint& joint : mechanism.joints) {
@@ -165,6 +185,19 @@ void Interior::choose_heirs(const Mechanism& mechanism) {
     }
     for (size_t i = 0; i < inertias_.size(); ++i)
         if (!inherits(driven_ + static_cast<int>(i))) inertias_[i].heir = heir[static_cast<size_t>(driven_) + i];
+
+    // What the ports feel: their own joints, and those of the frames whose heirs they are
+    std::vector<bool> at_port(mechanism.frames.size(), false);
+    for (int f = 0; f < static_cast<int>(at_port.size()); ++f) {
+        const bool is_estate = is_inner(f) && inertias_[at(f)].heir >= 0 && inertias_[at(f)].heir < ports_;
+        if (f >= ports_ && !is_estate) continue;
+        at_port[static_cast<size_t>(f)] = true;
+        port_frames_.push_back(f);
+    }
+    for (size_t j = 0; j < mechanism.joints.size(); ++j)
+        if (at_port[static_cast<size_t>(mechanism.joints[j].from())] ||
+            at_port[static_cast<size_t>(mechanism.joints[j].to())])
+            port_side_joints_.push_back(j);
 }
 
 // ---- The matrix ---------------------------------------------------------------------------------------------------------
@@ -203,6 +236,13 @@ Matrix6 Interior::gain(const Mechanism& mechanism, size_t j) const {
     return gain;
 }
 
+/// From the columns of [d; relative turn ε] those of [d; θ] that rigid directions hold: δθ = J⁻¹ ε.
+Matrix6 Interior::rigid_rows(const Mechanism& mechanism, size_t j, const Matrix6& G) const {
+    Matrix6 rows = G;
+    if (const TurnState* turn = mechanism.turn(j)) rows.bottomRows<3>() = turn->conjugate.transpose() * G.bottomRows<3>();
+    return rows;
+}
+
 void Interior::assemble(const Mechanism& mechanism) {
     const double h = mechanism.scheme.step_size(), square = h * h;
     elimination_.set_zero();
@@ -216,8 +256,10 @@ void Interior::assemble(const Mechanism& mechanism) {
         if (to_inside) elimination_.add_diagonal(joint.to() - driven_, square * G_to.transpose() * Lambda * G_to);
         if (from_inside && to_inside)
             elimination_.add_coupling(static_cast<int>(j), square * G_from.transpose() * Lambda * G_to);
+        if (joint.rigid().none()) continue;
+        const Matrix6 by_from = rigid_rows(mechanism, j, G_from), by_to = rigid_rows(mechanism, j, G_to);
         for_each_rigid(joint, [&](int i, int d) {
-            elimination_.set_rigid(static_cast<int>(j), i, G_from.row(d).transpose(), G_to.row(d).transpose());
+            elimination_.set_rigid(static_cast<int>(j), i, by_from.row(d).transpose(), by_to.row(d).transpose());
         });
     }
 }
@@ -253,15 +295,18 @@ void Interior::refactor(const Mechanism& mechanism) {
     assemble(mechanism);
     factor(mechanism, DTTMM_ERROR_SINGULAR);
     find_responses(mechanism);
+    look_at_joints(mechanism);
 }
 
 /// How the inside follows a unit motion of each port.
 void Interior::find_responses(const Mechanism& mechanism) {
     const double h = mechanism.scheme.step_size();
+    std::vector<Vector6>& r = other_.change;
+    std::vector<double>& g = other_.q_change;
     for (int column = 0; column < 6 * ports_; ++column) {
         const int port = column / 6, c = column % 6;
-        std::fill(r_.begin(), r_.end(), Vector6::Zero());
-        std::fill(g_.begin(), g_.end(), 0.0);
+        std::fill(r.begin(), r.end(), Vector6::Zero());
+        std::fill(g.begin(), g.end(), 0.0);
         for (size_t j : port_joints_) {
             const Joint& joint = mechanism.joints[j];
             if (joint.from() != port && joint.to() != port) continue;
@@ -270,14 +315,15 @@ void Interior::find_responses(const Mechanism& mechanism) {
             const bool is_from = joint.from() == port;
             const Vector6 d = (is_from ? G_from : G_to).col(c);
             const int other = is_from ? joint.to() : joint.from();
-            if (is_inner(other)) r_[at(other)] -= (is_from ? G_to : G_from).transpose() * (Lambda * d);
+            if (is_inner(other)) r[at(other)] -= (is_from ? G_to : G_from).transpose() * (Lambda * d);
+            const Vector6 held = rigid_rows(mechanism, j, is_from ? G_from : G_to).col(c);
             for_each_rigid(joint, [&](int i, int direction) {
-                g_[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)] = -d(direction);
+                g[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)] = -held(direction);
             });
         }
-        elimination_.solve(r_, g_);
-        for (size_t i = 0; i < r_.size(); ++i) responses_[i].col(column) = r_[i];
-        rigid_responses_.col(column) = Eigen::Map<const Eigen::VectorXd>(g_.data(), static_cast<Eigen::Index>(g_.size()));
+        elimination_.solve(r, g);
+        for (size_t i = 0; i < r.size(); ++i) responses_[i].col(column) = r[i];
+        rigid_responses_.col(column) = Eigen::Map<const Eigen::VectorXd>(g.data(), static_cast<Eigen::Index>(g.size()));
     }
 }
 
@@ -296,12 +342,15 @@ void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) co
             if (is_inner(frames[end])) D += G[end] * responses_[at(frames[end])];
             if (frames[end] < ports_) D.middleCols<6>(6 * frames[end]) += G[end];
         }
-        Eigen::Matrix<double, 6, Eigen::Dynamic> f = h * h * gain(mechanism, j) * D;
+        const Eigen::Matrix<double, 6, Eigen::Dynamic> f = h * h * gain(mechanism, j) * D;
+        Eigen::Matrix<double, 6, Eigen::Dynamic> rigid = Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, 6 * ports_);
         for_each_rigid(joint, [&](int i, int d) {
-            f.row(d) = rigid_responses_.row(elimination_.rigid_begin(static_cast<int>(j)) + i);
+            rigid.row(d) = rigid_responses_.row(elimination_.rigid_begin(static_cast<int>(j)) + i);
         });
         for (int end : {0, 1})
-            if (frames[end] < ports_) S.middleRows<6>(6 * frames[end]) += G[end].transpose() * f;
+            if (frames[end] < ports_)
+                S.middleRows<6>(6 * frames[end]) +=
+                    G[end].transpose() * f + rigid_rows(mechanism, j, G[end]).transpose() * rigid;
     }
     for (int p = 0; p < ports_; ++p) {
         const Matrix3 R = mechanism.frame(p).axes();
@@ -368,8 +417,8 @@ void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_mot
     constexpr double kHold = 1e12;  // stiffer than everything
     const Mechanism slow = at_rest(mechanism, kLongStep);
     assemble(slow);
-    std::fill(r_.begin(), r_.end(), Vector6::Zero());
-    std::fill(g_.begin(), g_.end(), 0.0);
+    std::vector<Vector6> r(state_.size(), Vector6::Zero());
+    std::vector<double> g(rigid_.size(), 0);
     const double square = kLongStep * kLongStep;
     for (size_t j : port_joints_) {
         const Joint& joint = slow.joints[j];
@@ -382,10 +431,10 @@ void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_mot
             Vector6 u;
             u << R.transpose() * v.linear, R.transpose() * v.angular;
             const Vector6 d = G[end] * u;
-            if (is_inner(frames[1 - end]))
-                r_[at(frames[1 - end])] -= square * (G[1 - end].transpose() * (gain(slow, j) * d));
+            if (is_inner(frames[1 - end])) r[at(frames[1 - end])] -= square * (G[1 - end].transpose() * (gain(slow, j) * d));
+            const Vector6 held = rigid_rows(slow, j, G[end]) * u;
             for_each_rigid(joint, [&](int i, int direction) {
-                g_[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)] -= d(direction);
+                g[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)] -= held(direction);
             });
         }
     }
@@ -406,14 +455,14 @@ void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_mot
         Vector6 weight;
         weight << Vector3::Constant(translation), Vector3::Constant(rotation);
         elimination_.add_diagonal(spec.frame - driven_, G.transpose() * weight.asDiagonal() * G);
-        r_[at(spec.frame)] += G.transpose() * weight.cwiseProduct(given);
+        r[at(spec.frame)] += G.transpose() * weight.cwiseProduct(given);
     }
     factor(slow, DTTMM_ERROR_SINGULAR);
-    elimination_.solve(r_, g_);
+    elimination_.solve(r, g);
     for (int i = 0; i < count_; ++i) {
         const RowMajor3 R = slow.frame(driven_ + i).axes();
         State& state = state_[static_cast<size_t>(i)];
-        state.velocity = {R * head(r_[static_cast<size_t>(i)]), R * tail(r_[static_cast<size_t>(i)])};
+        state.velocity = {R * head(r[static_cast<size_t>(i)]), R * tail(r[static_cast<size_t>(i)])};
     }
 }
 
@@ -429,14 +478,14 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
     books_ = {};
 
     // Forces of the start, for the momentum half a step before it and the accelerations
-    std::fill(wrench_.begin(), wrench_.end(), Vector6::Zero());
+    std::vector<Vector6> wrench(mechanism.frames.size(), Vector6::Zero());
     for (const Joint& joint : mechanism.joints) {
         const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
         const Vector6 f = joint.force(
             from, to, joint.rate(from, start_velocity(joint.from(), ports), to, start_velocity(joint.to(), ports)));
         const Matrix3 R = joint.axes(from);
         joint.add_wrench(joint.arm(from, to), joint.lever(to), R * head(f), R * tail(f),
-                         wrench_[static_cast<size_t>(joint.from())].data(), wrench_[static_cast<size_t>(joint.to())].data());
+                         wrench[static_cast<size_t>(joint.from())].data(), wrench[static_cast<size_t>(joint.to())].data());
     }
     std::vector<Twist> acceleration(state_.size());
     for (size_t i = 0; i < state_.size(); ++i) {
@@ -445,7 +494,7 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
         const Frame& frame = mechanism.frames[static_cast<size_t>(driven_) + i];
         const FrameView view = frame;
         const RowMajor3 R = view.axes();
-        Vector6 force = wrench_[static_cast<size_t>(driven_) + i] + state.load[0];
+        Vector6 force = wrench[static_cast<size_t>(driven_) + i] + state.load[0];
         force.head<3>() += inertia.mass * gravity_;
         const Vector3 spin = R.transpose() * state.velocity.angular;
         state.momentum << inertia.mass * state.velocity.linear, R * (inertia.moment * spin);
@@ -458,6 +507,18 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
         if (inertias_[i].balance[1] == Balance::momentum)
             acceleration[i].angular = R * inertia.moment.fullPivLu().solve(moment);
         books_.load_power += state.load[0].dot(joined(state.velocity));
+    }
+    // A load that a massless frame takes at once passes on to its heir
+    for (size_t i = 0; i < state_.size(); ++i) {
+        const Inertia& inertia = inertias_[i];
+        if (inertia.heir < driven_) continue;
+        Vector6 force = wrench[static_cast<size_t>(driven_) + i] + state_[i].load[0];
+        for (int half : {0, 1})
+            if (inertia.balance[half] == Balance::momentum) force.segment<3>(3 * half).setZero();
+        Vector6& momentum = state_[at(inertia.heir)].momentum;
+        const Vector3 arm = mechanism.frame(driven_ + static_cast<int>(i)).origin() - mechanism.frame(inertia.heir).origin();
+        momentum.head<3>() -= 0.5 * h * head(force);
+        momentum.tail<3>() -= 0.5 * h * (tail(force) + arm.cross(head(force)));
     }
     const auto acceleration_of = [&](int frame) {
         if (is_inner(frame)) return acceleration[at(frame)];
@@ -475,6 +536,12 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
     }
     find_imbalances(mechanism);
     for (State& state : state_) state.imbalance[1] = state.imbalance[0];
+    for (size_t p = 0; p < port_u_.size(); ++p) {
+        const Twist v = twist(ports[p]);
+        const RowMajor3 R = mechanism.frame(static_cast<int>(p)).axes();
+        port_u_[p] << R.transpose() * v.linear, R.transpose() * v.angular;
+    }
+    port_u_before_ = port_u_;
     trial_ = mechanism.frames;
     refactor(mechanism);
 }
@@ -519,68 +586,92 @@ void Interior::find_imbalances(const Mechanism& mechanism) {
 
 // ---- A step -------------------------------------------------------------------------------------------------------------
 
-void Interior::begin_step(const Mechanism& mechanism, const double* loads) { read_loads(mechanism, loads, 0); }
-
-void Interior::predict() const {
-    for (size_t i = 0; i < state_.size(); ++i) u_[i] = 2 * state_[i].u - state_[i].u_before;
-    q_ = rigid_;
-}
-
-/// The inner frames at the end of the step.
-void Interior::place(const Mechanism& mechanism) const {
-    const double h = mechanism.scheme.step_size();
-    for (size_t i = 0; i < state_.size(); ++i) {
-        const size_t f = static_cast<size_t>(driven_) + i;
-        const FrameView now = mechanism.frames[f];
-        Frame& trial = trial_[f];
-        Map3{trial.position} = now.origin() + h * (now.axes() * u_[i].head<3>());
-        MapR{trial.rotation} = now.axes() * rotation_from_vector(h * u_[i].tail<3>());
+void Interior::look_at_joints(const Mechanism& mechanism) {
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const Joint& joint = mechanism.joints[j];
+        const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
+        now_[j] = {joint.axes(from), joint.arm(from, to), joint.lever(to)};
     }
 }
 
-/// Wrenches of the joints over the step, on every frame at its origin.
-void Interior::add_joint_forces(const Mechanism& mechanism) const {
-    std::fill(wrench_.begin(), wrench_.end(), Vector6::Zero());
+void Interior::begin_step(const Mechanism& mechanism, const double* loads) {
+    read_loads(mechanism, loads, 0);
+    drop_anchor(mechanism);
+}
+
+/// Solves the step for ports that go on as they have.
+void Interior::drop_anchor(const Mechanism& mechanism) {
+    const double h = mechanism.scheme.step_size();
+    for (size_t p = 0; p < port_u_.size(); ++p) {
+        const Vector6 u = 2 * port_u_[p] - port_u_before_[p];
+        const FrameView now = mechanism.frames[p];
+        Map3{anchor_.ports[p].position} = now.origin() + h * (now.axes() * head(u));
+        MapR{anchor_.ports[p].rotation} = now.axes() * rotation_from_vector(h * tail(u));
+    }
+    for (size_t i = 0; i < state_.size(); ++i) anchor_.u[i] = 2 * state_[i].u - state_[i].u_before;
+    anchor_.q = rigid_;
+    anchor_.contraction = std::min(kForget * books_.contraction, 1.0);
+    anchor_.scale = books_.scale;
+    solve(mechanism, anchor_);
+}
+
+/// The frames at the end of the step.
+void Interior::place(const Mechanism& mechanism, const Solution& solution) const {
+    const double h = mechanism.scheme.step_size();
+    std::copy(solution.ports.begin(), solution.ports.end(), trial_.begin());
+    for (size_t i = 0; i < state_.size(); ++i) {
+        const size_t f = static_cast<size_t>(driven_) + i;
+        const FrameView now = mechanism.frames[f];
+        const Vector6& u = solution.u[i];
+        Map3{trial_[f].position} = now.origin() + h * (now.axes() * u.head<3>());
+        MapR{trial_[f].rotation} = now.axes() * rotation_from_vector(h * u.tail<3>());
+    }
+}
+
+/// Wrenches of the joints over the step at the trial frames.
+void Interior::find_forces(const Mechanism& mechanism, Solution& solution) const {
+    std::fill(solution.wrench.begin(), solution.wrench.end(), Vector6::Zero());
     std::fill(half_wrench_.begin(), half_wrench_.end(), Vector6::Zero());
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Joint& joint = mechanism.joints[j];
         const auto a = static_cast<size_t>(joint.from()), b = static_cast<size_t>(joint.to());
-        const FrameView from_now = mechanism.frames[a], to_now = mechanism.frames[b];
         const FrameView from = trial_[a], to = trial_[b];
         const JointState& state = mechanism.states[j];
         const TurnState* turn = mechanism.turn(j);
-        const Vector3 arm = joint.arm(from_now, to_now), lever = joint.lever(to_now);
-        const Matrix3 R = joint.axes(from_now);
+        const auto& [R, arm, lever] = now_[j];
         Vector3 f = joint.trial_force(from, joint.arm(from, to), state), m = Vector3::Zero();
         if (turn) m = joint.trial_moment(joint.trial_turn(from, to, *turn), *turn);
-        Vector6 rigid = Vector6::Zero(), rigid_half = Vector6::Zero();
-        for_each_rigid(joint, [&](int i, int d) {
-            const auto row = static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i);
-            rigid_half(d) = q_[row];
-            rigid(d) = half_wanted_[j] ? q_[row] + rigid_[row] : q_[row];
-        });
         if (half_wanted_[j]) {
             // F_{n+1/2}/2 = law δ₊ + k d/2
-            const Vector3 f_half = f - state.translation.known +
-                                   0.5 * joint.translation_half().stiffness.cwiseProduct(state.translation.d) +
-                                   head(rigid_half);
+            const Vector3 f_half =
+                f - state.translation.known + 0.5 * joint.translation_half().stiffness.cwiseProduct(state.translation.d);
             Vector3 m_half = Vector3::Zero();
             if (turn)
                 m_half = m - turn->rotation.known +
-                         turn->conjugate *
-                             (0.5 * joint.rotation_half().stiffness.cwiseProduct(turn->rotation.d) + tail(rigid_half));
+                         turn->conjugate * (0.5 * joint.rotation_half().stiffness.cwiseProduct(turn->rotation.d));
             joint.add_wrench(arm, lever, R * f_half, R * m_half, half_wrench_[a].data(), half_wrench_[b].data());
         }
-        if (joint.rigid().any()) {
-            f += head(rigid);
-            if (turn) m += turn->conjugate * tail(rigid);
+        joint.add_wrench(arm, lever, R * f, R * m, solution.wrench[a].data(), solution.wrench[b].data());
+        if (joint.rigid().none()) continue;
+        Vector6 rigid = Vector6::Zero(), rigid_half = Vector6::Zero();
+        for_each_rigid(joint, [&](int i, int d) {
+            const auto row = static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i);
+            rigid_half(d) = solution.q[row];
+            rigid(d) = solution.q[row] + (half_wanted_[j] ? rigid_[row] : 0);
+        });
+        if (turn) {
+            rigid.tail<3>() = (turn->conjugate * tail(rigid)).eval();
+            rigid_half.tail<3>() = (turn->conjugate * tail(rigid_half)).eval();
         }
-        joint.add_wrench(arm, lever, R * f, R * m, wrench_[a].data(), wrench_[b].data());
+        joint.add_wrench(arm, lever, R * head(rigid), R * tail(rigid), solution.wrench[a].data(), solution.wrench[b].data());
+        if (half_wanted_[j])
+            joint.add_wrench(arm, lever, R * head(rigid_half), R * tail(rigid_half), half_wrench_[a].data(),
+                             half_wrench_[b].data());
     }
 }
 
 /// Hands what massless frames leave unbalanced of the centred forces to their heirs. It does not depend on the trial.
-void Interior::pass_on_imbalances(const Mechanism& mechanism) const {
+void Interior::pass_on_imbalances(const Mechanism& mechanism, Solution& solution) const {
     const Scheme& scheme = mechanism.scheme;
     for (size_t i = 0; i < state_.size(); ++i) {
         const Inertia& inertia = inertias_[i];
@@ -594,58 +685,73 @@ void Interior::pass_on_imbalances(const Mechanism& mechanism) const {
                                             scheme.load_weight(2) * state.imbalance[1].segment<3>(3 * half);
             if (inertia.balance[half] == Balance::half_step)
                 left.segment<3>(3 * half) =
-                    (wrench_[f] - half_wrench_[f] + 0.25 * (state.load[1] + state.load[2])).segment<3>(3 * half);
+                    (solution.wrench[f] - half_wrench_[f] + 0.25 * (state.load[1] + state.load[2])).segment<3>(3 * half);
         }
-        const Vector3 arm = mechanism.frame(static_cast<int>(f)).origin() - mechanism.frame(inertia.heir).origin();
-        wrench_[to].head<3>() += head(left);
-        wrench_[to].tail<3>() += tail(left) + arm.cross(head(left));
+        bequeath(mechanism, i, left, solution.wrench[to]);
+        solution.left[i] = left;
     }
 }
 
-/// What the equations lack at the trial motion: r in the frames' axes, g of the rigid directions.
-void Interior::form_residuals(const Mechanism& mechanism) const {
+/// Adds a wrench at a massless frame to that at its heir.
+void Interior::bequeath(const Mechanism& mechanism, size_t frame, const Vector6& left, Vector6& to_heir) const {
+    const Vector3 arm =
+        mechanism.frame(driven_ + static_cast<int>(frame)).origin() - mechanism.frame(inertias_[frame].heir).origin();
+    to_heir.head<3>() += head(left);
+    to_heir.tail<3>() += tail(left) + arm.cross(head(left));
+}
+
+/// What the linear change of the forces leaves on a massless frame beyond what its heir has already: second order in the
+/// change.
+void Interior::settle_estate(const Mechanism& mechanism, size_t frame, const Solution& solution) const {
+    const Inertia& inertia = inertias_[frame];
+    Vector6 left = wrench_[static_cast<size_t>(driven_) + frame] + load_over_step(mechanism.scheme, state_[frame]) -
+                   solution.left[frame];
+    for (int half : {0, 1})
+        if (inertia.balance[half] == Balance::momentum) left.segment<3>(3 * half).setZero();
+    bequeath(mechanism, frame, left, wrench_[static_cast<size_t>(inertia.heir)]);
+}
+
+/// What the equations lack at the trial motion, into `change` (in the frames' axes) and `q_change`.
+void Interior::form_residuals(const Mechanism& mechanism, Solution& solution) const {
     const Scheme& scheme = mechanism.scheme;
     const double h = scheme.step_size();
     for (size_t i = 0; i < state_.size(); ++i) {
         const size_t f = static_cast<size_t>(driven_) + i;
         const State& state = state_[i];
         const Inertia& inertia = inertias_[i];
-        const FrameView now = mechanism.frames[f];
-        const Vector6 load = scheme.load_weight(0) * state.load[0] + scheme.load_weight(1) * state.load[1] +
-                             scheme.load_weight(2) * state.load[2];
-        Vector6 impulse = h * (wrench_[f] + load);
-        impulse.head<3>() += h * inertia.mass * gravity_;
+        const Vector6& u = solution.u[i];
+        Vector6& r = solution.change[i];
+        Vector6 world = h * (solution.wrench[f] + load_over_step(scheme, state));
+        world.head<3>() += h * inertia.mass * gravity_;
         for (int half : {0, 1}) {
-            Vector3 world = impulse.segment<3>(3 * half);
+            auto part = world.segment<3>(3 * half);
             switch (inertia.balance[half]) {
                 case Balance::momentum:
-                    world += state.momentum.segment<3>(3 * half);
+                    part += state.momentum.segment<3>(3 * half);
                     break;
                 case Balance::end_of_step:
-                    world -= h * (scheme.load_weight(1) * state.imbalance[0].segment<3>(3 * half) +
-                                  scheme.load_weight(2) * state.imbalance[1].segment<3>(3 * half));
+                    part -= h * (scheme.load_weight(1) * state.imbalance[0].segment<3>(3 * half) +
+                                 scheme.load_weight(2) * state.imbalance[1].segment<3>(3 * half));
                     break;
                 case Balance::half_step:
-                    world = h * (half_wrench_[f].segment<3>(3 * half) +
-                                 0.25 * (state.load[0] + state.load[1]).segment<3>(3 * half));
+                    part = h * (half_wrench_[f].segment<3>(3 * half) +
+                                0.25 * (state.load[0] + state.load[1]).segment<3>(3 * half));
                     break;
                 case Balance::centred:
                     break;
             }
-            r_[i].segment<3>(3 * half) = now.axes().transpose() * world;
         }
-        if (inertia.balance[0] == Balance::momentum) {
-            momentum_[i].head<3>() = inertia.mass * u_[i].head<3>();
-            r_[i].head<3>() -= momentum_[i].head<3>();
-        }
+        const FrameView now = mechanism.frames[f];
+        r.head<3>() = now.axes().transpose() * world.head<3>();
+        r.tail<3>() = now.axes().transpose() * world.tail<3>();
+        if (inertia.balance[0] == Balance::momentum) r.head<3>() -= inertia.mass * u.head<3>();
         if (inertia.balance[1] == Balance::momentum) {
             // L = exp(h w~/2) J w half way through the step
-            const Vector3 w = u_[i].tail<3>();
-            momentum_[i].tail<3>() = rotation_from_vector(0.5 * h * w) * (inertia.moment * w);
-            r_[i].tail<3>() -= momentum_[i].tail<3>();
+            const Vector3 w = u.tail<3>();
+            r.tail<3>() -= rotation_from_vector(0.5 * h * w) * (inertia.moment * w);
         }
     }
-    if (g_.empty()) return;
+    if (solution.q.empty()) return;
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Joint& joint = mechanism.joints[j];
         if (joint.rigid().none()) continue;
@@ -654,59 +760,63 @@ void Interior::form_residuals(const Mechanism& mechanism) const {
         d << joint.translation(from, joint.arm(from, to)),
             joint.turns() ? rotation_vector(joint.attitude(from, to)) : Vector3(Vector3::Zero());
         for_each_rigid(joint, [&](int i, int direction) {
-            g_[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)] = -d(direction) / h;
+            solution.q_change[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)] = -d(direction) / h;
         });
     }
 }
 
-/// Solves for the correction, applies it, and returns its size: the largest speed of a point.
-double Interior::correct(double h) const {
-    elimination_.solve(r_, g_);
+Vector6 Interior::load_over_step(const Scheme& scheme, const State& state) {
+    return scheme.load_weight(0) * state.load[0] + scheme.load_weight(1) * state.load[1] +
+           scheme.load_weight(2) * state.load[2];
+}
+
+/// Solves for the correction and returns its size: the largest speed of a point.
+double Interior::correct(Solution& solution) const {
+    elimination_.solve(solution.change, solution.q_change);
     double largest = 0;
-    for (size_t i = 0; i < r_.size(); ++i) {
+    for (size_t i = 0; i < state_.size(); ++i) {
         const double reach = inertias_[i].reach;
-        u_[i] += r_[i];
-        largest = std::max(largest, r_[i].head<3>().squaredNorm() + reach * reach * r_[i].tail<3>().squaredNorm());
+        const Vector6& change = solution.change[i];
+        largest = std::max(largest, change.head<3>().squaredNorm() + reach * reach * change.tail<3>().squaredNorm());
+        if (!(largest >= 0)) break;
     }
-    for (size_t i = 0; i < g_.size(); ++i) q_[i] += g_[i] / h;
     return std::sqrt(largest);
 }
 
-void Interior::solve(const Mechanism& mechanism, const dttmm_motion* ports) const {
+/// Passes from the motion in `solution` on until the last change is good enough; contraction and scale as last known.
+void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
     const double h = mechanism.scheme.step_size();
-    for (int p = 0; p < ports_; ++p) {
-        std::copy_n(ports[p].position, 3, trial_[static_cast<size_t>(p)].position);
-        std::copy_n(ports[p].rotation, 9, trial_[static_cast<size_t>(p)].rotation);
-    }
-    predict();
     double size = 0, speed = 0;
-    for (size_t i = 0; i < u_.size(); ++i) {
-        const Frame& frame = mechanism.frames[static_cast<size_t>(driven_) + i];
+    for (size_t i = 0; i < state_.size(); ++i) {
         const double reach = inertias_[i].reach;
+        const Vector6& u = solution.u[i];
         size =
-            std::max(size, std::abs(frame.position[0]) + std::abs(frame.position[1]) + std::abs(frame.position[2]) + reach);
-        speed = std::max(speed, u_[i].head<3>().squaredNorm() + reach * reach * u_[i].tail<3>().squaredNorm());
+            std::max(size, FrameView(mechanism.frames[static_cast<size_t>(driven_) + i]).origin().cwiseAbs().sum() + reach);
+        speed = std::max(speed, u.head<3>().squaredNorm() + reach * reach * u.tail<3>().squaredNorm());
     }
-    scale_ = std::max(books_.scale, std::sqrt(speed));
-    contraction_ = std::min(kForget * books_.contraction, 1.0);
-    rate_ = 0;
-    const double floor = kRounding * size / h;
+    solution.scale = std::max(solution.scale, std::sqrt(speed));
+    solution.rate = 0;
+    const double floor = std::max(kRounding * size / h, kFinest * solution.scale);
     double previous = 0;
     for (int pass = 0; pass < kMostPasses; ++pass) {
         ++passes_;
-        place(mechanism);
-        add_joint_forces(mechanism);
-        pass_on_imbalances(mechanism);
-        form_residuals(mechanism);
-        const double correction = correct(h);
+        if (pass > 0) {
+            for (size_t i = 0; i < state_.size(); ++i) solution.u[i] += solution.change[i];
+            for (size_t i = 0; i < solution.q.size(); ++i) solution.q[i] += solution.q_change[i] / h;
+        }
+        place(mechanism, solution);
+        find_forces(mechanism, solution);
+        pass_on_imbalances(mechanism, solution);
+        form_residuals(mechanism, solution);
+        const double correction = correct(solution);
         if (!std::isfinite(correction)) break;
         if (pass > 0 && correction > floor) {
-            rate_ = previous > 0 ? correction / previous : 0;
-            contraction_ = rate_ < 1 ? rate_ / (1 - rate_) : 1e3;
+            solution.rate = previous > 0 ? correction / previous : 0;
+            solution.contraction = solution.rate < 1 ? solution.rate / (1 - solution.rate) : 1e3;
         }
         previous = correction;
-        if (pass == 0) scale_ = std::max(scale_, correction);
-        if (correction <= floor || contraction_ * correction <= std::max(kTolerance * scale_, floor)) return;
+        if (pass == 0) solution.tolerance = std::max(floor, std::min(kShare * correction, kTolerance * solution.scale));
+        if (is_good_enough(correction, solution)) return;
     }
     throw Error(DTTMM_ERROR_NUMERIC,
                 fmt::format("the motion inside the network was not found in {} passes (last correction {:.1e} m/s); try a "
@@ -715,83 +825,180 @@ void Interior::solve(const Mechanism& mechanism, const dttmm_motion* ports) cons
                 mechanism.assembly.frames.back().element);
 }
 
-/// What the last correction changes in the wrenches on the ports.
-void Interior::add_port_changes(const Mechanism& mechanism, double* wrench) const {
+bool Interior::is_good_enough(double correction, const Solution& solution) {
+    return std::min(solution.contraction, 1.0) * correction <= solution.tolerance;
+}
+
+/// The solution for a motion of the ports: the anchored one, to which port_change_ is to be added linearly, if that is good
+/// enough, else one of its own.
+const Interior::Solution& Interior::respond(const Mechanism& mechanism, const dttmm_motion* ports) const {
     const double h = mechanism.scheme.step_size();
-    for (size_t j : port_joints_) {
-        const Joint& joint = mechanism.joints[j];
-        const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
-        Vector6 d = Vector6::Zero();
-        if (is_inner(joint.from())) d += local_by_from(mechanism, j) * r_[at(joint.from())];
-        if (is_inner(joint.to())) d += local_by_to(mechanism, j) * r_[at(joint.to())];
-        Vector6 f = Vector6::Zero();
-        f.head<3>() = h * joint.translation_half().law.cwiseProduct(head(d));
-        if (joint.turns()) f.tail<3>() = h * (joint.turn_gain(*mechanism.turn(j)) * tail(d));
-        Vector6 rigid = Vector6::Zero();
-        for_each_rigid(joint, [&](int i, int direction) {
-            rigid(direction) = g_[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)] / h;
-        });
-        f.head<3>() += head(rigid);
-        if (joint.turns()) f.tail<3>() += mechanism.turn(j)->conjugate * tail(rigid);
-        const Matrix3 R = joint.axes(from);
-        joint.add_wrench(joint.arm(from, to), joint.lever(to), R * head(f), R * tail(f),
-                         joint.from() < ports_ ? wrench + 6 * joint.from() : nullptr,
-                         joint.to() < ports_ ? wrench + 6 * joint.to() : nullptr);
+    double largest = 0;
+    for (size_t p = 0; p < port_u_.size(); ++p) {
+        const FrameView now = mechanism.frames[p], anchor = anchor_.ports[p], trial = ports[p];
+        auto change = port_change_.segment<6>(static_cast<Eigen::Index>(6 * p));
+        change << now.axes().transpose() * (trial.origin() - anchor.origin()),
+            now.axes().transpose() * rotation_vector(trial.axes() * anchor.axes().transpose());
+        change /= h;
+        largest = std::max(
+            largest, change.head<3>().squaredNorm() + port_reach_[p] * port_reach_[p] * change.tail<3>().squaredNorm());
     }
+    if (is_good_enough(std::sqrt(largest), anchor_)) return anchor_;
+    other_.contraction = anchor_.contraction;
+    other_.scale = anchor_.scale;
+    for (size_t p = 0; p < port_u_.size(); ++p) {
+        std::copy_n(ports[p].position, 3, other_.ports[p].position);
+        std::copy_n(ports[p].rotation, 9, other_.ports[p].rotation);
+    }
+    for (size_t i = 0; i < state_.size(); ++i) other_.u[i] = anchor_.u[i] + anchor_.change[i] + responses_[i] * port_change_;
+    const Eigen::VectorXd rigid = rigid_responses_ * port_change_;
+    for (size_t i = 0; i < other_.q.size(); ++i)
+        other_.q[i] = anchor_.q[i] + (anchor_.q_change[i] + rigid(static_cast<Eigen::Index>(i))) / h;
+    solve(mechanism, other_);
+    port_change_.setZero();
+    return other_;
+}
+
+/// What leads a frame from where the joints' forces were worked out to the end of the step, over h, in its axes.
+Vector6 Interior::change_of(int frame, const Solution& solution) const {
+    if (is_inner(frame)) return solution.change[at(frame)] + responses_[at(frame)] * port_change_;
+    if (frame < ports_) return port_change_.segment<6>(6 * frame);
+    return Vector6::Zero();
+}
+
+/// The change of a joint's force, joint axes: linear from where it was worked out to the end of the step. `from`, `to`: the
+/// changes of its frames, world axes.
+Vector6 Interior::force_change(const Mechanism& mechanism, size_t j, const Twist& from, const Twist& to,
+                               const Solution& solution) const {
+    const double h = mechanism.scheme.step_size();
+    const Joint& joint = mechanism.joints[j];
+    const TurnState* turn = mechanism.turn(j);
+    const auto& [R, arm, lever] = now_[j];
+    Vector6 f = Vector6::Zero();
+    const Vector3 gap = to.linear + to.angular.cross(lever) - from.linear - from.angular.cross(arm);
+    f.head<3>() = h * joint.translation_half().law.cwiseProduct(R.transpose() * gap);
+    if (turn) f.tail<3>() = joint.moment_change(h * (R.transpose() * (to.angular - from.angular)), *turn);
+    if (joint.rigid().none()) return f;
+    Vector6 rigid = Vector6::Zero();
+    for_each_rigid(joint, [&](int i, int direction) {
+        const int row = elimination_.rigid_begin(static_cast<int>(j)) + i;
+        rigid(direction) = (solution.q_change[static_cast<size_t>(row)] + rigid_responses_.row(row).dot(port_change_)) / h;
+    });
+    f.head<3>() += head(rigid);
+    if (turn) f.tail<3>() += turn->conjugate * tail(rigid);
+    return f;
 }
 
 void Interior::evaluate(const Mechanism& mechanism, const dttmm_motion* trial, double* wrench) const {
-    solve(mechanism, trial);
+    const Solution& solution = respond(mechanism, trial);
+    const auto change = [&](int frame) {
+        const Vector6 local = change_of(frame, solution);
+        const RowMajor3 R = mechanism.frame(frame).axes();
+        return Twist{R * head(local), R * tail(local)};
+    };
+    for (int frame : port_frames_) wrench_[static_cast<size_t>(frame)] = solution.wrench[static_cast<size_t>(frame)];
+    for (size_t j : port_side_joints_) {
+        const Joint& joint = mechanism.joints[j];
+        const Vector6 f = force_change(mechanism, j, change(joint.from()), change(joint.to()), solution);
+        const auto& [R, arm, lever] = now_[j];
+        joint.add_wrench(arm, lever, R * head(f), R * tail(f), wrench_[static_cast<size_t>(joint.from())].data(),
+                         wrench_[static_cast<size_t>(joint.to())].data());
+    }
+    for (int frame : port_frames_)
+        if (is_inner(frame)) settle_estate(mechanism, at(frame), solution);
     for (int p = 0; p < ports_; ++p) Eigen::Map<Vector6>{wrench + 6 * p} = wrench_[static_cast<size_t>(p)];
-    add_port_changes(mechanism, wrench);
 }
 
 void Interior::commit(Mechanism& mechanism, const dttmm_motion* accepted) {
+    const Solution& solution = respond(mechanism, accepted);
+    take_momentum(mechanism, solution);
+    take_motion(mechanism, solution, accepted);
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const Joint& joint = mechanism.joints[j];
+        joint.advance(mechanism.scheme, mechanism.steps, mechanism.frame(joint.from()), mechanism.frame(joint.to()),
+                      mechanism.states[j], mechanism.turn(j));
+    }
     const double h = mechanism.scheme.step_size();
-    solve(mechanism, accepted);
-    place(mechanism);
+    const Eigen::VectorXd rigid = rigid_responses_ * port_change_;
+    rigid_before_ = rigid_;
+    for (size_t i = 0; i < rigid_.size(); ++i)
+        rigid_[i] = solution.q[i] + (solution.q_change[i] + rigid(static_cast<Eigen::Index>(i))) / h;
+    find_imbalances(mechanism);
+    books_.contraction = solution.contraction;
+    books_.scale = 0.98 * solution.scale;
+    if (solution.rate > kSlowestContraction)
+        refactor(mechanism);
+    else
+        look_at_joints(mechanism);
+}
+
+/// Moves the momentum on by the forces at the end of the step, those of each joint a pair that balances exactly.
+void Interior::take_momentum(const Mechanism& mechanism, const Solution& solution) {
+    const double h = mechanism.scheme.step_size();
+    for (size_t f = 0; f < mechanism.frames.size(); ++f) {
+        const Vector6 local = change_of(static_cast<int>(f), solution);
+        const RowMajor3 R = mechanism.frame(static_cast<int>(f)).axes();
+        world_change_[f] = {R * head(local), R * tail(local)};
+        wrench_[f] = solution.wrench[f];
+    }
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const Joint& joint = mechanism.joints[j];
+        const auto a = static_cast<size_t>(joint.from()), b = static_cast<size_t>(joint.to());
+        const Vector6 f = force_change(mechanism, j, world_change_[a], world_change_[b], solution);
+        const auto& [R, arm, lever] = now_[j];
+        joint.add_wrench(arm, lever, R * head(f), R * tail(f), wrench_[a].data(), wrench_[b].data());
+    }
+    for (size_t i = 0; i < state_.size(); ++i)
+        if (inertias_[i].heir >= 0) settle_estate(mechanism, i, solution);
+    for (size_t i = 0; i < state_.size(); ++i) {
+        State& state = state_[i];
+        const Vector6 impulse = h * (wrench_[static_cast<size_t>(driven_) + i] + load_over_step(mechanism.scheme, state));
+        if (inertias_[i].balance[0] == Balance::momentum)
+            state.momentum.head<3>() += head(impulse) + h * inertias_[i].mass * gravity_;
+        if (inertias_[i].balance[1] == Balance::momentum) state.momentum.tail<3>() += tail(impulse);
+    }
+}
+
+/// Moves the frames to the end of the step.
+void Interior::take_motion(Mechanism& mechanism, const Solution& solution, const dttmm_motion* accepted) {
+    const double h = mechanism.scheme.step_size();
     mechanism.before = mechanism.frames;
     double power = 0;
     for (size_t i = 0; i < state_.size(); ++i) {
         State& state = state_[i];
         Frame& frame = mechanism.frames[static_cast<size_t>(driven_) + i];
+        const Twist& change = world_change_[static_cast<size_t>(driven_) + i];
         const RowMajor3 R = MapR(frame.rotation);
-        // P(u) + M δ: what the linear equations give the frame, however well u agrees
-        Vector6 momentum = momentum_[i];
-        momentum.head<3>() += inertias_[i].mass * r_[i].head<3>();
-        momentum.tail<3>() += inertias_[i].moment * r_[i].tail<3>();
-        state.momentum << R * head(momentum), R * tail(momentum);
+        const Vector6 u = solution.u[i] + change_of(driven_ + static_cast<int>(i), solution);
         state.velocity_before = state.velocity;
-        state.velocity = {R * u_[i].head<3>(), R * u_[i].tail<3>()};
+        state.velocity = {R * solution.u[i].head<3>() + change.linear, R * solution.u[i].tail<3>() + change.angular};
         if (mechanism.steps == 0) {  // the initial velocities are the mean of both
             state.velocity_before.linear = 2 * state.velocity_before.linear - state.velocity.linear;
             state.velocity_before.angular = 2 * state.velocity_before.angular - state.velocity.angular;
         }
-        state.u_before = mechanism.steps == 0 ? u_[i] : state.u;
-        state.u = u_[i];
-        frame = trial_[static_cast<size_t>(driven_) + i];
+        state.u_before = mechanism.steps == 0 ? u : state.u;
+        state.u = u;
+        Map3{frame.position} += h * state.velocity.linear;
         // One step of Newton keeps the axes orthonormal to rounding
-        RowMajor3 next = MapR(frame.rotation);
+        RowMajor3 next = R * rotation_from_vector(h * u.tail<3>());
         next += 0.5 * next * (RowMajor3::Identity() - next.transpose() * next);
         MapR{frame.rotation} = next;
         power += 0.5 * state.load[1].dot(joined(state.velocity) + joined(state.velocity_before));
         state.load[2] = state.load[1];
         state.load[1] = state.load[0];
     }
-    for (int p = 0; p < ports_; ++p) mechanism.frames[static_cast<size_t>(p)] = trial_[static_cast<size_t>(p)];
-    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
-        const Joint& joint = mechanism.joints[j];
-        joint.advance(mechanism.scheme, mechanism.steps, mechanism.frame(joint.from()), mechanism.frame(joint.to()),
-                      mechanism.states[j], mechanism.turn(j));
+    for (size_t p = 0; p < port_u_.size(); ++p) {
+        Frame& frame = mechanism.frames[p];
+        const FrameView now = frame, next = accepted[p];
+        Vector6 u;
+        u << now.axes().transpose() * (next.origin() - now.origin()), rotation_vector(now.axes().transpose() * next.axes());
+        port_u_before_[p] = mechanism.steps == 0 ? Vector6(u / h) : port_u_[p];
+        port_u_[p] = u / h;
+        std::copy_n(accepted[p].position, 3, frame.position);
+        std::copy_n(accepted[p].rotation, 9, frame.rotation);
     }
-    rigid_before_ = rigid_;
-    rigid_ = q_;
     if (mechanism.steps > 0) books_.load_work += 0.5 * h * (books_.load_power + power);
     books_.load_power = power;
-    find_imbalances(mechanism);
-    books_.contraction = contraction_;
-    books_.scale = 0.98 * scale_;
-    if (rate_ > kSlowestContraction) refactor(mechanism);
 }
 
 // ---- Results ------------------------------------------------------------------------------------------------------------
@@ -859,6 +1066,8 @@ void Interior::add_state_parts(std::vector<std::pair<void*, size_t>>& parts) {
     parts.emplace_back(state_.data(), state_.size() * sizeof(State));
     parts.emplace_back(rigid_.data(), rigid_.size() * sizeof(double));
     parts.emplace_back(rigid_before_.data(), rigid_before_.size() * sizeof(double));
+    parts.emplace_back(port_u_.data(), port_u_.size() * sizeof(Vector6));
+    parts.emplace_back(port_u_before_.data(), port_u_before_.size() * sizeof(Vector6));
     parts.emplace_back(&books_, sizeof books_);
 }
 

@@ -18,16 +18,22 @@ namespace dttmm {
 ///
 /// Newton's iteration with the matrix M + h² S of a configuration of before, in the frames' axes, in which it changes with
 /// the deformations only, not with the motion of the whole: it is factored once per step size and kept until it converges
-/// slowly. A pass starts from the extrapolated motion; what it leaves of the equations of motion (second order in its
-/// correction) is carried into the next step, so that momentum is kept however few passes are taken. Accepted when
-/// θ/(1 − θ) × (last correction), θ the rate of convergence, is below kTolerance of the motion.
+/// slowly. Passes start from the extrapolated motion; the solution is accepted when θ/(1 − θ) × (last correction), θ the
+/// rate of convergence, is below kShare of the first one, which measures what the step itself leaves out, and below
+/// kTolerance of the motion. The forces of the last pass with their linear change then move the momentum, in pairs that
+/// balance exactly, so that it is kept however few passes were taken; what the motion lacks to it is made up for in the next
+/// step.
+///
+/// A step is solved once, for ports that go on as they have; the answer to another motion of the ports is the linear one
+/// from there, as long as that is good enough by the same measure. A linear network thus takes one pass per step.
 ///
 /// A massless frame would ring under weights of three instants, for (z + 1)² makes a double root at −1: where no damper and
 /// no rigid direction acts on it, its force balances at the end of every step; otherwise, without numerical damping, half
 /// way through every step, which leaves a single root.
 class Interior {
 public:
-    static constexpr double kTolerance = 1e-10;
+    static constexpr double kTolerance = 1e-7;
+    static constexpr double kShare = 1e-4;
     static constexpr int kMostPasses = 30;
 
     /// Throws Error(DTTMM_ERROR_MODEL) naming what cannot move as described: a massless node that nothing holds in some
@@ -88,8 +94,25 @@ private:
         Vector6 imbalance[2];             ///< of a massless frame, at t_n and t_{n−1}
     };
     struct Books {
-        double contraction = 1, scale = 0;
+        double contraction = 1, scale = 0;  ///< θ/(1 − θ) last measured; size of the motion, slowly forgetting [m/s]
         double load_work = 0, load_power = 0;
+    };
+    /// A joint at t_n, world axes: what every pass of a step looks at.
+    struct JointNow {
+        Matrix3 axes;
+        Vector3 arm, lever;
+    };
+    /// The motion inside for one motion of the ports, linear about the last pass: u + change.
+    struct Solution {
+        std::vector<Frame> ports;      ///< at the end of the step
+        std::vector<Vector6> u;        ///< at which the forces were worked out
+        std::vector<Vector6> change;   ///< last correction
+        std::vector<double> q;         ///< forces of the rigid directions, before the correction
+        std::vector<double> q_change;  ///< correction of them, times h
+        std::vector<Vector6> wrench;   ///< over the step at u, on every frame at its origin, world
+        std::vector<Vector6> left;     ///< what massless frames have passed on to their heirs
+        double contraction = 1, scale = 0, rate = 0;
+        double tolerance = 0;  ///< of what remains to be corrected [m/s]
     };
 
     size_t at(int frame) const { return static_cast<size_t>(frame - driven_); }
@@ -108,18 +131,29 @@ private:
     void read_loads(const Mechanism& mechanism, const double* loads, int instant);
     void find_imbalances(const Mechanism& mechanism);
 
-    void predict() const;
-    void place(const Mechanism& mechanism) const;
-    void add_joint_forces(const Mechanism& mechanism) const;
-    void pass_on_imbalances(const Mechanism& mechanism) const;
-    void form_residuals(const Mechanism& mechanism) const;
-    double correct(double step_size) const;
-    void solve(const Mechanism& mechanism, const dttmm_motion* ports) const;
-    void add_port_changes(const Mechanism& mechanism, double* wrench) const;
+    void place(const Mechanism& mechanism, const Solution& solution) const;
+    void find_forces(const Mechanism& mechanism, Solution& solution) const;
+    void pass_on_imbalances(const Mechanism& mechanism, Solution& solution) const;
+    void bequeath(const Mechanism& mechanism, size_t frame, const Vector6& left, Vector6& to_heir) const;
+    void settle_estate(const Mechanism& mechanism, size_t frame, const Solution& solution) const;
+    void form_residuals(const Mechanism& mechanism, Solution& solution) const;
+    static Vector6 load_over_step(const Scheme& scheme, const State& state);
+    double correct(Solution& solution) const;
+    static bool is_good_enough(double correction, const Solution& solution);
+    void solve(const Mechanism& mechanism, Solution& solution) const;
+    void look_at_joints(const Mechanism& mechanism);
+    void drop_anchor(const Mechanism& mechanism);
+    const Solution& respond(const Mechanism& mechanism, const dttmm_motion* ports) const;
+    Vector6 change_of(int frame, const Solution& solution) const;
+    Vector6 force_change(const Mechanism& mechanism, size_t joint, const Twist& from, const Twist& to,
+                         const Solution& solution) const;
+    void take_momentum(const Mechanism& mechanism, const Solution& solution);
+    void take_motion(Mechanism& mechanism, const Solution& solution, const dttmm_motion* accepted);
 
     Matrix6 mass_matrix(size_t frame) const;
     Matrix6 local_by_from(const Mechanism& mechanism, size_t joint) const;
     Matrix6 local_by_to(const Mechanism& mechanism, size_t joint) const;
+    Matrix6 rigid_rows(const Mechanism& mechanism, size_t joint, const Matrix6& G) const;
     Matrix6 gain(const Mechanism& mechanism, size_t joint) const;
 
     int ports_ = 0, driven_ = 0, count_ = 0;
@@ -127,8 +161,10 @@ private:
     std::vector<Inertia> inertias_;
     std::vector<int> inner_nodes_;  ///< nodes of the description that loads and motions go by
     std::vector<dttmm_node> node_data_;
-    std::vector<size_t> port_joints_;
-    std::vector<bool> half_wanted_;  ///< of each joint: an end of it balances half way
+    std::vector<size_t> port_joints_;       ///< of the ports
+    std::vector<size_t> port_side_joints_;  ///< whose forces the ports feel
+    std::vector<int> port_frames_;          ///< the ports, and massless frames whose heirs they are
+    std::vector<bool> half_wanted_;         ///< of each joint: an end of it balances half way
     Elimination elimination_;
     std::vector<Eigen::Matrix<double, 6, Eigen::Dynamic>> responses_;  ///< ∂u/∂(u of the ports) per inner frame
     Eigen::MatrixXd rigid_responses_;  ///< the same of the forces of rigid directions, times h
@@ -139,13 +175,21 @@ private:
         rigid_before_;  ///< forces of the rigid directions over the step before t_n, and the one before
     Books books_;
 
-    // Working memory of a solution
+    // Of the open step
+    std::vector<JointNow> now_;
+    std::vector<Vector6> port_u_, port_u_before_;  ///< of the ports over the two steps before, each in the axes at its start
+    std::vector<double> port_reach_;
+    Solution anchor_;  ///< where the ports go on as they have
+
+    // Working memory
+    mutable Solution other_;
+    mutable Eigen::VectorXd port_change_;  ///< from the solution in use to the end of the step asked for, 6 per port, local
     mutable std::vector<Frame> trial_;
-    mutable std::vector<Vector6> u_, r_, wrench_, half_wrench_, momentum_;
-    mutable std::vector<double> g_, q_;
+    mutable std::vector<Vector6> half_wrench_;
+    mutable std::vector<Vector6> wrench_;
+    std::vector<Twist> world_change_;
     mutable long passes_ = 0;
     long factorisations_ = 0;
-    mutable double contraction_ = 1, scale_ = 0, rate_ = 0;
 };
 
 }  // namespace dttmm

@@ -113,7 +113,12 @@ public:
         return state.translation.known + halves_[0].law.cwiseProduct(translation(from, arm) - state.translation.d);
     }
     Vector3 trial_moment(const Vector3& delta, const TurnState& turn) const {
-        return turn.rotation.known + turn_gain(turn) * delta;
+        return turn.rotation.known + moment_change(delta, turn);
+    }
+    /// Of the moment when δ₊ grows by `delta`.
+    Vector3 moment_change(const Vector3& delta, const TurnState& turn) const {
+        const Vector3 elastic = elastic_weight_ * halves_[1].stiffness.cwiseProduct(delta);
+        return halves_[1].law.cwiseProduct(delta) + turn.conjugate * elastic - elastic;
     }
     Vector3 trial_turn(FrameView from, FrameView to, const TurnState& turn) const;
     /// ∂(moment)/∂δ₊ of the open step.

@@ -102,5 +102,36 @@ TEST(Loads, AValueThatIsNotFiniteIsRefused) {
     EXPECT_THROW(loads.start(0), Error);
 }
 
+// Oracle: the signals themselves. Loads on nodes are handed on as they are, at the end of the step, and move no body.
+TEST(Loads, LoadsOnNodesAreThoseAtTheEndOfTheStep) {
+    Model model;
+    model.bodies.push_back(test::box("block", 2, {1, 1, 1}, {0, 0, 0}));
+    model.nodes.resize(3);
+    for (int n : {0, 2, 2}) {
+        Load load;
+        load.on = {-1, -1, n};
+        load.direction = n == 0 ? Eigen::Vector3d(0.6, 0, 0.8) : Eigen::Vector3d(0, 1, 0);
+        load.is_moment = n == 0;
+        load.signal = test::smooth_rise(10, 0.3);
+        model.loads.push_back(load);
+    }
+    const double weights[] = {0.25, 0.5, 0.25}, h = 0.1;
+    Loads loads(model, weights);
+    const auto expect_loads = [&](double t) {
+        const double f = model.loads[0].signal.value(t);
+        const double expected[] = {0, 0, 0, 0.6 * f, 0, 0.8 * f, 0, 0, 0, 0, 0, 0, 0, 2 * f, 0, 0, 0, 0};
+        for (size_t i = 0; i < 18; ++i) EXPECT_NEAR(loads.on_nodes()[i], expected[i], 1e-14) << i << " at " << t;
+    };
+    loads.start(0.05);
+    expect_loads(0.05);
+    loads.begin_step({0, 0.05, h});
+    expect_loads(0.15);
+    std::vector<double> wrench(6);
+    const std::vector<BodyState> at(1);
+    loads.add_over_step(at, wrench.data());
+    EXPECT_EQ(wrench, std::vector<double>(6));
+    EXPECT_EQ(loads.power_at_start(at, at), 0);
+}
+
 }  // namespace
 }  // namespace dttmm

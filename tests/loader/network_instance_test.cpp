@@ -63,9 +63,20 @@ TEST(NetworkInstance, CreateThatReturnsNothingIsAFailureOfThePlugin) {
 }
 
 // The instance is given back to the plugin: the leak check of the sanitizer build sees to that.
-TEST(NetworkInstance, AChannelWithoutAUnitIsAFailureOfThePlugin) {
-    expect_error([] { make_joint("bad_channel"); }, ExitCode::plugin_failure,
-                 HasSubstr("an output channel is not well declared"));
+TEST(NetworkInstance, AChannelWithoutUnitOwnerOrRoleIsAFailureOfThePlugin) {
+    for (const char* fault : {"bad_channel", "slash_channel", "bad_role", "port_channel", "energy_in_watts"})
+        expect_error([&] { make_joint(fault); }, ExitCode::plugin_failure,
+                     HasSubstr("an output channel is not well declared"));
+}
+
+TEST(NetworkInstance, AFailureSaysWhichElementIsBlamed) {
+    try {
+        make_joint("create_error", DTTMM_ERROR_MODEL);
+        FAIL() << "no failure";
+    } catch (const NetworkError& error) {
+        EXPECT_EQ(error.element(), 0);
+    }
+    EXPECT_EQ(make_joint("none").label(), "element \"joint\"");
 }
 
 TEST(NetworkInstance, AFailingStepSpeaksThePluginsWords) {

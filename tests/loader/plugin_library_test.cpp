@@ -64,7 +64,13 @@ TEST(PluginLibrary, ATableThatIsNotWholeIsRefused) {
     expect_refused(faulty_plugin("small_table"), "bytes, version 1.0 wants at least");
     expect_refused(faulty_plugin("null_function"), "null entry");
     expect_refused(faulty_plugin("null_types"), "list of element types is null");
-    expect_refused(faulty_plugin("bad_parameter"), "element type \"faulty\": parameter 0 is not well declared");
+    for (const char* fault : {"bad_parameter", "bad_words", "bad_default"})
+        expect_refused(faulty_plugin(fault), "element type \"faulty\": parameter 0 is not well declared");
+    expect_refused(faulty_plugin("bad_ends"), "element type \"faulty\": there is no kind 2 of ends");
+    expect_refused(faulty_plugin("bad_key"),
+                   "element type \"faulty\": the name \".number\" of parameter 0 is taken, or no key");
+    expect_refused(faulty_plugin("taken_key"),
+                   "element type \"faulty\": the name \"to\" of parameter 0 is taken, or no key");
 }
 
 // Oracle: a constructor in the library makes a marker file if the library is so much as opened. The copy that nobody else

@@ -74,7 +74,7 @@ TEST(ReadElement, UnknownTypesNameThePluginsAndWhatTheyDeclare) {
     EXPECT_EQ(text,
               "m.toml:20:8: element \"bolt3\": no loaded plugin declares element type \"spring_dampr\"; declared: "
               "spring_damper (plugin \"dttmm\"), "
-              "strut (plugin \"extra\"); did you mean \"spring_damper\"?");
+              "strut (plugin \"extra\"), beam (plugin \"extra\"), lump (plugin \"extra\"); did you mean \"spring_damper\"?");
     EXPECT_THAT(fault("type = \"/tmp/x.so\"\nfrom = \"ground\"\nto = \"plate\"\n"),
                 HasSubstr("no loaded plugin declares element type \"/tmp/x.so\""));
     EXPECT_THAT(fault("from = \"ground\"\nto = \"plate\"\n"), HasSubstr("missing key \"type\""));
@@ -96,6 +96,45 @@ TEST(ReadElement, EndsMustBeTwoPlaces) {
     EXPECT_THAT(fault("type = \"spring_damper\"\nfrom = \"ground\"\n"), HasSubstr("missing key \"to\""));
     EXPECT_THAT(fault("type = \"spring_damper\"\nfrom = \"ground\"\nto = 3\n"),
                 HasSubstr("to must be a text, got a number"));
+}
+
+/// Two nodes on lines 13 and 14, an element called "bolt3" from line 15 with its type on line 17, and a lump on both nodes.
+std::string with_nodes(const std::string& element) {
+    return model_with("[nodes]\nhub = [0, 0, 0]\ntip = [0, 0, 0]\n[[element]]\nname = \"bolt3\"\n" + element +
+                      "[[element]]\nname = \"masses\"\ntype = \"lump\"\nmass = 2\nat = [\"tip\", \"hub\"]\n");
+}
+
+TEST(ReadElement, EndsMayBeNodes) {
+    const auto ends = [](const std::string& text) { return parse(with_nodes(text)).elements.at(0).ends; };
+    const Attachment hub{-1, -1, 0}, tip{-1, -1, 1}, ground{}, plate{0, -1, -1};
+    EXPECT_THAT(ends("type = \"spring_damper\"\nfrom = \"hub\"\nto = \"tip\"\n"), ElementsAre(hub, tip));
+    EXPECT_THAT(ends("type = \"spring_damper\"\nfrom = \"ground\"\nto = \"tip\"\n"), ElementsAre(ground, tip));
+    EXPECT_THAT(ends("type = \"spring_damper\"\nfrom = \"hub\"\nto = \"plate\"\n"), ElementsAre(hub, plate));
+    EXPECT_THAT(ends("type = \"lump\"\nmass = 1\nat = \"tip\"\n"), ElementsAre(tip));
+    EXPECT_THAT(ends("type = \"lump\"\nmass = 1\nat = [\"tip\", \"hub\"]\n"), ElementsAre(tip, hub));
+}
+
+TEST(ReadElement, FaultyEndsAtNodesAreTold) {
+    const auto between = [](const std::string& from, const std::string& to) {
+        return errors_of(with_nodes("type = \"spring_damper\"\nfrom = \"" + from + "\"\nto = \"" + to + "\"\n"));
+    };
+    const auto at = [](const std::string& place) {
+        return errors_of(with_nodes("type = \"lump\"\nmass = 1\nat = " + place + "\n"));
+    };
+    EXPECT_EQ(between("hub", "hub"), "m.toml:19:6: element \"bolt3\": both ends are on the same node");
+    EXPECT_EQ(between("ground", "hub.a"), "m.toml:19:6: element \"bolt3\": to: \"hub\" is a node, which has no markers");
+    EXPECT_EQ(between("ground", "tipp"),
+              "m.toml:19:6: element \"bolt3\": to: there is no body or node \"tipp\"; did you mean \"tip\"?");
+    EXPECT_EQ(at("\"ground\""), "m.toml:19:6: element \"bolt3\": at: the ground does not move; name a node");
+    EXPECT_EQ(at("[\"hub\", \"plate.a\"]"),
+              "m.toml:19:14: element \"bolt3\": at: \"plate.a\" is a body; give the mass to the body");
+    EXPECT_EQ(at("[\"hub\", \"tip\", \"hub\"]"), "m.toml:19:21: element \"bolt3\": at: \"hub\" is named twice");
+    EXPECT_EQ(at("[]"), "m.toml:19:6: element \"bolt3\": at is empty; name a node");
+    EXPECT_EQ(at("3"), "m.toml:19:6: element \"bolt3\": at must be a text, got a number");
+    EXPECT_THAT(errors_of(with_nodes("type = \"lump\"\nmass = 1\nfrom = \"hub\"\nto = \"tip\"\n")),
+                testing::AllOf(HasSubstr("unknown key \"from\""), HasSubstr("missing key \"at\"")));
+    EXPECT_THAT(errors_of(with_nodes("type = \"spring_damper\"\nat = \"hub\"\n")),
+                testing::AllOf(HasSubstr("unknown key \"at\""), HasSubstr("missing key \"from\"")));
 }
 
 TEST(ReadElement, NamesAreUniqueAlsoAmongBodies) {

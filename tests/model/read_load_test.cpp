@@ -21,6 +21,15 @@ TEST(ReadLoad, ActsOnABodyOrAMarker) {
     EXPECT_EQ(parse(with_load("on = \"plate.a\"\ndirection = [1e-200, 0, 0]\nmoment = 7\n")).loads.at(0).on.marker, 0);
 }
 
+TEST(ReadLoad, ALoadMayActOnANode) {
+    const Load load =
+        parse(model_with("[nodes]\ntip = [0, 0, 1]\n[[load]]\non = \"tip\"\ndirection = [0, 0, 1]\nmoment = 7\n"
+                         "[[element]]\nname = \"mass\"\ntype = \"lump\"\nat = \"tip\"\nmass = 1\n"))
+            .loads.at(0);
+    EXPECT_EQ(load.on, (Attachment{-1, -1, 0}));
+    EXPECT_TRUE(load.is_moment);
+}
+
 TEST(ReadLoad, FaultsNameTheLoadByItsNumber) {
     EXPECT_THAT(fault("on = \"ground\"\ndirection = [0, 0, 1]\nforce = 7\n"),
                 HasSubstr("m.toml:13:6: load number 1: a load on the ground moves nothing"));

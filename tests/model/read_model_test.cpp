@@ -102,6 +102,9 @@ TEST(ReadModel, WhatIsForModesIsIgnoredOrRefusedByName) {
 TEST(ReadModel, AModelNeedsABodyOrANode) {
     EXPECT_THAT(errors_of("body = []\n" + std::string(kStart) + kSimulation), HasSubstr("m.toml:1:1: no body"));
     EXPECT_THAT(errors_of(std::string(kStart) + kSimulation), HasSubstr("no body: at least one [[body]] is needed"));
+    EXPECT_THAT(errors_of(std::string(kStart) + kSimulation + "[nodes]\n"), HasSubstr("no body: at least one [[body]]"));
+    const std::string on_tip = "[nodes]\ntip = [0, 0, 1]\n[[element]]\nname = \"mass\"\ntype = \"lump\"\nat = \"tip\"\n";
+    EXPECT_TRUE(parse(std::string(kStart) + kSimulation + on_tip + "mass = 1\n").bodies.empty());
 }
 
 TEST(ReadModel, AllFaultsOfAFileAreToldInOneGo) {

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <string>
 #include <string_view>
 
@@ -12,7 +13,8 @@
 namespace dttmm {
 
 /// A catalogue of one type, as the real plugin declares it: three stiffnesses and dampings, each optional and spreading; and
-/// of one with a required count of two and an upper bound, to test what the first does not have.
+/// of others to test what the first does not have: a required count of two and an upper bound; nested tables, words, whole
+/// numbers and what may be left out; ends at nodes.
 inline const ElementCatalogue& test_catalogue() {
     static const dttmm_parameter spring[] = {
         {"stiffness", "N/m", 3, DTTMM_PARAMETER_SPREADS, 0, 0, 1e15, nullptr, 0, "stiffness along x, y, z"},
@@ -24,12 +26,28 @@ inline const ElementCatalogue& test_catalogue() {
         {"lengths", "m", 2, DTTMM_PARAMETER_REQUIRED, 0, 0.5, 7, nullptr, 0, "lengths of the two halves"},
         {"ratio", "1", 1, 0, 0.25, 0, 0.5, nullptr, 0, "Poisson's ratio"},
     };
+    static const dttmm_word free_or_rigid[] = {{"free", 0}, {"rigid", std::numeric_limits<double>::infinity()}};
+    static const dttmm_word theories[] = {{"euler-bernoulli", 1}, {"timoshenko", 2}};
+    const double not_given = std::numeric_limits<double>::quiet_NaN(), unbounded = std::numeric_limits<double>::infinity();
+    static const dttmm_parameter beam[] = {
+        {"theory", "1", 1, DTTMM_PARAMETER_WORDS_ONLY, 1, 0, 0, theories, 2, "of bending"},
+        {"segments", "1", 1, DTTMM_PARAMETER_INTEGER, 10, 1, 1000, nullptr, 0, "lumps"},
+        {"section.tube", "m", 2, 0, not_given, 0, unbounded, nullptr, 0, "outer and inner diameter"},
+        {"section.mass", "kg", 1, 0, not_given, 0, unbounded, nullptr, 0, "of the whole"},
+        {"stiffness.y", "N/m", 1, 0, unbounded, 0, unbounded, free_or_rigid, 2, "of the end"},
+        {"material.E", "Pa", 1, DTTMM_PARAMETER_REQUIRED, 0, 0, unbounded, nullptr, 0, "Young's modulus"},
+    };
+    static const dttmm_parameter lump[] = {{"mass", "kg", 1, DTTMM_PARAMETER_REQUIRED, 0, 0, 1e9, nullptr, 0, "at a node"}};
     static const dttmm_element_type types[] = {{"spring_damper", DTTMM_ENDS_FROM_TO, 4, spring, "three-way spring-damper"},
-                                               {"strut", DTTMM_ENDS_FROM_TO, 2, strut, "strut"}};
+                                               {"strut", DTTMM_ENDS_FROM_TO, 2, strut, "strut"},
+                                               {"beam", DTTMM_ENDS_FROM_TO, 6, beam, "beam"},
+                                               {"lump", DTTMM_ENDS_AT, 1, lump, "mass"}};
     static const ElementCatalogue catalogue = [] {
         ElementCatalogue result;
         result.add("dttmm", types[0]);
         result.add("extra", types[1]);
+        result.add("extra", types[2]);
+        result.add("extra", types[3]);
         return result;
     }();
     return catalogue;

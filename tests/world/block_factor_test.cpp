@@ -50,5 +50,15 @@ TEST(BlockFactor, SaysWhenTheMatrixIsSingular) {
     }
 }
 
+TEST(BlockFactor, OfNoBodiesHasNothingToSolve) {
+    BlockMatrix matrix(0, {});
+    matrix.set_zero();
+    BlockFactor factor(matrix);
+    EXPECT_TRUE(factor.factor(matrix));
+    Eigen::VectorXd x(0);
+    factor.solve(x, x);
+    EXPECT_EQ(x.size(), 0);
+}
+
 }  // namespace
 }  // namespace dttmm

@@ -21,11 +21,19 @@ enum fault {
     null_function,
     null_types,
     bad_parameter,
+    bad_ends,
+    bad_words,
+    bad_default,
+    bad_key,
+    taken_key,
     builtin_name,
     create_error,
     create_nothing,
     bad_channel,
     slash_channel,
+    bad_role,
+    port_channel,
+    energy_in_watts,
     heavy_weights,
     nan_output,
     rounding_mode,
@@ -151,7 +159,10 @@ static uint32_t channel_count(const dttmm_instance *instance) {
 
 static const dttmm_channel *channels(const dttmm_instance *instance) {
     static const dttmm_channel list[] = {{FAULT == slash_channel ? "force/x" : "force.x", FAULT == bad_channel ? NULL : "N",
-                                          DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_RESULT}};
+                                          FAULT == port_channel ? DTTMM_OF_NODE : DTTMM_OF_ELEMENT, FAULT == port_channel,
+                                          FAULT == bad_role          ? DTTMM_ROLE_WORK + 1
+                                          : FAULT == energy_in_watts ? DTTMM_ROLE_STRAIN_ENERGY
+                                                                     : DTTMM_ROLE_RESULT}};
     (void)instance;
     return list;
 }
@@ -164,11 +175,11 @@ static dttmm_status outputs(const dttmm_instance *instance, double *values, dttm
 }
 
 static const dttmm_parameter parameters[] = {
-    {"number", "1", 1, 0, 0, FAULT == bad_parameter ? 200 : -100, 100, NULL, 0,
-     "any number: the status of a create that fails"},
+    {FAULT == bad_key ? ".number" : FAULT == taken_key ? "to" : "number", "1", 1, 0, FAULT == bad_default ? INFINITY : 0,
+     FAULT == bad_parameter ? 200 : -100, 100, NULL, FAULT == bad_words, "any number: the status of a create that fails"},
 };
 static const dttmm_element_type types[] = {
-    {FAULT == builtin_name ? "spring_damper" : "faulty", DTTMM_ENDS_FROM_TO, 1, parameters, "an element with a fault"},
+    {FAULT == builtin_name ? "spring_damper" : "faulty", FAULT == bad_ends ? DTTMM_ENDS_AT + 1 : DTTMM_ENDS_FROM_TO, 1, parameters, "an element with a fault"},
 };
 
 static const dttmm_plugin table = {

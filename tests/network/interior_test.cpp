@@ -1,0 +1,644 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "network/interior.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <string>
+
+#include "core/error.h"
+#include "core/rotation.h"
+#include "network/network.h"
+#include "support/exact_network.h"
+#include "support/network_model.h"
+
+namespace dttmm {
+namespace {
+
+using test::NetworkModel;
+using test::tube;
+using ::testing::HasSubstr;
+
+constexpr uint32_t kGround = DTTMM_NODE_GROUND, kInner = DTTMM_NODE_INNER, kPort = DTTMM_NODE_PORT;
+constexpr double kRigid = std::numeric_limits<double>::infinity();
+
+Vector3 vec(double x, double y, double z) { return {x, y, z}; }
+const Matrix3 kTurned = rotation_from_vector(vec(0.4, -0.8, 1.3)), kOther = rotation_from_vector(vec(-1.1, 0.2, 0.6));
+
+/// A network without ports, led through time.
+class Journey {
+public:
+    Journey(const NetworkModel& model, double h)
+        : network_(model.description()), h_(h), values_(network_.channels().size()) {}
+
+    using Load = std::function<std::vector<double>(double)>;
+    void start(const Load& load = {}) {
+        load_ = load;
+        const std::vector<double> now = load ? load(0) : std::vector<double>();
+        network_.start({0, 0, h_}, nullptr, nullptr, load ? now.data() : nullptr);
+    }
+    /// One step; outputs are then those at its start.
+    void step() {
+        const double t = static_cast<double>(n_) * h_;
+        const std::vector<double> end = load_ ? load_(t + h_) : std::vector<double>();
+        network_.begin_step({n_, t, h_}, load_ ? end.data() : nullptr);
+        network_.commit_step(nullptr);
+        network_.outputs(values_.data());
+        ++n_;
+    }
+    double time() const { return static_cast<double>(n_ - 1) * h_; }  ///< of the outputs
+
+    double value(const std::string& name, uint32_t of = DTTMM_OF_NODE, uint32_t index = 0) const {
+        for (size_t c = 0; c < values_.size(); ++c) {
+            const dttmm_channel& channel = network_.channels()[c];
+            if (channel.name == name && channel.of == of && channel.index == index) return values_[c];
+        }
+        ADD_FAILURE() << "no channel " << name;
+        return std::nan("");
+    }
+    Vector3 vector(const std::string& name, uint32_t of, uint32_t index) const {
+        return {value(name + ".x", of, index), value(name + ".y", of, index), value(name + ".z", of, index)};
+    }
+    double role(uint32_t role) const {
+        double sum = 0;
+        for (size_t c = 0; c < values_.size(); ++c)
+            if (network_.channels()[c].role == role) sum += values_[c];
+        return sum;
+    }
+    double energy() const { return role(DTTMM_ROLE_STRAIN_ENERGY) + role(DTTMM_ROLE_KINETIC_ENERGY); }
+    Network& network() { return network_; }
+    const Network& network() const { return network_; }
+
+private:
+    Network network_;
+    double h_;
+    uint64_t n_ = 0;
+    Load load_;
+    std::vector<double> values_;
+};
+
+double rise(double t, double T) {
+    const double s = std::min(t / T, 1.0);
+    return s * s * (3 - 2 * s);
+}
+
+// ---- Small vibrations ---------------------------------------------------------------------------------------------------
+
+/// A tree with everything in it, nothing along an axis, sizes all different: a beam from the ground to a rigid body with two
+/// inputs, from there over a hinge and a massless node a second beam with its masses off the axis to a point mass; a spring
+/// from the body to the ground. Nodes: 0 ground, 1 body, 2 the body's other input, 3 massless, 4 tip, 5 ground.
+NetworkModel make_tree(double damping, const Matrix3& turn = Matrix3::Identity()) {
+    NetworkModel model;
+    const Vector3 z = turn.col(2);
+    const auto section = [&](NetworkModel::Values values) {
+        values["up"] = {z.x(), z.y(), z.z()};
+        return values;
+    };
+    model.node("root", kGround, vec(0.1, -0.2, 0.05), kTurned);
+    model.node("body", kInner, vec(0.7, 0.15, 0.4), kOther);
+    model.node("arm", kInner, vec(0.8, 0.2, 0.35), kTurned);
+    model.node("joint", kInner, vec(0.8, 0.2, 0.35));
+    model.node("tip", kInner, vec(1.1, 0.7, 0.2), kOther);
+    model.node("wall", kGround, vec(0.5, -0.1, 0.3));
+    model.element("lower", "beam", {"root", "body"}, section(tube(5, damping)));
+    model.element("mass", "rigid_body", {"body", "arm"},
+                  {{"mass", {2.3}},
+                   {"center_of_mass", {0.02, 0.05, -0.01}},
+                   {"inertia.xx", {0.011}},
+                   {"inertia.yy", {0.017}},
+                   {"inertia.zz", {0.013}},
+                   {"inertia.xy", {0.002}}});
+    model.element("hinge", "elastic_hinge", {"arm", "joint"},
+                  {{"stiffness.x", {3e7}},
+                   {"stiffness.y", {2e7}},
+                   {"stiffness.z", {5e7}},
+                   {"stiffness.rx", {4e4}},
+                   {"stiffness.ry", {7e4}},
+                   {"stiffness.rz", {2e4}},
+                   {"damping.x", {7e7 * damping}},
+                   {"damping.y", {1e7 * damping}},
+                   {"damping.z", {3e7 * damping}},
+                   {"damping.rx", {4e4 * damping}},
+                   {"damping.ry", {2e4 * damping}},
+                   {"damping.rz", {9e4 * damping}}});
+    model.element("upper", "beam", {"joint", "tip"},
+                  section({{"theory", {0}},
+                           {"segments", {3}},
+                           {"section.EA", {6e7}},
+                           {"section.EIy", {3.1e4}},
+                           {"section.EIz", {2.2e4}},
+                           {"section.GJ", {1.4e4}},
+                           {"section.mass", {5.5}},
+                           {"section.inertia", {0.02}},
+                           {"section.mass_offset", {0.011, -0.02}},
+                           {"material.stiffness_damping", {1.7 * damping}}}));
+    model.element("tip", "point_mass", {"tip"}, {{"mass", {0.9}}});
+    model.element("stay", "spring_damper", {"wall", "body"},
+                  {{"stiffness", {2e5, 4e5, 3e5}}, {"damping", {2e5 * damping, 0, 5e5 * damping}}});
+    return model;
+}
+
+/// Largest error of the tip's displacement up to 20 ms over its largest size, against the exact linear motion.
+double error_of_tree(double damping, double h) {
+    const NetworkModel model = make_tree(damping);
+    const Assembly assembly = assemble(model.description());
+    const double T = 3e-3;
+    const Vector6 force = (Vector6() << 0.3e-3, -1.1e-3, 0.7e-3, 0, 0, 0).finished();
+    test::ExactNetwork exact(assembly, 4, force, T);
+    Journey run(model, h);
+    run.start([&](double t) {
+        std::vector<double> loads(24, 0.0);
+        for (int i = 0; i < 6; ++i) loads[18 + static_cast<size_t>(i)] = force(i) * rise(t, T);
+        return loads;
+    });
+    const Vector3 start(1.1, 0.7, 0.2);
+    double error = 0, size = 0;
+    for (int n = 0; n <= std::lround(0.02 / h); ++n) {
+        run.step();
+        error = std::max(error, (run.vector("position", DTTMM_OF_NODE, 4) - start - exact.displacement()).norm());
+        size = std::max(size, exact.displacement().norm());
+        exact.advance(h);
+    }
+    return error / size;
+}
+
+// Oracle: dense matrices assembled from the masses and springs in the test, moved by a matrix exponential; the load is
+// small, so that the motion is linear to 1e-7. Massless unknowns: with dampers by their own first-order equations, without
+// at once.
+class SmallVibrations : public ::testing::TestWithParam<double> {};
+
+TEST_P(SmallVibrations, OfATreeAreExactToSecondOrder) {
+    const double coarse = error_of_tree(GetParam(), 2e-4), fine = error_of_tree(GetParam(), 1e-4),
+                 finest = error_of_tree(GetParam(), 5e-5);
+    EXPECT_LT(finest, 2e-5);
+    EXPECT_NEAR(coarse / fine, 4, 0.3);
+    EXPECT_NEAR(fine / finest, 4, 0.3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Damping, SmallVibrations, ::testing::Values(0.0, 1e-5, 3e-4));
+
+// Oracle: the static solution K x = p of the dense matrices. A light damped tree under a constant load comes to rest there;
+// massless nodes take their load at once.
+TEST(Interior, ComesToRestInTheStaticSolution) {
+    const NetworkModel model = make_tree(2e-3);
+    const Assembly assembly = assemble(model.description());
+    const test::ExactNetwork exact(assembly, 3, Vector6::Zero(), 1);
+    const Vector6 load = (Vector6() << 2, -3, 1, 0.2, -0.1, 0.3).finished();  // on the massless node 3
+    Journey run(model, 1e-3);
+    run.start([&](double) {
+        std::vector<double> loads(24, 0.0);
+        for (size_t i = 0; i < 6; ++i) loads[12 + i] = load(static_cast<int>(i));
+        return loads;
+    });
+    for (int n = 0; n < 4000; ++n) run.step();
+    const NodeSpec& node = assembly.nodes[3];
+    Eigen::VectorXd p = Eigen::VectorXd::Zero(exact.K().rows());
+    p.segment<6>(6 * (node.frame - assembly.driven_count)) = load;
+    const Eigen::VectorXd x = exact.K().fullPivLu().solve(p);
+    const Vector6 expected = x.segment<6>(6 * (node.frame - assembly.driven_count));
+    EXPECT_LT((run.vector("position", DTTMM_OF_NODE, 3) - vec(0.8, 0.2, 0.35) - expected.head<3>()).norm(),
+              1e-4 * expected.head<3>().norm());
+    EXPECT_LT((run.vector("rotation", DTTMM_OF_NODE, 3) - expected.tail<3>()).norm(), 1e-4 * expected.tail<3>().norm());
+}
+
+// Oracle: one spring of half the stiffness and half the damping; the massless node between the halves must not ring,
+// whatever balances it.
+TEST(Interior, TwoSpringsInSeriesAreOneOfHalfTheStiffness) {
+    for (const double damping : {0.0, 40.0}) {
+        NetworkModel two, one;
+        for (NetworkModel* model : {&two, &one}) {
+            model->node("wall", kGround, vec(0, 0, 0), kTurned);
+            model->node("mass", kInner, vec(0.3, 0.1, -0.2));
+            model->element("mass", "rigid_body", {"mass"},
+                           {{"mass", {1.7}}, {"inertia.xx", {0.02}}, {"inertia.yy", {0.03}}, {"inertia.zz", {0.04}}});
+        }
+        two.node("middle", kInner, vec(0.3, 0.1, -0.2), kTurned);
+        const auto spring = [&](double share) {
+            return NetworkModel::Values{{"stiffness", {share * 2e5, share * 5e5, share * 3e5}},
+                                        {"damping", {share * damping}},
+                                        {"rotational_stiffness", {share * 800}},
+                                        {"rotational_damping", {share * damping / 100}}};
+        };
+        two.element("first", "spring_damper", {"wall", "middle"}, spring(2));
+        two.element("second", "spring_damper", {"middle", "mass"}, spring(2));
+        one.element("whole", "spring_damper", {"wall", "mass"}, spring(1));
+        Journey series(two, 7e-4), single(one, 7e-4);
+        const auto push = [](double t) { return t < 0.05 ? 30 * std::sin(40 * t) : 0.0; };
+        series.start([&](double t) { return std::vector<double>{push(t), 2 * push(t), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}; });
+        single.start([&](double t) { return std::vector<double>{push(t), 2 * push(t), 0, 0, 0, 0}; });
+        double difference = 0, size = 0, force = 0;
+        for (int n = 0; n < 1000; ++n) {
+            series.step();
+            single.step();
+            const Vector3 start(0.3, 0.1, -0.2);
+            const Vector3 x = single.vector("position", DTTMM_OF_NODE, 1) - start;
+            difference = std::max(difference, (series.vector("position", DTTMM_OF_NODE, 1) - start - x).norm());
+            size = std::max(size, x.norm());
+            force = std::max(
+                force, (series.vector("force", DTTMM_OF_ELEMENT, 1) - series.vector("force", DTTMM_OF_ELEMENT, 2)).norm());
+        }
+        EXPECT_LT(difference, 2e-4 * size) << damping;  // the arms differ by the deflection
+        EXPECT_LT(force, 1e-3 * 2e5 * size) << damping;
+    }
+}
+
+// ---- Large motions ------------------------------------------------------------------------------------------------------
+
+/// A free beam that tumbles: a rigid motion given at one node.
+NetworkModel make_thrown_beam(double E) {
+    NetworkModel model;
+    dttmm_node& left = model.node("left", kInner, vec(0.1, 0.2, 0.3));
+    left.moves = 1;
+    for (int i = 0; i < 3; ++i) {
+        left.velocity[i] = vec(1, -2, 3)(i);
+        left.angular_velocity[i] = vec(3, 20, -10)(i);
+    }
+    model.node("right", kInner, vec(1.2, 0.5, -0.1), kOther);
+    NetworkModel::Values values = tube(11);
+    values["material.E"] = {E};
+    model.element("beam", "beam", {"left", "right"}, values);
+    return model;
+}
+
+// Oracle: conservation. Nothing acts on the beam; its tip nodes are massless.
+TEST(Interior, AThrownBeamKeepsMomentumAndAngularMomentumToRounding) {
+    for (const double E : {204e9, 2e9, 0.1e9}) {
+        Journey run(make_thrown_beam(E), 1e-4);
+        run.start();
+        run.step();
+        const Twist start = run.network().interior()->momentum(run.network().mechanism());
+        const double energy = run.energy();
+        for (int n = 0; n < 5000; ++n) run.step();
+        const Twist end = run.network().interior()->momentum(run.network().mechanism());
+        EXPECT_LT((end.linear - start.linear).norm(), 2e-12 * start.linear.norm()) << E;
+        EXPECT_LT((end.angular - start.angular).norm(), 2e-12 * start.angular.norm()) << E;
+        EXPECT_NEAR(run.energy(), energy, 2e-4 * energy) << E;
+    }
+}
+
+// Oracle: the same journey, all of it turned and moved. Nothing in the solver may know the world's axes.
+TEST(Interior, TheMotionDoesNotDependOnTheFrame) {
+    const Matrix3 turn = rotation_from_vector(vec(0.3, 1.9, -0.7));
+    NetworkModel model = make_tree(1e-5), moved = make_tree(1e-5, turn);
+    model.set_gravity(vec(1, 2, -9.81));
+    moved.set_gravity(vec(1, 2, -9.81));
+    const Vector3 way(0.3, -0.2, 0.1);
+    moved.move(turn, way);
+    Journey run(model, 1e-4), other(moved, 1e-4);
+    const Vector3 force(900, -3000, 2000);  // turns the tip by 0.3 rad
+    const auto load = [&](const Vector3& f) {
+        return [f](double t) {
+            std::vector<double> loads(24, 0.0);
+            for (size_t i = 0; i < 3; ++i) loads[18 + i] = f(static_cast<int>(i)) * rise(t, 5e-3);
+            return loads;
+        };
+    };
+    run.start(load(force));
+    other.start(load(turn * force));
+    for (int n = 0; n < 300; ++n) {
+        run.step();
+        other.step();
+    }
+    const Vector3 x = run.vector("position", DTTMM_OF_NODE, 4), start(1.1, 0.7, 0.2);
+    EXPECT_GT((x - start).norm(), 0.02);
+    EXPECT_LT((turn * x + way - other.vector("position", DTTMM_OF_NODE, 4)).norm(), 1e-9 * (x - start).norm());
+    EXPECT_LT((run.vector("force", DTTMM_OF_ELEMENT, 3) - other.vector("force", DTTMM_OF_ELEMENT, 3)).norm(),
+              1e-6 * run.vector("force", DTTMM_OF_ELEMENT, 3).norm())
+        << "in the element's own axes";
+}
+
+// Oracle: Euler's elastica under a moment at its end, an arc of a circle, here of a third of a turn; the segments turn by up
+// to 0.1 rad against each other. Error of the lumping: order 1/N².
+TEST(Interior, ABeamBentByAMomentBecomesAnArc) {
+    const auto error = [](int segments) {
+        NetworkModel model;
+        model.node("root", kGround, vec(0, 0, 0));
+        model.node("tip", kInner, vec(1, 0, 0));
+        const double EI = 40, angle = 2 * M_PI / 3;
+        model.element("strip", "beam", {"root", "tip"},
+                      {{"theory", {0}},
+                       {"segments", {static_cast<double>(segments)}},
+                       {"section.EA", {1e6}},
+                       {"section.EIy", {70}},
+                       {"section.EIz", {EI}},
+                       {"section.GJ", {60}},
+                       {"section.mass", {0.8}},
+                       {"material.stiffness_damping", {0.02}}});
+        Journey run(model, 2e-3);
+        run.start([&](double t) { return std::vector<double>{0, 0, 0, 0, 0, EI * angle * rise(t, 1)}; });
+        for (int n = 0; n < 2000; ++n) run.step();
+        const Vector3 expected = vec(std::sin(angle), 1 - std::cos(angle), 0) / angle;
+        EXPECT_NEAR(run.vector("rotation", DTTMM_OF_NODE, 1).z(), angle, 2e-3);
+        return (run.vector("position", DTTMM_OF_NODE, 1) - expected).norm();
+    };
+    const double coarse = error(20), fine = error(40);
+    EXPECT_LT(fine, 3e-4);
+    EXPECT_NEAR(coarse / fine, 4, 0.4);
+}
+
+// Oracle: the equation of the physical pendulum, (J + m l²) φ'' = −m g l sin φ, by energy: speed at the lowest point from a
+// release at 90 degrees; and the pin's force there, m g (1 + 2 m l²/(J + m l²)). The hinge is rigid but for one turn.
+TEST(Interior, ARigidBodyOnAHingeIsAPendulum) {
+    NetworkModel model;
+    model.set_gravity(vec(0, 0, -9.81));
+    model.node("pin", kGround, vec(0.4, 0.1, 0.9));
+    model.node("bearing", kInner, vec(0.4, 0.1, 0.9));
+    const double m = 3.1, l = 0.7, J = 0.21;
+    model.element("hinge", "elastic_hinge", {"pin", "bearing"}, {{"stiffness.ry", {0}}});
+    model.element(
+        "bob", "rigid_body", {"bearing"},
+        {{"mass", {m}}, {"center_of_mass", {l, 0, 0}}, {"inertia.xx", {0.1}}, {"inertia.yy", {J}}, {"inertia.zz", {0.25}}});
+    Journey run(model, 1e-4);
+    run.start();
+    double fastest = 0, pull = 0, drift = 0;
+    for (int n = 0; n < 12000; ++n) {
+        run.step();
+        fastest = std::max(fastest, std::abs(run.vector("angular_velocity", DTTMM_OF_NODE, 1).y()));
+        pull = std::max(pull, run.vector("force", DTTMM_OF_ELEMENT, 0).z() * -1);
+        drift = std::max(drift, (run.vector("position", DTTMM_OF_NODE, 1) - vec(0.4, 0.1, 0.9)).norm());
+    }
+    const double w2 = 2 * m * 9.81 * l / (J + m * l * l);
+    EXPECT_NEAR(fastest, std::sqrt(w2), 1e-6 * std::sqrt(w2));
+    EXPECT_NEAR(pull, m * 9.81 + m * l * w2, 1e-5 * m * 9.81);
+    EXPECT_LT(drift, 1e-12);
+}
+
+// Oracle: u' = (N/EA), N = ∫ ρ A ω² x dx: a beam spinning with its hub is stretched by ρ ω² L³/(3E) at its tip; the port is
+// led from rest to speed. Its force on the hub is m ω² L/2.
+TEST(Interior, ABeamOnASpinningHubIsStretchedByItsOwnWeight) {
+    NetworkModel model;
+    const double L = 1.2, E = 2e9, h = 1e-4, spin = 60;
+    model.node("hub", kPort, vec(0, 0, 0));
+    model.node("tip", kInner, vec(L, 0, 0));
+    NetworkModel::Values values = tube(30, 4e-3);
+    values["material.E"] = {E};
+    model.element("beam", "beam", {"hub", "tip"}, values);
+    Network network(model.description());
+    const double T = 1.5;               // spun up within
+    const auto angle = [&](double t) {  // of the rate spin (3 s² − 2 s³)
+        const double s = std::min(t / T, 1.0);
+        return spin * T * (s * s * s - 0.5 * s * s * s * s) + spin * std::max(t - T, 0.0);
+    };
+    const auto hub = [&](double t, double rate) {
+        dttmm_motion motion{};
+        Eigen::Map<RowMajor3>{motion.rotation} = rotation_from_vector(vec(0, 0, angle(t)));
+        motion.angular_velocity[2] = rate;
+        return motion;
+    };
+    const double accelerations[6] = {};
+    const dttmm_motion at_start = hub(0, 0);
+    network.start({0, 0, h}, &at_start, accelerations, nullptr);
+    std::vector<double> values_out(network.channels().size());
+    uint64_t n = 0;
+    for (; n < 35000; ++n) {
+        const double t = static_cast<double>(n) * h;
+        network.begin_step({n, t, h}, nullptr);
+        const dttmm_motion end = hub(t + h, (angle(t + h) - angle(t)) / h);
+        network.commit_step(&end);
+    }
+    network.outputs(values_out.data());
+    const auto value = [&](const char* name, uint32_t of) {
+        for (size_t c = 0; c < values_out.size(); ++c)
+            if (std::string(network.channels()[c].name) == name && network.channels()[c].of == of) return values_out[c];
+        return std::nan("");
+    };
+    const double a = spin * L * std::sqrt(7800 / E), stretch = L * (std::tan(a) / a - 1);
+    const double EA = E * M_PI / 4 * (0.05 * 0.05 - 0.03 * 0.03), force = EA * (1 / std::cos(a) - 1);
+    EXPECT_NEAR(value("deflection.x", DTTMM_OF_ELEMENT), stretch, 2e-3 * stretch);
+    EXPECT_NEAR(value("force.x", DTTMM_OF_ELEMENT), force, 2e-3 * force);
+}
+
+// ---- The interface ------------------------------------------------------------------------------------------------------
+
+/// Two ports, a beam with an elastic hinge at one of them and a mass between.
+NetworkModel make_bridge() {
+    NetworkModel model;
+    model.node("left", kPort, vec(0.1, -0.2, 0.05), kTurned);
+    model.node("right", kPort, vec(0.9, 0.4, 0.3), kOther);
+    model.node("middle", kInner, vec(0.5, 0.2, 0.4), kTurned);
+    model.node("hinge", kInner, vec(0.9, 0.4, 0.3));
+    model.element("first", "beam", {"left", "middle"}, tube(3, 1e-5));
+    model.element("mass", "point_mass", {"middle"}, {{"mass", {1.3}}});
+    model.element("second", "beam", {"middle", "hinge"}, tube(2));
+    model.element("hinge", "elastic_hinge", {"hinge", "right"},
+                  {{"stiffness.x", {4e7}}, {"stiffness.y", {3e7}}, {"stiffness.rz", {3e4}}, {"damping.rz", {3}}});
+    return model;
+}
+
+dttmm_motion port_motion(const dttmm_node& node, const Vector6& moved, double h) {
+    dttmm_motion motion{};
+    Eigen::Map<Vector3>{motion.position} = Eigen::Map<const Vector3>(node.position) + moved.head<3>();
+    Eigen::Map<RowMajor3>{motion.rotation} =
+        rotation_from_vector(moved.tail<3>()) * Eigen::Map<const RowMajor3>(node.rotation);
+    Eigen::Map<Vector3>{motion.velocity} = moved.head<3>() / h;
+    Eigen::Map<Vector3>{motion.angular_velocity} = moved.tail<3>() / h;
+    return motion;
+}
+
+/// The bridge after some steps along a prescribed motion, a step open.
+struct Bridge {
+    static constexpr double h = 3e-4;
+    NetworkModel model = make_bridge();
+    dttmm_network description = model.description();
+    Network network{description};
+    uint64_t n = 0;
+
+    Bridge() {
+        const std::vector<dttmm_motion> at = motions(0);
+        const double accelerations[12] = {};
+        network.start({0, 0, h}, at.data(), accelerations, nullptr);
+        begin();
+    }
+    std::vector<dttmm_motion> motions(uint64_t step, const Vector6& extra = Vector6::Zero()) const {
+        const double t = static_cast<double>(step) * h;
+        const Vector6 way = (Vector6() << 0.2, -0.1, 0.3, 0.5, 0.2, -0.4).finished() * (t * t * 50);
+        return {port_motion(description.nodes[0], way, h), port_motion(description.nodes[1], 0.7 * way + extra, h)};
+    }
+    void begin() { network.begin_step({n, static_cast<double>(n) * h, h}, nullptr); }
+    void step() {
+        network.commit_step(motions(n + 1).data());
+        ++n;
+        begin();
+    }
+    std::vector<double> wrench(const std::vector<dttmm_motion>& trial) const {
+        std::vector<double> out(12);
+        network.evaluate(trial.data(), out.data(), nullptr);
+        return out;
+    }
+};
+
+// Oracle: central differences of the wrench.
+TEST(Interior, PortStiffnessIsTheDerivativeOfTheWrench) {
+    Bridge bridge;
+    for (int n = 0; n < 20; ++n) bridge.step();
+    std::vector<double> stiffness(144), out(12);
+    bridge.network.evaluate(bridge.motions(21).data(), out.data(), stiffness.data());
+    const Eigen::Map<const Eigen::Matrix<double, 12, 12, Eigen::RowMajor>> S(stiffness.data());
+    EXPECT_LT((S - S.transpose()).norm(), 1e-2 * S.norm());
+    for (int d = 0; d < 6; ++d) {
+        const double e = 1e-7;
+        const auto plus = bridge.wrench(bridge.motions(21, e * Vector6::Unit(d))),
+                   minus = bridge.wrench(bridge.motions(21, -e * Vector6::Unit(d)));
+        for (int i = 0; i < 12; ++i) {
+            const double slope = -(plus[static_cast<size_t>(i)] - minus[static_cast<size_t>(i)]) / (2 * e);
+            EXPECT_NEAR(slope, S(i, 6 + d), 0.02 * S.row(i).cwiseAbs().maxCoeff()) << i << ' ' << d;
+        }
+    }
+}
+
+TEST(Interior, EvaluateIsPure) {
+    Bridge bridge, twin;
+    for (int n = 0; n < 10; ++n) bridge.step(), twin.step();
+    const auto first = bridge.wrench(bridge.motions(11));
+    bridge.wrench(bridge.motions(11, 1e-3 * Vector6::Ones()));  // far away: solved anew
+    bridge.wrench(bridge.motions(11, 1e-9 * Vector6::Ones()));
+    EXPECT_EQ(bridge.wrench(bridge.motions(11)), first);
+    bridge.step();
+    twin.step();
+    EXPECT_EQ(bridge.wrench(bridge.motions(12)), twin.wrench(twin.motions(12)));
+}
+
+// Oracle: action and reaction: what the ports feel is what the inside loses, whatever motion is committed; free of gravity,
+// momentum and angular momentum of the inside change by the impulse of the ports alone, to rounding.
+TEST(Interior, ThePortsFeelWhatTheInsideLoses) {
+    Bridge bridge;
+    for (int n = 0; n < 10; ++n) bridge.step();
+    for (const double extra : {0.0, 1e-9, 1e-6, 1e-4}) {
+        const auto trial = bridge.motions(bridge.n + 1, extra * Vector6::Ones());
+        const Twist before = bridge.network.interior()->momentum(bridge.network.mechanism());
+        Vector3 x[2];
+        for (int p : {0, 1}) x[p] = bridge.network.mechanism().frame(p).origin();
+        const auto w = bridge.wrench(trial);
+        bridge.network.commit_step(trial.data());
+        const Twist after = bridge.network.interior()->momentum(bridge.network.mechanism());
+        Vector3 force = Vector3::Zero(), moment = Vector3::Zero();
+        for (int p : {0, 1}) {
+            const Eigen::Map<const Vector3> F(&w[static_cast<size_t>(6 * p)]), M(&w[static_cast<size_t>(6 * p + 3)]);
+            force += F;
+            moment += M + x[p].cross(F);
+        }
+        const double size = Bridge::h * Eigen::Map<const Eigen::VectorXd>(w.data(), 12).norm();
+        EXPECT_LT((after.linear - before.linear + Bridge::h * force).norm(), 1e-11 * size) << extra;
+        EXPECT_LT((after.angular - before.angular + Bridge::h * moment).norm(), 1e-9 * size) << extra;
+        ++bridge.n;
+        bridge.begin();
+    }
+}
+
+TEST(Interior, ARestoredNetworkRepeatsItsFutureToTheBit) {
+    Bridge bridge;
+    for (int n = 0; n < 15; ++n) bridge.step();
+    bridge.network.discard_step();
+    std::vector<unsigned char> state(bridge.network.state_size());
+    bridge.network.save_state(state.data(), state.size());
+    const uint64_t saved_at = bridge.n;
+    const auto future = [&] {
+        std::vector<std::vector<double>> wrenches;
+        bridge.begin();
+        for (int n = 0; n < 20; ++n) {
+            wrenches.push_back(bridge.wrench(bridge.motions(bridge.n + 1)));
+            bridge.step();
+        }
+        bridge.network.discard_step();
+        std::vector<double> values(bridge.network.channels().size());
+        bridge.network.outputs(values.data());
+        wrenches.push_back(values);
+        return wrenches;
+    };
+    const auto first = future();
+    bridge.network.restore_state(state.data(), state.size());
+    bridge.n = saved_at;
+    EXPECT_EQ(future(), first);
+}
+
+// Oracle: the bridge itself, and its mirror image closed to a ring: by symmetry each half carries half the load.
+TEST(Interior, ALoopInsideIsSolved) {
+    const auto deflection = [](bool ring) {
+        NetworkModel model;
+        model.node("root", kGround, vec(0, 0, 0));
+        model.node("far", kInner, vec(0.8, 0, 0));
+        model.node("side", kInner, vec(0.4, 0.3, 0));
+        model.element("near", "beam", {"root", "side"}, tube(3, 1e-3));
+        model.element("next", "beam", {"side", "far"}, tube(4, 1e-3));
+        if (ring) {
+            model.node("other", kInner, vec(0.4, -0.3, 0));
+            model.element("near2", "beam", {"root", "other"}, tube(3, 1e-3));
+            model.element("next2", "beam", {"other", "far"}, tube(4, 1e-3));
+            model.node("inside", kInner, vec(0.4, 0, 0.1));
+            model.element("up", "beam", {"side", "inside"}, tube(2, 1e-3));
+            model.element("down", "beam", {"inside", "other"}, tube(2, 1e-3));
+        }
+        Journey run(model, 1e-3);
+        run.start([&](double) {
+            std::vector<double> loads(ring ? 24 : 12, 0.0);
+            loads[2] = ring ? 20 : 10;
+            return loads;
+        });
+        for (int n = 0; n < 3000; ++n) run.step();
+        const Assembly assembly = assemble(model.description());
+        const test::ExactNetwork exact(assembly, 1, Vector6::Zero(), 1);
+        Eigen::VectorXd p = Eigen::VectorXd::Zero(exact.K().rows());
+        const int at = 6 * (assembly.nodes[1].frame - assembly.driven_count);
+        p(at + 2) = ring ? 20 : 10;
+        const Eigen::VectorXd x = exact.K().fullPivLu().solve(p);
+        const double z = run.vector("position", DTTMM_OF_NODE, 1).z();
+        EXPECT_NEAR(z, x(at + 2), 1e-4 * std::abs(x(at + 2)));
+        return z;
+    };
+    const double open = deflection(false), closed = deflection(true);
+    EXPECT_LT(closed, open);  // the ring holds its halves against twisting
+}
+
+// ---- What is refused ----------------------------------------------------------------------------------------------------
+
+std::string refusal(const NetworkModel& model, int element) {
+    try {
+        Network network(model.description());
+    } catch (const Error& error) {
+        EXPECT_EQ(error.status(), DTTMM_ERROR_MODEL) << error.what();
+        EXPECT_EQ(error.element(), element) << error.what();
+        return error.what();
+    }
+    return "nothing";
+}
+
+TEST(Interior, WhatNothingDeterminesIsNamed) {
+    NetworkModel swivel;
+    swivel.node("wall", kGround, vec(0, 0, 0));
+    swivel.node("end", kInner, vec(0, 0, 0));
+    swivel.element("hinge", "elastic_hinge", {"wall", "end"}, {{"stiffness.y", {1e6}}, {"stiffness.rx", {0}}});
+    EXPECT_THAT(refusal(swivel, 0), HasSubstr("node \"end\": nothing determines its motion in rx"));
+
+    NetworkModel rigid;
+    rigid.node("a", kPort, vec(0, 0, 0));
+    rigid.node("b", kPort, vec(0, 0, 0));
+    rigid.element("weld", "elastic_hinge", {"a", "b"}, {{"stiffness.y", {1e6}}});
+    EXPECT_THAT(refusal(rigid, 0), HasSubstr("rigid in x, z, rx, ry, rz and both its ends are driven"));
+
+    NetworkModel twice;
+    twice.node("a", kGround, vec(0, 0, 0));
+    twice.node("b", kInner, vec(0, 0, 0));
+    twice.node("c", kPort, vec(0, 0, 0));
+    twice.element("first", "elastic_hinge", {"a", "b"}, {{"stiffness.y", {1e6}}});
+    twice.element("second", "elastic_hinge", {"b", "c"}, {{"stiffness.y", {1e6}}});
+    EXPECT_THAT(refusal(twice, 1), HasSubstr("driven from both ends"));
+
+    NetworkModel nothing;
+    nothing.node("a", kGround, vec(0, 0, 0));
+    nothing.node("b", kInner, vec(0.1, 0, 0));
+    nothing.element("air", "spring_damper", {"a", "b"}, {});
+    EXPECT_THAT(refusal(nothing, 0), HasSubstr("node \"b\": nothing determines its motion"));
+}
+
+TEST(Interior, AnExplicitSchemeIsRefused) {
+    NetworkModel model(DTTMM_SCHEME_FOX_EULER);
+    model.node("root", kGround, vec(0, 0, 0));
+    model.node("tip", kInner, vec(1, 0, 0));
+    model.element("beam", "beam", {"root", "tip"}, tube(3));
+    EXPECT_THAT(refusal(model, 0), HasSubstr("implicit"));
+}
+
+}  // namespace
+}  // namespace dttmm

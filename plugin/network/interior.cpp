@@ -26,6 +26,8 @@ constexpr double kSlowestContraction = 0.1;
 constexpr double kRounding = 1e-14;
 /// Of the motion: no more digits are asked for.
 constexpr double kFinest = 1e-13;
+/// Axes lose their right angles by rounding only.
+constexpr uint64_t kStepsBetweenNormalisations = 64;
 /// Radius of gyration below which a mass is a point [m].
 constexpr double kSmallestGyration = 1e-7;
 /// Of a step at which a network is first looked at, to see that it can be solved.
@@ -100,6 +102,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     for (size_t j = 0; j < mechanism.joints.size(); ++j)
         if (mechanism.joints[j].from() < ports_ || mechanism.joints[j].to() < ports_) port_joints_.push_back(j);
     state_.resize(n);
+    choose_burdened(mechanism);
     const auto rigid = static_cast<size_t>(elimination_.rigid_count()), ports = static_cast<size_t>(ports_);
     for (auto* list : {&rigid_, &rigid_before_}) list->assign(rigid, 0);
     for (auto* list : {&port_u_, &port_u_before_}) list->assign(ports, Vector6::Zero());
@@ -161,7 +164,25 @@ void Interior::set_balances(const Mechanism& mechanism) {
             if (is_inner(frame))
                 for (Balance balance : inertias_[at(frame)].balance) wanted = wanted || balance == Balance::half_step;
         half_wanted_.push_back(wanted);
+        halves_wanted_ = halves_wanted_ || wanted;
     }
+}
+
+void Interior::choose_burdened(const Mechanism& mechanism) {
+    burden_of_.assign(inertias_.size(), -1);
+    const auto choose = [&](size_t frame) {
+        if (burden_of_[frame] >= 0) return;
+        burden_of_[frame] = static_cast<int>(burdened_.size());
+        burdened_.push_back(frame);
+    };
+    for (int node : inner_nodes_) {
+        const int frame = mechanism.assembly.nodes[static_cast<size_t>(node)].frame;
+        if (is_inner(frame)) choose(at(frame));
+    }
+    for (size_t i = 0; i < inertias_.size(); ++i)
+        for (Balance balance : inertias_[i].balance)
+            if (balance != Balance::momentum) choose(i);
+    burdens_.resize(burdened_.size());
 }
 
 /// The nearest frame over joints that has mass and inertia, or a body of the host.
@@ -471,10 +492,8 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
     settle_at_start(mechanism, ports);
     std::fill(rigid_.begin(), rigid_.end(), 0.0);
     std::fill(rigid_before_.begin(), rigid_before_.end(), 0.0);
-    for (State& state : state_)
-        for (Vector6& load : state.load) load.setZero();
-    read_loads(mechanism, loads, 0);
-    for (State& state : state_) state.load[1] = state.load[2] = state.load[0];
+    read_loads(mechanism, loads);
+    for (Burden& burden : burdens_) burden.load[1] = burden.load[2] = burden.load[0];
     books_ = {};
 
     // Forces of the start, for the momentum half a step before it and the accelerations
@@ -494,7 +513,8 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
         const Frame& frame = mechanism.frames[static_cast<size_t>(driven_) + i];
         const FrameView view = frame;
         const RowMajor3 R = view.axes();
-        Vector6 force = wrench[static_cast<size_t>(driven_) + i] + state.load[0];
+        Vector6 force = wrench[static_cast<size_t>(driven_) + i];
+        if (burden_of_[i] >= 0) force += burden(i).load[0];
         force.head<3>() += inertia.mass * gravity_;
         const Vector3 spin = R.transpose() * state.velocity.angular;
         state.momentum << inertia.mass * state.velocity.linear, R * (inertia.moment * spin);
@@ -506,13 +526,13 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
         const Vector3 moment = R.transpose() * tail(force) - spin.cross(inertia.moment * spin);
         if (inertias_[i].balance[1] == Balance::momentum)
             acceleration[i].angular = R * inertia.moment.fullPivLu().solve(moment);
-        books_.load_power += state.load[0].dot(joined(state.velocity));
+        if (burden_of_[i] >= 0) books_.load_power += burden(i).load[0].dot(joined(state.velocity));
     }
     // A load that a massless frame takes at once passes on to its heir
     for (size_t i = 0; i < state_.size(); ++i) {
         const Inertia& inertia = inertias_[i];
         if (inertia.heir < driven_) continue;
-        Vector6 force = wrench[static_cast<size_t>(driven_) + i] + state_[i].load[0];
+        Vector6 force = wrench[static_cast<size_t>(driven_) + i] + burden(i).load[0];
         for (int half : {0, 1})
             if (inertia.balance[half] == Balance::momentum) force.segment<3>(3 * half).setZero();
         Vector6& momentum = state_[at(inertia.heir)].momentum;
@@ -535,7 +555,7 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
                     mechanism.states[j], mechanism.turn(j));
     }
     find_imbalances(mechanism);
-    for (State& state : state_) state.imbalance[1] = state.imbalance[0];
+    for (Burden& burden : burdens_) burden.imbalance[1] = burden.imbalance[0];
     for (size_t p = 0; p < port_u_.size(); ++p) {
         const Twist v = twist(ports[p]);
         const RowMajor3 R = mechanism.frame(static_cast<int>(p)).axes();
@@ -546,16 +566,15 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
     refactor(mechanism);
 }
 
-/// Loads on the inner nodes as wrenches at their frames' origins, at the end of the step (0) or earlier instants.
-void Interior::read_loads(const Mechanism& mechanism, const double* loads, int instant) {
-    const auto k = static_cast<size_t>(instant);
-    for (State& state : state_) state.load[k].setZero();
+/// Loads on the inner nodes at the end of the step as wrenches at their frames' origins.
+void Interior::read_loads(const Mechanism& mechanism, const double* loads) {
+    for (Burden& burden : burdens_) burden.load[0].setZero();
     if (!loads) return;
     for (size_t i = 0; i < inner_nodes_.size(); ++i) {
         const NodeSpec& node = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])];
         if (!is_inner(node.frame)) continue;
         const Eigen::Map<const Vector3> F(loads + 6 * i), M(loads + 6 * i + 3);
-        Vector6& load = state_[at(node.frame)].load[k];
+        Vector6& load = burden(at(node.frame)).load[0];
         load.head<3>() += F;
         load.tail<3>() += M + (mechanism.frame(node.frame).axes() * node.offset).cross(F);
     }
@@ -565,9 +584,9 @@ void Interior::read_loads(const Mechanism& mechanism, const double* loads, int i
 /// jumped.
 void Interior::find_imbalances(const Mechanism& mechanism) {
     if (!settles_) return;
-    for (State& state : state_) {
-        state.imbalance[1] = state.imbalance[0];
-        state.imbalance[0] = state.load[0];
+    for (Burden& burden : burdens_) {
+        burden.imbalance[1] = burden.imbalance[0];
+        burden.imbalance[0] = burden.load[1];
     }
     for (const Joint& joint : mechanism.joints) {
         const auto settling = [&](int frame) {
@@ -579,8 +598,8 @@ void Interior::find_imbalances(const Mechanism& mechanism) {
         const Vector6 f = joint.force(from, to, Vector6::Zero());
         const Matrix3 R = joint.axes(from);
         joint.add_wrench(joint.arm(from, to), joint.lever(to), R * head(f), R * tail(f),
-                         settling(joint.from()) ? state_[at(joint.from())].imbalance[0].data() : nullptr,
-                         settling(joint.to()) ? state_[at(joint.to())].imbalance[0].data() : nullptr);
+                         settling(joint.from()) ? burden(at(joint.from())).imbalance[0].data() : nullptr,
+                         settling(joint.to()) ? burden(at(joint.to())).imbalance[0].data() : nullptr);
     }
 }
 
@@ -595,7 +614,7 @@ void Interior::look_at_joints(const Mechanism& mechanism) {
 }
 
 void Interior::begin_step(const Mechanism& mechanism, const double* loads) {
-    read_loads(mechanism, loads, 0);
+    read_loads(mechanism, loads);
     drop_anchor(mechanism);
 }
 
@@ -624,14 +643,14 @@ void Interior::place(const Mechanism& mechanism, const Solution& solution) const
         const FrameView now = mechanism.frames[f];
         const Vector6& u = solution.u[i];
         Map3{trial_[f].position} = now.origin() + h * (now.axes() * u.head<3>());
-        MapR{trial_[f].rotation} = now.axes() * rotation_from_vector(h * u.tail<3>());
+        MapR{trial_[f].rotation}.noalias() = now.axes() * rotation_from_vector(h * u.tail<3>());
     }
 }
 
 /// Wrenches of the joints over the step at the trial frames.
 void Interior::find_forces(const Mechanism& mechanism, Solution& solution) const {
     std::fill(solution.wrench.begin(), solution.wrench.end(), Vector6::Zero());
-    std::fill(half_wrench_.begin(), half_wrench_.end(), Vector6::Zero());
+    if (halves_wanted_) std::fill(half_wrench_.begin(), half_wrench_.end(), Vector6::Zero());
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Joint& joint = mechanism.joints[j];
         const auto a = static_cast<size_t>(joint.from()), b = static_cast<size_t>(joint.to());
@@ -673,22 +692,20 @@ void Interior::find_forces(const Mechanism& mechanism, Solution& solution) const
 /// Hands what massless frames leave unbalanced of the centred forces to their heirs. It does not depend on the trial.
 void Interior::pass_on_imbalances(const Mechanism& mechanism, Solution& solution) const {
     const Scheme& scheme = mechanism.scheme;
-    for (size_t i = 0; i < state_.size(); ++i) {
+    for (size_t k = 0; k < burdened_.size(); ++k) {
+        const size_t i = burdened_[k], f = static_cast<size_t>(driven_) + i;
         const Inertia& inertia = inertias_[i];
         if (inertia.heir < 0) continue;
-        const State& state = state_[i];
-        const size_t f = static_cast<size_t>(driven_) + i, to = static_cast<size_t>(inertia.heir);
+        const Burden& own = burdens_[k];
+        const Vector6 settled = scheme.load_weight(1) * own.imbalance[0] + scheme.load_weight(2) * own.imbalance[1];
+        const Vector6 halved = solution.wrench[f] - half_wrench_[f] + 0.25 * (own.load[1] + own.load[2]);
         Vector6 left = Vector6::Zero();
-        for (int half : {0, 1}) {
-            if (inertia.balance[half] == Balance::end_of_step)
-                left.segment<3>(3 * half) = scheme.load_weight(1) * state.imbalance[0].segment<3>(3 * half) +
-                                            scheme.load_weight(2) * state.imbalance[1].segment<3>(3 * half);
-            if (inertia.balance[half] == Balance::half_step)
-                left.segment<3>(3 * half) =
-                    (solution.wrench[f] - half_wrench_[f] + 0.25 * (state.load[1] + state.load[2])).segment<3>(3 * half);
+        for (int half : {0, 3}) {
+            if (inertia.balance[half / 3] == Balance::end_of_step) left.segment<3>(half) = settled.segment<3>(half);
+            if (inertia.balance[half / 3] == Balance::half_step) left.segment<3>(half) = halved.segment<3>(half);
         }
-        bequeath(mechanism, i, left, solution.wrench[to]);
         solution.left[i] = left;
+        bequeath(mechanism, i, left, solution.wrench[static_cast<size_t>(inertia.heir)]);
     }
 }
 
@@ -704,7 +721,7 @@ void Interior::bequeath(const Mechanism& mechanism, size_t frame, const Vector6&
 /// change.
 void Interior::settle_estate(const Mechanism& mechanism, size_t frame, const Solution& solution) const {
     const Inertia& inertia = inertias_[frame];
-    Vector6 left = wrench_[static_cast<size_t>(driven_) + frame] + load_over_step(mechanism.scheme, state_[frame]) -
+    Vector6 left = wrench_[static_cast<size_t>(driven_) + frame] + load_over_step(mechanism.scheme, burden(frame)) -
                    solution.left[frame];
     for (int half : {0, 1})
         if (inertia.balance[half] == Balance::momentum) left.segment<3>(3 * half).setZero();
@@ -713,42 +730,27 @@ void Interior::settle_estate(const Mechanism& mechanism, size_t frame, const Sol
 
 /// What the equations lack at the trial motion, into `change` (in the frames' axes) and `q_change`.
 void Interior::form_residuals(const Mechanism& mechanism, Solution& solution) const {
-    const Scheme& scheme = mechanism.scheme;
-    const double h = scheme.step_size();
+    const double h = mechanism.scheme.step_size();
     for (size_t i = 0; i < state_.size(); ++i) {
         const size_t f = static_cast<size_t>(driven_) + i;
         const State& state = state_[i];
         const Inertia& inertia = inertias_[i];
         const Vector6& u = solution.u[i];
-        Vector6& r = solution.change[i];
-        Vector6 world = h * (solution.wrench[f] + load_over_step(scheme, state));
-        world.head<3>() += h * inertia.mass * gravity_;
-        for (int half : {0, 1}) {
-            auto part = world.segment<3>(3 * half);
-            switch (inertia.balance[half]) {
-                case Balance::momentum:
-                    part += state.momentum.segment<3>(3 * half);
-                    break;
-                case Balance::end_of_step:
-                    part -= h * (scheme.load_weight(1) * state.imbalance[0].segment<3>(3 * half) +
-                                 scheme.load_weight(2) * state.imbalance[1].segment<3>(3 * half));
-                    break;
-                case Balance::half_step:
-                    part = h * (half_wrench_[f].segment<3>(3 * half) +
-                                0.25 * (state.load[0] + state.load[1]).segment<3>(3 * half));
-                    break;
-                case Balance::centred:
-                    break;
-            }
-        }
         const FrameView now = mechanism.frames[f];
-        r.head<3>() = now.axes().transpose() * world.head<3>();
-        r.tail<3>() = now.axes().transpose() * world.tail<3>();
+        Vector3 p = state.momentum.head<3>() + h * (solution.wrench[f].head<3>() + inertia.mass * gravity_);
+        Vector3 L = state.momentum.tail<3>() + h * solution.wrench[f].tail<3>();
+        if (burden_of_[i] >= 0) {
+            p = balanced(mechanism.scheme, i, 0, p, solution);
+            L = balanced(mechanism.scheme, i, 1, L, solution);
+        }
+        Vector6& r = solution.change[i];
+        r.head<3>().noalias() = now.axes().transpose() * p;
+        r.tail<3>().noalias() = now.axes().transpose() * L;
         if (inertia.balance[0] == Balance::momentum) r.head<3>() -= inertia.mass * u.head<3>();
         if (inertia.balance[1] == Balance::momentum) {
             // L = exp(h w~/2) J w half way through the step
             const Vector3 w = u.tail<3>();
-            r.tail<3>() -= rotation_from_vector(0.5 * h * w) * (inertia.moment * w);
+            r.tail<3>() -= turned(0.5 * h * w, inertia.moment * w);
         }
     }
     if (solution.q.empty()) return;
@@ -765,9 +767,30 @@ void Interior::form_residuals(const Mechanism& mechanism, Solution& solution) co
     }
 }
 
-Vector6 Interior::load_over_step(const Scheme& scheme, const State& state) {
-    return scheme.load_weight(0) * state.load[0] + scheme.load_weight(1) * state.load[1] +
-           scheme.load_weight(2) * state.load[2];
+Vector6 Interior::load_over_step(const Scheme& scheme, const Burden& burden) {
+    return scheme.load_weight(0) * burden.load[0] + scheme.load_weight(1) * burden.load[1] +
+           scheme.load_weight(2) * burden.load[2];
+}
+
+/// What a half of a burdened frame must balance over the step, world axes: `momentum` and the loads; or, without a mass, the
+/// forces in the form that its balance takes, times h.
+Vector3 Interior::balanced(const Scheme& scheme, size_t frame, int half, const Vector3& momentum,
+                           const Solution& solution) const {
+    const double h = scheme.step_size();
+    const Burden& own = burden(frame);
+    const size_t f = static_cast<size_t>(driven_) + frame;
+    const auto part = [&](const Vector6& v) { return Vector3(v.segment<3>(3 * half)); };
+    switch (inertias_[frame].balance[half]) {
+        case Balance::half_step:
+            return h * part(half_wrench_[f] + 0.25 * (own.load[0] + own.load[1]));
+        case Balance::end_of_step:
+            return h * part(solution.wrench[f] + load_over_step(scheme, own) - scheme.load_weight(1) * own.imbalance[0] -
+                            scheme.load_weight(2) * own.imbalance[1]);
+        case Balance::centred:
+            return h * part(solution.wrench[f] + load_over_step(scheme, own));
+        default:
+            return momentum + h * part(load_over_step(scheme, own));
+    }
 }
 
 /// Solves for the correction and returns its size: the largest speed of a point.
@@ -952,7 +975,8 @@ void Interior::take_momentum(const Mechanism& mechanism, const Solution& solutio
         if (inertias_[i].heir >= 0) settle_estate(mechanism, i, solution);
     for (size_t i = 0; i < state_.size(); ++i) {
         State& state = state_[i];
-        const Vector6 impulse = h * (wrench_[static_cast<size_t>(driven_) + i] + load_over_step(mechanism.scheme, state));
+        Vector6 impulse = h * wrench_[static_cast<size_t>(driven_) + i];
+        if (burden_of_[i] >= 0) impulse += h * load_over_step(mechanism.scheme, burden(i));
         if (inertias_[i].balance[0] == Balance::momentum)
             state.momentum.head<3>() += head(impulse) + h * inertias_[i].mass * gravity_;
         if (inertias_[i].balance[1] == Balance::momentum) state.momentum.tail<3>() += tail(impulse);
@@ -979,13 +1003,17 @@ void Interior::take_motion(Mechanism& mechanism, const Solution& solution, const
         state.u_before = mechanism.steps == 0 ? u : state.u;
         state.u = u;
         Map3{frame.position} += h * state.velocity.linear;
-        // One step of Newton keeps the axes orthonormal to rounding
         RowMajor3 next = R * rotation_from_vector(h * u.tail<3>());
-        next += 0.5 * next * (RowMajor3::Identity() - next.transpose() * next);
+        if (mechanism.steps % kStepsBetweenNormalisations == 0)  // by one step of Newton
+            next += 0.5 * next * (RowMajor3::Identity() - next.transpose() * next);
         MapR{frame.rotation} = next;
-        power += 0.5 * state.load[1].dot(joined(state.velocity) + joined(state.velocity_before));
-        state.load[2] = state.load[1];
-        state.load[1] = state.load[0];
+    }
+    for (size_t k = 0; k < burdened_.size(); ++k) {
+        const State& state = state_[burdened_[k]];
+        Burden& own = burdens_[k];
+        power += 0.5 * own.load[1].dot(joined(state.velocity) + joined(state.velocity_before));
+        own.load[2] = own.load[1];
+        own.load[1] = own.load[0];
     }
     for (size_t p = 0; p < port_u_.size(); ++p) {
         Frame& frame = mechanism.frames[p];
@@ -1064,6 +1092,7 @@ Vector6 Interior::rigid_force(const Mechanism& mechanism, size_t j) const {
 
 void Interior::add_state_parts(std::vector<std::pair<void*, size_t>>& parts) {
     parts.emplace_back(state_.data(), state_.size() * sizeof(State));
+    parts.emplace_back(burdens_.data(), burdens_.size() * sizeof(Burden));
     parts.emplace_back(rigid_.data(), rigid_.size() * sizeof(double));
     parts.emplace_back(rigid_before_.data(), rigid_before_.size() * sizeof(double));
     parts.emplace_back(port_u_.data(), port_u_.size() * sizeof(Vector6));

@@ -90,8 +90,11 @@ private:
         Vector6 momentum;                 ///< over the step before t_n, world
         Vector6 u, u_before;              ///< over that step and the one before, each in the axes at its start
         Twist velocity, velocity_before;  ///< the same, world
-        Vector6 load[3];                  ///< at the frame's origin, world, at t_{n+1}, t_n, t_{n−1}
-        Vector6 imbalance[2];             ///< of a massless frame, at t_n and t_{n−1}
+    };
+    /// The same of a frame with a node on it, or without a mass: the others take no load.
+    struct Burden {
+        Vector6 load[3];       ///< at the frame's origin, world, at t_{n+1}, t_n, t_{n−1}
+        Vector6 imbalance[2];  ///< of a massless frame, at t_n and t_{n−1}
     };
     struct Books {
         double contraction = 1, scale = 0;  ///< θ/(1 − θ) last measured; size of the motion, slowly forgetting [m/s]
@@ -121,6 +124,9 @@ private:
     void set_reaches(const Mechanism& mechanism);
     void set_balances(const Mechanism& mechanism);
     void choose_heirs(const Mechanism& mechanism);
+    void choose_burdened(const Mechanism& mechanism);
+    Burden& burden(size_t frame) { return burdens_[static_cast<size_t>(burden_of_[frame])]; }
+    const Burden& burden(size_t frame) const { return burdens_[static_cast<size_t>(burden_of_[frame])]; }
     void assemble(const Mechanism& mechanism);
     void factor(const Mechanism& mechanism, dttmm_status status);
     [[noreturn]] void refuse(const Mechanism& mechanism, const Elimination::Fault& fault, dttmm_status status) const;
@@ -128,7 +134,7 @@ private:
     Twist start_velocity(int frame, const dttmm_motion* ports) const;
     void settle_at_start(Mechanism& mechanism, const dttmm_motion* ports);
     void find_start_velocities(const Mechanism& mechanism, const dttmm_motion* ports);
-    void read_loads(const Mechanism& mechanism, const double* loads, int instant);
+    void read_loads(const Mechanism& mechanism, const double* loads);
     void find_imbalances(const Mechanism& mechanism);
 
     void place(const Mechanism& mechanism, const Solution& solution) const;
@@ -137,7 +143,8 @@ private:
     void bequeath(const Mechanism& mechanism, size_t frame, const Vector6& left, Vector6& to_heir) const;
     void settle_estate(const Mechanism& mechanism, size_t frame, const Solution& solution) const;
     void form_residuals(const Mechanism& mechanism, Solution& solution) const;
-    static Vector6 load_over_step(const Scheme& scheme, const State& state);
+    static Vector6 load_over_step(const Scheme& scheme, const Burden& burden);
+    Vector3 balanced(const Scheme& scheme, size_t frame, int half, const Vector3& momentum, const Solution& solution) const;
     double correct(Solution& solution) const;
     static bool is_good_enough(double correction, const Solution& solution);
     void solve(const Mechanism& mechanism, Solution& solution) const;
@@ -168,9 +175,13 @@ private:
     Elimination elimination_;
     std::vector<Eigen::Matrix<double, 6, Eigen::Dynamic>> responses_;  ///< ∂u/∂(u of the ports) per inner frame
     Eigen::MatrixXd rigid_responses_;  ///< the same of the forces of rigid directions, times h
+    bool halves_wanted_ = false;       ///< some frame balances half way
     bool settles_ = false;             ///< some frame balances at the end of every step
 
     std::vector<State> state_;
+    std::vector<Burden> burdens_;
+    std::vector<size_t> burdened_;  ///< the frame of each
+    std::vector<int> burden_of_;    ///< and the other way round; −1: none
     std::vector<double> rigid_,
         rigid_before_;  ///< forces of the rigid directions over the step before t_n, and the one before
     Books books_;

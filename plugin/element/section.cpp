@@ -151,8 +151,8 @@ Section make_section(std::span<const double, kSectionValueCount> values, BeamThe
     section.offset_y = given.offset_y;
     section.offset_z = given.offset_z;
     const double shifted = section.mass * (given.offset_y * given.offset_y + given.offset_z * given.offset_z);
-    if (given.shapes() == 1)
-        section.inertia += shifted;  // the shape's is about its own centre
+    if (!is_given(given.inertia))
+        section.inertia += shifted;  // that of a shape, or of EI/EA, is about its own centre
     else if (section.inertia < shifted)
         refuse(
             fmt::format("section.inertia is that about the elastic axis: with this mass_offset it is at least mass times "

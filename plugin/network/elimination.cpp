@@ -14,22 +14,28 @@ namespace dttmm {
 namespace {
 
 /// Order of elimination: frames with one neighbour left as long as there are any, in the order in which they come up, so
-/// that a chain is eaten from both tips; where only loops are left, the frame with the fewest neighbours. `graph` is filled
-/// in on the way.
-std::vector<int> find_order(std::vector<std::set<int>>& graph) {
+/// that a chain is eaten from both tips; among them those held by something known last, so that the frames of a tree that
+/// hangs there find the frame which carries them; where only loops are left, the frame with the fewest neighbours. `graph`
+/// is filled in on the way.
+std::vector<int> find_order(std::vector<std::set<int>>& graph, const std::vector<bool>& is_held) {
     const size_t n = graph.size();
     std::vector<std::set<int>> left = graph;
     std::vector<bool> done(n), queued(n);
-    std::deque<int> tips;
+    std::deque<int> free_tips, held_tips;
     std::set<std::pair<size_t, int>> by_degree;
+    const auto queue_if_tip = [&](size_t f) {
+        if (left[f].size() > 1 || queued[f]) return;
+        (is_held[f] ? held_tips : free_tips).push_back(static_cast<int>(f));
+        queued[f] = true;
+    };
     for (size_t f = 0; f < n; ++f) {
         by_degree.emplace(left[f].size(), static_cast<int>(f));
-        if (left[f].size() <= 1) tips.push_back(static_cast<int>(f)), queued[f] = true;
+        queue_if_tip(f);
     }
     std::vector<int> order;
     while (order.size() < n) {
         int frame;
-        if (!tips.empty()) {
+        if (std::deque<int>& tips = free_tips.empty() ? held_tips : free_tips; !tips.empty()) {
             frame = tips.front();
             tips.pop_front();
         } else {
@@ -51,11 +57,29 @@ std::vector<int> find_order(std::vector<std::set<int>>& graph) {
                     graph[static_cast<size_t>(a)].insert(b);
                 }
             by_degree.emplace(of_a.size(), a);
-            if (of_a.size() <= 1 && !queued[static_cast<size_t>(a)])
-                tips.push_back(a), queued[static_cast<size_t>(a)] = true;
+            queue_if_tip(static_cast<size_t>(a));
         }
     }
     return order;
+}
+
+/// Indices of rows independent of each other, the most independent first; a row whose rest is below `threshold` is left out.
+template <class Matrix>
+void choose_independent(Matrix rows, double threshold, std::vector<int>& choice, std::vector<int>& rest) {
+    choice.clear();
+    rest.clear();
+    for (int k = 0; k < rows.rows(); ++k) rest.push_back(k);
+    while (!rest.empty()) {
+        const auto longest = std::max_element(rest.begin(), rest.end(),
+                                              [&](int a, int b) { return rows.row(a).norm() < rows.row(b).norm(); });
+        const int next = *longest;
+        const double length = rows.row(next).norm();
+        if (!(length > threshold)) return;
+        choice.push_back(next);
+        rest.erase(longest);
+        rows.row(next) /= length;
+        for (int k : rest) rows.row(k) -= rows.row(k).dot(rows.row(next)) * rows.row(next);
+    }
 }
 
 }  // namespace
@@ -65,12 +89,16 @@ Elimination::Elimination(int frame_count, const std::vector<Link>& links) {
     diagonal_.assign(n, Matrix6::Zero());
     work_.assign(n, Matrix6::Zero());
     std::vector<std::set<int>> graph(n);
+    std::vector<bool> is_held(n);
     for (const Link& link : links) {
-        if (link.from < 0 || link.to < 0 || link.from == link.to) continue;
-        graph[static_cast<size_t>(link.from)].insert(link.to);
-        graph[static_cast<size_t>(link.to)].insert(link.from);
+        if (link.from < 0 || link.to < 0) {
+            if (link.rigid_count > 0) is_held[static_cast<size_t>(std::max(link.from, link.to))] = true;
+        } else if (link.from != link.to) {
+            graph[static_cast<size_t>(link.from)].insert(link.to);
+            graph[static_cast<size_t>(link.to)].insert(link.from);
+        }
     }
-    const std::vector<int> order = find_order(graph);
+    const std::vector<int> order = find_order(graph, is_held);
     order_.resize(n);
     for (size_t k = 0; k < n; ++k) order_[static_cast<size_t>(order[k])] = static_cast<int>(k);
     const auto earlier = [&](int a, int b) { return order_[static_cast<size_t>(a)] < order_[static_cast<size_t>(b)]; };
@@ -106,32 +134,52 @@ Elimination::Elimination(int frame_count, const std::vector<Link>& links) {
         Pivot& pivot = pivots_[k];
         pivot.frame = order[k];
         for (const auto& [frame, coupling] : later[static_cast<size_t>(pivot.frame)])
-            pivot.neighbours.push_back({frame, coupling, {}});
+            pivot.neighbours.push_back({frame, coupling});
         for (size_t i = 0; i < pivot.neighbours.size(); ++i)
             for (size_t j = i + 1; j < pivot.neighbours.size(); ++j)
                 pivot.fills.push_back(coupling_of(pivot.neighbours[i].frame, pivot.neighbours[j].frame));
     }
+    const auto reserve = [](OpenRows& open, size_t frames) {
+        open.rows.reserve(kMostRows);
+        open.by.resize(frames);
+        open.size.resize(frames);
+    };
+    size_t most_neighbours = 0;
     for (size_t row = 0; row < rigid_rows_.size(); ++row) {
         const RigidRow& rigid = rigid_rows_[row];
         int first = std::max(rigid.frames[0], rigid.frames[1]);
         if (rigid.frames[0] >= 0 && rigid.frames[1] >= 0)
             first = earlier(rigid.frames[0], rigid.frames[1]) ? rigid.frames[0] : rigid.frames[1];
-        Pivot& pivot = pivots_[static_cast<size_t>(order_[static_cast<size_t>(first)])];
-        const int block_row = 6 + static_cast<int>(pivot.rigid.size());
-        pivot.rigid.push_back(static_cast<int>(row));
-        for (Neighbour& neighbour : pivot.neighbours)
-            if (neighbour.frame == rigid.frames[0] || neighbour.frame == rigid.frames[1])
-                neighbour.rigid.emplace_back(block_row, static_cast<int>(row));
+        pivots_[static_cast<size_t>(order_[static_cast<size_t>(first)])].rigid.push_back(static_cast<int>(row));
     }
-    for (Pivot& pivot : pivots_) {
-        pivot.is_plain = pivot.rigid.empty() && pivot.neighbours.size() <= 1;
+    for (size_t k = 0; k < n; ++k) {
+        Pivot& pivot = pivots_[k];
+        pivot.is_plain = pivot.rigid.empty() && pivot.children.empty() && pivot.neighbours.size() <= 1;
         pivot.plain = static_cast<int>(pivot.is_plain ? plain_.size() : general_.size());
-        if (pivot.is_plain)
+        // The rigid directions of one joint are independent of each other: nothing to pass on
+        const auto link_of = [&](int row) { return rigid_rows_[static_cast<size_t>(row)].link; };
+        const bool of_one_joint = pivot.rigid.empty() || link_of(pivot.rigid.front()) == link_of(pivot.rigid.back());
+        if (!pivot.neighbours.empty() && (!of_one_joint || !pivot.children.empty())) {
+            pivot.passed = static_cast<int>(passed_.size());
+            passed_.emplace_back();
+            reserve(passed_.back().open, pivot.neighbours.size());
+            int next = static_cast<int>(n);
+            for (const Neighbour& neighbour : pivot.neighbours)
+                next = std::min(next, order_[static_cast<size_t>(neighbour.frame)]);
+            pivots_[static_cast<size_t>(next)].children.push_back(static_cast<int>(k));
+        }
+        if (pivot.is_plain) {
             plain_.push_back({Matrix6::Zero(), Matrix6::Zero(), pivot.frame,
                               pivot.neighbours.empty() ? -1 : pivot.neighbours.front().frame});
-        else
-            general_.push_back({{}, std::vector<Rows>(pivot.neighbours.size())});
+            continue;
+        }
+        General general;
+        general.gains.resize(pivot.neighbours.size());
+        general.kept.reserve(kMostRows);
+        general_.push_back(std::move(general));
+        most_neighbours = std::max(most_neighbours, pivot.neighbours.size());
     }
+    reserve(open_, 1 + most_neighbours);
     columns_.resize(general_.size());
 }
 
@@ -169,13 +217,55 @@ std::optional<Elimination::Fault> Elimination::factor() {
     return std::nullopt;
 }
 
-/// Full-pivot inverse of a pivot's block, its unknowns scaled by what stood on the diagonal before anything was eliminated:
-/// what is left of a motion that nothing holds is small beside that.
-bool Elimination::invert(const Pivot& pivot, const Block& block, Block& inverse, Fault& fault) const {
-    constexpr double kSmallestCondition = 1e-13;
-    const Eigen::Index n = block.rows();
-    const Matrix6& original = diagonal_[static_cast<size_t>(pivot.frame)];
-    Column scale(n);
+/// The rows of J that the elimination of a frame has in its hands: those first met here and those passed on to it. `by` and
+/// `size`: of the frame itself, then of its neighbours.
+void Elimination::gather(const Pivot& pivot, OpenRows& open) const {
+    open.rows.assign(pivot.rigid.begin(), pivot.rigid.end());
+    const auto own = static_cast<Eigen::Index>(pivot.rigid.size());
+    Eigen::Index count = own;
+    for (int child : pivot.children) {
+        const OpenRows& passed = passed_[static_cast<size_t>(pivots_[static_cast<size_t>(child)].passed)].open;
+        count += static_cast<Eigen::Index>(passed.rows.size());
+        if (count > kMostRows) return;
+        open.rows.insert(open.rows.end(), passed.rows.begin(), passed.rows.end());
+    }
+    if (count > kMostRows) return;
+    open.among.setZero(count, count);
+    open.among_size.setZero(count);
+    for (size_t i = 0; i <= pivot.neighbours.size(); ++i) {
+        const int frame = i == 0 ? pivot.frame : pivot.neighbours[i - 1].frame;
+        Rows &by = open.by[i], &size = open.size[i];
+        by.setZero(count, 6);
+        for (Eigen::Index k = 0; k < own; ++k) {
+            const RigidRow& row = rigid_rows_[static_cast<size_t>(open.rows[static_cast<size_t>(k)])];
+            for (int end : {0, 1})
+                if (row.frames[end] == frame) by.row(k) = row.by[end].transpose();
+        }
+        size = by.cwiseAbs();
+        Eigen::Index at = own;
+        for (int c : pivot.children) {
+            const Pivot& child = pivots_[static_cast<size_t>(c)];
+            const OpenRows& passed = passed_[static_cast<size_t>(child.passed)].open;
+            const auto rows = static_cast<Eigen::Index>(passed.rows.size());
+            for (size_t k = 0; k < child.neighbours.size(); ++k) {
+                if (child.neighbours[k].frame != frame) continue;
+                by.middleRows(at, rows) = passed.by[k];
+                size.middleRows(at, rows) = passed.size[k];
+            }
+            if (i == 0) {
+                open.among.block(at, at, rows, rows) = passed.among;
+                open.among_size.segment(at, rows) = passed.among_size;
+            }
+            at += rows;
+        }
+    }
+}
+
+/// Units of a pivot's motions: what stood on the diagonal before anything was eliminated. What is left of a motion that
+/// nothing holds is small beside that.
+Vector6 Elimination::motion_scale(const Pivot& pivot) const {
+    const Matrix6 &original = diagonal_[static_cast<size_t>(pivot.frame)], &block = work_[static_cast<size_t>(pivot.frame)];
+    Vector6 scale;
     for (Eigen::Index i = 0; i < 6; ++i) {
         const double size = std::max(std::abs(original(i, i)), std::abs(block(i, i)));
         scale(i) = size > 0 ? 1 / std::sqrt(size) : 0;
@@ -186,86 +276,163 @@ bool Elimination::invert(const Pivot& pivot, const Block& block, Block& inverse,
         for (Eigen::Index j = 3 * (i / 3); j < 3 * (i / 3) + 3; ++j) scale(i) = std::max(scale(i), scale(j));
         if (scale(i) == 0) scale(i) = 1;
     }
-    for (Eigen::Index i = 6; i < n; ++i) {
-        double largest = 0;
-        for (Eigen::Index j = 0; j < 6; ++j) largest = std::max(largest, std::abs(block(i, j)) * scale(j));
-        scale(i) = largest > 0 ? 1 / largest : 1;
-    }
+    return scale;
+}
+
+/// Full-pivot elimination of a pivot's block in the units of `scale`; rows: those of J in it.
+bool Elimination::decompose(const Pivot& pivot, const Block& block, const Column& scale, std::span<const int> rows,
+                            Fault& fault) {
+    constexpr double kSmallestCondition = 1e-13;
+    const Eigen::Index n = block.rows();
+    scale_ = scale;
     const Block scaled = scale.asDiagonal() * block * scale.asDiagonal();
-    Eigen::FullPivLU<Block> lu(scaled);
-    lu.setThreshold(0);
-    const double last = std::abs(lu.matrixLU()(n - 1, n - 1));
-    if (!scaled.allFinite() || last == 0 || !(lu.rcond() > kSmallestCondition)) {
-        const auto weakest = static_cast<int>(lu.permutationQ().indices()(n - 1));
-        if (weakest < 6) {
-            fault.frame = pivot.frame;
-            fault.direction = weakest;
-        } else {
-            const RigidRow& row = rigid_rows_[static_cast<size_t>(pivot.rigid[static_cast<size_t>(weakest - 6)])];
-            fault.frame = pivot.frame;
-            fault.link = row.link;
-            fault.rigid = row.index;
-        }
-        return false;
+    lu_.setThreshold(0);
+    lu_.compute(scaled);
+    if (scaled.allFinite() && lu_.matrixLU()(n - 1, n - 1) != 0) {
+        // The condition from the inverse, which is wanted anyway: the library's estimate allocates
+        inverse_ = lu_.inverse();
+        const auto norm = [](const Block& matrix) { return matrix.cwiseAbs().colwise().sum().maxCoeff(); };
+        if (norm(scaled) * norm(inverse_) < 1 / kSmallestCondition) return true;
     }
-    inverse = lu.inverse();
-    inverse = (0.5 * (inverse + inverse.transpose())).eval();
-    inverse = (scale.asDiagonal() * inverse * scale.asDiagonal()).eval();
-    return true;
+    const auto weakest = static_cast<int>(lu_.permutationQ().indices()(n - 1));
+    fault = {};
+    fault.frame = pivot.frame;
+    if (weakest < 6) {
+        fault.direction = weakest;
+    } else {
+        const RigidRow& row = rigid_rows_[static_cast<size_t>(rows[static_cast<size_t>(weakest - 6)])];
+        fault.link = row.link;
+        fault.rigid = row.index;
+    }
+    return false;
+}
+
+Elimination::Block Elimination::inverse() const {
+    return scale_.asDiagonal() * (0.5 * (inverse_ + inverse_.transpose())) * scale_.asDiagonal();
+}
+
+/// Of the block at hand. Not by its inverse: where a block is stiff in one direction and soft in another, what the inverse
+/// owes to the soft one would swamp what is handed on of the stiff one.
+template <class Columns>
+Columns Elimination::solve_block(const Columns& B) const {
+    const Columns scaled = scale_.asDiagonal() * B;
+    return scale_.asDiagonal() * Columns(lu_.solve(scaled));
 }
 
 bool Elimination::factor_plain(const Pivot& pivot, Fault& fault) {
-    Block inverse;
-    if (!invert(pivot, work_[static_cast<size_t>(pivot.frame)], inverse, fault)) return false;
+    if (!decompose(pivot, work_[static_cast<size_t>(pivot.frame)], motion_scale(pivot), {}, fault)) return false;
     Plain& plain = plain_[static_cast<size_t>(pivot.plain)];
-    plain.inverse = inverse;
+    plain.inverse = inverse();
     if (plain.neighbour < 0) return true;
     const Matrix6& B = couplings_[static_cast<size_t>(pivot.neighbours.front().coupling)].block;
-    plain.gain = plain.inverse * B;
+    plain.gain = solve_block(B);
     work_[static_cast<size_t>(plain.neighbour)] -= B.transpose() * plain.gain;
     return true;
 }
 
 bool Elimination::factor_general(size_t index, Fault& fault) {
     const Pivot& pivot = pivots_[index];
-    const auto n = static_cast<Eigen::Index>(6 + pivot.rigid.size());
-    if (n > kLargestBlock) {
-        fault = {pivot.frame, -1, rigid_rows_[static_cast<size_t>(pivot.rigid.back())].link,
-                 rigid_rows_[static_cast<size_t>(pivot.rigid.back())].index};
+    General& general = general_[static_cast<size_t>(pivot.plain)];
+    gather(pivot, open_);
+    if (open_.rows.size() > kMostRows || open_.by[0].rows() != static_cast<Eigen::Index>(open_.rows.size())) {
+        const RigidRow& row = rigid_rows_[static_cast<size_t>(open_.rows.back())];
+        fault = {pivot.frame, -1, row.link, row.index};
         return false;
     }
-    Block block = Block::Zero(n, n);
-    block.topLeftCorner<6, 6>() = work_[static_cast<size_t>(pivot.frame)];
-    for (size_t i = 0; i < pivot.rigid.size(); ++i) {
-        const RigidRow& row = rigid_rows_[static_cast<size_t>(pivot.rigid[i])];
-        const auto at = static_cast<Eigen::Index>(6 + i);
-        const Vector6& by = row.by[row.frames[0] == pivot.frame ? 0 : 1];
-        block.block<1, 6>(at, 0) = by.transpose();
-        block.block<6, 1>(0, at) = by;
+    const Vector6 motions = motion_scale(pivot);
+    const auto count = static_cast<Eigen::Index>(open_.rows.size());
+    Column row_scale(
+        count);  // by the terms that a row is made of: what is left of one that is held already is small beside it
+    for (Eigen::Index k = 0; k < count; ++k) {
+        const double largest =
+            std::max(open_.size[0].row(k).transpose().cwiseProduct(motions).maxCoeff(), open_.among_size(k));
+        row_scale(k) = largest > 0 ? 1 / largest : 1;
     }
-    General& general = general_[static_cast<size_t>(pivot.plain)];
-    if (!invert(pivot, block, general.inverse, fault)) return false;
-    std::vector<Rows>& gains = general.gains;
-    const auto coupling_rows = [&](const Neighbour& neighbour) {
-        Rows B = Rows::Zero(n, 6);
-        B.topRows<6>() = couplings_[static_cast<size_t>(neighbour.coupling)].block;
-        for (const auto& [at, r] : neighbour.rigid) {
-            const RigidRow& row = rigid_rows_[static_cast<size_t>(r)];
-            B.row(at) = row.by[row.frames[0] == neighbour.frame ? 0 : 1].transpose();
+
+    // Its own block with the rows that are independent of each other by this frame's motion; all of them where there is no
+    // other. Few to begin with; all that can be told apart if that leaves the frame free.
+    const auto take = [&](const std::vector<int>& choice) {
+        const auto n = static_cast<Eigen::Index>(6 + choice.size());
+        Block block = Block::Zero(n, n);
+        Column scale(n);
+        block.topLeftCorner<6, 6>() = work_[static_cast<size_t>(pivot.frame)];
+        scale.head<6>() = motions;
+        general.kept.clear();
+        for (Eigen::Index i = 6; i < n; ++i) {
+            const int k = choice[static_cast<size_t>(i - 6)];
+            block.block<1, 6>(i, 0) = open_.by[0].row(k);
+            block.block<6, 1>(0, i) = open_.by[0].row(k).transpose();
+            for (Eigen::Index j = 6; j < n; ++j) block(i, j) = open_.among(k, choice[static_cast<size_t>(j - 6)]);
+            scale(i) = row_scale(k);
+            general.kept.push_back(open_.rows[static_cast<size_t>(k)]);
         }
+        return decompose(pivot, block, scale, general.kept, fault);
+    };
+    choice_.clear();
+    rest_.clear();
+    Passed* const on = pivot.passed >= 0 ? &passed_[static_cast<size_t>(pivot.passed)] : nullptr;
+    if (on) {
+        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, kMostRows, kLargestBlock> rows(count,
+                                                                                                              6 + count);
+        rows.leftCols<6>() = row_scale.asDiagonal() * open_.by[0] * motions.asDiagonal();
+        rows.rightCols(count) = row_scale.asDiagonal() * open_.among * row_scale.asDiagonal();
+        choose_independent(rows, 1e-2, choice_, rest_);
+        if (!take(choice_)) {
+            choose_independent(rows, 1e-8, choice_, rest_);
+            if (!take(choice_)) return false;
+        }
+    } else {
+        for (int k = 0; k < count; ++k) choice_.push_back(k);
+        if (!take(choice_)) return false;
+    }
+
+    general.inverse = inverse();
+    const auto n = static_cast<Eigen::Index>(6 + choice_.size()), passed = static_cast<Eigen::Index>(rest_.size());
+    const auto coupling_rows = [&](size_t i) {
+        Rows B = Rows::Zero(n, 6);
+        B.topRows<6>() = couplings_[static_cast<size_t>(pivot.neighbours[i].coupling)].block;
+        for (Eigen::Index k = 6; k < n; ++k) B.row(k) = open_.by[i + 1].row(choice_[static_cast<size_t>(k - 6)]);
         return B;
     };
+    // Rows passed on are coupled with what is eliminated here like a neighbour
+    Block& E = passed_columns_;
+    if (on) {
+        E.setZero(n, passed);
+        on->open.rows.clear();
+        on->open.among.resize(passed, passed);
+        on->open.among_size.resize(passed);
+        for (Eigen::Index p = 0; p < passed; ++p) {
+            const int k = rest_[static_cast<size_t>(p)];
+            on->open.rows.push_back(open_.rows[static_cast<size_t>(k)]);
+            E.col(p).head<6>() = open_.by[0].row(k).transpose();
+            for (Eigen::Index i = 6; i < n; ++i) E(i, p) = open_.among(choice_[static_cast<size_t>(i - 6)], k);
+            for (Eigen::Index q = 0; q < passed; ++q) on->open.among(p, q) = open_.among(k, rest_[static_cast<size_t>(q)]);
+            const double own = open_.size[0].row(k).transpose().cwiseProduct(motions).norm();
+            on->open.among_size(p) = std::hypot(open_.among_size(k), own);
+        }
+        on->gain = solve_block(E);
+        on->open.among -= E.transpose() * on->gain;
+    }
     size_t fill = 0;
     for (size_t i = 0; i < pivot.neighbours.size(); ++i) {
-        const Rows B = coupling_rows(pivot.neighbours[i]);
-        gains[i] = general.inverse * B;
-        work_[static_cast<size_t>(pivot.neighbours[i].frame)] -= B.transpose() * gains[i];
+        const Rows B = coupling_rows(i);
+        general.gains[i] = solve_block(B);
+        work_[static_cast<size_t>(pivot.neighbours[i].frame)] -= B.transpose() * general.gains[i];
+        if (!on) continue;
+        Rows &by = on->open.by[i], &size = on->open.size[i];
+        by.resize(passed, 6);
+        size.resize(passed, 6);
+        for (Eigen::Index p = 0; p < passed; ++p) {
+            const int k = rest_[static_cast<size_t>(p)];
+            by.row(p) = open_.by[i + 1].row(k) - E.col(p).transpose() * general.gains[i];
+            size.row(p) = open_.size[i + 1].row(k) + E.col(p).cwiseAbs().transpose() * general.gains[i].cwiseAbs();
+        }
     }
     for (size_t i = 0; i < pivot.neighbours.size(); ++i) {
-        const Rows B = coupling_rows(pivot.neighbours[i]);
+        const Rows B = coupling_rows(i);
         for (size_t j = i + 1; j < pivot.neighbours.size(); ++j) {
             Coupling& coupling = couplings_[static_cast<size_t>(pivot.fills[fill++])];
-            const Matrix6 update = B.transpose() * gains[j];
+            const Matrix6 update = B.transpose() * general.gains[j];
             if (coupling.row == pivot.neighbours[i].frame)
                 coupling.block -= update;
             else
@@ -290,10 +457,15 @@ void Elimination::solve(std::span<Vector6> r, std::span<double> g) const {
         Column& z = columns_[static_cast<size_t>(pivot.plain)];
         z.resize(general.inverse.rows());
         z.head<6>() = own;
-        for (size_t i = 0; i < pivot.rigid.size(); ++i)
-            z(static_cast<Eigen::Index>(6 + i)) = g[static_cast<size_t>(pivot.rigid[i])];
+        for (size_t i = 0; i < general.kept.size(); ++i)
+            z(static_cast<Eigen::Index>(6 + i)) = g[static_cast<size_t>(general.kept[i])];
         for (size_t i = 0; i < pivot.neighbours.size(); ++i)
             r[static_cast<size_t>(pivot.neighbours[i].frame)] -= general.gains[i].transpose() * z;
+        if (pivot.passed >= 0) {
+            const Passed& on = passed_[static_cast<size_t>(pivot.passed)];
+            for (size_t p = 0; p < on.open.rows.size(); ++p)
+                g[static_cast<size_t>(on.open.rows[p])] -= on.gain.col(static_cast<Eigen::Index>(p)).dot(z);
+        }
         z = (general.inverse * z).eval();
     }
     for (size_t k = pivots_.size(); k-- > 0;) {
@@ -308,9 +480,14 @@ void Elimination::solve(std::span<Vector6> r, std::span<double> g) const {
         Column& z = columns_[static_cast<size_t>(pivot.plain)];
         for (size_t i = 0; i < pivot.neighbours.size(); ++i)
             z -= general.gains[i] * r[static_cast<size_t>(pivot.neighbours[i].frame)];
+        if (pivot.passed >= 0) {
+            const Passed& on = passed_[static_cast<size_t>(pivot.passed)];
+            for (size_t p = 0; p < on.open.rows.size(); ++p)
+                z -= on.gain.col(static_cast<Eigen::Index>(p)) * g[static_cast<size_t>(on.open.rows[p])];
+        }
         own = z.head<6>();
-        for (size_t i = 0; i < pivot.rigid.size(); ++i)
-            g[static_cast<size_t>(pivot.rigid[i])] = z(static_cast<Eigen::Index>(6 + i));
+        for (size_t i = 0; i < general.kept.size(); ++i)
+            g[static_cast<size_t>(general.kept[i])] = z(static_cast<Eigen::Index>(6 + i));
     }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/LU>
 #include <optional>
 #include <span>
 #include <vector>
@@ -18,11 +19,13 @@ struct Link {
 
 /// The dynamic stiffness of the frames inside a network and its factor, in blocks:
 ///     K u + Jᵀ q = r,   J u = g         u: 6 per frame, symmetric K;  J: the equations of rigid directions, q: their forces
-/// Frames are eliminated from the tips of the tree inwards, each together with the rigid directions of its joints not yet
-/// eliminated, by full-pivot elimination of its own block: f = S e + P in Riccati's form, f the force and e the motion that
-/// the frames already eliminated hand on. Loops inside the network fill in blocks between the frames that close them. Cost
-/// per factor and per solution linear in the number of frames of a tree.
-/// Source: Gu, Rui et al. (2017), Riccati transfer matrix method for linear tree multibody systems, J. Appl. Mech. 84.
+/// Frames are eliminated from the tips of the tree inwards, those that rigid directions tie to what is known last, each
+/// together with the rigid directions of its joints not yet eliminated, by full-pivot elimination of its own block: f = S e
+/// + P in Riccati's form, f the force and e the motion that the frames already eliminated hand on. Loops inside the network
+/// fill in blocks between the frames that close them. Rigid directions that hold a frame where others hold it already say
+/// something about the frames behind it: they are passed on to the next. Cost per factor and per solution linear in the
+/// number of frames of a tree. Sources: Gu, Rui et al. (2017), Riccati transfer matrix method for linear tree multibody
+/// systems, J. Appl. Mech. 84; Duff and Reid (1983), ACM Trans. Math. Software 9, 302-325 (pivots passed on).
 class Elimination {
 public:
     /// Fixes order and storage; nothing is allocated later.
@@ -50,40 +53,62 @@ public:
     int rigid_begin(int link) const { return rigid_begin_[static_cast<size_t>(link)]; }
     int rigid_count() const { return rigid_total_; }
 
-    /// Unknowns of one block at most: a frame and its rigid directions.
-    static constexpr int kLargestBlock = 18;
+    /// Rigid directions to look at in one block at most.
+    static constexpr int kMostRows = 18;
 
 private:
+    static constexpr int kLargestBlock = 6 + kMostRows;
     using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kLargestBlock, kLargestBlock>;
     using Rows = Eigen::Matrix<double, Eigen::Dynamic, 6, 0, kLargestBlock, 6>;
     using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kLargestBlock, 1>;
+    using Among = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostRows, kMostRows>;
 
-    /// A frame that is eliminated later than the one at hand, and what couples the two.
+    /// A frame that is eliminated later than the one at hand, and the block (this frame, neighbour).
     struct Neighbour {
         int frame;
-        int coupling;                            ///< block (this frame, neighbour), or −1
-        std::vector<std::pair<int, int>> rigid;  ///< rows of the block at hand, and rows of J
+        int coupling;
     };
     /// The elimination of one frame.
     struct Pivot {
         int frame;
-        std::vector<int> rigid;  ///< rows of J eliminated with it
+        std::vector<int> rigid;     ///< rows of J first met here
+        std::vector<int> children;  ///< pivots that may pass rows on to this one
         std::vector<Neighbour> neighbours;
         std::vector<int> fills;  ///< couplings between two neighbours, as pairs i < j run
         bool is_plain;           ///< one neighbour at most and nothing rigid
-        int plain = -1;          ///< index into the arrays of plain pivots
+        int plain = -1;          ///< index into the arrays of plain pivots, or of the general ones
+        int passed = -1;         ///< index into the array of rows passed on; −1: there never are any
     };
     /// The factor of a plain pivot: the inverse of its block and that times the coupling.
     struct Plain {
         Matrix6 inverse, gain;
         int frame, neighbour;
     };
+    /// Rows of J in the hands of a pivot, as what has been eliminated before leaves them.
+    struct OpenRows {
+        std::vector<int> rows;
+        std::vector<Rows> by;    ///< motion of the frame at hand, or of each neighbour
+        std::vector<Rows> size;  ///< of the terms that made them: below its rounding an entry is zero
+        Among among;             ///< −(compliance between them)
+        Column among_size;       ///< square root of the compliance that each would have if nothing rigid were there
+    };
     struct General {
         Block inverse;
-        std::vector<Rows> gains;
+        std::vector<Rows> gains;  ///< of each neighbour
+        std::vector<int> kept;    ///< rows of J eliminated here, below the frame in the block
+    };
+    /// What a pivot passes on to the next: rows by the motion of its neighbours, and their gains, one column each.
+    struct Passed {
+        OpenRows open;
+        Block gain;
     };
 
-    bool invert(const Pivot& pivot, const Block& block, Block& inverse, Fault& fault) const;
+    void gather(const Pivot& pivot, OpenRows& open) const;
+    Vector6 motion_scale(const Pivot& pivot) const;
+    bool decompose(const Pivot& pivot, const Block& block, const Column& scale, std::span<const int> rows, Fault& fault);
+    Block inverse() const;
+    template <class Columns>
+    Columns solve_block(const Columns& B) const;
     bool factor_plain(const Pivot& pivot, Fault& fault);
     bool factor_general(size_t index, Fault& fault);
 
@@ -108,6 +133,14 @@ private:
     std::vector<Pivot> pivots_;  ///< in that order
     std::vector<Plain> plain_;
     std::vector<General> general_;
+    std::vector<Passed> passed_;
+    // Of the pivot at hand
+    Eigen::FullPivLU<Block> lu_;  ///< of its block in the units of scale_
+    Block inverse_;               ///< in these units
+    Column scale_;
+    OpenRows open_;
+    std::vector<int> choice_, rest_;
+    Block passed_columns_;
     mutable std::vector<Column> columns_;
 };
 

@@ -95,9 +95,11 @@ Matrix3 beam_axes(const Vector3& from, const Vector3& to, const Vector3& up) {
             throw Error(DTTMM_ERROR_MODEL, "up: it must have a length and must not lie along the beam");
         z = up.normalized();
     }
-    z = (z - x * x.dot(z)).normalized();
+    // Square to rounding even where z and x are nearly one
+    Vector3 y = z.cross(x).normalized();
+    y = (y - x * x.dot(y)).normalized();
     Matrix3 axes;
-    axes << x, z.cross(x), z;
+    axes << x, y, x.cross(y);
     return axes;
 }
 

@@ -142,7 +142,6 @@ Elimination::Elimination(int frame_count, const std::vector<Link>& links) {
     const auto reserve = [](OpenRows& open, size_t frames) {
         open.rows.reserve(kMostRows);
         open.by.resize(frames);
-        open.size.resize(frames);
     };
     size_t most_neighbours = 0;
     for (size_t row = 0; row < rigid_rows_.size(); ++row) {
@@ -217,40 +216,37 @@ std::optional<Elimination::Fault> Elimination::factor() {
     return std::nullopt;
 }
 
-/// The rows of J that the elimination of a frame has in its hands: those first met here and those passed on to it. `by` and
-/// `size`: of the frame itself, then of its neighbours.
-void Elimination::gather(const Pivot& pivot, OpenRows& open) const {
+/// The rows of J that the elimination of a frame has in its hands: those first met here and those passed on to it. `by`: the
+/// motion of the frame itself, then of its neighbours. False if they are too many.
+bool Elimination::gather(const Pivot& pivot, OpenRows& open) const {
     open.rows.assign(pivot.rigid.begin(), pivot.rigid.end());
     const auto own = static_cast<Eigen::Index>(pivot.rigid.size());
     Eigen::Index count = own;
     for (int child : pivot.children) {
         const OpenRows& passed = passed_[static_cast<size_t>(pivots_[static_cast<size_t>(child)].passed)].open;
         count += static_cast<Eigen::Index>(passed.rows.size());
-        if (count > kMostRows) return;
+        if (count > kMostRows) return false;
         open.rows.insert(open.rows.end(), passed.rows.begin(), passed.rows.end());
     }
-    if (count > kMostRows) return;
+    if (count > kMostRows) return false;
     open.among.setZero(count, count);
     open.among_size.setZero(count);
     for (size_t i = 0; i <= pivot.neighbours.size(); ++i) {
         const int frame = i == 0 ? pivot.frame : pivot.neighbours[i - 1].frame;
-        Rows &by = open.by[i], &size = open.size[i];
+        Rows& by = open.by[i];
         by.setZero(count, 6);
         for (Eigen::Index k = 0; k < own; ++k) {
             const RigidRow& row = rigid_rows_[static_cast<size_t>(open.rows[static_cast<size_t>(k)])];
             for (int end : {0, 1})
                 if (row.frames[end] == frame) by.row(k) = row.by[end].transpose();
         }
-        size = by.cwiseAbs();
         Eigen::Index at = own;
         for (int c : pivot.children) {
             const Pivot& child = pivots_[static_cast<size_t>(c)];
             const OpenRows& passed = passed_[static_cast<size_t>(child.passed)].open;
             const auto rows = static_cast<Eigen::Index>(passed.rows.size());
             for (size_t k = 0; k < child.neighbours.size(); ++k) {
-                if (child.neighbours[k].frame != frame) continue;
-                by.middleRows(at, rows) = passed.by[k];
-                size.middleRows(at, rows) = passed.size[k];
+                if (child.neighbours[k].frame == frame) by.middleRows(at, rows) = passed.by[k];
             }
             if (i == 0) {
                 open.among.block(at, at, rows, rows) = passed.among;
@@ -259,6 +255,7 @@ void Elimination::gather(const Pivot& pivot, OpenRows& open) const {
             at += rows;
         }
     }
+    return true;
 }
 
 /// Units of a pivot's motions: what stood on the diagonal before anything was eliminated. What is left of a motion that
@@ -333,19 +330,18 @@ bool Elimination::factor_plain(const Pivot& pivot, Fault& fault) {
 bool Elimination::factor_general(size_t index, Fault& fault) {
     const Pivot& pivot = pivots_[index];
     General& general = general_[static_cast<size_t>(pivot.plain)];
-    gather(pivot, open_);
-    if (open_.rows.size() > kMostRows || open_.by[0].rows() != static_cast<Eigen::Index>(open_.rows.size())) {
+    if (!gather(pivot, open_)) {
         const RigidRow& row = rigid_rows_[static_cast<size_t>(open_.rows.back())];
         fault = {pivot.frame, -1, row.link, row.index};
         return false;
     }
     const Vector6 motions = motion_scale(pivot);
     const auto count = static_cast<Eigen::Index>(open_.rows.size());
-    Column row_scale(
-        count);  // by the terms that a row is made of: what is left of one that is held already is small beside it
+    // Of a row by its size when it was met: what is left of one that is held already is small beside it
+    Column row_scale(count);
     for (Eigen::Index k = 0; k < count; ++k) {
         const double largest =
-            std::max(open_.size[0].row(k).transpose().cwiseProduct(motions).maxCoeff(), open_.among_size(k));
+            std::max(open_.by[0].row(k).transpose().cwiseProduct(motions).cwiseAbs().maxCoeff(), open_.among_size(k));
         row_scale(k) = largest > 0 ? 1 / largest : 1;
     }
 
@@ -407,7 +403,7 @@ bool Elimination::factor_general(size_t index, Fault& fault) {
             E.col(p).head<6>() = open_.by[0].row(k).transpose();
             for (Eigen::Index i = 6; i < n; ++i) E(i, p) = open_.among(choice_[static_cast<size_t>(i - 6)], k);
             for (Eigen::Index q = 0; q < passed; ++q) on->open.among(p, q) = open_.among(k, rest_[static_cast<size_t>(q)]);
-            const double own = open_.size[0].row(k).transpose().cwiseProduct(motions).norm();
+            const double own = open_.by[0].row(k).transpose().cwiseProduct(motions).norm();
             on->open.among_size(p) = std::hypot(open_.among_size(k), own);
         }
         on->gain = solve_block(E);
@@ -419,13 +415,11 @@ bool Elimination::factor_general(size_t index, Fault& fault) {
         general.gains[i] = solve_block(B);
         work_[static_cast<size_t>(pivot.neighbours[i].frame)] -= B.transpose() * general.gains[i];
         if (!on) continue;
-        Rows &by = on->open.by[i], &size = on->open.size[i];
+        Rows& by = on->open.by[i];
         by.resize(passed, 6);
-        size.resize(passed, 6);
         for (Eigen::Index p = 0; p < passed; ++p) {
             const int k = rest_[static_cast<size_t>(p)];
             by.row(p) = open_.by[i + 1].row(k) - E.col(p).transpose() * general.gains[i];
-            size.row(p) = open_.size[i + 1].row(k) + E.col(p).cwiseAbs().transpose() * general.gains[i].cwiseAbs();
         }
     }
     for (size_t i = 0; i < pivot.neighbours.size(); ++i) {

@@ -20,12 +20,13 @@ struct Link {
 /// The dynamic stiffness of the frames inside a network and its factor, in blocks:
 ///     K u + Jᵀ q = r,   J u = g         u: 6 per frame, symmetric K;  J: the equations of rigid directions, q: their forces
 /// Frames are eliminated from the tips of the tree inwards, those that rigid directions tie to what is known last, each
-/// together with the rigid directions of its joints not yet eliminated, by full-pivot elimination of its own block: f = S e
-/// + P in Riccati's form, f the force and e the motion that the frames already eliminated hand on. Loops inside the network
-/// fill in blocks between the frames that close them. Rigid directions that hold a frame where others hold it already say
+/// together with the rigid directions of its joints not yet eliminated, by full-pivot elimination of its own block:
+/// f = S e + P in Riccati's form, f the force and e the motion that the frames already eliminated hand on. Loops inside the
+/// network fill in blocks between the frames that close them. Rigid directions that hold a frame where others hold it say
 /// something about the frames behind it: they are passed on to the next. Cost per factor and per solution linear in the
-/// number of frames of a tree. Sources: Gu, Rui et al. (2017), Riccati transfer matrix method for linear tree multibody
-/// systems, J. Appl. Mech. 84; Duff and Reid (1983), ACM Trans. Math. Software 9, 302-325 (pivots passed on).
+/// number of frames of a tree.
+/// Source: Gu, Rui et al. (2017), Riccati transfer matrix method for linear tree multibody systems, J. Appl. Mech. 84.
+/// Source of passing on: Duff and Reid (1983), multifrontal solution, ACM Trans. Math. Software 9, 302–325.
 class Elimination {
 public:
     /// Fixes order and storage; nothing is allocated later.
@@ -87,10 +88,10 @@ private:
     /// Rows of J in the hands of a pivot, as what has been eliminated before leaves them.
     struct OpenRows {
         std::vector<int> rows;
-        std::vector<Rows> by;    ///< motion of the frame at hand, or of each neighbour
-        std::vector<Rows> size;  ///< of the terms that made them: below its rounding an entry is zero
-        Among among;             ///< −(compliance between them)
-        Column among_size;       ///< square root of the compliance that each would have if nothing rigid were there
+        std::vector<Rows> by;  ///< motion of the frame at hand, or of each neighbour
+        Among among;           ///< −(compliance between them)
+        Column among_size;  ///< square root of the compliance each would have if nothing rigid were there: what of a row is
+                            ///< far below it is rounding
     };
     struct General {
         Block inverse;
@@ -103,7 +104,7 @@ private:
         Block gain;
     };
 
-    void gather(const Pivot& pivot, OpenRows& open) const;
+    bool gather(const Pivot& pivot, OpenRows& open) const;
     Vector6 motion_scale(const Pivot& pivot) const;
     bool decompose(const Pivot& pivot, const Block& block, const Column& scale, std::span<const int> rows, Fault& fault);
     Block inverse() const;

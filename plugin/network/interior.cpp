@@ -22,6 +22,8 @@ using MapR = Eigen::Map<RowMajor3>;
 constexpr double kForget = 2;
 /// Slower than this, the matrix is formed anew.
 constexpr double kSlowestContraction = 0.1;
+/// A change of the ports feels the network's nonlinearity less than a change of everything inside, which the rate measures.
+constexpr double kLinearShare = 0.1;
 /// Of a frame's place, in the corrections: nothing finer can be asked for.
 constexpr double kRounding = 1e-14;
 /// Of the motion: no more digits are asked for.
@@ -866,7 +868,7 @@ const Interior::Solution& Interior::respond(const Mechanism& mechanism, const dt
         largest = std::max(
             largest, change.head<3>().squaredNorm() + port_reach_[p] * port_reach_[p] * change.tail<3>().squaredNorm());
     }
-    if (is_good_enough(std::sqrt(largest), anchor_)) return anchor_;
+    if (is_good_enough(kLinearShare * std::sqrt(largest), anchor_)) return anchor_;
     other_.contraction = anchor_.contraction;
     other_.scale = anchor_.scale;
     for (size_t p = 0; p < port_u_.size(); ++p) {

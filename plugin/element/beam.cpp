@@ -78,7 +78,10 @@ Beam::Beam(std::span<const double, 5 + kSectionValueCount> values)
 
 Rod::Rod(std::span<const double, 1 + kSectionValueCount> values)
     : segments_(static_cast<int>(values[0])),
-      section_(make_section(values.last<kSectionValueCount>(), BeamTheory::euler_bernoulli)) {}
+      section_(make_section(values.last<kSectionValueCount>(), BeamTheory::euler_bernoulli)) {
+    if (section_.offset_y != 0 || section_.offset_z != 0)
+        throw Error(DTTMM_ERROR_MODEL, "section.mass_offset: a rod's mass is on its axis; make it a beam");
+}
 
 Matrix3 beam_axes(const Vector3& from, const Vector3& to, const Vector3& up) {
     const double length = (to - from).norm();

@@ -312,6 +312,16 @@ TEST(Beam, StiffnessesThatTimeNeedsAreNamed) {
 
 // ---- Rods ---------------------------------------------------------------------------------------------------------------
 
+TEST(Rod, AMassOffItsAxisIsRefused) {
+    try {
+        rod(3, {{"section.EA", {1e8}}, {"section.mass", {7}}, {"section.mass_offset", {0, 0.01}}});
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.status(), DTTMM_ERROR_MODEL);
+        EXPECT_NE(std::string(error.what()).find("section.mass_offset"), std::string::npos) << error.what();
+    }
+}
+
 // Oracle: compliance L/EA along and nothing else; mass and inertia of a thin bar, exactly.
 TEST(Rod, StretchesAndIsRigidOtherwise) {
     const double L = (kTo - kFrom).norm();

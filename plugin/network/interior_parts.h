@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "network/mechanism.h"
+
+namespace dttmm {
+
+/// What the sources of Interior share.
+
+using Map3 = Eigen::Map<Vector3>;
+using MapR = Eigen::Map<RowMajor3>;
+
+inline Vector3 head(const Vector6& v) { return v.head<3>(); }
+inline Vector3 tail(const Vector6& v) { return v.tail<3>(); }
+inline Vector6 joined(const Twist& twist) {
+    Vector6 v;
+    v << twist.linear, twist.angular;
+    return v;
+}
+
+/// Rigid directions of a joint, ascending.
+template <class Function>
+void for_each_rigid(const Joint& joint, const Function& function) {
+    int i = 0;
+    for (int d = 0; d < 6; ++d)
+        if (joint.rigid()[static_cast<size_t>(d)]) function(i++, d);
+}
+
+/// The mechanism with its joints where its frames are and nothing moving, at a step size.
+Mechanism at_rest(const Mechanism& mechanism, double step_size);
+
+}  // namespace dttmm

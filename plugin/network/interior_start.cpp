@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Where the inside of a network stands and how it moves at the start.
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+
+#include "network/interior.h"
+#include "network/interior_parts.h"
+
+namespace dttmm {
+
+namespace {
+
+/// A step so long that nothing has inertia in it and no damper resists: its matrix is β h² times the static stiffness.
+constexpr double kLongStep = 1e4;
+
+}  // namespace
+
+void Interior::linearise(const Mechanism& mechanism, const dttmm_motion* ports, double* wrench, double* stiffness,
+                         double* damping) const {
+    Mechanism sample = mechanism;
+    sample.scheme.set_step_size(kLongStep);
+    Interior scratch = *this;
+    scratch.settle_at_start(sample, ports);
+    const auto size = 6 * static_cast<size_t>(ports_);
+    std::fill_n(wrench, size, 0.0);
+    for (size_t j : port_joints_) {
+        const Joint& joint = sample.joints[j];
+        const FrameView from = sample.frame(joint.from()), to = sample.frame(joint.to());
+        const Vector6 f = joint.force(
+            from, to,
+            joint.rate(from, scratch.start_velocity(joint.from(), ports), to, scratch.start_velocity(joint.to(), ports)));
+        const Matrix3 R = joint.axes(from);
+        joint.add_wrench(joint.arm(from, to), joint.lever(to), R * head(f), R * tail(f),
+                         joint.from() < ports_ ? wrench + 6 * joint.from() : nullptr,
+                         joint.to() < ports_ ? wrench + 6 * joint.to() : nullptr);
+    }
+    if (damping) std::fill_n(damping, size * size, 0.0);
+    if (!stiffness) return;
+    const Mechanism slow = at_rest(sample, kLongStep);
+    scratch.refactor(slow);
+    scratch.write_stiffness(slow, stiffness);
+    Eigen::Map<Eigen::VectorXd>(stiffness, static_cast<Eigen::Index>(size * size)) /= mechanism.scheme.elastic_weight();
+}
+
+Twist Interior::start_velocity(int frame, const dttmm_motion* ports) const {
+    if (is_inner(frame)) return state_[at(frame)].velocity;
+    return frame < ports_ ? twist(ports[frame]) : Twist{};
+}
+
+/// Puts the ports where they are, the inside where it is at the start, and finds the velocities of the inside: those given,
+/// the rest such as to strain the network least.
+void Interior::settle_at_start(Mechanism& mechanism, const dttmm_motion* ports) {
+    for (size_t f = 0; f < mechanism.frames.size(); ++f) mechanism.frames[f] = make_frame(mechanism.assembly.frames[f].pose);
+    bool moves = false;
+    for (int p = 0; p < ports_; ++p) {
+        Frame& frame = mechanism.frames[static_cast<size_t>(p)];
+        std::copy_n(ports[p].position, 3, frame.position);
+        std::copy_n(ports[p].rotation, 9, frame.rotation);
+        const Twist velocity = twist(ports[p]);
+        moves = moves || !velocity.linear.isZero(0) || !velocity.angular.isZero(0);
+    }
+    for (State& state : state_) state.velocity = Twist{};
+    for (const dttmm_node& node : node_data_) moves = moves || node.moves;
+    if (moves) find_start_velocities(mechanism, ports);
+}
+
+void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_motion* ports) {
+    constexpr double kHold = 1e12;  // stiffer than everything
+    const Mechanism slow = at_rest(mechanism, kLongStep);
+    assemble(slow);
+    std::vector<Vector6> r(state_.size(), Vector6::Zero());
+    std::vector<double> g(rigid_.size(), 0);
+    const double square = kLongStep * kLongStep;
+    for (size_t j : port_joints_) {
+        const Joint& joint = slow.joints[j];
+        const int frames[2] = {joint.from(), joint.to()};
+        const Matrix6 G[2] = {local_by_from(slow, j), local_by_to(slow, j)};
+        for (int end : {0, 1}) {
+            if (frames[end] >= ports_) continue;
+            const Twist v = twist(ports[frames[end]]);
+            const RowMajor3 R = slow.frame(frames[end]).axes();
+            Vector6 u;
+            u << R.transpose() * v.linear, R.transpose() * v.angular;
+            const Vector6 d = G[end] * u;
+            if (is_inner(frames[1 - end])) r[at(frames[1 - end])] -= square * (G[1 - end].transpose() * (gain(slow, j) * d));
+            const Vector6 held = rigid_rows(slow, j, G[end]) * u;
+            for_each_rigid(joint, [&](int i, int direction) {
+                g[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)] -= held(direction);
+            });
+        }
+    }
+    for (size_t i = 0; i < node_data_.size(); ++i) {
+        const dttmm_node& node = node_data_[i];
+        const NodeSpec& spec = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])];
+        if (!node.moves || !is_inner(spec.frame)) continue;
+        // v_node = v − offset × … in the frame's axes
+        const RowMajor3 R = slow.frame(spec.frame).axes();
+        Matrix6 G = Matrix6::Identity();
+        G.topRightCorner<3, 3>() = -skew(spec.offset);
+        Vector6 given;
+        given << R.transpose() * Eigen::Map<const Vector3>(node.velocity),
+            R.transpose() * Eigen::Map<const Vector3>(node.angular_velocity);
+        const Matrix6 own = elimination_.diagonal(spec.frame - driven_);
+        const double translation = kHold * std::max(own.topLeftCorner<3, 3>().trace(), 1e-300);
+        const double rotation = kHold * std::max(own.bottomRightCorner<3, 3>().trace(), 1e-300);
+        Vector6 weight;
+        weight << Vector3::Constant(translation), Vector3::Constant(rotation);
+        elimination_.add_diagonal(spec.frame - driven_, G.transpose() * weight.asDiagonal() * G);
+        r[at(spec.frame)] += G.transpose() * weight.cwiseProduct(given);
+    }
+    factor(slow, DTTMM_ERROR_SINGULAR);
+    elimination_.solve(r, g);
+    for (int i = 0; i < count_; ++i) {
+        const RowMajor3 R = slow.frame(driven_ + i).axes();
+        State& state = state_[static_cast<size_t>(i)];
+        state.velocity = {R * head(r[static_cast<size_t>(i)]), R * tail(r[static_cast<size_t>(i)])};
+    }
+}
+
+void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const double* accelerations, const double* loads) {
+    const double h = mechanism.scheme.step_size();
+    settle_at_start(mechanism, ports);
+    std::fill(rigid_.begin(), rigid_.end(), 0.0);
+    std::fill(rigid_before_.begin(), rigid_before_.end(), 0.0);
+    read_loads(mechanism, loads);
+    for (Burden& burden : burdens_) burden.load[1] = burden.load[2] = burden.load[0];
+    books_ = {};
+
+    // Forces of the start, for the momentum half a step before it and the accelerations
+    std::vector<Vector6> wrench(mechanism.frames.size(), Vector6::Zero());
+    for (const Joint& joint : mechanism.joints) {
+        const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
+        const Vector6 f = joint.force(
+            from, to, joint.rate(from, start_velocity(joint.from(), ports), to, start_velocity(joint.to(), ports)));
+        const Matrix3 R = joint.axes(from);
+        joint.add_wrench(joint.arm(from, to), joint.lever(to), R * head(f), R * tail(f),
+                         wrench[static_cast<size_t>(joint.from())].data(), wrench[static_cast<size_t>(joint.to())].data());
+    }
+    std::vector<Twist> acceleration(state_.size());
+    for (size_t i = 0; i < state_.size(); ++i) {
+        State& state = state_[i];
+        const Inertia& inertia = inertias_[i];
+        const Frame& frame = mechanism.frames[static_cast<size_t>(driven_) + i];
+        const FrameView view = frame;
+        const RowMajor3 R = view.axes();
+        Vector6 force = wrench[static_cast<size_t>(driven_) + i];
+        if (burden_of_[i] >= 0) force += burden(i).load[0];
+        force.head<3>() += inertia.mass * gravity_;
+        const Vector3 spin = R.transpose() * state.velocity.angular;
+        state.momentum << inertia.mass * state.velocity.linear, R * (inertia.moment * spin);
+        state.momentum -= 0.5 * h * force;
+        state.u << R.transpose() * state.velocity.linear, spin;
+        state.u_before = state.u;
+        state.velocity_before = state.velocity;
+        if (inertia.mass > 0) acceleration[i].linear = head(force) / inertia.mass;
+        const Vector3 moment = R.transpose() * tail(force) - spin.cross(inertia.moment * spin);
+        if (inertias_[i].balance[1] == Balance::momentum)
+            acceleration[i].angular = R * inertia.moment.fullPivLu().solve(moment);
+        if (burden_of_[i] >= 0) books_.load_power += burden(i).load[0].dot(joined(state.velocity));
+    }
+    // A load that a massless frame takes at once passes on to its heir
+    for (size_t i = 0; i < state_.size(); ++i) {
+        const Inertia& inertia = inertias_[i];
+        if (inertia.heir < driven_) continue;
+        Vector6 force = wrench[static_cast<size_t>(driven_) + i] + burden(i).load[0];
+        for (int half : {0, 1})
+            if (inertia.balance[half] == Balance::momentum) force.segment<3>(3 * half).setZero();
+        Vector6& momentum = state_[at(inertia.heir)].momentum;
+        const Vector3 arm = mechanism.frame(driven_ + static_cast<int>(i)).origin() - mechanism.frame(inertia.heir).origin();
+        momentum.head<3>() -= 0.5 * h * head(force);
+        momentum.tail<3>() -= 0.5 * h * (tail(force) + arm.cross(head(force)));
+    }
+    const auto acceleration_of = [&](int frame) {
+        if (is_inner(frame)) return acceleration[at(frame)];
+        if (frame >= ports_) return Twist{};
+        return Twist{Eigen::Map<const Vector3>(accelerations + 6 * frame),
+                     Eigen::Map<const Vector3>(accelerations + 6 * frame + 3)};
+    };
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const Joint& joint = mechanism.joints[j];
+        const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
+        const Twist v_from = start_velocity(joint.from(), ports), v_to = start_velocity(joint.to(), ports);
+        joint.start(mechanism.scheme, from, to, joint.rate(from, v_from, to, v_to),
+                    joint.acceleration(from, v_from, acceleration_of(joint.from()), to, v_to, acceleration_of(joint.to())),
+                    mechanism.states[j], mechanism.turn(j));
+    }
+    find_imbalances(mechanism);
+    for (Burden& burden : burdens_) burden.imbalance[1] = burden.imbalance[0];
+    for (size_t p = 0; p < port_u_.size(); ++p) {
+        const Twist v = twist(ports[p]);
+        const RowMajor3 R = mechanism.frame(static_cast<int>(p)).axes();
+        port_u_[p] << R.transpose() * v.linear, R.transpose() * v.angular;
+    }
+    port_u_before_ = port_u_;
+    trial_ = mechanism.frames;
+    refactor(mechanism);
+}
+
+/// Loads on the inner nodes at the end of the step as wrenches at their frames' origins.
+void Interior::read_loads(const Mechanism& mechanism, const double* loads) {
+    for (Burden& burden : burdens_) burden.load[0].setZero();
+    if (!loads) return;
+    for (size_t i = 0; i < inner_nodes_.size(); ++i) {
+        const NodeSpec& node = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])];
+        if (!is_inner(node.frame)) continue;
+        const Eigen::Map<const Vector3> F(loads + 6 * i), M(loads + 6 * i + 3);
+        Vector6& load = burden(at(node.frame)).load[0];
+        load.head<3>() += F;
+        load.tail<3>() += M + (mechanism.frame(node.frame).axes() * node.offset).cross(F);
+    }
+}
+
+/// What is left at t_n of the forces on massless frames that balance at the end of every step: rounding, or a load that
+/// jumped.
+void Interior::find_imbalances(const Mechanism& mechanism) {
+    if (!settles_) return;
+    for (Burden& burden : burdens_) {
+        burden.imbalance[1] = burden.imbalance[0];
+        burden.imbalance[0] = burden.load[1];
+    }
+    for (const Joint& joint : mechanism.joints) {
+        const auto settling = [&](int frame) {
+            return is_inner(frame) && (inertias_[at(frame)].balance[0] == Balance::end_of_step ||
+                                       inertias_[at(frame)].balance[1] == Balance::end_of_step);
+        };
+        if (!settling(joint.from()) && !settling(joint.to())) continue;
+        const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
+        const Vector6 f = joint.force(from, to, Vector6::Zero());
+        const Matrix3 R = joint.axes(from);
+        joint.add_wrench(joint.arm(from, to), joint.lever(to), R * head(f), R * tail(f),
+                         settling(joint.from()) ? burden(at(joint.from())).imbalance[0].data() : nullptr,
+                         settling(joint.to()) ? burden(at(joint.to())).imbalance[0].data() : nullptr);
+    }
+}
+
+}  // namespace dttmm

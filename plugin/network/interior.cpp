@@ -92,6 +92,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     world_change_.resize(mechanism.frames.size());
     trial_ = mechanism.frames;
     responses_.assign(n, Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, 6 * ports_));
+    rigid_change_.setZero(static_cast<Eigen::Index>(rigid));
     rigid_responses_.setZero(static_cast<Eigen::Index>(rigid), 6 * ports_);
 
     const Mechanism sample = at_rest(mechanism, kTrialStep);
@@ -320,7 +321,7 @@ void Interior::find_responses(const Mechanism& mechanism) {
 }
 
 void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) const {
-    // −δ(h W_p) = G_pᵀ (h² Λ D + q) δu,   D: the joint's deformation by the motion of all ports
+    // −δ(h W_p) = G_pᵀ (h² Λ D + q) δu,   D: the joint's deformation by the motion of a port
     const double h = mechanism.scheme.step_size();
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     Eigen::Map<RowMajor> S(stiffness, 6 * ports_, 6 * ports_);
@@ -328,30 +329,30 @@ void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) co
     for (size_t j : port_joints_) {
         const Joint& joint = mechanism.joints[j];
         const Matrix6 G[2] = {local_by_from(mechanism, j), local_by_to(mechanism, j)};
+        const Matrix6 held[2] = {rigid_rows(mechanism, j, G[0]), rigid_rows(mechanism, j, G[1])};
+        const Matrix6 Lambda = h * h * gain(mechanism, j);
         const int frames[2] = {joint.from(), joint.to()};
-        Eigen::Matrix<double, 6, Eigen::Dynamic> D = Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, 6 * ports_);
-        for (int end : {0, 1}) {
-            if (is_inner(frames[end])) D += G[end] * responses_[at(frames[end])];
-            if (frames[end] < ports_) D.middleCols<6>(6 * frames[end]) += G[end];
-        }
-        const Eigen::Matrix<double, 6, Eigen::Dynamic> f = h * h * gain(mechanism, j) * D;
-        Eigen::Matrix<double, 6, Eigen::Dynamic> rigid = Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, 6 * ports_);
-        for_each_rigid(joint, [&](int i, int d) {
-            rigid.row(d) = rigid_responses_.row(elimination_.rigid_begin(static_cast<int>(j)) + i);
-        });
-        for (int end : {0, 1})
-            if (frames[end] < ports_)
-                S.middleRows<6>(6 * frames[end]) +=
-                    G[end].transpose() * f + rigid_rows(mechanism, j, G[end]).transpose() * rigid;
-    }
-    for (int p = 0; p < ports_; ++p) {
-        const Matrix3 R = mechanism.frame(p).axes();
-        for (int half : {0, 3}) {
-            S.middleRows<3>(6 * p + half) = (R * S.middleRows<3>(6 * p + half)).eval();
-            S.middleCols<3>(6 * p + half) = (S.middleCols<3>(6 * p + half) * R.transpose()).eval();
+        for (int column = 0; column < ports_; ++column) {
+            Matrix6 D = Matrix6::Zero(), rigid = Matrix6::Zero();
+            for (int end : {0, 1}) {
+                if (is_inner(frames[end])) D += G[end] * responses_[at(frames[end])].middleCols<6>(6 * column);
+                if (frames[end] == column) D += G[end];
+            }
+            for_each_rigid(joint, [&](int i, int d) {
+                rigid.row(d) = rigid_responses_.block<1, 6>(elimination_.rigid_begin(static_cast<int>(j)) + i, 6 * column);
+            });
+            for (int end : {0, 1})
+                if (frames[end] < ports_)
+                    S.block<6, 6>(6 * frames[end], 6 * column) +=
+                        G[end].transpose() * (Lambda * D) + held[end].transpose() * rigid;
         }
     }
-    S /= h * h;
+    for (int row = 0; row < 2 * ports_; ++row)
+        for (int column = 0; column < 2 * ports_; ++column) {
+            auto block = S.block<3, 3>(3 * row, 3 * column);
+            block =
+                (mechanism.frame(row / 2).axes() * block * mechanism.frame(column / 2).axes().transpose() / (h * h)).eval();
+        }
 }
 
 // ---- Results ------------------------------------------------------------------------------------------------------------

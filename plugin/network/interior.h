@@ -195,6 +195,7 @@ private:
     // Working memory
     mutable Solution other_;
     mutable Eigen::VectorXd port_change_;  ///< from the solution in use to the end of the step asked for, 6 per port, local
+    mutable Eigen::VectorXd rigid_change_;  ///< what it changes in the forces of rigid directions, times h
     mutable std::vector<Frame> trial_;
     mutable std::vector<Vector6> half_wrench_;
     mutable std::vector<Vector6> wrench_;

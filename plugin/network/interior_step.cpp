@@ -300,9 +300,9 @@ const Interior::Solution& Interior::respond(const Mechanism& mechanism, const dt
         std::copy_n(ports[p].rotation, 9, other_.ports[p].rotation);
     }
     for (size_t i = 0; i < state_.size(); ++i) other_.u[i] = anchor_.u[i] + anchor_.change[i] + responses_[i] * port_change_;
-    const Eigen::VectorXd rigid = rigid_responses_ * port_change_;
+    rigid_change_.noalias() = rigid_responses_ * port_change_;
     for (size_t i = 0; i < other_.q.size(); ++i)
-        other_.q[i] = anchor_.q[i] + (anchor_.q_change[i] + rigid(static_cast<Eigen::Index>(i))) / h;
+        other_.q[i] = anchor_.q[i] + (anchor_.q_change[i] + rigid_change_(static_cast<Eigen::Index>(i))) / h;
     solve(mechanism, other_);
     port_change_.setZero();
     return other_;
@@ -368,10 +368,10 @@ void Interior::commit(Mechanism& mechanism, const dttmm_motion* accepted) {
                       mechanism.states[j], mechanism.turn(j));
     }
     const double h = mechanism.scheme.step_size();
-    const Eigen::VectorXd rigid = rigid_responses_ * port_change_;
+    rigid_change_.noalias() = rigid_responses_ * port_change_;
     rigid_before_ = rigid_;
     for (size_t i = 0; i < rigid_.size(); ++i)
-        rigid_[i] = solution.q[i] + (solution.q_change[i] + rigid(static_cast<Eigen::Index>(i))) / h;
+        rigid_[i] = solution.q[i] + (solution.q_change[i] + rigid_change_(static_cast<Eigen::Index>(i))) / h;
     find_imbalances(mechanism);
     books_.contraction = solution.contraction;
     books_.scale = 0.98 * solution.scale;

@@ -410,6 +410,63 @@ TEST(Interior, ABeamOnASpinningHubIsStretchedByItsOwnWeight) {
     EXPECT_NEAR(value("force.x", DTTMM_OF_ELEMENT), force, 2e-3 * force);
 }
 
+/// Frequency [rad/s] of a beam's flapping out of the plane in which its hub turns at a constant rate; the tip is struck at
+/// the start.
+double flap_frequency(double spin) {
+    NetworkModel model;
+    const double L = 1.2, h = 2e-4;
+    model.node("hub", kPort, vec(0, 0, 0));
+    model.node("tip", kInner, vec(L, 0, 0));
+    NetworkModel::Values values = tube(16);
+    values["material.E"] = {20e9};
+    values["theory"] = {0};
+    model.element("beam", "beam", {"hub", "tip"}, values);
+    Network network(model.description());
+    const auto hub = [&](double t) {
+        dttmm_motion motion{};
+        Eigen::Map<RowMajor3>{motion.rotation} = rotation_from_vector(vec(0, 0, std::remainder(spin * t, 2 * M_PI)));
+        motion.angular_velocity[2] = spin;
+        return motion;
+    };
+    const double accelerations[6] = {};
+    const dttmm_motion at_start = hub(0);
+    std::vector<double> push(6, 0.0);  // slow enough to leave the second mode alone
+    network.start({0, 0, h}, &at_start, accelerations, push.data());
+    std::vector<double> out(network.channels().size());
+    double last = 0, first_rise = 0, last_rise = 0;
+    int rises = 0;
+    for (uint64_t n = 0; n < 8000; ++n) {
+        const double t = static_cast<double>(n) * h;
+        push[2] = t + h < 0.08 ? 5 * std::pow(std::sin(M_PI * (t + h) / 0.08), 2) : 0;
+        network.begin_step({n, t, h}, push.data());
+        const dttmm_motion end = hub(t + h);
+        network.commit_step(&end);
+        network.outputs(out.data());
+        const double z = out[8];  // deflection.z
+        if (t > 0.1 && last < 0 && z >= 0) {
+            last_rise = t - h * z / (z - last);
+            if (rises++ == 0) first_rise = last_rise;
+        }
+        last = z;
+    }
+    EXPECT_STREQ(network.channels()[8].name, "deflection.z");
+    return 2 * M_PI * (rises - 1) / (last_rise - first_rise);
+}
+
+// Oracle: the cantilever's 3.516 √(EI/ρA)/L² at rest, and Southwell's rule ω² = ω₀² + 1.19 Ω² for the first flapping mode of
+// a uniform blade (Southwell and Gough 1921; 1.193 by Rayleigh's quotient with the mode at rest, an upper bound nearly
+// reached).
+TEST(Interior, SpinningStiffensABlade) {
+    const double EI = 20e9 * M_PI / 64 * (std::pow(0.05, 4) - std::pow(0.03, 4));
+    const double rest = 3.516 / (1.2 * 1.2) * std::sqrt(EI / (7800 * M_PI / 4 * (0.05 * 0.05 - 0.03 * 0.03)));
+    const double still = flap_frequency(0);
+    EXPECT_NEAR(still, rest, 0.01 * rest);
+    for (const double spin : {20.0, 40.0}) {
+        const double expected = std::sqrt(still * still + 1.193 * spin * spin);
+        EXPECT_NEAR(flap_frequency(spin), expected, 0.01 * expected) << spin;
+    }
+}
+
 // ---- The interface ------------------------------------------------------------------------------------------------------
 
 /// Two ports, a beam with an elastic hinge at one of them and a mass between.

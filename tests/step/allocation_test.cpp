@@ -7,6 +7,7 @@
 
 #include <cstdlib>
 
+#include "model/read_model.h"
 #include "record/recorder.h"
 #include "step/simulation.h"
 #include "support/models.h"
@@ -57,6 +58,75 @@ TEST(Allocation, NothingIsAllocatedInTheStepLoop) {
         for (int n = 0; n < 500; ++n) simulation.step();
         EXPECT_EQ(allocations - before, 0);
     }
+}
+
+constexpr const char* kLeg = R"(
+format = "dttmm/1"
+[simulation]
+duration = 10
+step = "1 ms"
+[nodes]
+knee = [0.5, 0, 0]
+ankle = [0.5, 0, 0]
+tip = [0.5, 0.6, 0.1]
+[[body]]
+name = "hub"
+mass = 2
+inertia = [0.1, 0.1, 0.1]
+angular_velocity = [0, 0, 6]
+markers.rim = [0.1, 0, 0]
+[[joint]]
+name = "axle"
+type = "hinge"
+between = ["hub", "ground"]
+anchor = [0, 0, 0]
+axis = [0, 0, 1]
+[[load]]
+on = "tip"
+direction = [0, 0, 1]
+force = "=20*sin(30*t) "
+[[element]]
+name = "arm"
+type = "beam"
+from = "hub.rim"
+to = "knee"
+segments = 4
+section = { tube = ["30 mm", "26 mm"] }
+material = { E = "70 GPa", poisson = 0.3, density = "2700 kg/m^3" }
+[[element]]
+name = "hinge"
+type = "elastic_hinge"
+from = "knee"
+to = "ankle"
+stiffness = { rz = 40, ry = 1e4 }
+damping = { rz = 0.1 }
+[[element]]
+name = "leg"
+type = "beam"
+from = "ankle"
+to = "tip"
+segments = 3
+section = { tube = ["30 mm", "26 mm"] }
+material = { E = "70 GPa", poisson = 0.3, density = "2700 kg/m^3" }
+[[element]]
+name = "foot"
+type = "point_mass"
+at = "tip"
+mass = 0.3
+)";
+
+// A body on a joint, so that the stiffness of the network is wanted at every step; hinges with rigid directions, a mass and
+// a load on a node; far and fast enough that the matrix of the network is factored anew.
+TEST(Allocation, NothingIsAllocatedInsideANetwork) {
+    const Plugins plugins;
+    const Model model = parse_model(kLeg, "leg.toml", plugins.catalogue());
+    Simulation simulation(model, plugins);
+    Recorder recorder(simulation.channels());
+    simulation.record_to([&](std::span<const double> row) { recorder.close_row(row); });
+    for (int n = 0; n < 3; ++n) simulation.step();
+    const long before = allocations;
+    for (int n = 0; n < 2000; ++n) simulation.step();
+    EXPECT_EQ(allocations - before, 0);
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ namespace dttmm {
 /// step.
 ///
 /// A step is solved once, for ports that go on as they have; the answer to another motion of the ports is the linear one
-/// from there, as long as that is good enough by the same measure. A linear network thus takes one pass per step.
+/// from there, as long as that is good enough by a like measure. A step of small vibrations takes one pass or two.
 ///
 /// A massless frame would ring under weights of three instants, for (z + 1)² makes a double root at −1: where no damper and
 /// no rigid direction acts on it, its force balances at the end of every step; otherwise, without numerical damping, half
@@ -180,10 +180,9 @@ private:
 
     std::vector<State> state_;
     std::vector<Burden> burdens_;
-    std::vector<size_t> burdened_;  ///< the frame of each
-    std::vector<int> burden_of_;    ///< and the other way round; −1: none
-    std::vector<double> rigid_,
-        rigid_before_;  ///< forces of the rigid directions over the step before t_n, and the one before
+    std::vector<size_t> burdened_;              ///< the frame of each
+    std::vector<int> burden_of_;                ///< and the other way round; −1: none
+    std::vector<double> rigid_, rigid_before_;  ///< forces of the rigid directions over the two steps before t_n
     Books books_;
 
     // Of the open step
@@ -194,7 +193,7 @@ private:
 
     // Working memory
     mutable Solution other_;
-    mutable Eigen::VectorXd port_change_;  ///< from the solution in use to the end of the step asked for, 6 per port, local
+    mutable Eigen::VectorXd port_change_;   ///< from the solution in use to the end of the step asked for, 6 per port, local
     mutable Eigen::VectorXd rigid_change_;  ///< what it changes in the forces of rigid directions, times h
     mutable std::vector<Frame> trial_;
     mutable std::vector<Vector6> half_wrench_;

@@ -11,7 +11,8 @@ namespace dttmm::test {
 
 /// The linear motion of a network about its start, exactly: masses and springs assembled here into dense matrices, world
 /// axes, six unknowns per frame inside; massless unknowns either follow at once (no dampers on them) or by their own
-/// first-order equations. Moves by a matrix exponential under a load p a (3 s² − 2 s³), s = t/T clipped, on one node.
+/// first-order equations. Moves by a matrix exponential under a load p (3 s² − 2 s³), s = t/T clipped, on one node; T = 0:
+/// all of it from the start.
 class ExactNetwork {
 public:
     ExactNetwork(const Assembly& assembly, int node, const Eigen::Matrix<double, 6, 1>& load, double rise)
@@ -110,8 +111,10 @@ private:
         }
         for (int power = 1; power <= 3; ++power) rate_(n + power, n + power - 1) = power;
         after_ = rate_;
-        rate_.block(0, n + 2, n, 1) = 3 / (rise_ * rise_) * push;
-        rate_.block(0, n + 3, n, 1) = -2 / (rise_ * rise_ * rise_) * push;
+        if (rise_ > 0) {
+            rate_.block(0, n + 2, n, 1) = 3 / (rise_ * rise_) * push;
+            rate_.block(0, n + 3, n, 1) = -2 / (rise_ * rise_ * rise_) * push;
+        }
         after_.block(0, n, n, 1) = push;
         state_.setZero(n + 4);
         state_(n) = 1;

@@ -12,10 +12,10 @@
 #include <filesystem>
 #include <map>
 #include <numbers>
-#include <unsupported/Eigen/MatrixFunctions>
 
 #include "model/read_model.h"
 #include "step/simulation.h"
+#include "support/exact_pulses.h"
 
 namespace dttmm {
 namespace {
@@ -56,60 +56,44 @@ History run(Model model, const Plugins& plugins) {
 /// The machine linearised about its start, all numbers from the model file written here again. It moves in the x-z plane.
 /// Unknowns: receiver x, z, θ about y; travel s of the breechblock; x, z, θ of every lump. A point at (rx, rz) from the
 /// origin of a frame moves by (x + θ rz, z − θ rx).
-///     M q'' + C q' + K q = p_weight + p_shot F(t)
-/// F is a train of haversine pulses, F̂/2 (1 − cos): the state extended by 1, cos and sin moves by a matrix exponential, so
-/// that nothing is discretised in time.
 class LinearGun {
 public:
     explicit LinearGun(int segments, double peak = 60e3, double gravity = 9.81)
-        : n_(4 + 3 * segments),
-          M_(MatrixXd::Zero(n_, n_)),
-          C_(MatrixXd::Zero(n_, n_)),
-          K_(MatrixXd::Zero(n_, n_)),
-          weight_(VectorXd::Zero(n_)),
-          shot_(VectorXd::Zero(n_)) {
-        add_mass(frame(0), 80, 3.2, gravity);
+        : n_(4 + 3 * segments), gravity_(gravity), machine_(n_), forces_(MatrixXd::Zero(4, n_)), rates_(forces_) {
+        add_mass(frame(0), 80, 3.2);
         MatrixXd block = point(0, -0.05, 0.004);
         block(0, 3) = 1;  // and s along x
-        add_mass(block, 6, 0.025, gravity);
-        shot_ = -peak * block.row(0);
-        MatrixXd mount = point(0, 0, -0.12), travel = MatrixXd::Zero(1, n_);
+        add_mass(block, 6, 0.025);
+        machine_.pulse = -peak * block.row(0);
+        machine_.width = 3e-3;
+        machine_.starts = {0.01, 0.11, 0.21};
+
+        const MatrixXd mount = point(0, 0, -0.12);
+        const Eigen::Vector3d k(2e6, 8e6, 6e5), c(4e3, 2e3, 300);
+        machine_.add_spring(mount, k, c);
+        MatrixXd travel = MatrixXd::Zero(1, n_);
         travel(0, 3) = 1;
-        add_spring(mount, Eigen::Vector3d(2e6, 8e6, 6e5), Eigen::Vector3d(4e3, 2e3, 300));
-        add_spring(travel, VectorXd::Constant(1, 60e3), VectorXd::Constant(1, 400));
-        add_barrel(segments, gravity);
-        build();
-        // Rows in the order of Quantity, of q and of q'
-        output_ = MatrixXd::Zero(7, 2 * n_ + 3);
-        output_.topLeftCorner(3, n_) = point(segments, 0.5 * 1.2 / segments, 0);
-        output_.block(3, 0, 3, n_) = Eigen::Vector3d(2e6, 8e6, 6e5).asDiagonal() * mount;
-        output_.block(3, n_, 3, n_) = Eigen::Vector3d(4e3, 2e3, 300).asDiagonal() * mount;
-        output_.block(6, 0, 1, n_) = 60e3 * travel;
-        output_.block(6, n_, 1, n_) = 400 * travel;
+        machine_.add_spring(travel, VectorXd::Constant(1, 60e3), VectorXd::Constant(1, 400));
+        add_barrel(segments);
+
+        muzzle_ = point(segments, 0.5 * 1.2 / segments, 0);
+        forces_ << k.asDiagonal() * mount, 60e3 * travel;
+        rates_ << c.asDiagonal() * mount, 400 * travel;
     }
 
-    /// Rows at 0, step, 2 step, … of 0.5 s; the pulses begin and end on such rows.
+    /// Rows at 0, step, 2 step, … of 0.5 s.
     History history(double step) const {
-        const MatrixXd quiet = MatrixXd(rate_ * step).exp(), firing = MatrixXd(firing_rate_ * step).exp();
-        const auto rows_of = [&](double time) { return std::lround(time / step); };
-        VectorXd state = VectorXd::Zero(2 * n_ + 3);
-        state(2 * n_) = 1;
+        test::ExactPulses motion(machine_, step);
         History rows;
-        for (long n = 0; n <= rows_of(0.5); ++n) {
-            rows.push_back(output_ * state);
-            bool fires = false;
-            for (double start : {0.01, 0.11, 0.21}) {
-                if (n == rows_of(start)) state.tail<2>() = Eigen::Vector2d(1, 0);
-                fires = fires || (n >= rows_of(start) && n < rows_of(start + kWidth));
-            }
-            state = ((fires ? firing : quiet) * state).eval();
+        for (long n = 0; n <= std::lround(0.5 / step); ++n) {
+            rows.emplace_back();
+            rows.back() << muzzle_ * motion.q(), forces_ * motion.q() + rates_ * motion.rate();
+            motion.advance();
         }
         return rows;
     }
 
 private:
-    static constexpr double kWidth = 3e-3;
-
     /// Row of x, z, θ of frame i: 0 the receiver, 1… the lumps.
     MatrixXd frame(int i) const {
         MatrixXd G = MatrixXd::Zero(3, n_);
@@ -122,19 +106,15 @@ private:
         G.row(1) -= rx * G.row(2);
         return G;
     }
-    void add_mass(const MatrixXd& G, double mass, double inertia, double gravity) {
-        M_ += G.transpose() * Eigen::Vector3d(mass, mass, inertia).asDiagonal() * G;
-        weight_ -= mass * gravity * G.row(1);
-    }
-    void add_spring(const MatrixXd& G, const VectorXd& k, const VectorXd& c) {
-        K_ += G.transpose() * k.asDiagonal() * G;
-        C_ += G.transpose() * c.asDiagonal() * G;
+    void add_mass(const MatrixXd& G, double mass, double inertia) {
+        machine_.add_mass(G, Eigen::Vector3d(mass, mass, inertia));
+        machine_.constant -= mass * gravity_ * G.row(1);
     }
 
     /// The bond-space paper's beam, corrected: masses at the middle of the segments; what gives at the face between two is
     /// the right half of the one and the left half of the other, each a cantilever of length l/2 held at its mass. Efforts
     /// [Q_z, M_y] at the face, flows [z', θ'].
-    void add_barrel(int segments, double gravity) {
+    void add_barrel(int segments) {
         const double outer = 0.05, inner = 0.03, E = 204e9, nu = 0.26, rho = 7800, damping = 2e-6;
         const double A = std::numbers::pi / 4 * (outer * outer - inner * inner),
                      I = std::numbers::pi / 64 * (std::pow(outer, 4) - std::pow(inner, 4)), G = E / (2 * (1 + nu));
@@ -146,37 +126,22 @@ private:
         right << a, -b, -b, g;
         left << a, b, b, g;
         for (int i = 1; i <= segments; ++i) {
-            add_mass(frame(i), mass, rho * I * l + mass * l * l / 12, gravity);
+            add_mass(frame(i), mass, rho * I * l + mass * l * l / 12);
             const bool first = i == 1;  // on the receiver's seat
             const MatrixXd opening = point(i, -h, 0) - (first ? point(0, 0.25, 0) : point(i - 1, h, 0));
             const Matrix2d bending = (first ? left : Matrix2d(right + left)).inverse();
             const double axial = E * A / (first ? h : l);
             const MatrixXd K = opening.transpose().col(0) * axial * opening.row(0) +
                                opening.bottomRows(2).transpose() * bending * opening.bottomRows(2);
-            K_ += K;
-            C_ += damping * K;
+            machine_.K += K;
+            machine_.C += damping * K;
         }
     }
 
-    void build() {
-        const MatrixXd inverse = M_.inverse();
-        rate_ = MatrixXd::Zero(2 * n_ + 3, 2 * n_ + 3);
-        rate_.block(0, n_, n_, n_).setIdentity();
-        rate_.block(n_, 0, n_, n_) = -inverse * K_;
-        rate_.block(n_, n_, n_, n_) = -inverse * C_;
-        rate_.block(n_, 2 * n_, n_, 1) = inverse * weight_;
-        firing_rate_ = rate_;
-        const double turn = 2 * std::numbers::pi / kWidth;
-        firing_rate_.block(n_, 2 * n_, n_, 1) += 0.5 * inverse * shot_;
-        firing_rate_.block(n_, 2 * n_ + 1, n_, 1) -= 0.5 * inverse * shot_;
-        firing_rate_(2 * n_ + 1, 2 * n_ + 2) = -turn;  // cos' = −w sin, sin' = w cos
-        firing_rate_(2 * n_ + 2, 2 * n_ + 1) = turn;
-    }
-
     Eigen::Index n_;
-    MatrixXd M_, C_, K_;
-    VectorXd weight_, shot_;
-    MatrixXd output_, rate_, firing_rate_;
+    double gravity_;
+    test::LinearMachine machine_;
+    MatrixXd muzzle_, forces_, rates_;  ///< of the four forces, by q and by q'
 };
 
 /// Largest difference of each quantity; `stride`: rows of the second per row of the first.

@@ -11,11 +11,11 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <numbers>
 
 #include "model/read_model.h"
 #include "step/simulation.h"
 #include "support/exact_pulses.h"
+#include "support/lumped_tube.h"
 
 namespace dttmm {
 namespace {
@@ -111,26 +111,15 @@ private:
         machine_.constant -= mass * gravity_ * G.row(1);
     }
 
-    /// The bond-space paper's beam, corrected: masses at the middle of the segments; what gives at the face between two is
-    /// the right half of the one and the left half of the other, each a cantilever of length l/2 held at its mass. Efforts
-    /// [Q_z, M_y] at the face, flows [z', θ'].
     void add_barrel(int segments) {
-        const double outer = 0.05, inner = 0.03, E = 204e9, nu = 0.26, rho = 7800, damping = 2e-6;
-        const double A = std::numbers::pi / 4 * (outer * outer - inner * inner),
-                     I = std::numbers::pi / 64 * (std::pow(outer, 4) - std::pow(inner, 4)), G = E / (2 * (1 + nu));
-        const double m2 = std::pow(inner / outer, 2), p2 = (1 + m2) * (1 + m2);  // Cowper's coefficient of a hollow circle
-        const double kappa = 6 * (1 + nu) * p2 / ((7 + 6 * nu) * p2 + (20 + 12 * nu) * m2);
-        const double l = 1.2 / segments, h = l / 2, mass = rho * A * l;
-        const double a = h * h * h / (3 * E * I) + h / (kappa * G * A), b = h * h / (2 * E * I), g = h / (E * I);
-        Matrix2d right, left;
-        right << a, -b, -b, g;
-        left << a, b, b, g;
+        const test::LumpedTube tube(0.05, 0.03, 1.2, 204e9, 0.26, 7800, segments);
+        const double h = tube.half, damping = 2e-6;
         for (int i = 1; i <= segments; ++i) {
-            add_mass(frame(i), mass, rho * I * l + mass * l * l / 12);
+            add_mass(frame(i), tube.mass, tube.inertia);
             const bool first = i == 1;  // on the receiver's seat
             const MatrixXd opening = point(i, -h, 0) - (first ? point(0, 0.25, 0) : point(i - 1, h, 0));
-            const Matrix2d bending = (first ? left : Matrix2d(right + left)).inverse();
-            const double axial = E * A / (first ? h : l);
+            const Matrix2d bending = (first ? tube.left : Matrix2d(tube.right + tube.left)).inverse();
+            const double axial = tube.EA / (first ? h : 2 * h);
             const MatrixXd K = opening.transpose().col(0) * axial * opening.row(0) +
                                opening.bottomRows(2).transpose() * bending * opening.bottomRows(2);
             machine_.K += K;

@@ -338,7 +338,9 @@ std::string describe_range(const dttmm_parameter& parameter) {
     if (!(parameter.flags & DTTMM_PARAMETER_WORDS_ONLY)) {
         const double most = std::numeric_limits<double>::max();
         const bool has_least = parameter.minimum > -most, has_most = parameter.maximum < most;
-        range = has_most    ? fmt::format("{:g} to {:g}", parameter.minimum, parameter.maximum)
+        const bool is_positive = parameter.minimum == std::numeric_limits<double>::min();
+        range = is_positive ? (has_most ? fmt::format("> 0 to {:g}", parameter.maximum) : "> 0")
+                : has_most  ? fmt::format("{:g} to {:g}", parameter.minimum, parameter.maximum)
                 : has_least ? fmt::format(">= {:g}", parameter.minimum)
                             : "any";
         if (parameter.flags & DTTMM_PARAMETER_INTEGER) range += ", whole";

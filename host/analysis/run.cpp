@@ -156,6 +156,11 @@ std::string describe_energy_fault(const Simulation& simulation) {
     if (simulation.explicit_limit() && simulation.explicit_limit()->load > 0.8 * kExplicitLimit)
         return fmt::format("near the limit of the explicit coupling or beyond it, {}", simulation.describe_speed());
     const double step = simulation.step_size(), omega_h = simulation.fastest_mode().omega * step;
+    if (omega_h == 0)
+        return fmt::format(
+            "the step of {:g} s is too long for what vibrates inside the networks; try a shorter one, or a "
+            "spectral_radius of 0.9",
+            step);
     const Turning turning = simulation.fastest_turning();
     if (turning.per_step > 0.1 || turning.per_step * omega_h > 2) {
         const double longest = step * std::min(0.05 / turning.per_step, 1 / std::sqrt(turning.per_step * omega_h));
@@ -213,13 +218,12 @@ void print_report(const Recorder& recorder, const Model& model, const Simulation
     print_forces(recorder, model);
     if (halving && halving->has_estimates()) print_halving(*halving);
     const auto own_steps = static_cast<double>(std::max<uint64_t>(simulation.index(), 1));
-    fmt::print(
-        "{} rows, {} steps of {:g} s in {:.3g} s ({:.3g} us and {:.3g} evaluations per step), omega*h = {:.3g}\nresults in "
-        "{}\n",
-        recorder.rows(), simulation.index() - 1, simulation.step_size(), outcome.wall_time,
-        1e6 * outcome.wall_time / static_cast<double>(std::max<uint64_t>(outcome.steps, 1)),
-        static_cast<double>(simulation.end_of_step().passes()) / own_steps,
-        simulation.fastest_mode().omega * simulation.step_size(), folder.path().string());
+    const double omega_h = simulation.fastest_mode().omega * simulation.step_size();
+    fmt::print("{} rows, {} steps of {:g} s in {:.3g} s ({:.3g} us and {:.3g} evaluations per step){}\nresults in {}\n",
+               recorder.rows(), simulation.index() - 1, simulation.step_size(), outcome.wall_time,
+               1e6 * outcome.wall_time / static_cast<double>(std::max<uint64_t>(outcome.steps, 1)),
+               static_cast<double>(simulation.end_of_step().passes()) / own_steps,
+               omega_h > 0 ? fmt::format(", omega*h = {:.3g}", omega_h) : "", folder.path().string());
 }
 
 /// What one command works on: the model, built and checked, before anything is written.
@@ -338,7 +342,9 @@ std::string describe_range(const dttmm_parameter& parameter) {
     if (!(parameter.flags & DTTMM_PARAMETER_WORDS_ONLY)) {
         const double most = std::numeric_limits<double>::max();
         const bool has_least = parameter.minimum > -most, has_most = parameter.maximum < most;
-        range = has_most    ? fmt::format("{:g} to {:g}", parameter.minimum, parameter.maximum)
+        const bool is_positive = parameter.minimum == std::numeric_limits<double>::min();
+        range = is_positive ? (has_most ? fmt::format("> 0 to {:g}", parameter.maximum) : "> 0")
+                : has_most  ? fmt::format("{:g} to {:g}", parameter.minimum, parameter.maximum)
                 : has_least ? fmt::format(">= {:g}", parameter.minimum)
                             : "any";
         if (parameter.flags & DTTMM_PARAMETER_INTEGER) range += ", whole";

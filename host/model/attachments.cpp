@@ -63,6 +63,14 @@ std::optional<Attachment> Attachments::read(const TableReader& table, const Toml
     return Attachment{whole.body, static_cast<int>(marker - markers.begin()), -1};
 }
 
+bool Attachments::is_held(const Attachment& attachment, const Eigen::Vector3d& direction, bool is_moment) const {
+    if (attachment.node < 0) return false;
+    const auto& fixed = nodes_[static_cast<std::size_t>(attachment.node)].fixed;
+    for (std::size_t d = 0; d < 3; ++d)
+        if (direction(static_cast<Eigen::Index>(d)) != 0 && !fixed[(is_moment ? 3 : 0) + d]) return false;
+    return true;
+}
+
 Eigen::Vector3d Attachments::position(const Attachment& attachment) const {
     if (attachment.node >= 0) return nodes_[static_cast<std::size_t>(attachment.node)].position;
     const Body& body = bodies_[static_cast<std::size_t>(attachment.body)];

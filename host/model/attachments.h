@@ -23,6 +23,9 @@ public:
     /// The same for a value of the table that messages call `what`; anything but a text is reported too.
     std::optional<Attachment> read(const TableReader& table, const TomlValue& value, const std::string& what) const;
 
+    /// Whether it is a node that is fixed in every direction in which a force, or a moment, along `direction` pushes.
+    bool is_held(const Attachment& attachment, const Eigen::Vector3d& direction, bool is_moment) const;
+
     /// Where it is in the world at the start [m]; not for the ground.
     Eigen::Vector3d position(const Attachment& attachment) const;
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "model/read_load.h"
 
+#include <fmt/format.h>
+
 #include "model/name_registry.h"
 #include "model/read_rotation.h"
 #include "model/read_signal.h"
+#include "model/wording.h"
 
 namespace dttmm {
 namespace {
@@ -19,6 +22,10 @@ std::optional<Load> read_load(const ReadContext& context, const TomlValue& entry
     if (on && on->is_ground()) table.error(table.find("on")->value.place, "a load on the ground moves nothing");
     if (!magnitude) return std::nullopt;
     const bool is_moment = magnitude->key == "moment";
+    if (on && direction && attachments.is_held(*on, *direction, is_moment))
+        table.error(table.find("on")->value.place,
+                    fmt::format("node {} is fixed in the direction of the {}, which moves nothing",
+                                quote(table.find("on")->value.string), magnitude->key));
     const auto signal = read_signal(context, magnitude->value, table.what(magnitude->key), is_moment ? "N*m" : "N");
     if (!on || !direction || !signal) return std::nullopt;
     return Load{*on, *direction, is_moment, *signal, context.diagnostics.place_text(magnitude->place)};

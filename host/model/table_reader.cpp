@@ -27,6 +27,7 @@ std::string written(const TomlValue& value, double number, std::string_view unit
 /// The bound that `number` breaks; empty if it breaks none.
 std::string broken_bound(double number, const Bounds& bounds, std::string_view unit) {
     if (number > bounds.maximum) return "≤ " + with_unit(bounds.maximum, unit);
+    if (number < bounds.minimum && bounds.minimum == std::numeric_limits<double>::min()) return "> " + with_unit(0, unit);
     if (number < bounds.minimum || (bounds.excludes_minimum && number == bounds.minimum))
         return (bounds.excludes_minimum ? "> " : "≥ ") + with_unit(bounds.minimum, unit);
     return {};

@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <set>
+
+#include "model/error.h"
 
 namespace dttmm {
 
@@ -40,12 +43,23 @@ std::set<std::pair<int, int>> used_markers(const Model& model) {
     return used;
 }
 
+/// An element may be called like a node as long as their channels differ.
+[[noreturn]] void refuse_shared_name(const Model& model, const std::string& name, const char* channel) {
+    const auto is_called = [&](const auto& thing) { return thing.name == name; };
+    const auto element = std::ranges::find_if(model.elements, is_called);
+    if (element != model.elements.end() && std::ranges::any_of(model.nodes, is_called))
+        throw Error(ExitCode::model_invalid,
+                    fmt::format("{}: element \"{}\": a node has the same name, and both have a channel \"{}\"; rename one",
+                                element->place, name, channel));
+    throw Error(ExitCode::plugin_failure, fmt::format("\"{}\": its plugin declares channel \"{}\" twice", name, channel));
+}
+
 }  // namespace
 
 Observer::Observer(const Model& model, const Networks& networks, const EndOfStep& end_of_step)
     : bodies_(model.bodies), gravity_(model.simulation.gravity) {
     add_channel("time", "s");
-    declare_networks(networks);
+    declare_networks(model, networks);
     declare_joints(model, end_of_step.joints());
     declare_bodies(model);
     declare_energies();
@@ -61,14 +75,16 @@ void Observer::add_vector(const std::string& name, const char* unit, bool by_def
     for (const char* axis : kAxes) add_channel(name + "." + axis, unit, by_default);
 }
 
-void Observer::declare_networks(const Networks& networks) {
+void Observer::declare_networks(const Model& model, const Networks& networks) {
+    std::set<std::string> names;
     for (const NetworkInstance& instance : networks.instances()) {
         for (uint32_t c = 0; c < instance.channel_count(); ++c) {
             const dttmm_channel& channel = instance.channel(c);
             roles_.push_back(channel.role);
-            if (channel.role <= DTTMM_ROLE_ON_REQUEST)
-                add_channel(fmt::format("{}.{}", instance.owner_of(channel), channel.name), channel.unit,
-                            channel.role == DTTMM_ROLE_RESULT);
+            if (channel.role > DTTMM_ROLE_ON_REQUEST) continue;
+            const std::string name = fmt::format("{}.{}", instance.owner_of(channel), channel.name);
+            if (!names.insert(name).second) refuse_shared_name(model, instance.owner_of(channel), channel.name);
+            add_channel(name, channel.unit, channel.role == DTTMM_ROLE_RESULT);
         }
     }
 }

@@ -57,7 +57,7 @@ private:
 
     void add_channel(const std::string& name, const char* unit, bool by_default = true);
     void add_vector(const std::string& name, const char* unit, bool by_default = true);
-    void declare_networks(const Networks& networks);
+    void declare_networks(const Model& model, const Networks& networks);
     void declare_joints(const Model& model, const std::vector<JointEquations>& joints);
     void declare_bodies(const Model& model);
     void declare_energies();

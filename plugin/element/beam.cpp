@@ -86,8 +86,12 @@ Rod::Rod(std::span<const double, 1 + kSectionValueCount> values)
 Matrix3 beam_axes(const Vector3& from, const Vector3& to, const Vector3& up) {
     const double length = (to - from).norm();
     if (!(length >= kShortest))
-        throw Error(DTTMM_ERROR_MODEL,
-                    fmt::format("its ends are {:.3g} m apart; it needs a length of at least {:g} m", length, kShortest));
+        throw Error(
+            DTTMM_ERROR_MODEL,
+            fmt::format("its ends are {:.3g} m apart; it needs a length of at least {:g} m. An end on \"ground\" lies "
+                        "where the other end is: to clamp it elsewhere give it a node with all of fixed = [\"x\", "
+                        "\"y\", \"z\", \"rx\", \"ry\", \"rz\"]",
+                        length, kShortest));
     const Vector3 x = (to - from) / length;
     Vector3 z;
     if (up.array().isNaN().any()) {

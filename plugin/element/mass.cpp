@@ -10,22 +10,26 @@ namespace dttmm {
 
 namespace {
 
-constexpr dttmm_parameter kMass = required("mass", "kg", kPositive, "more than zero");
+// The host's bounds for masses and places: beyond them numbers drown one another, or overflow.
+constexpr double kHeaviest = 1e12, kFarthest = 1e6, kLargestInertia = kHeaviest * kFarthest * kFarthest;
+
+constexpr dttmm_parameter kMass = {"mass",    "kg",    1, DTTMM_PARAMETER_REQUIRED, 0, kPositive,
+                                   kHeaviest, nullptr, 0, "more than zero"};
 
 constexpr dttmm_parameter inertia(const char* name, double minimum) {
-    return zero_by_default(name, "kg*m^2", minimum, "entry of the tensor about the centre of mass");
+    return {name, "kg*m^2", 1, 0, 0, minimum, kLargestInertia, nullptr, 0, "entry of the tensor about the centre of mass"};
 }
 
 constexpr dttmm_parameter kPointMassParameters[] = {kMass};
 constexpr dttmm_parameter kRigidBodyParameters[] = {
     kMass,
-    {"center_of_mass", "m", 3, 0, 0, -kLargest, kLargest, nullptr, 0, "from the first node, in its axes"},
+    {"center_of_mass", "m", 3, 0, 0, -kFarthest, kFarthest, nullptr, 0, "from the first node, in its axes"},
     inertia("inertia.xx", 0),
     inertia("inertia.yy", 0),
     inertia("inertia.zz", 0),
-    inertia("inertia.xy", -kLargest),
-    inertia("inertia.xz", -kLargest),
-    inertia("inertia.yz", -kLargest),
+    inertia("inertia.xy", -kLargestInertia),
+    inertia("inertia.xz", -kLargestInertia),
+    inertia("inertia.yz", -kLargestInertia),
 };
 
 }  // namespace

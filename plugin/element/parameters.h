@@ -29,11 +29,6 @@ constexpr dttmm_parameter optional(const char* name, const char* unit, uint32_t 
     return {name, unit, count, 0, kNotGiven, minimum, maximum, nullptr, 0, documentation};
 }
 
-/// One number that the model must give.
-constexpr dttmm_parameter required(const char* name, const char* unit, double minimum, const char* documentation) {
-    return {name, unit, 1, DTTMM_PARAMETER_REQUIRED, 0, minimum, kLargest, nullptr, 0, documentation};
-}
-
 /// One number, zero if not given.
 constexpr dttmm_parameter zero_by_default(const char* name, const char* unit, double minimum, const char* documentation) {
     return {name, unit, 1, 0, 0, minimum, kLargest, nullptr, 0, documentation};

@@ -111,6 +111,7 @@ Section from_shape(const Given& given) {
 }
 
 Section from_stiffness(const Given& given) {
+    if (!is_given(given.EA)) refuse("section: give its shape (tube, circle or rectangle) or at least EA and mass");
     for (const auto& [value, key] : {std::pair(given.E, "E"), std::pair(given.G, "G"), std::pair(given.poisson, "poisson"),
                                      std::pair(given.density, "density")})
         if (is_given(value))
@@ -119,7 +120,6 @@ Section from_stiffness(const Given& given) {
                             "its shape",
                             key));
     if (is_given(given.kappa)) refuse("section.shear_coefficient belongs to a shape: here give GAy and GAz");
-    if (!is_given(given.EA)) refuse("section: give its shape (tube, circle or rectangle) or at least EA and mass");
     if (!is_given(given.mass)) refuse("section.mass is needed beside section.EA");
     Section section;
     section.EA = given.EA;
@@ -136,12 +136,27 @@ Section from_stiffness(const Given& given) {
     return section;
 }
 
+/// Beyond any material and size [SI]; further out numbers overflow on their way.
+constexpr double kWeakest = 1e-30, kStrongest = 1e30;
+
+void check_size(const Section& s) {
+    for (const auto& [value, name] :
+         {std::pair(s.EA, "EA"), std::pair(s.EIy, "EIy"), std::pair(s.EIz, "EIz"), std::pair(s.GJ, "GJ"),
+          std::pair(s.GAy, "GAy"), std::pair(s.GAz, "GAz"), std::pair(s.mass, "mass")})
+        if (is_given(value) && !(value >= kWeakest && value <= kStrongest))
+            refuse(
+                fmt::format("section: its {} comes to {:.3g} in SI units, which must be in [{:g}, {:g}]: look at the "
+                            "numbers and units of section and material",
+                            name, value, kWeakest, kStrongest));
+}
+
 }  // namespace
 
 Section make_section(std::span<const double, kSectionValueCount> values, BeamTheory theory) {
     const Given given(values);
     if (given.shapes() > 1) refuse("section: give one of tube, circle and rectangle");
     Section section = given.shapes() == 1 ? from_shape(given) : from_stiffness(given);
+    check_size(section);
     if (theory == BeamTheory::euler_bernoulli) {
         section.GAy = section.GAz = std::numeric_limits<double>::infinity();
         section.rotary_y = section.rotary_z = 0;

@@ -82,7 +82,8 @@ typedef struct dttmm_parameter {
     uint32_t count;            /* how many numbers, at least 1; 1 where there are words */
     uint32_t flags;            /* DTTMM_PARAMETER_... */
     double default_value;      /* SI; not a number tells the plugin that the model does not give it */
-    double minimum, maximum;   /* SI, both included, for numbers; these are finite whatever the bounds */
+    double minimum, maximum;   /* SI, both included, for numbers; these are finite whatever the bounds. A minimum of DBL_MIN
+                                  is told to the user as "more than zero" */
     const dttmm_word *words;   /* that the model may write in place of a number; NULL: none */
     uint32_t word_count;
     const char *documentation; /* one line */

@@ -254,6 +254,11 @@ TEST(Section, RefusalsNameTheKey) {
         {with(kStiffnesses, {{"section.shear_coefficient", {0.8}}}), "section.shear_coefficient", "GAy and GAz"},
         {without(kStiffnesses, "section.EA"), "section", "EA"},
         {without(kStiffnesses, "section.mass"), "section.mass", "needed"},
+        {{{"material.E", {204e9}}}, "section", "give its shape"},
+        {with(kTube, {{"material.E", {1e-300}}}), "EA", "look at the numbers and units"},
+        {with(kTube, {{"material.E", {1e308}}}), "EA", "which must be in [1e-30, 1e+30]"},
+        {with(kTube, {{"material.density", {1e-300}}}), "mass", "which must be in"},
+        {with(kStiffnesses, {{"section.GAz", {1e31}}}), "GAz comes to 1e+31", "which must be in"},
         {with(kStiffnesses, {{"section.inertia", {0.01}}, {"section.mass_offset", {0.02, 0.03}}}), "section.inertia",
          "0.01781 kg m"},
     };

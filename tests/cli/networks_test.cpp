@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// What a user can get wrong about beams, hinges, masses and the nodes between them, and what the command answers.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cli/process.h"
+
+namespace dttmm {
+namespace {
+
+using testing::HasSubstr;
+
+/// A frame of two beams, clamped at one node, pinned at another, with a body on a hinge at its corner. Tests change one
+/// thing in it; the line numbers are theirs.
+const std::string kFrame = R"(format = "dttmm/1"
+
+[simulation]
+duration = "10 ms"
+step = "1 ms"
+gravity = [0, 0, -9.81]
+
+[nodes]
+foot = { position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+corner = [0, 0, "1 m"]
+pin = { position = [1.5, 0, 1], fixed = ["x", "y", "z", "rx"] }
+
+[[body]]
+name = "bob"
+mass = 2
+inertia = [0.02, 0.03, 0.04]
+position = [0, 0.3, 1]
+markers.eye = [0, -0.3, 0]
+
+[[element]]
+name = "post"
+type = "beam"
+from = "foot"
+to = "corner"
+segments = 4
+section = { tube = ["40 mm", "30 mm"] }
+material = { E = "210 GPa", poisson = 0.3, density = "7850 kg/m^3" }
+
+[[element]]
+name = "rail"
+type = "beam"
+from = "corner"
+to = "pin"
+segments = 5
+section = { EA = 6e7, EIy = 9e3, EIz = 8e3, GJ = 7e3, GAy = 1e7, GAz = 1.1e7, mass = 2.2 }
+
+[[element]]
+name = "eye"
+type = "elastic_hinge"
+from = "bob.eye"
+to = "corner"
+stiffness = { x = 1e6, ry = 50 }
+damping = { x = 10 }
+
+[[element]]
+name = "bracket"
+type = "rigid_body"
+at = "corner"
+mass = 0.4
+inertia = { xx = 1e-3, yy = 2e-3, zz = 1.5e-3 }
+
+[[load]]
+on = "corner"
+direction = [0, 1, 0]
+force = "20 N"
+)";
+
+std::string frame_with(const std::string& what, const std::string& instead) {
+    std::string text = kFrame;
+    return text.replace(text.find(what), what.size(), instead);
+}
+
+Ended run_frame(const TemporaryFolder& folder, const char* command, const std::string& text) {
+    write_text(folder / "frame.toml", text);
+    return run_dttmm(folder.path(), {command, "frame.toml"});
+}
+
+TEST(Frames, TheFrameThatIsChangedBelowRuns) {
+    const TemporaryFolder folder;
+    for (const char* command : {"check", "run"}) {
+        const Ended ended = run_frame(folder, command, kFrame);
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        EXPECT_EQ(ended.err, "");
+    }
+}
+
+/// One fault: `instead` stands in the file for `what`; its place is counted by hand. `says`: the rule, `cure`: what to do.
+struct Fault {
+    const char* name;
+    std::string what, instead;
+    const char* place;
+    const char* says;
+    const char* cure;
+};
+void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
+
+class WrongFrames : public testing::TestWithParam<Fault> {};
+
+// Oracle: exit code 3, file:line:column, rule and cure in words, and nothing left behind.
+TEST_P(WrongFrames, AreRefusedWithPlaceAndCure) {
+    const TemporaryFolder folder;
+    for (const char* command : {"run", "check"}) {
+        const Ended ended = run_frame(folder, command, frame_with(GetParam().what, GetParam().instead));
+        EXPECT_EQ(ended.code, 3) << ended.err;
+        EXPECT_THAT(ended.err, HasSubstr(std::string("frame.toml:") + GetParam().place + ": "));
+        EXPECT_THAT(ended.err, HasSubstr(GetParam().says));
+        EXPECT_THAT(ended.err, HasSubstr(GetParam().cure));
+        EXPECT_FALSE(fs::exists(folder / "results"));
+    }
+}
+
+const std::string kTip = "[nodes.tip]\nposition = [0, 1, 1]\n";
+const std::string kTube = "tube = [\"40 mm\", \"30 mm\"]", kHinge = "stiffness = { x = 1e6, ry = 50 }";
+
+const Fault kFaults[] = {
+    // Sections and materials
+    {"InnerAboveOuter", "\"30 mm\"", "\"50 mm\"", "20:1", "the inner diameter, 0.05 m", "must be less than the outer"},
+    {"InnerIsOuter", "\"30 mm\"", "\"40 mm\"", "20:1", "the inner diameter, 0.04 m", "must be less than the outer"},
+    {"NegativeDiameter", "\"30 mm\"", "\"-30 mm\"", "26:30", "tube must be ≥ 0 m", "got -30 mm"},
+    {"CircleWithoutDiameter", kTube, "circle = 0", "26:22", "circle must be > 0 m", "got 0"},
+    {"TwoShapes", kTube, kTube + ", circle = 1", "20:1", "section", "give one of tube, circle and rectangle"},
+    {"NoSection", "section = { " + kTube + " }\n", "", "20:1", "section", "give its shape (tube, circle or rectangle)"},
+    {"NoMaterial", "material = {", "# material = {", "20:1", "material.E is needed", "given by its shape"},
+    {"StiffnessOfAShape", kTube, kTube + ", EA = 1", "20:1", "section.EA contradicts", "give one or the other"},
+    {"MaterialOfStiffnesses", "mass = 2.2 }", "mass = 2.2 }\nmaterial.E = 1", "29:1", "material.E is not looked at",
+     "remove it"},
+    {"NoShear", ", GAy = 1e7", "", "29:1", "section.GAy is needed", "section.GAy"},
+    {"NoMassPerLength", ", mass = 2.2", "", "29:1", "section.mass is needed", "section.mass"},
+    {"PoissonOfRubberAndMore", "poisson = 0.3", "poisson = 0.6", "27:39", "poisson must be ≤ 0.4999", "got 0.6"},
+    {"PoissonOfNothing", "poisson = 0.3", "poisson = -1", "27:39", "poisson must be ≥ -0.999", "got -1"},
+    {"ShearModulusOfAnother", "poisson = 0.3", "G = \"60 GPa\"", "20:1", "Poisson's ratio 0.75",
+     "must be between -1 and 0.5"},
+    {"NegativeDensity", "\"7850 kg/m^3\"", "\"-7850 kg/m^3\"", "27:54", "density must be > 0 kg/m^3", "got -7850 kg/m^3"},
+    {"NanDensity", "\"7850 kg/m^3\"", "nan", "27:54", "density must be finite", "got nan"},
+    {"NoModulus", "\"210 GPa\"", "0", "27:18", "E must be > 0 Pa", "got 0"},
+    {"ModulusOfNothing", "\"210 GPa\"", "1e-300", "20:1", "section: its EA comes to", "look at the numbers and units"},
+    {"ModulusOfEverything", "\"210 GPa\"", "1e300", "20:1", "section: its EA comes to", "look at the numbers and units"},
+    {"NegativeDamping", "poisson = 0.3", "poisson = 0.3, stiffness_damping = -1", "27:64", "stiffness_damping must be ≥ 0",
+     "got -1"},
+    // Segments, axes, ends
+    {"NoSegments", "segments = 4", "segments = 0", "25:12", "segments must be ≥ 1", "got 0"},
+    {"TooManySegments", "segments = 4", "segments = 1e9", "25:12", "segments must be ≤ 100000", "got 1000000000"},
+    {"HalfASegment", "segments = 4", "segments = 2.5", "25:12", "segments must be a whole number", "got 2.5"},
+    {"UpAlongTheBeam", "segments = 4", "up = [0, 0, -2]", "20:1", "up: it must", "must not lie along the beam"},
+    {"UpWithoutLength", "segments = 4", "up = [0, 0, 0]", "20:1", "up: it must have a length", "must not lie along"},
+    {"UpOfTwo", "segments = 4", "up = [0, 1]", "25:6", "up wants 3 numbers", "got 2"},
+    {"UnknownTheory", "segments = 4", "theory = \"timoshenco\"", "25:10", "theory must be one of",
+     "did you mean \"timoshenko\"?"},
+    {"CoincidentNodes", "[0, 0, \"1 m\"]", "[0, 0, 0]", "20:1", "its ends are 0 m apart",
+     "needs a length of at least 1e-06 m"},
+    {"NearlyCoincidentNodes", "[0, 0, \"1 m\"]", "[0, 0, \"1 nm\"]", "20:1", "its ends are 1e-09 m apart", "needs a length"},
+    {"BeamFromTheGround", "from = \"corner\"\nto = \"pin\"", "from = \"ground\"\nto = \"pin\"", "29:1",
+     "its ends are 0 m apart", "give it a node with all of fixed"},
+    {"BetweenTwoPointsOfTheGround", "from = \"foot\"\nto = \"corner\"", "from = \"foot\"\nto = \"ground\"", "20:1",
+     "0 m apart", "needs a length"},
+    {"BothEndsAtOneNode", "from = \"foot\"", "from = \"corner\"", "24:6", "both ends are on the same node", "same node"},
+    {"BothEndsOnOneBody", "from = \"bob.eye\"\nto = \"corner\"", "from = \"bob.eye\"\nto = \"bob\"", "41:6",
+     "both ends are on the same body", "same body"},
+    {"BeamCalledLikeItsNode", "name = \"rail\"", "name = \"pin\"", "29:1",
+     "a node has the same name, and both have a channel \"rotation.x\"", "rename one"},
+    {"NodeUsedNowhere", "corner = [", "spare = [0, 0, 0]\ncorner = [", "10:1", "node \"spare\" is used nowhere",
+     "no element holds it"},
+    {"NodeTooFar", "[0, 0, \"1 m\"]", "[0, 0, 1e7]", "10:10", "position must be within 1000000 m", "got 10000000 m"},
+    {"ExplicitCoupling", "step = \"1 ms\"\n", "step = \"1 ms\"\ncoupling = \"explicit\"\n", "21:1", "has a mass of its own",
+     "wants the implicit coupling"},
+    // Hinges
+    {"NegativeStiffness", "x = 1e6", "x = -1", "42:19", "x must be ≥ 0 N/m", "got -1"},
+    {"MisspeltWord", "x = 1e6", "x = \"fre\"", "42:19", "x must be a number in N/m or one of: free, rigid",
+     "did you mean \"free\"?"},
+    {"UnknownDirection", "x = 1e6", "xx = 1e6", "42:15", "unknown key \"xx\"", "did you mean"},
+    {"DampingOfWhatIsRigid", "damping = { x = 10 }", "damping = { y = 10 }", "37:1", "damping.y: the hinge is rigid",
+     "give it a stiffness, or \"free\""},
+    {"RigidBetweenDrivenEnds", "to = \"corner\"\n" + kHinge, "to = \"ground\"\n" + kHinge, "37:1",
+     "it is rigid in y, z, rx, rz and both its ends are driven", "make it a joint of the model"},
+    {"RigidBetweenBodyAndClamp", "to = \"corner\"\n" + kHinge, "to = \"foot\"\n" + kHinge, "37:1",
+     "it is rigid in y, z, rx, rz and both its ends are driven", "give it a stiffness there"},
+    {"RigidTwice", "[[load]]",
+     "[[element]]\nname = \"strut\"\ntype = \"elastic_hinge\"\nfrom = \"bob\"\nto = \"corner\"\n[[load]]", "52:1",
+     "is driven from both ends", "give one of them a stiffness"},
+    // Masses
+    {"NoMass", "mass = 0.4", "mass = 0", "49:8", "mass must be > 0 kg", "got 0"},
+    {"TooMuchMass", "mass = 0.4", "mass = 1e13", "49:8", "mass must be ≤ 1000000000000 kg", "got 10000000000000"},
+    {"CentreOfMassFarAway", "mass = 0.4", "mass = 0.4\ncenter_of_mass = [0, 0, 1e7]", "50:25",
+     "center_of_mass must be ≤ 1000000 m", "got 10000000"},
+    {"InertiaOfNoMass", "zz = 1.5e-3", "zz = 4e-3", "45:1", "inertia: no mass has such a tensor",
+     "none larger than the other two together"},
+    {"NegativeInertia", "xx = 1e-3", "xx = -1e-3", "50:18", "xx must be ≥ 0", "got -0.001"},
+    {"MassAtAClamp", "at = \"corner\"", "at = \"foot\"", "45:1", "node \"foot\": a mass there would have no effect", "foot"},
+    {"MassOnABody", "at = \"corner\"", "at = \"bob\"", "48:6", "\"bob\" is a body", "give the mass to the body"},
+    // What nothing determines
+    {"MasslessAndFreeToTurn", "[[load]]",
+     kTip + "[[element]]\nname = \"swivel\"\ntype = \"elastic_hinge\"\nfrom = \"corner\"\nto = \"tip\"\nstiffness.ry = "
+            "\"free\"\n[[load]]",
+     "54:1", "node \"tip\": nothing determines its motion in ry", "no element holds it there"},
+    {"MasslessOnATranslationSpring", "[[load]]",
+     kTip + "[[element]]\nname = \"wire\"\ntype = \"spring_damper\"\nfrom = \"corner\"\nto = \"tip\"\nstiffness = 1e5\n"
+            "[[load]]",
+     "54:1", "node \"tip\": nothing determines its motion in", "it has no mass, and no element holds it there"},
+    {"PointThatMayTurn", "[[load]]",
+     kTip + "[[element]]\nname = \"ball\"\ntype = \"point_mass\"\nat = \"tip\"\nmass = 1\n[[load]]", "54:1",
+     "node \"tip\": nothing determines its motion in r", "no element holds it there"},
+    {"LoadOnAClamp", "on = \"corner\"", "on = \"foot\"", "53:6", "is fixed in the direction of the force",
+     "which moves nothing"},
+    {"LoadOnAPin", "on = \"corner\"", "on = \"pin\"", "53:6", "is fixed in the direction of the force", "moves nothing"},
+    {"MovingClamp", "\"rz\"] }", "\"rz\"], velocity = [1, 0, 0] }", "9:86", "velocity moves the node in x, which is fixed",
+     "fixed"},
+    {"SectionThatIsNot", "gravity = [0, 0, -9.81]\n", "[output]\nchannels = [\"rail.section6.force\"]\n", "7:12",
+     "matches no channel", "the nearest is \"rail.section"},
+};
+
+INSTANTIATE_TEST_SUITE_P(Command, WrongFrames, testing::ValuesIn(kFaults), [](const auto& one) { return one.param.name; });
+
+}  // namespace
+}  // namespace dttmm

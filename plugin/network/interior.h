@@ -98,6 +98,7 @@ private:
     };
     struct Books {
         double contraction = 1, scale = 0;  ///< θ/(1 − θ) last measured; size of the motion, slowly forgetting [m/s]
+        double port_way = 0;                ///< of the ports from the anchor to where they went in the last step [m/s]
         double load_work = 0, load_power = 0;
     };
     /// A joint at t_n, world axes: what every pass of a step looks at.
@@ -195,6 +196,7 @@ private:
     mutable Solution other_;
     mutable Eigen::VectorXd port_change_;   ///< from the solution in use to the end of the step asked for, 6 per port, local
     mutable Eigen::VectorXd rigid_change_;  ///< what it changes in the forces of rigid directions, times h
+    mutable double port_way_ = 0;           ///< size of it: the largest speed of a point
     mutable std::vector<Frame> trial_;
     mutable std::vector<Vector6> half_wrench_;
     mutable std::vector<Vector6> wrench_;

@@ -22,6 +22,8 @@ constexpr double kForget = 2;
 constexpr double kSlowestContraction = 0.1;
 /// A change of the ports feels the network's nonlinearity less than a change of everything inside, which the rate measures.
 constexpr double kLinearShare = 0.1;
+/// So much farther than is good enough the linear answer still serves, where it served in the step before.
+constexpr double kFarther = 30;
 /// Of a frame's place, in the corrections: nothing finer can be asked for.
 constexpr double kRounding = 1e-14;
 /// Of the motion: no more digits are asked for.
@@ -292,7 +294,10 @@ const Interior::Solution& Interior::respond(const Mechanism& mechanism, const dt
         largest = std::max(
             largest, change.head<3>().squaredNorm() + port_reach_[p] * port_reach_[p] * change.tail<3>().squaredNorm());
     }
-    if (is_good_enough(kLinearShare * std::sqrt(largest), anchor_)) return anchor_;
+    port_way_ = std::sqrt(largest);
+    // The host wants a smooth answer: which one it gets hangs on the step before, not on how near this trial is
+    const bool is_near = is_good_enough(kLinearShare * books_.port_way, anchor_);
+    if (is_near && is_good_enough(kLinearShare * port_way_ / kFarther, anchor_)) return anchor_;
     other_.contraction = anchor_.contraction;
     other_.scale = anchor_.scale;
     for (size_t p = 0; p < port_u_.size(); ++p) {
@@ -373,6 +378,7 @@ void Interior::commit(Mechanism& mechanism, const dttmm_motion* accepted) {
     for (size_t i = 0; i < rigid_.size(); ++i)
         rigid_[i] = solution.q[i] + (solution.q_change[i] + rigid_change_(static_cast<Eigen::Index>(i))) / h;
     find_imbalances(mechanism);
+    books_.port_way = port_way_;
     books_.contraction = solution.contraction;
     books_.scale = 0.98 * solution.scale;
     if (solution.rate > kSlowestContraction)

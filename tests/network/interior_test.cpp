@@ -501,6 +501,42 @@ TEST(Interior, ABeamOnASpinningHubIsStretchedByItsOwnWeight) {
     EXPECT_NEAR(value("force.x", DTTMM_OF_ELEMENT), force, 2e-3 * force);
 }
 
+// Oracle: Euler's equations, error-controlled, for a body that turns about no principal axis.
+TEST(Interior, AFreeMassTumblesByEulersEquations) {
+    const Vector3 J(0.02, 0.05, 0.06), w0(3, -8, 5);
+    const auto error = [&](double h) {
+        NetworkModel model;
+        dttmm_node& node = model.node("body", kInner, vec(0, 0, 0));
+        node.moves = 1;
+        for (int i = 0; i < 3; ++i) node.angular_velocity[i] = w0(i);
+        model.element("mass", "rigid_body", {"body"},
+                      {{"mass", {1.3}}, {"inertia.xx", {J(0)}}, {"inertia.yy", {J(1)}}, {"inertia.zz", {J(2)}}});
+        Journey run(model, h);
+        run.start();
+        while (run.time() < 0.5 - 1e-9) run.step();
+        // y: body rates, then the attitude by rows
+        Eigen::VectorXd y(12);
+        y << w0, 1, 0, 0, 0, 1, 0, 0, 0, 1;
+        y = test::integrate(
+            [&](double, const Eigen::VectorXd& at) {
+                const Vector3 w = at.head<3>();
+                const Eigen::Map<const RowMajor3> R(at.data() + 3);
+                const RowMajor3 turn = R * skew(w);
+                Eigen::VectorXd rate(12);
+                rate << Vector3(-w.cross(Vector3(J.cwiseProduct(w)))).cwiseQuotient(J),
+                    Eigen::Map<const Eigen::Matrix<double, 9, 1>>(turn.data());
+                return rate;
+            },
+            y, run.time(), 1e-12);
+        const Matrix3 exact = Eigen::Map<const RowMajor3>(y.data() + 3);
+        const Matrix3 ours = rotation_from_vector(run.vector("rotation", DTTMM_OF_NODE, 0));
+        return rotation_vector(exact.transpose() * ours).norm();
+    };
+    const double coarse = error(1e-3), fine = error(5e-4);
+    EXPECT_LT(fine, 1e-4);
+    EXPECT_NEAR(coarse / fine, 4, 0.2);
+}
+
 /// Frequency [rad/s] of a beam's flapping out of the plane in which its hub turns at a constant rate; the tip is struck at
 /// the start.
 double flap_frequency(double spin) {

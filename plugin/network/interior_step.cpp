@@ -42,6 +42,8 @@ void Interior::look_at_joints(const Mechanism& mechanism) {
 }
 
 void Interior::begin_step(const Mechanism& mechanism, const double* loads) {
+    for (size_t j = 0; j < mechanism.joints.size(); ++j)
+        if (const TurnState* turn = mechanism.turn(j)) mechanism.joints[j].refuse_large_rotation(*turn);
     read_loads(mechanism, loads);
     drop_anchor(mechanism);
 }
@@ -425,9 +427,10 @@ void Interior::take_motion(Mechanism& mechanism, const Solution& solution, const
         Frame& frame = mechanism.frames[static_cast<size_t>(driven_) + i];
         const Twist& change = world_change_[static_cast<size_t>(driven_) + i];
         const RowMajor3 R = MapR(frame.rotation);
-        const Vector6 u = solution.u[i] + change_of(driven_ + static_cast<int>(i), solution);
         state.velocity_before = state.velocity;
         state.velocity = {R * solution.u[i].head<3>() + change.linear, R * solution.u[i].tail<3>() + change.angular};
+        Vector6 u;
+        u << R.transpose() * state.velocity.linear, R.transpose() * state.velocity.angular;
         if (mechanism.steps == 0) {  // the initial velocities are the mean of both
             state.velocity_before.linear = 2 * state.velocity_before.linear - state.velocity.linear;
             state.velocity_before.angular = 2 * state.velocity_before.angular - state.velocity.angular;

@@ -190,14 +190,16 @@ void Joint::advance(const Scheme& scheme, uint64_t steps, FrameView from, FrameV
 }
 
 void Joint::refuse_large_rotation(FrameView from, FrameView to) const {
-    if (!turns_ || halves_[1].stiffness.isZero(0)) return;
-    const double angle = rotation_vector(attitude(from, to)).norm();
-    if (!(angle <= kLargestRotation))
-        throw Error(
-            DTTMM_ERROR_NUMERIC,
-            fmt::format("its ends have turned {:.3g} rad against each other; a rotational stiffness holds up to {:g} rad",
-                        angle, kLargestRotation),
-            element_);
+    if (turns_ && !halves_[1].stiffness.isZero(0)) refuse_rotation(rotation_vector(attitude(from, to)).norm());
+}
+
+void Joint::refuse_rotation(double angle) const {
+    if (angle <= kLargestRotation || halves_[1].stiffness.isZero(0)) return;
+    throw Error(
+        DTTMM_ERROR_NUMERIC,
+        fmt::format("its ends have turned {:.3g} rad against each other; a rotational stiffness holds up to {:g} rad", angle,
+                    kLargestRotation),
+        element_);
 }
 
 }  // namespace dttmm

@@ -129,8 +129,13 @@ public:
 
     /// Throws Error(DTTMM_ERROR_NUMERIC) when a rotational stiffness has turned too far.
     void refuse_large_rotation(FrameView from, FrameView to) const;
+    void refuse_large_rotation(const TurnState& turn) const {
+        if (!(turn.rotation.d.squaredNorm() <= kLargestRotation * kLargestRotation)) [[unlikely]]
+            refuse_rotation(turn.rotation.d.norm());
+    }
 
 private:
+    void refuse_rotation(double angle) const;
     void recall(const Scheme& scheme, const JointHalf& half, HalfState& state) const;
     void settle_turn(const Scheme& scheme, TurnState& state) const;
     void start_half(const Scheme& scheme, const JointHalf& half, const Vector3& d, const Vector3& rate,

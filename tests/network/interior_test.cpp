@@ -816,6 +816,28 @@ TEST(Interior, WhatNothingDeterminesIsNamed) {
     EXPECT_THAT(refusal(nothing, 0), HasSubstr("node \"b\": nothing determines its motion"));
 }
 
+// A rotation vector wraps at half a turn: the spring would push on.
+TEST(Interior, ASpringInsideTurnedTooFarIsNamed) {
+    NetworkModel model;
+    model.node("wall", kGround, vec(0, 0, 0));
+    dttmm_node& wheel = model.node("wheel", kInner, vec(0, 0, 0));
+    wheel.moves = 1;
+    wheel.angular_velocity[2] = 9;
+    model.element("stay", "spring_damper", {"wall", "wheel"}, {{"stiffness", {1e5}}, {"rotational_stiffness", {0.01}}});
+    model.element("wheel", "rigid_body", {"wheel"},
+                  {{"mass", {1}}, {"inertia.xx", {0.1}}, {"inertia.yy", {0.1}}, {"inertia.zz", {0.1}}});
+    Journey run(model, 1e-3);
+    run.start();
+    try {
+        for (int n = 0; n < 400; ++n) run.step();
+        FAIL() << "turned by " << run.vector("rotation", DTTMM_OF_NODE, 1).z();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.status(), DTTMM_ERROR_NUMERIC);
+        EXPECT_EQ(error.element(), 0);
+        EXPECT_THAT(error.what(), HasSubstr("have turned 2.5"));
+    }
+}
+
 TEST(Interior, AnExplicitSchemeIsRefused) {
     NetworkModel model(DTTMM_SCHEME_FOX_EULER);
     model.node("root", kGround, vec(0, 0, 0));

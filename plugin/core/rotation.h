@@ -17,6 +17,9 @@ Vector3 rotation_vector(const Matrix3& R);
 /// Source: Bullo and Murray (1995), Proc. 3rd European Control Conf., 1091–1097.
 Matrix3 rotation_vector_rate(const Vector3& theta);
 
+/// J⁻ᵀ(θ) v: makes of the gradient v by θ the moment that does its work. |θ| < 2π.
+Vector3 moment_of_gradient(const Vector3& theta, const Vector3& v);
+
 /// v turned by θ, exactly exp(θ~) v but for rounding, without making the matrix where θ is small.
 Vector3 turned(const Vector3& theta, const Vector3& v);
 
@@ -31,6 +34,15 @@ inline double sinc(double squared) {
 }
 inline double versine(double squared) {
     return 0.5 * (1 - squared / 12 * (1 - squared / 30 * (1 - squared / 56 * (1 - squared / 90 * (1 - squared / 132)))));
+}
+
+/// (1 − (φ/2) cot(φ/2))/φ² = 1/12 + φ²/720 + φ⁴/30240 + φ⁶/1209600 + φ⁸/47900160 + …
+inline double half_cotangent(double squared) {
+    return 1. / 12 + squared * (1. / 720 + squared * (1. / 30240 + squared * (1. / 1209600 + squared / 47900160)));
+}
+
+inline Vector3 cross(const Vector3& a, const Vector3& b) {
+    return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(), a.x() * b.y() - a.y() * b.x()};
 }
 
 Matrix3 large_rotation_from_vector(const Vector3& theta);
@@ -55,11 +67,8 @@ inline Matrix3 rotation_from_vector(const Vector3& theta) {
 inline Vector3 turned(const Vector3& theta, const Vector3& v) {
     const double squared = theta.squaredNorm();
     if (!(squared < detail::kSmall)) return detail::large_rotation_from_vector(theta) * v;
-    const auto cross = [](const Vector3& a, const Vector3& b) {
-        return Vector3(a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(), a.x() * b.y() - a.y() * b.x());
-    };
-    const Vector3 once = cross(theta, v);
-    return v + detail::sinc(squared) * once + detail::versine(squared) * cross(theta, once);
+    const Vector3 once = detail::cross(theta, v);
+    return v + detail::sinc(squared) * once + detail::versine(squared) * detail::cross(theta, once);
 }
 
 inline Vector3 rotation_vector(const Matrix3& R) {
@@ -77,14 +86,20 @@ inline Vector3 rotation_vector(const Matrix3& R) {
 inline Matrix3 rotation_vector_rate(const Vector3& theta) {
     const double squared = theta.squaredNorm();
     if (!(squared < detail::kSmall)) return detail::large_rotation_vector_rate(theta);
-    // (1 − (φ/2) cot(φ/2))/φ² = 1/12 + φ²/720 + φ⁴/30240 + φ⁶/1209600 + φ⁸/47900160 + …
-    const double c = 1. / 12 + squared * (1. / 720 + squared * (1. / 30240 + squared * (1. / 1209600 + squared / 47900160)));
+    const double c = detail::half_cotangent(squared);
     const double x = theta.x(), y = theta.y(), z = theta.z();
     const double cxy = c * x * y, cxz = c * x * z, cyz = c * y * z;
     Matrix3 J;
     J << 1 - c * (y * y + z * z), cxy + 0.5 * z, cxz - 0.5 * y, cxy - 0.5 * z, 1 - c * (x * x + z * z), cyz + 0.5 * x,
         cxz + 0.5 * y, cyz - 0.5 * x, 1 - c * (x * x + y * y);
     return J;
+}
+
+inline Vector3 moment_of_gradient(const Vector3& theta, const Vector3& v) {
+    const double squared = theta.squaredNorm();
+    if (!(squared < detail::kSmall)) return detail::large_rotation_vector_rate(theta).transpose() * v;
+    const Vector3 once = detail::cross(theta, v);
+    return v + 0.5 * once + detail::half_cotangent(squared) * detail::cross(theta, once);
 }
 
 }  // namespace dttmm

@@ -87,6 +87,7 @@ void choose_independent(Matrix rows, double threshold, std::vector<int>& choice,
 Elimination::Elimination(int frame_count, const std::vector<Link>& links) {
     const auto n = static_cast<size_t>(frame_count);
     diagonal_.assign(n, Matrix6::Zero());
+    acting_.assign(n, Vector6::Zero());
     work_.assign(n, Matrix6::Zero());
     std::vector<std::set<int>> graph(n);
     std::vector<bool> is_held(n);
@@ -184,6 +185,7 @@ Elimination::Elimination(int frame_count, const std::vector<Link>& links) {
 
 void Elimination::set_zero() {
     for (Matrix6& block : diagonal_) block.setZero();
+    for (Vector6& acting : acting_) acting.setZero();
     for (Coupling& coupling : couplings_) coupling.original.setZero();
 }
 
@@ -259,19 +261,18 @@ bool Elimination::gather(const Pivot& pivot, OpenRows& open) const {
 }
 
 /// Units of a pivot's motions: what stood on the diagonal before anything was eliminated. What is left of a motion that
-/// nothing holds is small beside that.
+/// nothing holds is small beside that. A direction without anything of its own is measured by what it got from others,
+/// or, if that is next to nothing, by the other directions of its kind.
 Vector6 Elimination::motion_scale(const Pivot& pivot) const {
-    const Matrix6 &original = diagonal_[static_cast<size_t>(pivot.frame)], &block = work_[static_cast<size_t>(pivot.frame)];
+    constexpr double kNothing = 1e-6;
+    const auto f = static_cast<size_t>(pivot.frame);
+    const Vector6 own = (diagonal_[f].diagonal() - acting_[f]).cwiseAbs();
+    const Vector6 size = own.cwiseMax((work_[f].diagonal() - acting_[f]).cwiseAbs());
     Vector6 scale;
     for (Eigen::Index i = 0; i < 6; ++i) {
-        const double size = std::max(std::abs(original(i, i)), std::abs(block(i, i)));
-        scale(i) = size > 0 ? 1 / std::sqrt(size) : 0;
-    }
-    // A direction without anything of its own is measured by the others of its kind
-    for (Eigen::Index i = 0; i < 6; ++i) {
-        if (scale(i) > 0) continue;
-        for (Eigen::Index j = 3 * (i / 3); j < 3 * (i / 3) + 3; ++j) scale(i) = std::max(scale(i), scale(j));
-        if (scale(i) == 0) scale(i) = 1;
+        const double kind = size.segment<3>(3 * (i / 3)).maxCoeff();
+        const double measure = own(i) == 0 && size(i) < kNothing * kind ? kind : size(i);
+        scale(i) = measure > 0 ? 1 / std::sqrt(measure) : 1;
     }
     return scale;
 }

@@ -34,11 +34,21 @@ public:
 
     void set_zero();
     void add_diagonal(int frame, const Matrix6& block) { diagonal_[static_cast<size_t>(frame)] += block; }
+    /// Of forces that act already: no measure of what is large and small there.
+    void add_acting(int frame, const Matrix6& block) {
+        add_diagonal(frame, block);
+        acting_[static_cast<size_t>(frame)] += block.diagonal();
+    }
     const Matrix6& diagonal(int frame) const { return diagonal_[static_cast<size_t>(frame)]; }
     /// Block (from, to) of the frames of a link; its transpose is understood.
     void add_coupling(int link, const Matrix6& block);
     /// Row of a link's rigid direction number i: its derivatives by the motions of its frames.
     void set_rigid(int link, int i, const Vector6& by_from, const Vector6& by_to);
+
+    /// Derivatives as last set, by the motion of its `from` (0) or `to` (1) frame.
+    const Vector6& rigid(int link, int i, int end) const {
+        return rigid_rows_[static_cast<size_t>(rigid_begin(link) + i)].by[end];
+    }
 
     /// What makes a system singular: an unknown of a frame (direction 0 … 5), or the i-th rigid direction of a link.
     struct Fault {
@@ -124,6 +134,7 @@ private:
     };
 
     std::vector<Matrix6> diagonal_, work_;
+    std::vector<Vector6> acting_;  ///< part of the diagonals by add_acting
     std::vector<Coupling> couplings_;
     std::vector<int> link_coupling_;
     std::vector<bool> link_transposed_;

@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/rotation.h"
 #include "core/state_vector.h"
 #include "network/interior_parts.h"
 
@@ -31,9 +32,19 @@ std::vector<Link> links_of(const Mechanism& mechanism) {
     return links;
 }
 
+/// Translation and rotation of every inner frame: whether it has no mass, no inertia.
+std::vector<std::array<bool, 2>> massless_halves(const Mechanism& mechanism) {
+    std::vector<std::array<bool, 2>> halves;
+    for (auto f = static_cast<size_t>(mechanism.assembly.driven_count); f < mechanism.assembly.frames.size(); ++f) {
+        const FrameSpec& frame = mechanism.assembly.frames[f];
+        halves.push_back({frame.mass == 0, frame.inertia.trace() <= kSmallestGyration * kSmallestGyration * frame.mass});
+    }
+    return halves;
+}
+
 }  // namespace
 
-/// The mechanism with its joints where its frames are and nothing moving, at a step size.
+/// Nothing moves, and no force that acts already has a stiffness of its own.
 Mechanism at_rest(const Mechanism& mechanism, double step_size) {
     Mechanism rest = mechanism;
     rest.scheme.set_step_size(step_size);
@@ -42,6 +53,7 @@ Mechanism at_rest(const Mechanism& mechanism, double step_size) {
         joint.set_scheme(rest.scheme);
         joint.start(rest.scheme, rest.frame(joint.from()), rest.frame(joint.to()), Vector6::Zero(), Vector6::Zero(),
                     rest.states[j], rest.turn(j));
+        rest.states[j].elastic = {};
     }
     return rest;
 }
@@ -53,7 +65,8 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
       driven_(mechanism.assembly.driven_count),
       count_(mechanism.assembly.inner_count()),
       gravity_(Eigen::Map<const Vector3>(description.gravity)),
-      elimination_(count_, links_of(mechanism)) {
+      elimination_(count_, links_of(mechanism)),
+      massless_(mechanism, massless_halves(mechanism)) {
     if (!mechanism.scheme.is_implicit())
         throw Error(DTTMM_ERROR_MODEL,
                     "it hangs on a node that is no body, or has a mass of its own: that wants the implicit coupling", 0);
@@ -65,31 +78,38 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     }
     for (int f = 0; f < count_; ++f) {
         const FrameSpec& frame = mechanism.assembly.frames[static_cast<size_t>(driven_ + f)];
-        inertias_.push_back({frame.mass, frame.inertia, 0, {Balance::momentum, Balance::momentum}, -1});
+        inertias_.push_back({frame.mass, frame.inertia, 0, -1});
     }
     set_reaches(mechanism);
-    set_balances(mechanism);
     choose_heirs(mechanism);
     for (size_t j = 0; j < mechanism.joints.size(); ++j)
         if (mechanism.joints[j].from() < ports_ || mechanism.joints[j].to() < ports_) port_joints_.push_back(j);
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const bool is_rigid = mechanism.joints[j].rigid().any();
+        rigid_index_.push_back(is_rigid ? static_cast<int>(rigid_joints_.size()) : -1);
+        if (is_rigid) rigid_joints_.push_back(j);
+    }
+    for (size_t j = 0; j < mechanism.joints.size(); ++j)
+        if (massless_.is_settling(j)) settling_joints_.push_back(j);
+    rigid_known_.resize(rigid_joints_.size());
     state_.resize(n);
     choose_burdened(mechanism);
     const auto rigid = static_cast<size_t>(elimination_.rigid_count()), ports = static_cast<size_t>(ports_);
-    for (auto* list : {&rigid_, &rigid_before_}) list->assign(rigid, 0);
+    rigid_.assign(rigid, 0);
+    q_ = rigid_;
     for (auto* list : {&port_u_, &port_u_before_}) list->assign(ports, Vector6::Zero());
-    half_wrench_.assign(mechanism.frames.size(), Vector6::Zero());
     now_.resize(mechanism.joints.size());
     anchor_.ports.assign(mechanism.frames.begin(), mechanism.frames.begin() + ports_);
     anchor_.u.assign(n, Vector6::Zero());
     anchor_.change.assign(n, Vector6::Zero());
     anchor_.q.assign(rigid, 0);
     anchor_.q_change.assign(rigid, 0);
-    anchor_.wrench.assign(mechanism.frames.size(), Vector6::Zero());
-    anchor_.left.assign(n, Vector6::Zero());
+    anchor_.near.resize(near_joints_.size());
     other_ = anchor_;
     port_change_.setZero(6 * ports_);
-    wrench_.assign(mechanism.frames.size(), Vector6::Zero());
-    world_change_.resize(mechanism.frames.size());
+    for (auto* list : {&wrench_, &end_wrench_, &damping_wrench_}) list->assign(mechanism.frames.size(), Vector6::Zero());
+    massless_residuals_.resize(massless_.frames().size());
+    node_loads_.assign(inner_nodes_.size(), Vector6::Zero());
     trial_ = mechanism.frames;
     responses_.assign(n, Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, 6 * ports_));
     rigid_change_.setZero(static_cast<Eigen::Index>(rigid));
@@ -116,30 +136,6 @@ void Interior::set_reaches(const Mechanism& mechanism) {
     }
 }
 
-void Interior::set_balances(const Mechanism& mechanism) {
-    std::vector<bool> settles(inertias_.size(), true);
-    for (const Joint& joint : mechanism.joints)
-        for (int frame : {joint.from(), joint.to()})
-            if (is_inner(frame) && (joint.is_damped() || joint.rigid().any())) settles[at(frame)] = false;
-    for (size_t i = 0; i < inertias_.size(); ++i) {
-        const Balance massless = settles[i]                          ? Balance::end_of_step
-                                 : mechanism.scheme.is_trapezoidal() ? Balance::half_step
-                                                                     : Balance::centred;
-        if (inertias_[i].mass == 0) inertias_[i].balance[0] = massless;
-        if (inertias_[i].moment.trace() <= kSmallestGyration * kSmallestGyration * inertias_[i].mass)
-            inertias_[i].balance[1] = massless;
-        for (Balance balance : inertias_[i].balance) settles_ = settles_ || balance == Balance::end_of_step;
-    }
-    for (const Joint& joint : mechanism.joints) {
-        bool wanted = false;
-        for (int frame : {joint.from(), joint.to()})
-            if (is_inner(frame))
-                for (Balance balance : inertias_[at(frame)].balance) wanted = wanted || balance == Balance::half_step;
-        half_wanted_.push_back(wanted);
-        halves_wanted_ = halves_wanted_ || wanted;
-    }
-}
-
 void Interior::choose_burdened(const Mechanism& mechanism) {
     burden_of_.assign(inertias_.size(), -1);
     const auto choose = [&](size_t frame) {
@@ -151,18 +147,20 @@ void Interior::choose_burdened(const Mechanism& mechanism) {
         const int frame = mechanism.assembly.nodes[static_cast<size_t>(node)].frame;
         if (is_inner(frame)) choose(at(frame));
     }
-    for (size_t i = 0; i < inertias_.size(); ++i)
-        for (Balance balance : inertias_[i].balance)
-            if (balance != Balance::momentum) choose(i);
+    for (size_t i : massless_.frames()) choose(i);
     burdens_.resize(burdened_.size());
+    for (size_t n = 0; n < inner_nodes_.size(); ++n) {
+        const NodeSpec& node = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[n])];
+        if (is_inner(node.frame) && !node.offset.isZero(0))
+            levers_.push_back({static_cast<size_t>(burden_of_[at(node.frame)]), n, node.offset});
+    }
 }
 
 /// The nearest frame over joints that has mass and inertia, or a body of the host.
 void Interior::choose_heirs(const Mechanism& mechanism) {
     const auto inherits = [&](int frame) {
         if (!is_inner(frame)) return frame < ports_;
-        const Inertia& inertia = inertias_[at(frame)];
-        return inertia.balance[0] == Balance::momentum && inertia.balance[1] == Balance::momentum;
+        return massless_.index_of(at(frame)) < 0;
     };
     std::vector<int> heir(mechanism.frames.size(), -1);
     for (size_t f = 0; f < heir.size(); ++f)
@@ -187,28 +185,31 @@ void Interior::choose_heirs(const Mechanism& mechanism) {
         at_port[static_cast<size_t>(f)] = true;
         port_frames_.push_back(f);
     }
-    for (size_t j = 0; j < mechanism.joints.size(); ++j)
-        if (at_port[static_cast<size_t>(mechanism.joints[j].from())] ||
-            at_port[static_cast<size_t>(mechanism.joints[j].to())])
-            port_side_joints_.push_back(j);
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const bool is_near = at_port[static_cast<size_t>(mechanism.joints[j].from())] ||
+                             at_port[static_cast<size_t>(mechanism.joints[j].to())];
+        near_index_.push_back(is_near ? static_cast<int>(near_joints_.size()) : -1);
+        if (is_near) near_joints_.push_back(j);
+    }
+    near_blocks_.resize(near_joints_.size());
 }
 
 // ---- The matrix ---------------------------------------------------------------------------------------------------------
 
-Matrix6 Interior::local_by_from(const Mechanism& mechanism, size_t j) const {
+Matrix6 local_columns(const Mechanism& mechanism, size_t j, int end) {
     const Joint& joint = mechanism.joints[j];
-    const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
-    Matrix6 G = joint.by_from(from, to);
-    for (int c : {0, 3}) G.middleCols<3>(c) = (G.middleCols<3>(c) * from.axes()).eval();
+    const JointPose pose = mechanism.pose(j);
+    Matrix6 G = end == 0 ? joint.by_from(pose) : joint.by_to(pose);
+    const FrameView frame = mechanism.frame(end == 0 ? joint.from() : joint.to());
+    for (int c : {0, 3}) G.middleCols<3>(c) = (G.middleCols<3>(c) * frame.axes()).eval();
     return G;
 }
 
-Matrix6 Interior::local_by_to(const Mechanism& mechanism, size_t j) const {
-    const Joint& joint = mechanism.joints[j];
-    const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
-    Matrix6 G = joint.by_to(from, to);
-    for (int c : {0, 3}) G.middleCols<3>(c) = (G.middleCols<3>(c) * to.axes()).eval();
-    return G;
+Matrix6 rigid_rows(const Mechanism& mechanism, size_t j, const Matrix6& columns) {
+    Matrix6 rows = columns;
+    if (const TurnState* turn = mechanism.turn(j))
+        rows.bottomRows<3>() = rotation_vector_rate(turn->rotation.d) * columns.bottomRows<3>();
+    return rows;
 }
 
 Matrix6 Interior::mass_matrix(size_t frame) const {
@@ -218,40 +219,54 @@ Matrix6 Interior::mass_matrix(size_t frame) const {
     return M;
 }
 
-/// ∂f/∂d over a step, symmetric; the relative turn in place of θ.
-Matrix6 Interior::gain(const Mechanism& mechanism, size_t j) const {
+/// h² times −∂(wrench over a step)/∂(pose at its end) of a joint's frames, in their axes: what is elastic or damped, and
+/// what stems from forces that act already.
+Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j) const {
     const Joint& joint = mechanism.joints[j];
-    Matrix6 gain = Matrix6::Zero();
-    gain.topLeftCorner<3, 3>() = joint.translation_half().law.asDiagonal();
-    if (!joint.turns()) return gain;
-    const Matrix3 turn = joint.turn_gain(*mechanism.turn(j));
-    gain.bottomRightCorner<3, 3>() = 0.5 * (turn + turn.transpose());
-    return gain;
-}
-
-/// From the columns of [d; relative turn ε] those of [d; θ] that rigid directions hold: δθ = J⁻¹ ε.
-Matrix6 Interior::rigid_rows(const Mechanism& mechanism, size_t j, const Matrix6& G) const {
-    Matrix6 rows = G;
-    if (const TurnState* turn = mechanism.turn(j)) rows.bottomRows<3>() = turn->conjugate.transpose() * G.bottomRows<3>();
-    return rows;
+    const JointPose pose = mechanism.pose(j);
+    const TurnState* turn = mechanism.turn(j);
+    Vector3 acting = mechanism.states[j].elastic.force;
+    if (joint.rigid().any()) acting += pose.axes * head(rigid_values(mechanism, j, rigid_));
+    const double h = mechanism.scheme.step_size();
+    const Matrix3 R[2] = {mechanism.frame(joint.from()).axes(), mechanism.frame(joint.to()).axes()};
+    const auto in_axes = [&](EndBlocks K) {
+        for (int i : {0, 1})
+            for (int k : {0, 1})
+                for (int row : {0, 3})
+                    for (int column : {0, 3}) {
+                        auto block = K.at[i][k].block<3, 3>(row, column);
+                        block = (h * h * R[i].transpose() * block * R[k]).eval();
+                    }
+        return K;
+    };
+    return {in_axes(joint.stiffness(pose, joint.gain(mechanism.scheme, turn ? turn->rotation.d : Vector3::Zero()))),
+            in_axes(Joint::acting_stiffness(pose, mechanism.scheme.weight(0) * acting))};
 }
 
 void Interior::assemble(const Mechanism& mechanism) {
-    const double h = mechanism.scheme.step_size(), square = h * h;
     elimination_.set_zero();
     for (int i = 0; i < count_; ++i) elimination_.add_diagonal(i, mass_matrix(static_cast<size_t>(i)));
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Joint& joint = mechanism.joints[j];
-        const Matrix6 Lambda = gain(mechanism, j);
-        const Matrix6 G_from = local_by_from(mechanism, j), G_to = local_by_to(mechanism, j);
-        const bool from_inside = is_inner(joint.from()), to_inside = is_inner(joint.to());
-        if (from_inside) elimination_.add_diagonal(joint.from() - driven_, square * G_from.transpose() * Lambda * G_from);
-        if (to_inside) elimination_.add_diagonal(joint.to() - driven_, square * G_to.transpose() * Lambda * G_to);
-        if (from_inside && to_inside)
-            elimination_.add_coupling(static_cast<int>(j), square * G_from.transpose() * Lambda * G_to);
-        if (joint.rigid().none()) continue;
-        const Matrix6 by_from = rigid_rows(mechanism, j, G_from), by_to = rigid_rows(mechanism, j, G_to);
-        for_each_rigid(joint, [&](int i, int d) {
+        const auto [own, acting] = blocks(mechanism, j);
+        const int frames[2] = {joint.from(), joint.to()};
+        for (int end : {0, 1}) {
+            if (!is_inner(frames[end])) continue;
+            elimination_.add_diagonal(frames[end] - driven_, own.at[end][end]);
+            elimination_.add_acting(frames[end] - driven_, acting.at[end][end]);
+        }
+        if (is_inner(frames[0]) && is_inner(frames[1]))
+            elimination_.add_coupling(static_cast<int>(j), own.at[0][1] + acting.at[0][1]);
+    }
+    for (size_t k = 0; k < near_joints_.size(); ++k) {
+        const Blocks K = blocks(mechanism, near_joints_[k]);
+        for (int row : {0, 1})
+            for (int column : {0, 1}) near_blocks_[k].at[row][column] = K.between(row, column);
+    }
+    for (size_t j : rigid_joints_) {
+        const Matrix6 by_from = rigid_rows(mechanism, j, local_columns(mechanism, j, 0)),
+                      by_to = rigid_rows(mechanism, j, local_columns(mechanism, j, 1));
+        for_each_rigid(mechanism.joints[j], [&](int i, int d) {
             elimination_.set_rigid(static_cast<int>(j), i, by_from.row(d).transpose(), by_to.row(d).transpose());
         });
     }
@@ -293,7 +308,6 @@ void Interior::refactor(const Mechanism& mechanism) {
 
 /// How the inside follows a unit motion of each port.
 void Interior::find_responses(const Mechanism& mechanism) {
-    const double h = mechanism.scheme.step_size();
     std::vector<Vector6>& r = other_.change;
     std::vector<double>& g = other_.q_change;
     for (int column = 0; column < 6 * ports_; ++column) {
@@ -303,13 +317,11 @@ void Interior::find_responses(const Mechanism& mechanism) {
         for (size_t j : port_joints_) {
             const Joint& joint = mechanism.joints[j];
             if (joint.from() != port && joint.to() != port) continue;
-            const Matrix6 G_from = local_by_from(mechanism, j), G_to = local_by_to(mechanism, j);
-            const Matrix6 Lambda = h * h * gain(mechanism, j);
-            const bool is_from = joint.from() == port;
-            const Vector6 d = (is_from ? G_from : G_to).col(c);
-            const int other = is_from ? joint.to() : joint.from();
-            if (is_inner(other)) r[at(other)] -= (is_from ? G_to : G_from).transpose() * (Lambda * d);
-            const Vector6 held = rigid_rows(mechanism, j, is_from ? G_from : G_to).col(c);
+            const int end = joint.from() == port ? 0 : 1;
+            const int other = end == 0 ? joint.to() : joint.from();
+            if (is_inner(other)) r[at(other)] -= blocks(mechanism, j).between(1 - end, end).col(c);
+            if (joint.rigid().none()) continue;
+            const Vector6 held = rigid_rows(mechanism, j, local_columns(mechanism, j, end)).col(c);
             for_each_rigid(joint, [&](int i, int direction) {
                 g[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)] = -held(direction);
             });
@@ -321,30 +333,30 @@ void Interior::find_responses(const Mechanism& mechanism) {
 }
 
 void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) const {
-    // −δ(h W_p) = G_pᵀ (h² Λ D + q) δu,   D: the joint's deformation by the motion of a port
+    // −δ(h W_p) = Σ K δu + Jᵀ q over the ends of the joints of port p
     const double h = mechanism.scheme.step_size();
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     Eigen::Map<RowMajor> S(stiffness, 6 * ports_, 6 * ports_);
     S.setZero();
     for (size_t j : port_joints_) {
         const Joint& joint = mechanism.joints[j];
-        const Matrix6 G[2] = {local_by_from(mechanism, j), local_by_to(mechanism, j)};
-        const Matrix6 held[2] = {rigid_rows(mechanism, j, G[0]), rigid_rows(mechanism, j, G[1])};
-        const Matrix6 Lambda = h * h * gain(mechanism, j);
+        const Blocks K = blocks(mechanism, j);
         const int frames[2] = {joint.from(), joint.to()};
-        for (int column = 0; column < ports_; ++column) {
-            Matrix6 D = Matrix6::Zero(), rigid = Matrix6::Zero();
-            for (int end : {0, 1}) {
-                if (is_inner(frames[end])) D += G[end] * responses_[at(frames[end])].middleCols<6>(6 * column);
-                if (frames[end] == column) D += G[end];
+        for (int row : {0, 1}) {
+            if (frames[row] >= ports_) continue;
+            const Matrix6 held = rigid_rows(mechanism, j, local_columns(mechanism, j, row));
+            for (int column = 0; column < ports_; ++column) {
+                auto block = S.block<6, 6>(6 * frames[row], 6 * column);
+                for (int end : {0, 1}) {
+                    if (is_inner(frames[end]))
+                        block += K.between(row, end) * responses_[at(frames[end])].middleCols<6>(6 * column);
+                    if (frames[end] == column) block += K.between(row, end);
+                }
+                for_each_rigid(joint, [&](int i, int d) {
+                    block += held.row(d).transpose() *
+                             rigid_responses_.block<1, 6>(elimination_.rigid_begin(static_cast<int>(j)) + i, 6 * column);
+                });
             }
-            for_each_rigid(joint, [&](int i, int d) {
-                rigid.row(d) = rigid_responses_.block<1, 6>(elimination_.rigid_begin(static_cast<int>(j)) + i, 6 * column);
-            });
-            for (int end : {0, 1})
-                if (frames[end] < ports_)
-                    S.block<6, 6>(6 * frames[end], 6 * column) +=
-                        G[end].transpose() * (Lambda * D) + held[end].transpose() * rigid;
         }
     }
     for (int row = 0; row < 2 * ports_; ++row)
@@ -396,23 +408,45 @@ double Interior::work(const Mechanism& mechanism) const {
 }
 
 Twist Interior::momentum(const Mechanism& mechanism) const {
-    // x_n × p = x_{n−1} × p, for p is along what leads from one to the other
+    // With F the elastic force on a frame, y = x − β h² F/m and P − β h (F_n − F_{n−1}) move in leap-frog by F_n alone.
+    // Their moment does not change: y × F = x × F.
+    std::vector<Vector6> now(mechanism.frames.size(), Vector6::Zero()), before = now;
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const auto a = static_cast<size_t>(mechanism.joints[j].from()), b = static_cast<size_t>(mechanism.joints[j].to());
+        Joint::add_wrench(mechanism.states[j].elastic, now[a].data(), now[b].data());
+        Joint::add_wrench(mechanism.states[j].elastic_before, before[a].data(), before[b].data());
+    }
+    for (size_t i : massless_.frames()) {
+        if (!is_inner(inertias_[i].heir)) continue;
+        const auto f = static_cast<size_t>(driven_) + i, heir = static_cast<size_t>(inertias_[i].heir);
+        now[heir] += bequest(mechanism.frames, i, massless_part(i, now[f]));
+        before[heir] += bequest(mechanism.before, i, massless_part(i, before[f]));
+    }
+    const double h = mechanism.scheme.step_size(), beta = mechanism.scheme.weight(0);
     Twist total;
     for (size_t i = 0; i < state_.size(); ++i) {
-        const Vector3 p = head(state_[i].momentum);
-        total.linear += p;
-        total.angular += mechanism.frame(driven_ + static_cast<int>(i)).origin().cross(p) + tail(state_[i].momentum);
+        if (massless_.is_massless(i, 0)) continue;
+        const auto f = static_cast<size_t>(driven_) + i;
+        Vector6 P = state_[i].momentum - beta * h * (now[f] - before[f]);
+        if (massless_.is_massless(i, 1)) P.tail<3>().setZero();
+        const Vector3 y = FrameView(mechanism.frames[f]).origin() - beta * h * h / inertias_[i].mass * head(now[f]);
+        total.linear += head(P);
+        total.angular += y.cross(head(P)) + tail(P);
     }
     return total;
 }
 
-Vector6 Interior::rigid_force(const Mechanism& mechanism, size_t j) const {
+/// Forces of a joint's rigid directions out of those of all, joint axes.
+Vector6 Interior::rigid_values(const Mechanism& mechanism, size_t j, const std::vector<double>& q) const {
     Vector6 f = Vector6::Zero();
-    for_each_rigid(mechanism.joints[j], [&](int i, int d) {
-        const auto row = static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i);
-        f(d) = rigid_[row] + (half_wanted_[j] ? rigid_before_[row] : 0);
-        if (mechanism.steps == 1) f(d) *= 2;  // the first step carries half the weight of its start
-    });
+    for_each_rigid(mechanism.joints[j],
+                   [&](int i, int d) { f(d) = q[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)]; });
+    return f;
+}
+
+Vector6 Interior::rigid_force(const Mechanism& mechanism, size_t j) const {
+    Vector6 f = rigid_values(mechanism, j, rigid_);
+    if (mechanism.steps == 1) f *= 2;  // the first step carries half the weight of its start
     return f;
 }
 
@@ -420,7 +454,6 @@ void Interior::add_state_parts(std::vector<std::pair<void*, size_t>>& parts) {
     parts.emplace_back(state_.data(), state_.size() * sizeof(State));
     parts.emplace_back(burdens_.data(), burdens_.size() * sizeof(Burden));
     parts.emplace_back(rigid_.data(), rigid_.size() * sizeof(double));
-    parts.emplace_back(rigid_before_.data(), rigid_before_.size() * sizeof(double));
     parts.emplace_back(port_u_.data(), port_u_.size() * sizeof(Vector6));
     parts.emplace_back(port_u_before_.data(), port_u_before_.size() * sizeof(Vector6));
     parts.emplace_back(&books_, sizeof books_);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "network/elimination.h"
+#include "network/massless.h"
 #include "network/mechanism.h"
 
 namespace dttmm {
@@ -14,22 +15,21 @@ namespace dttmm {
 ///     P(u) = P− + h (f(x + h u) + weight + loads),     massless: 0 = f + loads,     rigid directions: d(x + h u) = 0,
 /// u = [v; ω] of every frame over the step in the frame's own axes at t_n, P = [m v; L(ω)] its momentum, L half way through
 /// the step as the host has it, so that momentum and angular momentum are kept to rounding. f is the centred force of the
-/// joints: the same recursion as the host's, DT-TMM with A = 1/h², C = γ/h.
+/// joints: the same recursion as the host's, DT-TMM with A = 1/h², C = γ/h. A rigid direction has one force over the whole
+/// step, in the weighted mean of its axes at the three instants.
 ///
 /// Newton's iteration with the matrix M + h² S of a configuration of before, in the frames' axes, in which it changes with
 /// the deformations only, not with the motion of the whole: it is factored once per step size and kept until it converges
 /// slowly. Passes start from the extrapolated motion; the solution is accepted when θ/(1 − θ) × (last correction), θ the
 /// rate of convergence, is below kShare of the first one, which measures what the step itself leaves out, and below
-/// kTolerance of the motion. The forces of the last pass with their linear change then move the momentum, in pairs that
-/// balance exactly, so that it is kept however few passes were taken; what the motion lacks to it is made up for in the next
-/// step.
+/// kTolerance of the motion. The forces where it ends then move the momentum, in pairs that balance exactly, so that it is
+/// kept however few passes were taken; what the motion lacks to it is made up for in the next step.
 ///
 /// A step is solved once, for ports that go on as they have; the answer to another motion of the ports is the linear one
 /// from there, as long as that is good enough by a like measure. A step of small vibrations takes one pass or two.
 ///
-/// A massless frame would ring under weights of three instants, for (z + 1)² makes a double root at −1: where no damper and
-/// no rigid direction acts on it, its force balances at the end of every step; otherwise, without numerical damping, half
-/// way through every step, which leaves a single root.
+/// What a massless frame leaves unbalanced over a step by its own rule (MasslessFrames) its heir takes over, a frame nearby
+/// with a mass, so that no momentum is lost.
 class Interior {
 public:
     static constexpr double kTolerance = 1e-7;
@@ -63,7 +63,8 @@ public:
     /// Force of a joint's rigid directions, joint axes.
     Vector6 rigid_force(const Mechanism& mechanism, size_t joint) const;
 
-    /// Momentum and angular momentum about the world's origin over the step before t_n, of all that is inside.
+    /// Momentum and angular momentum about the world's origin of all that is inside, at t_n, as Newmark's rule keeps them:
+    /// the angular momentum differs from Σ x × m v + L by a part of order h² that does not grow.
     Twist momentum(const Mechanism& mechanism) const;
 
     /// Solutions of the linear equations over all steps so far, and factorisations.
@@ -75,15 +76,11 @@ public:
     void refactor(const Mechanism& mechanism);
 
 private:
-    /// How the equation of a half of a frame (translation, rotation) stands in time.
-    enum class Balance : unsigned char { momentum, end_of_step, half_step, centred };
-
     struct Inertia {
         double mass;
         Matrix3 moment;  ///< of inertia, frame axes
         double reach;    ///< of its joints from its origin [m], at least its radius of gyration
-        Balance balance[2];
-        int heir = -1;  ///< frame nearby that takes over what a massless one leaves unbalanced; −1: none
+        int heir = -1;   ///< frame nearby that takes over what a massless one leaves unbalanced; −1: none
     };
     /// What changes from step to step.
     struct State {
@@ -91,20 +88,21 @@ private:
         Vector6 u, u_before;              ///< over that step and the one before, each in the axes at its start
         Twist velocity, velocity_before;  ///< the same, world
     };
-    /// The same of a frame with a node on it, or without a mass: the others take no load.
+    /// The same of a frame with a node on it, or with a massless half: the others take no load.
     struct Burden {
-        Vector6 load[3];       ///< at the frame's origin, world, at t_{n+1}, t_n, t_{n−1}
-        Vector6 imbalance[2];  ///< of a massless frame, at t_n and t_{n−1}
+        Vector6 load[3];     ///< at the frame's origin, world, at t_{n+1} (forces off the origin left out), t_n, t_{n−1}
+        Vector6 elastic[3];  ///< elastic forces on a massless frame, the same; at t_{n+1} once the step is taken
+        Vector6 settled[2];  ///< ψ of MasslessFrames at t_n and t_{n−1}, axes of the frame
+    };
+    /// A load on a node that is not at its frame's origin.
+    struct Lever {
+        size_t burden, node;
+        Vector3 offset;  ///< axes of the frame
     };
     struct Books {
         double contraction = 1, scale = 0;  ///< θ/(1 − θ) last measured; size of the motion, slowly forgetting [m/s]
         double port_way = 0;                ///< of the ports from the anchor to where they went in the last step [m/s]
         double load_work = 0, load_power = 0;
-    };
-    /// A joint at t_n, world axes: what every pass of a step looks at.
-    struct JointNow {
-        Matrix3 axes;
-        Vector3 arm, lever;
     };
     /// The motion inside for one motion of the ports, linear about the last pass: u + change.
     struct Solution {
@@ -113,8 +111,7 @@ private:
         std::vector<Vector6> change;   ///< last correction
         std::vector<double> q;         ///< forces of the rigid directions, before the correction
         std::vector<double> q_change;  ///< correction of them, times h
-        std::vector<Vector6> wrench;   ///< over the step at u, on every frame at its origin, world
-        std::vector<Vector6> left;     ///< what massless frames have passed on to their heirs
+        std::vector<JointForce> near;  ///< forces of near_joints_ over the step, before the correction
         double contraction = 1, scale = 0, rate = 0;
         double tolerance = 0;  ///< of what remains to be corrected [m/s]
     };
@@ -123,7 +120,6 @@ private:
     bool is_inner(int frame) const { return frame >= driven_; }
 
     void set_reaches(const Mechanism& mechanism);
-    void set_balances(const Mechanism& mechanism);
     void choose_heirs(const Mechanism& mechanism);
     void choose_burdened(const Mechanism& mechanism);
     Burden& burden(size_t frame) { return burdens_[static_cast<size_t>(burden_of_[frame])]; }
@@ -136,58 +132,78 @@ private:
     void settle_at_start(Mechanism& mechanism, const dttmm_motion* ports);
     void find_start_velocities(const Mechanism& mechanism, const dttmm_motion* ports);
     void read_loads(const Mechanism& mechanism, const double* loads);
-    void find_imbalances(const Mechanism& mechanism);
+    void set_elastic(const Mechanism& mechanism);
 
-    void place(const Mechanism& mechanism, const Solution& solution) const;
+    void place(const Mechanism& mechanism, size_t frame, const Vector6& u) const;
+    void place_ports(const dttmm_motion* ports) const;
+    JointForce rigid_action(const Mechanism& mechanism, size_t joint, const JointPose& at_end, const Vector3& theta,
+                            const Vector6& q) const;
+    JointForce force_over_step(const Mechanism& mechanism, size_t joint, const JointPose& at_end,
+                               const Joint::Strained& end) const;
     void find_forces(const Mechanism& mechanism, Solution& solution) const;
-    void pass_on_imbalances(const Mechanism& mechanism, Solution& solution) const;
-    void bequeath(const Mechanism& mechanism, size_t frame, const Vector6& left, Vector6& to_heir) const;
-    void settle_estate(const Mechanism& mechanism, size_t frame, const Solution& solution) const;
+    Vector6 load_at_end(size_t burden, FrameView frame) const;
+    Vector6 load_over_step(const Scheme& scheme, size_t burden, FrameView frame) const;
     void form_residuals(const Mechanism& mechanism, Solution& solution) const;
-    static Vector6 load_over_step(const Scheme& scheme, const Burden& burden);
-    Vector3 balanced(const Scheme& scheme, size_t frame, int half, const Vector3& momentum, const Solution& solution) const;
+    void balance_massless(const Mechanism& mechanism, Solution& solution) const;
+    Vector6 settled(const Mechanism& mechanism, size_t massless, const Vector6& load) const;
+    Vector6 bequest(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const;
     double correct(Solution& solution) const;
     static bool is_good_enough(double correction, const Solution& solution);
     void solve(const Mechanism& mechanism, Solution& solution) const;
     void look_at_joints(const Mechanism& mechanism);
     void drop_anchor(const Mechanism& mechanism);
     const Solution& respond(const Mechanism& mechanism, const dttmm_motion* ports) const;
+    Vector6 motion_of(size_t frame, const Solution& solution) const;
     Vector6 change_of(int frame, const Solution& solution) const;
-    Vector6 force_change(const Mechanism& mechanism, size_t joint, const Twist& from, const Twist& to,
-                         const Solution& solution) const;
-    void take_momentum(const Mechanism& mechanism, const Solution& solution);
-    void take_motion(Mechanism& mechanism, const Solution& solution, const dttmm_motion* accepted);
+    JointForce near_force(const Mechanism& mechanism, size_t near, const Solution& solution) const;
+    void find_rigid_forces(const Mechanism& mechanism, const Solution& solution) const;
+    Vector6 massless_part(size_t frame, Vector6 wrench) const;
+    Vector6 estate(const Mechanism& mechanism, size_t frame, FrameView end) const;
+    bool rigid_directions_have_turned(const Mechanism& mechanism) const;
+    void find_end(const Mechanism& mechanism, const Solution& solution, const dttmm_motion* accepted);
+    void take_forces(Mechanism& mechanism, const Solution& solution);
+    void take_momentum(const Mechanism& mechanism);
+    void take_loads(const Mechanism& mechanism);
+    void take_motion(Mechanism& mechanism, const dttmm_motion* accepted);
 
     Matrix6 mass_matrix(size_t frame) const;
-    Matrix6 local_by_from(const Mechanism& mechanism, size_t joint) const;
-    Matrix6 local_by_to(const Mechanism& mechanism, size_t joint) const;
-    Matrix6 rigid_rows(const Mechanism& mechanism, size_t joint, const Matrix6& G) const;
-    Matrix6 gain(const Mechanism& mechanism, size_t joint) const;
+    Vector6 rigid_values(const Mechanism& mechanism, size_t joint, const std::vector<double>& q) const;
+    struct Blocks {
+        EndBlocks own, acting;
+        Matrix6 between(int row, int column) const { return own.at[row][column] + acting.at[row][column]; }
+    };
+    Blocks blocks(const Mechanism& mechanism, size_t joint) const;
 
     int ports_ = 0, driven_ = 0, count_ = 0;
     Vector3 gravity_;
     std::vector<Inertia> inertias_;
     std::vector<int> inner_nodes_;  ///< nodes of the description that loads and motions go by
     std::vector<dttmm_node> node_data_;
-    std::vector<size_t> port_joints_;       ///< of the ports
-    std::vector<size_t> port_side_joints_;  ///< whose forces the ports feel
-    std::vector<int> port_frames_;          ///< the ports, and massless frames whose heirs they are
-    std::vector<bool> half_wanted_;         ///< of each joint: an end of it balances half way
+    std::vector<size_t> port_joints_;      ///< of the ports
+    std::vector<size_t> near_joints_;      ///< whose forces the ports feel
+    std::vector<int> near_index_;          ///< of every joint among them; −1: it is not
+    std::vector<EndBlocks> near_blocks_;   ///< their stiffness as in the matrix, frames' axes
+    std::vector<int> port_frames_;         ///< the ports, and massless frames whose heirs they are
+    std::vector<size_t> rigid_joints_;     ///< joints with rigid directions
+    std::vector<int> rigid_index_;         ///< of every joint among them; −1: it has none
+    std::vector<size_t> settling_joints_;  ///< joints of massless frames
     Elimination elimination_;
     std::vector<Eigen::Matrix<double, 6, Eigen::Dynamic>> responses_;  ///< ∂u/∂(u of the ports) per inner frame
     Eigen::MatrixXd rigid_responses_;  ///< the same of the forces of rigid directions, times h
-    bool halves_wanted_ = false;       ///< some frame balances half way
-    bool settles_ = false;             ///< some frame balances at the end of every step
+    MasslessFrames massless_;
 
     std::vector<State> state_;
     std::vector<Burden> burdens_;
-    std::vector<size_t> burdened_;              ///< the frame of each
-    std::vector<int> burden_of_;                ///< and the other way round; −1: none
-    std::vector<double> rigid_, rigid_before_;  ///< forces of the rigid directions over the two steps before t_n
+    std::vector<size_t> burdened_;  ///< the frame of each
+    std::vector<int> burden_of_;    ///< and the other way round; −1: none
+    std::vector<Lever> levers_;
+    std::vector<double> rigid_;  ///< forces of the rigid directions over the step before t_n
     Books books_;
 
     // Of the open step
-    std::vector<JointNow> now_;
+    std::vector<JointPose> now_;
+    std::vector<RigidMap> rigid_known_;            ///< of rigid_joints_: what the two instants before the end contribute
+    std::vector<Vector6> node_loads_;              ///< at the end of the step
     std::vector<Vector6> port_u_, port_u_before_;  ///< of the ports over the two steps before, each in the axes at its start
     std::vector<double> port_reach_;
     Solution anchor_;  ///< where the ports go on as they have
@@ -198,9 +214,10 @@ private:
     mutable Eigen::VectorXd rigid_change_;  ///< what it changes in the forces of rigid directions, times h
     mutable double port_way_ = 0;           ///< size of it: the largest speed of a point
     mutable std::vector<Frame> trial_;
-    mutable std::vector<Vector6> half_wrench_;
-    mutable std::vector<Vector6> wrench_;
-    std::vector<Twist> world_change_;
+    mutable std::vector<Vector6> wrench_;  ///< over the step, on every frame at its origin at t_n, world
+    mutable std::vector<Vector6> end_wrench_, damping_wrench_;  ///< on massless frames at the end, and half way
+    mutable std::vector<MasslessFrames::Residual> massless_residuals_;
+    mutable std::vector<double> q_;
     mutable long passes_ = 0;
     long factorisations_ = 0;
 };

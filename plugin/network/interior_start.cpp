@@ -31,17 +31,17 @@ void Interior::linearise(const Mechanism& mechanism, const dttmm_motion* ports, 
         const Vector6 f = joint.force(
             from, to,
             joint.rate(from, scratch.start_velocity(joint.from(), ports), to, scratch.start_velocity(joint.to(), ports)));
-        const Matrix3 R = joint.axes(from);
-        joint.add_wrench(joint.arm(from, to), joint.lever(to), R * head(f), R * tail(f),
-                         joint.from() < ports_ ? wrench + 6 * joint.from() : nullptr,
-                         joint.to() < ports_ ? wrench + 6 * joint.to() : nullptr);
+        const JointPose pose = joint.pose(from, to);
+        Joint::add_wrench(pose.act(pose.axes * head(f), pose.axes * tail(f)),
+                          joint.from() < ports_ ? wrench + 6 * joint.from() : nullptr,
+                          joint.to() < ports_ ? wrench + 6 * joint.to() : nullptr);
     }
     if (damping) std::fill_n(damping, size * size, 0.0);
     if (!stiffness) return;
     const Mechanism slow = at_rest(sample, kLongStep);
     scratch.refactor(slow);
     scratch.write_stiffness(slow, stiffness);
-    Eigen::Map<Eigen::VectorXd>(stiffness, static_cast<Eigen::Index>(size * size)) /= mechanism.scheme.elastic_weight();
+    Eigen::Map<Eigen::VectorXd>(stiffness, static_cast<Eigen::Index>(size * size)) /= mechanism.scheme.weight(0);
 }
 
 Twist Interior::start_velocity(int frame, const dttmm_motion* ports) const {
@@ -62,6 +62,7 @@ void Interior::settle_at_start(Mechanism& mechanism, const dttmm_motion* ports) 
         moves = moves || !velocity.linear.isZero(0) || !velocity.angular.isZero(0);
     }
     for (State& state : state_) state.velocity = Twist{};
+    std::fill(rigid_.begin(), rigid_.end(), 0.0);
     for (const dttmm_node& node : node_data_) moves = moves || node.moves;
     if (moves) find_start_velocities(mechanism, ports);
 }
@@ -72,20 +73,18 @@ void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_mot
     assemble(slow);
     std::vector<Vector6> r(state_.size(), Vector6::Zero());
     std::vector<double> g(rigid_.size(), 0);
-    const double square = kLongStep * kLongStep;
     for (size_t j : port_joints_) {
         const Joint& joint = slow.joints[j];
         const int frames[2] = {joint.from(), joint.to()};
-        const Matrix6 G[2] = {local_by_from(slow, j), local_by_to(slow, j)};
+        const Blocks K = blocks(slow, j);
         for (int end : {0, 1}) {
             if (frames[end] >= ports_) continue;
             const Twist v = twist(ports[frames[end]]);
             const RowMajor3 R = slow.frame(frames[end]).axes();
             Vector6 u;
             u << R.transpose() * v.linear, R.transpose() * v.angular;
-            const Vector6 d = G[end] * u;
-            if (is_inner(frames[1 - end])) r[at(frames[1 - end])] -= square * (G[1 - end].transpose() * (gain(slow, j) * d));
-            const Vector6 held = rigid_rows(slow, j, G[end]) * u;
+            if (is_inner(frames[1 - end])) r[at(frames[1 - end])] -= K.between(1 - end, end) * u;
+            const Vector6 held = rigid_rows(slow, j, local_columns(slow, j, end)) * u;
             for_each_rigid(joint, [&](int i, int direction) {
                 g[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)] -= held(direction);
             });
@@ -122,11 +121,12 @@ void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_mot
 void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const double* accelerations, const double* loads) {
     const double h = mechanism.scheme.step_size();
     settle_at_start(mechanism, ports);
-    std::fill(rigid_.begin(), rigid_.end(), 0.0);
-    std::fill(rigid_before_.begin(), rigid_before_.end(), 0.0);
-    read_loads(mechanism, loads);
-    for (Burden& burden : burdens_) burden.load[1] = burden.load[2] = burden.load[0];
     books_ = {};
+    read_loads(mechanism, loads);
+    for (size_t k = 0; k < burdens_.size(); ++k) {
+        Burden& burden = burdens_[k];
+        burden.load[1] = burden.load[2] = load_at_end(k, mechanism.frame(driven_ + static_cast<int>(burdened_[k])));
+    }
 
     // Forces of the start, for the momentum half a step before it and the accelerations
     std::vector<Vector6> wrench(mechanism.frames.size(), Vector6::Zero());
@@ -134,9 +134,9 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
         const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
         const Vector6 f = joint.force(
             from, to, joint.rate(from, start_velocity(joint.from(), ports), to, start_velocity(joint.to(), ports)));
-        const Matrix3 R = joint.axes(from);
-        joint.add_wrench(joint.arm(from, to), joint.lever(to), R * head(f), R * tail(f),
-                         wrench[static_cast<size_t>(joint.from())].data(), wrench[static_cast<size_t>(joint.to())].data());
+        const JointPose pose = joint.pose(from, to);
+        Joint::add_wrench(pose.act(pose.axes * head(f), pose.axes * tail(f)),
+                          wrench[static_cast<size_t>(joint.from())].data(), wrench[static_cast<size_t>(joint.to())].data());
     }
     std::vector<Twist> acceleration(state_.size());
     for (size_t i = 0; i < state_.size(); ++i) {
@@ -146,7 +146,7 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
         const FrameView view = frame;
         const RowMajor3 R = view.axes();
         Vector6 force = wrench[static_cast<size_t>(driven_) + i];
-        if (burden_of_[i] >= 0) force += burden(i).load[0];
+        if (burden_of_[i] >= 0) force += burden(i).load[1];
         force.head<3>() += inertia.mass * gravity_;
         const Vector3 spin = R.transpose() * state.velocity.angular;
         state.momentum << inertia.mass * state.velocity.linear, R * (inertia.moment * spin);
@@ -156,21 +156,8 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
         state.velocity_before = state.velocity;
         if (inertia.mass > 0) acceleration[i].linear = head(force) / inertia.mass;
         const Vector3 moment = R.transpose() * tail(force) - spin.cross(inertia.moment * spin);
-        if (inertias_[i].balance[1] == Balance::momentum)
-            acceleration[i].angular = R * inertia.moment.fullPivLu().solve(moment);
-        if (burden_of_[i] >= 0) books_.load_power += burden(i).load[0].dot(joined(state.velocity));
-    }
-    // A load that a massless frame takes at once passes on to its heir
-    for (size_t i = 0; i < state_.size(); ++i) {
-        const Inertia& inertia = inertias_[i];
-        if (inertia.heir < driven_) continue;
-        Vector6 force = wrench[static_cast<size_t>(driven_) + i] + burden(i).load[0];
-        for (int half : {0, 1})
-            if (inertia.balance[half] == Balance::momentum) force.segment<3>(3 * half).setZero();
-        Vector6& momentum = state_[at(inertia.heir)].momentum;
-        const Vector3 arm = mechanism.frame(driven_ + static_cast<int>(i)).origin() - mechanism.frame(inertia.heir).origin();
-        momentum.head<3>() -= 0.5 * h * head(force);
-        momentum.tail<3>() -= 0.5 * h * (tail(force) + arm.cross(head(force)));
+        if (!massless_.is_massless(i, 1)) acceleration[i].angular = R * inertia.moment.fullPivLu().solve(moment);
+        if (burden_of_[i] >= 0) books_.load_power += burden(i).load[1].dot(joined(state.velocity));
     }
     const auto acceleration_of = [&](int frame) {
         if (is_inner(frame)) return acceleration[at(frame)];
@@ -186,8 +173,16 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
                     joint.acceleration(from, v_from, acceleration_of(joint.from()), to, v_to, acceleration_of(joint.to())),
                     mechanism.states[j], mechanism.turn(j));
     }
-    find_imbalances(mechanism);
-    for (Burden& burden : burdens_) burden.imbalance[1] = burden.imbalance[0];
+    mechanism.before = mechanism.frames;
+    set_elastic(mechanism);
+    for (size_t i = 0; i < massless_.frames().size(); ++i) {
+        const size_t frame = massless_.frames()[i];
+        const RowMajor3 R = mechanism.frame(driven_ + static_cast<int>(frame)).axes();
+        Burden& own = burden(frame);
+        own.elastic[1] = own.elastic[2] = own.elastic[0];
+        own.settled[0] << -R.transpose() * head(own.elastic[0]), -R.transpose() * tail(own.elastic[0]);
+        own.settled[1] = own.settled[0];
+    }
     for (size_t p = 0; p < port_u_.size(); ++p) {
         const Twist v = twist(ports[p]);
         const RowMajor3 R = mechanism.frame(static_cast<int>(p)).axes();
@@ -198,40 +193,26 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
     refactor(mechanism);
 }
 
-/// Loads on the inner nodes at the end of the step as wrenches at their frames' origins.
+/// Loads on the inner nodes at the end of the step.
 void Interior::read_loads(const Mechanism& mechanism, const double* loads) {
     for (Burden& burden : burdens_) burden.load[0].setZero();
     if (!loads) return;
     for (size_t i = 0; i < inner_nodes_.size(); ++i) {
         const NodeSpec& node = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])];
-        if (!is_inner(node.frame)) continue;
-        const Eigen::Map<const Vector3> F(loads + 6 * i), M(loads + 6 * i + 3);
-        Vector6& load = burden(at(node.frame)).load[0];
-        load.head<3>() += F;
-        load.tail<3>() += M + (mechanism.frame(node.frame).axes() * node.offset).cross(F);
+        node_loads_[i] = Eigen::Map<const Vector6>(loads + 6 * i);
+        if (is_inner(node.frame)) burden(at(node.frame)).load[0] += node_loads_[i];
     }
 }
 
-/// What is left at t_n of the forces on massless frames that balance at the end of every step: rounding, or a load that
-/// jumped.
-void Interior::find_imbalances(const Mechanism& mechanism) {
-    if (!settles_) return;
-    for (Burden& burden : burdens_) {
-        burden.imbalance[1] = burden.imbalance[0];
-        burden.imbalance[0] = burden.load[1];
-    }
-    for (const Joint& joint : mechanism.joints) {
-        const auto settling = [&](int frame) {
-            return is_inner(frame) && (inertias_[at(frame)].balance[0] == Balance::end_of_step ||
-                                       inertias_[at(frame)].balance[1] == Balance::end_of_step);
+/// Elastic forces on massless frames where the joints' memory is, as those at the end of the step.
+void Interior::set_elastic(const Mechanism& mechanism) {
+    for (size_t i : massless_.frames()) burden(i).elastic[0].setZero();
+    for (size_t j : settling_joints_) {
+        const Joint& joint = mechanism.joints[j];
+        const auto elastic_on = [&](int frame) {
+            return is_inner(frame) && massless_.index_of(at(frame)) >= 0 ? burden(at(frame)).elastic[0].data() : nullptr;
         };
-        if (!settling(joint.from()) && !settling(joint.to())) continue;
-        const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
-        const Vector6 f = joint.force(from, to, Vector6::Zero());
-        const Matrix3 R = joint.axes(from);
-        joint.add_wrench(joint.arm(from, to), joint.lever(to), R * head(f), R * tail(f),
-                         settling(joint.from()) ? burden(at(joint.from())).imbalance[0].data() : nullptr,
-                         settling(joint.to()) ? burden(at(joint.to())).imbalance[0].data() : nullptr);
+        Joint::add_wrench(mechanism.states[j].elastic, elastic_on(joint.from()), elastic_on(joint.to()));
     }
 }
 

@@ -20,6 +20,8 @@ namespace {
 constexpr double kForget = 2;
 /// Slower than this, the matrix is formed anew.
 constexpr double kSlowestContraction = 0.1;
+/// Share by which a rigid direction may have turned against its frames since the matrix was formed.
+constexpr double kTurnedRows = 0.02;
 /// A change of the ports feels the network's nonlinearity less than a change of everything inside, which the rate measures.
 constexpr double kLinearShare = 0.1;
 /// So much farther than is good enough the linear answer still serves, where it served in the step before.
@@ -34,11 +36,19 @@ constexpr uint64_t kStepsBetweenNormalisations = 64;
 }  // namespace
 
 void Interior::look_at_joints(const Mechanism& mechanism) {
-    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+    const Scheme& scheme = mechanism.scheme;
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) now_[j] = mechanism.pose(j);
+    for (size_t k = 0; k < rigid_joints_.size(); ++k) {
+        const size_t j = rigid_joints_[k];
         const Joint& joint = mechanism.joints[j];
-        const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
-        now_[j] = {joint.axes(from), joint.arm(from, to), joint.lever(to)};
+        const TurnState* turn = mechanism.turn(j);
+        const JointPose before = joint.pose(mechanism.before[static_cast<size_t>(joint.from())],
+                                            mechanism.before[static_cast<size_t>(joint.to())]);
+        RigidMap& known = rigid_known_[k] = {};
+        known.add(scheme.weight(1), now_[j], turn ? turn->rotation.d : Vector3::Zero());
+        known.add(scheme.weight(2), before, turn ? turn->rotation.d_before : Vector3::Zero());
     }
+    massless_.look(mechanism);
 }
 
 void Interior::begin_step(const Mechanism& mechanism, const double* loads) {
@@ -64,98 +74,82 @@ void Interior::drop_anchor(const Mechanism& mechanism) {
     solve(mechanism, anchor_);
 }
 
-/// The frames at the end of the step.
-void Interior::place(const Mechanism& mechanism, const Solution& solution) const {
+/// An inner frame at the end of the step.
+void Interior::place(const Mechanism& mechanism, size_t i, const Vector6& u) const {
     const double h = mechanism.scheme.step_size();
-    std::copy(solution.ports.begin(), solution.ports.end(), trial_.begin());
-    for (size_t i = 0; i < state_.size(); ++i) {
-        const size_t f = static_cast<size_t>(driven_) + i;
-        const FrameView now = mechanism.frames[f];
-        const Vector6& u = solution.u[i];
-        Map3{trial_[f].position} = now.origin() + h * (now.axes() * u.head<3>());
-        MapR{trial_[f].rotation}.noalias() = now.axes() * rotation_from_vector(h * u.tail<3>());
+    const size_t f = static_cast<size_t>(driven_) + i;
+    const FrameView now = mechanism.frames[f];
+    Map3{trial_[f].position} = now.origin() + h * (now.axes() * u.head<3>());
+    MapR{trial_[f].rotation}.noalias() = now.axes() * rotation_from_vector(h * u.tail<3>());
+}
+
+void Interior::place_ports(const dttmm_motion* ports) const {
+    for (size_t p = 0; p < port_u_.size(); ++p) {
+        std::copy_n(ports[p].position, 3, trial_[p].position);
+        std::copy_n(ports[p].rotation, 9, trial_[p].rotation);
     }
 }
 
-/// Wrenches of the joints over the step at the trial frames.
+/// Forces q of a joint's rigid directions over the step.
+JointForce Interior::rigid_action(const Mechanism& mechanism, size_t j, const JointPose& at_end, const Vector3& theta,
+                                  const Vector6& q) const {
+    RigidMap map = rigid_known_[static_cast<size_t>(rigid_index_[j])];
+    map.add(mechanism.scheme.weight(0), at_end, theta);
+    return map.of(q);
+}
+
+/// Of a joint over the step that ends with its frames at trial_ and its rigid directions carrying q_.
+JointForce Interior::force_over_step(const Mechanism& mechanism, size_t j, const JointPose& at_end,
+                                     const Joint::Strained& end) const {
+    const Joint& joint = mechanism.joints[j];
+    JointForce force = joint.weigh(mechanism.scheme, end, now_[j], mechanism.states[j], mechanism.turn(j));
+    if (joint.rigid().any()) force.add(1, rigid_action(mechanism, j, at_end, end.theta, rigid_values(mechanism, j, q_)));
+    return force;
+}
+
+/// Wrenches of all joints over the step, and on massless frames at its end and half way.
 void Interior::find_forces(const Mechanism& mechanism, Solution& solution) const {
-    std::fill(solution.wrench.begin(), solution.wrench.end(), Vector6::Zero());
-    if (halves_wanted_) std::fill(half_wrench_.begin(), half_wrench_.end(), Vector6::Zero());
+    std::fill(wrench_.begin(), wrench_.end(), Vector6::Zero());
+    for (size_t j : settling_joints_)
+        for (int frame : {mechanism.joints[j].from(), mechanism.joints[j].to()}) {
+            end_wrench_[static_cast<size_t>(frame)].setZero();
+            damping_wrench_[static_cast<size_t>(frame)].setZero();
+        }
+    q_ = solution.q;
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Joint& joint = mechanism.joints[j];
         const auto a = static_cast<size_t>(joint.from()), b = static_cast<size_t>(joint.to());
         const FrameView from = trial_[a], to = trial_[b];
-        const JointState& state = mechanism.states[j];
-        const TurnState* turn = mechanism.turn(j);
-        const auto& [R, arm, lever] = now_[j];
-        Vector3 f = joint.trial_force(from, joint.arm(from, to), state), m = Vector3::Zero();
-        if (turn) m = joint.trial_moment(joint.trial_turn(from, to, *turn), *turn);
-        if (half_wanted_[j]) {
-            // F_{n+1/2}/2 = law δ₊ + k d/2
-            const Vector3 f_half =
-                f - state.translation.known + 0.5 * joint.translation_half().stiffness.cwiseProduct(state.translation.d);
-            Vector3 m_half = Vector3::Zero();
-            if (turn)
-                m_half = m - turn->rotation.known +
-                         turn->conjugate * (0.5 * joint.rotation_half().stiffness.cwiseProduct(turn->rotation.d));
-            joint.add_wrench(arm, lever, R * f_half, R * m_half, half_wrench_[a].data(), half_wrench_[b].data());
+        const JointPose at_end = joint.pose(from, to);
+        const Joint::Strained end = joint.strain(from, to, at_end);
+        const JointForce force = force_over_step(mechanism, j, at_end, end);
+        Joint::add_wrench(force, wrench_[a].data(), wrench_[b].data());
+        if (near_index_[j] >= 0) solution.near[static_cast<size_t>(near_index_[j])] = force;
+        if (!massless_.is_settling(j)) continue;
+        JointForce then = end.elastic;
+        if (joint.rigid().any()) {
+            const Vector6 q = rigid_values(mechanism, j, q_);
+            then.add(1, at_end.act(at_end.axes * head(q), at_end.axes * moment_of_gradient(end.theta, tail(q))));
         }
-        joint.add_wrench(arm, lever, R * f, R * m, solution.wrench[a].data(), solution.wrench[b].data());
-        if (joint.rigid().none()) continue;
-        Vector6 rigid = Vector6::Zero(), rigid_half = Vector6::Zero();
-        for_each_rigid(joint, [&](int i, int d) {
-            const auto row = static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i);
-            rigid_half(d) = solution.q[row];
-            rigid(d) = solution.q[row] + (half_wanted_[j] ? rigid_[row] : 0);
-        });
-        if (turn) {
-            rigid.tail<3>() = (turn->conjugate * tail(rigid)).eval();
-            rigid_half.tail<3>() = (turn->conjugate * tail(rigid_half)).eval();
-        }
-        joint.add_wrench(arm, lever, R * head(rigid), R * tail(rigid), solution.wrench[a].data(), solution.wrench[b].data());
-        if (half_wanted_[j])
-            joint.add_wrench(arm, lever, R * head(rigid_half), R * tail(rigid_half), half_wrench_[a].data(),
-                             half_wrench_[b].data());
+        Joint::add_wrench(then, end_wrench_[a].data(), end_wrench_[b].data());
+        if (massless_.is_half_way(j))
+            Joint::add_wrench(joint.damping_half_way(from, to, now_[j], mechanism.scheme.step_size(), mechanism.states[j],
+                                                     mechanism.turn(j)),
+                              damping_wrench_[a].data(), damping_wrench_[b].data());
     }
 }
 
-/// Hands what massless frames leave unbalanced of the centred forces to their heirs. It does not depend on the trial.
-void Interior::pass_on_imbalances(const Mechanism& mechanism, Solution& solution) const {
-    const Scheme& scheme = mechanism.scheme;
-    for (size_t k = 0; k < burdened_.size(); ++k) {
-        const size_t i = burdened_[k], f = static_cast<size_t>(driven_) + i;
-        const Inertia& inertia = inertias_[i];
-        if (inertia.heir < 0) continue;
-        const Burden& own = burdens_[k];
-        const Vector6 settled = scheme.load_weight(1) * own.imbalance[0] + scheme.load_weight(2) * own.imbalance[1];
-        const Vector6 halved = solution.wrench[f] - half_wrench_[f] + 0.25 * (own.load[1] + own.load[2]);
-        Vector6 left = Vector6::Zero();
-        for (int half : {0, 3}) {
-            if (inertia.balance[half / 3] == Balance::end_of_step) left.segment<3>(half) = settled.segment<3>(half);
-            if (inertia.balance[half / 3] == Balance::half_step) left.segment<3>(half) = halved.segment<3>(half);
-        }
-        solution.left[i] = left;
-        bequeath(mechanism, i, left, solution.wrench[static_cast<size_t>(inertia.heir)]);
-    }
+/// The load on a burdened frame at the end of the step, at its origin, when it is then at `frame`.
+Vector6 Interior::load_at_end(size_t burden, FrameView frame) const {
+    Vector6 load = burdens_[burden].load[0];
+    for (const Lever& lever : levers_)
+        if (lever.burden == burden) load.tail<3>() += (frame.axes() * lever.offset).cross(head(node_loads_[lever.node]));
+    return load;
 }
 
-/// Adds a wrench at a massless frame to that at its heir.
-void Interior::bequeath(const Mechanism& mechanism, size_t frame, const Vector6& left, Vector6& to_heir) const {
-    const Vector3 arm =
-        mechanism.frame(driven_ + static_cast<int>(frame)).origin() - mechanism.frame(inertias_[frame].heir).origin();
-    to_heir.head<3>() += head(left);
-    to_heir.tail<3>() += tail(left) + arm.cross(head(left));
-}
-
-/// What the linear change of the forces leaves on a massless frame beyond what its heir has already: second order in the
-/// change.
-void Interior::settle_estate(const Mechanism& mechanism, size_t frame, const Solution& solution) const {
-    const Inertia& inertia = inertias_[frame];
-    Vector6 left = wrench_[static_cast<size_t>(driven_) + frame] + load_over_step(mechanism.scheme, burden(frame)) -
-                   solution.left[frame];
-    for (int half : {0, 1})
-        if (inertia.balance[half] == Balance::momentum) left.segment<3>(3 * half).setZero();
-    bequeath(mechanism, frame, left, wrench_[static_cast<size_t>(inertia.heir)]);
+Vector6 Interior::load_over_step(const Scheme& scheme, size_t burden, FrameView frame) const {
+    const Burden& own = burdens_[burden];
+    return scheme.weight(0) * load_at_end(burden, frame) + scheme.weight(1) * own.load[1] + scheme.weight(2) * own.load[2];
 }
 
 /// What the equations lack at the trial motion, into `change` (in the frames' axes) and `q_change`.
@@ -167,60 +161,89 @@ void Interior::form_residuals(const Mechanism& mechanism, Solution& solution) co
         const Inertia& inertia = inertias_[i];
         const Vector6& u = solution.u[i];
         const FrameView now = mechanism.frames[f];
-        Vector3 p = state.momentum.head<3>() + h * (solution.wrench[f].head<3>() + inertia.mass * gravity_);
-        Vector3 L = state.momentum.tail<3>() + h * solution.wrench[f].tail<3>();
+        Vector3 p = state.momentum.head<3>() + h * (wrench_[f].head<3>() + inertia.mass * gravity_);
+        Vector3 L = state.momentum.tail<3>() + h * wrench_[f].tail<3>();
         if (burden_of_[i] >= 0) {
-            p = balanced(mechanism.scheme, i, 0, p, solution);
-            L = balanced(mechanism.scheme, i, 1, L, solution);
+            const Vector6 load = load_over_step(mechanism.scheme, static_cast<size_t>(burden_of_[i]), trial_[f]);
+            p += h * load.head<3>();
+            L += h * load.tail<3>();
         }
+        // L = exp(h w~/2) J w half way through the step
+        const Vector3 w = u.tail<3>();
         Vector6& r = solution.change[i];
         r.head<3>().noalias() = now.axes().transpose() * p;
         r.tail<3>().noalias() = now.axes().transpose() * L;
-        if (inertia.balance[0] == Balance::momentum) r.head<3>() -= inertia.mass * u.head<3>();
-        if (inertia.balance[1] == Balance::momentum) {
-            // L = exp(h w~/2) J w half way through the step
-            const Vector3 w = u.tail<3>();
-            r.tail<3>() -= turned(0.5 * h * w, inertia.moment * w);
-        }
+        r.head<3>() -= inertia.mass * u.head<3>();
+        r.tail<3>() -= turned(0.5 * h * w, inertia.moment * w);
     }
-    if (solution.q.empty()) return;
-    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+    balance_massless(mechanism, solution);
+    for (size_t j : rigid_joints_) {
         const Joint& joint = mechanism.joints[j];
-        if (joint.rigid().none()) continue;
         const FrameView from = trial_[static_cast<size_t>(joint.from())], to = trial_[static_cast<size_t>(joint.to())];
         Vector6 d;
-        d << joint.translation(from, joint.arm(from, to)),
-            joint.turns() ? rotation_vector(joint.attitude(from, to)) : Vector3(Vector3::Zero());
+        d << joint.translation(from, joint.arm(from, to)), joint.rotation(from, to);
         for_each_rigid(joint, [&](int i, int direction) {
             solution.q_change[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)] = -d(direction) / h;
         });
     }
 }
 
-Vector6 Interior::load_over_step(const Scheme& scheme, const Burden& burden) {
-    return scheme.load_weight(0) * burden.load[0] + scheme.load_weight(1) * burden.load[1] +
-           scheme.load_weight(2) * burden.load[2];
+/// Puts in place of what massless frames lack over the step what they lack by their own rule; the difference goes to their
+/// heirs.
+void Interior::balance_massless(const Mechanism& mechanism, Solution& solution) const {
+    const double h = mechanism.scheme.step_size();
+    const std::vector<size_t>& frames = massless_.frames();
+    for (size_t m = 0; m < frames.size(); ++m) {
+        const size_t i = frames[m], f = static_cast<size_t>(driven_) + i;
+        const Burden& own = burden(i);
+        const FrameView now = mechanism.frames[f], end = trial_[f];
+        const Vector6 load = load_at_end(static_cast<size_t>(burden_of_[i]), end);
+        const auto in_axes = [](FrameView frame, const Vector6& v) {
+            Vector6 local;
+            local << frame.axes().transpose() * v.head<3>(), frame.axes().transpose() * v.tail<3>();
+            return local;
+        };
+        const Vector6 elastic = in_axes(end, end_wrench_[f]), load_then = in_axes(end, load);
+        MasslessFrames::Residual& residual = massless_residuals_[m];
+        residual.step = solution.change[i];
+        // Both with the factors that make their derivatives by the end of the step those of the forces over it
+        residual.end = h * (mechanism.scheme.weight(0) + massless_.relaxation(m) * mechanism.scheme.rate[0]) *
+                       (elastic + settled(mechanism, m, load_then));
+        residual.half_way = 0.25 * h * (elastic + load_then + in_axes(now, own.elastic[1] + own.load[1])) +
+                            0.5 * h * in_axes(now, damping_wrench_[f]);
+    }
+    massless_.combine(massless_residuals_);
+    for (size_t m = 0; m < frames.size(); ++m) {
+        const size_t i = frames[m];
+        const int heir = inertias_[i].heir;
+        const Vector6 left = solution.change[i] - massless_residuals_[m].step;
+        solution.change[i] = massless_residuals_[m].step;
+        if (!is_inner(heir)) continue;
+        const RowMajor3 R = mechanism.frame(driven_ + static_cast<int>(i)).axes(), to_heir = mechanism.frame(heir).axes();
+        Vector6 world;
+        world << R * head(left), R * tail(left);
+        world = bequest(mechanism.frames, i, world);
+        solution.change[at(heir)].head<3>() += to_heir.transpose() * head(world);
+        solution.change[at(heir)].tail<3>() += to_heir.transpose() * tail(world);
+    }
 }
 
-/// What a half of a burdened frame must balance over the step, world axes: `momentum` and the loads; or, without a mass, the
-/// forces in the form that its balance takes, times h.
-Vector3 Interior::balanced(const Scheme& scheme, size_t frame, int half, const Vector3& momentum,
-                           const Solution& solution) const {
-    const double h = scheme.step_size();
-    const Burden& own = burden(frame);
-    const size_t f = static_cast<size_t>(driven_) + frame;
-    const auto part = [&](const Vector6& v) { return Vector3(v.segment<3>(3 * half)); };
-    switch (inertias_[frame].balance[half]) {
-        case Balance::half_step:
-            return h * part(half_wrench_[f] + 0.25 * (own.load[0] + own.load[1]));
-        case Balance::end_of_step:
-            return h * part(solution.wrench[f] + load_over_step(scheme, own) - scheme.load_weight(1) * own.imbalance[0] -
-                            scheme.load_weight(2) * own.imbalance[1]);
-        case Balance::centred:
-            return h * part(solution.wrench[f] + load_over_step(scheme, own));
-        default:
-            return momentum + h * part(load_over_step(scheme, own));
-    }
+/// What the elastic forces on a massless frame balance at the end of the step, its axes: ψ + τ ψ' = load, by the second
+/// backward difference. `m`: index into massless_.frames().
+Vector6 Interior::settled(const Mechanism& mechanism, size_t m, const Vector6& load) const {
+    const double relaxation = massless_.relaxation(m) / mechanism.scheme.step_size();
+    if (relaxation == 0) return load;
+    const Burden& own = burden(massless_.frames()[m]);
+    if (mechanism.steps == 0) return (load + relaxation * own.settled[0]) / (1 + relaxation);
+    return (load + relaxation * (2 * own.settled[0] - 0.5 * own.settled[1])) / (1 + 1.5 * relaxation);
+}
+
+/// A wrench at a massless frame as its heir takes it, the frames being where they are given.
+Vector6 Interior::bequest(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const {
+    const auto origin = [&](int f) { return FrameView(frames[static_cast<size_t>(f)]).origin(); };
+    Vector6 wrench = left;
+    wrench.tail<3>() += Vector3(origin(driven_ + static_cast<int>(frame)) - origin(inertias_[frame].heir)).cross(head(left));
+    return wrench;
 }
 
 /// Solves for the correction and returns its size: the largest speed of a point.
@@ -257,11 +280,14 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
             for (size_t i = 0; i < state_.size(); ++i) solution.u[i] += solution.change[i];
             for (size_t i = 0; i < solution.q.size(); ++i) solution.q[i] += solution.q_change[i] / h;
         }
-        place(mechanism, solution);
+        std::copy(solution.ports.begin(), solution.ports.end(), trial_.begin());
+        for (size_t i = 0; i < state_.size(); ++i) place(mechanism, i, solution.u[i]);
         find_forces(mechanism, solution);
-        pass_on_imbalances(mechanism, solution);
         form_residuals(mechanism, solution);
         const double correction = correct(solution);
+        if (getenv("DBG"))
+            fprintf(stderr, "step %ld pass %d corr %.3e floor %.2e tol %.2e\n", (long)mechanism.steps, pass, correction,
+                    floor, solution.tolerance);
         if (!std::isfinite(correction)) break;
         if (pass > 0 && correction > floor) {
             solution.rate = previous > 0 ? correction / previous : 0;
@@ -315,153 +341,237 @@ const Interior::Solution& Interior::respond(const Mechanism& mechanism, const dt
     return other_;
 }
 
-/// What leads a frame from where the joints' forces were worked out to the end of the step, over h, in its axes.
+/// The motion of an inner frame over the step, with the linear answer to the ports.
+Vector6 Interior::motion_of(size_t frame, const Solution& solution) const {
+    return solution.u[frame] + solution.change[frame] + responses_[frame] * port_change_;
+}
+
+/// What a massless frame leaves over the step of its massless halves, at its origin.
+Vector6 Interior::estate(const Mechanism& mechanism, size_t i, FrameView end) const {
+    const Vector6 left = wrench_[static_cast<size_t>(driven_) + i] +
+                         load_over_step(mechanism.scheme, static_cast<size_t>(burden_of_[i]), end) +
+                         state_[i].momentum / mechanism.scheme.step_size();
+    return massless_part(i, left);
+}
+
+Vector6 Interior::massless_part(size_t i, Vector6 wrench) const {
+    for (int half : {0, 1})
+        if (!massless_.is_massless(i, half)) wrench.segment<3>(3 * half).setZero();
+    return wrench;
+}
+
+/// Forces of the rigid directions where a solution ends.
+void Interior::find_rigid_forces(const Mechanism& mechanism, const Solution& solution) const {
+    rigid_change_.noalias() = rigid_responses_ * port_change_;
+    for (size_t i = 0; i < q_.size(); ++i)
+        q_[i] = solution.q[i] +
+                (solution.q_change[i] + rigid_change_(static_cast<Eigen::Index>(i))) / mechanism.scheme.step_size();
+}
+
+/// What leads a frame from where the forces were worked out to the end of the step, over h, in its axes.
 Vector6 Interior::change_of(int frame, const Solution& solution) const {
     if (is_inner(frame)) return solution.change[at(frame)] + responses_[at(frame)] * port_change_;
     if (frame < ports_) return port_change_.segment<6>(6 * frame);
     return Vector6::Zero();
 }
 
-/// The change of a joint's force, joint axes: linear from where it was worked out to the end of the step. `from`, `to`: the
-/// changes of its frames, world axes.
-Vector6 Interior::force_change(const Mechanism& mechanism, size_t j, const Twist& from, const Twist& to,
-                               const Solution& solution) const {
-    const double h = mechanism.scheme.step_size();
+/// The force of near_joints_[k] over the step: from where it was worked out on linear, for the ports want a smooth answer,
+/// not the rounding of positions times the stiffness.
+JointForce Interior::near_force(const Mechanism& mechanism, size_t k, const Solution& solution) const {
+    const size_t j = near_joints_[k];
     const Joint& joint = mechanism.joints[j];
-    const TurnState* turn = mechanism.turn(j);
-    const auto& [R, arm, lever] = now_[j];
-    Vector6 f = Vector6::Zero();
-    const Vector3 gap = to.linear + to.angular.cross(lever) - from.linear - from.angular.cross(arm);
-    f.head<3>() = h * joint.translation_half().law.cwiseProduct(R.transpose() * gap);
-    if (turn) f.tail<3>() = joint.moment_change(h * (R.transpose() * (to.angular - from.angular)), *turn);
-    if (joint.rigid().none()) return f;
-    Vector6 rigid = Vector6::Zero();
-    for_each_rigid(joint, [&](int i, int direction) {
-        const int row = elimination_.rigid_begin(static_cast<int>(j)) + i;
-        rigid(direction) = (solution.q_change[static_cast<size_t>(row)] + rigid_responses_.row(row).dot(port_change_)) / h;
-    });
-    f.head<3>() += head(rigid);
-    if (turn) f.tail<3>() += turn->conjugate * tail(rigid);
-    return f;
+    const Vector6 u_from = change_of(joint.from(), solution), u_to = change_of(joint.to(), solution);
+    const EndBlocks& K = near_blocks_[k];
+    const double h = mechanism.scheme.step_size();
+    Vector6 on_from = (K.at[0][0] * u_from + K.at[0][1] * u_to) / -h, on_to = (K.at[1][0] * u_from + K.at[1][1] * u_to) / h;
+    if (joint.rigid().any()) {
+        for_each_rigid(joint, [&](int i, int) {
+            const auto row = static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i);
+            const double q = q_[row] - solution.q[row];
+            on_from -= q * elimination_.rigid(static_cast<int>(j), i, 0);
+            on_to += q * elimination_.rigid(static_cast<int>(j), i, 1);
+        });
+    }
+    const RowMajor3 R_from = mechanism.frame(joint.from()).axes(), R_to = mechanism.frame(joint.to()).axes();
+    JointForce force = solution.near[k];
+    force.add(1, {R_from * head(on_from), R_from * tail(on_from), R_to * tail(on_to)});
+    return force;
 }
 
 void Interior::evaluate(const Mechanism& mechanism, const dttmm_motion* trial, double* wrench) const {
     const Solution& solution = respond(mechanism, trial);
-    const auto change = [&](int frame) {
-        const Vector6 local = change_of(frame, solution);
-        const RowMajor3 R = mechanism.frame(frame).axes();
-        return Twist{R * head(local), R * tail(local)};
-    };
-    for (int frame : port_frames_) wrench_[static_cast<size_t>(frame)] = solution.wrench[static_cast<size_t>(frame)];
-    for (size_t j : port_side_joints_) {
-        const Joint& joint = mechanism.joints[j];
-        const Vector6 f = force_change(mechanism, j, change(joint.from()), change(joint.to()), solution);
-        const auto& [R, arm, lever] = now_[j];
-        joint.add_wrench(arm, lever, R * head(f), R * tail(f), wrench_[static_cast<size_t>(joint.from())].data(),
-                         wrench_[static_cast<size_t>(joint.to())].data());
+    find_rigid_forces(mechanism, solution);
+    for (int frame : port_frames_) wrench_[static_cast<size_t>(frame)].setZero();
+    for (size_t k = 0; k < near_joints_.size(); ++k) {
+        const Joint& joint = mechanism.joints[near_joints_[k]];
+        Joint::add_wrench(near_force(mechanism, k, solution), wrench_[static_cast<size_t>(joint.from())].data(),
+                          wrench_[static_cast<size_t>(joint.to())].data());
     }
-    for (int frame : port_frames_)
-        if (is_inner(frame)) settle_estate(mechanism, at(frame), solution);
+    for (int frame : port_frames_) {
+        if (!is_inner(frame)) continue;
+        place(mechanism, at(frame), motion_of(at(frame), solution));
+        wrench_[static_cast<size_t>(inertias_[at(frame)].heir)] +=
+            bequest(mechanism.frames, at(frame), estate(mechanism, at(frame), trial_[static_cast<size_t>(frame)]));
+    }
     for (int p = 0; p < ports_; ++p) Eigen::Map<Vector6>{wrench + 6 * p} = wrench_[static_cast<size_t>(p)];
 }
 
 void Interior::commit(Mechanism& mechanism, const dttmm_motion* accepted) {
     const Solution& solution = respond(mechanism, accepted);
-    take_momentum(mechanism, solution);
-    take_motion(mechanism, solution, accepted);
-    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
-        const Joint& joint = mechanism.joints[j];
-        joint.advance(mechanism.scheme, mechanism.steps, mechanism.frame(joint.from()), mechanism.frame(joint.to()),
-                      mechanism.states[j], mechanism.turn(j));
-    }
-    const double h = mechanism.scheme.step_size();
-    rigid_change_.noalias() = rigid_responses_ * port_change_;
-    rigid_before_ = rigid_;
-    for (size_t i = 0; i < rigid_.size(); ++i)
-        rigid_[i] = solution.q[i] + (solution.q_change[i] + rigid_change_(static_cast<Eigen::Index>(i))) / h;
-    find_imbalances(mechanism);
+    find_rigid_forces(mechanism, solution);
+    rigid_ = q_;
     books_.port_way = port_way_;
     books_.contraction = solution.contraction;
     books_.scale = 0.98 * solution.scale;
-    if (solution.rate > kSlowestContraction)
+    const bool is_slow = solution.rate > kSlowestContraction;
+    find_end(mechanism, solution, accepted);
+    take_forces(mechanism, solution);
+    set_elastic(mechanism);
+    take_momentum(mechanism);
+    take_loads(mechanism);
+    take_motion(mechanism, accepted);
+    if (is_slow || rigid_directions_have_turned(mechanism))
         refactor(mechanism);
     else
         look_at_joints(mechanism);
 }
 
-/// Moves the momentum on by the forces at the end of the step, those of each joint a pair that balances exactly.
-void Interior::take_momentum(const Mechanism& mechanism, const Solution& solution) {
-    const double h = mechanism.scheme.step_size();
-    for (size_t f = 0; f < mechanism.frames.size(); ++f) {
-        const Vector6 local = change_of(static_cast<int>(f), solution);
-        const RowMajor3 R = mechanism.frame(static_cast<int>(f)).axes();
-        world_change_[f] = {R * head(local), R * tail(local)};
-        wrench_[f] = solution.wrench[f];
-    }
-    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
-        const Joint& joint = mechanism.joints[j];
-        const auto a = static_cast<size_t>(joint.from()), b = static_cast<size_t>(joint.to());
-        const Vector6 f = force_change(mechanism, j, world_change_[a], world_change_[b], solution);
-        const auto& [R, arm, lever] = now_[j];
-        joint.add_wrench(arm, lever, R * head(f), R * tail(f), wrench_[a].data(), wrench_[b].data());
-    }
-    for (size_t i = 0; i < state_.size(); ++i)
-        if (inertias_[i].heir >= 0) settle_estate(mechanism, i, solution);
-    for (size_t i = 0; i < state_.size(); ++i) {
-        State& state = state_[i];
-        Vector6 impulse = h * wrench_[static_cast<size_t>(driven_) + i];
-        if (burden_of_[i] >= 0) impulse += h * load_over_step(mechanism.scheme, burden(i));
-        if (inertias_[i].balance[0] == Balance::momentum)
-            state.momentum.head<3>() += head(impulse) + h * inertias_[i].mass * gravity_;
-        if (inertias_[i].balance[1] == Balance::momentum) state.momentum.tail<3>() += tail(impulse);
-    }
+/// Against their frames, since the matrix was formed: their forces would be found slowly, or not at all, and no motion would
+/// show it.
+bool Interior::rigid_directions_have_turned(const Mechanism& mechanism) const {
+    for (size_t j : rigid_joints_)
+        for (int end : {0, 1}) {
+            const Matrix6 rows = rigid_rows(mechanism, j, local_columns(mechanism, j, end));
+            bool turned = false;
+            for_each_rigid(mechanism.joints[j], [&](int i, int d) {
+                const Vector6& then = elimination_.rigid(static_cast<int>(j), i, end);
+                turned = turned ||
+                         (rows.row(d).transpose() - then).squaredNorm() > kTurnedRows * kTurnedRows * then.squaredNorm();
+            });
+            if (turned) return true;
+        }
+    return false;
 }
 
-/// Moves the frames to the end of the step.
-void Interior::take_motion(Mechanism& mechanism, const Solution& solution, const dttmm_motion* accepted) {
-    const double h = mechanism.scheme.step_size();
-    mechanism.before = mechanism.frames;
-    double power = 0;
+/// The frames and velocities where the step ends.
+void Interior::find_end(const Mechanism& mechanism, const Solution& solution, const dttmm_motion* accepted) {
     for (size_t i = 0; i < state_.size(); ++i) {
         State& state = state_[i];
-        Frame& frame = mechanism.frames[static_cast<size_t>(driven_) + i];
-        const Twist& change = world_change_[static_cast<size_t>(driven_) + i];
-        const RowMajor3 R = MapR(frame.rotation);
+        const RowMajor3 R = mechanism.frame(driven_ + static_cast<int>(i)).axes();
+        const Vector6 u = motion_of(i, solution);
         state.velocity_before = state.velocity;
-        state.velocity = {R * solution.u[i].head<3>() + change.linear, R * solution.u[i].tail<3>() + change.angular};
-        Vector6 u;
-        u << R.transpose() * state.velocity.linear, R.transpose() * state.velocity.angular;
+        state.velocity = {R * head(u), R * tail(u)};
         if (mechanism.steps == 0) {  // the initial velocities are the mean of both
             state.velocity_before.linear = 2 * state.velocity_before.linear - state.velocity.linear;
             state.velocity_before.angular = 2 * state.velocity_before.angular - state.velocity.angular;
         }
         state.u_before = mechanism.steps == 0 ? u : state.u;
         state.u = u;
-        Map3{frame.position} += h * state.velocity.linear;
-        RowMajor3 next = R * rotation_from_vector(h * u.tail<3>());
-        if (mechanism.steps % kStepsBetweenNormalisations == 0)  // by one step of Newton
-            next += 0.5 * next * (RowMajor3::Identity() - next.transpose() * next);
-        MapR{frame.rotation} = next;
+        place(mechanism, i, u);
+        if (mechanism.steps % kStepsBetweenNormalisations == 0) {  // by one step of Newton
+            MapR next(trial_[static_cast<size_t>(driven_) + i].rotation);
+            next += (0.5 * next * (RowMajor3::Identity() - next.transpose() * next)).eval();
+        }
     }
+    place_ports(accepted);
+}
+
+/// The forces over the step, those of each joint a pair that balances exactly. The joints' memory moves on.
+void Interior::take_forces(Mechanism& mechanism, const Solution& solution) {
+    std::fill(wrench_.begin(), wrench_.end(), Vector6::Zero());
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const Joint& joint = mechanism.joints[j];
+        const auto a = static_cast<size_t>(joint.from()), b = static_cast<size_t>(joint.to());
+        JointForce rigid;
+        const int near = near_index_[j];
+        if (near < 0 && joint.rigid().any())
+            rigid = rigid_action(mechanism, j, joint.pose(trial_[a], trial_[b]), joint.rotation(trial_[a], trial_[b]),
+                                 rigid_values(mechanism, j, rigid_));
+        JointForce force = joint.advance(mechanism.scheme, mechanism.steps, trial_[a], trial_[b], now_[j],
+                                         mechanism.states[j], mechanism.turn(j));
+        if (near >= 0)
+            force = near_force(mechanism, static_cast<size_t>(near), solution);
+        else
+            force.add(1, rigid);
+        Joint::add_wrench(force, wrench_[a].data(), wrench_[b].data());
+    }
+}
+
+/// Moves the momentum on by the forces over the step and gives to the heirs what massless frames leave.
+void Interior::take_momentum(const Mechanism& mechanism) {
+    const double h = mechanism.scheme.step_size();
+    const auto add = [&](size_t i, const Vector6& force) {
+        Vector6& momentum = state_[i].momentum;
+        for (int half : {0, 1})
+            if (!massless_.is_massless(i, half)) momentum.segment<3>(3 * half) += h * force.segment<3>(3 * half);
+    };
+    for (size_t i : massless_.frames()) {
+        if (const int heir = inertias_[i].heir; is_inner(heir)) {
+            // Elastic forces over the lever arms of their own instants, the rest over those of t_n
+            Vector6 left = estate(mechanism, i, trial_[static_cast<size_t>(driven_) + i]), elastic = Vector6::Zero();
+            const std::vector<Frame>* const frames[3] = {&trial_, &mechanism.frames, &mechanism.before};
+            for (int back : {0, 1, 2}) {
+                const Vector6 then = mechanism.scheme.weight(back) * massless_part(i, burden(i).elastic[back]);
+                left -= then;
+                elastic += bequest(*frames[back], i, then);
+            }
+            add(at(heir), bequest(mechanism.frames, i, left) + elastic);
+        }
+        for (int half : {0, 1})
+            if (massless_.is_massless(i, half)) state_[i].momentum.segment<3>(3 * half).setZero();
+    }
+    for (size_t i = 0; i < state_.size(); ++i) {
+        Vector6 force = wrench_[static_cast<size_t>(driven_) + i];
+        force.head<3>() += inertias_[i].mass * gravity_;
+        if (burden_of_[i] >= 0)
+            force += load_over_step(mechanism.scheme, static_cast<size_t>(burden_of_[i]),
+                                    trial_[static_cast<size_t>(driven_) + i]);
+        add(i, force);
+        // The motion follows the momentum up to what the passes have left over; angular momentum does not mind
+        Vector6& momentum = state_[i].momentum;
+        momentum.tail<3>() -= h * state_[i].velocity.linear.cross(head(momentum));
+    }
+}
+
+/// Work of the loads, and their memory.
+void Interior::take_loads(const Mechanism& mechanism) {
+    for (size_t m = 0; m < massless_.frames().size(); ++m) {
+        const size_t i = massless_.frames()[m], f = static_cast<size_t>(driven_) + i;
+        const FrameView end = trial_[f];
+        const Vector6 load = load_at_end(static_cast<size_t>(burden_of_[i]), end);
+        Vector6 local;
+        local << end.axes().transpose() * head(load), end.axes().transpose() * tail(load);
+        Burden& own = burden(i);
+        const Vector6 next = settled(mechanism, m, local);
+        own.settled[1] = own.settled[0];
+        own.settled[0] = next;
+        own.elastic[2] = own.elastic[1];
+        own.elastic[1] = own.elastic[0];
+    }
+    double power = 0;
     for (size_t k = 0; k < burdened_.size(); ++k) {
         const State& state = state_[burdened_[k]];
         Burden& own = burdens_[k];
         power += 0.5 * own.load[1].dot(joined(state.velocity) + joined(state.velocity_before));
         own.load[2] = own.load[1];
-        own.load[1] = own.load[0];
+        own.load[1] = load_at_end(k, trial_[static_cast<size_t>(driven_) + burdened_[k]]);
     }
+    if (mechanism.steps > 0) books_.load_work += 0.5 * mechanism.scheme.step_size() * (books_.load_power + power);
+    books_.load_power = power;
+}
+
+/// Moves the frames to the end of the step.
+void Interior::take_motion(Mechanism& mechanism, const dttmm_motion* accepted) {
+    const double h = mechanism.scheme.step_size();
     for (size_t p = 0; p < port_u_.size(); ++p) {
-        Frame& frame = mechanism.frames[p];
-        const FrameView now = frame, next = accepted[p];
+        const FrameView now = mechanism.frames[p], next = accepted[p];
         Vector6 u;
         u << now.axes().transpose() * (next.origin() - now.origin()), rotation_vector(now.axes().transpose() * next.axes());
         port_u_before_[p] = mechanism.steps == 0 ? Vector6(u / h) : port_u_[p];
         port_u_[p] = u / h;
-        std::copy_n(accepted[p].position, 3, frame.position);
-        std::copy_n(accepted[p].rotation, 9, frame.rotation);
     }
-    if (mechanism.steps > 0) books_.load_work += 0.5 * h * (books_.load_power + power);
-    books_.load_power = power;
+    mechanism.before.swap(mechanism.frames);
+    mechanism.frames = trial_;
 }
 
 }  // namespace dttmm

@@ -16,6 +16,7 @@ Joint::Joint(const JointSpec& spec, const Assembly& assembly)
         halves_[half].damping = spec.law.damping.segment<3>(3 * half);
     }
     turns_ = (spec.law.carried() >> 3).any();
+    is_damped_ = !spec.law.damping.isZero(0);
     const Pose& from = assembly.frames[static_cast<size_t>(from_)].pose;
     const Pose& to = assembly.frames[static_cast<size_t>(to_)].pose;
     from_axes_ = from.rotation.transpose() * spec.pose.rotation;
@@ -30,8 +31,7 @@ Joint::Joint(const JointSpec& spec, const Assembly& assembly)
 void Joint::set_scheme(const Scheme& scheme) {
     // The unknown of the transfer equations is the increment over the open step, or, explicit, the one that ends at t_n.
     const StepCoefficients step =
-        scheme.is_implicit() ? StepCoefficients{scheme.elastic[0], scheme.rate[0]} : StepCoefficients{1, scheme.rate[1]};
-    elastic_weight_ = scheme.elastic[0];
+        scheme.is_implicit() ? StepCoefficients{scheme.weight(0), scheme.rate[0]} : StepCoefficients{1, scheme.rate[1]};
     try {
         // f = [−q; m] of the input end against d = x_O − x_I: −∂q/∂x_O for forces, ∂m/∂θ_O for moments
         const EndForces ends = solve_driven_ends(law_.transfer(step, Vector6::Zero()), law_.elastic());
@@ -72,93 +72,132 @@ Vector6 Joint::acceleration(FrameView from, const Twist& from_velocity, const Tw
     return acceleration;
 }
 
-Matrix6 Joint::by_from(FrameView from, FrameView to) const {
-    const Matrix3 to_joint = axes(from).transpose();
+Matrix6 Joint::by_from(const JointPose& pose) const {
+    const Matrix3 to_joint = pose.axes.transpose();
     Matrix6 G = Matrix6::Zero();
     G.topLeftCorner<3, 3>() = G.bottomRightCorner<3, 3>() = -to_joint;
-    G.topRightCorner<3, 3>() = to_joint * skew(arm(from, to));
+    G.topRightCorner<3, 3>() = to_joint * skew(pose.arm);
     return G;
 }
 
-Matrix6 Joint::by_to(FrameView from, FrameView to) const {
-    const Matrix3 to_joint = axes(from).transpose();
+Matrix6 Joint::by_to(const JointPose& pose) const {
+    const Matrix3 to_joint = pose.axes.transpose();
     Matrix6 G = Matrix6::Zero();
     G.topLeftCorner<3, 3>() = G.bottomRightCorner<3, 3>() = to_joint;
-    if (has_lever_) G.topRightCorner<3, 3>() = -to_joint * skew(lever(to));
+    if (has_lever_) G.topRightCorner<3, 3>() = -to_joint * skew(pose.lever);
     return G;
 }
 
 // ---- The force law ------------------------------------------------------------------------------------------------------
 
 Vector6 Joint::force(FrameView from, FrameView to, const Vector6& rate) const {
-    // m = J⁻ᵀ(θ) (k ∘ θ) + c ∘ ω: the gradient of ½ θᵀ k θ, for δθ = J⁻¹ ε
-    const Vector3 theta = turns_ ? rotation_vector(attitude(from, to)) : Vector3(Vector3::Zero());
+    const Vector3 theta = rotation(from, to);
     Vector6 f;
     f << halves_[0].stiffness.cwiseProduct(translation(from, arm(from, to))) +
              halves_[0].damping.cwiseProduct(rate.head<3>()),
-        rotation_vector_rate(theta).transpose() * halves_[1].stiffness.cwiseProduct(theta) +
+        moment_of_gradient(theta, halves_[1].stiffness.cwiseProduct(theta)) +
             halves_[1].damping.cwiseProduct(rate.tail<3>());
     return f;
 }
 
-Matrix3 Joint::turn_stiffness(FrameView from, FrameView to) const {
-    const Matrix3 inverse_J = rotation_vector_rate(turns_ ? rotation_vector(attitude(from, to)) : Vector3(Vector3::Zero()));
+Matrix3 Joint::turn_stiffness(const Vector3& theta) const {
+    const Matrix3 inverse_J = rotation_vector_rate(theta);
     return inverse_J.transpose() * halves_[1].stiffness.asDiagonal() * inverse_J;
 }
 
-/// What of the force over the coming step is known before its end is: for an explicit scheme all of it.
-void Joint::recall(const Scheme& scheme, const JointHalf& half, HalfState& state) const {
-    if (scheme.is_implicit()) {
-        state.known = half.stiffness.cwiseProduct(state.d + scheme.elastic[1] * state.delta[0]) +
-                      half.damping.cwiseProduct(scheme.rate[1] * state.delta[0]);
-    } else {
-        // k d + c Σ rate δ = k̂ δ + k (d − δ) + c (…),   k̂ = k + c rate[1]
-        state.known = half.law.cwiseProduct(state.delta[0]) + half.stiffness.cwiseProduct(state.d - state.delta[0]) +
-                      half.damping.cwiseProduct(scheme.rate[2] * state.delta[1] + scheme.rate[3] * state.delta[2]);
-    }
+Matrix6 Joint::gain(const Scheme& scheme, const Vector3& theta) const {
+    Matrix6 gain = Matrix6::Zero();
+    gain.topLeftCorner<3, 3>() = halves_[0].law.asDiagonal();
+    if (!turns_) return gain;
+    const double weight = scheme.weight(0);
+    gain.bottomRightCorner<3, 3>() = weight * turn_stiffness(theta);
+    gain.bottomRightCorner<3, 3>().diagonal() += halves_[1].law - weight * halves_[1].stiffness;
+    return gain;
 }
 
-/// What a finite rotation adds to the linear law: k ∘ θ becomes J⁻ᵀ (k ∘ θ).
-void Joint::settle_turn(const Scheme& scheme, TurnState& state) const {
-    const JointHalf& half = halves_[1];
-    state.conjugate = rotation_vector_rate(state.rotation.d).transpose();
-    const Vector3 elastic = half.stiffness.cwiseProduct(state.rotation.d + scheme.elastic[1] * state.rotation.delta[0]);
-    state.rotation.known += state.conjugate * elastic - elastic;
+EndBlocks Joint::stiffness(const JointPose& pose, const Matrix6& answer) const {
+    const Matrix6 G[2] = {by_from(pose), by_to(pose)};
+    EndBlocks K;
+    for (int i : {0, 1})
+        for (int j : {0, 1}) K.at[i][j].noalias() = G[i].transpose() * answer * G[j];
+    return K;
+}
+
+EndBlocks Joint::acting_stiffness(const JointPose& pose, const Vector3& force) {
+    // F goes with the axes of `from`, its point with `to`: δF = δθ_from × F, δp = δx_to + δθ_to × l
+    const Matrix3 F = skew(force), aF = skew(pose.arm) * F, lF = skew(pose.lever) * F;
+    EndBlocks K;
+    for (auto& row : K.at)
+        for (Matrix6& block : row) block.setZero();
+    K.at[0][0].topRightCorner<3, 3>() = F;
+    K.at[0][0].bottomLeftCorner<3, 3>() = -F;
+    K.at[0][0].bottomRightCorner<3, 3>() = 0.5 * (aF + aF.transpose());
+    K.at[0][1].bottomLeftCorner<3, 3>() = F;
+    K.at[0][1].bottomRightCorner<3, 3>() = -lF.transpose();
+    K.at[1][0].topRightCorner<3, 3>() = -F;
+    K.at[1][0].bottomRightCorner<3, 3>() = -lF;
+    K.at[1][1].bottomRightCorner<3, 3>() = 0.5 * (lF + lF.transpose());
+    return K;
 }
 
 // ---- Time steps ---------------------------------------------------------------------------------------------------------
 
-void Joint::start(const Scheme& scheme, FrameView from, FrameView to, const Vector6& rate, const Vector6& acceleration,
-                  JointState& state, TurnState* turn) const {
-    state.dissipated = 0;
-    state.power = 0;
-    start_half(scheme, halves_[0], translation(from, arm(from, to)), rate.head<3>(), acceleration.head<3>(),
-               state.translation);
-    if (!turns_) return;
-    turn->attitude = attitude(from, to);
-    start_half(scheme, halves_[1], rotation_vector(turn->attitude), rate.tail<3>(), acceleration.tail<3>(), turn->rotation);
-    settle_turn(scheme, *turn);
+/// What of the force over the coming step is known before its end is: for an explicit scheme all of it.
+void Joint::recall(const Scheme& scheme, const JointPose& now, JointState& state, const TurnState* turn) const {
+    state.known = {};
+    state.known.add(scheme.weight(1), state.elastic);
+    state.known.add(scheme.weight(2), state.elastic_before);
+    if (!is_damped_) return;
+    const auto damper = [&](const JointHalf& half, const HalfState& s) {
+        return Vector3(now.axes * half.damping.cwiseProduct(scheme.rate[1] * s.delta[0] + scheme.rate[2] * s.delta[1] +
+                                                            scheme.rate[3] * s.delta[2]));
+    };
+    state.known.add(1, now.act(damper(halves_[0], state.translation),
+                               turn ? damper(halves_[1], turn->rotation) : Vector3(Vector3::Zero())));
 }
 
-/// The past before the start is the parabola through it, which suits every explicit scheme. The first step of the centred
-/// scheme is Newmark's from d, d', d'': the elastic force before the start counts as that at the start, and the rate is
-/// γ δ₊/h + (1 − γ) d' + (β − γ/2) h d''.
-void Joint::start_half(const Scheme& scheme, const JointHalf& half, const Vector3& d, const Vector3& rate,
-                       const Vector3& acceleration, HalfState& state) const {
-    const double h = scheme.step_size(), beta = scheme.centred().beta, gamma = scheme.centred().gamma;
+void Joint::start(const Scheme& scheme, FrameView from, FrameView to, const Vector6& rate, const Vector6& acceleration,
+                  JointState& state, TurnState* turn) const {
+    const JointPose now = pose(from, to);
+    const Strained strained = strain(from, to, now);
+    state.dissipated = 0;
+    state.power = 0;
+    state.elastic = state.elastic_before = strained.elastic;
+    start_half(scheme, strained.d, rate.head<3>(), acceleration.head<3>(), state.translation);
+    if (turn) {
+        turn->attitude = strained.attitude;
+        start_half(scheme, strained.theta, rate.tail<3>(), acceleration.tail<3>(), turn->rotation);
+    }
+    recall(scheme, now, state, turn);
+    if (!scheme.is_implicit() || !is_damped_) return;
+    // The rate of the first step is Newmark's from d, d', d'': γ δ₊/h + (1 − γ) d' + (β − γ/2) h d''
+    const double gamma = scheme.centred().gamma;
+    const Vector6 known = (1 - gamma) * rate + (scheme.centred().beta - 0.5 * gamma) * scheme.step_size() * acceleration;
+    state.known = {};
+    state.known.add(1 - scheme.weight(0), state.elastic);
+    state.known.add(1, now.act(now.axes * halves_[0].damping.cwiseProduct(known.head<3>()),
+                               now.axes * halves_[1].damping.cwiseProduct(known.tail<3>())));
+}
+
+/// The past before the start is the parabola through it, which suits every explicit scheme; for the centred one the elastic
+/// force before the start counts as that at the start.
+void Joint::start_half(const Scheme& scheme, const Vector3& d, const Vector3& rate, const Vector3& acceleration,
+                       HalfState& state) const {
+    const double h = scheme.step_size();
     state.d = d;
     state.rate = rate;
     for (int back = 0; back < 3; ++back) state.delta[back] = h * rate - (back + 0.5) * h * h * acceleration;
     state.d_before = d - state.delta[0];
-    if (scheme.is_implicit())
-        state.known = half.stiffness.cwiseProduct(d) +
-                      half.damping.cwiseProduct((1 - gamma) * rate + (beta - 0.5 * gamma) * h * acceleration);
-    else
-        recall(scheme, half, state);
 }
 
-Vector3 Joint::trial_turn(FrameView from, FrameView to, const TurnState& turn) const {
-    return rotation_vector(attitude(from, to) * turn.attitude.transpose());
+JointForce Joint::damping_half_way(FrameView from, FrameView to, const JointPose& now, double h, const JointState& state,
+                                   const TurnState* turn) const {
+    const Matrix3 mean = 0.5 / h * (axes(from) + now.axes);
+    const Vector3 slide = translation(from, arm(from, to)) - state.translation.d;
+    Vector3 moment = Vector3::Zero();
+    if (turn)
+        moment = mean * halves_[1].damping.cwiseProduct(rotation_vector(attitude(from, to) * turn->attitude.transpose()));
+    return now.act(mean * halves_[0].damping.cwiseProduct(slide), moment);
 }
 
 /// Moves one half of a joint on by the increment `delta` to `d`; returns the power of its damper at the start of the step.
@@ -169,28 +208,32 @@ double Joint::advance_half(const Scheme& scheme, uint64_t steps, const JointHalf
     state.delta[0] = delta;
     state.d_before = state.d;
     state.d = d;
-    recall(scheme, half, state);
     if (steps > 0) state.rate = 0.5 / scheme.step_size() * (state.delta[0] + state.delta[1]);
     return state.rate.dot(half.damping.cwiseProduct(state.rate));
 }
 
-void Joint::advance(const Scheme& scheme, uint64_t steps, FrameView from, FrameView to, JointState& state,
-                    TurnState* turn) const {
-    const Vector3 d = translation(from, arm(from, to));
-    double power = advance_half(scheme, steps, halves_[0], d, d - state.translation.d, state.translation);
-    if (turns_) {
-        const Matrix3 next = attitude(from, to);
-        power += advance_half(scheme, steps, halves_[1], rotation_vector(next),
-                              rotation_vector(next * turn->attitude.transpose()), turn->rotation);
-        turn->attitude = next;
-        settle_turn(scheme, *turn);
+JointForce Joint::advance(const Scheme& scheme, uint64_t steps, FrameView from, FrameView to, const JointPose& now,
+                          JointState& state, TurnState* turn) const {
+    const JointPose next = pose(from, to);
+    const Strained end = strain(from, to, next);
+    const JointForce force = weigh(scheme, end, now, state, turn);
+    state.elastic_before = state.elastic;
+    state.elastic = end.elastic;
+    double power = advance_half(scheme, steps, halves_[0], end.d, end.d - state.translation.d, state.translation);
+    if (turn) {
+        const Vector3 delta =
+            is_damped_ ? rotation_vector(end.attitude * turn->attitude.transpose()) : Vector3(end.theta - turn->rotation.d);
+        power += advance_half(scheme, steps, halves_[1], end.theta, delta, turn->rotation);
+        turn->attitude = end.attitude;
     }
+    recall(scheme, next, state, turn);
     if (steps > 0) state.dissipated += 0.5 * scheme.step_size() * (state.power + power);
     state.power = power;
+    return force;
 }
 
 void Joint::refuse_large_rotation(FrameView from, FrameView to) const {
-    if (turns_ && !halves_[1].stiffness.isZero(0)) refuse_rotation(rotation_vector(attitude(from, to)).norm());
+    if (turns_ && !halves_[1].stiffness.isZero(0)) refuse_rotation(rotation(from, to).norm());
 }
 
 void Joint::refuse_rotation(double angle) const {

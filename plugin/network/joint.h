@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 
+#include "core/rotation.h"
 #include "dttmm_plugin.h"
 #include "network/assembly.h"
 #include "network/scheme.h"
@@ -37,22 +38,68 @@ struct JointHalf {
     Vector3 law = Vector3::Zero();  ///< k̂ = ∂f/∂d of the solved transfer equations [N/m, N m/rad]
 };
 
+/// What a joint does to its frames, world axes: force and moment on the `from` end, the opposite on the `to` end; the
+/// moments about the origins of the frames, each at the instant of the force.
+struct JointForce {
+    Vector3 force = Vector3::Zero(), on_from = Vector3::Zero(), on_to = Vector3::Zero();
+    void add(double weight, const JointForce& other) {
+        force += weight * other.force;
+        on_from += weight * other.on_from;
+        on_to += weight * other.on_to;
+    }
+    void add_moment(const Vector3& moment) {
+        on_from += moment;
+        on_to += moment;
+    }
+};
+
+/// A joint at an instant, world: its axes, and the point where its ends meet from the origins of its frames.
+struct JointPose {
+    Matrix3 axes;
+    Vector3 arm, lever;
+    /// A force and a moment at the point.
+    JointForce act(const Vector3& force, const Vector3& moment) const {
+        return {force, moment + arm.cross(force), moment + lever.cross(force)};
+    }
+};
+
 /// What changes from step to step; plain numbers, so that saving is copying.
 struct HalfState {
     Vector3 d, d_before;  ///< deformation at t_n and t_{n−1}
     Vector3 delta[3];     ///< its increments over the steps that ended at t_n, t_{n−1}, t_{n−2}
     Vector3 rate;         ///< of the deformation at t_{n−1}: centred, at the start the initial one
-    Vector3 known;        ///< part of the force over the open step that does not depend on its end
 };
 struct JointState {
     HalfState translation;
-    double dissipated;  ///< energy lost to damping up to t_{n−1} [J]
-    double power;       ///< at t_{n−1} [W]
+    JointForce elastic, elastic_before;  ///< at t_n and t_{n−1}
+    JointForce known;                    ///< what of the force over the open step does not depend on its end
+    double dissipated;                   ///< energy lost to damping up to t_{n−1} [J]
+    double power;                        ///< at t_{n−1} [W]
 };
 struct TurnState {
     HalfState rotation;
-    Matrix3 attitude;   ///< of the `to` end relative to the `from` end at t_n, in the joint's axes; identity at rest
-    Matrix3 conjugate;  ///< J⁻ᵀ(θ) at t_n: makes of k ∘ θ the moment that does its work
+    Matrix3 attitude;  ///< of the `to` end relative to the `from` end at t_n, in the joint's axes; identity at rest
+};
+
+/// What unit forces in the rigid directions of a joint do over a step.
+struct RigidMap {
+    Matrix3 force = Matrix3::Zero(), arm = Matrix3::Zero(), lever = Matrix3::Zero(), moment = Matrix3::Zero();
+    /// Adds an instant: the joint and its rotation θ then.
+    void add(double weight, const JointPose& pose, const Vector3& theta) {
+        force += weight * pose.axes;
+        arm += weight * (skew(pose.arm) * pose.axes);
+        lever += weight * (skew(pose.lever) * pose.axes);
+        moment += weight * (pose.axes * rotation_vector_rate(theta).transpose());
+    }
+    JointForce of(const Vector6& q) const {
+        const Vector3 slide = q.head<3>(), turn = moment * q.tail<3>();
+        return {force * slide, arm * slide + turn, lever * slide + turn};
+    }
+};
+
+/// −∂(wrench)/∂(pose) of the two ends of a joint, [row][column], `from` first; world axes, at the frames' origins.
+struct EndBlocks {
+    Matrix6 at[2][2];
 };
 
 /// A massless joint at work between two frames: its rest configuration, its law solved for the step size, its kinematics. It
@@ -60,8 +107,12 @@ struct TurnState {
 /// arms included. A rotational stiffness holds for relative rotations θ up to kLargestRotation; its moment is the gradient
 /// of ½ θᵀ k θ, so that it conserves energy. A rotational damper may turn for ever.
 ///
-/// Motion over a step enters as increments δ of the deformation from t_n, rotations as the rotation vector that leads from
-/// t_n to t_{n+1}. The memory is the caller's: a JointState and, if turns(), a TurnState.
+/// Over a step of the centred scheme its elastic forces at t_{n+1}, t_n and t_{n−1} are weighted, each with the axes and
+/// lever arms of its own instant: Newmark's rule for the whole wrench, so that a lasting force turns with the parts
+/// implicitly too. Rates, and increments δ of rotations as the rotation vectors that lead from one instant to the next, are
+/// those of t_n.
+///
+/// The memory is the caller's: a JointState and, if turns(), a TurnState.
 class Joint {
 public:
     static constexpr double kLargestRotation = 2.5;  ///< rad
@@ -76,7 +127,7 @@ public:
     Directions rigid() const { return rigid_; }
     const JointHalf& translation_half() const { return halves_[0]; }
     const JointHalf& rotation_half() const { return halves_[1]; }
-    bool is_damped() const { return !halves_[0].damping.isZero(0) || !halves_[1].damping.isZero(0); }
+    bool is_damped() const { return is_damped_; }
 
     /// Solves the transfer equations for the law at the scheme's step size. Throws Error naming the element.
     void set_scheme(const Scheme& scheme);
@@ -86,46 +137,59 @@ public:
     Vector3 arm(FrameView from, FrameView to) const;
     Vector3 lever(FrameView to) const { return has_lever_ ? Vector3(to.axes() * to_point_) : Vector3(Vector3::Zero()); }
     Matrix3 axes(FrameView from) const { return is_aligned_ ? Matrix3(from.axes()) : Matrix3(from.axes() * from_axes_); }
+    JointPose pose(FrameView from, FrameView to) const { return {axes(from), arm(from, to), lever(to)}; }
     Vector3 translation(FrameView from, const Vector3& arm) const;
     Matrix3 attitude(FrameView from, FrameView to) const;
+    Vector3 rotation(FrameView from, FrameView to) const {
+        return turns_ ? rotation_vector(attitude(from, to)) : Vector3(Vector3::Zero());
+    }
     /// Rates and second rates of the deformation, [d; θ].
     Vector6 rate(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity) const;
     Vector6 acceleration(FrameView from, const Twist& from_velocity, const Twist& from_acceleration, FrameView to,
                          const Twist& to_velocity, const Twist& to_acceleration) const;
 
     /// Columns of [d; θ], joint axes, by the pose of the `from` or the `to` frame, world axes; for small relative rotations.
-    Matrix6 by_from(FrameView from, FrameView to) const;
-    Matrix6 by_to(FrameView from, FrameView to) const;
+    Matrix6 by_from(const JointPose& pose) const;
+    Matrix6 by_to(const JointPose& pose) const;
 
-    /// The wrench of the force F and the moment M (world axes) on the `to` and the `from` frame, at their origins.
-    void add_wrench(const Vector3& arm, const Vector3& lever, const Vector3& F, const Vector3& M, double* on_from,
-                    double* on_to) const;
+    /// Adds what a joint does to the wrenches on its frames, at their origins.
+    static void add_wrench(const JointForce& force, double* on_from, double* on_to);
 
     /// The force law at one instant: f [force; moment] in the joint's axes.
     Vector6 force(FrameView from, FrameView to, const Vector6& rate) const;
-    /// −∂f/∂(deformation) there: translations diagonal, rotations a 3×3 in terms of the relative turn ε.
-    Matrix3 turn_stiffness(FrameView from, FrameView to) const;
+    /// Its elastic part with the deformation it stems from.
+    struct Strained {
+        Vector3 d, theta;
+        Matrix3 attitude;  ///< if turns()
+        JointForce elastic;
+    };
+    Strained strain(FrameView from, FrameView to, const JointPose& pose) const;
+
+    /// −∂f/∂(deformation) at one instant: translations diagonal, rotations a 3×3 in terms of the relative turn ε.
+    Matrix3 turn_stiffness(const Vector3& theta) const;
+    /// ∂f/∂(deformation at its end) over a step, joint axes, rotations in terms of ε; symmetric.
+    Matrix6 gain(const Scheme& scheme, const Vector3& theta) const;
+    /// Of forces that grow with the deformation by `answer` (joint axes).
+    EndBlocks stiffness(const JointPose& pose, const Matrix6& answer) const;
+    /// Of a force already acting (world axes), which turns with the joint; symmetric part.
+    static EndBlocks acting_stiffness(const JointPose& pose, const Vector3& force);
 
     void start(const Scheme& scheme, FrameView from, FrameView to, const Vector6& rate, const Vector6& acceleration,
                JointState& state, TurnState* turn) const;
-    /// The force over the open step at a trial end of it; its rigid directions not counted.
-    Vector3 trial_force(FrameView from, const Vector3& arm, const JointState& state) const {
-        return state.translation.known + halves_[0].law.cwiseProduct(translation(from, arm) - state.translation.d);
+    /// The force over the open step at a trial end of it; without rigid directions. now: the joint at t_n.
+    JointForce weigh(const Scheme& scheme, const Strained& end, const JointPose& now, const JointState& state,
+                     const TurnState* turn) const;
+    JointForce over_step(const Scheme& scheme, FrameView from, FrameView to, const JointPose& now, const JointState& state,
+                         const TurnState* turn) const {
+        return weigh(scheme, strain(from, to, pose(from, to)), now, state, turn);
     }
-    Vector3 trial_moment(const Vector3& delta, const TurnState& turn) const {
-        return turn.rotation.known + moment_change(delta, turn);
-    }
-    /// Of the moment when δ₊ grows by `delta`.
-    Vector3 moment_change(const Vector3& delta, const TurnState& turn) const {
-        const Vector3 elastic = elastic_weight_ * halves_[1].stiffness.cwiseProduct(delta);
-        return halves_[1].law.cwiseProduct(delta) + turn.conjugate * elastic - elastic;
-    }
-    Vector3 trial_turn(FrameView from, FrameView to, const TurnState& turn) const;
-    /// ∂(moment)/∂δ₊ of the open step.
-    Matrix3 turn_gain(const TurnState& state) const;
-    /// Moves the memory on to the accepted end of the step. steps: committed before it since the start.
-    void advance(const Scheme& scheme, uint64_t steps, FrameView from, FrameView to, JointState& state,
-                 TurnState* turn) const;
+    /// The damping force from the start of the open step to a trial end of it: the mean rate in the mean of the axes.
+    JointForce damping_half_way(FrameView from, FrameView to, const JointPose& now, double h, const JointState& state,
+                                const TurnState* turn) const;
+    /// Moves the memory on to the accepted end of the step and returns the force over the step as over_step does.
+    /// steps: committed before it since the start.
+    JointForce advance(const Scheme& scheme, uint64_t steps, FrameView from, FrameView to, const JointPose& now,
+                       JointState& state, TurnState* turn) const;
 
     /// Throws Error(DTTMM_ERROR_NUMERIC) when a rotational stiffness has turned too far.
     void refuse_large_rotation(FrameView from, FrameView to) const;
@@ -136,19 +200,17 @@ public:
 
 private:
     void refuse_rotation(double angle) const;
-    void recall(const Scheme& scheme, const JointHalf& half, HalfState& state) const;
-    void settle_turn(const Scheme& scheme, TurnState& state) const;
-    void start_half(const Scheme& scheme, const JointHalf& half, const Vector3& d, const Vector3& rate,
-                    const Vector3& acceleration, HalfState& state) const;
+    void recall(const Scheme& scheme, const JointPose& now, JointState& state, const TurnState* turn) const;
+    void start_half(const Scheme& scheme, const Vector3& d, const Vector3& rate, const Vector3& acceleration,
+                    HalfState& state) const;
     double advance_half(const Scheme& scheme, uint64_t steps, const JointHalf& half, const Vector3& d, const Vector3& delta,
                         HalfState& state) const;
 
     int element_, from_, to_;
-    bool turns_, is_aligned_, has_lever_, is_straight_;
+    bool turns_, is_aligned_, has_lever_, is_straight_, is_damped_;
     Directions rigid_;
     JointLaw law_;
     JointHalf halves_[2];
-    double elastic_weight_ = 0;
     Matrix3 from_axes_;  ///< of the joint in the axes of the `from` frame
     Matrix3 to_axes_;    ///< the same at rest in those of the `to` frame
     Vector3 rest_;       ///< the point of the `to` end from the `from` origin at rest, joint axes
@@ -172,29 +234,46 @@ inline Matrix3 Joint::attitude(FrameView from, FrameView to) const {
     return (from.axes() * from_axes_).transpose() * (to.axes() * to_axes_);
 }
 
-inline void Joint::add_wrench(const Vector3& arm, const Vector3& lever, const Vector3& F, const Vector3& M, double* on_from,
-                              double* on_to) const {
-    // to: (−F, −M − lever × F); from: (F, M + arm × F): forces and moments of the two ends balance about any point
+inline void Joint::add_wrench(const JointForce& force, double* on_from, double* on_to) {
     using Map = Eigen::Map<Vector3>;
     if (on_to) {
-        Map{on_to} -= F;
-        if (has_lever_)
-            Map{on_to + 3} -= M + lever.cross(F);
-        else
-            Map{on_to + 3} -= M;
+        Map{on_to} -= force.force;
+        Map{on_to + 3} -= force.on_to;
     }
     if (on_from) {
-        Map{on_from} += F;
-        Map{on_from + 3} += M + arm.cross(F);
+        Map{on_from} += force.force;
+        Map{on_from + 3} += force.on_from;
     }
 }
 
-/// ∂m/∂δ₊ of the open step, the same addition in it.
-inline Matrix3 Joint::turn_gain(const TurnState& state) const {
-    Matrix3 gain = halves_[1].law.asDiagonal();
-    const Vector3 elastic = elastic_weight_ * halves_[1].stiffness;
-    gain += (state.conjugate - Matrix3::Identity()) * elastic.asDiagonal();
-    return gain;
+inline Joint::Strained Joint::strain(FrameView from, FrameView to, const JointPose& pose) const {
+    Strained strained;
+    strained.d = translation(from, pose.arm);
+    strained.theta.setZero();
+    Vector3 moment = Vector3::Zero();
+    if (turns_) {
+        strained.attitude = attitude(from, to);
+        strained.theta = rotation_vector(strained.attitude);
+        // m = J⁻ᵀ(θ) (k ∘ θ): the gradient of ½ θᵀ k θ, for δθ = J⁻¹ ε
+        moment = pose.axes * moment_of_gradient(strained.theta, halves_[1].stiffness.cwiseProduct(strained.theta));
+    }
+    strained.elastic = pose.act(pose.axes * halves_[0].stiffness.cwiseProduct(strained.d), moment);
+    return strained;
+}
+
+inline JointForce Joint::weigh(const Scheme& scheme, const Strained& end, const JointPose& now, const JointState& state,
+                               const TurnState* turn) const {
+    JointForce force = state.known;
+    if (!scheme.is_implicit()) return force;
+    force.add(scheme.weight(0), end.elastic);
+    if (!is_damped_) return force;
+    const Vector3 slide = now.axes * halves_[0].damping.cwiseProduct(scheme.rate[0] * (end.d - state.translation.d));
+    Vector3 moment = Vector3::Zero();
+    if (turn)
+        moment = now.axes * halves_[1].damping.cwiseProduct(scheme.rate[0] *
+                                                            rotation_vector(end.attitude * turn->attitude.transpose()));
+    force.add(1, now.act(slide, moment));
+    return force;
 }
 
 }  // namespace dttmm

@@ -83,26 +83,20 @@ void Network::declare_channels(const dttmm_network& description) {
 }
 
 void Network::load_weights(double weights[3]) const {
-    for (int back : {0, 1, 2}) weights[back] = mechanism_.scheme.load_weight(back);
+    for (int back : {0, 1, 2}) weights[back] = mechanism_.scheme.weight(back);
 }
 
 // ---- The force law ------------------------------------------------------------------------------------------------------
 
-/// Adds −∂(wrench)/∂(pose) of a joint between ports, or by velocity: its force f, in its axes at t_n, answers its
-/// deformation by `answer`; the deformation changes with the frames at the end of the step.
-void Network::add_stiffness(const Joint& joint, const Matrix6& answer, FrameView from_now, FrameView to_now, FrameView from,
-                            FrameView to, double* stiffness) const {
+/// Adds a joint's blocks to the stiffness that the ports feel.
+void Network::add_stiffness(const Joint& joint, const EndBlocks& blocks, double* stiffness) const {
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     const int size = 6 * port_count(), ports = port_count();
     Eigen::Map<RowMajor> S(stiffness, size, size);
-    // By virtual power, wrench = −Gᵀ f with the columns G of [d; θ] at t_n
-    const Matrix6 rows[2] = {joint.by_from(from_now, to_now), joint.by_to(from_now, to_now)};
-    const Matrix6 columns[2] = {joint.by_from(from, to), joint.by_to(from, to)};
     const int frames[2] = {joint.from(), joint.to()};
     for (int i : {0, 1})
         for (int j : {0, 1})
-            if (frames[i] < ports && frames[j] < ports)
-                S.block<6, 6>(6 * frames[i], 6 * frames[j]) += rows[i].transpose() * answer * columns[j];
+            if (frames[i] < ports && frames[j] < ports) S.block<6, 6>(6 * frames[i], 6 * frames[j]) += blocks.at[i][j];
 }
 
 void Network::linearise(const dttmm_motion* ports, double* wrench, double* stiffness, double* damping) const {
@@ -115,22 +109,25 @@ void Network::linearise(const dttmm_motion* ports, double* wrench, double* stiff
         const FrameView from = trial(joint.from(), ports), to = trial(joint.to(), ports);
         const auto velocity = [&](int frame) { return frame < port_count() ? twist(ports[frame]) : Twist{}; };
         const Vector6 f = joint.force(from, to, joint.rate(from, velocity(joint.from()), to, velocity(joint.to())));
-        const Matrix3 R = joint.axes(from);
-        joint.add_wrench(joint.arm(from, to), joint.lever(to), R * f.head<3>(), R * f.tail<3>(),
-                         joint.from() < port_count() ? wrench + 6 * joint.from() : nullptr,
-                         joint.to() < port_count() ? wrench + 6 * joint.to() : nullptr);
+        const JointPose pose = joint.pose(from, to);
+        add_wrench(joint, pose.act(pose.axes * f.head<3>(), pose.axes * f.tail<3>()), wrench);
         Matrix6 answer = Matrix6::Zero();
         if (stiffness) {
             answer.topLeftCorner<3, 3>() = joint.translation_half().stiffness.asDiagonal();
-            answer.bottomRightCorner<3, 3>() = joint.turn_stiffness(from, to);
-            add_stiffness(joint, answer, from, to, from, to, stiffness);
+            answer.bottomRightCorner<3, 3>() = joint.turn_stiffness(joint.rotation(from, to));
+            add_stiffness(joint, joint.stiffness(pose, answer), stiffness);
         }
         if (damping) {
             answer.topLeftCorner<3, 3>() = joint.translation_half().damping.asDiagonal();
             answer.bottomRightCorner<3, 3>() = joint.rotation_half().damping.asDiagonal();
-            add_stiffness(joint, answer, from, to, from, to, damping);
+            add_stiffness(joint, joint.stiffness(pose, answer), damping);
         }
     }
+}
+
+void Network::add_wrench(const Joint& joint, const JointForce& force, double* wrench) const {
+    Joint::add_wrench(force, joint.from() < port_count() ? wrench + 6 * joint.from() : nullptr,
+                      joint.to() < port_count() ? wrench + 6 * joint.to() : nullptr);
 }
 
 // ---- Time steps ---------------------------------------------------------------------------------------------------------
@@ -151,6 +148,7 @@ void Network::start(const dttmm_step& step, const dttmm_motion* ports, const dou
             std::copy_n(ports[p].position, 3, mechanism_.frames[static_cast<size_t>(p)].position);
             std::copy_n(ports[p].rotation, 9, mechanism_.frames[static_cast<size_t>(p)].rotation);
         }
+        mechanism_.before = mechanism_.frames;
         for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
             const Joint& joint = mechanism_.joints[j];
             const FrameView from = mechanism_.frame(joint.from()), to = mechanism_.frame(joint.to());
@@ -166,7 +164,6 @@ void Network::start(const dttmm_step& step, const dttmm_motion* ports, const dou
                         mechanism_.states[j], mechanism_.turn(j));
         }
     }
-    mechanism_.before = mechanism_.frames;
     started_ = true;
 }
 
@@ -185,33 +182,21 @@ void Network::evaluate(const dttmm_motion* motion, double* wrench, double* stiff
         if (stiffness) interior_->write_stiffness(mechanism_, stiffness);
         return;
     }
-    const bool implicit = is_implicit();
     const size_t n = 6 * static_cast<size_t>(port_count());
     std::fill_n(wrench, n, 0.0);
     if (stiffness) std::fill_n(stiffness, n * n, 0.0);
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
         const JointState& state = mechanism_.states[j];
-        const TurnState* turn = mechanism_.turn(j);
-        const FrameView from_now = mechanism_.frame(joint.from()), to_now = mechanism_.frame(joint.to());
         const FrameView from = trial(joint.from(), motion), to = trial(joint.to(), motion);
-        const Matrix3 R_now = joint.axes(from_now);
-
-        Vector3 f = state.translation.known, M = Vector3::Zero();
-        if (implicit) f = joint.trial_force(from, joint.arm(from, to), state);
-        Vector3 delta = Vector3::Zero();  // of the rotation over the open step
-        if (turn) {
-            if (implicit) delta = joint.trial_turn(from, to, *turn);
-            M = R_now * (implicit ? joint.trial_moment(delta, *turn) : turn->rotation.known);
-        }
-        joint.add_wrench(joint.arm(from_now, to_now), joint.lever(to_now), R_now * f, M,
-                         joint.from() < port_count() ? wrench + 6 * joint.from() : nullptr,
-                         joint.to() < port_count() ? wrench + 6 * joint.to() : nullptr);
-        if (stiffness && implicit) {
-            Matrix6 answer = Matrix6::Zero();
-            answer.topLeftCorner<3, 3>() = joint.translation_half().law.asDiagonal();
-            if (turn) answer.bottomRightCorner<3, 3>() = joint.turn_gain(*turn) * rotation_vector_rate(delta);
-            add_stiffness(joint, answer, from_now, to_now, from, to, stiffness);
+        const JointForce force = joint.over_step(mechanism_.scheme, from, to, mechanism_.pose(j), state, mechanism_.turn(j));
+        add_wrench(joint, force, wrench);
+        if (stiffness && is_implicit()) {
+            const JointPose end = joint.pose(from, to);
+            const Joint::Strained strained = joint.strain(from, to, end);
+            add_stiffness(joint, joint.stiffness(end, joint.gain(mechanism_.scheme, strained.theta)), stiffness);
+            const Vector3 acting = mechanism_.scheme.weight(0) * strained.elastic.force;
+            add_stiffness(joint, Joint::acting_stiffness(end, acting), stiffness);
         }
     }
 }
@@ -234,14 +219,16 @@ void Network::commit_step(const dttmm_motion* accepted) {
 
 void Network::commit_joints(const dttmm_motion* accepted) {
     if (!mechanism_.turns.empty()) refuse_large_rotations(accepted);
-    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
-        const Joint& joint = mechanism_.joints[j];
-        joint.advance(mechanism_.scheme, mechanism_.steps, trial(joint.from(), accepted), trial(joint.to(), accepted),
-                      mechanism_.states[j], mechanism_.turn(j));
-    }
+    mechanism_.before = mechanism_.frames;
     for (int p = 0; p < port_count(); ++p) {
         std::copy_n(accepted[p].position, 3, mechanism_.frames[static_cast<size_t>(p)].position);
         std::copy_n(accepted[p].rotation, 9, mechanism_.frames[static_cast<size_t>(p)].rotation);
+    }
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const Joint& joint = mechanism_.joints[j];
+        const auto before = [&](int frame) { return FrameView(mechanism_.before[static_cast<size_t>(frame)]); };
+        joint.advance(mechanism_.scheme, mechanism_.steps, mechanism_.frame(joint.from()), mechanism_.frame(joint.to()),
+                      joint.pose(before(joint.from()), before(joint.to())), mechanism_.states[j], mechanism_.turn(j));
     }
 }
 
@@ -315,9 +302,9 @@ Vector6 Network::joint_force(size_t j) const {
                   joint.translation_half().damping.cwiseProduct(slide.rate);
     if (const TurnState* turn = mechanism_.turn(j)) {
         const HalfState& rotation = turn->rotation;
-        f.tail<3>() = rotation_vector_rate(rotation.d_before).transpose() *
-                          joint.rotation_half().stiffness.cwiseProduct(rotation.d_before) +
-                      joint.rotation_half().damping.cwiseProduct(rotation.rate);
+        f.tail<3>() =
+            moment_of_gradient(rotation.d_before, joint.rotation_half().stiffness.cwiseProduct(rotation.d_before)) +
+            joint.rotation_half().damping.cwiseProduct(rotation.rate);
     }
     if (joint.rigid().any()) f += interior_->rigid_force(mechanism_, j);
     return f;

@@ -52,8 +52,8 @@ private:
         if (frame < port_count()) return ports[frame];
         return mechanism_.frame(frame);
     }
-    void add_stiffness(const Joint& joint, const Matrix6& answer, FrameView from_now, FrameView to_now, FrameView from,
-                       FrameView to, double* stiffness) const;
+    void add_wrench(const Joint& joint, const JointForce& force, double* wrench) const;
+    void add_stiffness(const Joint& joint, const EndBlocks& blocks, double* stiffness) const;
     void commit_joints(const dttmm_motion* accepted);
     void refuse_large_rotations(const dttmm_motion* ports) const;
 

@@ -46,22 +46,20 @@ std::array<double, 4> velocity_weights(uint32_t scheme, double h) {
 
 }  // namespace
 
-Scheme::Scheme(uint32_t id, Centred centred) : id_(id), centred_(centred), load_weights_{0, 1, 0} {
+Scheme::Scheme(uint32_t id, Centred centred) : id_(id), centred_(centred), weights_{0, 1, 0} {
     if (id > DTTMM_SCHEME_PARK) throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("there is no scheme {}", id));
     if (!is_implicit()) return;
     if (!(centred.beta > 0 && std::isfinite(centred.beta) && std::isfinite(centred.gamma)))
         throw Error(DTTMM_ERROR_ARGUMENT, "the centred scheme wants a finite beta > 0 and a finite gamma");
-    load_weights_[0] = centred.weight_after();
-    load_weights_[1] = centred.weight_now();
-    load_weights_[2] = centred.weight_before();
+    weights_[0] = centred.weight_after();
+    weights_[1] = centred.weight_now();
+    weights_[2] = centred.weight_before();
 }
 
 void Scheme::set_step_size(double h) {
     h_ = h;
     if (is_implicit()) {
-        // w₊ d₊ + w₀ d + w₋ d₋ = d + w₊ δ₊ − w₋ δ,   (γ d₊ + (1 − 2γ) d + (γ − 1) d₋)/h = (γ δ₊ + (1 − γ) δ)/h
-        elastic[0] = centred_.weight_after();
-        elastic[1] = -centred_.weight_before();
+        // (γ d₊ + (1 − 2γ) d + (γ − 1) d₋)/h = (γ δ₊ + (1 − γ) δ)/h
         rate[0] = centred_.gamma / h;
         rate[1] = (1 - centred_.gamma) / h;
         return;

@@ -8,9 +8,9 @@
 
 namespace dttmm {
 
-/// The time scheme of a network at its present step size: how it weighs increments δ of a deformation in the force over a
-/// step,
-///     f = k ∘ (d + elastic[0] δ₊ + elastic[1] δ) + c ∘ (rate[0] δ₊ + rate[1] δ + rate[2] δ₋ + rate[3] δ₋₋),
+/// The time scheme of a network at its present step size: how it weighs elastic forces F at the end of a step, at its start
+/// and one step before, and increments δ of a deformation in the force of a damper,
+///     F = w₊ F₊ + w₀ F + w₋ F₋ + c ∘ (rate[0] δ₊ + rate[1] δ + rate[2] δ₋ + rate[3] δ₋₋),
 /// δ₊ over the open step (implicit schemes only), δ, δ₋, δ₋₋ over the three before.
 class Scheme {
 public:
@@ -24,19 +24,15 @@ public:
     double step_size() const { return h_; }
     void set_step_size(double h);
 
-    /// How external loads are weighted: at the end of the step, at its start, one step before.
-    double load_weight(int back) const { return load_weights_[back]; }
+    /// w₊, w₀, w₋, by the number of steps back from the end: of elastic forces and of external loads.
+    double weight(int back) const { return weights_[back]; }
 
-    /// Of the elastic force at the end of the step.
-    double elastic_weight() const { return is_implicit() ? centred_.beta : 0; }
-
-    double elastic[2] = {0, 0};
     double rate[4] = {0, 0, 0, 0};  ///< [1/s]
 
 private:
     uint32_t id_;
     Centred centred_;
-    double load_weights_[3];
+    double weights_[3];
     double h_ = 0;
 };
 

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "network/mechanism.h"
+
+namespace dttmm {
+
+/// How the massless frames of a network balance. Forces weighted over three instants, as masses feel them, leave a massless
+/// direction free to ring, for w₊ z² + w₀ z + w₋ = (z + 1)²/4 has a double root at −1. Therefore
+///   - what rigid directions hold balances over the step, which gives their forces;
+///   - what dampers act on balances half way through every step, if the scheme has no numerical damping: its weights are
+///     (z + 1)(z + 1)/4 and (z + 1)(z − 1)/2h, and so one factor z + 1 goes;
+///   - the rest balances at the end of every step.
+/// Where every joint has the same ratio τ of damping to stiffness, as in a beam, the elastic forces ψ at the end of the step
+/// follow the load alone, ψ + τ ψ' = load, and nothing is left to ring there either.
+///
+/// These are orthogonal parts of the space of unit motions of the frames that rigid directions join, in their own axes.
+class MasslessFrames {
+public:
+    /// massless: translation and rotation of every inner frame.
+    MasslessFrames(const Mechanism& mechanism, const std::vector<std::array<bool, 2>>& massless);
+
+    /// Inner frames with a massless half, in the order of every list below.
+    const std::vector<size_t>& frames() const { return frames_; }
+    /// Of an inner frame; −1: it has none.
+    int index_of(size_t frame) const { return index_[frame]; }
+    bool is_massless(size_t frame, int half) const {
+        return index_[frame] >= 0 && massless_[static_cast<size_t>(index_[frame])][static_cast<size_t>(half)];
+    }
+    /// Whether the forces of a joint are wanted at the end of the step; those of its damper half way.
+    bool is_settling(size_t joint) const { return settling_[joint]; }
+    bool is_half_way(size_t joint) const { return half_way_[joint]; }
+    /// τ [s]
+    double relaxation(size_t i) const { return clusters_[static_cast<size_t>(cluster_of_[i])].relaxation; }
+
+    /// Finds the parts of the space of motions at t_n.
+    void look(const Mechanism& mechanism);
+
+    /// Forces on a frame in its own axes that must vanish: over the step, at its end, half way through it.
+    struct Residual {
+        Vector6 step, end, half_way;
+    };
+    /// What must vanish of them, into `step`, in massless halves; the rest of `step` stays.
+    void combine(std::span<Residual> residuals) const;
+
+private:
+    /// A unit force on the frames of a cluster.
+    struct Row {
+        size_t joint;
+        int direction;
+    };
+    /// Massless frames that rigid directions join.
+    struct Cluster {
+        std::vector<size_t> frames;  ///< indices into frames_
+        std::vector<Row> rigid, damped;
+        double relaxation = 0;
+        Eigen::MatrixXd basis;         ///< orthonormal: what is rigid, what is damped
+        int rigid_rank = 0, rank = 0;  ///< of the former, of both
+        bool is_fixed = false;         ///< the basis has been found and does not change
+        mutable Eigen::VectorXd end, step, half_way;
+    };
+    static void find_rows(const Mechanism& mechanism, const std::vector<size_t>& joints, Cluster& cluster);
+    void add_to_basis(const Mechanism& mechanism, Cluster& cluster, const Row& row, bool is_rigid) const;
+
+    std::vector<size_t> frames_;
+    std::vector<int> index_;
+    std::vector<std::array<bool, 2>> massless_;
+    std::vector<int> cluster_of_;  ///< of every massless frame
+    std::vector<int> begin_;       ///< its first unknown among those of its cluster, 6 each
+    std::vector<Cluster> clusters_;
+    std::vector<bool> settling_, half_way_;
+};
+
+}  // namespace dttmm

@@ -124,7 +124,11 @@ uint32_t NetworkDescription::find_or_add_node(const Attachment& end, const Attac
     const Frame frame = frame_at_start(model_, end);
     if (end.body >= 0) {
         ports_.push_back(end);
-        return add_node(name_of(model_, end), DTTMM_NODE_PORT, frame.position, frame.rotation);
+        const Body& body = model_.bodies[static_cast<size_t>(end.body)];
+        const uint32_t index = add_node(name_of(model_, end), DTTMM_NODE_PORT, frame.position, frame.rotation);
+        const Eigen::Vector3d centre = body.position + body.rotation * body.center_of_mass;
+        Eigen::Map<Eigen::Vector3d>{nodes_[index].arm} = frame.rotation.transpose() * (frame.position - centre);
+        return index;
     }
     inner_nodes_.push_back(end.node);
     const Node& node = model_.nodes[static_cast<size_t>(end.node)];
@@ -139,7 +143,7 @@ uint32_t NetworkDescription::find_or_add_node(const Attachment& end, const Attac
 
 uint32_t NetworkDescription::add_node(const std::string& name, uint32_t kind, const Eigen::Vector3d& position,
                                       const Eigen::Matrix3d& rotation) {
-    dttmm_node node{nullptr, kind, {}, {}, 0, 0, {}, {}};
+    dttmm_node node{nullptr, kind, {}, {}, 0, 0, {}, {}, {}};
     Eigen::Map<Eigen::Vector3d>{node.position} = position;
     Eigen::Map<RowMajor3>{node.rotation} = rotation;
     nodes_.push_back(node);

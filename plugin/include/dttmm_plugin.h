@@ -10,7 +10,8 @@
  * Frame     world axes, right-handed, unless a comment says otherwise. Matrices are row-major.
  * Order     a pose change is [translation x y z; rotation x y z], a wrench [force x y z; moment x y z].
  * Wrench    of a port: acts on the host's body, at the port's position at t_n, the start of the step (linearise: at the given instant).
- *           The wrenches on the ports of a network must balance there, or angular momentum is not kept.
+ *           Where the forces of one instant make it up, those on all ports must balance there, or angular momentum is lost;
+ *           where those of several do, each must balance at its own.
  * Memory    whoever calls owns every buffer it passes; what a plugin returns by pointer lives as long as the instance or,
  *           for the table and what it points to, as long as the library stays loaded. No allocated memory crosses.
  * Errors    every function that can fail returns a dttmm_status; on anything but DTTMM_OK it has filled *error (which the
@@ -120,6 +121,9 @@ typedef struct dttmm_node {
     uint32_t fixed; /* bit d set: direction d of x y z rx ry rz (world axes) is held where it is at the start */
     int32_t moves;  /* non-zero: it starts with the velocities below; otherwise as straining the network least */
     double velocity[3], angular_velocity[3];
+    /* Of ports only: from the centre of mass of the body to the node, in the axes of the node. A scheme that weighs forces of
+     * several instants can give each the lever arm of its own; nothing else needs it. */
+    double arm[3];
 } dttmm_node;
 
 typedef struct dttmm_element {
@@ -132,7 +136,9 @@ typedef struct dttmm_element {
 
 /* The time scheme. Centred: every quantity of the network stands at t_n, the middle of three instants,
  *     x'' = (x+ - 2x + x-)/h^2,   x' = (gamma x+ + (1 - 2 gamma) x + (gamma - 1) x-)/h,
- *     elastic forces weighted  beta (.)+ + (1/2 + gamma - 2 beta) (.) + (1/2 - gamma + beta) (.)-.
+ *     elastic forces weighted  beta (.)+ + (1/2 + gamma - 2 beta) (.) + (1/2 - gamma + beta) (.)-,
+ * and of these weights the even part, 1/4 + beta - gamma/2 at either side, goes with the directions that each force had at
+ * its instant and its lever arm about the centre of mass then; the odd part, (gamma - 1/2)/2, with those of t_n, like dampers.
  * Its first step after start is Newmark's from x, x', x'': the elastic force before the start counts as that at the start, and
  *     x' = gamma (x+ - x)/h + (1 - gamma) x'(0) + (beta - gamma/2) h x''(0).
  * The others are explicit: the wrench over the step is the force law at t_n, the velocity in it from the named formula; the

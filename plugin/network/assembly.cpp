@@ -25,7 +25,8 @@ bool is_rotation(const Matrix3& R) {
 /// What becomes one frame: nodes and lumps that are rigidly one.
 struct Part {
     FrameSpec frame;
-    Pose pose;  ///< axes and, without a mass, the origin of the frame
+    Pose pose;                      ///< axes and, without a mass, the origin of the frame
+    Vector3 arm = Vector3::Zero();  ///< from there to the pose, its axes; of ports
 };
 
 class Assembler {
@@ -49,11 +50,16 @@ private:
             if (node.kind > DTTMM_NODE_INNER)
                 throw Error(DTTMM_ERROR_MODEL, fmt::format("node \"{}\": there is no node kind {}", node.name, node.kind));
             const Pose pose{Eigen::Map<const Vector3>(node.position), Eigen::Map<const RowMajor3>(node.rotation)};
-            if (!pose.position.allFinite() || !is_rotation(pose.rotation))
+            const Eigen::Map<const Vector3> arm(node.arm);
+            if (!pose.position.allFinite() || !is_rotation(pose.rotation) || !arm.allFinite())
                 throw Error(DTTMM_ERROR_ARGUMENT,
                             fmt::format("node \"{}\": its position must be finite and its axes orthonormal", node.name));
             Part part;
             part.pose = pose;
+            if (node.kind == DTTMM_NODE_PORT) {
+                part.arm = arm;
+                assembly_.port_arms.push_back(arm);
+            }
             part.frame.name = fmt::format("node \"{}\"", node.name);
             part.frame.kind = node.kind == DTTMM_NODE_PORT                           ? FrameSpec::Kind::port
                               : node.kind == DTTMM_NODE_GROUND || node.fixed == 0x3f ? FrameSpec::Kind::ground
@@ -166,6 +172,7 @@ private:
         const Part& first = parts_[static_cast<size_t>(members.front())];
         FrameSpec frame = first.frame;
         frame.pose = first.pose;
+        frame.pose.position -= first.pose.rotation * first.arm;
         Vector3 moment = Vector3::Zero();
         frame.mass = 0;
         for (int member : members) {

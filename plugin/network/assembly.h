@@ -17,7 +17,7 @@ struct FrameSpec {
     Kind kind = Kind::inner;
     std::string name;                   ///< for messages: node "muzzle", segment 3 of element "barrel"
     int element = -1;                   ///< one that hangs on it
-    Pose pose;                          ///< at the start
+    Pose pose;                          ///< at the start; of a port its node's axes at the body's centre of mass
     double mass = 0;                    ///< [kg]
     Matrix3 inertia = Matrix3::Zero();  ///< about the origin, axes of the frame [kg m²]
 };
@@ -42,6 +42,7 @@ struct NodeSpec {
 struct Assembly {
     std::vector<FrameSpec> frames;
     int port_count = 0, driven_count = 0;  ///< ports; ports and ground
+    std::vector<Vector3> port_arms;        ///< of every port from its frame, its body's centre of mass, axes of the frame
     std::vector<JointSpec> joints;
     std::vector<NodeSpec> nodes;   ///< in the order of the description
     std::vector<int> first_joint;  ///< of every element, and one past the last

@@ -240,7 +240,7 @@ Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j) const {
         return K;
     };
     return {in_axes(joint.stiffness(pose, joint.gain(mechanism.scheme, turn ? turn->rotation.d : Vector3::Zero()))),
-            in_axes(Joint::acting_stiffness(pose, mechanism.scheme.weight(0) * acting))};
+            in_axes(Joint::acting_stiffness(pose, mechanism.scheme.elastic_weight(0) * acting))};
 }
 
 void Interior::assemble(const Mechanism& mechanism) {
@@ -408,6 +408,17 @@ double Interior::work(const Mechanism& mechanism) const {
 }
 
 Twist Interior::momentum(const Mechanism& mechanism) const {
+    // x_n × p = x_{n−1} × p, for p is along what leads from one to the other
+    Twist total;
+    for (size_t i = 0; i < state_.size(); ++i) {
+        const Vector3 p = head(state_[i].momentum);
+        total.linear += p;
+        total.angular += mechanism.frame(driven_ + static_cast<int>(i)).origin().cross(p) + tail(state_[i].momentum);
+    }
+    return total;
+}
+
+Twist Interior::newmark_momentum(const Mechanism& mechanism) const {
     // With F the elastic force on a frame, y = x − β h² F/m and P − β h (F_n − F_{n−1}) move in leap-frog by F_n alone.
     // Their moment does not change: y × F = x × F.
     std::vector<Vector6> now(mechanism.frames.size(), Vector6::Zero()), before = now;
@@ -422,7 +433,7 @@ Twist Interior::momentum(const Mechanism& mechanism) const {
         now[heir] += bequest(mechanism.frames, i, massless_part(i, now[f]));
         before[heir] += bequest(mechanism.before, i, massless_part(i, before[f]));
     }
-    const double h = mechanism.scheme.step_size(), beta = mechanism.scheme.weight(0);
+    const double h = mechanism.scheme.step_size(), beta = mechanism.scheme.elastic_weight(0);
     Twist total;
     for (size_t i = 0; i < state_.size(); ++i) {
         if (massless_.is_massless(i, 0)) continue;

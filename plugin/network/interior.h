@@ -63,9 +63,11 @@ public:
     /// Force of a joint's rigid directions, joint axes.
     Vector6 rigid_force(const Mechanism& mechanism, size_t joint) const;
 
-    /// Momentum and angular momentum about the world's origin of all that is inside, at t_n, as Newmark's rule keeps them:
-    /// the angular momentum differs from Σ x × m v + L by a part of order h² that does not grow.
+    /// Momentum and angular momentum about the world's origin of all that is inside, over the step before t_n.
     Twist momentum(const Mechanism& mechanism) const;
+    /// The same as Newmark's rule keeps it: at t_n, of y = x − β h² F/m in place of x (Kane et al. 2000, Int. J. Numer. Meth.
+    /// Eng. 49, 1295–1325). It differs by a part of order h² that does not grow.
+    Twist newmark_momentum(const Mechanism& mechanism) const;
 
     /// Solutions of the linear equations over all steps so far, and factorisations.
     long passes() const { return passes_; }

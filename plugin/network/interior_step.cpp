@@ -45,8 +45,8 @@ void Interior::look_at_joints(const Mechanism& mechanism) {
         const JointPose before = joint.pose(mechanism.before[static_cast<size_t>(joint.from())],
                                             mechanism.before[static_cast<size_t>(joint.to())]);
         RigidMap& known = rigid_known_[k] = {};
-        known.add(scheme.weight(1), now_[j], turn ? turn->rotation.d : Vector3::Zero());
-        known.add(scheme.weight(2), before, turn ? turn->rotation.d_before : Vector3::Zero());
+        known.add(scheme.elastic_weight(1), now_[j], turn ? turn->rotation.d : Vector3::Zero());
+        known.add(scheme.elastic_weight(2), before, turn ? turn->rotation.d_before : Vector3::Zero());
     }
     massless_.look(mechanism);
 }
@@ -94,7 +94,7 @@ void Interior::place_ports(const dttmm_motion* ports) const {
 JointForce Interior::rigid_action(const Mechanism& mechanism, size_t j, const JointPose& at_end, const Vector3& theta,
                                   const Vector6& q) const {
     RigidMap map = rigid_known_[static_cast<size_t>(rigid_index_[j])];
-    map.add(mechanism.scheme.weight(0), at_end, theta);
+    map.add(mechanism.scheme.elastic_weight(0), at_end, theta);
     return map.of(q);
 }
 
@@ -511,7 +511,7 @@ void Interior::take_momentum(const Mechanism& mechanism) {
             Vector6 left = estate(mechanism, i, trial_[static_cast<size_t>(driven_) + i]), elastic = Vector6::Zero();
             const std::vector<Frame>* const frames[3] = {&trial_, &mechanism.frames, &mechanism.before};
             for (int back : {0, 1, 2}) {
-                const Vector6 then = mechanism.scheme.weight(back) * massless_part(i, burden(i).elastic[back]);
+                const Vector6 then = mechanism.scheme.elastic_weight(back) * massless_part(i, burden(i).elastic[back]);
                 left -= then;
                 elastic += bequest(*frames[back], i, then);
             }

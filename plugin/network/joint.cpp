@@ -109,7 +109,7 @@ Matrix6 Joint::gain(const Scheme& scheme, const Vector3& theta) const {
     Matrix6 gain = Matrix6::Zero();
     gain.topLeftCorner<3, 3>() = halves_[0].law.asDiagonal();
     if (!turns_) return gain;
-    const double weight = scheme.weight(0);
+    const double weight = scheme.elastic_weight(0);
     gain.bottomRightCorner<3, 3>() = weight * turn_stiffness(theta);
     gain.bottomRightCorner<3, 3>().diagonal() += halves_[1].law - weight * halves_[1].stiffness;
     return gain;
@@ -145,12 +145,13 @@ EndBlocks Joint::acting_stiffness(const JointPose& pose, const Vector3& force) {
 /// What of the force over the coming step is known before its end is: for an explicit scheme all of it.
 void Joint::recall(const Scheme& scheme, const JointPose& now, JointState& state, const TurnState* turn) const {
     state.known = {};
-    state.known.add(scheme.weight(1), state.elastic);
-    state.known.add(scheme.weight(2), state.elastic_before);
-    if (!is_damped_) return;
+    state.known.add(scheme.elastic_weight(1), state.elastic);
+    state.known.add(scheme.elastic_weight(2), state.elastic_before);
+    if (!is_damped_ && scheme.lag() == 0) return;
     const auto damper = [&](const JointHalf& half, const HalfState& s) {
-        return Vector3(now.axes * half.damping.cwiseProduct(scheme.rate[1] * s.delta[0] + scheme.rate[2] * s.delta[1] +
-                                                            scheme.rate[3] * s.delta[2]));
+        return Vector3(now.axes * (half.damping.cwiseProduct(scheme.rate[1] * s.delta[0] + scheme.rate[2] * s.delta[1] +
+                                                             scheme.rate[3] * s.delta[2]) +
+                                   scheme.lag() * half.stiffness.cwiseProduct(s.delta[0])));
     };
     state.known.add(1, now.act(damper(halves_[0], state.translation),
                                turn ? damper(halves_[1], turn->rotation) : Vector3(Vector3::Zero())));
@@ -168,13 +169,12 @@ void Joint::start(const Scheme& scheme, FrameView from, FrameView to, const Vect
         turn->attitude = strained.attitude;
         start_half(scheme, strained.theta, rate.tail<3>(), acceleration.tail<3>(), turn->rotation);
     }
-    recall(scheme, now, state, turn);
-    if (!scheme.is_implicit() || !is_damped_) return;
+    if (!scheme.is_implicit()) return recall(scheme, now, state, turn);
     // The rate of the first step is Newmark's from d, d', d'': γ δ₊/h + (1 − γ) d' + (β − γ/2) h d''
     const double gamma = scheme.centred().gamma;
     const Vector6 known = (1 - gamma) * rate + (scheme.centred().beta - 0.5 * gamma) * scheme.step_size() * acceleration;
     state.known = {};
-    state.known.add(1 - scheme.weight(0), state.elastic);
+    state.known.add(1 - scheme.elastic_weight(0), state.elastic);
     state.known.add(1, now.act(now.axes * halves_[0].damping.cwiseProduct(known.head<3>()),
                                now.axes * halves_[1].damping.cwiseProduct(known.tail<3>())));
 }

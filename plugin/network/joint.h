@@ -109,8 +109,8 @@ struct EndBlocks {
 ///
 /// Over a step of the centred scheme its elastic forces at t_{n+1}, t_n and t_{n−1} are weighted, each with the axes and
 /// lever arms of its own instant: Newmark's rule for the whole wrench, so that a lasting force turns with the parts
-/// implicitly too. Rates, and increments δ of rotations as the rotation vectors that lead from one instant to the next, are
-/// those of t_n.
+/// implicitly too. Rates, numerical damping, and increments δ of rotations as the rotation vectors that lead from one
+/// instant to the next, have the axes of t_n.
 ///
 /// The memory is the caller's: a JointState and, if turns(), a TurnState.
 class Joint {
@@ -265,13 +265,14 @@ inline JointForce Joint::weigh(const Scheme& scheme, const Strained& end, const 
                                const TurnState* turn) const {
     JointForce force = state.known;
     if (!scheme.is_implicit()) return force;
-    force.add(scheme.weight(0), end.elastic);
-    if (!is_damped_) return force;
-    const Vector3 slide = now.axes * halves_[0].damping.cwiseProduct(scheme.rate[0] * (end.d - state.translation.d));
+    force.add(scheme.elastic_weight(0), end.elastic);
+    if (!is_damped_ && scheme.lag() == 0) return force;
+    const auto damper = [&](const JointHalf& half, const Vector3& delta) {
+        return Vector3(now.axes * (scheme.rate[0] * half.damping + scheme.lag() * half.stiffness).cwiseProduct(delta));
+    };
+    const Vector3 slide = damper(halves_[0], end.d - state.translation.d);
     Vector3 moment = Vector3::Zero();
-    if (turn)
-        moment = now.axes * halves_[1].damping.cwiseProduct(scheme.rate[0] *
-                                                            rotation_vector(end.attitude * turn->attitude.transpose()));
+    if (turn) moment = damper(halves_[1], rotation_vector(end.attitude * turn->attitude.transpose()));
     force.add(1, now.act(slide, moment));
     return force;
 }

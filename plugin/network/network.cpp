@@ -27,6 +27,10 @@ Network::Network(const dttmm_network& description) : mechanism_(description) {
     if (description.element_count == 0) throw Error(DTTMM_ERROR_MODEL, "a network without an element");
     if (mechanism_.assembly.inner_count() > 0) interior_ = std::make_unique<Interior>(mechanism_, description);
     declare_channels(description);
+    for (const Vector3& arm : mechanism_.assembly.port_arms) has_arms_ = has_arms_ || !arm.isZero(0);
+    at_centre_.resize(static_cast<size_t>(port_count()));
+    arms_.assign(at_centre_.size(), Vector3::Zero());
+    trial_arms_ = arms_;
 }
 
 void Network::declare(const std::string& name, const char* unit, uint32_t of, uint32_t index, uint32_t role) {
@@ -86,7 +90,7 @@ void Network::load_weights(double weights[3]) const {
     for (int back : {0, 1, 2}) weights[back] = mechanism_.scheme.weight(back);
 }
 
-// ---- The force law ------------------------------------------------------------------------------------------------------
+// ---- What the joints do --------------------------------------------------------------------------------------------------
 
 /// Adds a joint's blocks to the stiffness that the ports feel.
 void Network::add_stiffness(const Joint& joint, const EndBlocks& blocks, double* stiffness) const {
@@ -99,8 +103,57 @@ void Network::add_stiffness(const Joint& joint, const EndBlocks& blocks, double*
             if (frames[i] < ports && frames[j] < ports) S.block<6, 6>(6 * frames[i], 6 * frames[j]) += blocks.at[i][j];
 }
 
-void Network::linearise(const dttmm_motion* ports, double* wrench, double* stiffness, double* damping) const {
-    if (interior_) return interior_->linearise(mechanism_, ports, wrench, stiffness, damping);
+// ---- Ports and the centres of mass of their bodies -----------------------------------------------------------------------
+
+/// Motions of the centres of mass, with the axes of the ports. The velocities are right at an instant; over a step nothing
+/// looks at them.
+const dttmm_motion* Network::at_centres(const dttmm_motion* ports) const {
+    if (!has_arms_) return ports;
+    for (size_t p = 0; p < at_centre_.size(); ++p) {
+        dttmm_motion& motion = at_centre_[p] = ports[p];
+        const Vector3 arm = trial_arms_[p] = FrameView(ports[p]).axes() * mechanism_.assembly.port_arms[p];
+        Map3{motion.position} -= arm;
+        Map3{motion.velocity} -= Map3{motion.angular_velocity}.cross(arm);
+    }
+    return at_centre_.data();
+}
+
+/// Wrenches from centres of mass to ports that are `arms` away.
+void Network::refer_wrench(const std::vector<Vector3>& arms, double* wrench) const {
+    if (!has_arms_) return;
+    for (size_t p = 0; p < arms.size(); ++p) Map3{wrench + 6 * p + 3} -= arms[p].cross(Map3{wrench + 6 * p});
+}
+
+/// The same of −∂(wrench)/∂(motion), null or not.
+void Network::refer_matrix(const std::vector<Vector3>& arms, double* matrix) const {
+    if (!has_arms_ || !matrix) return;
+    // Pose of the centre by that of the port: δc = δp + arm~ δθ; wrenches by the transpose
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const int size = 6 * port_count();
+    Eigen::Map<RowMajor> S(matrix, size, size);
+    for (int p = 0; p < size; p += 6) {
+        const Matrix3 arm = skew(arms[static_cast<size_t>(p / 6)]);
+        for (int row = 0; row < size; row += 3) S.block<3, 3>(row, p + 3) += (S.block<3, 3>(row, p) * arm).eval();
+        for (int column = 0; column < size; column += 3)
+            S.block<3, 3>(p + 3, column) -= (arm * S.block<3, 3>(p, column)).eval();
+    }
+}
+
+// ---- The force law at one instant ---------------------------------------------------------------------------------------
+
+void Network::linearise(const dttmm_motion* nodes, double* wrench, double* stiffness, double* damping) const {
+    const dttmm_motion* ports = at_centres(nodes);
+    if (interior_) {
+        interior_->linearise(mechanism_, ports, wrench, stiffness, damping);
+    } else {
+        linearise_joints(ports, wrench, stiffness, damping);
+    }
+    refer_wrench(trial_arms_, wrench);
+    refer_matrix(trial_arms_, stiffness);
+    refer_matrix(trial_arms_, damping);
+}
+
+void Network::linearise_joints(const dttmm_motion* ports, double* wrench, double* stiffness, double* damping) const {
     const size_t n = 6 * static_cast<size_t>(port_count());
     std::fill_n(wrench, n, 0.0);
     if (stiffness) std::fill_n(stiffness, n * n, 0.0);
@@ -132,10 +185,19 @@ void Network::add_wrench(const Joint& joint, const JointForce& force, double* wr
 
 // ---- Time steps ---------------------------------------------------------------------------------------------------------
 
-void Network::start(const dttmm_step& step, const dttmm_motion* ports, const double* accelerations, const double* loads) {
+void Network::start(const dttmm_step& step, const dttmm_motion* nodes, const double* node_accelerations,
+                    const double* loads) {
     if (open_) throw Error(DTTMM_ERROR_PHASE, "start: a step is open");
     if (!(step.size > 0) || !std::isfinite(step.size))
         throw Error(DTTMM_ERROR_ARGUMENT, "start: the step size must be positive");
+    const dttmm_motion* ports = at_centres(nodes);
+    arms_ = trial_arms_;
+    std::vector<double> at_centre(node_accelerations, node_accelerations + 6 * arms_.size());
+    for (size_t p = 0; p < arms_.size(); ++p) {  // a − α × arm − ω × (ω × arm)
+        const Eigen::Map<const Vector3> w(nodes[p].angular_velocity);
+        Map3{&at_centre[6 * p]} -= Map3{&at_centre[6 * p + 3]}.cross(arms_[p]) + w.cross(w.cross(arms_[p]));
+    }
+    const double* accelerations = at_centre.data();
     refuse_large_rotations(ports);
     step_size_ = step.size;
     mechanism_.steps = 0;
@@ -175,13 +237,19 @@ void Network::begin_step(const dttmm_step& step, const double* loads) {
     open_ = true;
 }
 
-void Network::evaluate(const dttmm_motion* motion, double* wrench, double* stiffness) const {
+void Network::evaluate(const dttmm_motion* nodes, double* wrench, double* stiffness) const {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "evaluate: no step is open");
     if (interior_) {
-        interior_->evaluate(mechanism_, motion, wrench);
+        interior_->evaluate(mechanism_, at_centres(nodes), wrench);
         if (stiffness) interior_->write_stiffness(mechanism_, stiffness);
-        return;
+    } else {
+        evaluate_joints(is_implicit() ? at_centres(nodes) : nodes, wrench, stiffness);
     }
+    refer_wrench(arms_, wrench);
+    refer_matrix(arms_, stiffness);  // about those of t_n, as the host has it: its own symmetric part stays
+}
+
+void Network::evaluate_joints(const dttmm_motion* motion, double* wrench, double* stiffness) const {
     const size_t n = 6 * static_cast<size_t>(port_count());
     std::fill_n(wrench, n, 0.0);
     if (stiffness) std::fill_n(stiffness, n * n, 0.0);
@@ -195,7 +263,8 @@ void Network::evaluate(const dttmm_motion* motion, double* wrench, double* stiff
             const JointPose end = joint.pose(from, to);
             const Joint::Strained strained = joint.strain(from, to, end);
             add_stiffness(joint, joint.stiffness(end, joint.gain(mechanism_.scheme, strained.theta)), stiffness);
-            const Vector3 acting = mechanism_.scheme.weight(0) * strained.elastic.force;
+            // The force that acts as at t_n: that of a trial far from the solution may be any
+            const Vector3 acting = mechanism_.scheme.elastic_weight(0) * state.elastic.force;
             add_stiffness(joint, Joint::acting_stiffness(end, acting), stiffness);
         }
     }
@@ -206,13 +275,16 @@ void Network::refuse_large_rotations(const dttmm_motion* ports) const {
         joint.refuse_large_rotation(trial(joint.from(), ports), trial(joint.to(), ports));
 }
 
-void Network::commit_step(const dttmm_motion* accepted) {
+void Network::commit_step(const dttmm_motion* nodes) {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "commit_step: no step is open");
+    const dttmm_motion* accepted = at_centres(nodes);
     if (interior_) {
         interior_->commit(mechanism_, accepted);
     } else {
         commit_joints(accepted);
     }
+    if (has_arms_)
+        for (size_t p = 0; p < arms_.size(); ++p) arms_[p] = FrameView(nodes[p]).axes() * mechanism_.assembly.port_arms[p];
     ++mechanism_.steps;
     open_ = false;
 }
@@ -244,7 +316,8 @@ std::vector<std::pair<void*, size_t>> Network::state_parts() const {
     auto& mechanism = const_cast<Mechanism&>(mechanism_);
     std::vector<std::pair<void*, size_t>> parts = {{&mechanism.steps, sizeof mechanism.steps},
                                                    {mechanism.states.data(), mechanism.states.size() * sizeof(JointState)},
-                                                   {mechanism.turns.data(), mechanism.turns.size() * sizeof(TurnState)}};
+                                                   {mechanism.turns.data(), mechanism.turns.size() * sizeof(TurnState)},
+                                                   {const_cast<Vector3*>(arms_.data()), arms_.size() * sizeof(Vector3)}};
     const auto ports = static_cast<size_t>(port_count()), driven = static_cast<size_t>(mechanism.assembly.driven_count);
     for (std::vector<Frame>* frames : {&mechanism.frames, &mechanism.before}) {
         parts.emplace_back(frames->data(), ports * sizeof(Frame));  // the ground behind them stays where it is

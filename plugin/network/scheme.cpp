@@ -54,6 +54,9 @@ Scheme::Scheme(uint32_t id, Centred centred) : id_(id), centred_(centred), weigh
     weights_[0] = centred.weight_after();
     weights_[1] = centred.weight_now();
     weights_[2] = centred.weight_before();
+    elastic_[0] = elastic_[2] = 0.5 * (weights_[0] + weights_[2]);
+    elastic_[1] = 1 - 2 * elastic_[0];
+    lag_ = 0.5 * (weights_[0] - weights_[2]);
 }
 
 void Scheme::set_step_size(double h) {

@@ -29,7 +29,7 @@ constexpr Ends kAllEnds[] = {{true, true}, {false, true}, {true, false}};
 void expect_equal(const std::vector<double>& a, const std::vector<double>& b, const char* what) {
     ASSERT_EQ(a.size(), b.size());
     const Eigen::Map<const Eigen::VectorXd> u(a.data(), static_cast<Eigen::Index>(a.size())), v(b.data(), u.size());
-    EXPECT_LE((u - v).norm(), 1e-13 * v.norm()) << what;
+    EXPECT_LE((u - v).norm(), 3e-13 * v.norm()) << what;
 }
 
 void expect_equal(const Answer& spring, const Answer& reference) {
@@ -37,12 +37,13 @@ void expect_equal(const Answer& spring, const Answer& reference) {
     expect_equal(spring.stiffness, reference.stiffness, "stiffness");
     for (const auto& [name, value] : spring.outputs) {
         ASSERT_TRUE(reference.outputs.contains(name)) << name;
-        EXPECT_NEAR(value, reference.outputs.at(name), 1e-12 * std::abs(value) + 1e-15) << name;
+        const double rounding = name.starts_with("force") ? 4e-16 * kSpring[1] : 1e-15;  // of the deflection, 4e-16 m
+        EXPECT_NEAR(value, reference.outputs.at(name), 1e-12 * std::abs(value) + rounding) << name;
     }
 }
 
 // Oracle: the built-in spring-damper without rotational parts, an equal law written in another way. Along a motion with
-// large rotations only rounding separates the two: 1e-13 of the wrench.
+// large rotations only rounding separates the two: 3e-13 of the wrench.
 TEST(IndependentPlugin, EqualsTheBuiltInSpringInEverySchemeAndBetweenAllEnds) {
     for (uint32_t scheme = DTTMM_SCHEME_CENTRED; scheme <= DTTMM_SCHEME_PARK; ++scheme)
         for (const Ends& ends : kAllEnds) {
@@ -79,8 +80,8 @@ TEST(IndependentPlugin, SavesItsStateToTheBitAndSharesNothing) {
 }
 
 TEST(IndependentPlugin, RefusesWithTextElementAndNoInstance) {
-    const dttmm_node nodes[] = {{"a", DTTMM_NODE_GROUND, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}},
-                                {"b", DTTMM_NODE_GROUND, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}}};
+    const dttmm_node nodes[] = {{"a", DTTMM_NODE_GROUND, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}, {}},
+                                {"b", DTTMM_NODE_GROUND, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}, {}}};
     const uint32_t from_to[] = {0, 1};
     const dttmm_element element{"joint", 0, 2, from_to, kSpring.data()};
     const dttmm_network network{2, nodes, 1, &element, DTTMM_SCHEME_CENTRED, 0.25, 0.5, {}};

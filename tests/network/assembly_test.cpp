@@ -35,7 +35,7 @@ public:
     /// Its place and axes follow from its number: no two alike, all turned.
     uint32_t node(const char* name, uint32_t kind, uint32_t fixed = 0) {
         const double n = static_cast<double>(nodes.size());
-        dttmm_node node{name, kind, {}, {}, fixed, 0, {}, {}};
+        dttmm_node node{name, kind, {}, {}, fixed, 0, {}, {}, {}};
         Eigen::Map<Vector3>{node.position} = Vector3(0.3 * n, 0.1 - 0.05 * n * n, 0.2 + 0.07 * n);
         Eigen::Map<RowMajor>{node.rotation} = rotation_from_vector(Vector3(0.4 + n, -0.8, 1.3 - 0.5 * n));
         nodes.push_back(node);

@@ -353,16 +353,16 @@ NetworkModel make_thrown_beam(double E) {
     return model;
 }
 
-// Oracle: conservation. Nothing acts on the beam; its tip nodes are massless.
+// Oracle: conservation, of Newmark's angular momentum to rounding. Nothing acts on the beam; its tip nodes are massless.
 TEST(Interior, AThrownBeamKeepsMomentumAndAngularMomentumToRounding) {
     for (const double E : {204e9, 2e9, 0.1e9}) {
         Journey run(make_thrown_beam(E), 1e-4);
         run.start();
         run.step();
-        const Twist start = run.network().interior()->momentum(run.network().mechanism());
+        const Twist start = run.network().interior()->newmark_momentum(run.network().mechanism());
         const double energy = run.energy();
         for (int n = 0; n < 5000; ++n) run.step();
-        const Twist end = run.network().interior()->momentum(run.network().mechanism());
+        const Twist end = run.network().interior()->newmark_momentum(run.network().mechanism());
         EXPECT_LT((end.linear - start.linear).norm(), 2e-12 * start.linear.norm()) << E;
         EXPECT_LT((end.angular - start.angular).norm(), 2e-12 * start.angular.norm()) << E;
         EXPECT_NEAR(run.energy(), energy, 2e-4 * energy) << E;
@@ -685,7 +685,8 @@ TEST(Interior, EvaluateIsPure) {
 }
 
 // Oracle: action and reaction: what the ports feel is what the inside loses, whatever motion is committed; free of gravity,
-// momentum and angular momentum of the inside change by the impulse of the ports alone, to rounding.
+// the momentum of the inside changes by the impulse of the ports alone, to rounding. So does its angular momentum but for
+// the way of a step, 2e-5 m of 0.5 m, over which the forces of other instants are apart.
 TEST(Interior, ThePortsFeelWhatTheInsideLoses) {
     Bridge bridge;
     for (int n = 0; n < 10; ++n) bridge.step();
@@ -705,7 +706,7 @@ TEST(Interior, ThePortsFeelWhatTheInsideLoses) {
         }
         const double size = Bridge::h * Eigen::Map<const Eigen::VectorXd>(w.data(), 12).norm();
         EXPECT_LT((after.linear - before.linear + Bridge::h * force).norm(), 1e-11 * size) << extra;
-        EXPECT_LT((after.angular - before.angular + Bridge::h * moment).norm(), 1e-9 * size) << extra;
+        EXPECT_LT((after.angular - before.angular + Bridge::h * moment).norm(), 1e-4 * size) << extra;
         ++bridge.n;
         bridge.begin();
     }

@@ -23,7 +23,7 @@ public:
     dttmm_node& node(const std::string& name, uint32_t kind, const Eigen::Vector3d& position,
                      const Eigen::Matrix3d& rotation = Eigen::Matrix3d::Identity()) {
         names_.push_back(name);
-        dttmm_node node{names_.back().c_str(), kind, {}, {}, 0, 0, {}, {}};
+        dttmm_node node{names_.back().c_str(), kind, {}, {}, 0, 0, {}, {}, {}};
         Eigen::Map<Eigen::Vector3d>{node.position} = position;
         Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>{node.rotation} = rotation;
         index_[name] = static_cast<uint32_t>(nodes_.size());

@@ -225,15 +225,15 @@ TEST(Joints, SliderCrankWithAnElasticCouplerKeepsItsEnergy) {
 }
 
 // The same machine with ODE's fixed joint and with a very stiff spring-damper in its place. The spring gives by F/k, some
-// 1e-7 of the stroke.
+// 7e-7 of the stroke; the rest of the difference falls with h².
 TEST(Joints, FixedJointAndVeryStiffSpringAgree) {
     const Plugins plugins;
-    const History fixed = run(slider_crank(plugins, CouplerJoint::fixed, 0), plugins, 2e-4, 1);
-    const History stiff = run(slider_crank(plugins, CouplerJoint::elastic, 1e10), plugins, 2e-4, 1);
+    const History fixed = run(slider_crank(plugins, CouplerJoint::fixed, 0), plugins, 1e-4, 1);
+    const History stiff = run(slider_crank(plugins, CouplerJoint::elastic, 1e11), plugins, 1e-4, 1);
     const double turned = fixed.largest("guide.travel");
     EXPECT_GT(turned, 0.114);  // from upright to stretched: it turns round
     for (size_t n = 0; n < fixed["time"].size(); ++n)
-        ASSERT_NEAR(fixed["guide.travel"][n], stiff["guide.travel"][n], 1e-5 * turned) << n;
+        ASSERT_NEAR(fixed["guide.travel"][n], stiff["guide.travel"][n], 4e-6 * turned) << n;
 }
 
 // Oracle: Cardan's joint, tan(out) = tan(in)/cos(bend) from where the input's cross arm is at right angles to the plane of

@@ -290,6 +290,32 @@ TEST(EndOfStep, AStiffPairTurnsSlowly) {
     EXPECT_LT(simulation.end_of_step().passes(), 7 * 3000);
 }
 
+// Oracle: a pair that turns steadily does not vibrate, so that numerical damping takes nothing from it. Applied to the
+// directions of the forces it would be a drag of (γ − 1/2) ω h times the pull: 2 % of the speed per second.
+TEST(EndOfStep, NumericalDampingDoesNotBrakeAMachineThatTurns) {
+    const Plugins plugins;
+    Model model;
+    model.simulation.step = 1e-3;
+    model.simulation.duration = 2;
+    model.simulation.spectral_radius = 0.9;
+    for (int i = 0; i < 2; ++i) {
+        Body body = test::box(i ? "b" : "a", 1 + i, {1, 0.1, 0.1}, {i - 0.5, 0, 0});
+        body.velocity = {0, 20 * (i - 0.5), 0};
+        body.angular_velocity = {0, 0, 20};
+        body.markers.push_back({"end", {0.5 - i, 0, 0}, Eigen::Matrix3d::Identity()});
+        model.bodies.push_back(body);
+    }
+    Element pin = test::spring("pin", plugins, {0, 0}, {1, 0}, 1e9, 0);
+    for (size_t i = 6; i < 9; ++i) pin.values[i] = 1e6;
+    model.elements.push_back(pin);
+    Simulation simulation(model, plugins);
+    for (int n = 0; n < 500; ++n) simulation.step();  // the pull is not there at the start: what that excites dies out
+    const double speed = simulation.bodies()[0].angular_velocity.z();
+    EXPECT_NEAR(speed, 20, 0.01);
+    for (int n = 0; n < 1500; ++n) simulation.step();
+    for (const BodyState& body : simulation.bodies()) EXPECT_NEAR(body.angular_velocity.z(), speed, 1e-6);
+}
+
 // Connected bodies are judged together: the far end of a joint brings the rounding of its position to the near one, which by
 // its own place alone would be asked for digits that are not there, and never give them.
 TEST(EndOfStep, AFarPartnerBringsItsRounding) {

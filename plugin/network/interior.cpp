@@ -421,11 +421,16 @@ Twist Interior::momentum(const Mechanism& mechanism) const {
 Twist Interior::newmark_momentum(const Mechanism& mechanism) const {
     // With F the elastic force on a frame, y = x − β h² F/m and P − β h (F_n − F_{n−1}) move in leap-frog by F_n alone.
     // Their moment does not change: y × F = x × F.
+    const Scheme& scheme = mechanism.scheme;
     std::vector<Vector6> now(mechanism.frames.size(), Vector6::Zero()), before = now;
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const auto a = static_cast<size_t>(mechanism.joints[j].from()), b = static_cast<size_t>(mechanism.joints[j].to());
         Joint::add_wrench(mechanism.states[j].elastic, now[a].data(), now[b].data());
-        Joint::add_wrench(mechanism.states[j].elastic_before, before[a].data(), before[b].data());
+        JointForce force = mechanism.states[j].known;  // without a damper (1 − 2s) F_n + s F_{n−1}
+        force.add(-scheme.elastic_weight(1), mechanism.states[j].elastic);
+        JointForce earlier;
+        earlier.add(1 / scheme.elastic_weight(2), force);
+        Joint::add_wrench(earlier, before[a].data(), before[b].data());
     }
     for (size_t i : massless_.frames()) {
         if (!is_inner(inertias_[i].heir)) continue;

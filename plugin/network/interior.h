@@ -50,10 +50,10 @@ public:
     void start(Mechanism& mechanism, const dttmm_motion* ports, const double* accelerations, const double* loads);
     void begin_step(const Mechanism& mechanism, const double* loads);
     /// Wrenches on the ports over the open step, at a trial end of it.
-    void evaluate(const Mechanism& mechanism, const dttmm_motion* trial, double* wrench) const;
+    void evaluate(const Mechanism& mechanism, const Frame* ports, double* wrench) const;
     /// −∂(wrench)/∂(pose), 6P × 6P row-major.
     void write_stiffness(const Mechanism& mechanism, double* stiffness) const;
-    void commit(Mechanism& mechanism, const dttmm_motion* accepted);
+    void commit(Mechanism& mechanism, const Frame* ports);
 
     /// At t_n, the start of the step last committed; a point of a frame in its axes.
     Twist velocity(const Mechanism& mechanism, int frame, const Vector3& offset) const;
@@ -65,8 +65,8 @@ public:
 
     /// Momentum and angular momentum about the world's origin of all that is inside, over the step before t_n.
     Twist momentum(const Mechanism& mechanism) const;
-    /// The same as Newmark's rule keeps it: at t_n, of y = x − β h² F/m in place of x (Kane et al. 2000, Int. J. Numer. Meth.
-    /// Eng. 49, 1295–1325). It differs by a part of order h² that does not grow.
+    /// The same as Newmark's rule keeps it: at t_n, of y = x − β h² F/m in place of x (Kane et al. 2000, Int. J. Numer.
+    /// Meth. Eng. 49, 1295–1325). It differs by a part of order h² that does not grow. For networks without dampers.
     Twist newmark_momentum(const Mechanism& mechanism) const;
 
     /// Solutions of the linear equations over all steps so far, and factorisations.
@@ -137,7 +137,6 @@ private:
     void set_elastic(const Mechanism& mechanism);
 
     void place(const Mechanism& mechanism, size_t frame, const Vector6& u) const;
-    void place_ports(const dttmm_motion* ports) const;
     JointForce rigid_action(const Mechanism& mechanism, size_t joint, const JointPose& at_end, const Vector3& theta,
                             const Vector6& q) const;
     JointForce force_over_step(const Mechanism& mechanism, size_t joint, const JointPose& at_end,
@@ -154,7 +153,7 @@ private:
     void solve(const Mechanism& mechanism, Solution& solution) const;
     void look_at_joints(const Mechanism& mechanism);
     void drop_anchor(const Mechanism& mechanism);
-    const Solution& respond(const Mechanism& mechanism, const dttmm_motion* ports) const;
+    const Solution& respond(const Mechanism& mechanism, const Frame* ports) const;
     Vector6 motion_of(size_t frame, const Solution& solution) const;
     Vector6 change_of(int frame, const Solution& solution) const;
     JointForce near_force(const Mechanism& mechanism, size_t near, const Solution& solution) const;
@@ -162,11 +161,11 @@ private:
     Vector6 massless_part(size_t frame, Vector6 wrench) const;
     Vector6 estate(const Mechanism& mechanism, size_t frame, FrameView end) const;
     bool rigid_directions_have_turned(const Mechanism& mechanism) const;
-    void find_end(const Mechanism& mechanism, const Solution& solution, const dttmm_motion* accepted);
+    void find_end(const Mechanism& mechanism, const Solution& solution, const Frame* ports);
     void take_forces(Mechanism& mechanism, const Solution& solution);
     void take_momentum(const Mechanism& mechanism);
     void take_loads(const Mechanism& mechanism);
-    void take_motion(Mechanism& mechanism, const dttmm_motion* accepted);
+    void take_motion(Mechanism& mechanism);
 
     Matrix6 mass_matrix(size_t frame) const;
     Vector6 rigid_values(const Mechanism& mechanism, size_t joint, const std::vector<double>& q) const;

@@ -83,13 +83,6 @@ void Interior::place(const Mechanism& mechanism, size_t i, const Vector6& u) con
     MapR{trial_[f].rotation}.noalias() = now.axes() * rotation_from_vector(h * u.tail<3>());
 }
 
-void Interior::place_ports(const dttmm_motion* ports) const {
-    for (size_t p = 0; p < port_u_.size(); ++p) {
-        std::copy_n(ports[p].position, 3, trial_[p].position);
-        std::copy_n(ports[p].rotation, 9, trial_[p].rotation);
-    }
-}
-
 /// Forces q of a joint's rigid directions over the step.
 JointForce Interior::rigid_action(const Mechanism& mechanism, size_t j, const JointPose& at_end, const Vector3& theta,
                                   const Vector6& q) const {
@@ -310,7 +303,7 @@ bool Interior::is_good_enough(double correction, const Solution& solution) {
 
 /// The solution for a motion of the ports: the anchored one, to which port_change_ is to be added linearly, if that is good
 /// enough, else one of its own.
-const Interior::Solution& Interior::respond(const Mechanism& mechanism, const dttmm_motion* ports) const {
+const Interior::Solution& Interior::respond(const Mechanism& mechanism, const Frame* ports) const {
     const double h = mechanism.scheme.step_size();
     double largest = 0;
     for (size_t p = 0; p < port_u_.size(); ++p) {
@@ -328,10 +321,7 @@ const Interior::Solution& Interior::respond(const Mechanism& mechanism, const dt
     if (is_near && is_good_enough(kLinearShare * port_way_ / kFarther, anchor_)) return anchor_;
     other_.contraction = anchor_.contraction;
     other_.scale = anchor_.scale;
-    for (size_t p = 0; p < port_u_.size(); ++p) {
-        std::copy_n(ports[p].position, 3, other_.ports[p].position);
-        std::copy_n(ports[p].rotation, 9, other_.ports[p].rotation);
-    }
+    std::copy_n(ports, port_u_.size(), other_.ports.begin());
     for (size_t i = 0; i < state_.size(); ++i) other_.u[i] = anchor_.u[i] + anchor_.change[i] + responses_[i] * port_change_;
     rigid_change_.noalias() = rigid_responses_ * port_change_;
     for (size_t i = 0; i < other_.q.size(); ++i)
@@ -398,8 +388,8 @@ JointForce Interior::near_force(const Mechanism& mechanism, size_t k, const Solu
     return force;
 }
 
-void Interior::evaluate(const Mechanism& mechanism, const dttmm_motion* trial, double* wrench) const {
-    const Solution& solution = respond(mechanism, trial);
+void Interior::evaluate(const Mechanism& mechanism, const Frame* ports, double* wrench) const {
+    const Solution& solution = respond(mechanism, ports);
     find_rigid_forces(mechanism, solution);
     for (int frame : port_frames_) wrench_[static_cast<size_t>(frame)].setZero();
     for (size_t k = 0; k < near_joints_.size(); ++k) {
@@ -416,20 +406,20 @@ void Interior::evaluate(const Mechanism& mechanism, const dttmm_motion* trial, d
     for (int p = 0; p < ports_; ++p) Eigen::Map<Vector6>{wrench + 6 * p} = wrench_[static_cast<size_t>(p)];
 }
 
-void Interior::commit(Mechanism& mechanism, const dttmm_motion* accepted) {
-    const Solution& solution = respond(mechanism, accepted);
+void Interior::commit(Mechanism& mechanism, const Frame* ports) {
+    const Solution& solution = respond(mechanism, ports);
     find_rigid_forces(mechanism, solution);
     rigid_ = q_;
     books_.port_way = port_way_;
     books_.contraction = solution.contraction;
     books_.scale = 0.98 * solution.scale;
     const bool is_slow = solution.rate > kSlowestContraction;
-    find_end(mechanism, solution, accepted);
+    find_end(mechanism, solution, ports);
     take_forces(mechanism, solution);
     set_elastic(mechanism);
     take_momentum(mechanism);
     take_loads(mechanism);
-    take_motion(mechanism, accepted);
+    take_motion(mechanism);
     if (is_slow || rigid_directions_have_turned(mechanism))
         refactor(mechanism);
     else
@@ -454,7 +444,7 @@ bool Interior::rigid_directions_have_turned(const Mechanism& mechanism) const {
 }
 
 /// The frames and velocities where the step ends.
-void Interior::find_end(const Mechanism& mechanism, const Solution& solution, const dttmm_motion* accepted) {
+void Interior::find_end(const Mechanism& mechanism, const Solution& solution, const Frame* ports) {
     for (size_t i = 0; i < state_.size(); ++i) {
         State& state = state_[i];
         const RowMajor3 R = mechanism.frame(driven_ + static_cast<int>(i)).axes();
@@ -473,7 +463,7 @@ void Interior::find_end(const Mechanism& mechanism, const Solution& solution, co
             next += (0.5 * next * (RowMajor3::Identity() - next.transpose() * next)).eval();
         }
     }
-    place_ports(accepted);
+    std::copy_n(ports, port_u_.size(), trial_.begin());
 }
 
 /// The forces over the step, those of each joint a pair that balances exactly. The joints' memory moves on.
@@ -561,10 +551,10 @@ void Interior::take_loads(const Mechanism& mechanism) {
 }
 
 /// Moves the frames to the end of the step.
-void Interior::take_motion(Mechanism& mechanism, const dttmm_motion* accepted) {
+void Interior::take_motion(Mechanism& mechanism) {
     const double h = mechanism.scheme.step_size();
     for (size_t p = 0; p < port_u_.size(); ++p) {
-        const FrameView now = mechanism.frames[p], next = accepted[p];
+        const FrameView now = mechanism.frames[p], next = trial_[p];
         Vector6 u;
         u << now.axes().transpose() * (next.origin() - now.origin()), rotation_vector(now.axes().transpose() * next.axes());
         port_u_before_[p] = mechanism.steps == 0 ? Vector6(u / h) : port_u_[p];

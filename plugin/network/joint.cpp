@@ -142,11 +142,13 @@ EndBlocks Joint::acting_stiffness(const JointPose& pose, const Vector3& force) {
 
 // ---- Time steps ---------------------------------------------------------------------------------------------------------
 
-/// What of the force over the coming step is known before its end is: for an explicit scheme all of it.
-void Joint::recall(const Scheme& scheme, const JointPose& now, JointState& state, const TurnState* turn) const {
+/// What of the force over the coming step is known before its end is: for an explicit scheme all of it. before: the elastic
+/// force at t_{n−1}.
+void Joint::recall(const Scheme& scheme, const JointPose& now, const JointForce& before, JointState& state,
+                   const TurnState* turn) const {
     state.known = {};
     state.known.add(scheme.elastic_weight(1), state.elastic);
-    state.known.add(scheme.elastic_weight(2), state.elastic_before);
+    state.known.add(scheme.elastic_weight(2), before);
     if (!is_damped_ && scheme.lag() == 0) return;
     const auto damper = [&](const JointHalf& half, const HalfState& s) {
         return Vector3(now.axes * (half.damping.cwiseProduct(scheme.rate[1] * s.delta[0] + scheme.rate[2] * s.delta[1] +
@@ -163,13 +165,13 @@ void Joint::start(const Scheme& scheme, FrameView from, FrameView to, const Vect
     const Strained strained = strain(from, to, now);
     state.dissipated = 0;
     state.power = 0;
-    state.elastic = state.elastic_before = strained.elastic;
+    state.elastic = strained.elastic;
     start_half(scheme, strained.d, rate.head<3>(), acceleration.head<3>(), state.translation);
     if (turn) {
         turn->attitude = strained.attitude;
         start_half(scheme, strained.theta, rate.tail<3>(), acceleration.tail<3>(), turn->rotation);
     }
-    if (!scheme.is_implicit()) return recall(scheme, now, state, turn);
+    if (!scheme.is_implicit()) return recall(scheme, now, state.elastic, state, turn);
     // The rate of the first step is Newmark's from d, d', d'': γ δ₊/h + (1 − γ) d' + (β − γ/2) h d''
     const double gamma = scheme.centred().gamma;
     const Vector6 known = (1 - gamma) * rate + (scheme.centred().beta - 0.5 * gamma) * scheme.step_size() * acceleration;
@@ -217,7 +219,7 @@ JointForce Joint::advance(const Scheme& scheme, uint64_t steps, FrameView from, 
     const JointPose next = pose(from, to);
     const Strained end = strain(from, to, next);
     const JointForce force = weigh(scheme, end, now, state, turn);
-    state.elastic_before = state.elastic;
+    const JointForce before = state.elastic;
     state.elastic = end.elastic;
     double power = advance_half(scheme, steps, halves_[0], end.d, end.d - state.translation.d, state.translation);
     if (turn) {
@@ -226,7 +228,7 @@ JointForce Joint::advance(const Scheme& scheme, uint64_t steps, FrameView from, 
         power += advance_half(scheme, steps, halves_[1], end.theta, delta, turn->rotation);
         turn->attitude = end.attitude;
     }
-    recall(scheme, next, state, turn);
+    recall(scheme, next, before, state, turn);
     if (steps > 0) state.dissipated += 0.5 * scheme.step_size() * (state.power + power);
     state.power = power;
     return force;

@@ -71,10 +71,10 @@ struct HalfState {
 };
 struct JointState {
     HalfState translation;
-    JointForce elastic, elastic_before;  ///< at t_n and t_{n−1}
-    JointForce known;                    ///< what of the force over the open step does not depend on its end
-    double dissipated;                   ///< energy lost to damping up to t_{n−1} [J]
-    double power;                        ///< at t_{n−1} [W]
+    JointForce elastic;  ///< at t_n
+    JointForce known;    ///< what of the force over the open step does not depend on its end
+    double dissipated;   ///< energy lost to damping up to t_{n−1} [J]
+    double power;        ///< at t_{n−1} [W]
 };
 struct TurnState {
     HalfState rotation;
@@ -200,7 +200,8 @@ public:
 
 private:
     void refuse_rotation(double angle) const;
-    void recall(const Scheme& scheme, const JointPose& now, JointState& state, const TurnState* turn) const;
+    void recall(const Scheme& scheme, const JointPose& now, const JointForce& before, JointState& state,
+                const TurnState* turn) const;
     void start_half(const Scheme& scheme, const Vector3& d, const Vector3& rate, const Vector3& acceleration,
                     HalfState& state) const;
     double advance_half(const Scheme& scheme, uint64_t steps, const JointHalf& half, const Vector3& d, const Vector3& delta,

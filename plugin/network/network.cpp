@@ -28,9 +28,9 @@ Network::Network(const dttmm_network& description) : mechanism_(description) {
     if (mechanism_.assembly.inner_count() > 0) interior_ = std::make_unique<Interior>(mechanism_, description);
     declare_channels(description);
     for (const Vector3& arm : mechanism_.assembly.port_arms) has_arms_ = has_arms_ || !arm.isZero(0);
-    at_centre_.resize(static_cast<size_t>(port_count()));
-    arms_.assign(at_centre_.size(), Vector3::Zero());
+    arms_.assign(static_cast<size_t>(port_count()), Vector3::Zero());
     trial_arms_ = arms_;
+    trial_ = mechanism_.frames;
 }
 
 void Network::declare(const std::string& name, const char* unit, uint32_t of, uint32_t index, uint32_t role) {
@@ -105,17 +105,27 @@ void Network::add_stiffness(const Joint& joint, const EndBlocks& blocks, double*
 
 // ---- Ports and the centres of mass of their bodies -----------------------------------------------------------------------
 
-/// Motions of the centres of mass, with the axes of the ports. The velocities are right at an instant; over a step nothing
-/// looks at them.
-const dttmm_motion* Network::at_centres(const dttmm_motion* ports) const {
-    if (!has_arms_) return ports;
-    for (size_t p = 0; p < at_centre_.size(); ++p) {
-        dttmm_motion& motion = at_centre_[p] = ports[p];
+/// Motions of the centres of mass at an instant, with the axes of the ports.
+std::vector<dttmm_motion> Network::at_centres(const dttmm_motion* ports) const {
+    std::vector<dttmm_motion> centres(ports, ports + port_count());
+    for (size_t p = 0; p < centres.size(); ++p) {
         const Vector3 arm = trial_arms_[p] = FrameView(ports[p]).axes() * mechanism_.assembly.port_arms[p];
-        Map3{motion.position} -= arm;
-        Map3{motion.velocity} -= Map3{motion.angular_velocity}.cross(arm);
+        Map3{centres[p].position} -= arm;
+        Map3{centres[p].velocity} -= Map3{centres[p].angular_velocity}.cross(arm);
     }
-    return at_centre_.data();
+    return centres;
+}
+
+/// Puts the centres of mass where the ports are at a trial end of the step.
+void Network::place(const dttmm_motion* ports) const {
+    for (size_t p = 0; p < arms_.size(); ++p) {
+        Frame& frame = trial_[p];
+        std::copy_n(ports[p].position, 3, frame.position);
+        std::copy_n(ports[p].rotation, 9, frame.rotation);
+        if (!has_arms_) continue;
+        trial_arms_[p].noalias() = FrameView(frame).axes() * mechanism_.assembly.port_arms[p];
+        Map3{frame.position} -= trial_arms_[p];
+    }
 }
 
 /// Wrenches from centres of mass to ports that are `arms` away.
@@ -142,7 +152,8 @@ void Network::refer_matrix(const std::vector<Vector3>& arms, double* matrix) con
 // ---- The force law at one instant ---------------------------------------------------------------------------------------
 
 void Network::linearise(const dttmm_motion* nodes, double* wrench, double* stiffness, double* damping) const {
-    const dttmm_motion* ports = at_centres(nodes);
+    const std::vector<dttmm_motion> centres = at_centres(nodes);
+    const dttmm_motion* ports = centres.data();
     if (interior_) {
         interior_->linearise(mechanism_, ports, wrench, stiffness, damping);
     } else {
@@ -159,7 +170,7 @@ void Network::linearise_joints(const dttmm_motion* ports, double* wrench, double
     if (stiffness) std::fill_n(stiffness, n * n, 0.0);
     if (damping) std::fill_n(damping, n * n, 0.0);
     for (const Joint& joint : mechanism_.joints) {
-        const FrameView from = trial(joint.from(), ports), to = trial(joint.to(), ports);
+        const FrameView from = seen(joint.from(), ports), to = seen(joint.to(), ports);
         const auto velocity = [&](int frame) { return frame < port_count() ? twist(ports[frame]) : Twist{}; };
         const Vector6 f = joint.force(from, to, joint.rate(from, velocity(joint.from()), to, velocity(joint.to())));
         const JointPose pose = joint.pose(from, to);
@@ -190,7 +201,8 @@ void Network::start(const dttmm_step& step, const dttmm_motion* nodes, const dou
     if (open_) throw Error(DTTMM_ERROR_PHASE, "start: a step is open");
     if (!(step.size > 0) || !std::isfinite(step.size))
         throw Error(DTTMM_ERROR_ARGUMENT, "start: the step size must be positive");
-    const dttmm_motion* ports = at_centres(nodes);
+    const std::vector<dttmm_motion> centres = at_centres(nodes);
+    const dttmm_motion* ports = centres.data();
     arms_ = trial_arms_;
     std::vector<double> at_centre(node_accelerations, node_accelerations + 6 * arms_.size());
     for (size_t p = 0; p < arms_.size(); ++p) {  // a − α × arm − ω × (ω × arm)
@@ -198,7 +210,8 @@ void Network::start(const dttmm_step& step, const dttmm_motion* nodes, const dou
         Map3{&at_centre[6 * p]} -= Map3{&at_centre[6 * p + 3]}.cross(arms_[p]) + w.cross(w.cross(arms_[p]));
     }
     const double* accelerations = at_centre.data();
-    refuse_large_rotations(ports);
+    for (const Joint& joint : mechanism_.joints)
+        joint.refuse_large_rotation(seen(joint.from(), ports), seen(joint.to(), ports));
     step_size_ = step.size;
     mechanism_.steps = 0;
     mechanism_.scheme.set_step_size(step.size);
@@ -210,7 +223,6 @@ void Network::start(const dttmm_step& step, const dttmm_motion* nodes, const dou
             std::copy_n(ports[p].position, 3, mechanism_.frames[static_cast<size_t>(p)].position);
             std::copy_n(ports[p].rotation, 9, mechanism_.frames[static_cast<size_t>(p)].rotation);
         }
-        mechanism_.before = mechanism_.frames;
         for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
             const Joint& joint = mechanism_.joints[j];
             const FrameView from = mechanism_.frame(joint.from()), to = mechanism_.frame(joint.to());
@@ -239,24 +251,25 @@ void Network::begin_step(const dttmm_step& step, const double* loads) {
 
 void Network::evaluate(const dttmm_motion* nodes, double* wrench, double* stiffness) const {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "evaluate: no step is open");
+    if (is_implicit()) place(nodes);
     if (interior_) {
-        interior_->evaluate(mechanism_, at_centres(nodes), wrench);
+        interior_->evaluate(mechanism_, trial_.data(), wrench);
         if (stiffness) interior_->write_stiffness(mechanism_, stiffness);
     } else {
-        evaluate_joints(is_implicit() ? at_centres(nodes) : nodes, wrench, stiffness);
+        evaluate_joints(wrench, stiffness);
     }
     refer_wrench(arms_, wrench);
     refer_matrix(arms_, stiffness);  // about those of t_n, as the host has it: its own symmetric part stays
 }
 
-void Network::evaluate_joints(const dttmm_motion* motion, double* wrench, double* stiffness) const {
+void Network::evaluate_joints(double* wrench, double* stiffness) const {
     const size_t n = 6 * static_cast<size_t>(port_count());
     std::fill_n(wrench, n, 0.0);
     if (stiffness) std::fill_n(stiffness, n * n, 0.0);
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
         const JointState& state = mechanism_.states[j];
-        const FrameView from = trial(joint.from(), motion), to = trial(joint.to(), motion);
+        const FrameView from = trial(joint.from()), to = trial(joint.to());
         const JointForce force = joint.over_step(mechanism_.scheme, from, to, mechanism_.pose(j), state, mechanism_.turn(j));
         add_wrench(joint, force, wrench);
         if (stiffness && is_implicit()) {
@@ -270,38 +283,28 @@ void Network::evaluate_joints(const dttmm_motion* motion, double* wrench, double
     }
 }
 
-void Network::refuse_large_rotations(const dttmm_motion* ports) const {
-    for (const Joint& joint : mechanism_.joints)
-        joint.refuse_large_rotation(trial(joint.from(), ports), trial(joint.to(), ports));
-}
-
 void Network::commit_step(const dttmm_motion* nodes) {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "commit_step: no step is open");
-    const dttmm_motion* accepted = at_centres(nodes);
+    place(nodes);
     if (interior_) {
-        interior_->commit(mechanism_, accepted);
+        interior_->commit(mechanism_, trial_.data());
     } else {
-        commit_joints(accepted);
+        commit_joints();
     }
-    if (has_arms_)
-        for (size_t p = 0; p < arms_.size(); ++p) arms_[p] = FrameView(nodes[p]).axes() * mechanism_.assembly.port_arms[p];
+    arms_.swap(trial_arms_);
     ++mechanism_.steps;
     open_ = false;
 }
 
-void Network::commit_joints(const dttmm_motion* accepted) {
-    if (!mechanism_.turns.empty()) refuse_large_rotations(accepted);
-    mechanism_.before = mechanism_.frames;
-    for (int p = 0; p < port_count(); ++p) {
-        std::copy_n(accepted[p].position, 3, mechanism_.frames[static_cast<size_t>(p)].position);
-        std::copy_n(accepted[p].rotation, 9, mechanism_.frames[static_cast<size_t>(p)].rotation);
-    }
+void Network::commit_joints() {
+    if (!mechanism_.turns.empty())
+        for (const Joint& joint : mechanism_.joints) joint.refuse_large_rotation(trial(joint.from()), trial(joint.to()));
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
-        const auto before = [&](int frame) { return FrameView(mechanism_.before[static_cast<size_t>(frame)]); };
-        joint.advance(mechanism_.scheme, mechanism_.steps, mechanism_.frame(joint.from()), mechanism_.frame(joint.to()),
-                      joint.pose(before(joint.from()), before(joint.to())), mechanism_.states[j], mechanism_.turn(j));
+        joint.advance(mechanism_.scheme, mechanism_.steps, trial(joint.from()), trial(joint.to()), mechanism_.pose(j),
+                      mechanism_.states[j], mechanism_.turn(j));
     }
+    mechanism_.frames.swap(trial_);
 }
 
 void Network::discard_step() {

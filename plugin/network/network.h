@@ -48,19 +48,20 @@ public:
     const Mechanism& mechanism() const { return mechanism_; }
 
 private:
-    const dttmm_motion* at_centres(const dttmm_motion* ports) const;
+    std::vector<dttmm_motion> at_centres(const dttmm_motion* ports) const;
+    void place(const dttmm_motion* ports) const;
     void refer_wrench(const std::vector<Vector3>& arms, double* wrench) const;
     void refer_matrix(const std::vector<Vector3>& arms, double* matrix) const;
-    FrameView trial(int frame, const dttmm_motion* ports) const {
+    FrameView seen(int frame, const dttmm_motion* ports) const {
         if (frame < port_count()) return ports[frame];
         return mechanism_.frame(frame);
     }
+    FrameView trial(int frame) const { return trial_[static_cast<size_t>(frame)]; }
     void add_wrench(const Joint& joint, const JointForce& force, double* wrench) const;
     void add_stiffness(const Joint& joint, const EndBlocks& blocks, double* stiffness) const;
     void linearise_joints(const dttmm_motion* ports, double* wrench, double* stiffness, double* damping) const;
-    void evaluate_joints(const dttmm_motion* ports, double* wrench, double* stiffness) const;
-    void commit_joints(const dttmm_motion* accepted);
-    void refuse_large_rotations(const dttmm_motion* ports) const;
+    void evaluate_joints(double* wrench, double* stiffness) const;
+    void commit_joints();
 
     void declare_channels(const dttmm_network& description);
     void declare(const std::string& name, const char* unit, uint32_t of, uint32_t index, uint32_t role);
@@ -75,11 +76,11 @@ private:
     std::vector<std::pair<void*, size_t>> state_parts() const;
 
     Mechanism mechanism_;
-    std::unique_ptr<Interior> interior_;           ///< none where everything is joints between bodies and ground
-    bool has_arms_ = false;                        ///< some port is off its body's centre of mass
-    std::vector<Vector3> arms_;                    ///< from there to the ports, world axes, at t_n
-    mutable std::vector<Vector3> trial_arms_;      ///< the same where at_centres was last asked for
-    mutable std::vector<dttmm_motion> at_centre_;  ///< motions of the bodies' centres of mass
+    std::unique_ptr<Interior> interior_;       ///< none where everything is joints between bodies and ground
+    bool has_arms_ = false;                    ///< some port is off its body's centre of mass
+    std::vector<Vector3> arms_;                ///< from there to the ports, world axes, at t_n
+    mutable std::vector<Vector3> trial_arms_;  ///< the same where the ports were last placed
+    mutable std::vector<Frame> trial_;         ///< all frames, the ports' where they were last placed
     double step_size_ = 0;
     bool started_ = false, open_ = false;
 

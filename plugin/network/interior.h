@@ -50,10 +50,10 @@ public:
     void start(Mechanism& mechanism, const dttmm_motion* ports, const double* accelerations, const double* loads);
     void begin_step(const Mechanism& mechanism, const double* loads);
     /// Wrenches on the ports over the open step, at a trial end of it.
-    void evaluate(const Mechanism& mechanism, const Frame* ports, double* wrench) const;
+    void evaluate(const Mechanism& mechanism, std::span<const FrameView> ports, double* wrench) const;
     /// −∂(wrench)/∂(pose), 6P × 6P row-major.
     void write_stiffness(const Mechanism& mechanism, double* stiffness) const;
-    void commit(Mechanism& mechanism, const Frame* ports);
+    void commit(Mechanism& mechanism, std::span<const FrameView> ports);
 
     /// At t_n, the start of the step last committed; a point of a frame in its axes.
     Twist velocity(const Mechanism& mechanism, int frame, const Vector3& offset) const;
@@ -153,7 +153,7 @@ private:
     void solve(const Mechanism& mechanism, Solution& solution) const;
     void look_at_joints(const Mechanism& mechanism);
     void drop_anchor(const Mechanism& mechanism);
-    const Solution& respond(const Mechanism& mechanism, const Frame* ports) const;
+    const Solution& respond(const Mechanism& mechanism, std::span<const FrameView> ports) const;
     Vector6 motion_of(size_t frame, const Solution& solution) const;
     Vector6 change_of(int frame, const Solution& solution) const;
     JointForce near_force(const Mechanism& mechanism, size_t near, const Solution& solution) const;
@@ -161,7 +161,7 @@ private:
     Vector6 massless_part(size_t frame, Vector6 wrench) const;
     Vector6 estate(const Mechanism& mechanism, size_t frame, FrameView end) const;
     bool rigid_directions_have_turned(const Mechanism& mechanism) const;
-    void find_end(const Mechanism& mechanism, const Solution& solution, const Frame* ports);
+    void find_end(const Mechanism& mechanism, const Solution& solution, std::span<const FrameView> ports);
     void take_forces(Mechanism& mechanism, const Solution& solution);
     void take_momentum(const Mechanism& mechanism);
     void take_loads(const Mechanism& mechanism);

@@ -303,7 +303,7 @@ bool Interior::is_good_enough(double correction, const Solution& solution) {
 
 /// The solution for a motion of the ports: the anchored one, to which port_change_ is to be added linearly, if that is good
 /// enough, else one of its own.
-const Interior::Solution& Interior::respond(const Mechanism& mechanism, const Frame* ports) const {
+const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::span<const FrameView> ports) const {
     const double h = mechanism.scheme.step_size();
     double largest = 0;
     for (size_t p = 0; p < port_u_.size(); ++p) {
@@ -321,7 +321,7 @@ const Interior::Solution& Interior::respond(const Mechanism& mechanism, const Fr
     if (is_near && is_good_enough(kLinearShare * port_way_ / kFarther, anchor_)) return anchor_;
     other_.contraction = anchor_.contraction;
     other_.scale = anchor_.scale;
-    std::copy_n(ports, port_u_.size(), other_.ports.begin());
+    for (size_t p = 0; p < port_u_.size(); ++p) other_.ports[p] = ports[p].copy();
     for (size_t i = 0; i < state_.size(); ++i) other_.u[i] = anchor_.u[i] + anchor_.change[i] + responses_[i] * port_change_;
     rigid_change_.noalias() = rigid_responses_ * port_change_;
     for (size_t i = 0; i < other_.q.size(); ++i)
@@ -388,7 +388,7 @@ JointForce Interior::near_force(const Mechanism& mechanism, size_t k, const Solu
     return force;
 }
 
-void Interior::evaluate(const Mechanism& mechanism, const Frame* ports, double* wrench) const {
+void Interior::evaluate(const Mechanism& mechanism, std::span<const FrameView> ports, double* wrench) const {
     const Solution& solution = respond(mechanism, ports);
     find_rigid_forces(mechanism, solution);
     for (int frame : port_frames_) wrench_[static_cast<size_t>(frame)].setZero();
@@ -406,7 +406,7 @@ void Interior::evaluate(const Mechanism& mechanism, const Frame* ports, double* 
     for (int p = 0; p < ports_; ++p) Eigen::Map<Vector6>{wrench + 6 * p} = wrench_[static_cast<size_t>(p)];
 }
 
-void Interior::commit(Mechanism& mechanism, const Frame* ports) {
+void Interior::commit(Mechanism& mechanism, std::span<const FrameView> ports) {
     const Solution& solution = respond(mechanism, ports);
     find_rigid_forces(mechanism, solution);
     rigid_ = q_;
@@ -444,7 +444,7 @@ bool Interior::rigid_directions_have_turned(const Mechanism& mechanism) const {
 }
 
 /// The frames and velocities where the step ends.
-void Interior::find_end(const Mechanism& mechanism, const Solution& solution, const Frame* ports) {
+void Interior::find_end(const Mechanism& mechanism, const Solution& solution, std::span<const FrameView> ports) {
     for (size_t i = 0; i < state_.size(); ++i) {
         State& state = state_[i];
         const RowMajor3 R = mechanism.frame(driven_ + static_cast<int>(i)).axes();
@@ -463,7 +463,7 @@ void Interior::find_end(const Mechanism& mechanism, const Solution& solution, co
             next += (0.5 * next * (RowMajor3::Identity() - next.transpose() * next)).eval();
         }
     }
-    std::copy_n(ports, port_u_.size(), trial_.begin());
+    for (size_t p = 0; p < port_u_.size(); ++p) trial_[p] = ports[p].copy();
 }
 
 /// The forces over the step, those of each joint a pair that balances exactly. The joints' memory moves on.

@@ -21,6 +21,13 @@ struct Frame {
 struct FrameView {
     FrameView(const Frame& frame) : position(frame.position), rotation(frame.rotation) {}
     FrameView(const dttmm_motion& motion) : position(motion.position), rotation(motion.rotation) {}
+    FrameView(const double* origin, const double* axes) : position(origin), rotation(axes) {}
+    Frame copy() const {
+        Frame frame;
+        for (int i = 0; i < 3; ++i) frame.position[i] = position[i];
+        for (int i = 0; i < 9; ++i) frame.rotation[i] = rotation[i];
+        return frame;
+    }
     const double* position;
     const double* rotation;
     Eigen::Map<const Vector3> origin() const { return Eigen::Map<const Vector3>(position); }

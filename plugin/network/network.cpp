@@ -30,7 +30,8 @@ Network::Network(const dttmm_network& description) : mechanism_(description) {
     for (const Vector3& arm : mechanism_.assembly.port_arms) has_arms_ = has_arms_ || !arm.isZero(0);
     arms_.assign(static_cast<size_t>(port_count()), Vector3::Zero());
     trial_arms_ = arms_;
-    trial_ = mechanism_.frames;
+    trial_centres_ = arms_;
+    for (const Frame& frame : mechanism_.frames) trial_.push_back(frame);
 }
 
 void Network::declare(const std::string& name, const char* unit, uint32_t of, uint32_t index, uint32_t role) {
@@ -116,15 +117,15 @@ std::vector<dttmm_motion> Network::at_centres(const dttmm_motion* ports) const {
     return centres;
 }
 
-/// Puts the centres of mass where the ports are at a trial end of the step.
-void Network::place(const dttmm_motion* ports) const {
+/// Finds the centres of mass where the ports are at a trial end of the step.
+void Network::look(const dttmm_motion* ports) const {
     for (size_t p = 0; p < arms_.size(); ++p) {
-        Frame& frame = trial_[p];
-        std::copy_n(ports[p].position, 3, frame.position);
-        std::copy_n(ports[p].rotation, 9, frame.rotation);
-        if (!has_arms_) continue;
-        trial_arms_[p].noalias() = FrameView(frame).axes() * mechanism_.assembly.port_arms[p];
-        Map3{frame.position} -= trial_arms_[p];
+        const FrameView port = ports[p];
+        if (has_arms_) {
+            trial_arms_[p].noalias() = port.axes() * mechanism_.assembly.port_arms[p];
+            trial_centres_[p] = port.origin() - trial_arms_[p];
+        }
+        trial_[p] = {has_arms_ ? trial_centres_[p].data() : port.position, port.rotation};
     }
 }
 
@@ -251,9 +252,9 @@ void Network::begin_step(const dttmm_step& step, const double* loads) {
 
 void Network::evaluate(const dttmm_motion* nodes, double* wrench, double* stiffness) const {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "evaluate: no step is open");
-    if (is_implicit()) place(nodes);
+    if (is_implicit()) look(nodes);
     if (interior_) {
-        interior_->evaluate(mechanism_, trial_.data(), wrench);
+        interior_->evaluate(mechanism_, trial_, wrench);
         if (stiffness) interior_->write_stiffness(mechanism_, stiffness);
     } else {
         evaluate_joints(wrench, stiffness);
@@ -285,9 +286,9 @@ void Network::evaluate_joints(double* wrench, double* stiffness) const {
 
 void Network::commit_step(const dttmm_motion* nodes) {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "commit_step: no step is open");
-    place(nodes);
+    look(nodes);
     if (interior_) {
-        interior_->commit(mechanism_, trial_.data());
+        interior_->commit(mechanism_, trial_);
     } else {
         commit_joints();
     }
@@ -304,7 +305,7 @@ void Network::commit_joints() {
         joint.advance(mechanism_.scheme, mechanism_.steps, trial(joint.from()), trial(joint.to()), mechanism_.pose(j),
                       mechanism_.states[j], mechanism_.turn(j));
     }
-    mechanism_.frames.swap(trial_);
+    for (size_t p = 0; p < arms_.size(); ++p) mechanism_.frames[p] = trial_[p].copy();
 }
 
 void Network::discard_step() {

@@ -49,7 +49,7 @@ public:
 
 private:
     std::vector<dttmm_motion> at_centres(const dttmm_motion* ports) const;
-    void place(const dttmm_motion* ports) const;
+    void look(const dttmm_motion* ports) const;
     void refer_wrench(const std::vector<Vector3>& arms, double* wrench) const;
     void refer_matrix(const std::vector<Vector3>& arms, double* matrix) const;
     FrameView seen(int frame, const dttmm_motion* ports) const {
@@ -76,11 +76,11 @@ private:
     std::vector<std::pair<void*, size_t>> state_parts() const;
 
     Mechanism mechanism_;
-    std::unique_ptr<Interior> interior_;       ///< none where everything is joints between bodies and ground
-    bool has_arms_ = false;                    ///< some port is off its body's centre of mass
-    std::vector<Vector3> arms_;                ///< from there to the ports, world axes, at t_n
-    mutable std::vector<Vector3> trial_arms_;  ///< the same where the ports were last placed
-    mutable std::vector<Frame> trial_;         ///< all frames, the ports' where they were last placed
+    std::unique_ptr<Interior> interior_;                       ///< none where everything is joints between bodies and ground
+    bool has_arms_ = false;                                    ///< some port is off its body's centre of mass
+    std::vector<Vector3> arms_;                                ///< from there to the ports, world axes, at t_n
+    mutable std::vector<Vector3> trial_arms_, trial_centres_;  ///< arms and centres of mass where the ports were last seen
+    mutable std::vector<FrameView> trial_;                     ///< all frames, the ports' where they were last seen
     double step_size_ = 0;
     bool started_ = false, open_ = false;
 

@@ -27,21 +27,20 @@ Vector3 turned(const Vector3& theta, const Vector3& v);
 
 namespace detail {
 
-/// Series of sin φ/φ and (1 − cos φ)/φ² in φ² < kSmall; the first terms left out are below 1e-18.
+/// Series of sin φ/φ, (1 − cos φ)/φ² and (1 − (φ/2) cot(φ/2))/φ² in φ² < kSmall; the first terms left out are below 1e-18.
+/// Without divisions, which the compiler may not turn into multiplications.
 inline constexpr double kSmall = 1e-2;
-inline double sinc(double squared) {
-    return 1 - squared / 6 * (1 - squared / 20 * (1 - squared / 42 * (1 - squared / 72 * (1 - squared / 110))));
+inline double sinc(double x) {
+    return 1 + x * (-1. / 6 + x * (1. / 120 + x * (-1. / 5040 + x * (1. / 362880 - x * (1. / 39916800)))));
 }
-inline double versine(double squared) {
-    return 0.5 * (1 - squared / 12 * (1 - squared / 30 * (1 - squared / 56 * (1 - squared / 90 * (1 - squared / 132)))));
+inline double versine(double x) {
+    return 0.5 + x * (-1. / 24 + x * (1. / 720 + x * (-1. / 40320 + x * (1. / 3628800 - x * (1. / 479001600)))));
 }
-
-/// (1 − (φ/2) cot(φ/2))/φ² = 1/12 + φ²/720 + φ⁴/30240 + φ⁶/1209600 + φ⁸/47900160 + …
-inline double half_cotangent(double squared) {
-    return 1. / 12 + squared * (1. / 720 + squared * (1. / 30240 + squared * (1. / 1209600 + squared / 47900160)));
+inline double half_cotangent(double x) {
+    return 1. / 12 + x * (1. / 720 + x * (1. / 30240 + x * (1. / 1209600 + x * (1. / 47900160))));
 }
 
-inline Vector3 cross(const Vector3& a, const Vector3& b) {
+[[gnu::always_inline]] inline Vector3 cross(const Vector3& a, const Vector3& b) {
     return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(), a.x() * b.y() - a.y() * b.x()};
 }
 
@@ -51,7 +50,7 @@ Matrix3 large_rotation_vector_rate(const Vector3& theta);
 
 }  // namespace detail
 
-inline Matrix3 rotation_from_vector(const Vector3& theta) {
+[[gnu::always_inline]] inline Matrix3 rotation_from_vector(const Vector3& theta) {
     const double squared = theta.squaredNorm();
     if (!(squared < detail::kSmall)) return detail::large_rotation_from_vector(theta);
     // I + s θ~ + c (θ θᵀ − θ² I)
@@ -64,14 +63,14 @@ inline Matrix3 rotation_from_vector(const Vector3& theta) {
     return R;
 }
 
-inline Vector3 turned(const Vector3& theta, const Vector3& v) {
+[[gnu::always_inline]] inline Vector3 turned(const Vector3& theta, const Vector3& v) {
     const double squared = theta.squaredNorm();
     if (!(squared < detail::kSmall)) return detail::large_rotation_from_vector(theta) * v;
     const Vector3 once = detail::cross(theta, v);
     return v + detail::sinc(squared) * once + detail::versine(squared) * detail::cross(theta, once);
 }
 
-inline Vector3 rotation_vector(const Matrix3& R) {
+[[gnu::always_inline]] inline Vector3 rotation_vector(const Matrix3& R) {
     // 2 sin φ n = vee(R − Rᵀ). Small angles: φ/sin φ = 1 + s²/6 + 3 s⁴/40 + 15 s⁶/336 + …, s = sin φ
     const Vector3 twice_sine(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
     const double t = 0.25 * twice_sine.squaredNorm();
@@ -95,7 +94,7 @@ inline Matrix3 rotation_vector_rate(const Vector3& theta) {
     return J;
 }
 
-inline Vector3 moment_of_gradient(const Vector3& theta, const Vector3& v) {
+[[gnu::always_inline]] inline Vector3 moment_of_gradient(const Vector3& theta, const Vector3& v) {
     const double squared = theta.squaredNorm();
     if (!(squared < detail::kSmall)) return detail::large_rotation_vector_rate(theta).transpose() * v;
     const Vector3 once = detail::cross(theta, v);

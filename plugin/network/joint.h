@@ -254,7 +254,7 @@ inline void Joint::add_wrench(const JointForce& force, double* on_from, double* 
     }
 }
 
-inline Joint::Strained Joint::strain(FrameView from, FrameView to, const JointPose& pose) const {
+[[gnu::always_inline]] inline Joint::Strained Joint::strain(FrameView from, FrameView to, const JointPose& pose) const {
     Strained strained;
     strained.d = translation(from, pose.arm);
     strained.theta.setZero();
@@ -269,8 +269,8 @@ inline Joint::Strained Joint::strain(FrameView from, FrameView to, const JointPo
     return strained;
 }
 
-inline JointForce Joint::weigh(const Scheme& scheme, const Strained& end, const JointPose& now, const JointState& state,
-                               const TurnState* turn) const {
+[[gnu::always_inline]] inline JointForce Joint::weigh(const Scheme& scheme, const Strained& end, const JointPose& now,
+                                                      const JointState& state, const TurnState* turn) const {
     JointForce force = state.known;
     if (!scheme.is_implicit()) return force;
     force.add(scheme.elastic_weight(0), end.elastic);

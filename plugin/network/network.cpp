@@ -27,11 +27,8 @@ Network::Network(const dttmm_network& description) : mechanism_(description) {
     if (description.element_count == 0) throw Error(DTTMM_ERROR_MODEL, "a network without an element");
     if (mechanism_.assembly.inner_count() > 0) interior_ = std::make_unique<Interior>(mechanism_, description);
     declare_channels(description);
-    for (const Vector3& arm : mechanism_.assembly.port_arms) has_arms_ = has_arms_ || !arm.isZero(0);
-    arms_.assign(static_cast<size_t>(port_count()), Vector3::Zero());
-    trial_arms_ = arms_;
-    trial_centres_ = arms_;
-    for (const Frame& frame : mechanism_.frames) trial_.push_back(frame);
+    for (const Vector3& arm : mechanism_.assembly.port_arms) ports_.push_back({arm, Vector3::Zero(), nullptr});
+    trial_ports_.reserve(ports_.size());
 }
 
 void Network::declare(const std::string& name, const char* unit, uint32_t of, uint32_t index, uint32_t role) {
@@ -107,10 +104,10 @@ void Network::add_stiffness(const Joint& joint, const EndBlocks& blocks, double*
 // ---- Ports and the centres of mass of their bodies -----------------------------------------------------------------------
 
 /// Motions of the centres of mass at an instant, with the axes of the ports.
-std::vector<dttmm_motion> Network::at_centres(const dttmm_motion* ports) const {
-    std::vector<dttmm_motion> centres(ports, ports + port_count());
+std::vector<dttmm_motion> Network::at_centres(const dttmm_motion* nodes) const {
+    std::vector<dttmm_motion> centres(nodes, nodes + port_count());
     for (size_t p = 0; p < centres.size(); ++p) {
-        const Vector3 arm = trial_arms_[p] = FrameView(ports[p]).axes() * mechanism_.assembly.port_arms[p];
+        const Vector3 arm = FrameView(nodes[p]).axes() * ports_[p].arm;
         Map3{centres[p].position} -= arm;
         Map3{centres[p].velocity} -= Map3{centres[p].angular_velocity}.cross(arm);
     }
@@ -118,36 +115,32 @@ std::vector<dttmm_motion> Network::at_centres(const dttmm_motion* ports) const {
 }
 
 /// Finds the centres of mass where the ports are at a trial end of the step.
-void Network::look(const dttmm_motion* ports) const {
-    for (size_t p = 0; p < arms_.size(); ++p) {
-        const FrameView port = ports[p];
-        if (has_arms_) {
-            trial_arms_[p].noalias() = port.axes() * mechanism_.assembly.port_arms[p];
-            trial_centres_[p] = port.origin() - trial_arms_[p];
-        }
-        trial_[p] = {has_arms_ ? trial_centres_[p].data() : port.position, port.rotation};
+void Network::look(const dttmm_motion* nodes) const {
+    for (size_t p = 0; p < ports_.size(); ++p) {
+        const FrameView node = nodes[p];
+        ports_[p].centre = node.origin() - node.axes() * ports_[p].arm;
+        ports_[p].rotation = node.rotation;
     }
 }
 
-/// Wrenches from centres of mass to ports that are `arms` away.
-void Network::refer_wrench(const std::vector<Vector3>& arms, double* wrench) const {
-    if (!has_arms_) return;
-    for (size_t p = 0; p < arms.size(); ++p) Map3{wrench + 6 * p + 3} -= arms[p].cross(Map3{wrench + 6 * p});
+/// A wrench at the centre of mass as one at the port, at t_n.
+void Network::refer_wrench(double* wrench) const {
+    for (size_t p = 0; p < ports_.size(); ++p) {
+        const Vector3 arm = FrameView(mechanism_.frames[p]).axes() * ports_[p].arm;
+        Map3{wrench + 6 * p + 3} -= arm.cross(Map3{wrench + 6 * p});
+    }
 }
 
-/// The same of −∂(wrench)/∂(motion), null or not.
-void Network::refer_matrix(const std::vector<Vector3>& arms, double* matrix) const {
-    if (!has_arms_ || !matrix) return;
+/// The same of −∂(wrench)/∂(motion), with the ports' axes.
+void Network::refer_matrix(size_t port, const Matrix3& axes, double* matrix) const {
+    if (!matrix) return;
     // Pose of the centre by that of the port: δc = δp + arm~ δθ; wrenches by the transpose
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    const int size = 6 * port_count();
+    const int size = 6 * port_count(), p = 6 * static_cast<int>(port);
     Eigen::Map<RowMajor> S(matrix, size, size);
-    for (int p = 0; p < size; p += 6) {
-        const Matrix3 arm = skew(arms[static_cast<size_t>(p / 6)]);
-        for (int row = 0; row < size; row += 3) S.block<3, 3>(row, p + 3) += (S.block<3, 3>(row, p) * arm).eval();
-        for (int column = 0; column < size; column += 3)
-            S.block<3, 3>(p + 3, column) -= (arm * S.block<3, 3>(p, column)).eval();
-    }
+    const Matrix3 arm = skew(axes * ports_[port].arm);
+    for (int row = 0; row < size; row += 3) S.block<3, 3>(row, p + 3) += (S.block<3, 3>(row, p) * arm).eval();
+    for (int column = 0; column < size; column += 3) S.block<3, 3>(p + 3, column) -= (arm * S.block<3, 3>(p, column)).eval();
 }
 
 // ---- The force law at one instant ---------------------------------------------------------------------------------------
@@ -160,9 +153,12 @@ void Network::linearise(const dttmm_motion* nodes, double* wrench, double* stiff
     } else {
         linearise_joints(ports, wrench, stiffness, damping);
     }
-    refer_wrench(trial_arms_, wrench);
-    refer_matrix(trial_arms_, stiffness);
-    refer_matrix(trial_arms_, damping);
+    for (size_t p = 0; p < ports_.size(); ++p) {
+        const Matrix3 axes = FrameView(nodes[p]).axes();
+        Map3{wrench + 6 * p + 3} -= Vector3(axes * ports_[p].arm).cross(Map3{wrench + 6 * p});
+        refer_matrix(p, axes, stiffness);
+        refer_matrix(p, axes, damping);
+    }
 }
 
 void Network::linearise_joints(const dttmm_motion* ports, double* wrench, double* stiffness, double* damping) const {
@@ -204,11 +200,11 @@ void Network::start(const dttmm_step& step, const dttmm_motion* nodes, const dou
         throw Error(DTTMM_ERROR_ARGUMENT, "start: the step size must be positive");
     const std::vector<dttmm_motion> centres = at_centres(nodes);
     const dttmm_motion* ports = centres.data();
-    arms_ = trial_arms_;
-    std::vector<double> at_centre(node_accelerations, node_accelerations + 6 * arms_.size());
-    for (size_t p = 0; p < arms_.size(); ++p) {  // a − α × arm − ω × (ω × arm)
+    std::vector<double> at_centre(node_accelerations, node_accelerations + 6 * ports_.size());
+    for (size_t p = 0; p < ports_.size(); ++p) {  // a − α × arm − ω × (ω × arm)
+        const Vector3 arm = FrameView(nodes[p]).axes() * ports_[p].arm;
         const Eigen::Map<const Vector3> w(nodes[p].angular_velocity);
-        Map3{&at_centre[6 * p]} -= Map3{&at_centre[6 * p + 3]}.cross(arms_[p]) + w.cross(w.cross(arms_[p]));
+        Map3{&at_centre[6 * p]} -= Map3{&at_centre[6 * p + 3]}.cross(arm) + w.cross(w.cross(arm));
     }
     const double* accelerations = at_centre.data();
     for (const Joint& joint : mechanism_.joints)
@@ -254,13 +250,14 @@ void Network::evaluate(const dttmm_motion* nodes, double* wrench, double* stiffn
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "evaluate: no step is open");
     if (is_implicit()) look(nodes);
     if (interior_) {
-        interior_->evaluate(mechanism_, trial_, wrench);
+        interior_->evaluate(mechanism_, trial_ports(), wrench);
         if (stiffness) interior_->write_stiffness(mechanism_, stiffness);
     } else {
         evaluate_joints(wrench, stiffness);
     }
-    refer_wrench(arms_, wrench);
-    refer_matrix(arms_, stiffness);  // about those of t_n, as the host has it: its own symmetric part stays
+    refer_wrench(wrench);
+    for (size_t p = 0; p < ports_.size(); ++p)  // with the arms of t_n, as the host has it: its own symmetric part stays
+        refer_matrix(p, mechanism_.frame(static_cast<int>(p)).axes(), stiffness);
 }
 
 void Network::evaluate_joints(double* wrench, double* stiffness) const {
@@ -270,10 +267,14 @@ void Network::evaluate_joints(double* wrench, double* stiffness) const {
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
         const JointState& state = mechanism_.states[j];
+        if (!is_implicit()) {  // the trial is not looked at
+            add_wrench(joint, state.known, wrench);
+            continue;
+        }
         const FrameView from = trial(joint.from()), to = trial(joint.to());
-        const JointForce force = joint.over_step(mechanism_.scheme, from, to, mechanism_.pose(j), state, mechanism_.turn(j));
-        add_wrench(joint, force, wrench);
-        if (stiffness && is_implicit()) {
+        const TurnState* turn = mechanism_.turn(j);
+        add_wrench(joint, joint.over_step(mechanism_.scheme, from, to, mechanism_.pose(j), state, turn), wrench);
+        if (stiffness) {
             const JointPose end = joint.pose(from, to);
             const Joint::Strained strained = joint.strain(from, to, end);
             add_stiffness(joint, joint.stiffness(end, joint.gain(mechanism_.scheme, strained.theta)), stiffness);
@@ -288,11 +289,10 @@ void Network::commit_step(const dttmm_motion* nodes) {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "commit_step: no step is open");
     look(nodes);
     if (interior_) {
-        interior_->commit(mechanism_, trial_);
+        interior_->commit(mechanism_, trial_ports());
     } else {
         commit_joints();
     }
-    arms_.swap(trial_arms_);
     ++mechanism_.steps;
     open_ = false;
 }
@@ -305,7 +305,14 @@ void Network::commit_joints() {
         joint.advance(mechanism_.scheme, mechanism_.steps, trial(joint.from()), trial(joint.to()), mechanism_.pose(j),
                       mechanism_.states[j], mechanism_.turn(j));
     }
-    for (size_t p = 0; p < arms_.size(); ++p) mechanism_.frames[p] = trial_[p].copy();
+    for (size_t p = 0; p < ports_.size(); ++p) mechanism_.frames[p] = trial(static_cast<int>(p)).copy();
+}
+
+/// The ports where they were last seen.
+std::span<const FrameView> Network::trial_ports() const {
+    trial_ports_.clear();
+    for (int p = 0; p < port_count(); ++p) trial_ports_.push_back(trial(p));
+    return trial_ports_;
 }
 
 void Network::discard_step() {
@@ -320,8 +327,7 @@ std::vector<std::pair<void*, size_t>> Network::state_parts() const {
     auto& mechanism = const_cast<Mechanism&>(mechanism_);
     std::vector<std::pair<void*, size_t>> parts = {{&mechanism.steps, sizeof mechanism.steps},
                                                    {mechanism.states.data(), mechanism.states.size() * sizeof(JointState)},
-                                                   {mechanism.turns.data(), mechanism.turns.size() * sizeof(TurnState)},
-                                                   {const_cast<Vector3*>(arms_.data()), arms_.size() * sizeof(Vector3)}};
+                                                   {mechanism.turns.data(), mechanism.turns.size() * sizeof(TurnState)}};
     const auto ports = static_cast<size_t>(port_count()), driven = static_cast<size_t>(mechanism.assembly.driven_count);
     for (std::vector<Frame>* frames : {&mechanism.frames, &mechanism.before}) {
         parts.emplace_back(frames->data(), ports * sizeof(Frame));  // the ground behind them stays where it is

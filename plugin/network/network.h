@@ -3,6 +3,7 @@
 
 #include <deque>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -48,15 +49,20 @@ public:
     const Mechanism& mechanism() const { return mechanism_; }
 
 private:
-    std::vector<dttmm_motion> at_centres(const dttmm_motion* ports) const;
-    void look(const dttmm_motion* ports) const;
-    void refer_wrench(const std::vector<Vector3>& arms, double* wrench) const;
-    void refer_matrix(const std::vector<Vector3>& arms, double* matrix) const;
+    std::vector<dttmm_motion> at_centres(const dttmm_motion* nodes) const;
+    void look(const dttmm_motion* nodes) const;
+    void refer_wrench(double* wrench) const;
+    void refer_matrix(size_t port, const Matrix3& axes, double* matrix) const;
+    std::span<const FrameView> trial_ports() const;
     FrameView seen(int frame, const dttmm_motion* ports) const {
         if (frame < port_count()) return ports[frame];
         return mechanism_.frame(frame);
     }
-    FrameView trial(int frame) const { return trial_[static_cast<size_t>(frame)]; }
+    FrameView trial(int frame) const {
+        if (frame >= port_count()) return mechanism_.frame(frame);
+        const Port& port = ports_[static_cast<size_t>(frame)];
+        return {port.centre.data(), port.rotation};
+    }
     void add_wrench(const Joint& joint, const JointForce& force, double* wrench) const;
     void add_stiffness(const Joint& joint, const EndBlocks& blocks, double* stiffness) const;
     void linearise_joints(const dttmm_motion* ports, double* wrench, double* stiffness, double* damping) const;
@@ -76,11 +82,15 @@ private:
     std::vector<std::pair<void*, size_t>> state_parts() const;
 
     Mechanism mechanism_;
-    std::unique_ptr<Interior> interior_;                       ///< none where everything is joints between bodies and ground
-    bool has_arms_ = false;                                    ///< some port is off its body's centre of mass
-    std::vector<Vector3> arms_;                                ///< from there to the ports, world axes, at t_n
-    mutable std::vector<Vector3> trial_arms_, trial_centres_;  ///< arms and centres of mass where the ports were last seen
-    mutable std::vector<FrameView> trial_;                     ///< all frames, the ports' where they were last seen
+    std::unique_ptr<Interior> interior_;  ///< none where everything is joints between bodies and ground
+    /// A port and the centre of mass of its body where it was last seen.
+    struct Port {
+        Vector3 arm;  ///< from there to the port, its axes
+        Vector3 centre;
+        const double* rotation;
+    };
+    mutable std::vector<Port> ports_;
+    mutable std::vector<FrameView> trial_ports_;
     double step_size_ = 0;
     bool started_ = false, open_ = false;
 

@@ -14,8 +14,8 @@ namespace dttmm {
 /// given motion of the ports over a step it finds its own,
 ///     P(u) = P− + h (f(x + h u) + weight + loads),     massless: 0 = f + loads,     rigid directions: d(x + h u) = 0,
 /// u = [v; ω] of every frame over the step in the frame's own axes at t_n, P = [m v; L(ω)] its momentum, L half way through
-/// the step as the host has it, so that momentum and angular momentum are kept to rounding. f is the centred force of the
-/// joints: the same recursion as the host's, DT-TMM with A = 1/h², C = γ/h. A rigid direction has one force over the whole
+/// the step as the host has it. f is the centred force of the joints: the same recursion as the host's, DT-TMM with
+/// A = 1/h², C = γ/h. A rigid direction has one force over the whole
 /// step, in the weighted mean of its axes at the three instants.
 ///
 /// Newton's iteration with the matrix M + h² S of a configuration of before, in the frames' axes, in which it changes with

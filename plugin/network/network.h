@@ -16,7 +16,9 @@ namespace dttmm {
 /// A connected set of elements between ports and the ground, solved together at every step. It owns the memory of the time
 /// scheme; the ports' motion comes from the host. Bodies, lumps and nodes may turn as they like, deformations are small:
 /// every joint measures its own in axes that go with it, and the wrenches on its two ends balance exactly, lever arms
-/// included, at the poses of t_n, so that momentum and angular momentum are kept to rounding.
+/// included, at every instant. Frames stand at the centres of mass, those of the ports too, which dttmm_node.arm tells:
+/// under Newmark's rule momentum is then kept to rounding and, but for dampers and rigid directions, angular momentum
+/// (Interior::newmark_momentum).
 ///
 /// Elements between bodies only are joints side by side. What else moves, nodes and the masses of beams, is solved for
 /// inside (Interior), in time linear in the number of elements.

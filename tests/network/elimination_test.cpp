@@ -11,34 +11,7 @@
 
 #include "core/rotation.h"
 #include "core/state_vector.h"
-
-// Every malloc of this executable is counted; under the address sanitizer, which has one of its own, there is nothing to
-// count.
-#ifndef __SANITIZE_ADDRESS__
-
-namespace {
-long allocations = 0;
-}
-
-extern "C" {
-void* __libc_malloc(size_t);
-void* __libc_calloc(size_t, size_t);
-void* __libc_realloc(void*, size_t);
-__attribute__((visibility("default"))) void* malloc(size_t size) {
-    ++allocations;
-    return __libc_malloc(size);
-}
-__attribute__((visibility("default"))) void* calloc(size_t count, size_t size) {
-    ++allocations;
-    return __libc_calloc(count, size);
-}
-__attribute__((visibility("default"))) void* realloc(void* old, size_t size) {
-    ++allocations;
-    return __libc_realloc(old, size);
-}
-}
-
-#endif
+#include "support/count_allocations.h"
 
 namespace dttmm {
 namespace {

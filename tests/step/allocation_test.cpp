@@ -10,31 +10,10 @@
 #include "model/read_model.h"
 #include "record/recorder.h"
 #include "step/simulation.h"
+#include "support/count_allocations.h"
 #include "support/models.h"
 
 #ifndef __SANITIZE_ADDRESS__
-
-namespace {
-long allocations = 0;
-}
-
-extern "C" {
-void* __libc_malloc(size_t);
-void* __libc_calloc(size_t, size_t);
-void* __libc_realloc(void*, size_t);
-__attribute__((visibility("default"))) void* malloc(size_t size) {
-    ++allocations;
-    return __libc_malloc(size);
-}
-__attribute__((visibility("default"))) void* calloc(size_t count, size_t size) {
-    ++allocations;
-    return __libc_calloc(count, size);
-}
-__attribute__((visibility("default"))) void* realloc(void* old, size_t size) {
-    ++allocations;
-    return __libc_realloc(old, size);
-}
-}
 
 namespace dttmm {
 namespace {

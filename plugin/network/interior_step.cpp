@@ -460,7 +460,7 @@ bool Interior::rigid_directions_have_turned(const Mechanism& mechanism) const {
 
 /// The frames where the step ends and what moves them there. Changes no state: here a step may still be refused.
 void Interior::find_end(const Mechanism& mechanism, const Solution& solution) const {
-    const double half_turn = M_PI / mechanism.scheme.step_size();
+    const double fastest_turning = std::min(kFastest, M_PI / mechanism.scheme.step_size());
     for (size_t i = 0; i < state_.size(); ++i) {
         const size_t f = static_cast<size_t>(driven_) + i;
         const Vector6& u = motion_[i] = motion_of(i, solution);
@@ -469,9 +469,9 @@ void Interior::find_end(const Mechanism& mechanism, const Solution& solution) co
             MapR next(trial_[f].rotation);
             next += (0.5 * next * (RowMajor3::Identity() - next.transpose() * next)).eval();
         }
-        const bool is_sane = (FrameView(trial_[f]).origin().array().abs() <= kFarthest).all() &&
-                             (u.array().abs() <= kFastest).all() &&
-                             u.tail<3>().squaredNorm() <= half_turn * half_turn;  // false for NaN
+        const bool is_sane = FrameView(trial_[f]).origin().squaredNorm() <= kFarthest * kFarthest &&
+                             u.head<3>().squaredNorm() <= kFastest * kFastest &&
+                             u.tail<3>().squaredNorm() <= fastest_turning * fastest_turning;  // false for NaN
         if (!is_sane) [[unlikely]]
             refuse_divergence(mechanism, i);
     }

@@ -94,6 +94,16 @@ void Networks::tell_place(size_t network, Action&& action) const {
     }
 }
 
+/// Puts the time before what a plugin says while a step is open.
+template <class Action>
+void Networks::tell_time(double time, Action&& action) {
+    try {
+        action();
+    } catch (const NetworkError& error) {
+        throw Error(error.code(), fmt::format("t = {:.9g} s: {}", time, error.what()));
+    }
+}
+
 std::string Networks::name(size_t network) const {
     const NetworkInstance& instance = instances_[network];
     return instance.element_count() == 1 ? instance.element_name(0) : instance.label();
@@ -236,7 +246,9 @@ void Networks::start(const dttmm_step& step, const std::vector<BodyState>& at, c
 
 void Networks::begin_step(const dttmm_step& step, const double* node_loads) {
     time_ = step.time;
-    for (size_t n = 0; n < instances_.size(); ++n) instances_[n].begin_step(step, gather_loads(n, node_loads));
+    tell_time(time_, [&] {
+        for (size_t n = 0; n < instances_.size(); ++n) instances_[n].begin_step(step, gather_loads(n, node_loads));
+    });
 }
 
 /// Loads on the inner nodes of one network; null if there are none.
@@ -253,7 +265,8 @@ const double* Networks::gather_loads(size_t network, const double* node_loads) {
 void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches) {
     if (is_implicit_) gather(trial, step_size_);
     for (size_t n = 0; n < instances_.size(); ++n) {
-        instances_[n].evaluate(motions_.data() + slots_[n].port, &wrenches_[slots_[n].wrench], nullptr);
+        tell_time(time_,
+                  [&] { instances_[n].evaluate(motions_.data() + slots_[n].port, &wrenches_[slots_[n].wrench], nullptr); });
         scatter(n, wrenches);
     }
 }
@@ -263,7 +276,9 @@ void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches, c
     for (size_t n = 0; n < instances_.size(); ++n) {
         const auto size = 6 * static_cast<size_t>(instances_[n].port_count());
         stiffness_.resize(size * size);
-        instances_[n].evaluate(motions_.data() + slots_[n].port, &wrenches_[slots_[n].wrench], stiffness_.data());
+        tell_time(time_, [&] {
+            instances_[n].evaluate(motions_.data() + slots_[n].port, &wrenches_[slots_[n].wrench], stiffness_.data());
+        });
         scatter(n, wrenches);
         hand_out(n, stiffness_, stiffness);
     }
@@ -271,7 +286,9 @@ void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches, c
 
 void Networks::commit_step(const std::vector<BodyState>& accepted) {
     gather(accepted, step_size_);
-    for (size_t n = 0; n < instances_.size(); ++n) instances_[n].commit_step(motions_.data() + slots_[n].port);
+    tell_time(time_ + step_size_, [&] {
+        for (size_t n = 0; n < instances_.size(); ++n) instances_[n].commit_step(motions_.data() + slots_[n].port);
+    });
     arms_.swap(next_arms_);
 }
 

@@ -77,6 +77,8 @@ private:
     void add_network(const Model& model, const Plugins& plugins, const std::vector<size_t>& elements);
     template <class Action>
     void tell_place(size_t network, Action&& action) const;
+    template <class Action>
+    static void tell_time(double time, Action&& action);
     const double* gather_loads(size_t network, const double* node_loads);
     Port port_at(const Model& model, const Attachment& at) const;
     void gather(const std::vector<BodyState>& motion, double step_size);

@@ -159,6 +159,8 @@ private:
             const Pose& frame = assembly_.frames[static_cast<size_t>(spec.frame)].pose;
             spec.offset = frame.rotation.transpose() * (parts_[n].pose.position - frame.position);
             spec.rotation = frame.rotation.transpose() * parts_[n].pose.rotation;
+            spec.name = parts_[n].frame.name;
+            spec.element = parts_[n].frame.element;
             assembly_.nodes.push_back(spec);
         }
         for (JointSpec& joint : assembly_.joints) {
@@ -223,7 +225,9 @@ private:
         assembly_.first_joint.push_back(static_cast<int>(assembly_.joints.size()));
         for (uint32_t n = 0; n < description_.node_count; ++n) {
             const uint32_t fixed = node(static_cast<int>(n)).fixed;
-            if (node(static_cast<int>(n)).kind != DTTMM_NODE_INNER || fixed == 0 || fixed == 0x3f) continue;
+            if (node(static_cast<int>(n)).kind != DTTMM_NODE_INNER || fixed == 0) continue;
+            refuse_moving(n);
+            if (fixed == 0x3f) continue;
             JointSpec joint;
             joint.element = parts_[n].frame.element;
             joint.from = ground_at(parts_[n].pose.position);
@@ -231,6 +235,20 @@ private:
             joint.pose = {parts_[n].pose.position, Matrix3::Identity()};
             joint.to = assembly_.nodes[n].frame;
             assembly_.joints.push_back(joint);
+        }
+    }
+
+    /// A velocity and a direction held where it is exclude each other.
+    void refuse_moving(uint32_t n) const {
+        const dttmm_node& data = node(static_cast<int>(n));
+        if (!data.moves) return;
+        for (size_t d = 0; d < 6; ++d) {
+            const double speed = d < 3 ? data.velocity[d] : data.angular_velocity[d - 3];
+            if ((data.fixed >> d & 1) == 0 || speed == 0) continue;
+            throw Error(DTTMM_ERROR_MODEL,
+                        fmt::format("{}: its {} at the start moves it in {}, which is fixed; give none there",
+                                    parts_[n].frame.name, d < 3 ? "velocity" : "angular velocity", kDirectionNames[d]),
+                        parts_[n].frame.element);
         }
     }
 

@@ -35,6 +35,8 @@ struct NodeSpec {
     int frame = -1;
     Vector3 offset = Vector3::Zero();        ///< from the frame's origin, in its axes
     Matrix3 rotation = Matrix3::Identity();  ///< of the node's axes in those of the frame
+    std::string name;                        ///< for messages: node "muzzle"
+    int element = -1;                        ///< one that hangs on it
 };
 
 /// A network taken apart into frames and joints. The ports come first among the frames, in their order, then the ground,
@@ -50,7 +52,7 @@ struct Assembly {
 };
 
 /// Throws Error naming element or node: an end that is no node, a mass on a body, both ends of a joint on one frame, a
-/// number that is not finite.
+/// velocity in a fixed direction, a number that is not finite.
 Assembly assemble(const dttmm_network& description);
 
 }  // namespace dttmm

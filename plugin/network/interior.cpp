@@ -100,6 +100,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     for (auto* list : {&port_u_, &port_u_before_}) list->assign(ports, Vector6::Zero());
     now_.resize(mechanism.joints.size());
     anchor_.ports.assign(mechanism.frames.begin(), mechanism.frames.begin() + ports_);
+    motion_.assign(n, Vector6::Zero());
     anchor_.u.assign(n, Vector6::Zero());
     anchor_.change.assign(n, Vector6::Zero());
     anchor_.q.assign(rigid, 0);

@@ -47,12 +47,16 @@ public:
     void linearise(const Mechanism& mechanism, const dttmm_motion* ports, double* wrench, double* stiffness,
                    double* damping) const;
 
+    /// Throws Error(DTTMM_ERROR_MODEL) naming a node whose given velocity rigid directions, or other nodes on its rigid
+    /// body, forbid.
     void start(Mechanism& mechanism, const dttmm_motion* ports, const double* accelerations, const double* loads);
     void begin_step(const Mechanism& mechanism, const double* loads);
     /// Wrenches on the ports over the open step, at a trial end of it.
     void evaluate(const Mechanism& mechanism, std::span<const FrameView> ports, double* wrench) const;
     /// −∂(wrench)/∂(pose), 6P × 6P row-major.
     void write_stiffness(const Mechanism& mechanism, double* stiffness) const;
+    /// Throws Error(DTTMM_ERROR_NUMERIC), nothing being changed, naming what is farther or faster than the host has its
+    /// bodies, or turns more than half a turn over the step.
     void commit(Mechanism& mechanism, std::span<const FrameView> ports);
 
     /// At t_n, the start of the step last committed; a point of a frame in its axes.
@@ -133,6 +137,7 @@ private:
     Twist start_velocity(int frame, const dttmm_motion* ports) const;
     void settle_at_start(Mechanism& mechanism, const dttmm_motion* ports);
     void find_start_velocities(const Mechanism& mechanism, const dttmm_motion* ports);
+    void refuse_forbidden_velocities(const Mechanism& mechanism, const dttmm_motion* ports) const;
     void read_loads(const Mechanism& mechanism, const double* loads);
     void set_elastic(const Mechanism& mechanism);
 
@@ -161,7 +166,9 @@ private:
     Vector6 massless_part(size_t frame, Vector6 wrench) const;
     Vector6 estate(const Mechanism& mechanism, size_t frame, FrameView end) const;
     bool rigid_directions_have_turned(const Mechanism& mechanism) const;
-    void find_end(const Mechanism& mechanism, const Solution& solution, std::span<const FrameView> ports);
+    void find_end(const Mechanism& mechanism, const Solution& solution) const;
+    [[noreturn]] void refuse_divergence(const Mechanism& mechanism, size_t frame) const;
+    void take_velocities(const Mechanism& mechanism);
     void take_forces(Mechanism& mechanism, const Solution& solution);
     void take_momentum(const Mechanism& mechanism);
     void take_loads(const Mechanism& mechanism);
@@ -215,6 +222,7 @@ private:
     mutable Eigen::VectorXd rigid_change_;  ///< what it changes in the forces of rigid directions, times h
     mutable double port_way_ = 0;           ///< size of it: the largest speed of a point
     mutable std::vector<Frame> trial_;
+    mutable std::vector<Vector6> motion_;  ///< of the inner frames over the step that is committed, each in its axes at t_n
     mutable std::vector<Vector6> wrench_;  ///< over the step, on every frame at its origin at t_n, world
     mutable std::vector<Vector6> end_wrench_, damping_wrench_;  ///< on massless frames at the end, and half way
     mutable std::vector<MasslessFrames::Residual> massless_residuals_;

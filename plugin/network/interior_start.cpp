@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Where the inside of a network stands and how it moves at the start.
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
+#include "core/error.h"
 #include "network/interior.h"
 #include "network/interior_parts.h"
 
@@ -14,6 +18,15 @@ namespace {
 
 /// A step so long that nothing has inertia in it and no damper resists: its matrix is β h² times the static stiffness.
 constexpr double kLongStep = 1e4;
+/// Of the largest speed [m/s or rad/s], in start velocities: rounding, and what the stiff hold of those given gives way.
+constexpr double kTolerated = 1e-7;
+
+/// A velocity for messages, without what is too small to count.
+std::string text_of(Vector3 velocity, double least) {
+    for (double& x : velocity)
+        if (std::abs(x) <= least) x = 0;
+    return fmt::format("({:.8g}, {:.8g}, {:.8g})", velocity.x(), velocity.y(), velocity.z());
+}
 
 }  // namespace
 
@@ -103,7 +116,9 @@ void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_mot
             R.transpose() * Eigen::Map<const Vector3>(node.angular_velocity);
         const Matrix6 own = elimination_.diagonal(spec.frame - driven_);
         const double translation = kHold * std::max(own.topLeftCorner<3, 3>().trace(), 1e-300);
-        const double rotation = kHold * std::max(own.bottomRightCorner<3, 3>().trace(), 1e-300);
+        // What holds the translation at a lever turns the frame too, and must not drown what holds the rotation
+        const double rotation = std::max(kHold * std::max(own.bottomRightCorner<3, 3>().trace(), 1e-300),
+                                         spec.offset.squaredNorm() * translation);
         Vector6 weight;
         weight << Vector3::Constant(translation), Vector3::Constant(rotation);
         elimination_.add_diagonal(spec.frame - driven_, G.transpose() * weight.asDiagonal() * G);
@@ -118,9 +133,39 @@ void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_mot
     }
 }
 
+/// Of the velocities given to nodes, those that the rest of what is rigid has not left as they are.
+void Interior::refuse_forbidden_velocities(const Mechanism& mechanism, const dttmm_motion* ports) const {
+    const auto given_to = [](const dttmm_node& node) {
+        return Twist{Eigen::Map<const Vector3>(node.velocity), Eigen::Map<const Vector3>(node.angular_velocity)};
+    };
+    double largest = 0;
+    const auto look_at = [&](const Twist& v) { largest = std::max({largest, v.linear.norm(), v.angular.norm()}); };
+    for (int p = 0; p < ports_; ++p) look_at(twist(ports[p]));
+    for (const State& state : state_) look_at(state.velocity);
+    for (const dttmm_node& node : node_data_)
+        if (node.moves) look_at(given_to(node));
+    const double least = kTolerated * largest;
+    for (size_t i = 0; i < node_data_.size(); ++i) {
+        const NodeSpec& spec = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])];
+        if (!node_data_[i].moves || !is_inner(spec.frame)) continue;
+        const Twist given = given_to(node_data_[i]);
+        Twist left = state_[at(spec.frame)].velocity;
+        left.linear += left.angular.cross(mechanism.frame(spec.frame).axes() * spec.offset);
+        if ((left.linear - given.linear).norm() <= least && (left.angular - given.angular).norm() <= least) continue;
+        throw Error(DTTMM_ERROR_MODEL,
+                    fmt::format("{}: it is to start with velocity {} m/s and angular velocity {} rad/s, but rigid or fixed "
+                                "directions, or other nodes on its rigid body, leave it {} m/s and {} rad/s; give nodes and "
+                                "bodies velocities that these allow",
+                                spec.name, text_of(given.linear, least), text_of(given.angular, least),
+                                text_of(left.linear, least), text_of(left.angular, least)),
+                    spec.element);
+    }
+}
+
 void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const double* accelerations, const double* loads) {
     const double h = mechanism.scheme.step_size();
     settle_at_start(mechanism, ports);
+    refuse_forbidden_velocities(mechanism, ports);
     books_ = {};
     read_loads(mechanism, loads);
     for (size_t k = 0; k < burdens_.size(); ++k) {

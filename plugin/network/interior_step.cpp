@@ -32,6 +32,9 @@ constexpr double kRounding = 1e-14;
 constexpr double kFinest = 1e-13;
 /// Axes lose their right angles by rounding only.
 constexpr uint64_t kStepsBetweenNormalisations = 64;
+/// Beyond these something has flown apart, by the host's measure of its bodies.
+constexpr double kFarthest = 1e6;  // m
+constexpr double kFastest = 1e8;   // m/s and rad/s
 
 }  // namespace
 
@@ -278,9 +281,6 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
         find_forces(mechanism, solution);
         form_residuals(mechanism, solution);
         const double correction = correct(solution);
-        if (getenv("DBG"))
-            fprintf(stderr, "step %ld pass %d corr %.3e floor %.2e tol %.2e\n", (long)mechanism.steps, pass, correction,
-                    floor, solution.tolerance);
         if (!std::isfinite(correction)) break;
         if (pass > 0 && correction > floor) {
             solution.rate = previous > 0 ? correction / previous : 0;
@@ -409,12 +409,14 @@ void Interior::evaluate(const Mechanism& mechanism, std::span<const FrameView> p
 void Interior::commit(Mechanism& mechanism, std::span<const FrameView> ports) {
     const Solution& solution = respond(mechanism, ports);
     find_rigid_forces(mechanism, solution);
+    find_end(mechanism, solution);
     rigid_ = q_;
     books_.port_way = port_way_;
     books_.contraction = solution.contraction;
     books_.scale = 0.98 * solution.scale;
     const bool is_slow = solution.rate > kSlowestContraction;
-    find_end(mechanism, solution, ports);
+    take_velocities(mechanism);
+    for (size_t p = 0; p < port_u_.size(); ++p) trial_[p] = ports[p].copy();
     take_forces(mechanism, solution);
     set_elastic(mechanism);
     take_momentum(mechanism);
@@ -443,12 +445,42 @@ bool Interior::rigid_directions_have_turned(const Mechanism& mechanism) const {
     return false;
 }
 
-/// The frames and velocities where the step ends.
-void Interior::find_end(const Mechanism& mechanism, const Solution& solution, std::span<const FrameView> ports) {
+/// The frames where the step ends and what moves them there. Changes no state: here a step may still be refused.
+void Interior::find_end(const Mechanism& mechanism, const Solution& solution) const {
+    const double fastest_turning = std::min(kFastest, M_PI / mechanism.scheme.step_size());
+    for (size_t i = 0; i < state_.size(); ++i) {
+        const size_t f = static_cast<size_t>(driven_) + i;
+        const Vector6& u = motion_[i] = motion_of(i, solution);
+        place(mechanism, i, u);
+        if (mechanism.steps % kStepsBetweenNormalisations == 0) {  // by one step of Newton
+            MapR next(trial_[f].rotation);
+            next += (0.5 * next * (RowMajor3::Identity() - next.transpose() * next)).eval();
+        }
+        const bool is_sane = FrameView(trial_[f]).origin().squaredNorm() <= kFarthest * kFarthest &&
+                             u.head<3>().squaredNorm() <= kFastest * kFastest &&
+                             u.tail<3>().squaredNorm() <= fastest_turning * fastest_turning;  // false for NaN
+        if (!is_sane) [[unlikely]]
+            refuse_divergence(mechanism, i);
+    }
+}
+
+void Interior::refuse_divergence(const Mechanism& mechanism, size_t i) const {
+    const size_t f = static_cast<size_t>(driven_) + i;
+    const FrameSpec& frame = mechanism.assembly.frames[f];
+    const Vector3 x = FrameView(trial_[f]).origin(), v = mechanism.frame(static_cast<int>(f)).axes() * head(motion_[i]);
+    throw Error(DTTMM_ERROR_NUMERIC,
+                fmt::format("{} has diverged, or turns more than half a turn a step: position ({:.4g}, {:.4g}, {:.4g}) m, "
+                            "velocity ({:.4g}, {:.4g}, {:.4g}) m/s, turning at {:.4g} rad/s; try a smaller step",
+                            frame.name, x.x(), x.y(), x.z(), v.x(), v.y(), v.z(), tail(motion_[i]).norm()),
+                frame.element);
+}
+
+/// Velocities over the step, and their memory.
+void Interior::take_velocities(const Mechanism& mechanism) {
     for (size_t i = 0; i < state_.size(); ++i) {
         State& state = state_[i];
         const RowMajor3 R = mechanism.frame(driven_ + static_cast<int>(i)).axes();
-        const Vector6 u = motion_of(i, solution);
+        const Vector6& u = motion_[i];
         state.velocity_before = state.velocity;
         state.velocity = {R * head(u), R * tail(u)};
         if (mechanism.steps == 0) {  // the initial velocities are the mean of both
@@ -457,13 +489,7 @@ void Interior::find_end(const Mechanism& mechanism, const Solution& solution, st
         }
         state.u_before = mechanism.steps == 0 ? u : state.u;
         state.u = u;
-        place(mechanism, i, u);
-        if (mechanism.steps % kStepsBetweenNormalisations == 0) {  // by one step of Newton
-            MapR next(trial_[static_cast<size_t>(driven_) + i].rotation);
-            next += (0.5 * next * (RowMajor3::Identity() - next.transpose() * next)).eval();
-        }
     }
-    for (size_t p = 0; p < port_u_.size(); ++p) trial_[p] = ports[p].copy();
 }
 
 /// The forces over the step, those of each joint a pair that balances exactly. The joints' memory moves on.

@@ -215,5 +215,86 @@ const Fault kFaults[] = {
 
 INSTANTIATE_TEST_SUITE_P(Command, WrongFrames, testing::ValuesIn(kFaults), [](const auto& one) { return one.param.name; });
 
+// ---- The start and what happens on the way ------------------------------------------------------------------------------
+
+/// A wheel on a hinge of the ground that is rigid but for the turn about y, with a motion of its own.
+std::string wheel_with(const std::string& motion, const std::string& turn = "\"free\"") {
+    return R"(format = "dttmm/1"
+
+[simulation]
+duration = "50 ms"
+step = "1 ms"
+
+[nodes]
+axle = { position = [0, 0, 0], )" +
+           motion + R"( }
+
+[[element]]
+name = "hinge"
+type = "elastic_hinge"
+from = "ground"
+to = "axle"
+stiffness.ry = )" +
+           turn + R"(
+
+[[element]]
+name = "wheel"
+type = "rigid_body"
+at = "axle"
+mass = 2
+inertia = { xx = 0.1, yy = 0.2, zz = 0.1 }
+)";
+}
+
+// Oracle: exit code 3 before anything is written, place, what was given, what is left of it, and the cure.
+TEST(Networks, StartVelocitiesThatRigidDirectionsForbidAreFaultsOfTheModel) {
+    const TemporaryFolder folder;
+    for (const char* command : {"run", "check"}) {
+        const Ended ended = run_frame(folder, command, wheel_with("velocity = [1, 0, 0], angular_velocity = [0, 5, 0]"));
+        EXPECT_EQ(ended.code, 3) << ended.err;
+        EXPECT_THAT(ended.err,
+                    HasSubstr("frame.toml:10:1: element \"hinge\" (plugin built in): node \"axle\": it is to start with "
+                              "velocity (1, 0, 0) m/s and angular velocity (0, 5, 0) rad/s, but rigid or fixed directions, "
+                              "or other nodes on its rigid body, leave it (0, 0, 0) m/s and (0, 5, 0) rad/s; give nodes and "
+                              "bodies velocities that these allow"));
+        EXPECT_FALSE(fs::exists(folder / "results"));
+    }
+    const Ended allowed = run_frame(folder, "run", wheel_with("angular_velocity = [0, 5, 0]"));
+    EXPECT_EQ(allowed.code, 0) << allowed.err;
+    EXPECT_EQ(allowed.err, "");
+}
+
+// What fails inside a network on the way says when: in a step that ends, in one that begins.
+TEST(Networks, FaultsOnTheWayTellTheTime) {
+    const TemporaryFolder folder;
+    const Ended diverged = run_frame(folder, "run", wheel_with("angular_velocity = [0, 1e6, 0]"));
+    EXPECT_EQ(diverged.code, 4) << diverged.err;
+    EXPECT_THAT(diverged.err, HasSubstr("t = 0.001 s: element \"hinge\" (plugin built in): node \"axle\" has diverged, "
+                                        "or turns more than half a turn a step: position (0, 0, 0) m, velocity (0, 0, 0) "
+                                        "m/s, turning at 1e+06 rad/s; try a smaller step"));
+    // 100 rad/s reach 2.5 rad, where rotation vectors end, within the 26th step
+    const Ended turned = run_frame(folder, "run", wheel_with("angular_velocity = [0, 100, 0]", "1e-3"));
+    EXPECT_EQ(turned.code, 4) << turned.err;
+    EXPECT_THAT(turned.err, HasSubstr("t = 0.026 s: element \"hinge\" (plugin built in): "));
+    EXPECT_THAT(turned.err, HasSubstr("have turned 2.6"));
+    const Ended lost = run_frame(folder, "run", wheel_with("angular_velocity = [0, 1200, 0]") + R"(
+[nodes.tip]
+position = [0.5, 0.1, 0]
+
+[[element]]
+name = "spoke"
+type = "beam"
+from = "axle"
+to = "tip"
+segments = 3
+section = { tube = ["40 mm", "30 mm"] }
+material = { E = "210 GPa", poisson = 0.3, density = "7850 kg/m^3" }
+)");
+    EXPECT_EQ(lost.code, 4) << lost.err;
+    EXPECT_THAT(lost.err,
+                HasSubstr("t = 0 s: element \"spoke\" (plugin built in): the motion inside the network was not found "
+                          "in 30 passes"));
+}
+
 }  // namespace
 }  // namespace dttmm

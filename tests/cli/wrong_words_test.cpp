@@ -148,6 +148,14 @@ TEST(Plugin, ThatBreaksTheHouseIsRefused) {
     }
 }
 
+TEST(Plugin, ThatFailsOnTheWaySaysWhen) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", faulty_model());
+    const Ended ended =
+        run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--plugin", faulty_plugin("error_at_step_1000")});
+    EXPECT_THAT(ended.err, HasSubstr("t = 1 s: element \"one\" (plugin "));
+}
+
 // Oracle: the body falls freely, as the plugin's element never pulls: the same plugin without a fault is in order.
 TEST(Plugin, InOrderRunsToTheEnd) {
     const TemporaryFolder folder;

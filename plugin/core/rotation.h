@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
+
 #include "core/types.h"
 
 namespace dttmm {
@@ -11,6 +13,13 @@ Matrix3 rotation_from_vector(const Vector3& theta);
 /// θ = log R with |θ| ≤ π [rad], the inverse of rotation_from_vector; exact to rounding for every angle, π included
 /// (there one of the two opposite vectors is returned). R must be orthonormal to rounding.
 Vector3 rotation_vector(const Matrix3& R);
+
+/// The rotation vector of the same rotation as θ, a full turn away or not, that is nearest to another.
+inline Vector3 nearest_turn(const Vector3& theta, const Vector3& other) {
+    const double angle = theta.norm();
+    const Vector3 round = angle > 1 ? Vector3((1 - 2 * M_PI / angle) * theta) : theta;
+    return (round - other).squaredNorm() < (theta - other).squaredNorm() ? round : theta;
+}
 
 /// J⁻¹(θ) with d(log R) = J⁻¹(θ) ε when R = exp(θ~) changes to exp(ε~) exp(θ~). |θ| < 2π.
 ///     J⁻¹ = I − θ~/2 + (1 − (|θ|/2) cot(|θ|/2)) θ~²/|θ|²

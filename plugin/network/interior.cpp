@@ -66,6 +66,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
       count_(mechanism.assembly.inner_count()),
       gravity_(Eigen::Map<const Vector3>(description.gravity)),
       elimination_(count_, links_of(mechanism)),
+      at_trial_(elimination_),
       massless_(mechanism, massless_halves(mechanism)) {
     if (!mechanism.scheme.is_implicit())
         throw Error(DTTMM_ERROR_MODEL,
@@ -198,8 +199,11 @@ void Interior::choose_heirs(const Mechanism& mechanism) {
 // ---- The matrix ---------------------------------------------------------------------------------------------------------
 
 Matrix6 local_columns(const Mechanism& mechanism, size_t j, int end) {
+    return local_columns(mechanism, j, mechanism.pose(j), end);
+}
+
+Matrix6 local_columns(const Mechanism& mechanism, size_t j, const JointPose& pose, int end) {
     const Joint& joint = mechanism.joints[j];
-    const JointPose pose = mechanism.pose(j);
     Matrix6 G = end == 0 ? joint.by_from(pose) : joint.by_to(pose);
     const FrameView frame = mechanism.frame(end == 0 ? joint.from() : joint.to());
     for (int c : {0, 3}) G.middleCols<3>(c) = (G.middleCols<3>(c) * frame.axes()).eval();
@@ -207,9 +211,13 @@ Matrix6 local_columns(const Mechanism& mechanism, size_t j, int end) {
 }
 
 Matrix6 rigid_rows(const Mechanism& mechanism, size_t j, const Matrix6& columns) {
+    const TurnState* turn = mechanism.turn(j);
+    return rigid_rows(turn ? turn->rotation.d : Vector3::Zero(), columns);
+}
+
+Matrix6 rigid_rows(const Vector3& theta, const Matrix6& columns) {
     Matrix6 rows = columns;
-    if (const TurnState* turn = mechanism.turn(j))
-        rows.bottomRows<3>() = rotation_vector_rate(turn->rotation.d) * columns.bottomRows<3>();
+    rows.bottomRows<3>() = rotation_vector_rate(theta) * columns.bottomRows<3>();
     return rows;
 }
 
@@ -223,11 +231,16 @@ Matrix6 Interior::mass_matrix(size_t frame) const {
 /// h² times −∂(wrench over a step)/∂(pose at its end) of a joint's frames, in their axes: what is elastic or damped, and
 /// what stems from forces that act already.
 Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j) const {
-    const Joint& joint = mechanism.joints[j];
-    const JointPose pose = mechanism.pose(j);
     const TurnState* turn = mechanism.turn(j);
-    Vector3 acting = mechanism.states[j].elastic.force;
-    if (joint.rigid().any()) acting += pose.axes * head(rigid_values(mechanism, j, rigid_));
+    return blocks(mechanism, j, mechanism.pose(j), turn ? turn->rotation.d : Vector3::Zero(),
+                  mechanism.states[j].elastic.force, rigid_);
+}
+
+/// The same with the joint elsewhere, turned by theta, under the elastic force `acting`, its rigid directions carrying q.
+Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, const JointPose& pose, const Vector3& theta,
+                                  Vector3 acting, const std::vector<double>& q) const {
+    const Joint& joint = mechanism.joints[j];
+    if (joint.rigid().any()) acting += pose.axes * head(rigid_values(mechanism, j, q));
     const double h = mechanism.scheme.step_size();
     const Matrix3 R[2] = {mechanism.frame(joint.from()).axes(), mechanism.frame(joint.to()).axes()};
     const auto in_axes = [&](EndBlocks K) {
@@ -240,37 +253,59 @@ Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j) const {
                     }
         return K;
     };
-    return {in_axes(joint.stiffness(pose, joint.gain(mechanism.scheme, turn ? turn->rotation.d : Vector3::Zero()))),
+    return {in_axes(joint.stiffness(pose, joint.gain(mechanism.scheme, theta))),
             in_axes(Joint::acting_stiffness(pose, mechanism.scheme.elastic_weight(0) * acting))};
+}
+
+void Interior::add_blocks(const Joint& joint, size_t j, const Blocks& K, Elimination& matrix) const {
+    const int frames[2] = {joint.from(), joint.to()};
+    for (int end : {0, 1}) {
+        if (!is_inner(frames[end])) continue;
+        matrix.add_diagonal(frames[end] - driven_, K.own.at[end][end]);
+        matrix.add_acting(frames[end] - driven_, K.acting.at[end][end]);
+    }
+    if (is_inner(frames[0]) && is_inner(frames[1])) matrix.add_coupling(static_cast<int>(j), K.between(0, 1));
 }
 
 void Interior::assemble(const Mechanism& mechanism) {
     elimination_.set_zero();
     for (int i = 0; i < count_; ++i) elimination_.add_diagonal(i, mass_matrix(static_cast<size_t>(i)));
-    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
-        const Joint& joint = mechanism.joints[j];
-        const auto [own, acting] = blocks(mechanism, j);
-        const int frames[2] = {joint.from(), joint.to()};
-        for (int end : {0, 1}) {
-            if (!is_inner(frames[end])) continue;
-            elimination_.add_diagonal(frames[end] - driven_, own.at[end][end]);
-            elimination_.add_acting(frames[end] - driven_, acting.at[end][end]);
-        }
-        if (is_inner(frames[0]) && is_inner(frames[1]))
-            elimination_.add_coupling(static_cast<int>(j), own.at[0][1] + acting.at[0][1]);
-    }
+    for (size_t j = 0; j < mechanism.joints.size(); ++j)
+        add_blocks(mechanism.joints[j], j, blocks(mechanism, j), elimination_);
     for (size_t k = 0; k < near_joints_.size(); ++k) {
         const Blocks K = blocks(mechanism, near_joints_[k]);
         for (int row : {0, 1})
             for (int column : {0, 1}) near_blocks_[k].at[row][column] = K.between(row, column);
     }
     for (size_t j : rigid_joints_) {
-        const Matrix6 by_from = rigid_rows(mechanism, j, local_columns(mechanism, j, 0)),
-                      by_to = rigid_rows(mechanism, j, local_columns(mechanism, j, 1));
-        for_each_rigid(mechanism.joints[j], [&](int i, int d) {
-            elimination_.set_rigid(static_cast<int>(j), i, by_from.row(d).transpose(), by_to.row(d).transpose());
-        });
+        const TurnState* turn = mechanism.turn(j);
+        set_rigid_rows(mechanism, j, mechanism.pose(j), turn ? turn->rotation.d : Vector3::Zero(), elimination_);
     }
+}
+
+void Interior::set_rigid_rows(const Mechanism& mechanism, size_t j, const JointPose& pose, const Vector3& theta,
+                              Elimination& matrix) const {
+    const Matrix6 rows[2] = {rigid_rows(theta, local_columns(mechanism, j, pose, 0)),
+                             rigid_rows(theta, local_columns(mechanism, j, pose, 1))};
+    for_each_rigid(mechanism.joints[j], [&](int i, int d) {
+        matrix.set_rigid(static_cast<int>(j), i, rows[0].row(d).transpose(), rows[1].row(d).transpose());
+    });
+}
+
+/// The matrix where the frames are on trial, into at_trial_. False if it is singular.
+bool Interior::form_at_trial(const Mechanism& mechanism) const {
+    at_trial_.set_zero();
+    for (int i = 0; i < count_; ++i) at_trial_.add_diagonal(i, mass_matrix(static_cast<size_t>(i)));
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const Joint& joint = mechanism.joints[j];
+        const FrameView from = trial_[static_cast<size_t>(joint.from())], to = trial_[static_cast<size_t>(joint.to())];
+        const JointPose pose = joint.pose(from, to);
+        const Joint::Strained strained = joint.strain(from, to, pose);
+        add_blocks(joint, j, blocks(mechanism, j, pose, strained.theta, strained.elastic.force, q_), at_trial_);
+        if (joint.rigid().any()) set_rigid_rows(mechanism, j, pose, strained.theta, at_trial_);
+    }
+    ++factorisations_;
+    return !at_trial_.factor();
 }
 
 void Interior::factor(const Mechanism& mechanism, dttmm_status status) {

@@ -153,7 +153,7 @@ private:
     void balance_massless(const Mechanism& mechanism, Solution& solution) const;
     Vector6 settled(const Mechanism& mechanism, size_t massless, const Vector6& load) const;
     Vector6 bequest(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const;
-    double correct(Solution& solution) const;
+    double correct(const Elimination& matrix, Solution& solution) const;
     static bool is_good_enough(double correction, const Solution& solution);
     void solve(const Mechanism& mechanism, Solution& solution) const;
     void look_at_joints(const Mechanism& mechanism);
@@ -181,6 +181,12 @@ private:
         Matrix6 between(int row, int column) const { return own.at[row][column] + acting.at[row][column]; }
     };
     Blocks blocks(const Mechanism& mechanism, size_t joint) const;
+    Blocks blocks(const Mechanism& mechanism, size_t joint, const JointPose& pose, const Vector3& theta, Vector3 acting,
+                  const std::vector<double>& q) const;
+    void add_blocks(const Joint& joint, size_t index, const Blocks& blocks, Elimination& matrix) const;
+    void set_rigid_rows(const Mechanism& mechanism, size_t joint, const JointPose& pose, const Vector3& theta,
+                        Elimination& matrix) const;
+    bool form_at_trial(const Mechanism& mechanism) const;
 
     int ports_ = 0, driven_ = 0, count_ = 0;
     Vector3 gravity_;
@@ -196,6 +202,7 @@ private:
     std::vector<int> rigid_index_;         ///< of every joint among them; −1: it has none
     std::vector<size_t> settling_joints_;  ///< joints of massless frames
     Elimination elimination_;
+    mutable Elimination at_trial_;                                     ///< where the matrix kept does not serve
     std::vector<Eigen::Matrix<double, 6, Eigen::Dynamic>> responses_;  ///< ∂u/∂(u of the ports) per inner frame
     Eigen::MatrixXd rigid_responses_;  ///< the same of the forces of rigid directions, times h
     MasslessFrames massless_;
@@ -228,7 +235,7 @@ private:
     mutable std::vector<MasslessFrames::Residual> massless_residuals_;
     mutable std::vector<double> q_;
     mutable long passes_ = 0;
-    long factorisations_ = 0;
+    mutable long factorisations_ = 0;
 };
 
 }  // namespace dttmm

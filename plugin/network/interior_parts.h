@@ -28,8 +28,11 @@ void for_each_rigid(const Joint& joint, const Function& function) {
 
 /// Columns of [d; relative turn] of a joint at t_n by the motion of its `from` (0) or `to` (1) frame, in that frame's axes.
 Matrix6 local_columns(const Mechanism& mechanism, size_t joint, int end);
+/// The same with the joint elsewhere.
+Matrix6 local_columns(const Mechanism& mechanism, size_t joint, const JointPose& pose, int end);
 /// From these those of [d; θ] that rigid directions hold: δθ = J⁻¹ ε.
 Matrix6 rigid_rows(const Mechanism& mechanism, size_t joint, const Matrix6& columns);
+Matrix6 rigid_rows(const Vector3& theta, const Matrix6& columns);
 
 /// The mechanism with its joints where its frames are and nothing moving, at a step size.
 Mechanism at_rest(const Mechanism& mechanism, double step_size);

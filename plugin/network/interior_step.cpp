@@ -20,6 +20,8 @@ namespace {
 constexpr double kForget = 2;
 /// Slower than this, the matrix is formed anew.
 constexpr double kSlowestContraction = 0.1;
+/// Slower than this, it is formed anew within the step.
+constexpr double kTooSlow = 0.3;
 /// Share by which a rigid direction may have turned against its frames since the matrix was formed.
 constexpr double kTurnedRows = 0.02;
 /// A change of the ports feels the network's nonlinearity less than a change of everything inside, which the rate measures.
@@ -28,6 +30,8 @@ constexpr double kLinearShare = 0.1;
 constexpr double kFarther = 30;
 /// Of a frame's place, in the corrections: nothing finer can be asked for.
 constexpr double kRounding = 1e-14;
+/// Smallest size of a network [m], for that.
+constexpr double kSmallestSize = 1e-6;
 /// Of the motion: no more digits are asked for.
 constexpr double kFinest = 1e-13;
 /// Axes lose their right angles by rounding only.
@@ -49,7 +53,10 @@ void Interior::look_at_joints(const Mechanism& mechanism) {
                                             mechanism.before[static_cast<size_t>(joint.to())]);
         RigidMap& known = rigid_known_[k] = {};
         known.add(scheme.elastic_weight(1), now_[j], turn ? turn->rotation.d : Vector3::Zero());
-        known.add(scheme.elastic_weight(2), before, turn ? turn->rotation.d_before : Vector3::Zero());
+        if (turn)  // three instants, one force: of one branch of θ
+            known.add(scheme.elastic_weight(2), before, nearest_turn(turn->rotation.d_before, turn->rotation.d));
+        else
+            known.add(scheme.elastic_weight(2), before, Vector3::Zero());
     }
     massless_.look(mechanism);
 }
@@ -90,7 +97,8 @@ void Interior::place(const Mechanism& mechanism, size_t i, const Vector6& u) con
 JointForce Interior::rigid_action(const Mechanism& mechanism, size_t j, const JointPose& at_end, const Vector3& theta,
                                   const Vector6& q) const {
     RigidMap map = rigid_known_[static_cast<size_t>(rigid_index_[j])];
-    map.add(mechanism.scheme.elastic_weight(0), at_end, theta);
+    const TurnState* turn = mechanism.turn(j);
+    map.add(mechanism.scheme.elastic_weight(0), at_end, turn ? nearest_turn(theta, turn->rotation.d) : theta);
     return map.of(q);
 }
 
@@ -243,8 +251,8 @@ Vector6 Interior::bequest(const std::vector<Frame>& frames, size_t frame, const 
 }
 
 /// Solves for the correction and returns its size: the largest speed of a point.
-double Interior::correct(Solution& solution) const {
-    elimination_.solve(solution.change, solution.q_change);
+double Interior::correct(const Elimination& matrix, Solution& solution) const {
+    matrix.solve(solution.change, solution.q_change);
     double largest = 0;
     for (size_t i = 0; i < state_.size(); ++i) {
         const double reach = inertias_[i].reach;
@@ -258,17 +266,24 @@ double Interior::correct(Solution& solution) const {
 /// Passes from the motion in `solution` on until the last change is good enough; contraction and scale as last known.
 void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
     const double h = mechanism.scheme.step_size();
-    double size = 0, speed = 0;
+    // Of the motion relative to that of the whole, where nothing ties it to the ground
+    const auto velocity = [&](size_t i) {
+        return Vector3(mechanism.frame(driven_ + static_cast<int>(i)).axes() * solution.u[i].head<3>());
+    };
+    Vector3 mean = Vector3::Zero();
+    if (driven_ == ports_)
+        for (size_t i = 0; i < state_.size(); ++i) mean += velocity(i) / static_cast<double>(state_.size());
+    double size = kSmallestSize, speed = 0;
     for (size_t i = 0; i < state_.size(); ++i) {
         const double reach = inertias_[i].reach;
-        const Vector6& u = solution.u[i];
         size =
             std::max(size, FrameView(mechanism.frames[static_cast<size_t>(driven_) + i]).origin().cwiseAbs().sum() + reach);
-        speed = std::max(speed, u.head<3>().squaredNorm() + reach * reach * u.tail<3>().squaredNorm());
+        speed = std::max(speed, (velocity(i) - mean).squaredNorm() + reach * reach * solution.u[i].tail<3>().squaredNorm());
     }
     solution.scale = std::max(solution.scale, std::sqrt(speed));
     solution.rate = 0;
     const double floor = std::max(kRounding * size / h, kFinest * solution.scale);
+    const Elimination* matrix = &elimination_;
     double previous = 0;
     for (int pass = 0; pass < kMostPasses; ++pass) {
         ++passes_;
@@ -280,7 +295,8 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
         for (size_t i = 0; i < state_.size(); ++i) place(mechanism, i, solution.u[i]);
         find_forces(mechanism, solution);
         form_residuals(mechanism, solution);
-        const double correction = correct(solution);
+        if (solution.rate > kTooSlow && form_at_trial(mechanism)) matrix = &at_trial_;
+        const double correction = correct(*matrix, solution);
         if (!std::isfinite(correction)) break;
         if (pass > 0 && correction > floor) {
             solution.rate = previous > 0 ? correction / previous : 0;

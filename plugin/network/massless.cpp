@@ -93,7 +93,8 @@ void MasslessFrames::find_rows(const Mechanism& mechanism, const std::vector<siz
             }
         }
     }
-    if (std::isfinite(highest) && highest - lowest <= kSameRatio * highest) {
+    // Where something is rigid, directions that turn against each other take part in one balance: ψ is not the load's alone
+    if (cluster.rigid.empty() && std::isfinite(highest) && highest - lowest <= kSameRatio * highest) {
         cluster.relaxation = highest;
         cluster.damped.clear();
     }

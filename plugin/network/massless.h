@@ -15,8 +15,8 @@ namespace dttmm {
 ///   - what dampers act on balances half way through every step, if the scheme has no numerical damping: its weights are
 ///     (z + 1)(z + 1)/4 and (z + 1)(z − 1)/2h, and so one factor z + 1 goes;
 ///   - the rest balances at the end of every step.
-/// Where every joint has the same ratio τ of damping to stiffness, as in a beam, the elastic forces ψ at the end of the step
-/// follow the load alone, ψ + τ ψ' = load, and nothing is left to ring there either.
+/// Where nothing is rigid and every joint has the same ratio τ of damping to stiffness, as in a beam, the elastic forces ψ
+/// at the end of the step follow the load alone, ψ + τ ψ' = load, and nothing is left to ring there either.
 ///
 /// These are orthogonal parts of the space of unit motions of the frames that rigid directions join, in their own axes.
 class MasslessFrames {

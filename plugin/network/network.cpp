@@ -389,7 +389,11 @@ Vector6 Network::joint_force(size_t j) const {
             moment_of_gradient(rotation.d_before, joint.rotation_half().stiffness.cwiseProduct(rotation.d_before)) +
             joint.rotation_half().damping.cwiseProduct(rotation.rate);
     }
-    if (joint.rigid().any()) f += interior_->rigid_force(mechanism_, j);
+    if (joint.rigid().none()) return f;
+    const Vector6 q = interior_->rigid_force(mechanism_, j);
+    const TurnState* turn = mechanism_.turn(j);
+    f.head<3>() += q.head<3>();
+    if (turn) f.tail<3>() += moment_of_gradient(turn->rotation.d_before, q.tail<3>());
     return f;
 }
 

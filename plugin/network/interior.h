@@ -155,6 +155,7 @@ private:
     Vector6 bequest(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const;
     double correct(const Elimination& matrix, Solution& solution) const;
     static bool is_good_enough(double correction, const Solution& solution);
+    Vector3 mean_velocity(const Mechanism& mechanism, const Solution& solution) const;
     void solve(const Mechanism& mechanism, Solution& solution) const;
     void look_at_joints(const Mechanism& mechanism);
     void drop_anchor(const Mechanism& mechanism);

@@ -78,6 +78,14 @@ void Interior::drop_anchor(const Mechanism& mechanism) {
         MapR{anchor_.ports[p].rotation} = now.axes() * rotation_from_vector(h * tail(u));
     }
     for (size_t i = 0; i < state_.size(); ++i) anchor_.u[i] = 2 * state_[i].u - state_[i].u_before;
+    if (mechanism.steps == 0) {  // velocities of an instant: over the step what turns has turned half of it on the mean
+        const Vector3 mean = mean_velocity(mechanism, anchor_);
+        for (size_t i = 0; i < state_.size(); ++i) {
+            const Vector3 drift = mechanism.frame(driven_ + static_cast<int>(i)).axes().transpose() * mean;
+            Vector6& u = anchor_.u[i];
+            u.head<3>() = (drift + turned(0.5 * h * u.tail<3>(), u.head<3>() - drift)).eval();
+        }
+    }
     anchor_.q = rigid_;
     anchor_.contraction = std::min(kForget * books_.contraction, 1.0);
     anchor_.scale = books_.scale;
@@ -263,22 +271,26 @@ double Interior::correct(const Elimination& matrix, Solution& solution) const {
     return std::sqrt(largest);
 }
 
+/// Of the whole, world; zero where something ties it to the ground.
+Vector3 Interior::mean_velocity(const Mechanism& mechanism, const Solution& solution) const {
+    Vector3 mean = Vector3::Zero();
+    if (driven_ > ports_) return mean;
+    for (size_t i = 0; i < state_.size(); ++i)
+        mean += mechanism.frame(driven_ + static_cast<int>(i)).axes() * solution.u[i].head<3>();
+    return mean / static_cast<double>(state_.size());
+}
+
 /// Passes from the motion in `solution` on until the last change is good enough; contraction and scale as last known.
 void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
     const double h = mechanism.scheme.step_size();
-    // Of the motion relative to that of the whole, where nothing ties it to the ground
-    const auto velocity = [&](size_t i) {
-        return Vector3(mechanism.frame(driven_ + static_cast<int>(i)).axes() * solution.u[i].head<3>());
-    };
-    Vector3 mean = Vector3::Zero();
-    if (driven_ == ports_)
-        for (size_t i = 0; i < state_.size(); ++i) mean += velocity(i) / static_cast<double>(state_.size());
+    const Vector3 mean = mean_velocity(mechanism, solution);
     double size = kSmallestSize, speed = 0;
     for (size_t i = 0; i < state_.size(); ++i) {
         const double reach = inertias_[i].reach;
         size =
             std::max(size, FrameView(mechanism.frames[static_cast<size_t>(driven_) + i]).origin().cwiseAbs().sum() + reach);
-        speed = std::max(speed, (velocity(i) - mean).squaredNorm() + reach * reach * solution.u[i].tail<3>().squaredNorm());
+        const Vector3 velocity = mechanism.frame(driven_ + static_cast<int>(i)).axes() * solution.u[i].head<3>() - mean;
+        speed = std::max(speed, velocity.squaredNorm() + reach * reach * solution.u[i].tail<3>().squaredNorm());
     }
     solution.scale = std::max(solution.scale, std::sqrt(speed));
     solution.rate = 0;

@@ -73,18 +73,16 @@ Vector6 Joint::acceleration(FrameView from, const Twist& from_velocity, const Tw
 }
 
 Matrix6 Joint::by_from(const JointPose& pose) const {
-    const Matrix3 to_joint = pose.axes.transpose();
     Matrix6 G = Matrix6::Zero();
-    G.topLeftCorner<3, 3>() = G.bottomRightCorner<3, 3>() = -to_joint;
-    G.topRightCorner<3, 3>() = to_joint * skew(pose.arm);
+    G.topLeftCorner<3, 3>() = G.bottomRightCorner<3, 3>() = -pose.axes.transpose();
+    G.topRightCorner<3, 3>() = pose.axes.transpose() * skew(pose.arm);
     return G;
 }
 
 Matrix6 Joint::by_to(const JointPose& pose) const {
-    const Matrix3 to_joint = pose.axes.transpose();
     Matrix6 G = Matrix6::Zero();
-    G.topLeftCorner<3, 3>() = G.bottomRightCorner<3, 3>() = to_joint;
-    if (has_lever_) G.topRightCorner<3, 3>() = -to_joint * skew(pose.lever);
+    G.topLeftCorner<3, 3>() = G.bottomRightCorner<3, 3>() = pose.axes.transpose();
+    if (has_lever_) G.topRightCorner<3, 3>() = -pose.axes.transpose() * skew(pose.lever);
     return G;
 }
 

@@ -18,7 +18,9 @@ namespace dttmm::test {
 class NetworkModel {
 public:
     explicit NetworkModel(uint32_t scheme = DTTMM_SCHEME_CENTRED, double beta = 0.25, double gamma = 0.5)
-        : scheme_(scheme), beta_(beta), gamma_(gamma) {}
+        : scheme_(scheme), beta_(beta), gamma_(gamma) {
+        nodes_.reserve(kMostNodes);  // references to them stay good
+    }
 
     dttmm_node& node(const std::string& name, uint32_t kind, const Eigen::Vector3d& position,
                      const Eigen::Matrix3d& rotation = Eigen::Matrix3d::Identity()) {
@@ -26,6 +28,7 @@ public:
         dttmm_node node{names_.back().c_str(), kind, {}, {}, 0, 0, {}, {}, {}};
         Eigen::Map<Eigen::Vector3d>{node.position} = position;
         Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>{node.rotation} = rotation;
+        if (nodes_.size() == kMostNodes) throw std::length_error("more nodes than a NetworkModel has");
         index_[name] = static_cast<uint32_t>(nodes_.size());
         nodes_.push_back(node);
         return nodes_.back();
@@ -89,6 +92,7 @@ public:
     }
 
 private:
+    static constexpr size_t kMostNodes = 4096;
     uint32_t scheme_;
     double beta_, gamma_;
     Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();

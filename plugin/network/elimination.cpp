@@ -264,14 +264,15 @@ bool Elimination::gather(const Pivot& pivot, OpenRows& open) const {
 /// nothing holds is small beside that. A direction without anything of its own is measured by what it got from others,
 /// or, if that is next to nothing, by the other directions of its kind.
 Vector6 Elimination::motion_scale(const Pivot& pivot) const {
-    constexpr double kNothing = 1e-6;
+    constexpr double kNothing = 1e-6, kRounding = 1e-14;
     const auto f = static_cast<size_t>(pivot.frame);
     const Vector6 own = (diagonal_[f].diagonal() - acting_[f]).cwiseAbs();
     const Vector6 size = own.cwiseMax((work_[f].diagonal() - acting_[f]).cwiseAbs());
     Vector6 scale;
     for (Eigen::Index i = 0; i < 6; ++i) {
         const double kind = size.segment<3>(3 * (i / 3)).maxCoeff();
-        const double measure = own(i) == 0 && size(i) < kNothing * kind ? kind : size(i);
+        const bool has_own = own(i) > kRounding * own.segment<3>(3 * (i / 3)).maxCoeff();
+        const double measure = !has_own && size(i) < kNothing * kind ? kind : size(i);
         scale(i) = measure > 0 ? 1 / std::sqrt(measure) : 1;
     }
     return scale;

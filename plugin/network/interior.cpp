@@ -75,7 +75,9 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     for (uint32_t i = 0; i < description.node_count; ++i) {
         if (description.nodes[i].kind != DTTMM_NODE_INNER) continue;
         inner_nodes_.push_back(static_cast<int>(i));
-        node_data_.push_back(description.nodes[i]);
+        const dttmm_node& node = description.nodes[i];
+        given_.push_back(
+            {node.moves != 0, {Eigen::Map<const Vector3>(node.velocity), Eigen::Map<const Vector3>(node.angular_velocity)}});
     }
     for (int f = 0; f < count_; ++f) {
         const FrameSpec& frame = mechanism.assembly.frames[static_cast<size_t>(driven_ + f)];

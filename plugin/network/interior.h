@@ -15,8 +15,8 @@ namespace dttmm {
 ///     P(u) = P− + h (f(x + h u) + weight + loads),     massless: 0 = f + loads,     rigid directions: d(x + h u) = 0,
 /// u = [v; ω] of every frame over the step in the frame's own axes at t_n, P = [m v; L(ω)] its momentum, L half way through
 /// the step as the host has it. f is the centred force of the joints: the same recursion as the host's, DT-TMM with
-/// A = 1/h², C = γ/h. A rigid direction has one force over the whole
-/// step, in the weighted mean of its axes at the three instants.
+/// A = 1/h², C = γ/h. A rigid direction has one force over the whole step, in the weighted mean of its axes at the three
+/// instants.
 ///
 /// Newton's iteration with the matrix M + h² S of a configuration of before, in the frames' axes, in which it changes with
 /// the deformations only, not with the motion of the whole: it is factored once per step size and kept until it converges
@@ -39,8 +39,6 @@ public:
     /// Throws Error(DTTMM_ERROR_MODEL) naming what cannot move as described: a massless node that nothing holds in some
     /// direction, a rigid direction that is driven from both its ends; or a scheme that is explicit.
     Interior(const Mechanism& mechanism, const dttmm_network& description);
-
-    int node_count() const { return static_cast<int>(inner_nodes_.size()); }
 
     /// The force law at one instant with the inside at its start: wrenches on the ports, and −∂(wrench)/∂(pose of the ports)
     /// when the inside follows without inertia.
@@ -193,7 +191,12 @@ private:
     Vector3 gravity_;
     std::vector<Inertia> inertias_;
     std::vector<int> inner_nodes_;  ///< nodes of the description that loads and motions go by
-    std::vector<dttmm_node> node_data_;
+    /// How a node is to start.
+    struct Given {
+        bool moves;
+        Twist velocity;
+    };
+    std::vector<Given> given_;             ///< to inner_nodes_
     std::vector<size_t> port_joints_;      ///< of the ports
     std::vector<size_t> near_joints_;      ///< whose forces the ports feel
     std::vector<int> near_index_;          ///< of every joint among them; −1: it is not

@@ -76,7 +76,7 @@ void Interior::settle_at_start(Mechanism& mechanism, const dttmm_motion* ports) 
     }
     for (State& state : state_) state.velocity = Twist{};
     std::fill(rigid_.begin(), rigid_.end(), 0.0);
-    for (const dttmm_node& node : node_data_) moves = moves || node.moves;
+    for (const Given& given : given_) moves = moves || given.moves;
     if (moves) find_start_velocities(mechanism, ports);
 }
 
@@ -103,17 +103,15 @@ void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_mot
             });
         }
     }
-    for (size_t i = 0; i < node_data_.size(); ++i) {
-        const dttmm_node& node = node_data_[i];
+    for (size_t i = 0; i < given_.size(); ++i) {
         const NodeSpec& spec = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])];
-        if (!node.moves || !is_inner(spec.frame)) continue;
+        if (!given_[i].moves || !is_inner(spec.frame)) continue;
         // v_node = v − offset × … in the frame's axes
         const RowMajor3 R = slow.frame(spec.frame).axes();
         Matrix6 G = Matrix6::Identity();
         G.topRightCorner<3, 3>() = -skew(spec.offset);
         Vector6 given;
-        given << R.transpose() * Eigen::Map<const Vector3>(node.velocity),
-            R.transpose() * Eigen::Map<const Vector3>(node.angular_velocity);
+        given << R.transpose() * given_[i].velocity.linear, R.transpose() * given_[i].velocity.angular;
         const Matrix6 own = elimination_.diagonal(spec.frame - driven_);
         const double translation = kHold * std::max(own.topLeftCorner<3, 3>().trace(), 1e-300);
         // What holds the translation at a lever turns the frame too, and must not drown what holds the rotation
@@ -135,20 +133,17 @@ void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_mot
 
 /// Of the velocities given to nodes, those that the rest of what is rigid has not left as they are.
 void Interior::refuse_forbidden_velocities(const Mechanism& mechanism, const dttmm_motion* ports) const {
-    const auto given_to = [](const dttmm_node& node) {
-        return Twist{Eigen::Map<const Vector3>(node.velocity), Eigen::Map<const Vector3>(node.angular_velocity)};
-    };
     double largest = 0;
     const auto look_at = [&](const Twist& v) { largest = std::max({largest, v.linear.norm(), v.angular.norm()}); };
     for (int p = 0; p < ports_; ++p) look_at(twist(ports[p]));
     for (const State& state : state_) look_at(state.velocity);
-    for (const dttmm_node& node : node_data_)
-        if (node.moves) look_at(given_to(node));
+    for (const Given& given : given_)
+        if (given.moves) look_at(given.velocity);
     const double least = kTolerated * largest;
-    for (size_t i = 0; i < node_data_.size(); ++i) {
+    for (size_t i = 0; i < given_.size(); ++i) {
         const NodeSpec& spec = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])];
-        if (!node_data_[i].moves || !is_inner(spec.frame)) continue;
-        const Twist given = given_to(node_data_[i]);
+        if (!given_[i].moves || !is_inner(spec.frame)) continue;
+        const Twist& given = given_[i].velocity;
         Twist left = state_[at(spec.frame)].velocity;
         left.linear += left.angular.cross(mechanism.frame(spec.frame).axes() * spec.offset);
         if ((left.linear - given.linear).norm() <= least && (left.angular - given.angular).norm() <= least) continue;

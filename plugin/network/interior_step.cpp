@@ -289,7 +289,8 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
         const double reach = inertias_[i].reach;
         size =
             std::max(size, FrameView(mechanism.frames[static_cast<size_t>(driven_) + i]).origin().cwiseAbs().sum() + reach);
-        const Vector3 velocity = mechanism.frame(driven_ + static_cast<int>(i)).axes() * solution.u[i].head<3>() - mean;
+        Vector3 velocity = solution.u[i].head<3>();
+        if (driven_ == ports_) velocity -= mechanism.frame(driven_ + static_cast<int>(i)).axes().transpose() * mean;
         speed = std::max(speed, velocity.squaredNorm() + reach * reach * solution.u[i].tail<3>().squaredNorm());
     }
     solution.scale = std::max(solution.scale, std::sqrt(speed));

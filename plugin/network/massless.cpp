@@ -132,8 +132,8 @@ void MasslessFrames::add_to_basis(const Mechanism& mechanism, Cluster& cluster, 
                     G.block<1, 3>(row.direction, 3 * half).transpose();
     }
     const double size = next.norm();
-    for (int round : {0, 1})
-        for (int k = 0; k < cluster.rank && round < 2; ++k) next -= cluster.basis.col(k).dot(next) * cluster.basis.col(k);
+    for ([[maybe_unused]] const int round : {0, 1})
+        for (int k = 0; k < cluster.rank; ++k) next -= cluster.basis.col(k).dot(next) * cluster.basis.col(k);
     const double left = next.norm();
     if (!(left > kDependent * size)) return;
     next /= left;

@@ -610,6 +610,20 @@ TEST(Interior, AnElasticDirectionBesideRigidOnesHoldsAtShortSteps) {
     EXPECT_NEAR(std::abs(run.vector("rotation", DTTMM_OF_ELEMENT, 2).x()), moment(1).x() / 100, 1e-5);
 }
 
+// Oracle: J ω' = r × F: a force on a node off the centre of mass turns the body from rest.
+TEST(Interior, AForceOffTheCentreTurnsABody) {
+    NetworkModel model;
+    model.node("centre", kInner, vec(0, 0, 0));
+    model.node("arm", kInner, vec(0.5, 0, 0), kTurned);
+    model.element(
+        "body", "rigid_body", {"centre", "arm"},
+        {{"mass", {1}}, {"center_of_mass", {0, 0, 0}}, {"inertia.xx", {0.2}}, {"inertia.yy", {0.2}}, {"inertia.zz", {0.2}}});
+    Journey run(model, 1e-3);
+    run.start([](double) { return std::vector<double>{0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0}; });
+    for (int n = 0; n < 21; ++n) run.step();
+    EXPECT_NEAR(run.vector("angular_velocity", DTTMM_OF_NODE, 0).z(), 0.5 / 0.2 * run.time(), 1e-5);
+}
+
 // Oracle: energy, and the pendulum shorter by √(EI/P) for the bend at its clamped end. The pull in a wire, P l = 0.98 N m in
 // a segment, is far above 4 J/h² = 0.07 N m of its lump: were its direction that of the start of the step the wire would fly
 // apart whatever its stiffness.

@@ -101,7 +101,6 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     rigid_.assign(rigid, 0);
     q_ = rigid_;
     for (auto* list : {&port_u_, &port_u_before_}) list->assign(ports, Vector6::Zero());
-    now_.resize(mechanism.joints.size());
     anchor_.ports.assign(mechanism.frames.begin(), mechanism.frames.begin() + ports_);
     motion_.assign(n, Vector6::Zero());
     anchor_.u.assign(n, Vector6::Zero());
@@ -302,7 +301,7 @@ bool Interior::form_at_trial(const Mechanism& mechanism) const {
         const Joint& joint = mechanism.joints[j];
         const FrameView from = trial_[static_cast<size_t>(joint.from())], to = trial_[static_cast<size_t>(joint.to())];
         const JointPose pose = joint.pose(from, to);
-        const Joint::Strained strained = joint.strain(from, to, pose);
+        const Joint::Strained strained = joint.strain({from, to}, pose);
         add_blocks(joint, j, blocks(mechanism, j, pose, strained.theta, strained.elastic.force, q_), at_trial_);
         if (joint.rigid().any()) set_rigid_rows(mechanism, j, pose, strained.theta, at_trial_);
     }

@@ -220,7 +220,6 @@ private:
     Books books_;
 
     // Of the open step
-    std::vector<JointPose> now_;
     std::vector<RigidMap> rigid_known_;            ///< of rigid_joints_: what the two instants before the end contribute
     std::vector<Vector6> node_loads_;              ///< at the end of the step
     std::vector<Vector6> port_u_, port_u_before_;  ///< of the ports over the two steps before, each in the axes at its start

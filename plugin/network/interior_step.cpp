@@ -44,7 +44,6 @@ constexpr double kFastest = 1e8;   // m/s and rad/s
 
 void Interior::look_at_joints(const Mechanism& mechanism) {
     const Scheme& scheme = mechanism.scheme;
-    for (size_t j = 0; j < mechanism.joints.size(); ++j) now_[j] = mechanism.pose(j);
     for (size_t k = 0; k < rigid_joints_.size(); ++k) {
         const size_t j = rigid_joints_[k];
         const Joint& joint = mechanism.joints[j];
@@ -52,7 +51,7 @@ void Interior::look_at_joints(const Mechanism& mechanism) {
         const JointPose before = joint.pose(mechanism.before[static_cast<size_t>(joint.from())],
                                             mechanism.before[static_cast<size_t>(joint.to())]);
         RigidMap& known = rigid_known_[k] = {};
-        known.add(scheme.elastic_weight(1), now_[j], turn ? turn->rotation.d : Vector3::Zero());
+        known.add(scheme.elastic_weight(1), mechanism.pose(j), turn ? turn->rotation.d : Vector3::Zero());
         if (turn)  // three instants, one force: of one branch of θ
             known.add(scheme.elastic_weight(2), before, nearest_turn(turn->rotation.d_before, turn->rotation.d));
         else
@@ -97,7 +96,8 @@ void Interior::place(const Mechanism& mechanism, size_t i, const Vector6& u) con
     const double h = mechanism.scheme.step_size();
     const size_t f = static_cast<size_t>(driven_) + i;
     const FrameView now = mechanism.frames[f];
-    Map3{trial_[f].position} = now.origin() + h * (now.axes() * u.head<3>());
+    const Vector3 way = now.axes() * u.head<3>();
+    Map3{trial_[f].position} = now.origin() + h * way;
     MapR{trial_[f].rotation}.noalias() = now.axes() * rotation_from_vector(h * u.tail<3>());
 }
 
@@ -114,7 +114,7 @@ JointForce Interior::rigid_action(const Mechanism& mechanism, size_t j, const Jo
 JointForce Interior::force_over_step(const Mechanism& mechanism, size_t j, const JointPose& at_end,
                                      const Joint::Strained& end) const {
     const Joint& joint = mechanism.joints[j];
-    JointForce force = joint.weigh(mechanism.scheme, end, now_[j], mechanism.states[j], mechanism.turn(j));
+    JointForce force = joint.weigh(mechanism.scheme, end, mechanism.ends(j), mechanism.states[j], mechanism.turn(j));
     if (joint.rigid().any()) force.add(1, rigid_action(mechanism, j, at_end, end.theta, rigid_values(mechanism, j, q_)));
     return force;
 }
@@ -131,9 +131,9 @@ void Interior::find_forces(const Mechanism& mechanism, Solution& solution) const
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Joint& joint = mechanism.joints[j];
         const auto a = static_cast<size_t>(joint.from()), b = static_cast<size_t>(joint.to());
-        const FrameView from = trial_[a], to = trial_[b];
-        const JointPose at_end = joint.pose(from, to);
-        const Joint::Strained end = joint.strain(from, to, at_end);
+        const Ends trial = {trial_[a], trial_[b]};
+        const JointPose at_end = joint.pose(trial);
+        const Joint::Strained end = joint.strain(trial, at_end);
         const JointForce force = force_over_step(mechanism, j, at_end, end);
         Joint::add_wrench(force, wrench_[a].data(), wrench_[b].data());
         if (near_index_[j] >= 0) solution.near[static_cast<size_t>(near_index_[j])] = force;
@@ -145,8 +145,8 @@ void Interior::find_forces(const Mechanism& mechanism, Solution& solution) const
         }
         Joint::add_wrench(then, end_wrench_[a].data(), end_wrench_[b].data());
         if (massless_.is_half_way(j))
-            Joint::add_wrench(joint.damping_half_way(from, to, now_[j], mechanism.scheme.step_size(), mechanism.states[j],
-                                                     mechanism.turn(j)),
+            Joint::add_wrench(joint.damping_half_way(trial, mechanism.ends(j), mechanism.scheme.step_size(),
+                                                     mechanism.states[j], mechanism.turn(j)),
                               damping_wrench_[a].data(), damping_wrench_[b].data());
     }
 }
@@ -527,17 +527,16 @@ void Interior::take_forces(Mechanism& mechanism, const Solution& solution) {
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Joint& joint = mechanism.joints[j];
         const auto a = static_cast<size_t>(joint.from()), b = static_cast<size_t>(joint.to());
-        JointForce rigid;
+        const Ends next = {trial_[a], trial_[b]};
         const int near = near_index_[j];
+        JointForce rigid, force;
         if (near < 0 && joint.rigid().any())
-            rigid = rigid_action(mechanism, j, joint.pose(trial_[a], trial_[b]), joint.rotation(trial_[a], trial_[b]),
+            rigid = rigid_action(mechanism, j, joint.pose(next), joint.rotation(next.from, next.to),
                                  rigid_values(mechanism, j, rigid_));
-        JointForce force = joint.advance(mechanism.scheme, mechanism.steps, trial_[a], trial_[b], now_[j],
-                                         mechanism.states[j], mechanism.turn(j));
-        if (near >= 0)
-            force = near_force(mechanism, static_cast<size_t>(near), solution);
-        else
-            force.add(1, rigid);
+        joint.advance(mechanism.scheme, mechanism.steps, next, mechanism.ends(j), mechanism.states[j], mechanism.turn(j),
+                      near < 0 ? &force : nullptr);
+        if (near >= 0) force = near_force(mechanism, static_cast<size_t>(near), solution);
+        if (joint.rigid().any()) force.add(1, rigid);
         Joint::add_wrench(force, wrench_[a].data(), wrench_[b].data());
     }
 }
@@ -616,7 +615,7 @@ void Interior::take_motion(Mechanism& mechanism) {
         port_u_[p] = u / h;
     }
     mechanism.before.swap(mechanism.frames);
-    mechanism.frames = trial_;
+    mechanism.frames.swap(trial_);  // the ground is in all three
 }
 
 }  // namespace dttmm

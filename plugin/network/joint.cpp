@@ -160,7 +160,7 @@ void Joint::recall(const Scheme& scheme, const JointPose& now, const JointForce&
 void Joint::start(const Scheme& scheme, FrameView from, FrameView to, const Vector6& rate, const Vector6& acceleration,
                   JointState& state, TurnState* turn) const {
     const JointPose now = pose(from, to);
-    const Strained strained = strain(from, to, now);
+    const Strained strained = strain({from, to}, now);
     state.dissipated = 0;
     state.power = 0;
     state.elastic = strained.elastic;
@@ -190,14 +190,15 @@ void Joint::start_half(const Scheme& scheme, const Vector3& d, const Vector3& ra
     state.d_before = d - state.delta[0];
 }
 
-JointForce Joint::damping_half_way(FrameView from, FrameView to, const JointPose& now, double h, const JointState& state,
-                                   const TurnState* turn) const {
-    const Matrix3 mean = 0.5 / h * (axes(from) + now.axes);
-    const Vector3 slide = translation(from, arm(from, to)) - state.translation.d;
+JointForce Joint::damping_half_way(Ends trial, Ends now, double h, const JointState& state, const TurnState* turn) const {
+    const JointPose at = pose(now);
+    const Matrix3 mean = 0.5 / h * (axes(trial.from) + at.axes);
+    const Vector3 slide = translation(trial.from, arm(trial.from, trial.to)) - state.translation.d;
     Vector3 moment = Vector3::Zero();
     if (turn)
-        moment = mean * halves_[1].damping.cwiseProduct(rotation_vector(attitude(from, to) * turn->attitude.transpose()));
-    return now.act(mean * halves_[0].damping.cwiseProduct(slide), moment);
+        moment = mean * halves_[1].damping.cwiseProduct(
+                            rotation_vector(attitude(trial.from, trial.to) * turn->attitude.transpose()));
+    return at.act(mean * halves_[0].damping.cwiseProduct(slide), moment);
 }
 
 /// Moves one half of a joint on by the increment `delta` to `d`; returns the power of its damper at the start of the step.
@@ -212,11 +213,11 @@ double Joint::advance_half(const Scheme& scheme, uint64_t steps, const JointHalf
     return state.rate.dot(half.damping.cwiseProduct(state.rate));
 }
 
-JointForce Joint::advance(const Scheme& scheme, uint64_t steps, FrameView from, FrameView to, const JointPose& now,
-                          JointState& state, TurnState* turn) const {
-    const JointPose next = pose(from, to);
-    const Strained end = strain(from, to, next);
-    const JointForce force = weigh(scheme, end, now, state, turn);
+void Joint::advance(const Scheme& scheme, uint64_t steps, Ends next, Ends now, JointState& state, TurnState* turn,
+                    JointForce* force) const {
+    const JointPose at_end = pose(next);
+    const Strained end = strain(next, at_end);
+    if (force) *force = weigh(scheme, end, now, state, turn);
     const JointForce before = state.elastic;
     state.elastic = end.elastic;
     double power = advance_half(scheme, steps, halves_[0], end.d, end.d - state.translation.d, state.translation);
@@ -226,10 +227,9 @@ JointForce Joint::advance(const Scheme& scheme, uint64_t steps, FrameView from, 
         power += advance_half(scheme, steps, halves_[1], end.theta, delta, turn->rotation);
         turn->attitude = end.attitude;
     }
-    recall(scheme, next, before, state, turn);
+    recall(scheme, at_end, before, state, turn);
     if (steps > 0) state.dissipated += 0.5 * scheme.step_size() * (state.power + power);
     state.power = power;
-    return force;
 }
 
 void Joint::refuse_large_rotation(FrameView from, FrameView to) const {

@@ -34,6 +34,11 @@ struct FrameView {
     Eigen::Map<const RowMajor3> axes() const { return Eigen::Map<const RowMajor3>(rotation); }
 };
 
+/// The frames of a joint at an instant.
+struct Ends {
+    FrameView from, to;
+};
+
 /// Velocities [m/s, rad/s] or accelerations of a frame, world axes.
 struct Twist {
     Vector3 linear = Vector3::Zero(), angular = Vector3::Zero();
@@ -145,6 +150,7 @@ public:
     Vector3 lever(FrameView to) const { return has_lever_ ? Vector3(to.axes() * to_point_) : Vector3(Vector3::Zero()); }
     Matrix3 axes(FrameView from) const { return is_aligned_ ? Matrix3(from.axes()) : Matrix3(from.axes() * from_axes_); }
     JointPose pose(FrameView from, FrameView to) const { return {axes(from), arm(from, to), lever(to)}; }
+    JointPose pose(Ends at) const { return pose(at.from, at.to); }
     Vector3 translation(FrameView from, const Vector3& arm) const;
     Matrix3 attitude(FrameView from, FrameView to) const;
     Vector3 rotation(FrameView from, FrameView to) const {
@@ -170,7 +176,7 @@ public:
         Matrix3 attitude;  ///< if turns()
         JointForce elastic;
     };
-    Strained strain(FrameView from, FrameView to, const JointPose& pose) const;
+    Strained strain(Ends at, const JointPose& pose) const;
 
     /// −∂f/∂(deformation) at one instant: translations diagonal, rotations a 3×3 in terms of the relative turn ε.
     Matrix3 turn_stiffness(const Vector3& theta) const;
@@ -183,20 +189,18 @@ public:
 
     void start(const Scheme& scheme, FrameView from, FrameView to, const Vector6& rate, const Vector6& acceleration,
                JointState& state, TurnState* turn) const;
-    /// The force over the open step at a trial end of it; without rigid directions. now: the joint at t_n.
-    JointForce weigh(const Scheme& scheme, const Strained& end, const JointPose& now, const JointState& state,
+    /// The force over the open step at a trial end of it; without rigid directions. now: its frames at t_n.
+    JointForce weigh(const Scheme& scheme, const Strained& end, Ends now, const JointState& state,
                      const TurnState* turn) const;
-    JointForce over_step(const Scheme& scheme, FrameView from, FrameView to, const JointPose& now, const JointState& state,
-                         const TurnState* turn) const {
-        return weigh(scheme, strain(from, to, pose(from, to)), now, state, turn);
+    JointForce over_step(const Scheme& scheme, Ends trial, Ends now, const JointState& state, const TurnState* turn) const {
+        return weigh(scheme, strain(trial, pose(trial)), now, state, turn);
     }
     /// The damping force from the start of the open step to a trial end of it: the mean rate in the mean of the axes.
-    JointForce damping_half_way(FrameView from, FrameView to, const JointPose& now, double h, const JointState& state,
-                                const TurnState* turn) const;
-    /// Moves the memory on to the accepted end of the step and returns the force over the step as over_step does.
-    /// steps: committed before it since the start.
-    JointForce advance(const Scheme& scheme, uint64_t steps, FrameView from, FrameView to, const JointPose& now,
-                       JointState& state, TurnState* turn) const;
+    JointForce damping_half_way(Ends trial, Ends now, double h, const JointState& state, const TurnState* turn) const;
+    /// Moves the memory on to the accepted end of the step. steps: committed before it since the start; force: if given,
+    /// takes the force over the step as over_step finds it.
+    void advance(const Scheme& scheme, uint64_t steps, Ends next, Ends now, JointState& state, TurnState* turn,
+                 JointForce* force) const;
 
     /// Throws Error(DTTMM_ERROR_NUMERIC) when a rotational stiffness has turned too far.
     void refuse_large_rotation(FrameView from, FrameView to) const;
@@ -254,13 +258,13 @@ inline void Joint::add_wrench(const JointForce& force, double* on_from, double* 
     }
 }
 
-[[gnu::always_inline]] inline Joint::Strained Joint::strain(FrameView from, FrameView to, const JointPose& pose) const {
+[[gnu::always_inline]] inline Joint::Strained Joint::strain(Ends at, const JointPose& pose) const {
     Strained strained;
-    strained.d = translation(from, pose.arm);
+    strained.d = translation(at.from, pose.arm);
     strained.theta.setZero();
     Vector3 moment = Vector3::Zero();
     if (turns_) {
-        strained.attitude = attitude(from, to);
+        strained.attitude = attitude(at.from, at.to);
         strained.theta = rotation_vector(strained.attitude);
         // m = J⁻ᵀ(θ) (k ∘ θ): the gradient of ½ θᵀ k θ, for δθ = J⁻¹ ε
         moment = pose.axes * moment_of_gradient(strained.theta, halves_[1].stiffness.cwiseProduct(strained.theta));
@@ -269,19 +273,20 @@ inline void Joint::add_wrench(const JointForce& force, double* on_from, double* 
     return strained;
 }
 
-[[gnu::always_inline]] inline JointForce Joint::weigh(const Scheme& scheme, const Strained& end, const JointPose& now,
+[[gnu::always_inline]] inline JointForce Joint::weigh(const Scheme& scheme, const Strained& end, Ends now,
                                                       const JointState& state, const TurnState* turn) const {
     JointForce force = state.known;
     if (!scheme.is_implicit()) return force;
     force.add(scheme.elastic_weight(0), end.elastic);
     if (!is_damped_ && scheme.lag() == 0) return force;
+    const JointPose at = pose(now);
     const auto damper = [&](const JointHalf& half, const Vector3& delta) {
-        return Vector3(now.axes * (scheme.rate[0] * half.damping + scheme.lag() * half.stiffness).cwiseProduct(delta));
+        return Vector3(at.axes * (scheme.rate[0] * half.damping + scheme.lag() * half.stiffness).cwiseProduct(delta));
     };
     const Vector3 slide = damper(halves_[0], end.d - state.translation.d);
     Vector3 moment = Vector3::Zero();
     if (turn) moment = damper(halves_[1], rotation_vector(end.attitude * turn->attitude.transpose()));
-    force.add(1, now.act(slide, moment));
+    force.add(1, at.act(slide, moment));
     return force;
 }
 

@@ -271,12 +271,12 @@ void Network::evaluate_joints(double* wrench, double* stiffness) const {
             add_wrench(joint, state.known, wrench);
             continue;
         }
-        const FrameView from = trial(joint.from()), to = trial(joint.to());
+        const Ends at = {trial(joint.from()), trial(joint.to())};
         const TurnState* turn = mechanism_.turn(j);
-        add_wrench(joint, joint.over_step(mechanism_.scheme, from, to, mechanism_.pose(j), state, turn), wrench);
+        add_wrench(joint, joint.over_step(mechanism_.scheme, at, mechanism_.ends(j), state, turn), wrench);
         if (stiffness) {
-            const JointPose end = joint.pose(from, to);
-            const Joint::Strained strained = joint.strain(from, to, end);
+            const JointPose end = joint.pose(at);
+            const Joint::Strained strained = joint.strain(at, end);
             add_stiffness(joint, joint.stiffness(end, joint.gain(mechanism_.scheme, strained.theta)), stiffness);
             // The force that acts as at t_n: that of a trial far from the solution may be any
             const Vector3 acting = mechanism_.scheme.elastic_weight(0) * state.elastic.force;
@@ -302,8 +302,8 @@ void Network::commit_joints() {
         for (const Joint& joint : mechanism_.joints) joint.refuse_large_rotation(trial(joint.from()), trial(joint.to()));
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
-        joint.advance(mechanism_.scheme, mechanism_.steps, trial(joint.from()), trial(joint.to()), mechanism_.pose(j),
-                      mechanism_.states[j], mechanism_.turn(j));
+        joint.advance(mechanism_.scheme, mechanism_.steps, {trial(joint.from()), trial(joint.to())}, mechanism_.ends(j),
+                      mechanism_.states[j], mechanism_.turn(j), nullptr);
     }
     for (size_t p = 0; p < ports_.size(); ++p) mechanism_.frames[p] = trial(static_cast<int>(p)).copy();
 }

@@ -245,6 +245,36 @@ TEST(Interior, TwoSpringsInSeriesAreOneOfHalfTheStiffness) {
     }
 }
 
+// Oracle: x = F/K (1 − exp(−K t/C)). Two springs with unlike dampers hold a node without mass against a sudden force.
+TEST(Interior, AMasslessNodeBetweenUnlikeDampersRelaxes) {
+    NetworkModel model;
+    model.node("wall", kGround, vec(0, 0, 0));
+    model.node("node", kInner, vec(0.1, -0.2, 0.3), kTurned);
+    const auto spring = [&](const char* name, double stiffness, double damping) {
+        model.element(name, "spring_damper", {"wall", "node"},
+                      {{"stiffness", {stiffness}},
+                       {"damping", {damping}},
+                       {"rotational_stiffness", {stiffness / 100}},
+                       {"rotational_damping", {damping / 100}}});
+    };
+    spring("quick", 2e4, 30);
+    spring("slow", 5e4, 400);
+    const Vector3 force(20, -7, 11), still = force / 7e4;
+    const double h = 1e-3, relaxation = 430 / 7e4;
+    Journey run(model, h);
+    run.start([&](double) { return std::vector<double>{force.x(), force.y(), force.z(), 0, 0, 0}; });
+    std::vector<Vector3> x;
+    for (size_t n = 0; n < 200; ++n) {
+        run.step();
+        x.push_back(run.vector("position", DTTMM_OF_NODE, 1) - vec(0.1, -0.2, 0.3));
+        const Vector3 exact = (1 - std::exp(-run.time() / relaxation)) * still;
+        EXPECT_LT((x[n] - exact).norm(), 3e-3 * still.norm()) << n;
+        if (n > 150) {
+            EXPECT_LT((x[n] - 2 * x[n - 1] + x[n - 2]).norm(), 1e-8 * still.norm()) << n;
+        }
+    }
+}
+
 // Oracle: the parabola x = g t²/2 + F t²/2m, which the centred scheme reproduces at every instant, from the first step on.
 TEST(Interior, AConstantForceMovesAMassAlongItsParabola) {
     NetworkModel model;

@@ -27,7 +27,7 @@ struct Mechanism {
     const TurnState* turn(size_t joint) const {
         return turn_of[joint] < 0 ? nullptr : &turns[static_cast<size_t>(turn_of[joint])];
     }
-    /// Its joint at t_n.
+    /// A joint at t_n.
     JointPose pose(size_t joint) const { return joints[joint].pose(ends(joint)); }
     Ends ends(size_t joint) const { return {frame(joints[joint].from()), frame(joints[joint].to())}; }
     FrameView frame(int index) const { return frames[static_cast<size_t>(index)]; }

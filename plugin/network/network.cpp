@@ -322,7 +322,7 @@ void Network::discard_step() {
 
 // ---- State --------------------------------------------------------------------------------------------------------------
 
-/// Everything that changes from step to step, as pieces of memory; the step size first.
+/// Everything that changes from step to step, as pieces of memory; in a saved state the step size comes before them.
 std::vector<std::pair<void*, size_t>> Network::state_parts() const {
     auto& mechanism = const_cast<Mechanism&>(mechanism_);
     std::vector<std::pair<void*, size_t>> parts = {{&mechanism.steps, sizeof mechanism.steps},

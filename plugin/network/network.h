@@ -85,11 +85,11 @@ private:
 
     Mechanism mechanism_;
     std::unique_ptr<Interior> interior_;  ///< none where everything is joints between bodies and ground
-    /// A port and the centre of mass of its body where it was last seen.
+    /// A port and the centre of mass of its body where it was last seen, which serves within one call only.
     struct Port {
-        Vector3 arm;  ///< from there to the port, its axes
-        Vector3 centre;
-        const double* rotation;
+        Vector3 arm;             ///< from there to the port, its axes [m]
+        Vector3 centre;          ///< world [m]
+        const double* rotation;  ///< in the memory of the caller
     };
     mutable std::vector<Port> ports_;
     mutable std::vector<FrameView> trial_ports_;

@@ -219,7 +219,7 @@ void Interior::balance_massless(const Mechanism& mechanism, Solution& solution) 
         MasslessFrames::Residual& residual = massless_residuals_[m];
         residual.step = solution.change[i];
         // Both with the factors that make their derivatives by the end of the step those of the forces over it
-        residual.end = h * (mechanism.scheme.weight(0) + massless_.relaxation(m) * mechanism.scheme.rate[0]) *
+        residual.end = h * (mechanism.scheme.weight(0) + massless_.relaxation(m) * mechanism.scheme.rate(0)) *
                        (elastic + settled(mechanism, m, load_then));
         residual.half_way = 0.25 * h * (elastic + load_then + in_axes(now, own.elastic[1] + own.load[1])) +
                             0.5 * h * in_axes(now, damping_wrench_[f]);

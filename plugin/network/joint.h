@@ -283,7 +283,7 @@ inline void Joint::add_wrench(const JointForce& force, double* on_from, double* 
     if (!is_damped_ && scheme.lag() == 0) return force;
     const JointPose at = pose(now);
     const auto damper = [&](const JointHalf& half, const Vector3& delta) {
-        return Vector3(at.axes * (scheme.rate[0] * half.damping + scheme.lag() * half.stiffness).cwiseProduct(delta));
+        return Vector3(at.axes * (scheme.rate(0) * half.damping + scheme.lag() * half.stiffness).cwiseProduct(delta));
     };
     const Vector3 slide = damper(halves_[0], end.d - state.translation.d);
     Vector3 moment = Vector3::Zero();

@@ -212,8 +212,7 @@ Matrix6 local_columns(const Mechanism& mechanism, size_t j, const JointPose& pos
 }
 
 Matrix6 rigid_rows(const Mechanism& mechanism, size_t j, const Matrix6& columns) {
-    const TurnState* turn = mechanism.turn(j);
-    return rigid_rows(turn ? turn->rotation.d : Vector3::Zero(), columns);
+    return rigid_rows(mechanism.theta(j), columns);
 }
 
 Matrix6 rigid_rows(const Vector3& theta, const Matrix6& columns) {
@@ -232,9 +231,7 @@ Matrix6 Interior::mass_matrix(size_t frame) const {
 /// h² times −∂(wrench over a step)/∂(pose at its end) of a joint's frames, in their axes: what is elastic or damped, and
 /// what stems from forces that act already.
 Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j) const {
-    const TurnState* turn = mechanism.turn(j);
-    return blocks(mechanism, j, mechanism.pose(j), turn ? turn->rotation.d : Vector3::Zero(),
-                  mechanism.states[j].elastic.force, rigid_);
+    return blocks(mechanism, j, mechanism.pose(j), mechanism.theta(j), mechanism.states[j].elastic.force, rigid_);
 }
 
 /// The same with the joint elsewhere, turned by theta, under the elastic force `acting`, its rigid directions carrying q.
@@ -278,10 +275,7 @@ void Interior::assemble(const Mechanism& mechanism) {
         for (int row : {0, 1})
             for (int column : {0, 1}) near_blocks_[k].at[row][column] = K.between(row, column);
     }
-    for (size_t j : rigid_joints_) {
-        const TurnState* turn = mechanism.turn(j);
-        set_rigid_rows(mechanism, j, mechanism.pose(j), turn ? turn->rotation.d : Vector3::Zero(), elimination_);
-    }
+    for (size_t j : rigid_joints_) set_rigid_rows(mechanism, j, mechanism.pose(j), mechanism.theta(j), elimination_);
 }
 
 void Interior::set_rigid_rows(const Mechanism& mechanism, size_t j, const JointPose& pose, const Vector3& theta,
@@ -359,9 +353,7 @@ void Interior::find_responses(const Mechanism& mechanism) {
             if (is_inner(other)) r[at(other)] -= blocks(mechanism, j).between(1 - end, end).col(c);
             if (joint.rigid().none()) continue;
             const Vector6 held = rigid_rows(mechanism, j, local_columns(mechanism, j, end)).col(c);
-            for_each_rigid(joint, [&](int i, int direction) {
-                g[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)] = -held(direction);
-            });
+            for_each_rigid(joint, [&](int i, int direction) { g[rigid_row(j, i)] = -held(direction); });
         }
         elimination_.solve(r, g);
         for (size_t i = 0; i < r.size(); ++i) responses_[i].col(column) = r[i];
@@ -391,7 +383,7 @@ void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) co
                 }
                 for_each_rigid(joint, [&](int i, int d) {
                     block += held.row(d).transpose() *
-                             rigid_responses_.block<1, 6>(elimination_.rigid_begin(static_cast<int>(j)) + i, 6 * column);
+                             rigid_responses_.block<1, 6>(static_cast<Eigen::Index>(rigid_row(j, i)), 6 * column);
                 });
             }
         }
@@ -492,8 +484,7 @@ Twist Interior::newmark_momentum(const Mechanism& mechanism) const {
 /// Forces of a joint's rigid directions out of those of all, joint axes.
 Vector6 Interior::rigid_values(const Mechanism& mechanism, size_t j, const std::vector<double>& q) const {
     Vector6 f = Vector6::Zero();
-    for_each_rigid(mechanism.joints[j],
-                   [&](int i, int d) { f(d) = q[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)]; });
+    for_each_rigid(mechanism.joints[j], [&](int i, int d) { f(d) = q[rigid_row(j, i)]; });
     return f;
 }
 

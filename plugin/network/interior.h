@@ -176,6 +176,10 @@ private:
     void take_motion(Mechanism& mechanism);
 
     Matrix6 mass_matrix(size_t frame) const;
+    /// Index of rigid direction number i of a joint among those of all.
+    size_t rigid_row(size_t joint, int i) const {
+        return static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(joint)) + i);
+    }
     Vector6 rigid_values(const Mechanism& mechanism, size_t joint, const std::vector<double>& q) const;
     struct Blocks {
         EndBlocks own, acting;

@@ -98,9 +98,7 @@ void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_mot
             u << R.transpose() * v.linear, R.transpose() * v.angular;
             if (is_inner(frames[1 - end])) r[at(frames[1 - end])] -= K.between(1 - end, end) * u;
             const Vector6 held = rigid_rows(slow, j, local_columns(slow, j, end)) * u;
-            for_each_rigid(joint, [&](int i, int direction) {
-                g[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)] -= held(direction);
-            });
+            for_each_rigid(joint, [&](int i, int direction) { g[rigid_row(j, i)] -= held(direction); });
         }
     }
     for (size_t i = 0; i < given_.size(); ++i) {

@@ -47,15 +47,14 @@ void Interior::look_at_joints(const Mechanism& mechanism) {
     for (size_t k = 0; k < rigid_joints_.size(); ++k) {
         const size_t j = rigid_joints_[k];
         const Joint& joint = mechanism.joints[j];
-        const TurnState* turn = mechanism.turn(j);
         const JointPose before = joint.pose(mechanism.before[static_cast<size_t>(joint.from())],
                                             mechanism.before[static_cast<size_t>(joint.to())]);
+        const Vector3 theta = mechanism.theta(j);
         RigidMap& known = rigid_known_[k] = {};
-        known.add(scheme.elastic_weight(1), mechanism.pose(j), turn ? turn->rotation.d : Vector3::Zero());
-        if (turn)  // three instants, one force: of one branch of θ
-            known.add(scheme.elastic_weight(2), before, nearest_turn(turn->rotation.d_before, turn->rotation.d));
-        else
-            known.add(scheme.elastic_weight(2), before, Vector3::Zero());
+        known.add(scheme.elastic_weight(1), mechanism.pose(j), theta);
+        // Three instants, one force: of one branch of θ
+        const TurnState* turn = mechanism.turn(j);
+        known.add(scheme.elastic_weight(2), before, turn ? nearest_turn(turn->rotation.d_before, theta) : theta);
     }
     massless_.look(mechanism);
 }
@@ -105,8 +104,7 @@ void Interior::place(const Mechanism& mechanism, size_t i, const Vector6& u) con
 JointForce Interior::rigid_action(const Mechanism& mechanism, size_t j, const JointPose& at_end, const Vector3& theta,
                                   const Vector6& q) const {
     RigidMap map = rigid_known_[static_cast<size_t>(rigid_index_[j])];
-    const TurnState* turn = mechanism.turn(j);
-    map.add(mechanism.scheme.elastic_weight(0), at_end, turn ? nearest_turn(theta, turn->rotation.d) : theta);
+    map.add(mechanism.scheme.elastic_weight(0), at_end, nearest_turn(theta, mechanism.theta(j)));
     return map.of(q);
 }
 
@@ -194,9 +192,7 @@ void Interior::form_residuals(const Mechanism& mechanism, Solution& solution) co
         const FrameView from = trial_[static_cast<size_t>(joint.from())], to = trial_[static_cast<size_t>(joint.to())];
         Vector6 d;
         d << joint.translation(from, joint.arm(from, to)), joint.rotation(from, to);
-        for_each_rigid(joint, [&](int i, int direction) {
-            solution.q_change[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)] = -d(direction) / h;
-        });
+        for_each_rigid(joint, [&](int i, int direction) { solution.q_change[rigid_row(j, i)] = -d(direction) / h; });
     }
 }
 
@@ -403,14 +399,11 @@ JointForce Interior::near_force(const Mechanism& mechanism, size_t k, const Solu
     const EndBlocks& K = near_blocks_[k];
     const double h = mechanism.scheme.step_size();
     Vector6 on_from = (K.at[0][0] * u_from + K.at[0][1] * u_to) / -h, on_to = (K.at[1][0] * u_from + K.at[1][1] * u_to) / h;
-    if (joint.rigid().any()) {
-        for_each_rigid(joint, [&](int i, int) {
-            const auto row = static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i);
-            const double q = q_[row] - solution.q[row];
-            on_from -= q * elimination_.rigid(static_cast<int>(j), i, 0);
-            on_to += q * elimination_.rigid(static_cast<int>(j), i, 1);
-        });
-    }
+    for_each_rigid(joint, [&](int i, int) {
+        const double q = q_[rigid_row(j, i)] - solution.q[rigid_row(j, i)];
+        on_from -= q * elimination_.rigid(static_cast<int>(j), i, 0);
+        on_to += q * elimination_.rigid(static_cast<int>(j), i, 1);
+    });
     const RowMajor3 R_from = mechanism.frame(joint.from()).axes(), R_to = mechanism.frame(joint.to()).axes();
     JointForce force = solution.near[k];
     force.add(1, {R_from * head(on_from), R_from * tail(on_from), R_to * tail(on_to)});

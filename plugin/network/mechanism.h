@@ -27,6 +27,11 @@ struct Mechanism {
     const TurnState* turn(size_t joint) const {
         return turn_of[joint] < 0 ? nullptr : &turns[static_cast<size_t>(turn_of[joint])];
     }
+    /// Rotation θ of a joint at t_n [rad], its axes; zero where it carries no moment.
+    Vector3 theta(size_t joint) const {
+        const TurnState* state = turn(joint);
+        return state ? state->rotation.d : Vector3(Vector3::Zero());
+    }
     /// A joint at t_n.
     JointPose pose(size_t joint) const { return joints[joint].pose(ends(joint)); }
     Ends ends(size_t joint) const { return {frame(joints[joint].from()), frame(joints[joint].to())}; }

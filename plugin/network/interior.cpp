@@ -85,6 +85,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     }
     set_reaches(mechanism);
     choose_heirs(mechanism);
+    choose_near(mechanism);
     for (size_t j = 0; j < mechanism.joints.size(); ++j)
         if (mechanism.joints[j].from() < ports_ || mechanism.joints[j].to() < ports_) port_joints_.push_back(j);
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
@@ -179,8 +180,10 @@ void Interior::choose_heirs(const Mechanism& mechanism) {
     }
     for (size_t i = 0; i < inertias_.size(); ++i)
         if (!inherits(driven_ + static_cast<int>(i))) inertias_[i].heir = heir[static_cast<size_t>(driven_) + i];
+}
 
-    // What the ports feel: their own joints, and those of the frames whose heirs they are
+/// What the ports feel: their own joints, and those of the frames whose heirs they are.
+void Interior::choose_near(const Mechanism& mechanism) {
     std::vector<bool> at_port(mechanism.frames.size(), false);
     for (int f = 0; f < static_cast<int>(at_port.size()); ++f) {
         const bool is_estate = is_inner(f) && inertias_[at(f)].heir >= 0 && inertias_[at(f)].heir < ports_;
@@ -241,7 +244,7 @@ Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, const Jo
     if (joint.rigid().any()) acting += pose.axes * head(rigid_values(mechanism, j, q));
     const double h = mechanism.scheme.step_size();
     const Matrix3 R[2] = {mechanism.frame(joint.from()).axes(), mechanism.frame(joint.to()).axes()};
-    const auto in_axes = [&](EndBlocks K) {
+    const auto in_frames = [&](EndBlocks K) {
         for (int i : {0, 1})
             for (int k : {0, 1})
                 for (int row : {0, 3})
@@ -251,8 +254,8 @@ Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, const Jo
                     }
         return K;
     };
-    return {in_axes(joint.stiffness(pose, joint.gain(mechanism.scheme, theta))),
-            in_axes(Joint::acting_stiffness(pose, mechanism.scheme.elastic_weight(0) * acting))};
+    return {in_frames(joint.stiffness(pose, joint.gain(mechanism.scheme, theta))),
+            in_frames(Joint::acting_stiffness(pose, mechanism.scheme.elastic_weight(0) * acting))};
 }
 
 void Interior::add_blocks(const Joint& joint, size_t j, const Blocks& K, Elimination& matrix) const {

@@ -127,6 +127,7 @@ private:
 
     void set_reaches(const Mechanism& mechanism);
     void choose_heirs(const Mechanism& mechanism);
+    void choose_near(const Mechanism& mechanism);
     void choose_burdened(const Mechanism& mechanism);
     Burden& burden(size_t frame) { return burdens_[static_cast<size_t>(burden_of_[frame])]; }
     const Burden& burden(size_t frame) const { return burdens_[static_cast<size_t>(burden_of_[frame])]; }
@@ -135,6 +136,7 @@ private:
     [[noreturn]] void refuse(const Mechanism& mechanism, const Elimination::Fault& fault, dttmm_status status) const;
     void find_responses(const Mechanism& mechanism);
     Twist start_velocity(int frame, const dttmm_motion* ports) const;
+    JointForce start_force(const Mechanism& mechanism, const Joint& joint, const dttmm_motion* ports) const;
     void settle_at_start(Mechanism& mechanism, const dttmm_motion* ports);
     void find_start_velocities(const Mechanism& mechanism, const dttmm_motion* ports);
     void refuse_forbidden_velocities(const Mechanism& mechanism, const dttmm_motion* ports) const;

@@ -206,11 +206,6 @@ void Interior::balance_massless(const Mechanism& mechanism, Solution& solution) 
         const Burden& own = burden(i);
         const FrameView now = mechanism.frames[f], end = trial_[f];
         const Vector6 load = load_at_end(static_cast<size_t>(burden_of_[i]), end);
-        const auto in_axes = [](FrameView frame, const Vector6& v) {
-            Vector6 local;
-            local << frame.axes().transpose() * v.head<3>(), frame.axes().transpose() * v.tail<3>();
-            return local;
-        };
         const Vector6 elastic = in_axes(end, end_wrench_[f]), load_then = in_axes(end, load);
         MasslessFrames::Residual& residual = massless_residuals_[m];
         residual.step = solution.change[i];
@@ -227,12 +222,10 @@ void Interior::balance_massless(const Mechanism& mechanism, Solution& solution) 
         const Vector6 left = solution.change[i] - massless_residuals_[m].step;
         solution.change[i] = massless_residuals_[m].step;
         if (!is_inner(heir)) continue;
-        const RowMajor3 R = mechanism.frame(driven_ + static_cast<int>(i)).axes(), to_heir = mechanism.frame(heir).axes();
+        const RowMajor3 R = mechanism.frame(driven_ + static_cast<int>(i)).axes();
         Vector6 world;
         world << R * head(left), R * tail(left);
-        world = bequest(mechanism.frames, i, world);
-        solution.change[at(heir)].head<3>() += to_heir.transpose() * head(world);
-        solution.change[at(heir)].tail<3>() += to_heir.transpose() * tail(world);
+        solution.change[at(heir)] += in_axes(mechanism.frame(heir), bequest(mechanism.frames, i, world));
     }
 }
 
@@ -576,10 +569,8 @@ void Interior::take_loads(const Mechanism& mechanism) {
         const size_t i = massless_.frames()[m], f = static_cast<size_t>(driven_) + i;
         const FrameView end = trial_[f];
         const Vector6 load = load_at_end(static_cast<size_t>(burden_of_[i]), end);
-        Vector6 local;
-        local << end.axes().transpose() * head(load), end.axes().transpose() * tail(load);
         Burden& own = burden(i);
-        const Vector6 next = settled(mechanism, m, local);
+        const Vector6 next = settled(mechanism, m, in_axes(end, load));
         own.settled[1] = own.settled[0];
         own.settled[0] = next;
         own.elastic[2] = own.elastic[1];

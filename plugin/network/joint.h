@@ -75,6 +75,8 @@ struct JointPose {
     JointForce act(const Vector3& force, const Vector3& moment) const {
         return {force, moment + arm.cross(force), moment + lever.cross(force)};
     }
+    /// The same of [force; moment] in the joint's axes.
+    JointForce act(const Vector6& f) const { return act(axes * f.head<3>(), axes * f.tail<3>()); }
 };
 
 /// What changes from step to step, [m] or [rad] in the joint's axes; plain numbers, so that saving is copying.

@@ -53,12 +53,15 @@ public:
 private:
     std::vector<dttmm_motion> at_centres(const dttmm_motion* nodes) const;
     void look(const dttmm_motion* nodes) const;
-    void refer_wrench(double* wrench) const;
-    void refer_matrix(size_t port, const Matrix3& axes, double* matrix) const;
+    void refer_wrench(size_t port, FrameView at, double* wrench) const;
+    void refer_matrix(size_t port, FrameView at, double* matrix) const;
     std::span<const FrameView> trial_ports() const;
     FrameView seen(int frame, const dttmm_motion* ports) const {
         if (frame < port_count()) return ports[frame];
         return mechanism_.frame(frame);
+    }
+    Twist velocity(int frame, const dttmm_motion* ports) const {
+        return frame < port_count() ? twist(ports[frame]) : Twist{};
     }
     FrameView trial(int frame) const {
         if (frame >= port_count()) return mechanism_.frame(frame);
@@ -69,6 +72,7 @@ private:
     void add_stiffness(const Joint& joint, const EndBlocks& blocks, double* stiffness) const;
     void linearise_joints(const dttmm_motion* ports, double* wrench, double* stiffness, double* damping) const;
     void evaluate_joints(double* wrench, double* stiffness) const;
+    void start_joints(const dttmm_motion* ports, const double* accelerations);
     void commit_joints();
 
     void declare_channels(const dttmm_network& description);

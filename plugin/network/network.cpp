@@ -205,7 +205,6 @@ void Network::start(const dttmm_step& step, const dttmm_motion* nodes, const dou
     const double* accelerations = at_centre.data();
     for (const Joint& joint : mechanism_.joints)
         joint.refuse_large_rotation(seen(joint.from(), ports), seen(joint.to(), ports));
-    step_size_ = step.size;
     mechanism_.steps = 0;
     mechanism_.scheme.set_step_size(step.size);
     for (Joint& joint : mechanism_.joints) joint.set_scheme(mechanism_.scheme);
@@ -237,7 +236,8 @@ void Network::start_joints(const dttmm_motion* ports, const double* acceleration
 void Network::begin_step(const dttmm_step& step, const double* loads) {
     if (!started_) throw Error(DTTMM_ERROR_PHASE, "begin_step: start has not been called");
     if (open_) throw Error(DTTMM_ERROR_PHASE, "begin_step: the step before is still open");
-    if (step.size != step_size_) throw Error(DTTMM_ERROR_ARGUMENT, "begin_step: a new step size wants a new start");
+    if (step.size != mechanism_.scheme.step_size())
+        throw Error(DTTMM_ERROR_ARGUMENT, "begin_step: a new step size wants a new start");
     if (interior_) interior_->begin_step(mechanism_, loads);
     open_ = true;
 }
@@ -335,7 +335,7 @@ std::vector<std::pair<void*, size_t>> Network::state_parts() const {
 }
 
 size_t Network::state_size() const {
-    size_t size = sizeof step_size_;
+    size_t size = sizeof(double);  // of the step size
     for (const auto& [data, bytes] : state_parts()) size += bytes;
     return size;
 }
@@ -345,8 +345,9 @@ void Network::save_state(void* buffer, size_t size) const {
     if (size != state_size())
         throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("save_state: the state has {} bytes, not {}", state_size(), size));
     char* out = static_cast<char*>(buffer);
-    std::memcpy(out, &step_size_, sizeof step_size_);
-    out += sizeof step_size_;
+    const double step_size = mechanism_.scheme.step_size();
+    std::memcpy(out, &step_size, sizeof step_size);
+    out += sizeof step_size;
     for (const auto& [data, bytes] : state_parts()) {
         if (bytes > 0) std::memcpy(out, data, bytes);
         out += bytes;
@@ -362,7 +363,7 @@ void Network::restore_state(const void* buffer, size_t size) {
     double saved;
     std::memcpy(&saved, in, sizeof saved);
     in += sizeof saved;
-    if (saved != step_size_)
+    if (saved != mechanism_.scheme.step_size())
         throw Error(DTTMM_ERROR_ARGUMENT, "restore_state: saved at another step size, or by another network");
     for (const auto& [data, bytes] : state_parts()) {
         if (bytes > 0) std::memcpy(data, in, bytes);

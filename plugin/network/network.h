@@ -97,7 +97,6 @@ private:
     };
     mutable std::vector<Port> ports_;
     mutable std::vector<FrameView> trial_ports_;
-    double step_size_ = 0;
     bool started_ = false, open_ = false;
 
     /// A beam or rod as results show it: its joints, its ends and its axes.

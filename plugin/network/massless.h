@@ -63,6 +63,12 @@ private:
         bool is_fixed = false;         ///< the basis has been found and does not change
         mutable Eigen::VectorXd end, step, half_way;
     };
+    /// Of a frame of the mechanism; −1: it is driven, or has none.
+    int index_of(const Mechanism& mechanism, int frame) const {
+        const int inner = frame - mechanism.assembly.driven_count;
+        return inner < 0 ? -1 : index_[static_cast<size_t>(inner)];
+    }
+    void make_clusters(const Mechanism& mechanism);
     static void find_rows(const Mechanism& mechanism, const std::vector<size_t>& joints, Cluster& cluster);
     void add_to_basis(const Mechanism& mechanism, Cluster& cluster, const Row& row, bool is_rigid) const;
 

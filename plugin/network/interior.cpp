@@ -402,17 +402,15 @@ void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) co
 // ---- Results ------------------------------------------------------------------------------------------------------------
 
 Twist Interior::velocity(const Mechanism& mechanism, int frame, const Vector3& offset) const {
-    const State& state = state_[at(frame)];
-    const Vector3 arm = FrameView(mechanism.before[static_cast<size_t>(frame)]).axes() * offset;
-    const Vector3 w = 0.5 * (state.velocity.angular + state.velocity_before.angular);
-    return {0.5 * (state.velocity.linear + state.velocity_before.linear) + w.cross(arm), w};
+    const Twist mean = state_[at(frame)].mean();
+    const Vector3 arm = mechanism.frame_before(frame).axes() * offset;
+    return {mean.linear + mean.angular.cross(arm), mean.angular};
 }
 
 Twist Interior::acceleration(const Mechanism& mechanism, int frame, const Vector3& offset) const {
     const State& state = state_[at(frame)];
     const double h = mechanism.scheme.step_size();
-    const Vector3 arm = FrameView(mechanism.before[static_cast<size_t>(frame)]).axes() * offset;
-    const Vector3 w = 0.5 * (state.velocity.angular + state.velocity_before.angular);
+    const Vector3 arm = mechanism.frame_before(frame).axes() * offset, w = state.mean().angular;
     const Vector3 alpha = (state.velocity.angular - state.velocity_before.angular) / h;
     return {(state.velocity.linear - state.velocity_before.linear) / h + alpha.cross(arm) + w.cross(w.cross(arm)), alpha};
 }
@@ -420,11 +418,9 @@ Twist Interior::acceleration(const Mechanism& mechanism, int frame, const Vector
 double Interior::kinetic_energy(const Mechanism& mechanism) const {
     double twice = 0;
     for (size_t i = 0; i < state_.size(); ++i) {
-        const State& state = state_[i];
-        const Vector3 v = 0.5 * (state.velocity.linear + state.velocity_before.linear);
-        const Vector3 w = FrameView(mechanism.before[static_cast<size_t>(driven_) + i]).axes().transpose() *
-                          (0.5 * (state.velocity.angular + state.velocity_before.angular));
-        twice += inertias_[i].mass * v.squaredNorm() + w.dot(inertias_[i].moment * w);
+        const Twist mean = state_[i].mean();
+        const Vector3 w = mechanism.frame_before(driven_ + static_cast<int>(i)).axes().transpose() * mean.angular;
+        twice += inertias_[i].mass * mean.linear.squaredNorm() + w.dot(inertias_[i].moment * w);
     }
     return 0.5 * twice;
 }
@@ -433,8 +429,7 @@ double Interior::work(const Mechanism& mechanism) const {
     double work = books_.load_work;
     for (size_t i = 0; i < state_.size(); ++i) {
         const Vector3& start = mechanism.assembly.frames[static_cast<size_t>(driven_) + i].pose.position;
-        work +=
-            inertias_[i].mass * gravity_.dot(FrameView(mechanism.before[static_cast<size_t>(driven_) + i]).origin() - start);
+        work += inertias_[i].mass * gravity_.dot(mechanism.frame_before(driven_ + static_cast<int>(i)).origin() - start);
     }
     return work;
 }

@@ -91,6 +91,10 @@ private:
         Vector6 momentum;                 ///< over the step before t_n, world
         Vector6 u, u_before;              ///< over that step and the one before, each in the axes at its start
         Twist velocity, velocity_before;  ///< the same, world
+        /// Velocity at the start of the step before t_n.
+        Twist mean() const {
+            return {0.5 * (velocity.linear + velocity_before.linear), 0.5 * (velocity.angular + velocity_before.angular)};
+        }
     };
     /// The same of a frame with a node on it, or with a massless half: the others take no load.
     struct Burden {

@@ -47,8 +47,7 @@ void Interior::look_at_joints(const Mechanism& mechanism) {
     for (size_t k = 0; k < rigid_joints_.size(); ++k) {
         const size_t j = rigid_joints_[k];
         const Joint& joint = mechanism.joints[j];
-        const JointPose before = joint.pose(mechanism.before[static_cast<size_t>(joint.from())],
-                                            mechanism.before[static_cast<size_t>(joint.to())]);
+        const JointPose before = joint.pose(mechanism.frame_before(joint.from()), mechanism.frame_before(joint.to()));
         const Vector3 theta = mechanism.theta(j);
         RigidMap& known = rigid_known_[k] = {};
         known.add(scheme.elastic_weight(1), mechanism.pose(j), theta);

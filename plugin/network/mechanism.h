@@ -36,6 +36,7 @@ struct Mechanism {
     JointPose pose(size_t joint) const { return joints[joint].pose(ends(joint)); }
     Ends ends(size_t joint) const { return {frame(joints[joint].from()), frame(joints[joint].to())}; }
     FrameView frame(int index) const { return frames[static_cast<size_t>(index)]; }
+    FrameView frame_before(int index) const { return before[static_cast<size_t>(index)]; }
 };
 
 /// The frame of a pose.

@@ -429,8 +429,7 @@ double* Network::write_chain(double* out, size_t element) const {
     double* const total = out;
     const NodeSpec &from_node = assembly.nodes[static_cast<size_t>(chain.from_node)],
                    &to_node = assembly.nodes[static_cast<size_t>(chain.to_node)];
-    const FrameView from = mechanism_.before[static_cast<size_t>(from_node.frame)],
-                    to = mechanism_.before[static_cast<size_t>(to_node.frame)];
+    const FrameView from = mechanism_.frame_before(from_node.frame), to = mechanism_.frame_before(to_node.frame);
     const Matrix3 axes = from.axes() * chain.from_axes;
     const Vector3 way = to.origin() + to.axes() * to_node.offset - from.origin() - from.axes() * from_node.offset;
     Map3{total + 6} = axes.transpose() * way - chain.rest;
@@ -452,11 +451,11 @@ double* Network::write_chain(double* out, size_t element) const {
 
 double* Network::write_node(double* out, size_t node) const {
     const NodeSpec& spec = mechanism_.assembly.nodes[node];
-    const auto f = static_cast<size_t>(spec.frame);
-    const FrameView before = mechanism_.before[f];
+    const FrameView before = mechanism_.frame_before(spec.frame);
+    const Matrix3& start = mechanism_.assembly.frames[static_cast<size_t>(spec.frame)].pose.rotation;
     const Twist v = interior_->velocity(mechanism_, spec.frame, spec.offset);
     const Twist a = interior_->acceleration(mechanism_, spec.frame, spec.offset);
-    const Vector3 turned = rotation_vector(before.axes() * mechanism_.assembly.frames[f].pose.rotation.transpose());
+    const Vector3 turned = rotation_vector(before.axes() * start.transpose());
     for (const Vector3& vector :
          {Vector3(before.origin() + before.axes() * spec.offset), v.linear, a.linear, turned, v.angular}) {
         Map3{out} = vector;

@@ -216,13 +216,12 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
     refactor(mechanism);
 }
 
-/// Loads on the inner nodes at the end of the step.
+/// Loads on the inner nodes at the end of the step; none where `loads` is null.
 void Interior::read_loads(const Mechanism& mechanism, const double* loads) {
     for (Burden& burden : burdens_) burden.load[0].setZero();
-    if (!loads) return;
     for (size_t i = 0; i < inner_nodes_.size(); ++i) {
         const NodeSpec& node = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])];
-        node_loads_[i] = Eigen::Map<const Vector6>(loads + 6 * i);
+        node_loads_[i] = loads ? Vector6(Eigen::Map<const Vector6>(loads + 6 * i)) : Vector6(Vector6::Zero());
         if (is_inner(node.frame)) burden(at(node.frame)).load[0] += node_loads_[i];
     }
 }

@@ -85,6 +85,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     }
     set_reaches(mechanism);
     choose_heirs(mechanism);
+    choose_near(mechanism);
     for (size_t j = 0; j < mechanism.joints.size(); ++j)
         if (mechanism.joints[j].from() < ports_ || mechanism.joints[j].to() < ports_) port_joints_.push_back(j);
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
@@ -179,8 +180,10 @@ void Interior::choose_heirs(const Mechanism& mechanism) {
     }
     for (size_t i = 0; i < inertias_.size(); ++i)
         if (!inherits(driven_ + static_cast<int>(i))) inertias_[i].heir = heir[static_cast<size_t>(driven_) + i];
+}
 
-    // What the ports feel: their own joints, and those of the frames whose heirs they are
+/// What the ports feel: their own joints, and those of the frames whose heirs they are.
+void Interior::choose_near(const Mechanism& mechanism) {
     std::vector<bool> at_port(mechanism.frames.size(), false);
     for (int f = 0; f < static_cast<int>(at_port.size()); ++f) {
         const bool is_estate = is_inner(f) && inertias_[at(f)].heir >= 0 && inertias_[at(f)].heir < ports_;
@@ -212,8 +215,7 @@ Matrix6 local_columns(const Mechanism& mechanism, size_t j, const JointPose& pos
 }
 
 Matrix6 rigid_rows(const Mechanism& mechanism, size_t j, const Matrix6& columns) {
-    const TurnState* turn = mechanism.turn(j);
-    return rigid_rows(turn ? turn->rotation.d : Vector3::Zero(), columns);
+    return rigid_rows(mechanism.theta(j), columns);
 }
 
 Matrix6 rigid_rows(const Vector3& theta, const Matrix6& columns) {
@@ -232,9 +234,7 @@ Matrix6 Interior::mass_matrix(size_t frame) const {
 /// h² times −∂(wrench over a step)/∂(pose at its end) of a joint's frames, in their axes: what is elastic or damped, and
 /// what stems from forces that act already.
 Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j) const {
-    const TurnState* turn = mechanism.turn(j);
-    return blocks(mechanism, j, mechanism.pose(j), turn ? turn->rotation.d : Vector3::Zero(),
-                  mechanism.states[j].elastic.force, rigid_);
+    return blocks(mechanism, j, mechanism.pose(j), mechanism.theta(j), mechanism.states[j].elastic.force, rigid_);
 }
 
 /// The same with the joint elsewhere, turned by theta, under the elastic force `acting`, its rigid directions carrying q.
@@ -244,7 +244,7 @@ Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, const Jo
     if (joint.rigid().any()) acting += pose.axes * head(rigid_values(mechanism, j, q));
     const double h = mechanism.scheme.step_size();
     const Matrix3 R[2] = {mechanism.frame(joint.from()).axes(), mechanism.frame(joint.to()).axes()};
-    const auto in_axes = [&](EndBlocks K) {
+    const auto in_frames = [&](EndBlocks K) {
         for (int i : {0, 1})
             for (int k : {0, 1})
                 for (int row : {0, 3})
@@ -254,8 +254,8 @@ Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, const Jo
                     }
         return K;
     };
-    return {in_axes(joint.stiffness(pose, joint.gain(mechanism.scheme, theta))),
-            in_axes(Joint::acting_stiffness(pose, mechanism.scheme.elastic_weight(0) * acting))};
+    return {in_frames(joint.stiffness(pose, joint.gain(mechanism.scheme, theta))),
+            in_frames(Joint::acting_stiffness(pose, mechanism.scheme.elastic_weight(0) * acting))};
 }
 
 void Interior::add_blocks(const Joint& joint, size_t j, const Blocks& K, Elimination& matrix) const {
@@ -278,10 +278,7 @@ void Interior::assemble(const Mechanism& mechanism) {
         for (int row : {0, 1})
             for (int column : {0, 1}) near_blocks_[k].at[row][column] = K.between(row, column);
     }
-    for (size_t j : rigid_joints_) {
-        const TurnState* turn = mechanism.turn(j);
-        set_rigid_rows(mechanism, j, mechanism.pose(j), turn ? turn->rotation.d : Vector3::Zero(), elimination_);
-    }
+    for (size_t j : rigid_joints_) set_rigid_rows(mechanism, j, mechanism.pose(j), mechanism.theta(j), elimination_);
 }
 
 void Interior::set_rigid_rows(const Mechanism& mechanism, size_t j, const JointPose& pose, const Vector3& theta,
@@ -359,9 +356,7 @@ void Interior::find_responses(const Mechanism& mechanism) {
             if (is_inner(other)) r[at(other)] -= blocks(mechanism, j).between(1 - end, end).col(c);
             if (joint.rigid().none()) continue;
             const Vector6 held = rigid_rows(mechanism, j, local_columns(mechanism, j, end)).col(c);
-            for_each_rigid(joint, [&](int i, int direction) {
-                g[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)] = -held(direction);
-            });
+            for_each_rigid(joint, [&](int i, int direction) { g[rigid_row(j, i)] = -held(direction); });
         }
         elimination_.solve(r, g);
         for (size_t i = 0; i < r.size(); ++i) responses_[i].col(column) = r[i];
@@ -391,7 +386,7 @@ void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) co
                 }
                 for_each_rigid(joint, [&](int i, int d) {
                     block += held.row(d).transpose() *
-                             rigid_responses_.block<1, 6>(elimination_.rigid_begin(static_cast<int>(j)) + i, 6 * column);
+                             rigid_responses_.block<1, 6>(static_cast<Eigen::Index>(rigid_row(j, i)), 6 * column);
                 });
             }
         }
@@ -407,17 +402,15 @@ void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) co
 // ---- Results ------------------------------------------------------------------------------------------------------------
 
 Twist Interior::velocity(const Mechanism& mechanism, int frame, const Vector3& offset) const {
-    const State& state = state_[at(frame)];
-    const Vector3 arm = FrameView(mechanism.before[static_cast<size_t>(frame)]).axes() * offset;
-    const Vector3 w = 0.5 * (state.velocity.angular + state.velocity_before.angular);
-    return {0.5 * (state.velocity.linear + state.velocity_before.linear) + w.cross(arm), w};
+    const Twist mean = state_[at(frame)].mean();
+    const Vector3 arm = mechanism.frame_before(frame).axes() * offset;
+    return {mean.linear + mean.angular.cross(arm), mean.angular};
 }
 
 Twist Interior::acceleration(const Mechanism& mechanism, int frame, const Vector3& offset) const {
     const State& state = state_[at(frame)];
     const double h = mechanism.scheme.step_size();
-    const Vector3 arm = FrameView(mechanism.before[static_cast<size_t>(frame)]).axes() * offset;
-    const Vector3 w = 0.5 * (state.velocity.angular + state.velocity_before.angular);
+    const Vector3 arm = mechanism.frame_before(frame).axes() * offset, w = state.mean().angular;
     const Vector3 alpha = (state.velocity.angular - state.velocity_before.angular) / h;
     return {(state.velocity.linear - state.velocity_before.linear) / h + alpha.cross(arm) + w.cross(w.cross(arm)), alpha};
 }
@@ -425,11 +418,9 @@ Twist Interior::acceleration(const Mechanism& mechanism, int frame, const Vector
 double Interior::kinetic_energy(const Mechanism& mechanism) const {
     double twice = 0;
     for (size_t i = 0; i < state_.size(); ++i) {
-        const State& state = state_[i];
-        const Vector3 v = 0.5 * (state.velocity.linear + state.velocity_before.linear);
-        const Vector3 w = FrameView(mechanism.before[static_cast<size_t>(driven_) + i]).axes().transpose() *
-                          (0.5 * (state.velocity.angular + state.velocity_before.angular));
-        twice += inertias_[i].mass * v.squaredNorm() + w.dot(inertias_[i].moment * w);
+        const Twist mean = state_[i].mean();
+        const Vector3 w = mechanism.frame_before(driven_ + static_cast<int>(i)).axes().transpose() * mean.angular;
+        twice += inertias_[i].mass * mean.linear.squaredNorm() + w.dot(inertias_[i].moment * w);
     }
     return 0.5 * twice;
 }
@@ -438,8 +429,7 @@ double Interior::work(const Mechanism& mechanism) const {
     double work = books_.load_work;
     for (size_t i = 0; i < state_.size(); ++i) {
         const Vector3& start = mechanism.assembly.frames[static_cast<size_t>(driven_) + i].pose.position;
-        work +=
-            inertias_[i].mass * gravity_.dot(FrameView(mechanism.before[static_cast<size_t>(driven_) + i]).origin() - start);
+        work += inertias_[i].mass * gravity_.dot(mechanism.frame_before(driven_ + static_cast<int>(i)).origin() - start);
     }
     return work;
 }
@@ -492,8 +482,7 @@ Twist Interior::newmark_momentum(const Mechanism& mechanism) const {
 /// Forces of a joint's rigid directions out of those of all, joint axes.
 Vector6 Interior::rigid_values(const Mechanism& mechanism, size_t j, const std::vector<double>& q) const {
     Vector6 f = Vector6::Zero();
-    for_each_rigid(mechanism.joints[j],
-                   [&](int i, int d) { f(d) = q[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)]; });
+    for_each_rigid(mechanism.joints[j], [&](int i, int d) { f(d) = q[rigid_row(j, i)]; });
     return f;
 }
 

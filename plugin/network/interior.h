@@ -62,7 +62,7 @@ public:
     Twist acceleration(const Mechanism& mechanism, int frame, const Vector3& offset) const;
     double kinetic_energy(const Mechanism& mechanism) const;
     double work(const Mechanism& mechanism) const;  ///< of gravity and loads since the start
-    /// Force of a joint's rigid directions, joint axes.
+    /// Force of a joint's rigid directions over the step before t_n, its axes.
     Vector6 rigid_force(const Mechanism& mechanism, size_t joint) const;
 
     /// Momentum and angular momentum about the world's origin of all that is inside, over the step before t_n.
@@ -91,6 +91,10 @@ private:
         Vector6 momentum;                 ///< over the step before t_n, world
         Vector6 u, u_before;              ///< over that step and the one before, each in the axes at its start
         Twist velocity, velocity_before;  ///< the same, world
+        /// Velocity at the start of the step before t_n.
+        Twist mean() const {
+            return {0.5 * (velocity.linear + velocity_before.linear), 0.5 * (velocity.angular + velocity_before.angular)};
+        }
     };
     /// The same of a frame with a node on it, or with a massless half: the others take no load.
     struct Burden {
@@ -106,18 +110,20 @@ private:
     struct Books {
         double contraction = 1, scale = 0;  ///< θ/(1 − θ) last measured; size of the motion, slowly forgetting [m/s]
         double port_way = 0;                ///< of the ports from the anchor to where they went in the last step [m/s]
-        double load_work = 0, load_power = 0;
+        double load_work = 0;               ///< of the loads up to t_{n−1} [J]
+        double load_power = 0;              ///< at t_{n−1} [W]
     };
     /// The motion inside for one motion of the ports, linear about the last pass: u + change.
     struct Solution {
-        std::vector<Frame> ports;      ///< at the end of the step
-        std::vector<Vector6> u;        ///< at which the forces were worked out
-        std::vector<Vector6> change;   ///< last correction
-        std::vector<double> q;         ///< forces of the rigid directions, before the correction
-        std::vector<double> q_change;  ///< correction of them, times h
-        std::vector<JointForce> near;  ///< forces of near_joints_ over the step, before the correction
-        double contraction = 1, scale = 0, rate = 0;
-        double tolerance = 0;  ///< of what remains to be corrected [m/s]
+        std::vector<Frame> ports;           ///< at the end of the step
+        std::vector<Vector6> u;             ///< of the inner frames, at which the forces were worked out [m/s, rad/s]
+        std::vector<Vector6> change;        ///< last correction of it
+        std::vector<double> q;              ///< forces of the rigid directions, before the correction [N, N m]
+        std::vector<double> q_change;       ///< correction of them, times h
+        std::vector<JointForce> near;       ///< forces of near_joints_ over the step, before the correction
+        double contraction = 1, scale = 0;  ///< as in Books
+        double rate = 0;                    ///< θ of the last pass; 0: not measured in this step
+        double tolerance = 0;               ///< of what remains to be corrected [m/s]
     };
 
     size_t at(int frame) const { return static_cast<size_t>(frame - driven_); }
@@ -125,6 +131,7 @@ private:
 
     void set_reaches(const Mechanism& mechanism);
     void choose_heirs(const Mechanism& mechanism);
+    void choose_near(const Mechanism& mechanism);
     void choose_burdened(const Mechanism& mechanism);
     Burden& burden(size_t frame) { return burdens_[static_cast<size_t>(burden_of_[frame])]; }
     const Burden& burden(size_t frame) const { return burdens_[static_cast<size_t>(burden_of_[frame])]; }
@@ -133,6 +140,7 @@ private:
     [[noreturn]] void refuse(const Mechanism& mechanism, const Elimination::Fault& fault, dttmm_status status) const;
     void find_responses(const Mechanism& mechanism);
     Twist start_velocity(int frame, const dttmm_motion* ports) const;
+    JointForce start_force(const Mechanism& mechanism, const Joint& joint, const dttmm_motion* ports) const;
     void settle_at_start(Mechanism& mechanism, const dttmm_motion* ports);
     void find_start_velocities(const Mechanism& mechanism, const dttmm_motion* ports);
     void refuse_forbidden_velocities(const Mechanism& mechanism, const dttmm_motion* ports) const;
@@ -174,6 +182,10 @@ private:
     void take_motion(Mechanism& mechanism);
 
     Matrix6 mass_matrix(size_t frame) const;
+    /// Index of rigid direction number i of a joint among those of all.
+    size_t rigid_row(size_t joint, int i) const {
+        return static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(joint)) + i);
+    }
     Vector6 rigid_values(const Mechanism& mechanism, size_t joint, const std::vector<double>& q) const;
     struct Blocks {
         EndBlocks own, acting;

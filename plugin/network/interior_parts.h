@@ -17,6 +17,12 @@ inline Vector6 joined(const Twist& twist) {
     v << twist.linear, twist.angular;
     return v;
 }
+/// A motion or wrench, world axes, in those of a frame.
+inline Vector6 in_axes(FrameView frame, const Vector6& v) {
+    Vector6 local;
+    local << frame.axes().transpose() * v.head<3>(), frame.axes().transpose() * v.tail<3>();
+    return local;
+}
 
 /// Rigid directions of a joint, ascending.
 template <class Function>

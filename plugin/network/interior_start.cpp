@@ -40,12 +40,7 @@ void Interior::linearise(const Mechanism& mechanism, const dttmm_motion* ports, 
     std::fill_n(wrench, size, 0.0);
     for (size_t j : port_joints_) {
         const Joint& joint = sample.joints[j];
-        const FrameView from = sample.frame(joint.from()), to = sample.frame(joint.to());
-        const Vector6 f = joint.force(
-            from, to,
-            joint.rate(from, scratch.start_velocity(joint.from(), ports), to, scratch.start_velocity(joint.to(), ports)));
-        const JointPose pose = joint.pose(from, to);
-        Joint::add_wrench(pose.act(pose.axes * head(f), pose.axes * tail(f)),
+        Joint::add_wrench(scratch.start_force(sample, joint, ports),
                           joint.from() < ports_ ? wrench + 6 * joint.from() : nullptr,
                           joint.to() < ports_ ? wrench + 6 * joint.to() : nullptr);
     }
@@ -62,15 +57,21 @@ Twist Interior::start_velocity(int frame, const dttmm_motion* ports) const {
     return frame < ports_ ? twist(ports[frame]) : Twist{};
 }
 
+/// What a joint does at the start, when the frames are where they are; without rigid directions.
+JointForce Interior::start_force(const Mechanism& mechanism, const Joint& joint, const dttmm_motion* ports) const {
+    const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
+    const Twist v_from = start_velocity(joint.from(), ports), v_to = start_velocity(joint.to(), ports);
+    const JointPose pose = joint.pose(from, to);
+    return pose.act(joint.force(from, to, joint.rate(from, v_from, to, v_to)));
+}
+
 /// Puts the ports where they are, the inside where it is at the start, and finds the velocities of the inside: those given,
 /// the rest such as to strain the network least.
 void Interior::settle_at_start(Mechanism& mechanism, const dttmm_motion* ports) {
     for (size_t f = 0; f < mechanism.frames.size(); ++f) mechanism.frames[f] = make_frame(mechanism.assembly.frames[f].pose);
     bool moves = false;
     for (int p = 0; p < ports_; ++p) {
-        Frame& frame = mechanism.frames[static_cast<size_t>(p)];
-        std::copy_n(ports[p].position, 3, frame.position);
-        std::copy_n(ports[p].rotation, 9, frame.rotation);
+        mechanism.frames[static_cast<size_t>(p)] = FrameView(ports[p]).copy();
         const Twist velocity = twist(ports[p]);
         moves = moves || !velocity.linear.isZero(0) || !velocity.angular.isZero(0);
     }
@@ -92,26 +93,19 @@ void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_mot
         const Blocks K = blocks(slow, j);
         for (int end : {0, 1}) {
             if (frames[end] >= ports_) continue;
-            const Twist v = twist(ports[frames[end]]);
-            const RowMajor3 R = slow.frame(frames[end]).axes();
-            Vector6 u;
-            u << R.transpose() * v.linear, R.transpose() * v.angular;
+            const Vector6 u = in_axes(slow.frame(frames[end]), joined(twist(ports[frames[end]])));
             if (is_inner(frames[1 - end])) r[at(frames[1 - end])] -= K.between(1 - end, end) * u;
             const Vector6 held = rigid_rows(slow, j, local_columns(slow, j, end)) * u;
-            for_each_rigid(joint, [&](int i, int direction) {
-                g[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)] -= held(direction);
-            });
+            for_each_rigid(joint, [&](int i, int direction) { g[rigid_row(j, i)] -= held(direction); });
         }
     }
     for (size_t i = 0; i < given_.size(); ++i) {
         const NodeSpec& spec = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])];
         if (!given_[i].moves || !is_inner(spec.frame)) continue;
-        // v_node = v − offset × … in the frame's axes
-        const RowMajor3 R = slow.frame(spec.frame).axes();
+        // v_node = v − offset × ω in the frame's axes
         Matrix6 G = Matrix6::Identity();
         G.topRightCorner<3, 3>() = -skew(spec.offset);
-        Vector6 given;
-        given << R.transpose() * given_[i].velocity.linear, R.transpose() * given_[i].velocity.angular;
+        const Vector6 given = in_axes(slow.frame(spec.frame), joined(given_[i].velocity));
         const Matrix6 own = elimination_.diagonal(spec.frame - driven_);
         const double translation = kHold * std::max(own.topLeftCorner<3, 3>().trace(), 1e-300);
         // What holds the translation at a lever turns the frame too, and must not drown what holds the rotation
@@ -170,14 +164,9 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
 
     // Forces of the start, for the momentum half a step before it and the accelerations
     std::vector<Vector6> wrench(mechanism.frames.size(), Vector6::Zero());
-    for (const Joint& joint : mechanism.joints) {
-        const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
-        const Vector6 f = joint.force(
-            from, to, joint.rate(from, start_velocity(joint.from(), ports), to, start_velocity(joint.to(), ports)));
-        const JointPose pose = joint.pose(from, to);
-        Joint::add_wrench(pose.act(pose.axes * head(f), pose.axes * tail(f)),
-                          wrench[static_cast<size_t>(joint.from())].data(), wrench[static_cast<size_t>(joint.to())].data());
-    }
+    for (const Joint& joint : mechanism.joints)
+        Joint::add_wrench(start_force(mechanism, joint, ports), wrench[static_cast<size_t>(joint.from())].data(),
+                          wrench[static_cast<size_t>(joint.to())].data());
     std::vector<Twist> acceleration(state_.size());
     for (size_t i = 0; i < state_.size(); ++i) {
         State& state = state_[i];
@@ -217,29 +206,22 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
     set_elastic(mechanism);
     for (size_t i = 0; i < massless_.frames().size(); ++i) {
         const size_t frame = massless_.frames()[i];
-        const RowMajor3 R = mechanism.frame(driven_ + static_cast<int>(frame)).axes();
         Burden& own = burden(frame);
         own.elastic[1] = own.elastic[2] = own.elastic[0];
-        own.settled[0] << -R.transpose() * head(own.elastic[0]), -R.transpose() * tail(own.elastic[0]);
-        own.settled[1] = own.settled[0];
+        own.settled[0] = own.settled[1] = -in_axes(mechanism.frame(driven_ + static_cast<int>(frame)), own.elastic[0]);
     }
-    for (size_t p = 0; p < port_u_.size(); ++p) {
-        const Twist v = twist(ports[p]);
-        const RowMajor3 R = mechanism.frame(static_cast<int>(p)).axes();
-        port_u_[p] << R.transpose() * v.linear, R.transpose() * v.angular;
-    }
+    for (size_t p = 0; p < port_u_.size(); ++p) port_u_[p] = in_axes(mechanism.frames[p], joined(twist(ports[p])));
     port_u_before_ = port_u_;
     trial_ = mechanism.frames;
     refactor(mechanism);
 }
 
-/// Loads on the inner nodes at the end of the step.
+/// Loads on the inner nodes at the end of the step; none where `loads` is null.
 void Interior::read_loads(const Mechanism& mechanism, const double* loads) {
     for (Burden& burden : burdens_) burden.load[0].setZero();
-    if (!loads) return;
     for (size_t i = 0; i < inner_nodes_.size(); ++i) {
         const NodeSpec& node = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])];
-        node_loads_[i] = Eigen::Map<const Vector6>(loads + 6 * i);
+        node_loads_[i] = loads ? Vector6(Eigen::Map<const Vector6>(loads + 6 * i)) : Vector6(Vector6::Zero());
         if (is_inner(node.frame)) burden(at(node.frame)).load[0] += node_loads_[i];
     }
 }

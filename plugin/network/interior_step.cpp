@@ -47,15 +47,13 @@ void Interior::look_at_joints(const Mechanism& mechanism) {
     for (size_t k = 0; k < rigid_joints_.size(); ++k) {
         const size_t j = rigid_joints_[k];
         const Joint& joint = mechanism.joints[j];
-        const TurnState* turn = mechanism.turn(j);
-        const JointPose before = joint.pose(mechanism.before[static_cast<size_t>(joint.from())],
-                                            mechanism.before[static_cast<size_t>(joint.to())]);
+        const JointPose before = joint.pose(mechanism.frame_before(joint.from()), mechanism.frame_before(joint.to()));
+        const Vector3 theta = mechanism.theta(j);
         RigidMap& known = rigid_known_[k] = {};
-        known.add(scheme.elastic_weight(1), mechanism.pose(j), turn ? turn->rotation.d : Vector3::Zero());
-        if (turn)  // three instants, one force: of one branch of θ
-            known.add(scheme.elastic_weight(2), before, nearest_turn(turn->rotation.d_before, turn->rotation.d));
-        else
-            known.add(scheme.elastic_weight(2), before, Vector3::Zero());
+        known.add(scheme.elastic_weight(1), mechanism.pose(j), theta);
+        // Three instants, one force: of one branch of θ
+        const TurnState* turn = mechanism.turn(j);
+        known.add(scheme.elastic_weight(2), before, turn ? nearest_turn(turn->rotation.d_before, theta) : theta);
     }
     massless_.look(mechanism);
 }
@@ -105,8 +103,7 @@ void Interior::place(const Mechanism& mechanism, size_t i, const Vector6& u) con
 JointForce Interior::rigid_action(const Mechanism& mechanism, size_t j, const JointPose& at_end, const Vector3& theta,
                                   const Vector6& q) const {
     RigidMap map = rigid_known_[static_cast<size_t>(rigid_index_[j])];
-    const TurnState* turn = mechanism.turn(j);
-    map.add(mechanism.scheme.elastic_weight(0), at_end, turn ? nearest_turn(theta, turn->rotation.d) : theta);
+    map.add(mechanism.scheme.elastic_weight(0), at_end, nearest_turn(theta, mechanism.theta(j)));
     return map.of(q);
 }
 
@@ -194,9 +191,7 @@ void Interior::form_residuals(const Mechanism& mechanism, Solution& solution) co
         const FrameView from = trial_[static_cast<size_t>(joint.from())], to = trial_[static_cast<size_t>(joint.to())];
         Vector6 d;
         d << joint.translation(from, joint.arm(from, to)), joint.rotation(from, to);
-        for_each_rigid(joint, [&](int i, int direction) {
-            solution.q_change[static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i)] = -d(direction) / h;
-        });
+        for_each_rigid(joint, [&](int i, int direction) { solution.q_change[rigid_row(j, i)] = -d(direction) / h; });
     }
 }
 
@@ -210,16 +205,11 @@ void Interior::balance_massless(const Mechanism& mechanism, Solution& solution) 
         const Burden& own = burden(i);
         const FrameView now = mechanism.frames[f], end = trial_[f];
         const Vector6 load = load_at_end(static_cast<size_t>(burden_of_[i]), end);
-        const auto in_axes = [](FrameView frame, const Vector6& v) {
-            Vector6 local;
-            local << frame.axes().transpose() * v.head<3>(), frame.axes().transpose() * v.tail<3>();
-            return local;
-        };
         const Vector6 elastic = in_axes(end, end_wrench_[f]), load_then = in_axes(end, load);
         MasslessFrames::Residual& residual = massless_residuals_[m];
         residual.step = solution.change[i];
         // Both with the factors that make their derivatives by the end of the step those of the forces over it
-        residual.end = h * (mechanism.scheme.weight(0) + massless_.relaxation(m) * mechanism.scheme.rate[0]) *
+        residual.end = h * (mechanism.scheme.weight(0) + massless_.relaxation(m) * mechanism.scheme.rate(0)) *
                        (elastic + settled(mechanism, m, load_then));
         residual.half_way = 0.25 * h * (elastic + load_then + in_axes(now, own.elastic[1] + own.load[1])) +
                             0.5 * h * in_axes(now, damping_wrench_[f]);
@@ -231,12 +221,10 @@ void Interior::balance_massless(const Mechanism& mechanism, Solution& solution) 
         const Vector6 left = solution.change[i] - massless_residuals_[m].step;
         solution.change[i] = massless_residuals_[m].step;
         if (!is_inner(heir)) continue;
-        const RowMajor3 R = mechanism.frame(driven_ + static_cast<int>(i)).axes(), to_heir = mechanism.frame(heir).axes();
+        const RowMajor3 R = mechanism.frame(driven_ + static_cast<int>(i)).axes();
         Vector6 world;
         world << R * head(left), R * tail(left);
-        world = bequest(mechanism.frames, i, world);
-        solution.change[at(heir)].head<3>() += to_heir.transpose() * head(world);
-        solution.change[at(heir)].tail<3>() += to_heir.transpose() * tail(world);
+        solution.change[at(heir)] += in_axes(mechanism.frame(heir), bequest(mechanism.frames, i, world));
     }
 }
 
@@ -403,14 +391,11 @@ JointForce Interior::near_force(const Mechanism& mechanism, size_t k, const Solu
     const EndBlocks& K = near_blocks_[k];
     const double h = mechanism.scheme.step_size();
     Vector6 on_from = (K.at[0][0] * u_from + K.at[0][1] * u_to) / -h, on_to = (K.at[1][0] * u_from + K.at[1][1] * u_to) / h;
-    if (joint.rigid().any()) {
-        for_each_rigid(joint, [&](int i, int) {
-            const auto row = static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(j)) + i);
-            const double q = q_[row] - solution.q[row];
-            on_from -= q * elimination_.rigid(static_cast<int>(j), i, 0);
-            on_to += q * elimination_.rigid(static_cast<int>(j), i, 1);
-        });
-    }
+    for_each_rigid(joint, [&](int i, int) {
+        const double q = q_[rigid_row(j, i)] - solution.q[rigid_row(j, i)];
+        on_from -= q * elimination_.rigid(static_cast<int>(j), i, 0);
+        on_to += q * elimination_.rigid(static_cast<int>(j), i, 1);
+    });
     const RowMajor3 R_from = mechanism.frame(joint.from()).axes(), R_to = mechanism.frame(joint.to()).axes();
     JointForce force = solution.near[k];
     force.add(1, {R_from * head(on_from), R_from * tail(on_from), R_to * tail(on_to)});
@@ -583,10 +568,8 @@ void Interior::take_loads(const Mechanism& mechanism) {
         const size_t i = massless_.frames()[m], f = static_cast<size_t>(driven_) + i;
         const FrameView end = trial_[f];
         const Vector6 load = load_at_end(static_cast<size_t>(burden_of_[i]), end);
-        Vector6 local;
-        local << end.axes().transpose() * head(load), end.axes().transpose() * tail(load);
         Burden& own = burden(i);
-        const Vector6 next = settled(mechanism, m, local);
+        const Vector6 next = settled(mechanism, m, in_axes(end, load));
         own.settled[1] = own.settled[0];
         own.settled[0] = next;
         own.elastic[2] = own.elastic[1];

@@ -31,7 +31,7 @@ Joint::Joint(const JointSpec& spec, const Assembly& assembly)
 void Joint::set_scheme(const Scheme& scheme) {
     // The unknown of the transfer equations is the increment over the open step, or, explicit, the one that ends at t_n.
     const StepCoefficients step =
-        scheme.is_implicit() ? StepCoefficients{scheme.weight(0), scheme.rate[0]} : StepCoefficients{1, scheme.rate[1]};
+        scheme.is_implicit() ? StepCoefficients{scheme.weight(0), scheme.rate(0)} : StepCoefficients{1, scheme.rate(1)};
     try {
         // f = [−q; m] of the input end against d = x_O − x_I: −∂q/∂x_O for forces, ∂m/∂θ_O for moments
         const EndForces ends = solve_driven_ends(law_.transfer(step, Vector6::Zero()), law_.elastic());
@@ -149,8 +149,8 @@ void Joint::recall(const Scheme& scheme, const JointPose& now, const JointForce&
     state.known.add(scheme.elastic_weight(2), before);
     if (!is_damped_ && scheme.lag() == 0) return;
     const auto damper = [&](const JointHalf& half, const HalfState& s) {
-        return Vector3(now.axes * (half.damping.cwiseProduct(scheme.rate[1] * s.delta[0] + scheme.rate[2] * s.delta[1] +
-                                                             scheme.rate[3] * s.delta[2]) +
+        return Vector3(now.axes * (half.damping.cwiseProduct(scheme.rate(1) * s.delta[0] + scheme.rate(2) * s.delta[1] +
+                                                             scheme.rate(3) * s.delta[2]) +
                                    scheme.lag() * half.stiffness.cwiseProduct(s.delta[0])));
     };
     state.known.add(1, now.act(damper(halves_[0], state.translation),

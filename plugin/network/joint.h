@@ -44,14 +44,16 @@ struct Twist {
     Vector3 linear = Vector3::Zero(), angular = Vector3::Zero();
 };
 
-/// Three translations or three rotations of a joint: the same formulas hold for both.
+/// Three translations or three rotations of a joint, its axes: the same formulas hold for both.
 struct JointHalf {
-    Vector3 stiffness, damping;
+    Vector3 stiffness;              ///< [N/m, N m/rad]
+    Vector3 damping;                ///< [N s/m, N m s/rad]
     Vector3 law = Vector3::Zero();  ///< k̂ = ∂f/∂d of the solved transfer equations [N/m, N m/rad]
 };
 
-/// What a joint does to its frames, world axes: force and moment on the `from` end, the opposite on the `to` end; the
-/// moments about the origins of the frames, each at the instant of the force.
+/// What a joint does to its frames [N, N m], world axes: force and moment on the `from` end, the opposite on the `to` end
+/// (on_to counts as on_from does, add_wrench turns its sign); the moments about the origins of the frames, each at the
+/// instant of the force.
 struct JointForce {
     Vector3 force = Vector3::Zero(), on_from = Vector3::Zero(), on_to = Vector3::Zero();
     void add(double weight, const JointForce& other) {
@@ -65,28 +67,30 @@ struct JointForce {
     }
 };
 
-/// A joint at an instant, world: its axes, and the point where its ends meet from the origins of its frames.
+/// A joint at an instant, world: its axes, and the point of its `to` end from the origins of its frames [m].
 struct JointPose {
     Matrix3 axes;
-    Vector3 arm, lever;
+    Vector3 arm, lever;  ///< from the origin of the `from` frame, of the `to` frame
     /// A force and a moment at the point.
     JointForce act(const Vector3& force, const Vector3& moment) const {
         return {force, moment + arm.cross(force), moment + lever.cross(force)};
     }
+    /// The same of [force; moment] in the joint's axes.
+    JointForce act(const Vector6& f) const { return act(axes * f.head<3>(), axes * f.tail<3>()); }
 };
 
-/// What changes from step to step; plain numbers, so that saving is copying.
+/// What changes from step to step, [m] or [rad] in the joint's axes; plain numbers, so that saving is copying.
 struct HalfState {
     Vector3 d, d_before;  ///< deformation at t_n and t_{n−1}
     Vector3 delta[3];     ///< its increments over the steps that ended at t_n, t_{n−1}, t_{n−2}
-    Vector3 rate;         ///< of the deformation at t_{n−1}: centred, at the start the initial one
+    Vector3 rate;         ///< of the deformation at t_{n−1} [1/s]: centred, at the start the initial one
 };
 struct JointState {
     HalfState translation;
     JointForce elastic;  ///< at t_n
     JointForce known;    ///< what of the force over the open step does not depend on its end
     double dissipated;   ///< energy lost to damping up to t_{n−1} [J]
-    double power;        ///< at t_{n−1} [W]
+    double power;        ///< lost to damping at t_{n−1} [W]
 };
 struct TurnState {
     HalfState rotation;
@@ -145,7 +149,7 @@ public:
     void set_scheme(const Scheme& scheme);
 
     /// Kinematics at given frames: from the `from` origin to the point of the `to` end, world axes; from the `to` origin to
-    /// that point; the joint's axes; its deformation; its attitude.
+    /// that point; the joint's axes; its deformation; its attitude; its rotation θ.
     Vector3 arm(FrameView from, FrameView to) const;
     Vector3 lever(FrameView to) const { return has_lever_ ? Vector3(to.axes() * to_point_) : Vector3(Vector3::Zero()); }
     Matrix3 axes(FrameView from) const { return is_aligned_ ? Matrix3(from.axes()) : Matrix3(from.axes() * from_axes_); }
@@ -156,7 +160,7 @@ public:
     Vector3 rotation(FrameView from, FrameView to) const {
         return turns_ ? rotation_vector(attitude(from, to)) : Vector3(Vector3::Zero());
     }
-    /// Rates and second rates of the deformation, [d; θ].
+    /// Rates and second rates of the deformation, [d; relative turn], joint axes.
     Vector6 rate(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity) const;
     Vector6 acceleration(FrameView from, const Twist& from_velocity, const Twist& from_acceleration, FrameView to,
                          const Twist& to_velocity, const Twist& to_acceleration) const;
@@ -168,7 +172,7 @@ public:
     /// Adds what a joint does to the wrenches on its frames, at their origins.
     static void add_wrench(const JointForce& force, double* on_from, double* on_to);
 
-    /// The force law at one instant: f [force; moment] in the joint's axes.
+    /// The force law at one instant: f [force; moment] on the `from` end in the joint's axes.
     Vector6 force(FrameView from, FrameView to, const Vector6& rate) const;
     /// Its elastic part with the deformation it stems from.
     struct Strained {
@@ -178,7 +182,7 @@ public:
     };
     Strained strain(Ends at, const JointPose& pose) const;
 
-    /// −∂f/∂(deformation) at one instant: translations diagonal, rotations a 3×3 in terms of the relative turn ε.
+    /// ∂m/∂ε at one instant, joint axes, ε the relative turn: J⁻ᵀ k J⁻¹, the part that does not hang on the moment itself.
     Matrix3 turn_stiffness(const Vector3& theta) const;
     /// ∂f/∂(deformation at its end) over a step, joint axes, rotations in terms of ε; symmetric.
     Matrix6 gain(const Scheme& scheme, const Vector3& theta) const;
@@ -281,7 +285,7 @@ inline void Joint::add_wrench(const JointForce& force, double* on_from, double* 
     if (!is_damped_ && scheme.lag() == 0) return force;
     const JointPose at = pose(now);
     const auto damper = [&](const JointHalf& half, const Vector3& delta) {
-        return Vector3(at.axes * (scheme.rate[0] * half.damping + scheme.lag() * half.stiffness).cwiseProduct(delta));
+        return Vector3(at.axes * (scheme.rate(0) * half.damping + scheme.lag() * half.stiffness).cwiseProduct(delta));
     };
     const Vector3 slide = damper(halves_[0], end.d - state.translation.d);
     Vector3 moment = Vector3::Zero();

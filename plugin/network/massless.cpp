@@ -26,9 +26,33 @@ MasslessFrames::MasslessFrames(const Mechanism& mechanism, const std::vector<std
         frames_.push_back(i);
         massless_.push_back(massless[i]);
     }
-    const int driven = mechanism.assembly.driven_count;
-    const auto massless_index = [&](int frame) { return frame < driven ? -1 : index_[static_cast<size_t>(frame - driven)]; };
+    make_clusters(mechanism);
+    std::vector<std::vector<size_t>> joints_of(clusters_.size());
+    for (size_t j = 0; j < mechanism.joints.size(); ++j)
+        for (int frame : {mechanism.joints[j].from(), mechanism.joints[j].to()}) {
+            const int i = index_of(mechanism, frame);
+            if (i < 0) continue;
+            std::vector<size_t>& list = joints_of[static_cast<size_t>(cluster_of_[static_cast<size_t>(i)])];
+            if (list.empty() || list.back() != j) list.push_back(j);
+        }
+    for (Cluster& cluster : clusters_) {
+        find_rows(mechanism, joints_of[static_cast<size_t>(&cluster - clusters_.data())], cluster);
+        const auto size = static_cast<Eigen::Index>(6 * cluster.frames.size());
+        cluster.basis.setZero(size, size);
+        for (Eigen::VectorXd* v : {&cluster.end, &cluster.step, &cluster.half_way}) v->setZero(size);
+    }
+    for (size_t j = 0; j < mechanism.joints.size(); ++j)
+        for (int frame : {mechanism.joints[j].from(), mechanism.joints[j].to()}) {
+            const int i = index_of(mechanism, frame);
+            if (i < 0) continue;
+            settling_[j] = true;
+            const bool has_damped = !clusters_[static_cast<size_t>(cluster_of_[static_cast<size_t>(i)])].damped.empty();
+            half_way_[j] = half_way_[j] || (has_damped && mechanism.joints[j].is_damped());
+        }
+}
 
+/// The massless frames in clusters, by union and find over the joints that are rigid in some direction.
+void MasslessFrames::make_clusters(const Mechanism& mechanism) {
     std::vector<int> root(frames_.size());
     std::iota(root.begin(), root.end(), 0);
     const auto find = [&](int i) {
@@ -36,7 +60,7 @@ MasslessFrames::MasslessFrames(const Mechanism& mechanism, const std::vector<std
         return i;
     };
     for (const Joint& joint : mechanism.joints) {
-        const int a = massless_index(joint.from()), b = massless_index(joint.to());
+        const int a = index_of(mechanism, joint.from()), b = index_of(mechanism, joint.to());
         if (joint.rigid().any() && a >= 0 && b >= 0) root[static_cast<size_t>(find(a))] = find(b);
     }
     cluster_of_.assign(frames_.size(), -1);
@@ -52,28 +76,6 @@ MasslessFrames::MasslessFrames(const Mechanism& mechanism, const std::vector<std
         begin_[static_cast<size_t>(i)] = 6 * static_cast<int>(own.frames.size());
         own.frames.push_back(static_cast<size_t>(i));
     }
-    std::vector<std::vector<size_t>> joints_of(clusters_.size());
-    for (size_t j = 0; j < mechanism.joints.size(); ++j)
-        for (int frame : {mechanism.joints[j].from(), mechanism.joints[j].to()}) {
-            const int i = massless_index(frame);
-            if (i < 0) continue;
-            std::vector<size_t>& list = joints_of[static_cast<size_t>(cluster_of_[static_cast<size_t>(i)])];
-            if (list.empty() || list.back() != j) list.push_back(j);
-        }
-    for (Cluster& cluster : clusters_) {
-        find_rows(mechanism, joints_of[static_cast<size_t>(&cluster - clusters_.data())], cluster);
-        const auto size = static_cast<Eigen::Index>(6 * cluster.frames.size());
-        cluster.basis.setZero(size, size);
-        for (Eigen::VectorXd* v : {&cluster.end, &cluster.step, &cluster.half_way}) v->setZero(size);
-    }
-    for (size_t j = 0; j < mechanism.joints.size(); ++j)
-        for (int frame : {mechanism.joints[j].from(), mechanism.joints[j].to()}) {
-            const int i = massless_index(frame);
-            if (i < 0) continue;
-            settling_[j] = true;
-            const bool halves = !clusters_[static_cast<size_t>(cluster_of_[static_cast<size_t>(i)])].damped.empty();
-            half_way_[j] = half_way_[j] || (halves && mechanism.joints[j].is_damped());
-        }
 }
 
 /// Rigid directions at the frames of a cluster, and its common ratio of damping to stiffness or else its damped directions.
@@ -121,8 +123,7 @@ void MasslessFrames::add_to_basis(const Mechanism& mechanism, Cluster& cluster, 
     next.setZero();
     const Joint& joint = mechanism.joints[row.joint];
     for (int end : {0, 1}) {
-        const int frame = (end == 0 ? joint.from() : joint.to()) - mechanism.assembly.driven_count;
-        const int i = frame < 0 ? -1 : index_[static_cast<size_t>(frame)];
+        const int i = index_of(mechanism, end == 0 ? joint.from() : joint.to());
         if (i < 0 || std::ranges::find(cluster.frames, static_cast<size_t>(i)) == cluster.frames.end()) continue;
         Matrix6 G = local_columns(mechanism, row.joint, end);
         if (is_rigid) G = rigid_rows(mechanism, row.joint, G);

@@ -18,7 +18,7 @@ namespace dttmm {
 /// Where nothing is rigid and every joint has the same ratio τ of damping to stiffness, as in a beam, the elastic forces ψ
 /// at the end of the step follow the load alone, ψ + τ ψ' = load, and nothing is left to ring there either.
 ///
-/// These are orthogonal parts of the space of unit motions of the frames that rigid directions join, in their own axes.
+/// The three are orthogonal parts of the space of unit motions of the frames that rigid directions join, in their own axes.
 class MasslessFrames {
 public:
     /// massless: translation and rotation of every inner frame.
@@ -37,7 +37,7 @@ public:
     /// τ [s]
     double relaxation(size_t i) const { return clusters_[static_cast<size_t>(cluster_of_[i])].relaxation; }
 
-    /// Finds the parts of the space of motions at t_n.
+    /// Finds the parts of the space of motions where the frames are at t_n.
     void look(const Mechanism& mechanism);
 
     /// Forces on a frame in its own axes that must vanish: over the step, at its end, half way through it.
@@ -63,6 +63,12 @@ private:
         bool is_fixed = false;         ///< the basis has been found and does not change
         mutable Eigen::VectorXd end, step, half_way;
     };
+    /// Of a frame of the mechanism; −1: it is driven, or has none.
+    int index_of(const Mechanism& mechanism, int frame) const {
+        const int inner = frame - mechanism.assembly.driven_count;
+        return inner < 0 ? -1 : index_[static_cast<size_t>(inner)];
+    }
+    void make_clusters(const Mechanism& mechanism);
     static void find_rows(const Mechanism& mechanism, const std::vector<size_t>& joints, Cluster& cluster);
     void add_to_basis(const Mechanism& mechanism, Cluster& cluster, const Row& row, bool is_rigid) const;
 

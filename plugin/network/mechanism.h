@@ -27,10 +27,16 @@ struct Mechanism {
     const TurnState* turn(size_t joint) const {
         return turn_of[joint] < 0 ? nullptr : &turns[static_cast<size_t>(turn_of[joint])];
     }
-    /// Its joint at t_n.
+    /// Rotation θ of a joint at t_n [rad], its axes; zero where it carries no moment.
+    Vector3 theta(size_t joint) const {
+        const TurnState* state = turn(joint);
+        return state ? state->rotation.d : Vector3(Vector3::Zero());
+    }
+    /// A joint at t_n.
     JointPose pose(size_t joint) const { return joints[joint].pose(ends(joint)); }
     Ends ends(size_t joint) const { return {frame(joints[joint].from()), frame(joints[joint].to())}; }
     FrameView frame(int index) const { return frames[static_cast<size_t>(index)]; }
+    FrameView frame_before(int index) const { return before[static_cast<size_t>(index)]; }
 };
 
 /// The frame of a pose.

@@ -17,6 +17,8 @@ namespace {
 
 using Map3 = Eigen::Map<Vector3>;
 
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
 }  // namespace
@@ -90,9 +92,13 @@ void Network::load_weights(double weights[3]) const {
 
 // ---- What the joints do --------------------------------------------------------------------------------------------------
 
+void Network::add_wrench(const Joint& joint, const JointForce& force, double* wrench) const {
+    Joint::add_wrench(force, joint.from() < port_count() ? wrench + 6 * joint.from() : nullptr,
+                      joint.to() < port_count() ? wrench + 6 * joint.to() : nullptr);
+}
+
 /// Adds a joint's blocks to the stiffness that the ports feel.
 void Network::add_stiffness(const Joint& joint, const EndBlocks& blocks, double* stiffness) const {
-    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     const int size = 6 * port_count(), ports = port_count();
     Eigen::Map<RowMajor> S(stiffness, size, size);
     const int frames[2] = {joint.from(), joint.to()};
@@ -123,22 +129,19 @@ void Network::look(const dttmm_motion* nodes) const {
     }
 }
 
-/// A wrench at the centre of mass as one at the port, at t_n.
-void Network::refer_wrench(double* wrench) const {
-    for (size_t p = 0; p < ports_.size(); ++p) {
-        const Vector3 arm = FrameView(mechanism_.frames[p]).axes() * ports_[p].arm;
-        Map3{wrench + 6 * p + 3} -= arm.cross(Map3{wrench + 6 * p});
-    }
+/// A wrench at the centre of mass as one at the port, when the port has the axes of a frame.
+void Network::refer_wrench(size_t port, FrameView at, double* wrench) const {
+    const Vector3 arm = at.axes() * ports_[port].arm;
+    Map3{wrench + 6 * port + 3} -= arm.cross(Map3{wrench + 6 * port});
 }
 
-/// The same of −∂(wrench)/∂(motion), with the ports' axes.
-void Network::refer_matrix(size_t port, const Matrix3& axes, double* matrix) const {
+/// The same of −∂(wrench)/∂(motion) of all ports, if there is one.
+void Network::refer_matrix(size_t port, FrameView at, double* matrix) const {
     if (!matrix) return;
     // Pose of the centre by that of the port: δc = δp + arm~ δθ; wrenches by the transpose
-    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     const int size = 6 * port_count(), p = 6 * static_cast<int>(port);
     Eigen::Map<RowMajor> S(matrix, size, size);
-    const Matrix3 arm = skew(axes * ports_[port].arm);
+    const Matrix3 axes = at.axes(), arm = skew(axes * ports_[port].arm);
     for (int row = 0; row < size; row += 3) S.block<3, 3>(row, p + 3) += (S.block<3, 3>(row, p) * arm).eval();
     for (int column = 0; column < size; column += 3) S.block<3, 3>(p + 3, column) -= (arm * S.block<3, 3>(p, column)).eval();
 }
@@ -154,10 +157,9 @@ void Network::linearise(const dttmm_motion* nodes, double* wrench, double* stiff
         linearise_joints(ports, wrench, stiffness, damping);
     }
     for (size_t p = 0; p < ports_.size(); ++p) {
-        const Matrix3 axes = FrameView(nodes[p]).axes();
-        Map3{wrench + 6 * p + 3} -= Vector3(axes * ports_[p].arm).cross(Map3{wrench + 6 * p});
-        refer_matrix(p, axes, stiffness);
-        refer_matrix(p, axes, damping);
+        refer_wrench(p, nodes[p], wrench);
+        refer_matrix(p, nodes[p], stiffness);
+        refer_matrix(p, nodes[p], damping);
     }
 }
 
@@ -168,10 +170,9 @@ void Network::linearise_joints(const dttmm_motion* ports, double* wrench, double
     if (damping) std::fill_n(damping, n * n, 0.0);
     for (const Joint& joint : mechanism_.joints) {
         const FrameView from = seen(joint.from(), ports), to = seen(joint.to(), ports);
-        const auto velocity = [&](int frame) { return frame < port_count() ? twist(ports[frame]) : Twist{}; };
-        const Vector6 f = joint.force(from, to, joint.rate(from, velocity(joint.from()), to, velocity(joint.to())));
+        const Twist v_from = velocity(joint.from(), ports), v_to = velocity(joint.to(), ports);
         const JointPose pose = joint.pose(from, to);
-        add_wrench(joint, pose.act(pose.axes * f.head<3>(), pose.axes * f.tail<3>()), wrench);
+        add_wrench(joint, pose.act(joint.force(from, to, joint.rate(from, v_from, to, v_to))), wrench);
         Matrix6 answer = Matrix6::Zero();
         if (stiffness) {
             answer.topLeftCorner<3, 3>() = joint.translation_half().stiffness.asDiagonal();
@@ -184,11 +185,6 @@ void Network::linearise_joints(const dttmm_motion* ports, double* wrench, double
             add_stiffness(joint, joint.stiffness(pose, answer), damping);
         }
     }
-}
-
-void Network::add_wrench(const Joint& joint, const JointForce& force, double* wrench) const {
-    Joint::add_wrench(force, joint.from() < port_count() ? wrench + 6 * joint.from() : nullptr,
-                      joint.to() < port_count() ? wrench + 6 * joint.to() : nullptr);
 }
 
 // ---- Time steps ---------------------------------------------------------------------------------------------------------
@@ -209,39 +205,39 @@ void Network::start(const dttmm_step& step, const dttmm_motion* nodes, const dou
     const double* accelerations = at_centre.data();
     for (const Joint& joint : mechanism_.joints)
         joint.refuse_large_rotation(seen(joint.from(), ports), seen(joint.to(), ports));
-    step_size_ = step.size;
     mechanism_.steps = 0;
     mechanism_.scheme.set_step_size(step.size);
     for (Joint& joint : mechanism_.joints) joint.set_scheme(mechanism_.scheme);
     if (interior_) {
         interior_->start(mechanism_, ports, accelerations, loads);
     } else {
-        for (int p = 0; p < port_count(); ++p) {
-            std::copy_n(ports[p].position, 3, mechanism_.frames[static_cast<size_t>(p)].position);
-            std::copy_n(ports[p].rotation, 9, mechanism_.frames[static_cast<size_t>(p)].rotation);
-        }
-        for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
-            const Joint& joint = mechanism_.joints[j];
-            const FrameView from = mechanism_.frame(joint.from()), to = mechanism_.frame(joint.to());
-            const auto velocity = [&](int frame) { return frame < port_count() ? twist(ports[frame]) : Twist{}; };
-            const auto acceleration = [&](int frame) {
-                if (frame >= port_count()) return Twist{};
-                const double* a = accelerations + 6 * frame;
-                return Twist{Eigen::Map<const Vector3>(a), Eigen::Map<const Vector3>(a + 3)};
-            };
-            const Twist v_from = velocity(joint.from()), v_to = velocity(joint.to());
-            joint.start(mechanism_.scheme, from, to, joint.rate(from, v_from, to, v_to),
-                        joint.acceleration(from, v_from, acceleration(joint.from()), to, v_to, acceleration(joint.to())),
-                        mechanism_.states[j], mechanism_.turn(j));
-        }
+        start_joints(ports, accelerations);
     }
     started_ = true;
+}
+
+void Network::start_joints(const dttmm_motion* ports, const double* accelerations) {
+    for (int p = 0; p < port_count(); ++p) mechanism_.frames[static_cast<size_t>(p)] = FrameView(ports[p]).copy();
+    const auto acceleration = [&](int frame) {
+        if (frame >= port_count()) return Twist{};
+        const double* a = accelerations + 6 * frame;
+        return Twist{Eigen::Map<const Vector3>(a), Eigen::Map<const Vector3>(a + 3)};
+    };
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const Joint& joint = mechanism_.joints[j];
+        const FrameView from = mechanism_.frame(joint.from()), to = mechanism_.frame(joint.to());
+        const Twist v_from = velocity(joint.from(), ports), v_to = velocity(joint.to(), ports);
+        joint.start(mechanism_.scheme, from, to, joint.rate(from, v_from, to, v_to),
+                    joint.acceleration(from, v_from, acceleration(joint.from()), to, v_to, acceleration(joint.to())),
+                    mechanism_.states[j], mechanism_.turn(j));
+    }
 }
 
 void Network::begin_step(const dttmm_step& step, const double* loads) {
     if (!started_) throw Error(DTTMM_ERROR_PHASE, "begin_step: start has not been called");
     if (open_) throw Error(DTTMM_ERROR_PHASE, "begin_step: the step before is still open");
-    if (step.size != step_size_) throw Error(DTTMM_ERROR_ARGUMENT, "begin_step: a new step size wants a new start");
+    if (step.size != mechanism_.scheme.step_size())
+        throw Error(DTTMM_ERROR_ARGUMENT, "begin_step: a new step size wants a new start");
     if (interior_) interior_->begin_step(mechanism_, loads);
     open_ = true;
 }
@@ -255,9 +251,10 @@ void Network::evaluate(const dttmm_motion* nodes, double* wrench, double* stiffn
     } else {
         evaluate_joints(wrench, stiffness);
     }
-    refer_wrench(wrench);
-    for (size_t p = 0; p < ports_.size(); ++p)  // with the arms of t_n, as the host has it: its own symmetric part stays
-        refer_matrix(p, mechanism_.frame(static_cast<int>(p)).axes(), stiffness);
+    for (size_t p = 0; p < ports_.size(); ++p) {  // with the arms of t_n, as the host has it: its own symmetric part stays
+        refer_wrench(p, mechanism_.frames[p], wrench);
+        refer_matrix(p, mechanism_.frames[p], stiffness);
+    }
 }
 
 void Network::evaluate_joints(double* wrench, double* stiffness) const {
@@ -322,7 +319,7 @@ void Network::discard_step() {
 
 // ---- State --------------------------------------------------------------------------------------------------------------
 
-/// Everything that changes from step to step, as pieces of memory; the step size first.
+/// Everything that changes from step to step, as pieces of memory; in a saved state the step size comes before them.
 std::vector<std::pair<void*, size_t>> Network::state_parts() const {
     auto& mechanism = const_cast<Mechanism&>(mechanism_);
     std::vector<std::pair<void*, size_t>> parts = {{&mechanism.steps, sizeof mechanism.steps},
@@ -338,7 +335,7 @@ std::vector<std::pair<void*, size_t>> Network::state_parts() const {
 }
 
 size_t Network::state_size() const {
-    size_t size = sizeof step_size_;
+    size_t size = sizeof(double);  // of the step size
     for (const auto& [data, bytes] : state_parts()) size += bytes;
     return size;
 }
@@ -348,8 +345,9 @@ void Network::save_state(void* buffer, size_t size) const {
     if (size != state_size())
         throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("save_state: the state has {} bytes, not {}", state_size(), size));
     char* out = static_cast<char*>(buffer);
-    std::memcpy(out, &step_size_, sizeof step_size_);
-    out += sizeof step_size_;
+    const double step_size = mechanism_.scheme.step_size();
+    std::memcpy(out, &step_size, sizeof step_size);
+    out += sizeof step_size;
     for (const auto& [data, bytes] : state_parts()) {
         if (bytes > 0) std::memcpy(out, data, bytes);
         out += bytes;
@@ -365,7 +363,7 @@ void Network::restore_state(const void* buffer, size_t size) {
     double saved;
     std::memcpy(&saved, in, sizeof saved);
     in += sizeof saved;
-    if (saved != step_size_)
+    if (saved != mechanism_.scheme.step_size())
         throw Error(DTTMM_ERROR_ARGUMENT, "restore_state: saved at another step size, or by another network");
     for (const auto& [data, bytes] : state_parts()) {
         if (bytes > 0) std::memcpy(data, in, bytes);
@@ -383,7 +381,8 @@ Vector6 Network::joint_force(size_t j) const {
     Vector6 f = Vector6::Zero();
     f.head<3>() = joint.translation_half().stiffness.cwiseProduct(slide.d_before) +
                   joint.translation_half().damping.cwiseProduct(slide.rate);
-    if (const TurnState* turn = mechanism_.turn(j)) {
+    const TurnState* turn = mechanism_.turn(j);
+    if (turn) {
         const HalfState& rotation = turn->rotation;
         f.tail<3>() =
             moment_of_gradient(rotation.d_before, joint.rotation_half().stiffness.cwiseProduct(rotation.d_before)) +
@@ -391,7 +390,6 @@ Vector6 Network::joint_force(size_t j) const {
     }
     if (joint.rigid().none()) return f;
     const Vector6 q = interior_->rigid_force(mechanism_, j);
-    const TurnState* turn = mechanism_.turn(j);
     f.head<3>() += q.head<3>();
     if (turn) f.tail<3>() += moment_of_gradient(turn->rotation.d_before, q.tail<3>());
     return f;
@@ -431,8 +429,7 @@ double* Network::write_chain(double* out, size_t element) const {
     double* const total = out;
     const NodeSpec &from_node = assembly.nodes[static_cast<size_t>(chain.from_node)],
                    &to_node = assembly.nodes[static_cast<size_t>(chain.to_node)];
-    const FrameView from = mechanism_.before[static_cast<size_t>(from_node.frame)],
-                    to = mechanism_.before[static_cast<size_t>(to_node.frame)];
+    const FrameView from = mechanism_.frame_before(from_node.frame), to = mechanism_.frame_before(to_node.frame);
     const Matrix3 axes = from.axes() * chain.from_axes;
     const Vector3 way = to.origin() + to.axes() * to_node.offset - from.origin() - from.axes() * from_node.offset;
     Map3{total + 6} = axes.transpose() * way - chain.rest;
@@ -454,11 +451,11 @@ double* Network::write_chain(double* out, size_t element) const {
 
 double* Network::write_node(double* out, size_t node) const {
     const NodeSpec& spec = mechanism_.assembly.nodes[node];
-    const auto f = static_cast<size_t>(spec.frame);
-    const FrameView before = mechanism_.before[f];
+    const FrameView before = mechanism_.frame_before(spec.frame);
+    const Matrix3& start = mechanism_.assembly.frames[static_cast<size_t>(spec.frame)].pose.rotation;
     const Twist v = interior_->velocity(mechanism_, spec.frame, spec.offset);
     const Twist a = interior_->acceleration(mechanism_, spec.frame, spec.offset);
-    const Vector3 turned = rotation_vector(before.axes() * mechanism_.assembly.frames[f].pose.rotation.transpose());
+    const Vector3 turned = rotation_vector(before.axes() * start.transpose());
     for (const Vector3& vector :
          {Vector3(before.origin() + before.axes() * spec.offset), v.linear, a.linear, turned, v.angular}) {
         Map3{out} = vector;

@@ -53,12 +53,15 @@ public:
 private:
     std::vector<dttmm_motion> at_centres(const dttmm_motion* nodes) const;
     void look(const dttmm_motion* nodes) const;
-    void refer_wrench(double* wrench) const;
-    void refer_matrix(size_t port, const Matrix3& axes, double* matrix) const;
+    void refer_wrench(size_t port, FrameView at, double* wrench) const;
+    void refer_matrix(size_t port, FrameView at, double* matrix) const;
     std::span<const FrameView> trial_ports() const;
     FrameView seen(int frame, const dttmm_motion* ports) const {
         if (frame < port_count()) return ports[frame];
         return mechanism_.frame(frame);
+    }
+    Twist velocity(int frame, const dttmm_motion* ports) const {
+        return frame < port_count() ? twist(ports[frame]) : Twist{};
     }
     FrameView trial(int frame) const {
         if (frame >= port_count()) return mechanism_.frame(frame);
@@ -69,6 +72,7 @@ private:
     void add_stiffness(const Joint& joint, const EndBlocks& blocks, double* stiffness) const;
     void linearise_joints(const dttmm_motion* ports, double* wrench, double* stiffness, double* damping) const;
     void evaluate_joints(double* wrench, double* stiffness) const;
+    void start_joints(const dttmm_motion* ports, const double* accelerations);
     void commit_joints();
 
     void declare_channels(const dttmm_network& description);
@@ -85,15 +89,14 @@ private:
 
     Mechanism mechanism_;
     std::unique_ptr<Interior> interior_;  ///< none where everything is joints between bodies and ground
-    /// A port and the centre of mass of its body where it was last seen.
+    /// A port and the centre of mass of its body where it was last seen, which serves within one call only.
     struct Port {
-        Vector3 arm;  ///< from there to the port, its axes
-        Vector3 centre;
-        const double* rotation;
+        Vector3 arm;             ///< from there to the port, its axes [m]
+        Vector3 centre;          ///< world [m]
+        const double* rotation;  ///< in the memory of the caller
     };
     mutable std::vector<Port> ports_;
     mutable std::vector<FrameView> trial_ports_;
-    double step_size_ = 0;
     bool started_ = false, open_ = false;
 
     /// A beam or rod as results show it: its joints, its ends and its axes.

@@ -63,15 +63,15 @@ void Scheme::set_step_size(double h) {
     h_ = h;
     if (is_implicit()) {
         // (γ d₊ + (1 − 2γ) d + (γ − 1) d₋)/h = (γ δ₊ + (1 − γ) δ)/h
-        rate[0] = centred_.gamma / h;
-        rate[1] = (1 - centred_.gamma) / h;
+        rate_[0] = centred_.gamma / h;
+        rate_[1] = (1 - centred_.gamma) / h;
         return;
     }
     // Σ w_i x_{n−i} with Σ w_i = 0, in increments
     const std::array<double, 4> w = velocity_weights(id_, h);
-    rate[1] = w[0];
-    rate[2] = w[0] + w[1];
-    rate[3] = w[0] + w[1] + w[2];
+    rate_[1] = w[0];
+    rate_[2] = w[0] + w[1];
+    rate_[3] = w[0] + w[1] + w[2];
 }
 
 }  // namespace dttmm

@@ -10,10 +10,10 @@ namespace dttmm {
 
 /// The time scheme of a network at its present step size: how it weighs the elastic wrenches W of the joints at the end of a
 /// step, at its start and one step before, and increments δ of a deformation,
-///     s W₊ + (1 − 2s) W + s W₋ + (a k + c rate[0]) ∘ δ₊ + (a k + c rate[1]) ∘ δ + c ∘ (rate[2] δ₋ + rate[3] δ₋₋),
-/// δ₊ over the open step (implicit schemes only), δ, δ₋, δ₋₋ over the three before. In one direction that is w₊, w₀, w₋ of
-/// the centred scheme with s = (w₊ + w₋)/2 and a = (w₊ − w₋)/2: its numerical damping acts on deformations like a damper,
-/// not on the turning of a force with the machine.
+///     s W₊ + (1 − 2s) W + s W₋ + (a k + c r₀) ∘ δ₊ + (a k + c r₁) ∘ δ + c ∘ (r₂ δ₋ + r₃ δ₋₋),
+/// δ₊ over the open step (implicit schemes only), δ, δ₋, δ₋₋ over the three before, r the rates. In one direction that is
+/// w₊, w₀, w₋ of the centred scheme with s = (w₊ + w₋)/2 and a = (w₊ − w₋)/2: its numerical damping acts on deformations
+/// like a damper, not on the turning of a force with the machine.
 class Scheme {
 public:
     /// id: DTTMM_SCHEME_…; beta, gamma of the centred one. Throws Error(DTTMM_ERROR_ARGUMENT).
@@ -32,14 +32,15 @@ public:
     double elastic_weight(int back) const { return elastic_[back]; }
     /// a, 0 without numerical damping.
     double lag() const { return lag_; }
-
-    double rate[4] = {0, 0, 0, 0};  ///< [1/s]
+    /// Of increments of a deformation, by the number of steps back from the open one [1/s].
+    double rate(int back) const { return rate_[back]; }
 
 private:
     uint32_t id_;
     Centred centred_;
     double weights_[3];
     double elastic_[3] = {0, 1, 0}, lag_ = 0;
+    double rate_[4] = {0, 0, 0, 0};
     double h_ = 0;
 };
 

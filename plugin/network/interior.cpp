@@ -334,10 +334,12 @@ void Interior::refuse(const Mechanism& mechanism, const Elimination::Fault& faul
 }
 
 void Interior::refactor(const Mechanism& mechanism) {
+    is_stale_ = true;
     assemble(mechanism);
     factor(mechanism, DTTMM_ERROR_SINGULAR);
     find_responses(mechanism);
     look_at_joints(mechanism);
+    is_stale_ = false;
 }
 
 /// How the inside follows a unit motion of each port.

@@ -48,6 +48,8 @@ public:
     /// Throws Error(DTTMM_ERROR_MODEL) naming a node whose given velocity rigid directions, or other nodes on its rigid
     /// body, forbid.
     void start(Mechanism& mechanism, const dttmm_motion* ports, const double* accelerations, const double* loads);
+    /// loads: NULL: none. Forms the matrix anew where the last step has left it stale; throws Error, nothing being changed, if
+    /// that is singular or a rotational spring has turned too far.
     void begin_step(const Mechanism& mechanism, const double* loads);
     /// Wrenches on the ports over the open step, at a trial end of it.
     void evaluate(const Mechanism& mechanism, std::span<const FrameView> ports, double* wrench) const;
@@ -222,6 +224,8 @@ private:
     std::vector<Eigen::Matrix<double, 6, Eigen::Dynamic>> responses_;  ///< ∂u/∂(u of the ports) per inner frame
     Eigen::MatrixXd rigid_responses_;  ///< the same of the forces of rigid directions, times h
     MasslessFrames massless_;
+
+    bool is_stale_ = false;  ///< the factor no longer serves
 
     std::vector<State> state_;
     std::vector<Burden> burdens_;

@@ -61,6 +61,7 @@ void Interior::look_at_joints(const Mechanism& mechanism) {
 void Interior::begin_step(const Mechanism& mechanism, const double* loads) {
     for (size_t j = 0; j < mechanism.joints.size(); ++j)
         if (const TurnState* turn = mechanism.turn(j)) mechanism.joints[j].refuse_large_rotation(*turn);
+    if (is_stale_) refactor(mechanism);
     read_loads(mechanism, loads);
     drop_anchor(mechanism);
 }
@@ -436,10 +437,8 @@ void Interior::commit(Mechanism& mechanism, std::span<const FrameView> ports) {
     take_momentum(mechanism);
     take_loads(mechanism);
     take_motion(mechanism);
-    if (is_slow || rigid_directions_have_turned(mechanism))
-        refactor(mechanism);
-    else
-        look_at_joints(mechanism);
+    is_stale_ = is_slow || rigid_directions_have_turned(mechanism);
+    if (!is_stale_) look_at_joints(mechanism);
 }
 
 /// Against their frames, since the matrix was formed: their forces would be found slowly, or not at all, and no motion would

@@ -104,7 +104,7 @@ void MasslessFrames::find_rows(const Mechanism& mechanism, const std::vector<siz
 
 void MasslessFrames::look(const Mechanism& mechanism) {
     for (Cluster& cluster : clusters_) {
-        if (cluster.is_fixed) continue;
+        if (cluster.is_rigid || (cluster.rigid.empty() && cluster.damped.empty())) continue;
         cluster.rank = 0;
         for (const Row& row : cluster.rigid) add_to_basis(mechanism, cluster, row, true);
         cluster.rigid_rank = cluster.rank;
@@ -112,7 +112,7 @@ void MasslessFrames::look(const Mechanism& mechanism) {
         if (!mechanism.scheme.is_trapezoidal()) cluster.rigid_rank = cluster.rank;
         int unknowns = 0;
         for (size_t i : cluster.frames) unknowns += 3 * (massless_[i][0] + massless_[i][1]);
-        cluster.is_fixed = cluster.rank == 0 || cluster.rigid_rank == unknowns;
+        cluster.is_rigid = cluster.rigid_rank == unknowns;
     }
 }
 
@@ -143,6 +143,7 @@ void MasslessFrames::add_to_basis(const Mechanism& mechanism, Cluster& cluster, 
 
 void MasslessFrames::combine(std::span<Residual> residuals) const {
     for (const Cluster& cluster : clusters_) {
+        if (cluster.is_rigid) continue;
         for (size_t k = 0; k < cluster.frames.size(); ++k) {
             const Residual& own = residuals[cluster.frames[k]];
             cluster.end.segment<6>(static_cast<Eigen::Index>(6 * k)) = own.end;

@@ -60,7 +60,7 @@ private:
         double relaxation = 0;
         Eigen::MatrixXd basis;         ///< orthonormal: what is rigid, what is damped
         int rigid_rank = 0, rank = 0;  ///< of the former, of both
-        bool is_fixed = false;         ///< the basis has been found and does not change
+        bool is_rigid = false;         ///< altogether: nothing is left for another balance, wherever it goes
         mutable Eigen::VectorXd end, step, half_way;
     };
     /// Of a frame of the mechanism; −1: it is driven, or has none.

@@ -49,6 +49,8 @@ public:
         network_.outputs(values_.data());
         ++n_;
     }
+    /// From now on no loads are given.
+    void give_no_loads() { load_ = nullptr; }
     double time() const { return n_ == 0 ? 0 : static_cast<double>(n_ - 1) * h_; }  ///< of the outputs
 
     double value(const std::string& name, uint32_t of = DTTMM_OF_NODE, uint32_t index = 0) const {
@@ -652,6 +654,30 @@ TEST(Interior, AForceOffTheCentreTurnsABody) {
     run.start([](double) { return std::vector<double>{0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0}; });
     for (int n = 0; n < 21; ++n) run.step();
     EXPECT_NEAR(run.vector("angular_velocity", DTTMM_OF_NODE, 0).z(), 0.5 / 0.2 * run.time(), 1e-5);
+}
+
+// Oracle: the same journey with loads of zero. Loads that are not given are none, off the centre of mass too.
+TEST(Interior, LoadsNotGivenAreNone) {
+    NetworkModel model;
+    model.node("centre", kInner, vec(0, 0, 0));
+    model.node("arm", kInner, vec(0.5, 0.1, -0.2), kTurned);
+    model.element("body", "rigid_body", {"centre", "arm"},
+                  {{"mass", {1.3}},
+                   {"center_of_mass", {0, 0, 0}},
+                   {"inertia.xx", {0.2}},
+                   {"inertia.yy", {0.3}},
+                   {"inertia.zz", {0.4}}});
+    const double h = 1e-3;
+    Journey zero(model, h), none(model, h);
+    for (Journey* run : {&zero, &none})
+        run->start([&](double t) { return std::vector<double>{0, 0, 0, 0, 0, 0, 0, t < 5.5 * h ? 1.0 : 0.0, 0, 0, 0, 0}; });
+    for (int n = 0; n < 20; ++n) {
+        if (n == 5) none.give_no_loads();
+        zero.step();
+        none.step();
+    }
+    EXPECT_GT(none.vector("angular_velocity", DTTMM_OF_NODE, 0).norm(), 1e-3);
+    EXPECT_EQ(none.vector("angular_velocity", DTTMM_OF_NODE, 0), zero.vector("angular_velocity", DTTMM_OF_NODE, 0));
 }
 
 // Oracle: energy, and the pendulum shorter by √(EI/P) for the bend at its clamped end. The pull in a wire, P l = 0.98 N m in

@@ -211,8 +211,10 @@ void Networks::linearise(const std::vector<BodyState>& at, double* wrenches, con
         const size_t size = sink ? 36 * static_cast<size_t>(count * count) : 0;
         stiffness_.resize(size);
         damping_.resize(size);
-        instances_[n].linearise(motions_.data() + slots_[n].port, &wrenches_[slots_[n].wrench],
-                                sink ? stiffness_.data() : nullptr, sink ? damping_.data() : nullptr);
+        tell_place(n, [&] {
+            instances_[n].linearise(motions_.data() + slots_[n].port, &wrenches_[slots_[n].wrench],
+                                    sink ? stiffness_.data() : nullptr, sink ? damping_.data() : nullptr);
+        });
         scatter(n, wrenches);
         if (!sink) continue;
         for (int i = 0; i < count; ++i)

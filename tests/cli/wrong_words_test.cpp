@@ -122,6 +122,7 @@ TEST_P(FaultyPlugin, EndsTheRunInOrder) {
 
 const PluginFault kPluginFaults[] = {
     {"create_error", 3, "this spring is made of butter; take steel", -1},
+    {"linearise_error", 7, "the spring does not know its stiffness", -1},
     {"create_nothing", 7, "create returned no instance", -1},
     {"bad_channel", 7, "an output channel is not well declared", -1},
     {"slash_channel", 7, "an output channel is not well declared", -1},

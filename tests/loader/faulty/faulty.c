@@ -28,6 +28,7 @@ enum fault {
     taken_key,
     builtin_name,
     create_error,
+    linearise_error,
     create_nothing,
     bad_channel,
     slash_channel,
@@ -85,7 +86,8 @@ static void write_zeros(const dttmm_instance *instance, double *wrench, double *
 
 static dttmm_status linearise(const dttmm_instance *instance, const dttmm_motion *ports, double *wrench, double *stiffness,
                               double *damping, dttmm_error *error) {
-    (void)ports, (void)error;
+    (void)ports;
+    if (FAULT == linearise_error) return fail(error, DTTMM_ERROR_INTERNAL, 0, "the spring does not know its stiffness");
     write_zeros(instance, wrench, stiffness);
     write_zeros(instance, NULL, damping);
     return DTTMM_OK;

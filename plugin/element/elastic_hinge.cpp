@@ -41,8 +41,4 @@ ElasticHinge::ElasticHinge(std::span<const double, 12> values) {
     }
 }
 
-Parts ElasticHinge::discretise(std::span<const Pose> ends) const {
-    return {{}, {{0, 1, law_, {ends[1].position, ends[0].rotation}}}, {}};
-}
-
 }  // namespace dttmm

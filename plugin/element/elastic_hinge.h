@@ -2,24 +2,18 @@
 #pragma once
 
 #include "dttmm_plugin.h"
-#include "element/element.h"
+#include "element/single_joint.h"
 
 namespace dttmm {
 
 /// A hinge, bearing, guide or clevis: every direction a spring with a damper, rigid, or free. What is not named is rigid.
 /// Its axes are those of the `from` end; the force acts at the `to` end.
-class ElasticHinge : public Element {
+class ElasticHinge : public SingleJoint {
 public:
     /// values: stiffness x y z [N/m] rx ry rz [N m/rad], infinite where rigid and 0 where free; damping likewise.
     explicit ElasticHinge(std::span<const double, 12> values);
 
     static const dttmm_element_type kType;
-
-    const JointLaw& law() const { return law_; }
-    Parts discretise(std::span<const Pose> ends) const override;
-
-private:
-    JointLaw law_;
 };
 
 }  // namespace dttmm

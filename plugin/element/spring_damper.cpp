@@ -30,8 +30,4 @@ SpringDamper::SpringDamper(std::span<const double, 12> values) {
     }
 }
 
-Parts SpringDamper::discretise(std::span<const Pose> ends) const {
-    return {{}, {{0, 1, law_, {ends[1].position, ends[0].rotation}}}, {}};
-}
-
 }  // namespace dttmm

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "dttmm_plugin.h"
-#include "element/element.h"
+#include "element/single_joint.h"
 
 namespace dttmm {
 
@@ -10,19 +10,13 @@ namespace dttmm {
 /// where one of them stands for a bolt.
 ///     f = k ∘ d + c ∘ d',   k, c ≥ 0
 /// A direction without stiffness or damping is free. Its ends may be apart; the force acts at the `to` end.
-class SpringDamper : public Element {
+class SpringDamper : public SingleJoint {
 public:
     /// values: stiffness x y z [N/m], damping x y z [N s/m], rotational stiffness [N m/rad], rotational damping [N m s/rad].
     explicit SpringDamper(std::span<const double, 12> values);
 
     /// Name, parameters, units and ranges, as the model file gives them.
     static const dttmm_element_type kType;
-
-    const JointLaw& law() const { return law_; }
-    Parts discretise(std::span<const Pose> ends) const override;
-
-private:
-    JointLaw law_;
 };
 
 }  // namespace dttmm

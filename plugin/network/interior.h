@@ -48,8 +48,8 @@ public:
     /// Throws Error(DTTMM_ERROR_MODEL) naming a node whose given velocity rigid directions, or other nodes on its rigid
     /// body, forbid.
     void start(Mechanism& mechanism, const dttmm_motion* ports, const double* accelerations, const double* loads);
-    /// loads: NULL: none. Forms the matrix anew where the last step has left it stale; throws Error, nothing being changed, if
-    /// that is singular or a rotational spring has turned too far.
+    /// loads: NULL: none. Forms the matrix anew where the last step has left it stale; throws Error, nothing being changed,
+    /// if that is singular or a rotational spring has turned too far.
     void begin_step(const Mechanism& mechanism, const double* loads);
     /// Wrenches on the ports over the open step, at a trial end of it.
     void evaluate(const Mechanism& mechanism, std::span<const FrameView> ports, double* wrench) const;

@@ -194,14 +194,7 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
         return Twist{Eigen::Map<const Vector3>(accelerations + 6 * frame),
                      Eigen::Map<const Vector3>(accelerations + 6 * frame + 3)};
     };
-    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
-        const Joint& joint = mechanism.joints[j];
-        const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
-        const Twist v_from = start_velocity(joint.from(), ports), v_to = start_velocity(joint.to(), ports);
-        joint.start(mechanism.scheme, from, to, joint.rate(from, v_from, to, v_to),
-                    joint.acceleration(from, v_from, acceleration_of(joint.from()), to, v_to, acceleration_of(joint.to())),
-                    mechanism.states[j], mechanism.turn(j));
-    }
+    mechanism.start_joints([&](int frame) { return start_velocity(frame, ports); }, acceleration_of);
     mechanism.before = mechanism.frames;
     set_elastic(mechanism);
     for (size_t i = 0; i < massless_.frames().size(); ++i) {

@@ -519,8 +519,10 @@ void Interior::take_forces(Mechanism& mechanism, const Solution& solution) {
                                  rigid_values(mechanism, j, rigid_));
         joint.advance(mechanism.scheme, mechanism.steps, next, mechanism.ends(j), mechanism.states[j], mechanism.turn(j),
                       near < 0 ? &force : nullptr);
-        if (near >= 0) force = near_force(mechanism, static_cast<size_t>(near), solution);
-        if (joint.rigid().any()) force.add(1, rigid);
+        if (near >= 0)
+            force = near_force(mechanism, static_cast<size_t>(near), solution);
+        else if (joint.rigid().any())
+            force.add(1, rigid);
         Joint::add_wrench(force, wrench_[a].data(), wrench_[b].data());
     }
 }

@@ -32,6 +32,18 @@ struct Mechanism {
         const TurnState* state = turn(joint);
         return state ? state->rotation.d : Vector3(Vector3::Zero());
     }
+    /// Sets the memory of all joints by what velocity(frame) and acceleration(frame) say of their frames at the start.
+    template <class Velocity, class Acceleration>
+    void start_joints(const Velocity& velocity, const Acceleration& acceleration) {
+        for (size_t j = 0; j < joints.size(); ++j) {
+            const Joint& joint = joints[j];
+            const auto [from, to] = ends(j);
+            const Twist v_from = velocity(joint.from()), v_to = velocity(joint.to());
+            joint.start(scheme, from, to, joint.rate(from, v_from, to, v_to),
+                        joint.acceleration(from, v_from, acceleration(joint.from()), to, v_to, acceleration(joint.to())),
+                        states[j], turn(j));
+        }
+    }
     /// A joint at t_n.
     JointPose pose(size_t joint) const { return joints[joint].pose(ends(joint)); }
     Ends ends(size_t joint) const { return {frame(joints[joint].from()), frame(joints[joint].to())}; }

@@ -223,14 +223,7 @@ void Network::start_joints(const dttmm_motion* ports, const double* acceleration
         const double* a = accelerations + 6 * frame;
         return Twist{Eigen::Map<const Vector3>(a), Eigen::Map<const Vector3>(a + 3)};
     };
-    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
-        const Joint& joint = mechanism_.joints[j];
-        const FrameView from = mechanism_.frame(joint.from()), to = mechanism_.frame(joint.to());
-        const Twist v_from = velocity(joint.from(), ports), v_to = velocity(joint.to(), ports);
-        joint.start(mechanism_.scheme, from, to, joint.rate(from, v_from, to, v_to),
-                    joint.acceleration(from, v_from, acceleration(joint.from()), to, v_to, acceleration(joint.to())),
-                    mechanism_.states[j], mechanism_.turn(j));
-    }
+    mechanism_.start_joints([&](int frame) { return velocity(frame, ports); }, acceleration);
 }
 
 void Network::begin_step(const dttmm_step& step, const double* loads) {

@@ -18,6 +18,7 @@
 
 #include "analysis/convergence.h"
 #include "analysis/halving.h"
+#include "benchmark/median.h"
 #include "support/exact_plate.h"
 
 namespace dttmm {
@@ -40,11 +41,6 @@ double seconds_of(const std::function<void()>& work) {
     const auto start = std::chrono::steady_clock::now();
     work();
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-double median(std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
 }
 
 double load_at(const PlateOnBolts& plate, double time) {

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <vector>
 
+#include "benchmark/median.h"
 #include "loader/plugins.h"
 #include "model/read_model.h"
 #include "step/simulation.h"
@@ -84,10 +85,9 @@ void beam(benchmark::State& state) {
                         static_cast<double>(steps));
         state.SetIterationTime(static_cast<double>(steps) * times.back());
     }
-    std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
-    const double median = times[times.size() / 2];
-    state.counters["ns_per_lump_and_step"] = 1e9 * median / static_cast<double>(lumps);
-    state.counters["s_per_simulated_s"] = median / kStep;
+    const double typical = median(times);
+    state.counters["ns_per_lump_and_step"] = 1e9 * typical / static_cast<double>(lumps);
+    state.counters["s_per_simulated_s"] = typical / kStep;
     state.counters["error_percent"] = 100 * error;
 }
 BENCHMARK(beam)->RangeMultiplier(10)->Range(10, 10000)->UseManualTime()->Iterations(15)->Unit(benchmark::kMillisecond);

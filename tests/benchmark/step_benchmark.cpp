@@ -11,6 +11,7 @@
 #include <cmath>
 #include <vector>
 
+#include "benchmark/median.h"
 #include "step/simulation.h"
 #include "support/exact_chain.h"
 #include "support/models.h"
@@ -59,11 +60,6 @@ double time_per_step(Stepper& stepper, int steps) {
     const auto start = std::chrono::steady_clock::now();
     for (int i = 0; i < steps; ++i) stepper.step();
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / steps;
-}
-
-double median(std::vector<double> times) {
-    std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
-    return times[times.size() / 2];
 }
 
 /// A plate that keeps moving, so that the figures are those of work: bolt 1 softer and no damping where `lively`.

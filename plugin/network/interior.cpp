@@ -198,6 +198,7 @@ void Interior::choose_near(const Mechanism& mechanism) {
         if (is_near) near_joints_.push_back(j);
     }
     near_blocks_.resize(near_joints_.size());
+    near_columns_.resize(near_joints_.size());
 }
 
 // ---- The matrix ---------------------------------------------------------------------------------------------------------
@@ -277,6 +278,7 @@ void Interior::assemble(const Mechanism& mechanism) {
         const Blocks K = blocks(mechanism, near_joints_[k]);
         for (int row : {0, 1})
             for (int column : {0, 1}) near_blocks_[k].at[row][column] = K.between(row, column);
+        for (int end : {0, 1}) near_columns_[k].at[end] = local_columns(mechanism, near_joints_[k], end);
     }
     for (size_t j : rigid_joints_) set_rigid_rows(mechanism, j, mechanism.pose(j), mechanism.theta(j), elimination_);
 }

@@ -175,6 +175,7 @@ private:
     Vector6 massless_part(size_t frame, Vector6 wrench) const;
     Vector6 estate(const Mechanism& mechanism, size_t frame, FrameView end) const;
     bool rigid_directions_have_turned(const Mechanism& mechanism) const;
+    bool ports_have_turned(const Mechanism& mechanism) const;
     void find_end(const Mechanism& mechanism, const Solution& solution) const;
     [[noreturn]] void refuse_divergence(const Mechanism& mechanism, size_t frame) const;
     void take_velocities(const Mechanism& mechanism);
@@ -210,11 +211,15 @@ private:
         bool moves;
         Twist velocity;
     };
-    std::vector<Given> given_;             ///< to inner_nodes_
-    std::vector<size_t> port_joints_;      ///< of the ports
-    std::vector<size_t> near_joints_;      ///< whose forces the ports feel
-    std::vector<int> near_index_;          ///< of every joint among them; −1: it is not
-    std::vector<EndBlocks> near_blocks_;   ///< their stiffness as in the matrix, frames' axes
+    std::vector<Given> given_;            ///< to inner_nodes_
+    std::vector<size_t> port_joints_;     ///< of the ports
+    std::vector<size_t> near_joints_;     ///< whose forces the ports feel
+    std::vector<int> near_index_;         ///< of every joint among them; −1: it is not
+    std::vector<EndBlocks> near_blocks_;  ///< their stiffness as in the matrix, frames' axes
+    struct Columns {
+        Matrix6 at[2];
+    };
+    std::vector<Columns> near_columns_;    ///< of their deformation by either frame, where the matrix was formed
     std::vector<int> port_frames_;         ///< the ports, and massless frames whose heirs they are
     std::vector<size_t> rigid_joints_;     ///< joints with rigid directions
     std::vector<int> rigid_index_;         ///< of every joint among them; −1: it has none

@@ -24,6 +24,8 @@ constexpr double kSlowestContraction = 0.1;
 constexpr double kTooSlow = 0.3;
 /// Share by which a rigid direction may have turned against its frames since the matrix was formed.
 constexpr double kTurnedRows = 0.02;
+/// The same of joints at ports: as k h²/m of a stiff hinge is in the thousands, so is the error of the force they are told.
+constexpr double kTurnedPorts = 1e-4;
 /// A change of the ports feels the network's nonlinearity less than a change of everything inside, which the rate measures.
 constexpr double kLinearShare = 0.1;
 /// So much farther than is good enough the linear answer still serves, where it served in the step before.
@@ -437,7 +439,7 @@ void Interior::commit(Mechanism& mechanism, std::span<const FrameView> ports) {
     take_momentum(mechanism);
     take_loads(mechanism);
     take_motion(mechanism);
-    is_stale_ = is_slow || rigid_directions_have_turned(mechanism);
+    is_stale_ = is_slow || rigid_directions_have_turned(mechanism) || ports_have_turned(mechanism);
     if (!is_stale_) look_at_joints(mechanism);
 }
 
@@ -454,6 +456,19 @@ bool Interior::rigid_directions_have_turned(const Mechanism& mechanism) const {
                          (rows.row(d).transpose() - then).squaredNorm() > kTurnedRows * kTurnedRows * then.squaredNorm();
             });
             if (turned) return true;
+        }
+    return false;
+}
+
+/// Joints against the ports they join, since the matrix was formed: what the ports are told is linear by it, and no pass in
+/// here shows an error of that.
+bool Interior::ports_have_turned(const Mechanism& mechanism) const {
+    for (size_t k = 0; k < near_joints_.size(); ++k)
+        for (int end : {0, 1}) {
+            const Matrix6& then = near_columns_[k].at[end];
+            if ((local_columns(mechanism, near_joints_[k], end) - then).squaredNorm() >
+                kTurnedPorts * kTurnedPorts * then.squaredNorm())
+                return true;
         }
     return false;
 }

@@ -24,6 +24,9 @@ constexpr double kForget = 2;
 /// Slower than this, the matrix is formed anew.
 constexpr double kSlowestContraction = 0.1;
 
+/// After so many passes a correction that has not halved is rounding, if it is small.
+constexpr int kPassesToFall = 4;
+
 /// Numbers the groups of bodies that elements connect: group of every body, from 0.
 std::vector<size_t> find_groups(size_t count, const std::vector<std::pair<int, int>>& neighbours) {
     std::vector<size_t> group(count);
@@ -237,7 +240,8 @@ void EndOfStep::open_groups(const std::vector<BodyState>& now) {
     const double least_contraction = system_.empty() ? 0 : JointSystem::kProximal;
     for (Group& group : groups_) {
         group.contraction = std::clamp(kForget * group.contraction, least_contraction, 1.0);
-        group.floor_squared = 0;
+        group.rumour_squared *= 0.5;
+        group.floor_squared = group.rumour_squared;
     }
     const double rounding = kRounding / h_;
     for (size_t b = 0; b < now.size(); ++b) {
@@ -288,6 +292,9 @@ bool EndOfStep::judge(int pass) {
             group.contraction = rate < 1 ? rate / (1 - rate) : 1e3;
             slow = slow || (rate > kSlowestContraction && group.correction_squared > 100 * group.floor_squared);
         }
+        if (pass > kPassesToFall && group.correction_squared > 0.25 * group.previous_squared &&
+            group.correction_squared <= kRumour * kRumour * group.scale_squared)
+            group.floor_squared = group.rumour_squared = std::max(group.floor_squared, group.correction_squared);
         const double remaining_squared = group.contraction * group.contraction * group.correction_squared;
         done = done && (group.correction_squared <= group.floor_squared ||
                         remaining_squared <= std::max(kTolerance * kTolerance * group.scale_squared, group.floor_squared));

@@ -38,11 +38,13 @@ using Feedback = std::vector<Eigen::Matrix<double, 6, 1>>;
 /// A step is accepted when in every group of connected bodies the estimated remaining error, θ/(1 − θ) × (last
 /// correction), θ the rate of convergence, is below kTolerance of the group's motion or at rounding, all measured as the
 /// largest speed of a point of its bodies. The rate of the steps before may be used, so that a linear model takes one pass,
-/// with joints two (their multipliers do not show in the correction). Source of the acceptance rule: Hairer and Wanner,
-/// Solving Ordinary Differential Equations II, section IV.8.
+/// with joints two (their multipliers do not show in the correction). Long networks round more than the bodies' positions
+/// tell: corrections that no longer fall are taken for rounding too, below kRumour of the motion. Source of the acceptance
+/// rule: Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.8.
 class EndOfStep {
 public:
     static constexpr double kTolerance = 1e-13;
+    static constexpr double kRumour = 1e-9;
     static constexpr int kMostPasses = 50;
     static constexpr double kAgreement = 1e-8;
 
@@ -94,6 +96,7 @@ private:
                                    ///< nothing below can be asked for
         double correction_squared = 0;  ///< of the last pass
         double previous_squared = 0;    ///< of the one before
+        double rumour_squared = 0;      ///< of corrections that no longer fell, slowly forgetting: a floor as well
     };
 
     void predict(const std::vector<BodyState>& now);

@@ -22,11 +22,13 @@ namespace dttmm {
 /// the deformations only, not with the motion of the whole: it is factored once per step size and kept until it converges
 /// slowly. Passes start from the extrapolated motion; the solution is accepted when θ/(1 − θ) × (last correction), θ the
 /// rate of convergence, is below kShare of the first one, which measures what the step itself leaves out, and below
-/// kTolerance of the motion. The forces where it ends then move the momentum, in pairs that balance exactly, so that it is
+/// kTolerance of the motion; a rate of the steps before serves corrections up to the one that measured it, larger ones in
+/// proportion less. The forces where it ends then move the momentum, in pairs that balance exactly, so that it is
 /// kept however few passes were taken; what the motion lacks to it is made up for in the next step.
 ///
 /// A step is solved once, for ports that go on as they have; the answer to another motion of the ports is the linear one
-/// from there, as long as that is good enough by a like measure. A step of small vibrations takes one pass or two.
+/// from there, as long as that is good enough by a like measure and the joints at ports hardly turn (the error of the force
+/// they tell grows with their stiffness). A step of small vibrations takes one pass or two.
 ///
 /// What a massless frame leaves unbalanced over a step by its own rule (MasslessFrames) its heir takes over, a frame nearby
 /// with a mass, so that no momentum is lost.
@@ -110,7 +112,10 @@ private:
         Vector3 offset;  ///< axes of the frame
     };
     struct Books {
+        double port_turn =
+            0;  ///< of the joints at ports in the last step, since the matrix was formed, as share of their arms
         double contraction = 1, scale = 0;  ///< θ/(1 − θ) last measured; size of the motion, slowly forgetting [m/s]
+        double measured_at = 0;             ///< correction after which it was measured [m/s]
         double port_way = 0;                ///< of the ports from the anchor to where they went in the last step [m/s]
         double load_work = 0;               ///< of the loads up to t_{n−1} [J]
         double load_power = 0;              ///< at t_{n−1} [W]
@@ -124,7 +129,8 @@ private:
         std::vector<double> q_change;       ///< correction of them, times h
         std::vector<JointForce> near;       ///< forces of near_joints_ over the step, before the correction
         double contraction = 1, scale = 0;  ///< as in Books
-        double rate = 0;                    ///< θ of the last pass; 0: not measured in this step
+        double measured_at = 0;             ///< likewise
+        double slowest_rate = 0;            ///< largest θ in this step; 0: not measured
         double tolerance = 0;               ///< of what remains to be corrected [m/s]
     };
 
@@ -175,7 +181,7 @@ private:
     Vector6 massless_part(size_t frame, Vector6 wrench) const;
     Vector6 estate(const Mechanism& mechanism, size_t frame, FrameView end) const;
     bool rigid_directions_have_turned(const Mechanism& mechanism) const;
-    bool ports_have_turned(const Mechanism& mechanism) const;
+    double turn_at_ports(const Mechanism& mechanism) const;
     void find_end(const Mechanism& mechanism, const Solution& solution) const;
     [[noreturn]] void refuse_divergence(const Mechanism& mechanism, size_t frame) const;
     void take_velocities(const Mechanism& mechanism);

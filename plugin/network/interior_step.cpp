@@ -88,6 +88,7 @@ void Interior::drop_anchor(const Mechanism& mechanism) {
     }
     anchor_.q = rigid_;
     anchor_.contraction = std::min(kForget * books_.contraction, 1.0);
+    anchor_.measured_at = books_.measured_at;
     anchor_.scale = books_.scale;
     solve(mechanism, anchor_);
 }
@@ -285,10 +286,10 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
         speed = std::max(speed, velocity.squaredNorm() + reach * reach * solution.u[i].tail<3>().squaredNorm());
     }
     solution.scale = std::max(solution.scale, std::sqrt(speed));
-    solution.rate = 0;
+    solution.slowest_rate = 0;
     const double floor = std::max(kRounding * size / h, kFinest * solution.scale);
     const Elimination* matrix = &elimination_;
-    double previous = 0;
+    double previous = 0, rate = 0;
     for (int pass = 0; pass < kMostPasses; ++pass) {
         ++passes_;
         if (pass > 0) {
@@ -299,12 +300,14 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
         for (size_t i = 0; i < state_.size(); ++i) place(mechanism, i, solution.u[i]);
         find_forces(mechanism, solution);
         form_residuals(mechanism, solution);
-        if (solution.rate > kTooSlow && form_at_trial(mechanism)) matrix = &at_trial_;
+        if (rate > kTooSlow && form_at_trial(mechanism)) matrix = &at_trial_;
         const double correction = correct(*matrix, solution);
         if (!std::isfinite(correction)) break;
         if (pass > 0 && correction > floor) {
-            solution.rate = previous > 0 ? correction / previous : 0;
-            solution.contraction = solution.rate < 1 ? solution.rate / (1 - solution.rate) : 1e3;
+            rate = previous > 0 ? correction / previous : 0;
+            solution.slowest_rate = std::max(solution.slowest_rate, rate);
+            solution.contraction = rate < 1 ? rate / (1 - rate) : 1e3;
+            solution.measured_at = previous;
         }
         previous = correction;
         if (pass == 0) solution.tolerance = std::max(floor, std::min(kShare * correction, kTolerance * solution.scale));
@@ -317,8 +320,10 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
                 mechanism.assembly.frames.back().element);
 }
 
+/// A larger correction than the one that measured it turns the joints' axes more, and contracts less.
 bool Interior::is_good_enough(double correction, const Solution& solution) {
-    return std::min(solution.contraction, 1.0) * correction <= solution.tolerance;
+    const double contraction = solution.contraction * std::max(1.0, correction / solution.measured_at);
+    return std::min(contraction, 1.0) * correction <= solution.tolerance;
 }
 
 /// The solution for a motion of the ports: the anchored one, to which port_change_ is to be added linearly, if that is good
@@ -337,9 +342,10 @@ const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::spa
     }
     port_way_ = std::sqrt(largest);
     // The host wants a smooth answer: which one it gets hangs on the step before, not on how near this trial is
-    const bool is_near = is_good_enough(kLinearShare * books_.port_way, anchor_);
+    const bool is_near = books_.port_turn <= kTurnedPorts && is_good_enough(kLinearShare * books_.port_way, anchor_);
     if (is_near && is_good_enough(kLinearShare * port_way_ / kFarther, anchor_)) return anchor_;
     other_.contraction = anchor_.contraction;
+    other_.measured_at = anchor_.measured_at;
     other_.scale = anchor_.scale;
     for (size_t p = 0; p < port_u_.size(); ++p) other_.ports[p] = ports[p].copy();
     for (size_t i = 0; i < state_.size(); ++i) other_.u[i] = anchor_.u[i] + anchor_.change[i] + responses_[i] * port_change_;
@@ -430,8 +436,9 @@ void Interior::commit(Mechanism& mechanism, std::span<const FrameView> ports) {
     rigid_ = q_;
     books_.port_way = port_way_;
     books_.contraction = solution.contraction;
+    books_.measured_at = solution.measured_at;
     books_.scale = 0.98 * solution.scale;
-    const bool is_slow = solution.rate > kSlowestContraction;
+    const bool is_slow = solution.slowest_rate > kSlowestContraction;
     take_velocities(mechanism);
     for (size_t p = 0; p < port_u_.size(); ++p) trial_[p] = ports[p].copy();
     take_forces(mechanism, solution);
@@ -439,7 +446,8 @@ void Interior::commit(Mechanism& mechanism, std::span<const FrameView> ports) {
     take_momentum(mechanism);
     take_loads(mechanism);
     take_motion(mechanism);
-    is_stale_ = is_slow || rigid_directions_have_turned(mechanism) || ports_have_turned(mechanism);
+    books_.port_turn = turn_at_ports(mechanism);
+    is_stale_ = is_slow || books_.port_turn > kTurnedPorts || rigid_directions_have_turned(mechanism);
     if (!is_stale_) look_at_joints(mechanism);
 }
 
@@ -460,17 +468,17 @@ bool Interior::rigid_directions_have_turned(const Mechanism& mechanism) const {
     return false;
 }
 
-/// Joints against the ports they join, since the matrix was formed: what the ports are told is linear by it, and no pass in
-/// here shows an error of that.
-bool Interior::ports_have_turned(const Mechanism& mechanism) const {
+/// Of the joints at ports since the matrix was formed, as share of their directions and arms: the linear answer to the ports
+/// goes by them, and no pass in here shows how far that is wrong.
+double Interior::turn_at_ports(const Mechanism& mechanism) const {
+    double largest = 0;
     for (size_t k = 0; k < near_joints_.size(); ++k)
         for (int end : {0, 1}) {
             const Matrix6& then = near_columns_[k].at[end];
-            if ((local_columns(mechanism, near_joints_[k], end) - then).squaredNorm() >
-                kTurnedPorts * kTurnedPorts * then.squaredNorm())
-                return true;
+            const Matrix6 now = local_columns(mechanism, near_joints_[k], end);
+            largest = std::max(largest, (now - then).squaredNorm() / then.squaredNorm());
         }
-    return false;
+    return std::sqrt(largest);
 }
 
 /// The frames where the step ends and what moves them there. Changes no state: here a step may still be refused.

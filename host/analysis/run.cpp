@@ -152,7 +152,7 @@ Ledger read_ledger(const Recorder& recorder, const Model& model, double step) {
 
 /// Why a run made or lost energy. A vibration that the step does not resolve appears as one of about pi − 4/(omega h) rad
 /// per step; a body that turns by 4/(omega h) per step, give or take, can feed it, however slow that is.
-std::string describe_energy_fault(const Simulation& simulation) {
+std::string describe_energy_fault(const Simulation& simulation, bool has_networks) {
     if (simulation.explicit_limit() && simulation.explicit_limit()->load > 0.8 * kExplicitLimit)
         return fmt::format("near the limit of the explicit coupling or beyond it, {}", simulation.describe_speed());
     const double step = simulation.step_size(), omega_h = simulation.fastest_mode().omega * step;
@@ -168,6 +168,11 @@ std::string describe_energy_fault(const Simulation& simulation) {
                            turning.body, turning.per_step, simulation.describe_speed(), divide_step(step, longest),
                            simulation.explicit_limit() ? "" : ", or a spectral_radius of 0.9");
     }
+    if (has_networks)
+        return fmt::format(
+            "the step of {:g} s is too long for the fastest vibration, of the bodies ({}) or inside the "
+            "networks; try a shorter one, or a spectral_radius of 0.9",
+            step, simulation.describe_speed());
     return fmt::format("the step of {:g} s is too long for the fastest vibration, {}", step, simulation.describe_speed());
 }
 
@@ -188,7 +193,7 @@ void warn_energy(const Recorder& recorder, const Model& model, const Simulation&
     const double residual = has_stops ? std::max(ledger.most, std::abs(ledger.residual_at_the_end)) : ledger.residual;
     if (residual > 0.1 * ledger.turned_over && residual > ledger.rounding)
         tell(fmt::format("warning: the energy balance leaves {:.3g} J unaccounted for, of {:.3g} J at most: {}", residual,
-                         ledger.turned_over, describe_energy_fault(simulation)));
+                         ledger.turned_over, describe_energy_fault(simulation, !model.nodes.empty())));
 }
 
 /// How the step was found, in one line.
@@ -293,6 +298,10 @@ ExitCode run(const RunRequest& request) {
     return conclude(request, bench, bench.simulation, folder, recorder, ending);
 }
 
+std::string counted(size_t count, const char* one, const char* many) {
+    return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
 void check(const RunRequest& request) {
     const Bench bench(request);
     const Model& model = bench.model;
@@ -302,10 +311,11 @@ void check(const RunRequest& request) {
     fmt::print("{}: valid\n", request.model.string());
     int equations = 0;
     for (const JointEquations& joint : simulation.end_of_step().joints()) equations += joint.lasting();
-    fmt::print("  {} bodies ({} unknowns per step), {}{} elements, {} joints ({} equations), {} loads, {} channels\n",
-               model.bodies.size(), 6 * model.bodies.size(),
-               model.nodes.empty() ? "" : fmt::format("{} nodes, ", model.nodes.size()), model.elements.size(),
-               model.joints.size(), equations, model.loads.size(), simulation.channels().size());
+    fmt::print(
+        "  {} ({} unknowns per step), {}{}, {} ({} equations), {}, {}\n", counted(model.bodies.size(), "body", "bodies"),
+        6 * model.bodies.size(), model.nodes.empty() ? "" : counted(model.nodes.size(), "node", "nodes") + ", ",
+        counted(model.elements.size(), "element", "elements"), counted(model.joints.size(), "joint", "joints"), equations,
+        counted(model.loads.size(), "load", "loads"), counted(simulation.channels().size(), "channel", "channels"));
     const std::string damping =
         implicit && model.simulation.spectral_radius < 1
             ? fmt::format(" with numerical damping (spectral_radius = {:g})", model.simulation.spectral_radius)
@@ -316,7 +326,9 @@ void check(const RunRequest& request) {
         fmt::print("  repeated at half the step until the results are within {:g} %\n", 100 * *model.simulation.tolerance);
     if (fastest.omega > 0)
         fmt::print("  fastest vibration {}: omega*h = {:.4g}{}\n", describe(fastest), fastest.omega * simulation.step_size(),
-                   simulation.explicit_limit() ? "" : " (the implicit coupling is stable at any)");
+                   simulation.explicit_limit() ? ""
+                   : model.nodes.empty()       ? " (the implicit coupling is stable at any)"
+                                         : " (the implicit coupling is stable at any; masses inside networks not counted)");
     if (simulation.explicit_limit() && simulation.explicit_limit()->load > 0)
         fmt::print("  the explicit coupling is stable up to a step of {:.4g} s; at {:g} s: {}\n",
                    simulation.explicit_limit()->longest_step, simulation.step_size(), simulation.describe_speed());
@@ -354,11 +366,15 @@ std::string describe_range(const dttmm_parameter& parameter) {
     return range;
 }
 
+std::string describe_unit(const dttmm_parameter& parameter) {
+    const std::string unit = std::string_view(parameter.unit) == "1" ? "number" : parameter.unit;
+    return parameter.count == 1 ? unit : fmt::format("{} x {}", parameter.count, unit);
+}
+
 void print_parameter(const dttmm_parameter& parameter) {
     const bool is_word = parameter.flags & DTTMM_PARAMETER_WORDS_ONLY;
-    fmt::print("    {:<22} {:<14} {:<12} {:<20} {}\n", parameter.name,
-               is_word ? "a word" : fmt::format("{} x {}", parameter.count, parameter.unit), describe_default(parameter),
-               describe_range(parameter), parameter.documentation);
+    fmt::print("    {:<22} {:<14} {:<12} {:<20} {}\n", parameter.name, is_word ? "a word" : describe_unit(parameter),
+               describe_default(parameter), describe_range(parameter), parameter.documentation);
 }
 
 }  // namespace

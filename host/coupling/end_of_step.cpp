@@ -211,8 +211,25 @@ void EndOfStep::factor(const std::vector<BodyState>& now) {
     system_.write_to(matrix_);
     if (!factor_.factor(matrix_))
         throw Error(ExitCode::numerical_failure,
-                    fmt::format("t = {:.9g} s: the matrix of the end of the step, M + h² S, is singular{}", time_,
-                                system_.empty() ? "" : "; very unequal masses on joints?"));
+                    fmt::format("t = {:.9g} s: the matrix of the end of the step, M + h² S, is singular, first at body "
+                                "\"{}\": {}",
+                                time_, bodies_[least_held(now)].name,
+                                system_.empty() ? "its elements push it over faster than the step follows; try a smaller one"
+                                                : "very unequal masses on joints?"));
+}
+
+/// The body whose stiffness takes most from its inertia.
+size_t EndOfStep::least_held(const std::vector<BodyState>& now) const {
+    size_t least = 0;
+    double least_share = std::numeric_limits<double>::infinity();
+    for (size_t b = 0; b < now.size(); ++b) {
+        const Vector6 held = matrix_.diagonal(static_cast<int>(b)).diagonal();
+        const double share = held.cwiseQuotient(bodies_[b].inertia.block(now[b].rotation).diagonal()).minCoeff();
+        if (share >= least_share) continue;
+        least = b;
+        least_share = share;
+    }
+    return least;
 }
 
 /// One correction δ = K⁻¹ (P− + h f − P(u)), applied to u; with joints, likewise of u and q.

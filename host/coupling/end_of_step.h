@@ -103,6 +103,7 @@ private:
     void place_trial(const std::vector<BodyState>& now);
     void evaluate(const std::vector<BodyState>& now, Networks& networks);
     void factor(const std::vector<BodyState>& now);
+    size_t least_held(const std::vector<BodyState>& now) const;
     void find_accelerations(const std::vector<BodyState>& at, double* accelerations);
     void refuse_opening_joints(const std::vector<BodyState>& at) const;
     void correct(const std::vector<BodyState>& now);

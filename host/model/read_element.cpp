@@ -61,8 +61,10 @@ std::optional<Ends> read_from_to(const TableReader& table, const Attachments& at
     const Place place = table.find("to")->value.place;
     if (from->body == to->body && from->node == to->node) {
         table.error(place, from->is_ground() ? "both ends are on the ground"
-                           : from->node >= 0 ? "both ends are on the same node"
-                                             : "both ends are on the same body");
+                           : from->node >= 0
+                               ? "both ends are on the same node"
+                               : "both ends are on the same body: nothing can deform; one end must be on another, "
+                                 "on a node or on the ground");
         return std::nullopt;
     }
     if (from->is_ground() || to->is_ground()) return Ends{*from, *to};  // the ground end coincides with the other

@@ -72,8 +72,10 @@ std::optional<std::vector<double>> read_numbers(const ReadContext& context, cons
     }
     if (!value.is_array() || value.items.size() != count) {
         const std::string got = value.is_array() ? std::to_string(value.items.size()) : std::string(kind_text(value.kind));
+        const bool has_more = value.is_array() && value.items.size() > count;
         context.diagnostics.error(value.place,
-                                  fmt::format("{} wants {} number{}, got {}", what, count, count == 1 ? "" : "s", got));
+                                  fmt::format("{} wants {} number{}, got {}{}", what, count, count == 1 ? "" : "s", got,
+                                              has_more ? " (a number has a decimal point, 0.8)" : ""));
         return std::nullopt;
     }
     std::vector<double> numbers;
@@ -92,7 +94,8 @@ TableReader::TableReader(const ReadContext& context, const TomlValue& value, std
                          std::vector<std::string> keys, std::string note)
     : context_(context), value_(value), label_(std::move(label)) {
     if (!value.is_table()) {
-        error(value.place, fmt::format("expected a table, got {}", kind_text(value.kind)));
+        error(value.place,
+              fmt::format("expected a table such as {{ {} = ... }}, got {}", keys.front(), kind_text(value.kind)));
         return;
     }
     for (const TomlMember& member : value.members)

@@ -143,6 +143,12 @@ std::string quoted_part(const std::string& message) {
     return message.substr(begin, message.find('\'', begin) - begin);
 }
 
+/// True if what stands before the column, but for blanks, is a digit.
+bool is_digit_before(std::string_view line, int column) {
+    const std::size_t last = line.substr(0, static_cast<std::size_t>(column) - 1).find_last_not_of(" \t");
+    return last != line.npos && line[last] >= '0' && line[last] <= '9';
+}
+
 void report(const toml::parse_error& error, std::string_view text, Diagnostics& diagnostics) {
     Place place = make_place(error.source().begin);
     std::string message = message_of(error);
@@ -159,6 +165,10 @@ void report(const toml::parse_error& error, std::string_view text, Diagnostics& 
         if (at != line.content.npos) place.column = static_cast<int>(at) + 1;
         message = fmt::format(
             "{} is out of range: an integer must fit into 64 bits, any other number lie within 1e-307 and 1e308", number);
+    } else if (says("whitespace, saw ','")) {
+        message += "; a number has a decimal point: 2.5";
+    } else if ((says("whitespace, saw '") || says("expected digit, saw '")) && is_digit_before(line.content, place.column)) {
+        message += "; a value with a unit stands in quotes: \"800 mm\"";
     }
     diagnostics.error(place, message);
 }

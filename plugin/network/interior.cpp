@@ -317,11 +317,13 @@ void Interior::refuse(const Mechanism& mechanism, const Elimination::Fault& faul
     const FrameSpec& frame = mechanism.assembly.frames[static_cast<size_t>(driven_ + fault.frame)];
     if (fault.direction >= 0) {
         const bool is_massless = fault.direction < 3 ? frame.mass == 0 : frame.inertia.isZero(0);
-        throw Error(
-            status,
-            fmt::format("{}: nothing determines its motion in {} (its own axes): {}no element holds it there", frame.name,
-                        kDirectionNames[static_cast<size_t>(fault.direction)], is_massless ? "it has no mass, and " : ""),
-            frame.element);
+        throw Error(status,
+                    fmt::format("{}: nothing determines its motion in {} (its own axes): {}no element holds it there; give "
+                                "it a stiffness, a mass or "
+                                "a `fixed` direction",
+                                frame.name, kDirectionNames[static_cast<size_t>(fault.direction)],
+                                is_massless ? "it has no mass, and " : ""),
+                    frame.element);
     }
     const Joint& joint = mechanism.joints[static_cast<size_t>(fault.link)];
     int direction = 0;

@@ -216,7 +216,7 @@ TEST(Command, CheckSaysWhatWouldBeSolvedAndWritesNothing) {
     const Ended ended = run_dttmm(folder.path(), {"check", example("four_bolt_plate")});
     EXPECT_EQ(ended.code, 0);
     EXPECT_THAT(ended.out,
-                AllOf(HasSubstr(": valid\n"), HasSubstr("1 bodies"), HasSubstr("4 elements"),
+                AllOf(HasSubstr(": valid\n"), HasSubstr("1 body"), HasSubstr("4 elements"),
                       HasSubstr("implicit coupling, 1000 steps"), HasSubstr("omega*h = 0.690"),
                       HasSubstr("109.84 Hz at body \"plate\", made by bolt1 (25 %), bolt2 (25 %), bolt3 (25 %)")));
     EXPECT_TRUE(fs::is_empty(folder.path()));

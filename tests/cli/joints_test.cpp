@@ -92,7 +92,7 @@ TEST_F(JointsOfAUser, CheckCountsTheirEquations) {
     write_text(folder_ / "model.toml", kLever);
     const Ended ended = run_dttmm(folder_.path(), {"check", "model.toml"});
     EXPECT_EQ(ended.code, 0);
-    EXPECT_THAT(ended.out, HasSubstr("1 joints (5 equations)"));
+    EXPECT_THAT(ended.out, HasSubstr("1 joint (5 equations)"));
 }
 
 TEST_F(JointsOfAUser, VelocitiesThatOpenAJointAreFaultsOfTheModel) {

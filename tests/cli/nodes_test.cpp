@@ -126,7 +126,7 @@ TEST(NodesInAFile, CheckCountsThem) {
     const TemporaryFolder folder;
     const Ended ended = run_chain(folder, "check", kChain);
     EXPECT_EQ(ended.code, 0) << ended.err;
-    EXPECT_THAT(ended.out, AllOf(HasSubstr("1 bodies"), HasSubstr("2 nodes, 4 elements")));
+    EXPECT_THAT(ended.out, AllOf(HasSubstr("1 body"), HasSubstr("2 nodes, 4 elements")));
 }
 
 // Oracle: statics. The foot carries the 40 N and swings about it, by less than half as the pull takes most of its period of
@@ -202,7 +202,7 @@ const Fault kFaults[] = {
     {"JointOnANode", "[[load]]", "[[joint]]\nname = \"j\"\ntype = \"ball\"\nbetween = [\"block\", \"far\"]\n[[load]]",
      "24:21", "\"far\" is a node; a joint joins bodies"},
     {"LawIsNoTable", "law = { stiffness = \"5 N/mm\", kind = \"hard\" }", "law = 3", "31:7",
-     "law: expected a table, got a number"},
+     "law: expected a table such as { stiffness = ... }, got a number"},
     {"MisspeltLaw", "law = {", "lav = {", "31:1", "unknown key \"lav\" in [[element]] number 1; did you mean \"law\"?"},
     {"MisspeltNestedKey", "kind =", "knd =", "31:31", "law: unknown key \"knd\"; did you mean \"kind\"?"},
     {"MissingNestedKey", "stiffness = \"5 N/mm\", ", "", "31:7", "law: missing key \"stiffness\""},

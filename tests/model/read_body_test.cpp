@@ -123,7 +123,8 @@ TEST(ReadBody, PlaceFaults) {
     EXPECT_THAT(fault_beside_mass("rotation = { axis = [0, 0, 0], angle = 1 }\n"), HasSubstr("axis must not be zero"));
     EXPECT_THAT(fault_beside_mass("rotation = { axis = [0, 0, 1], angle = \"3 m\" }\n"),
                 HasSubstr("expected a value in rad"));
-    EXPECT_THAT(fault_beside_mass("rotation = 3\n"), HasSubstr("body \"plate\": rotation: expected a table, got a number"));
+    EXPECT_THAT(fault_beside_mass("rotation = 3\n"),
+                HasSubstr("body \"plate\": rotation: expected a table such as { axis = ... }, got a number"));
     EXPECT_THAT(fault_beside_mass("rotation = { axis = [0, 0, 1], angle = 1 }\nquaternion = [1, 0, 0, 0]\n"),
                 HasSubstr("exclude each other"));
     EXPECT_THAT(fault_beside_mass("position = [0, -1e7, 0]\n"),
@@ -167,7 +168,7 @@ TEST(ReadBody, NamesAreUniqueInNormalForm) {
     EXPECT_THAT(errors_of(std::string(kStart) + kSimulation + "[body]\n" + rest),
                 HasSubstr("body must be a list of tables; write [[body]]"));
     EXPECT_THAT(errors_of("body = [1]\n" + std::string(kStart) + kSimulation),
-                HasSubstr("m.toml:1:9: body number 1: expected a table, got a number"));
+                HasSubstr("m.toml:1:9: body number 1: expected a table such as { name = ... }, got a number"));
 }
 
 }  // namespace

@@ -40,6 +40,7 @@ TEST(ReadNode, ATableSaysMore) {
 
 TEST(ReadNode, FaultsNameTheNode) {
     EXPECT_EQ(fault("[1, 2]"), "m.toml:13:7: node \"tip\" wants 3 numbers, got 2");
+    EXPECT_EQ(fault("[0,8, 1, 2]"), "m.toml:13:7: node \"tip\" wants 3 numbers, got 4 (a number has a decimal point, 0.8)");
     EXPECT_EQ(fault("{ fixed = [] }"), "m.toml:13:7: node \"tip\": missing key \"position\"");
     EXPECT_EQ(fault("{ position = [0, 0, 0], fixd = [] }"),
               "m.toml:13:31: node \"tip\": unknown key \"fixd\"; did you mean \"fixed\"?");

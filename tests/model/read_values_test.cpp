@@ -40,7 +40,8 @@ TEST(ReadValues, NestedTablesWordsAndWholeNumbersAreRead) {
 TEST(ReadValues, KeysOfNestedTablesAreChecked) {
     EXPECT_EQ(fault("section = { tub = [1, 2] }\n"),
               "m.toml:17:13: element \"rod\": section: unknown key \"tub\"; did you mean \"tube\"?");
-    EXPECT_EQ(fault("section = 3\n"), "m.toml:17:11: element \"rod\": section: expected a table, got a number");
+    EXPECT_EQ(fault("section = 3\n"),
+              "m.toml:17:11: element \"rod\": section: expected a table such as { tube = ... }, got a number");
     EXPECT_EQ(fault("section = { tube = 3 }\n"),
               "m.toml:17:20: element \"rod\": section: tube wants 2 numbers, got a number");
     EXPECT_EQ(fault("section = { mass = -1 }\n"), "m.toml:17:20: element \"rod\": section: mass must be ≥ 0 kg, got -1");

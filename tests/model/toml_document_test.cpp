@@ -61,6 +61,14 @@ TEST(TomlDocument, SyntaxFaultsHaveTheirPlace) {
     EXPECT_THAT(fault("a = \"abc"), HasSubstr("m.toml:1:5: the string that begins here"));
 }
 
+TEST(TomlDocument, DecimalCommasAndBareUnitsAreNamed) {
+    EXPECT_THAT(fault("a = 2,5"),
+                HasSubstr("m.toml:1:6: expected a comment or whitespace, saw ','; a number has a decimal point"));
+    for (const char* text : {"a = 2 s", "a = 2s", "a = 2.5\tmm"})
+        EXPECT_THAT(fault(text), HasSubstr("a value with a unit stands in quotes")) << text;
+    EXPECT_THAT(fault("a = true b"), Not(HasSubstr("quotes")));
+}
+
 TEST(TomlDocument, NumbersOutOfRangeSayWhichRange) {
     EXPECT_THAT(fault("a = 1\nb = 99999999999999999999"), HasSubstr("m.toml:2:5: 99999999999999999999 is out of range"));
     EXPECT_THAT(fault("a = [2, 1e999]"), HasSubstr("m.toml:1:9: 1e999 is out of range"));

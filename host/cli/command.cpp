@@ -12,6 +12,7 @@
 #include <new>
 #include <system_error>
 
+#include "analysis/modes.h"
 #include "analysis/run.h"
 #include "analysis/sweep.h"
 #include "model/diagnostics.h"
@@ -24,6 +25,9 @@ namespace {
 
 /// What the words ask for.
 struct Arguments {
+    FrfRequest frf;
+    ModesRequest modes;
+    std::string count, below;
     RunRequest request;
     std::vector<std::string> sets, sweeps;
     std::string output, step, duration, coupling, tolerance;
@@ -42,6 +46,36 @@ void add_model_options(CLI::App& command, Arguments& arguments) {
     command.add_option("--plugin", arguments.request.plugins, "shared library with more element types")
         ->allow_extra_args(false);
     command.add_flag("--force", arguments.request.force, "run an explicit coupling beyond its stable step");
+}
+
+void add_modes_options(CLI::App& command, Arguments& arguments) {
+    command.add_option("MODEL", arguments.request.model, "model file (TOML, format dttmm/1)")->required();
+    command.add_option("--set", arguments.sets, "name=value: another value for a parameter of the model")
+        ->allow_extra_args(false);
+    command.add_option("--plugin", arguments.request.plugins, "shared library with more element types")
+        ->allow_extra_args(false);
+    command.add_option("-o,--output", arguments.output, "results folder; default results/<model name>-modes, or -frf");
+    command.add_flag("-q,--quiet", arguments.request.quiet, "no table");
+}
+
+void add_modes_only(CLI::App& command, Arguments& arguments) {
+    command.add_option("--count", arguments.count, "the first so many frequencies instead of the model's");
+    command.add_option("--below", arguments.below, "all frequencies up to this one, e.g. \"500 Hz\"");
+    command.add_option("--sweep", arguments.sweeps, "name=from..to:count or name=value,value; several span a grid")
+        ->allow_extra_args(false);
+    command.add_flag("--json", arguments.modes.as_json, "print one JSON object instead of the table");
+}
+
+void add_frf_only(CLI::App& command, Arguments& arguments) {
+    command.add_option("--in", arguments.frf.input, "body, marker or node and direction of the force, e.g. plate.corner1.z")
+        ->required();
+    command.add_option("--out", arguments.frf.output_place, "the same of the displacement")->required();
+    command.add_option("--from", arguments.frf.from, "lowest frequency, e.g. \"1 Hz\"")->required();
+    command.add_option("--to", arguments.frf.to, "highest frequency")->required();
+    command.add_option("--points", arguments.frf.points, "number of frequencies")
+        ->required()
+        ->check(CLI::Range(2, 10000000));
+    command.add_flag("--log", arguments.frf.is_logarithmic, "spaced by equal factors");
 }
 
 void add_run_options(CLI::App& command, Arguments& arguments) {
@@ -69,6 +103,21 @@ void settle(Arguments& arguments) {
     if (!arguments.coupling.empty()) request.overrides.coupling = arguments.coupling;
     if (!arguments.tolerance.empty()) request.overrides.tolerance = arguments.tolerance;
     if (!arguments.output.empty()) request.output = arguments.output;
+    if (!arguments.count.empty()) request.overrides.modes.count = arguments.count;
+    if (!arguments.below.empty()) request.overrides.modes.below = arguments.below;
+}
+
+ExitCode modes_or_sweep(Arguments& arguments) {
+    static_cast<RunRequest&>(arguments.modes) = arguments.request;
+    if (arguments.sweeps.empty()) return find_modes(arguments.modes);
+    std::vector<SweepAxis> axes;
+    for (const std::string& text : arguments.sweeps) axes.push_back(parse_sweep_axis(text));
+    return sweep_modes(arguments.modes, axes);
+}
+
+ExitCode response(Arguments& arguments) {
+    static_cast<RunRequest&>(arguments.frf) = arguments.request;
+    return find_response(arguments.frf);
 }
 
 ExitCode run_or_sweep(const Arguments& arguments) {
@@ -99,6 +148,12 @@ ExitCode dispatch(int argc, char** argv) {
     add_run_options(*run_command, arguments);
     CLI::App* check_command = app.add_subcommand("check", "validate a model, print what would be solved");
     add_model_options(*check_command, arguments);
+    CLI::App* modes_command = app.add_subcommand("modes", "natural frequencies and shapes of a model");
+    add_modes_options(*modes_command, arguments);
+    add_modes_only(*modes_command, arguments);
+    CLI::App* frf_command = app.add_subcommand("frf", "frequency response of a model");
+    add_modes_options(*frf_command, arguments);
+    add_frf_only(*frf_command, arguments);
     CLI::App* elements_command = app.add_subcommand("elements", "list element types and their parameters");
     elements_command->add_option("--plugin", arguments.request.plugins, "shared library with more element types")
         ->allow_extra_args(false);
@@ -111,6 +166,8 @@ ExitCode dispatch(int argc, char** argv) {
     }
     settle(arguments);
     if (*run_command) return run_or_sweep(arguments);
+    if (*modes_command) return modes_or_sweep(arguments);
+    if (*frf_command) return response(arguments);
     if (*check_command)
         check(arguments.request);
     else

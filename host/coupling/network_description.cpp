@@ -151,6 +151,12 @@ uint32_t NetworkDescription::add_node(const std::string& name, uint32_t kind, co
     return static_cast<uint32_t>(nodes_.size() - 1);
 }
 
+std::optional<size_t> NetworkDescription::node_at(const Attachment& place) const {
+    const auto found = std::ranges::find(places_, place);
+    if (found == places_.end()) return std::nullopt;
+    return static_cast<size_t>(found - places_.begin());
+}
+
 dttmm_network NetworkDescription::network() const {
     const Newmark newmark = scheme_with_radius(model_.simulation.spectral_radius);
     dttmm_network network{};

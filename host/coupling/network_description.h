@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,8 @@ public:
 
     /// The places on bodies in the order of the ports, each once.
     const std::vector<Attachment>& ports() const { return ports_; }
+    /// Index of the node at a place among those of the network; none if it has no node there.
+    std::optional<size_t> node_at(const Attachment& place) const;
     /// Indices into Model::nodes in the order of the inner nodes.
     const std::vector<int>& inner_nodes() const { return inner_nodes_; }
 

@@ -9,9 +9,7 @@
 
 namespace dttmm {
 
-namespace {
-
-ExitCode exit_code(dttmm_status status) {
+ExitCode exit_code_of(dttmm_status status) {
     switch (status) {
         case DTTMM_ERROR_MODEL:
             return ExitCode::model_invalid;
@@ -25,8 +23,6 @@ ExitCode exit_code(dttmm_status status) {
             return ExitCode::plugin_failure;
     }
 }
-
-}  // namespace
 
 NetworkInstance::NetworkInstance(const PluginLibrary& plugin, const dttmm_network& network)
     : plugin_(plugin), table_(&plugin.table()), instance_(nullptr, table_->destroy) {
@@ -85,7 +81,7 @@ void NetworkInstance::fail(dttmm_status status, const dttmm_error& error) const 
     const bool is_named = error.element >= 0 && static_cast<size_t>(error.element) < element_names_.size();
     const std::string place =
         is_named ? fmt::format("element \"{}\"", element_names_[static_cast<size_t>(error.element)]) : label();
-    throw NetworkError(exit_code(status), fmt::format("{} (plugin {}): {}", place, plugin_.name(), text),
+    throw NetworkError(exit_code_of(status), fmt::format("{} (plugin {}): {}", place, plugin_.name(), text),
                        is_named ? error.element : -1);
 }
 

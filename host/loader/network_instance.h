@@ -20,10 +20,13 @@ private:
     int element_;
 };
 
+/// The exit code of a plugin's failure: numerical_failure for DTTMM_DISCARD, _SINGULAR and _NUMERIC, model_invalid for what
+/// create refuses, resource_limit for memory, plugin_failure for the rest.
+ExitCode exit_code_of(dttmm_status status);
+
 /// One network inside a plugin: the C interface as a C++ object. Arguments, units and phases are those of dttmm_plugin.h.
-/// A failure becomes NetworkError: numerical_failure for DTTMM_DISCARD, _SINGULAR and _NUMERIC, model_invalid for what
-/// create refuses, resource_limit for memory, plugin_failure for the rest. Its text begins with the plugin's and, where
-/// known, the element's name. The calls of a step are inline: one compare and one indirect call each.
+/// A failure becomes NetworkError with its exit code. Its text begins with the plugin's and, where known, the element's
+/// name. The calls of a step are inline: one compare and one indirect call each.
 class NetworkInstance {
 public:
     NetworkInstance(const PluginLibrary& plugin, const dttmm_network& network);

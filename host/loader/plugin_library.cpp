@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <set>
 #include <span>
@@ -15,6 +16,9 @@
 namespace dttmm {
 
 namespace {
+
+/// Up to the members that minor version 1 appended.
+constexpr size_t kSizeOfMinor0 = offsetof(dttmm_plugin, create_modal);
 
 [[noreturn]] void fail(const std::string& name, const std::string& fault) {
     throw Error(ExitCode::plugin_failure, fmt::format("plugin {}: {}", name, fault));
@@ -81,9 +85,9 @@ const dttmm_plugin* checked(const std::string& name, const dttmm_plugin* table) 
     if (table->major != DTTMM_PLUGIN_MAJOR)
         fail(name, fmt::format("it was built for version {} of the interface, this host speaks version {}", table->major,
                                DTTMM_PLUGIN_MAJOR));
-    if (table->size < sizeof(dttmm_plugin))
-        fail(name, fmt::format("its table has {} bytes, version {}.{} wants at least {}", table->size, DTTMM_PLUGIN_MAJOR,
-                               DTTMM_PLUGIN_MINOR, sizeof(dttmm_plugin)));
+    if (table->size < kSizeOfMinor0)
+        fail(name, fmt::format("its table has {} bytes, version {}.0 wants at least {}", table->size, DTTMM_PLUGIN_MAJOR,
+                               kSizeOfMinor0));
     const bool whole = table->name && table->version && table->create && table->destroy && table->linearise &&
                        table->start && table->begin_step && table->evaluate && table->commit_step && table->discard_step &&
                        table->is_implicit && table->load_weights && table->state_size && table->save_state &&
@@ -105,6 +109,11 @@ const dttmm_plugin* checked(const std::string& name, const dttmm_plugin* table) 
 
 PluginLibrary::PluginLibrary(std::string name, const dttmm_plugin* table, std::shared_ptr<void> handle)
     : name_(std::move(name)), table_(checked(name_, table)), handle_(std::move(handle)) {}
+
+bool PluginLibrary::has_modes() const {
+    return table_->size >= sizeof(dttmm_plugin) && table_->create_modal && table_->destroy_modal && table_->find_modes &&
+           table_->mode && table_->mode_along && table_->respond;
+}
 
 PluginLibrary PluginLibrary::built_in() { return {"built in", dttmm_plugin_entry(DTTMM_PLUGIN_MAJOR), nullptr}; }
 

@@ -22,6 +22,8 @@ public:
 
     const dttmm_plugin& table() const { return *table_; }
     const std::string& name() const { return name_; }
+    /// Whether it can find natural frequencies.
+    bool has_modes() const;
 
 private:
     PluginLibrary(std::string name, const dttmm_plugin* table, std::shared_ptr<void> handle);

@@ -109,6 +109,15 @@ struct OutputSettings {
     std::string channels_place;         ///< "file:line:column" of the list
 };
 
+/// What `dttmm modes` is to find.
+struct ModesSettings {
+    int count = 10;                    ///< the first so many frequencies
+    std::optional<double> below;       ///< or all up to here [Hz]
+    std::string below_place;           ///< "file:line:column", for errors found later
+    bool are_beams_lumped = false;     ///< as the time solver has them
+    std::bitset<6> directions = 0x3f;  ///< x y z rx ry rz (world axes) in which nodes and bodies move
+};
+
 struct Parameter {
     std::string name;
     double value = 0;  ///< SI
@@ -123,6 +132,7 @@ struct Model {
     std::vector<Parameter> parameters;
     SimulationSettings simulation;
     OutputSettings output;
+    ModesSettings modes;
     std::vector<Body> bodies;
     std::vector<Node> nodes;
     std::vector<Joint> joints;

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "dttmm/1";
 const std::vector<std::string> kKeys = {"format", "title", "parameters", "simulation", "output", "nodes",
-                                        "body",   "joint", "load",       "element",    "modes"};
+                                        "body",   "joint", "load",       "element",    "modes",  "dofs"};
 
 std::string read_text(const fs::path& file) {
     const auto fail = [&](const std::string& why) {
@@ -59,18 +59,13 @@ bool check_format(const TomlValue& document, Diagnostics& diagnostics) {
     return false;
 }
 
-/// The keys a file may have; that of a later version, refused for a reason of its own, only where the file has it.
-std::vector<std::string> known_keys(const TomlValue& document) {
-    std::vector<std::string> keys = kKeys;
-    if (document.find("dofs")) keys.push_back("dofs");
-    return keys;
-}
-
-/// Whether the file asks for nothing that only later versions can do; reports what it asks for.
-bool check_later_keys(const TableReader& file) {
-    const TomlMember* dofs = file.find("dofs");
-    if (dofs) file.error(dofs->place, "dofs is for modes, which this version cannot do yet");
-    return !dofs;
+/// A run moves in all directions.
+void check_dofs(const TableReader& file) {
+    if (const TomlMember* dofs = file.find("dofs"))
+        file.error(
+            dofs->place,
+            "dofs is for `dttmm modes`; in a run everything moves as it is held: hold nodes with `fixed`, bodies with "
+            "joints");
 }
 
 /// What `modes` says is for another command, so that one file serves both.
@@ -128,11 +123,16 @@ void read_contents(const TableReader& file, const ElementCatalogue& catalogue, c
                    Model& model) {
     NameRegistry body_names("body"), node_names("node"), element_names("element");
     model.title = file.text("title", "").value_or("");
-    model.simulation = read_simulation(file, overrides);
-    model.output = read_output(file, model.simulation);
+    const bool has_histories = overrides.purpose == Purpose::histories;
+    if (has_histories || file.find("simulation")) {
+        model.simulation = read_simulation(file, overrides);
+        model.output = read_output(file, model.simulation);
+    }
     model.bodies = read_bodies(file, body_names);
     model.nodes = read_nodes(file, {&body_names}, node_names);
     check_modes(file);
+    model.modes = read_modes(file, overrides.modes);
+    if (has_histories) check_dofs(file);
     check_bodies(file, model);
     const Attachments attachments(model.bodies, model.nodes);
     model.loads = read_loads(file, attachments);
@@ -162,10 +162,10 @@ Model parse_model(std::string_view text, const fs::path& file, const ElementCata
     model.parameters = parameters.all();
 
     const ReadContext context{parameters, diagnostics, file.parent_path(), model.files};
-    const TableReader root(context, *document, "", known_keys(*document));
-    if (check_later_keys(root)) read_contents(root, catalogue, overrides, model);
+    const TableReader root(context, *document, "", kKeys);
+    read_contents(root, catalogue, overrides, model);
     diagnostics.throw_if_errors();
-    warn_free_bodies(root, model);
+    if (overrides.purpose == Purpose::histories) warn_free_bodies(root, model);
     model.warnings = diagnostics.warning_texts();
     return model;
 }

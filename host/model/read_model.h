@@ -8,12 +8,18 @@
 #include "model/element_catalogue.h"
 #include "model/model.h"
 #include "model/parameters.h"
+#include "model/read_modes.h"
 #include "model/read_simulation.h"
 
 namespace dttmm {
 
+/// What a model is read for: histories want [simulation], modes want none.
+enum class Purpose { histories, modes };
+
 /// What the command line changes in a model.
 struct ModelOverrides : SimulationOverrides {
+    Purpose purpose = Purpose::histories;
+    ModesOverrides modes;
     Parameters::Overrides parameters;  ///< --set name=value; an empty value is an error
 };
 

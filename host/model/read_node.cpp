@@ -3,40 +3,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
+#include "model/read_modes.h"
 #include "model/read_position.h"
 #include "model/read_rotation.h"
 #include "model/wording.h"
 
 namespace dttmm {
 namespace {
-
-const std::vector<std::string> kDirections = {"x", "y", "z", "rx", "ry", "rz"};
-
-/// The directions that `fixed` lists.
-std::bitset<6> read_fixed(const TableReader& table) {
-    std::bitset<6> fixed;
-    const TomlMember* member = table.find("fixed");
-    if (!member) return fixed;
-    if (!member->value.is_array()) {
-        table.error(member->value.place, fmt::format("fixed must be a list of directions out of {}; got {}",
-                                                     listed(kDirections), kind_text(member->value.kind)));
-        return fixed;
-    }
-    for (const TomlValue& item : member->value.items) {
-        const auto found = std::find(kDirections.begin(), kDirections.end(), item.string);
-        const std::string got = item.is_text() ? quote(item.string) : std::string(kind_text(item.kind));
-        const auto d = static_cast<std::size_t>(found - kDirections.begin());
-        if (!item.is_text() || found == kDirections.end())
-            table.error(item.place, fmt::format("fixed: {} is none of the directions {}", got, listed(kDirections)));
-        else if (fixed[d])
-            table.error(item.place, fmt::format("fixed names {} twice", got));
-        else
-            fixed[d] = true;
-    }
-    return fixed;
-}
 
 /// A velocity and a direction held where it is exclude each other.
 void check_motion(const TableReader& table, const Node& node) {
@@ -65,7 +38,7 @@ Node read_node(const ReadContext& context, const TomlMember& member, NameRegistr
     node.position = table.vector("position", "m").value_or(zero);
     if (const TomlMember* position = table.find("position"))
         check_position(context, position->value.place, label, node.position);
-    node.fixed = read_fixed(table);
+    node.fixed = read_directions(table, "fixed");
     node.rotation = read_rotation(table).value_or(node.rotation);
     node.moves = table.find("velocity") || table.find("angular_velocity");
     node.velocity = table.vector("velocity", "m/s", zero).value_or(zero);

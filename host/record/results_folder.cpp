@@ -23,7 +23,8 @@ constexpr std::string_view kMarker = ".dttmm-results";
 constexpr std::string_view kPart = ".part";
 constexpr std::string_view kCasePrefix = "case-";
 constexpr std::string_view kSweepTable = "sweep.csv";
-constexpr std::array<std::string_view, 5> kResults{"history.csv", "history.h5", "summary.json", "modes.csv", kSweepTable};
+constexpr std::array<std::string_view, 7> kResults{"history.csv", "history.h5", "summary.json", "modes.csv",
+                                                   "shapes.csv",  "frf.csv",    kSweepTable};
 
 Error refusal(const fs::path& path, std::string_view fault) {
     return Error(ExitCode::input_output, fmt::format("{}: {}; choose another folder with -o", path.string(), fault));

@@ -8,10 +8,15 @@
 #include "core/error.h"
 #include "dttmm_plugin.h"
 #include "element/registry.h"
+#include "modal/modal_analysis.h"
 #include "network/network.h"
 
 struct dttmm_instance {
     dttmm::Network network;
+};
+
+struct dttmm_modal {
+    dttmm::ModalAnalysis analysis;
 };
 
 namespace {
@@ -110,6 +115,38 @@ dttmm_status outputs(const dttmm_instance* instance, double* values, dttmm_error
     return guard(error, [&] { instance->network.outputs(values); });
 }
 
+dttmm_status create_modal(const dttmm_modal_model* model, dttmm_modal** modal, dttmm_error* error) {
+    *modal = nullptr;
+    return guard(error, [&] {
+        if (model == nullptr || model->network == nullptr) throw Error(DTTMM_ERROR_ARGUMENT, "create_modal: no model");
+        *modal = new dttmm_modal{dttmm::ModalAnalysis(*model)};
+    });
+}
+
+void destroy_modal(dttmm_modal* modal) { delete modal; }
+
+dttmm_status find_modes(dttmm_modal* modal, uint32_t count, double below, uint32_t* found, dttmm_error* error) {
+    return guard(error, [&] { *found = static_cast<uint32_t>(modal->analysis.find_modes(count, below)); });
+}
+
+dttmm_status mode(dttmm_modal* modal, uint32_t index, dttmm_mode* mode, double* bodies, double* nodes, double* shares,
+                  dttmm_error* error) {
+    return guard(error, [&] { modal->analysis.mode(index, mode, bodies, nodes, shares); });
+}
+
+dttmm_status mode_along(dttmm_modal* modal, uint32_t index, uint32_t element, uint32_t count, double* length, double* shape,
+                        dttmm_error* error) {
+    return guard(error, [&] { *length = modal->analysis.along(index, element, count, shape); });
+}
+
+dttmm_status respond(dttmm_modal* modal, double frequency, int32_t on_body, int32_t on_node, const double* point,
+                     const double* force, double* bodies, double* nodes, dttmm_error* error) {
+    return guard(error, [&] {
+        modal->analysis.respond(frequency, on_body, on_node, Eigen::Map<const dttmm::Vector3>(point),
+                                Eigen::Map<const dttmm::Vector6>(force), bodies, nodes);
+    });
+}
+
 const dttmm_plugin& table() {
     static const dttmm_plugin plugin = {
         sizeof(dttmm_plugin),
@@ -135,6 +172,12 @@ const dttmm_plugin& table() {
         channel_count,
         channels,
         outputs,
+        create_modal,
+        destroy_modal,
+        find_modes,
+        mode,
+        mode_along,
+        respond,
     };
     return plugin;
 }

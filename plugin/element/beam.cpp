@@ -136,6 +136,15 @@ Parts Beam::discretise(std::span<const Pose> ends) const {
     });
 }
 
+std::optional<Line> Beam::line(std::span<const Pose> ends) const {
+    return Line{beam_axes(ends[0].position, ends[1].position, up_), section_};
+}
+
+std::optional<Line> Rod::line(std::span<const Pose> ends) const {
+    const Vector3 up = Vector3::Constant(kNotGiven);
+    return Line{beam_axes(ends[0].position, ends[1].position, up), section_, true};
+}
+
 Parts Rod::discretise(std::span<const Pose> ends) const {
     const Vector3 up = Vector3::Constant(kNotGiven);
     const Matrix3 axes = beam_axes(ends[0].position, ends[1].position, up);

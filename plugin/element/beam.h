@@ -27,6 +27,7 @@ public:
 
     const Section& section() const { return section_; }
     Parts discretise(std::span<const Pose> ends) const override;
+    std::optional<Line> line(std::span<const Pose> ends) const override;
 
 private:
     int segments_;
@@ -44,6 +45,7 @@ public:
 
     const Section& section() const { return section_; }
     Parts discretise(std::span<const Pose> ends) const override;
+    std::optional<Line> line(std::span<const Pose> ends) const override;
 
 private:
     int segments_;

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/pose.h"
 #include "element/joint_law.h"
+#include "element/section.h"
 
 namespace dttmm {
 
@@ -30,6 +32,13 @@ struct Parts {
     std::vector<int> mounted;  ///< lump that each end is part of, −1: it is not. Empty: none is
 };
 
+/// A uniform element between its two ends in the frequency domain, where its waves are known exactly.
+struct Line {
+    Matrix3 axes;  ///< local, world: x from the `from` end to the `to` end
+    Section section;
+    bool stretches_only = false;  ///< a rod: rigid but for its axial waves
+};
+
 /// What stands between nodes: the library of the transfer matrix method. Immutable.
 class Element {
 public:
@@ -38,6 +47,9 @@ public:
     /// Its joints and lumps when its ends are at `ends` at the start, undeformed. The number of ends is that of the model:
     /// two, or any for an element with the key `at`. Throws Error(DTTMM_ERROR_MODEL) if it cannot stand there.
     virtual Parts discretise(std::span<const Pose> ends) const = 0;
+
+    /// The element between the same ends as a line with its mass spread along it; none where its parts are all there is.
+    virtual std::optional<Line> line(std::span<const Pose> /*ends*/) const { return std::nullopt; }
 };
 
 }  // namespace dttmm

@@ -9,18 +9,17 @@
  * Units     SI: m, kg, s, rad, N, N m.
  * Frame     world axes, right-handed, unless a comment says otherwise. Matrices are row-major.
  * Order     a pose change is [translation x y z; rotation x y z], a wrench [force x y z; moment x y z].
- * Wrench    of a port: acts on the host's body, at the port's position at t_n, the start of the step (linearise: at the given instant).
- *           Where the forces of one instant make it up, those on all ports must balance there, or angular momentum is lost;
- *           where those of several do, each must balance at its own.
- * Memory    whoever calls owns every buffer it passes; what a plugin returns by pointer lives as long as the instance or,
- *           for the table and what it points to, as long as the library stays loaded. No allocated memory crosses.
- * Errors    every function that can fail returns a dttmm_status; on anything but DTTMM_OK it has filled *error (which the
- *           caller owns and which is never NULL) and the instance is as before the call. No exception crosses.
- * Threads   one thread at a time per instance; different instances may be used by different threads. No statics.
- * Phases    create -> [linearise] -> start -> { begin_step -> evaluate* -> commit_step | discard_step }* -> destroy.
- *           A comment in [brackets] names the phases in which a function may be called.
- * Versions  the table starts with its size and version. Minor versions append members to it; a host reads only what `size`
- *           covers. The other structures stay as they are within a major version.
+ * Wrench    of a port: acts on the host's body, at the port's position at t_n, the start of the step (linearise: at the
+ * given instant). Where the forces of one instant make it up, those on all ports must balance there, or angular momentum is
+ * lost; where those of several do, each must balance at its own. Memory    whoever calls owns every buffer it passes; what a
+ * plugin returns by pointer lives as long as the instance or, for the table and what it points to, as long as the library
+ * stays loaded. No allocated memory crosses. Errors    every function that can fail returns a dttmm_status; on anything but
+ * DTTMM_OK it has filled *error (which the caller owns and which is never NULL) and the instance is as before the call. No
+ * exception crosses. Threads   one thread at a time per instance; different instances may be used by different threads. No
+ * statics. Phases    create -> [linearise] -> start -> { begin_step -> evaluate* -> commit_step | discard_step }* ->
+ * destroy. A comment in [brackets] names the phases in which a function may be called. Versions  the table starts with its
+ * size and version. Minor versions append members to it; a host reads only what `size` covers. The other structures stay as
+ * they are within a major version.
  */
 #ifndef DTTMM_PLUGIN_H
 #define DTTMM_PLUGIN_H
@@ -33,7 +32,7 @@ extern "C" {
 #endif
 
 #define DTTMM_PLUGIN_MAJOR 1u
-#define DTTMM_PLUGIN_MINOR 0u
+#define DTTMM_PLUGIN_MINOR 1u
 
 /* The one symbol a plugin exports; declared at the end. */
 #define DTTMM_PLUGIN_ENTRY "dttmm_plugin_entry"
@@ -73,21 +72,21 @@ enum {
 
 /* A text that stands for a number: "free" for 0, "rigid" for infinity. The only way to a value that is not finite. */
 typedef struct dttmm_word {
-    const char *name;
+    const char* name;
     double value;
 } dttmm_word;
 
 typedef struct dttmm_parameter {
-    const char *name;          /* the key in the model file; "section.tube" is the key tube of the table section = { ... } */
-    const char *unit;          /* as UDUNITS-2 reads it, e.g. "N/m"; "1" for a pure number */
-    uint32_t count;            /* how many numbers, at least 1; 1 where there are words */
-    uint32_t flags;            /* DTTMM_PARAMETER_... */
-    double default_value;      /* SI; not a number tells the plugin that the model does not give it */
-    double minimum, maximum;   /* SI, both included, for numbers; these are finite whatever the bounds. A minimum of DBL_MIN
-                                  is told to the user as "more than zero" */
-    const dttmm_word *words;   /* that the model may write in place of a number; NULL: none */
+    const char* name;        /* the key in the model file; "section.tube" is the key tube of the table section = { ... } */
+    const char* unit;        /* as UDUNITS-2 reads it, e.g. "N/m"; "1" for a pure number */
+    uint32_t count;          /* how many numbers, at least 1; 1 where there are words */
+    uint32_t flags;          /* DTTMM_PARAMETER_... */
+    double default_value;    /* SI; not a number tells the plugin that the model does not give it */
+    double minimum, maximum; /* SI, both included, for numbers; these are finite whatever the bounds. A minimum of DBL_MIN
+                                is told to the user as "more than zero" */
+    const dttmm_word* words; /* that the model may write in place of a number; NULL: none */
     uint32_t word_count;
-    const char *documentation; /* one line */
+    const char* documentation; /* one line */
 } dttmm_parameter;
 
 /* How an element hangs on its nodes. */
@@ -97,11 +96,11 @@ enum {
 };
 
 typedef struct dttmm_element_type {
-    const char *name; /* the `type` of the model file */
+    const char* name; /* the `type` of the model file */
     uint32_t ends;    /* DTTMM_ENDS_... */
     uint32_t parameter_count;
-    const dttmm_parameter *parameters;
-    const char *documentation; /* one line */
+    const dttmm_parameter* parameters;
+    const char* documentation; /* one line */
 } dttmm_element_type;
 
 /* ---- The network: a connected set of elements, solved together ---- */
@@ -113,7 +112,7 @@ enum {
 };
 
 typedef struct dttmm_node {
-    const char *name;
+    const char* name;
     uint32_t kind;      /* DTTMM_NODE_... */
     double position[3]; /* at the start [m] */
     double rotation[9]; /* axes of the node in the world at the start: v_world = rotation * v_node */
@@ -121,30 +120,30 @@ typedef struct dttmm_node {
     uint32_t fixed; /* bit d set: direction d of x y z rx ry rz (world axes) is held where it is at the start */
     int32_t moves;  /* non-zero: it starts with the velocities below; otherwise as straining the network least */
     double velocity[3], angular_velocity[3];
-    /* Of ports only: from the centre of mass of the body to the node, in the axes of the node. A scheme that weighs forces of
-     * several instants can give each the lever arm of its own; nothing else needs it. */
+    /* Of ports only: from the centre of mass of the body to the node, in the axes of the node. A scheme that weighs forces
+     * of several instants can give each the lever arm of its own; nothing else needs it. */
     double arm[3];
 } dttmm_node;
 
 typedef struct dttmm_element {
-    const char *name;
-    uint32_t type;         /* index into dttmm_plugin.element_types */
-    uint32_t end_count;    /* 2 for DTTMM_ENDS_FROM_TO */
-    const uint32_t *ends;  /* indices into dttmm_network.nodes: from and to, or those of `at` */
-    const double *values;  /* the numbers of all parameters of the type, in the order declared */
+    const char* name;
+    uint32_t type;        /* index into dttmm_plugin.element_types */
+    uint32_t end_count;   /* 2 for DTTMM_ENDS_FROM_TO */
+    const uint32_t* ends; /* indices into dttmm_network.nodes: from and to, or those of `at` */
+    const double* values; /* the numbers of all parameters of the type, in the order declared */
 } dttmm_element;
 
 /* The time scheme. Centred: every quantity of the network stands at t_n, the middle of three instants,
  *     x'' = (x+ - 2x + x-)/h^2,   x' = (gamma x+ + (1 - 2 gamma) x + (gamma - 1) x-)/h,
  *     elastic forces weighted  beta (.)+ + (1/2 + gamma - 2 beta) (.) + (1/2 - gamma + beta) (.)-,
  * and of these weights the even part, 1/4 + beta - gamma/2 at either side, goes with the directions that each force had at
- * its instant and its lever arm about the centre of mass then; the odd part, (gamma - 1/2)/2, with those of t_n, like dampers.
- * Its first step after start is Newmark's from x, x', x'': the elastic force before the start counts as that at the start, and
- *     x' = gamma (x+ - x)/h + (1 - gamma) x'(0) + (beta - gamma/2) h x''(0).
- * The others are explicit: the wrench over the step is the force law at t_n, the velocity in it from the named formula; the
- * past before the start is the parabola x(0) + t x'(0) + t^2/2 x''(0). Where a formula wants the previous velocity (Fox-Euler),
- * it is the host's, the mean of those over the two steps around t_(n-1): never the formula's own last result, which a leap-frog
- * host would drive unstable. */
+ * its instant and its lever arm about the centre of mass then; the odd part, (gamma - 1/2)/2, with those of t_n, like
+ * dampers. Its first step after start is Newmark's from x, x', x'': the elastic force before the start counts as that at the
+ * start, and x' = gamma (x+ - x)/h + (1 - gamma) x'(0) + (beta - gamma/2) h x''(0). The others are explicit: the wrench over
+ * the step is the force law at t_n, the velocity in it from the named formula; the past before the start is the parabola
+ * x(0) + t x'(0) + t^2/2 x''(0). Where a formula wants the previous velocity (Fox-Euler), it is the host's, the mean of
+ * those over the two steps around t_(n-1): never the formula's own last result, which a leap-frog host would drive unstable.
+ */
 enum {
     DTTMM_SCHEME_CENTRED = 0,
     DTTMM_SCHEME_FOX_EULER = 1,
@@ -156,9 +155,9 @@ enum {
 
 typedef struct dttmm_network {
     uint32_t node_count;
-    const dttmm_node *nodes; /* port p of every call below is the p-th node of kind DTTMM_NODE_PORT */
+    const dttmm_node* nodes; /* port p of every call below is the p-th node of kind DTTMM_NODE_PORT */
     uint32_t element_count;
-    const dttmm_element *elements;
+    const dttmm_element* elements;
     uint32_t scheme;    /* DTTMM_SCHEME_... */
     double beta, gamma; /* of the centred scheme */
     double gravity[3];  /* on the masses of the network [m/s^2] */
@@ -195,80 +194,145 @@ enum {
 };
 
 typedef struct dttmm_channel {
-    const char *name; /* e.g. "force.x": the column is called <element or node>.force.x */
-    const char *unit;
+    const char* name; /* e.g. "force.x": the column is called <element or node>.force.x */
+    const char* unit;
     uint32_t of;    /* DTTMM_OF_... */
     uint32_t index; /* into dttmm_network.elements or .nodes */
     uint32_t role;  /* DTTMM_ROLE_... */
 } dttmm_channel;
 
+/* ---- Small vibrations about the start: natural frequencies, shapes, frequency response (minor 1) ---- */
+
+/* A rigid body of the host at the start. */
+typedef struct dttmm_body {
+    const char* name;
+    double position[3]; /* of the centre of mass [m] */
+    double mass;        /* [kg] */
+    double inertia[9];  /* about the centre of mass, world axes [kg m^2] */
+} dttmm_body;
+
+/* An ideal joint between two bodies, or a body and the ground. */
+typedef struct dttmm_constraint {
+    int32_t first, second; /* indices into dttmm_modal_model.bodies; -1: the ground */
+    double position[3];    /* the point of both at the start [m] */
+    double axes[9];        /* v_world = axes * v_joint */
+    uint32_t rigid;        /* bit d set: direction d of x y z rx ry rz (of these axes) does not give */
+} dttmm_constraint;
+
+typedef struct dttmm_modal_model {
+    const dttmm_network* network; /* all elements of the machine; may be without nodes and elements */
+    uint32_t body_count;
+    const dttmm_body* bodies;
+    const uint32_t* port_bodies; /* the body of every port of the network */
+    uint32_t constraint_count;
+    const dttmm_constraint* constraints;
+    uint32_t directions;   /* bit d set: bodies and nodes move in direction d of x y z rx ry rz (world axes) */
+    uint32_t lumped_beams; /* non-zero: beams as the time solver has them, otherwise exact */
+} dttmm_modal_model;
+
+typedef struct dttmm_modal dttmm_modal;
+
+/* A natural frequency. Equal ones are listed once each, rigid-body modes first. */
+typedef struct dttmm_mode {
+    double frequency; /* [Hz]; 0 for a rigid-body mode */
+    double bracket;   /* the count of frequencies changes by the multiplicity within this relative distance */
+    uint32_t multiplicity;
+    double residual;         /* of the equations of motion, relative to their largest term */
+    double mass;             /* modal mass of the shape as scaled: its largest displacement is 1 m [kg]. Shapes of equal
+                                frequencies are at right angles by mass. */
+    double participation[6]; /* share of the moved mass or inertia (about the origin) that takes part per direction */
+} dttmm_mode;
+
 typedef struct dttmm_plugin {
     uint32_t size;         /* sizeof(dttmm_plugin) as the plugin was compiled */
     uint32_t major, minor; /* DTTMM_PLUGIN_MAJOR, DTTMM_PLUGIN_MINOR as the plugin was compiled */
-    const char *name;
-    const char *version;
+    const char* name;
+    const char* version;
     uint32_t element_type_count;
-    const dttmm_element_type *element_types;
+    const dttmm_element_type* element_types;
 
     /* Builds an instance for a network. Copies what it needs: the description may go after the call. Structural faults are
      * found here. On failure *instance is NULL. */
-    dttmm_status (*create)(const dttmm_network *network, dttmm_instance **instance, dttmm_error *error);
+    dttmm_status (*create)(const dttmm_network* network, dttmm_instance** instance, dttmm_error* error);
 
     /* Frees an instance; NULL is allowed. [any] */
-    void (*destroy)(dttmm_instance *instance);
+    void (*destroy)(dttmm_instance* instance);
 
     /* The force law at one instant, no time scheme in it: wrench (6 per port) at the given poses and velocities and, where
-     * not NULL, stiffness = -d(wrench)/d(pose) and damping = -d(wrench)/d(velocity), each 6P x 6P row-major for P ports. What
-     * stems from a force already acting only changing its direction may be left out. Pure. [after create] */
-    dttmm_status (*linearise)(const dttmm_instance *instance, const dttmm_motion *ports, double *wrench, double *stiffness,
-                              double *damping, dttmm_error *error);
+     * not NULL, stiffness = -d(wrench)/d(pose) and damping = -d(wrench)/d(velocity), each 6P x 6P row-major for P ports.
+     * What stems from a force already acting only changing its direction may be left out. Pure. [after create] */
+    dttmm_status (*linearise)(const dttmm_instance* instance, const dttmm_motion* ports, double* wrench, double* stiffness,
+                              double* damping, dttmm_error* error);
 
-    /* Sets the memory of the scheme to the initial conditions at step->time: poses, velocities and accelerations of the ports
-     * (6 per port: linear, angular) at that instant, and the loads on the inner nodes then. [after create; may be called
-     * again to start anew] */
-    dttmm_status (*start)(dttmm_instance *instance, const dttmm_step *step, const dttmm_motion *ports,
-                          const double *accelerations, const double *loads, dttmm_error *error);
+    /* Sets the memory of the scheme to the initial conditions at step->time: poses, velocities and accelerations of the
+     * ports (6 per port: linear, angular) at that instant, and the loads on the inner nodes then. [after create; may be
+     * called again to start anew] */
+    dttmm_status (*start)(dttmm_instance* instance, const dttmm_step* step, const dttmm_motion* ports,
+                          const double* accelerations, const double* loads, dttmm_error* error);
 
-    /* Opens the step from step->time to step->time + step->size. `loads`: 6 per inner node (wrench in world axes, at the node)
-     * as they are at the end of the step; NULL: none. [after start, no step open] */
-    dttmm_status (*begin_step)(dttmm_instance *instance, const dttmm_step *step, const double *loads, dttmm_error *error);
+    /* Opens the step from step->time to step->time + step->size. `loads`: 6 per inner node (wrench in world axes, at the
+     * node) as they are at the end of the step; NULL: none. [after start, no step open] */
+    dttmm_status (*begin_step)(dttmm_instance* instance, const dttmm_step* step, const double* loads, dttmm_error* error);
 
     /* The wrench on every port (6 per port) that acts over the open step if the ports end it as in `trial`, and, where not
      * NULL, stiffness = -d(wrench)/d(trial pose), 6P x 6P row-major. The host uses it to find the end of the step; an
      * approximation costs passes, not accuracy. Pure: any number of calls in any order. [step open] */
-    dttmm_status (*evaluate)(const dttmm_instance *instance, const dttmm_motion *trial, double *wrench, double *stiffness,
-                             dttmm_error *error);
+    dttmm_status (*evaluate)(const dttmm_instance* instance, const dttmm_motion* trial, double* wrench, double* stiffness,
+                             dttmm_error* error);
 
     /* Ends the open step with the motion the host accepted: the only call that moves time. [step open] */
-    dttmm_status (*commit_step)(dttmm_instance *instance, const dttmm_motion *accepted, dttmm_error *error);
+    dttmm_status (*commit_step)(dttmm_instance* instance, const dttmm_motion* accepted, dttmm_error* error);
 
     /* Ends the open step as if it had not been begun. [step open] */
-    dttmm_status (*discard_step)(dttmm_instance *instance, dttmm_error *error);
+    dttmm_status (*discard_step)(dttmm_instance* instance, dttmm_error* error);
 
     /* Non-zero when evaluate depends on its trial: the host has to solve for the end of the step. [after create] */
-    int32_t (*is_implicit)(const dttmm_instance *instance);
+    int32_t (*is_implicit)(const dttmm_instance* instance);
 
     /* How external loads are to be weighted over a step, so that they stand at the instant the network's forces stand at:
      * weights[0] at the end of the step, [1] at its start, [2] one step before. [after create] */
-    void (*load_weights)(const dttmm_instance *instance, double weights[3]);
+    void (*load_weights)(const dttmm_instance* instance, double weights[3]);
 
     /* The whole state that changes from step to step, exact to the bit; restored only into an instance of the same network,
      * started with the same step size. [after start, no step open] */
-    size_t (*state_size)(const dttmm_instance *instance);
-    dttmm_status (*save_state)(const dttmm_instance *instance, void *buffer, size_t size, dttmm_error *error);
-    dttmm_status (*restore_state)(dttmm_instance *instance, const void *buffer, size_t size, dttmm_error *error);
+    size_t (*state_size)(const dttmm_instance* instance);
+    dttmm_status (*save_state)(const dttmm_instance* instance, void* buffer, size_t size, dttmm_error* error);
+    dttmm_status (*restore_state)(dttmm_instance* instance, const void* buffer, size_t size, dttmm_error* error);
 
     /* Named results. The values stand at the start t_n of the step last committed, the latest instant whose centred
      * velocity is known. An element's force is positive when its `to` end is displaced in the positive direction relative
      * to `from`, in the axes of the `from` end. [channels: after create; outputs: after a commit] */
-    uint32_t (*channel_count)(const dttmm_instance *instance);
-    const dttmm_channel *(*channels)(const dttmm_instance *instance);
-    dttmm_status (*outputs)(const dttmm_instance *instance, double *values, dttmm_error *error);
+    uint32_t (*channel_count)(const dttmm_instance* instance);
+    const dttmm_channel* (*channels)(const dttmm_instance* instance);
+    dttmm_status (*outputs)(const dttmm_instance* instance, double* values, dttmm_error* error);
+
+    /* Since minor 1; NULL: the plugin cannot. Builds the linear model; on failure *modal is NULL. Its description may go
+     * after the call. */
+    dttmm_status (*create_modal)(const dttmm_modal_model* model, dttmm_modal** modal, dttmm_error* error);
+    void (*destroy_modal)(dttmm_modal* modal);
+
+    /* Finds all natural frequencies up to `below` [Hz], or, where `below` is 0, the first `count` (more where the last is
+     * multiple); proves by an independent count that none is missing. */
+    dttmm_status (*find_modes)(dttmm_modal* modal, uint32_t count, double below, uint32_t* found, dttmm_error* error);
+    /* One of them, and its shape: 6 per body (at its centre of mass), 6 per node of the network; shares of its strain
+     * energy, one per element. Any pointer may be NULL. */
+    dttmm_status (*mode)(dttmm_modal* modal, uint32_t index, dttmm_mode* mode, double* bodies, double* nodes, double* shares,
+                         dttmm_error* error);
+    /* Displacement [6, world] of a mode at `count` equally spaced stations of a beam, its ends included; *length: of the
+     * beam, 0 for an element that is no line. */
+    dttmm_status (*mode_along)(dttmm_modal* modal, uint32_t index, uint32_t element, uint32_t count, double* length,
+                               double* shape, dttmm_error* error);
+
+    /* Steady motion under unit harmonic wrenches, damping as the elements have it: `force` (6: force and moment, world) at
+     * a point of body `on_body`, or of node `on_node` of the network (the other is -1); response: displacement per newton as
+     * real and imaginary part, 12 per body and 12 per node. */
+    dttmm_status (*respond)(dttmm_modal* modal, double frequency, int32_t on_body, int32_t on_node, const double* point,
+                            const double* force, double* bodies, double* nodes, dttmm_error* error);
 } dttmm_plugin;
 
 /* The entry, exported as DTTMM_PLUGIN_ENTRY: the table, or NULL if the plugin does not speak the host's major version. */
-typedef const dttmm_plugin *(*dttmm_plugin_entry_function)(uint32_t host_major);
-DTTMM_EXPORT const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major);
+typedef const dttmm_plugin* (*dttmm_plugin_entry_function)(uint32_t host_major);
+DTTMM_EXPORT const dttmm_plugin* dttmm_plugin_entry(uint32_t host_major);
 
 #ifdef __cplusplus
 }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <memory>
 #include <numeric>
 
 #include "core/error.h"
@@ -31,7 +32,7 @@ struct Part {
 
 class Assembler {
 public:
-    explicit Assembler(const dttmm_network& description) : description_(description) {
+    Assembler(const dttmm_network& description, Waves waves) : description_(description), waves_(waves) {
         place_nodes();
         for (uint32_t e = 0; e < description.element_count; ++e) take_apart(static_cast<int>(e));
         weld();
@@ -68,6 +69,16 @@ private:
         }
     }
 
+    /// What `body` returns; an error it throws names the element.
+    template <class Body>
+    static auto at(int e, const Body& body) {
+        try {
+            return body();
+        } catch (const Error& error) {
+            throw Error(error.status(), error.what(), e);
+        }
+    }
+
     /// The element's joints and lumps; its ends that are mounted on a lump become one with it.
     void take_apart(int e) {
         const dttmm_element& data = element(e);
@@ -79,7 +90,15 @@ private:
             ends.push_back(part.pose);
             if (part.frame.element < 0) part.frame.element = e;
         }
-        const Parts parts = discretise(e, ends);
+        const std::unique_ptr<const Element> made = make(e);
+        const std::optional<Line> line = waves_ == Waves::exact ? at(e, [&] { return made->line(ends); }) : std::nullopt;
+        if (line) {
+            assembly_.first_joint.push_back(static_cast<int>(assembly_.joints.size()));
+            assembly_.lines.push_back({e, static_cast<int>(data.ends[0]), static_cast<int>(data.ends[1]), ends[0].position,
+                                       ends[1].position, *line});
+            return;
+        }
+        const Parts parts = at(e, [&] { return made->discretise(ends); });
 
         const int first_lump = static_cast<int>(parts_.size());
         for (size_t l = 0; l < parts.lumps.size(); ++l) {
@@ -110,7 +129,7 @@ private:
             assembly_.joints.push_back({e, station(joint.from), station(joint.to), joint.law, joint.pose});
     }
 
-    Parts discretise(int e, const std::vector<Pose>& ends) const {
+    std::unique_ptr<const Element> make(int e) const {
         const dttmm_element& data = element(e);
         const auto types = element_types();
         if (data.type < types.size() && types[data.type].ends == DTTMM_ENDS_FROM_TO) {
@@ -118,11 +137,7 @@ private:
             if (data.ends[0] == data.ends[1]) throw Error(DTTMM_ERROR_MODEL, "both ends are the same node", e);
         }
         if (data.end_count == 0) throw Error(DTTMM_ERROR_ARGUMENT, "an element without an end", e);
-        try {
-            return make_element(data.type, data.values)->discretise(ends);
-        } catch (const Error& error) {
-            throw Error(error.status(), error.what(), e);
-        }
+        return at(e, [&] { return make_element(data.type, data.values); });
     }
 
     /// Makes frames of the parts, and points the joints and nodes at them.
@@ -166,7 +181,12 @@ private:
         for (JointSpec& joint : assembly_.joints) {
             joint.from = frame_of[static_cast<size_t>(joint.from)];
             joint.to = frame_of[static_cast<size_t>(joint.to)];
-            check_ends(joint);
+            check_ends(joint.from, joint.to, joint.law.rigid, joint.element);
+        }
+        for (LineSpec& line : assembly_.lines) {
+            line.from = frame_of[static_cast<size_t>(line.from)];
+            line.to = frame_of[static_cast<size_t>(line.to)];
+            check_ends(line.from, line.to, {}, line.element);
         }
     }
 
@@ -195,22 +215,20 @@ private:
         return frame;
     }
 
-    void check_ends(const JointSpec& joint) const {
-        if (joint.from == joint.to)
-            throw Error(DTTMM_ERROR_MODEL, "both ends are on the same rigid body: nothing can deform", joint.element);
+    void check_ends(int from, int to, Directions rigid, int element) const {
+        if (from == to) throw Error(DTTMM_ERROR_MODEL, "both ends are on the same rigid body: nothing can deform", element);
         const auto is_ground = [&](int frame) {
             return assembly_.frames[static_cast<size_t>(frame)].kind == FrameSpec::Kind::ground;
         };
-        if (is_ground(joint.from) && is_ground(joint.to))
-            throw Error(DTTMM_ERROR_MODEL, "both ends are on the ground", joint.element);
-        const bool is_driven = joint.from < assembly_.driven_count && joint.to < assembly_.driven_count;
-        if (is_driven && joint.law.rigid.any())
+        if (is_ground(from) && is_ground(to)) throw Error(DTTMM_ERROR_MODEL, "both ends are on the ground", element);
+        const bool is_driven = from < assembly_.driven_count && to < assembly_.driven_count;
+        if (is_driven && rigid.any() && waves_ == Waves::lumped)
             throw Error(
                 DTTMM_ERROR_MODEL,
                 fmt::format("it is rigid in {} and both its ends are driven: a body or the ground at each; give it a "
                             "stiffness there, or make it a joint of the model",
-                            list(joint.law.rigid)),
-                joint.element);
+                            list(rigid)),
+                element);
     }
 
     static std::string list(Directions directions) {
@@ -264,11 +282,16 @@ private:
             joint.from += joint.from >= index;
             joint.to += joint.to >= index;
         }
+        for (LineSpec& line : assembly_.lines) {
+            line.from += line.from >= index;
+            line.to += line.to >= index;
+        }
         for (NodeSpec& spec : assembly_.nodes) spec.frame += spec.frame >= index;
         return index;
     }
 
     const dttmm_network& description_;
+    const Waves waves_;
     std::vector<Part> parts_;  ///< the nodes, then the lumps of the elements
     std::vector<std::pair<int, int>> welds_;
     Assembly assembly_;
@@ -276,6 +299,6 @@ private:
 
 }  // namespace
 
-Assembly assemble(const dttmm_network& description) { return Assembler(description).take(); }
+Assembly assemble(const dttmm_network& description, Waves waves) { return Assembler(description, waves).take(); }
 
 }  // namespace dttmm

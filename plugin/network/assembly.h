@@ -6,7 +6,7 @@
 
 #include "core/pose.h"
 #include "dttmm_plugin.h"
-#include "element/joint_law.h"
+#include "element/element.h"
 
 namespace dttmm {
 
@@ -30,6 +30,14 @@ struct JointSpec {
     Pose pose;  ///< the point where its ends meet at the start, and its axes
 };
 
+/// A uniform element in the frequency domain, between points of two frames.
+struct LineSpec {
+    int element = 0;
+    int from = 0, to = 0;   ///< frames
+    Vector3 start, finish;  ///< its ends, world [m]
+    Line line;
+};
+
 /// A node of the description as a point of a frame.
 struct NodeSpec {
     int frame = -1;
@@ -46,13 +54,17 @@ struct Assembly {
     int port_count = 0, driven_count = 0;  ///< ports; ports and ground
     std::vector<Vector3> port_arms;        ///< of every port from its frame, its body's centre of mass, axes of the frame
     std::vector<JointSpec> joints;
+    std::vector<LineSpec> lines;   ///< with Waves::exact
     std::vector<NodeSpec> nodes;   ///< in the order of the description
     std::vector<int> first_joint;  ///< of every element, and one past the last
     int inner_count() const { return static_cast<int>(frames.size()) - driven_count; }
 };
 
+/// What becomes of elements whose mass is spread along them: lumps and joints, or lines.
+enum class Waves { lumped, exact };
+
 /// Throws Error naming element or node: an end that is no node, a mass on a body, both ends of a joint on one frame, a
 /// velocity in a fixed direction, a number that is not finite.
-Assembly assemble(const dttmm_network& description);
+Assembly assemble(const dttmm_network& description, Waves waves = Waves::lumped);
 
 }  // namespace dttmm

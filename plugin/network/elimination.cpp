@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "network/elimination.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -208,6 +209,7 @@ void Elimination::set_rigid(int link, int i, const Vector6& by_from, const Vecto
 // ---- The factor ---------------------------------------------------------------------------------------------------------
 
 std::optional<Elimination::Fault> Elimination::factor() {
+    negatives_ = 0;
     work_ = diagonal_;
     for (Coupling& coupling : couplings_) coupling.block = coupling.original;
     Fault fault;
@@ -287,7 +289,15 @@ bool Elimination::decompose(const Pivot& pivot, const Block& block, const Column
     const Block scaled = scale.asDiagonal() * block * scale.asDiagonal();
     lu_.setThreshold(0);
     lu_.compute(scaled);
-    if (scaled.allFinite() && lu_.matrixLU()(n - 1, n - 1) != 0) {
+    if (counts_ && scaled.allFinite()) {
+        const Column eigenvalues = Eigen::SelfAdjointEigenSolver<Block>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
+        const Column sizes = eigenvalues.cwiseAbs();
+        if (sizes.minCoeff() > smallest_ratio_ * sizes.maxCoeff()) {
+            negatives_ += static_cast<int>((eigenvalues.array() < 0).count());
+            inverse_ = lu_.inverse();
+            return true;
+        }
+    } else if (scaled.allFinite() && lu_.matrixLU()(n - 1, n - 1) != 0) {
         // The condition from the inverse, which is wanted anyway: the library's estimate allocates
         inverse_ = lu_.inverse();
         const auto norm = [](const Block& matrix) { return matrix.cwiseAbs().colwise().sum().maxCoeff(); };
@@ -334,7 +344,7 @@ bool Elimination::factor_general(size_t index, Fault& fault) {
     General& general = general_[static_cast<size_t>(pivot.plain)];
     if (!gather(pivot, open_)) {
         const RigidRow& row = rigid_rows_[static_cast<size_t>(open_.rows.back())];
-        fault = {pivot.frame, -1, row.link, row.index};
+        fault = {pivot.frame, -1, row.link, row.index, true};
         return false;
     }
     const Vector6 motions = motion_scale(pivot);

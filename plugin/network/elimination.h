@@ -54,9 +54,19 @@ public:
     struct Fault {
         int frame = -1, direction = -1;
         int link = -1, rigid = -1;
+        bool too_many = false;  ///< rigid directions meet here, kMostRows at most can
     };
     /// Nothing if all is well.
     std::optional<Fault> factor();
+
+    /// Lets factor() also count the negative eigenvalues of K on the motions that the rigid directions leave, K of any sign:
+    /// the sum over the pivots' blocks (Haynsworth's inertia additivity) less one per rigid direction, which has one of its
+    /// own. A pivot is then at fault whose smallest eigenvalue is not more than `smallest` of its largest.
+    void count_negatives(double smallest) {
+        counts_ = true;
+        smallest_ratio_ = smallest;
+    }
+    int negatives() const { return negatives_ - rigid_total_; }
 
     /// Solves in place: r → u (6 per frame), g → q (in the order of the links' rigid directions).
     void solve(std::span<Vector6> r, std::span<double> g) const;
@@ -146,6 +156,9 @@ private:
     std::vector<Plain> plain_;
     std::vector<General> general_;
     std::vector<Passed> passed_;
+    bool counts_ = false;
+    double smallest_ratio_ = 0;
+    int negatives_ = 0;
     // Of the pivot at hand
     Eigen::FullPivLU<Block> lu_;  ///< of its block in the units of scale_
     Block inverse_;               ///< in these units

@@ -214,7 +214,7 @@ const Fault kFaults[] = {
     {"WordOfNone", "\"500 g\"", "\"heavy\"", "52:8", "heavy"},
     {"NotWhole", "strands = 2", "strands = 2.5", "39:11", "strands must be a whole number, got 2.5"},
     {"RefusedByThePlugin", "\"500 g\"", "13", "48:1", "element \"lumps\" (plugin "},
-    {"Dofs", "[simulation]", "dofs = [\"x\"]\n[simulation]", "3:1", "dofs is for modes, which this version cannot do yet"},
+    {"Dofs", "[simulation]", "dofs = [\"x\"]\n[simulation]", "3:1", "dofs is for `dttmm modes`"},
 };
 
 INSTANTIATE_TEST_SUITE_P(Command, WrongNodes, testing::ValuesIn(kFaults), [](const auto& one) { return one.param.name; });

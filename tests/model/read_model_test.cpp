@@ -92,11 +92,11 @@ TEST(ReadModel, UnknownTopKeysGetTheNearest) {
                 HasSubstr("unknown key \"solvr\"; known here: format, title, parameters, simulation"));
 }
 
-TEST(ReadModel, WhatIsForModesIsIgnoredOrRefusedByName) {
+TEST(ReadModel, WhatIsForModesIsReadOrRefusedByName) {
     EXPECT_TRUE(parse(model_with("[modes]\ncount = 3\nbeams = \"exact\"\n")).nodes.empty());
     EXPECT_EQ(errors_of("modes = 3\n" + model_with("")), "m.toml:1:1: modes must be a table, got a number; write [modes]");
-    EXPECT_EQ(errors_of("dofs = [\"x\"]\n" + model_with("[[joint]]\ntype = \"bal\"\n")),
-              "m.toml:1:1: dofs is for modes, which this version cannot do yet");
+    EXPECT_THAT(errors_of("dofs = [\"x\"]\n" + model_with("[[joint]]\ntype = \"bal\"\n")),
+                HasSubstr("m.toml:1:1: dofs is for `dttmm modes`"));
 }
 
 TEST(ReadModel, AModelNeedsABodyOrANode) {

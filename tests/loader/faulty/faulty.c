@@ -6,6 +6,7 @@
  */
 #include <fenv.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -185,7 +186,7 @@ static const dttmm_element_type types[] = {
 };
 
 static const dttmm_plugin table = {
-    FAULT == small_table ? sizeof(dttmm_plugin) - sizeof(void *) : sizeof(dttmm_plugin),
+    FAULT == small_table ? offsetof(dttmm_plugin, outputs) : sizeof(dttmm_plugin),
     FAULT == other_major ? DTTMM_PLUGIN_MAJOR + 1 : DTTMM_PLUGIN_MAJOR,
     DTTMM_PLUGIN_MINOR,
     "faulty",
@@ -208,6 +209,12 @@ static const dttmm_plugin table = {
     channel_count,
     channels,
     outputs,
+    NULL, /* no modes */
+    NULL,
+    NULL,
+    NULL,
+    NULL,
+    NULL,
 };
 
 const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major) {

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/modal_machine.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "model/error.h"
+#include "model/read_modes.h"
+
+namespace dttmm {
+
+namespace {
+
+/// An instance from a description, faults told with their place in the file.
+ModalInstance make_instance(const Model& model, const ModalDescription& description) {
+    try {
+        return {description.plugin(), description.model()};
+    } catch (const NetworkError& error) {
+        if (error.element() < 0) throw Error(error.code(), fmt::format("{}: {}", model.path, error.what()));
+        throw Error(error.code(),
+                    fmt::format("{}: {}", model.elements[static_cast<size_t>(error.element())].place, error.what()));
+    }
+}
+
+}  // namespace
+
+const std::vector<std::string>& direction_names() { return kDirections; }
+
+ModalMachine::ModalMachine(const Model& model, const Plugins& plugins)
+    : model_(model), description_(model, plugins), instance_(make_instance(model, description_)) {
+    for (size_t b = 0; b < model.bodies.size(); ++b) {
+        const Body& body = model.bodies[b];
+        places_.push_back({body.name, static_cast<int>(b), -1, body.position});
+        for (const Marker& marker : body.markers)
+            places_.push_back({fmt::format("{}.{}", body.name, marker.name), static_cast<int>(b), -1,
+                               body.position + body.rotation * marker.position});
+    }
+    for (size_t n = 0; n < model.nodes.size(); ++n)
+        if (const auto index = description_.network().node_at({-1, -1, static_cast<int>(n)}))
+            places_.push_back({model.nodes[n].name, -1, static_cast<int>(*index), model.nodes[n].position});
+}
+
+template <class Action>
+auto ModalMachine::tell_place(Action&& action) const {
+    try {
+        return action();
+    } catch (const NetworkError& error) {
+        if (error.element() < 0) throw Error(error.code(), fmt::format("{}: {}", model_.path, error.what()));
+        throw Error(error.code(),
+                    fmt::format("{}: {}", model_.elements[static_cast<size_t>(error.element())].place, error.what()));
+    }
+}
+
+std::vector<ModalInstance::Mode> ModalMachine::find_modes() {
+    const ModesSettings& settings = model_.modes;
+    return tell_place([&] {
+        const uint32_t found =
+            instance_.find_modes(settings.below ? 0 : static_cast<uint32_t>(settings.count), settings.below.value_or(0));
+        std::vector<ModalInstance::Mode> modes;
+        for (uint32_t m = 0; m < found; ++m) modes.push_back(instance_.mode(m));
+        return modes;
+    });
+}
+
+/// Of a place on a body by the motion of its centre of mass, in the directions that the model leaves.
+Eigen::Matrix<double, 6, 6> ModalMachine::by_body(const ModalPlace& place) const {
+    const Body& body = model_.bodies[static_cast<size_t>(place.body)];
+    const Eigen::Vector3d arm = place.position - (body.position + body.rotation * body.center_of_mass);
+    Eigen::Matrix<double, 6, 6> by = Eigen::Matrix<double, 6, 6>::Identity();
+    for (int d = 0; d < 3; ++d) by.block<3, 1>(0, 3 + d) = Eigen::Vector3d::Unit(d).cross(arm);
+    for (int d = 0; d < 6; ++d)
+        if (!model_.modes.directions[static_cast<size_t>(d)]) by.row(d).setZero();
+    return by;
+}
+
+ModalMachine::Vector6 ModalMachine::motion(const ModalPlace& place, const ModalInstance::Mode& mode) const {
+    if (place.body >= 0) return by_body(place) * mode.bodies[static_cast<size_t>(place.body)];
+    return mode.nodes[static_cast<size_t>(place.node)];
+}
+
+std::vector<ModalMachine::Vector6> ModalMachine::along(uint32_t mode, uint32_t element, uint32_t count, double& length) {
+    return tell_place([&] { return instance_.along(mode, element, count, length); });
+}
+
+std::complex<double> ModalMachine::respond(double frequency, const ModalPlace& in, int in_direction, const ModalPlace& out,
+                                           int out_direction) {
+    return tell_place([&] {
+        const Vector6 wrench = Vector6::Unit(in_direction);
+        const ModalInstance::Response response = instance_.respond(frequency, in.body, in.node, in.position, wrench);
+        if (out.body < 0) return response.nodes[static_cast<size_t>(out.node)](out_direction);
+        const Eigen::Matrix<std::complex<double>, 6, 6> by = by_body(out).cast<std::complex<double>>();
+        return std::complex<double>(by.row(out_direction) * response.bodies[static_cast<size_t>(out.body)]);
+    });
+}
+
+const ModalPlace* ModalMachine::find(const std::string& name) const {
+    const auto found = std::ranges::find(places_, name, &ModalPlace::name);
+    return found == places_.end() ? nullptr : &*found;
+}
+
+}  // namespace dttmm

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "coupling/modal_description.h"
+#include "loader/modal_instance.h"
+
+namespace dttmm {
+
+/// A point of the machine whose motion is told: a body's origin, a marker, a node.
+struct ModalPlace {
+    std::string name;
+    int body = -1, node = -1;  ///< index into Model::bodies, or the network's nodes; both −1: the ground
+    Eigen::Vector3d position;  ///< world [m]
+};
+
+/// A model in small vibrations and what its places do in them.
+class ModalMachine {
+public:
+    using Vector6 = ModalInstance::Vector6;
+
+    /// Throws Error with the place in the model file of the element that is at fault.
+    ModalMachine(const Model& model, const Plugins& plugins);
+
+    /// As the model asks.
+    std::vector<ModalInstance::Mode> find_modes();
+    /// Displacement at a place [6, world].
+    Vector6 motion(const ModalPlace& place, const ModalInstance::Mode& mode) const;
+    /// Displacements at stations along a beam; none for other elements.
+    std::vector<Vector6> along(uint32_t mode, uint32_t element, uint32_t count, double& length);
+    /// Displacement at `out` per unit force (direction 0 … 2) or moment (3 … 5) at `in`.
+    std::complex<double> respond(double frequency, const ModalPlace& in, int in_direction, const ModalPlace& out,
+                                 int out_direction);
+
+    const std::vector<ModalPlace>& places() const { return places_; }
+    const ModalPlace* find(const std::string& name) const;
+
+private:
+    Eigen::Matrix<double, 6, 6> by_body(const ModalPlace& place) const;
+    template <class Action>
+    auto tell_place(Action&& action) const;
+
+    const Model& model_;
+    ModalDescription description_;
+    ModalInstance instance_;
+    std::vector<ModalPlace> places_;
+};
+
+/// Names of the six directions, in order.
+const std::vector<std::string>& direction_names();
+
+}  // namespace dttmm

@@ -1,0 +1,406 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/modes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "analysis/modal_machine.h"
+#include "analysis/summary.h"
+#include "model/units.h"
+#include "model/wording.h"
+#include "record/atomic_file.h"
+#include "record/csv_writer.h"
+#include "record/results_folder.h"
+#include "record/tell.h"
+
+namespace dttmm {
+
+namespace {
+
+using Vector6 = ModalMachine::Vector6;
+using Mode = ModalInstance::Mode;
+
+constexpr uint32_t kStations = 21;
+/// Smaller shares of the strain energy are not worth a word.
+constexpr double kSmallestShare = 0.05;
+constexpr size_t kMostShares = 3;
+
+std::filesystem::path modes_folder(const ModesRequest& request) {
+    if (request.output) return *request.output;
+    std::filesystem::path folder = default_results_path(request.model);
+    folder += "-modes";
+    return folder;
+}
+
+Model read(const RunRequest& request, const Plugins& plugins) {
+    ModelOverrides overrides = request.overrides;
+    overrides.purpose = Purpose::modes;
+    Model model = read_model(request.model, plugins.catalogue(), overrides);
+    for (const std::string& warning : model.warnings) tell(warning);
+    return model;
+}
+
+void refuse_empty(const Model& model, const std::vector<Mode>& modes) {
+    if (!modes.empty() || !model.modes.below) return;
+    throw Error(ExitCode::model_invalid,
+                fmt::format("{}: no natural frequency lies below {:g} Hz", model.modes.below_place, *model.modes.below));
+}
+
+/// The place and direction that move most.
+std::string where_most(const ModalMachine& machine, const Mode& mode) {
+    double largest = 0;
+    std::string where = "inside";
+    for (const ModalPlace& place : machine.places()) {
+        const Vector6 u = machine.motion(place, mode);
+        for (int d = 0; d < 3; ++d) {
+            if (std::abs(u(d)) <= largest * (1 + 1e-6)) continue;
+            largest = std::abs(u(d));
+            where = fmt::format("{}.{}", place.name, direction_names()[static_cast<size_t>(d)]);
+        }
+    }
+    if (largest > 1e-6) return where;
+    double turn = 0;
+    for (const ModalPlace& place : machine.places()) {
+        const Vector6 u = machine.motion(place, mode);
+        for (int d = 3; d < 6; ++d) {
+            if (std::abs(u(d)) <= turn * (1 + 1e-6)) continue;
+            turn = std::abs(u(d));
+            where = fmt::format("{}.{}", place.name, direction_names()[static_cast<size_t>(d)]);
+        }
+    }
+    return where;
+}
+
+std::string who_strains(const Model& model, const Mode& mode) {
+    std::vector<size_t> order(mode.shares.size());
+    std::iota(order.begin(), order.end(), size_t{0});
+    std::ranges::stable_sort(order, [&](size_t a, size_t b) { return mode.shares[a] > mode.shares[b] * (1 + 1e-6); });
+    std::string text;
+    for (size_t k = 0; k < std::min(order.size(), kMostShares); ++k)
+        if (mode.shares[order[k]] >= kSmallestShare)
+            text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ", model.elements[order[k]].name,
+                                100 * mode.shares[order[k]]);
+    return text.empty() ? (mode.numbers.frequency > 0 ? "spread" : "none") : text;
+}
+
+Json describe(const Model& model, const ModalMachine& machine, const std::vector<Mode>& modes) {
+    Json frequencies = Json::array(), list = Json::array();
+    for (const Mode& mode : modes) {
+        const dttmm_mode& numbers = mode.numbers;
+        frequencies.push_back(numbers.frequency);
+        Json participation, strain, shape;
+        for (size_t d = 0; d < 6; ++d)
+            if (model.modes.directions[d]) participation[direction_names()[d]] = numbers.participation[d];
+        for (size_t e = 0; e < mode.shares.size(); ++e) strain[model.elements[e].name] = mode.shares[e];
+        for (const ModalPlace& place : machine.places()) {
+            const Vector6 u = machine.motion(place, mode);
+            shape[place.name] = std::vector<double>(u.begin(), u.end());
+        }
+        list.push_back({{"frequency_hz", numbers.frequency},
+                        {"multiplicity", numbers.multiplicity},
+                        {"bracket", numbers.bracket},
+                        {"residual", numbers.residual},
+                        {"modal_mass", numbers.mass},
+                        {"participation", participation},
+                        {"strain_energy", strain},
+                        {"shape", shape}});
+    }
+    return {{"format", "dttmm-modes/1"},
+            {"title", model.title},
+            {"beams", model.modes.are_beams_lumped ? "lumped" : "exact"},
+            {"frequencies_hz", frequencies},
+            {"modes", list}};
+}
+
+/// A line per mode and place: where it is and how it moves.
+std::string modes_table(const ModalMachine& machine, const std::vector<Mode>& modes) {
+    std::string text =
+        "mode,frequency,multiplicity,modal_mass,place,x,y,z,ux,uy,uz,urx,ury,urz\n1,Hz,1,kg,,m,m,m,1,1,1,1/m,1/m,1/m\n";
+    for (size_t m = 0; m < modes.size(); ++m)
+        for (const ModalPlace& place : machine.places()) {
+            text += fmt::format("{},{},{},{},{}", m + 1, number_text(modes[m].numbers.frequency),
+                                modes[m].numbers.multiplicity, number_text(modes[m].numbers.mass), csv_field(place.name));
+            for (double x : place.position) text += "," + number_text(x);
+            for (double u : machine.motion(place, modes[m])) text += "," + number_text(u);
+            text += "\n";
+        }
+    return text;
+}
+
+/// The same along every beam.
+std::string shapes_table(const Model& model, ModalMachine& machine, const std::vector<Mode>& modes) {
+    std::string text = "mode,frequency,element,s,x,y,z,ux,uy,uz,urx,ury,urz\n1,Hz,,m,m,m,m,1,1,1,1/m,1/m,1/m\n";
+    for (size_t m = 0; m < modes.size(); ++m)
+        for (size_t e = 0; e < model.elements.size(); ++e) {
+            double length = 0;
+            const auto shape = machine.along(static_cast<uint32_t>(m), static_cast<uint32_t>(e), kStations, length);
+            if (shape.empty()) continue;
+            const Eigen::Vector3d from = frame_at_start(model, model.elements[e].ends[0]).position;
+            const Eigen::Vector3d to = frame_at_start(model, model.elements[e].ends[1]).position;
+            for (size_t k = 0; k < shape.size(); ++k) {
+                const double part = static_cast<double>(k) / (kStations - 1);
+                text += fmt::format("{},{},{},{}", m + 1, number_text(modes[m].numbers.frequency),
+                                    csv_field(model.elements[e].name), number_text(part * length));
+                for (double x : Eigen::Vector3d(from + part * (to - from))) text += "," + number_text(x);
+                for (double u : shape[k]) text += "," + number_text(u);
+                text += "\n";
+            }
+        }
+    return text;
+}
+
+void print_modes(const Model& model, const ModalMachine& machine, const std::vector<Mode>& modes) {
+    if (!model.title.empty()) fmt::print("{}\n", model.title);
+    fmt::print("{:>4} {:>14} {:>8} {:>13}  {:<22} {}\n", "mode", "frequency", "multiple", "modal mass", "moves most",
+               "strain energy");
+    for (size_t m = 0; m < modes.size(); ++m) {
+        const dttmm_mode& numbers = modes[m].numbers;
+        fmt::print("{:>4} {:>11} Hz {:>8} {:>10} kg  {:<22} {}\n", m + 1, fmt::format("{:.8g}", numbers.frequency),
+                   numbers.multiplicity > 1 ? fmt::format("x{}", numbers.multiplicity) : "",
+                   fmt::format("{:.5g}", numbers.mass), where_most(machine, modes[m]), who_strains(model, modes[m]));
+    }
+}
+
+std::string to_text(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+}  // namespace
+
+ExitCode find_modes(const ModesRequest& request) {
+    const Plugins plugins(request.plugins);
+    const Model model = read(request, plugins);
+    ModalMachine machine(model, plugins);
+    const std::vector<Mode> modes = machine.find_modes();
+    refuse_empty(model, modes);
+
+    const ResultsFolder folder(modes_folder(request));
+    const Json json = describe(model, machine, modes);
+    write_atomically(folder.file("modes.csv"), modes_table(machine, modes));
+    write_atomically(folder.file("shapes.csv"), shapes_table(model, machine, modes));
+    Json summary = json;
+    summary["command_line"] = request.command_line;
+    summary["model"] = model.source;
+    write_atomically(folder.file("summary.json"), to_text(summary));
+    if (request.as_json) {
+        fmt::print("{}", to_text(json));
+    } else if (!request.quiet) {
+        print_modes(model, machine, modes);
+        double widest = 0;
+        for (const Mode& mode : modes) widest = std::max(widest, mode.numbers.bracket);
+        fmt::print("counted and complete, each within {:.1e} of itself; results in {}\n", widest, folder.path().string());
+    }
+    return ExitCode::ok;
+}
+
+// ---- Frequencies against a parameter ------------------------------------------------------------------------------------
+
+namespace {
+
+/// Shapes of a case as one column each, displacements of all places.
+Eigen::MatrixXd shapes_of(const ModalMachine& machine, const std::vector<Mode>& modes) {
+    const std::vector<ModalPlace>& places = machine.places();
+    Eigen::MatrixXd shapes(static_cast<Eigen::Index>(6 * places.size()), static_cast<Eigen::Index>(modes.size()));
+    for (size_t m = 0; m < modes.size(); ++m)
+        for (size_t p = 0; p < places.size(); ++p)
+            shapes.block<6, 1>(static_cast<Eigen::Index>(6 * p), static_cast<Eigen::Index>(m)) =
+                machine.motion(places[p], modes[m]);
+    return shapes;
+}
+
+/// Modal assurance criterion of two shapes.
+double likeness(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    const double product = a.squaredNorm() * b.squaredNorm();
+    return product > 0 ? a.dot(b) * a.dot(b) / product : 0;
+}
+
+/// Which mode of the next case goes on with each curve, the likest first.
+std::vector<size_t> follow(const Eigen::MatrixXd& before, const Eigen::MatrixXd& next) {
+    const auto n = static_cast<size_t>(std::min(before.cols(), next.cols()));
+    std::vector<std::tuple<double, size_t, size_t>> pairs;
+    for (size_t i = 0; i < static_cast<size_t>(before.cols()); ++i)
+        for (size_t j = 0; j < static_cast<size_t>(next.cols()); ++j)
+            pairs.emplace_back(-likeness(before.col(static_cast<Eigen::Index>(i)), next.col(static_cast<Eigen::Index>(j))),
+                               i, j);
+    std::ranges::sort(pairs);
+    std::vector<size_t> next_of(static_cast<size_t>(before.cols()), static_cast<size_t>(next.cols()));
+    std::vector<bool> taken(static_cast<size_t>(next.cols()));
+    size_t found = 0;
+    for (const auto& [unlike, i, j] : pairs) {
+        if (found == n || next_of[i] < static_cast<size_t>(next.cols()) || taken[j]) continue;
+        next_of[i] = j;
+        taken[j] = true;
+        ++found;
+    }
+    return next_of;
+}
+
+}  // namespace
+
+ExitCode sweep_modes(const ModesRequest& request, const std::vector<SweepAxis>& axes) {
+    const Plugins plugins(request.plugins);
+    const std::vector<SweepCase> cases = make_grid(axes);
+    {
+        std::vector<std::string> known;
+        const Model model = read(request, plugins);
+        for (const Parameter& parameter : model.parameters) known.push_back(parameter.name);
+        for (const SweepAxis& axis : axes)
+            if (std::ranges::find(known, axis.name) == known.end())
+                throw Error(ExitCode::usage,
+                            fmt::format("--sweep {}: no such parameter{}", quote(axis.name), suggestion(axis.name, known)));
+    }
+    std::string table = "case";
+    for (const SweepAxis& axis : axes) table += "," + csv_field(axis.name);
+    Json list = Json::array();
+    Eigen::MatrixXd before;
+    std::vector<std::string> lines;
+    size_t widest = 0;
+    for (size_t c = 0; c < cases.size(); ++c) {
+        RunRequest own = request;
+        for (const auto& parameter : cases[c]) own.overrides.parameters.push_back(parameter);
+        const Model model = read(own, plugins);
+        ModalMachine machine(model, plugins);
+        const std::vector<Mode> modes = machine.find_modes();
+        refuse_empty(model, modes);
+        const Eigen::MatrixXd shapes = shapes_of(machine, modes);
+        std::vector<size_t> order(modes.size());
+        std::iota(order.begin(), order.end(), size_t{0});
+        if (c > 0) {
+            // Curves that end leave a gap; modes that no curve leads to begin one
+            std::vector<size_t> next_of = follow(before, shapes);
+            std::vector<bool> is_followed(modes.size());
+            for (size_t j : next_of)
+                if (j < modes.size()) is_followed[j] = true;
+            for (size_t j = 0; j < modes.size(); ++j)
+                if (!is_followed[j]) next_of.push_back(j);
+            order = next_of;
+        }
+        std::string line = fmt::format("{}", c + 1);
+        for (const auto& [name, value] : cases[c]) line += "," + number_text(parse_quantity(value).value);
+        Json row = {{"parameters", Json::object()}, {"frequencies_hz", Json::array()}};
+        for (const auto& [name, value] : cases[c]) row["parameters"][name] = parse_quantity(value).value;
+        Eigen::MatrixXd followed = Eigen::MatrixXd::Zero(shapes.rows(), static_cast<Eigen::Index>(order.size()));
+        for (size_t k = 0; k < order.size(); ++k) {
+            const bool is_there = order[k] < modes.size();
+            line += "," + (is_there ? number_text(modes[order[k]].numbers.frequency) : std::string());
+            row["frequencies_hz"].push_back(is_there ? Json(modes[order[k]].numbers.frequency) : Json());
+            if (is_there)
+                followed.col(static_cast<Eigen::Index>(k)) = shapes.col(static_cast<Eigen::Index>(order[k]));
+            else if (static_cast<Eigen::Index>(k) < before.cols())
+                followed.col(static_cast<Eigen::Index>(k)) = before.col(static_cast<Eigen::Index>(k));
+        }
+        before = followed;
+        widest = std::max(widest, order.size());
+        lines.push_back(line);
+        list.push_back(row);
+    }
+    for (size_t k = 0; k < widest; ++k) table += fmt::format(",curve{}", k + 1);
+    table += "\n1";
+    for (const auto& [name, value] : cases.front()) table += "," + csv_field(parse_quantity(value).unit);
+    for (size_t k = 0; k < widest; ++k) table += ",Hz";
+    table += "\n";
+    for (std::string& line : lines) {
+        const auto have = static_cast<size_t>(std::ranges::count(line, ','));
+        table += line + std::string(axes.size() + widest - have, ',') + "\n";
+    }
+    const ResultsFolder folder(modes_folder(request), Claim::keep);
+    write_atomically(folder.file("sweep.csv"), table);
+    if (request.as_json) {
+        fmt::print("{}", to_text({{"format", "dttmm-modes-sweep/1"}, {"cases", list}}));
+    } else if (!request.quiet) {
+        for (const Json& row : list) {
+            std::string text;
+            for (const auto& [name, value] : row["parameters"].items())
+                text += fmt::format("{}={:.6g} ", name, value.get<double>());
+            for (const Json& f : row["frequencies_hz"])
+                text += f.is_null() ? fmt::format("{:>11}", "-") : fmt::format("{:>11.6g}", f.get<double>());
+            fmt::print("{}\n", text);
+        }
+        fmt::print("frequencies in Hz, a column per curve; {}\n", folder.file("sweep.csv").string());
+    }
+    return ExitCode::ok;
+}
+
+// ---- Frequency response -------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// "plate.corner1.z" as a place and a direction.
+std::pair<const ModalPlace*, int> place_and_direction(const ModalMachine& machine, const std::string& option,
+                                                      const std::string& text) {
+    const size_t dot = text.rfind('.');
+    std::vector<std::string> known;
+    for (const ModalPlace& place : machine.places()) known.push_back(place.name);
+    if (dot == std::string::npos)
+        throw Error(ExitCode::usage,
+                    fmt::format("{} {}: write place.direction, e.g. {}.z", option, quote(text), known.front()));
+    const std::string name = text.substr(0, dot), direction = text.substr(dot + 1);
+    const auto d = std::ranges::find(direction_names(), direction);
+    if (d == direction_names().end())
+        throw Error(ExitCode::usage, fmt::format("{} {}: {} is none of the directions {}", option, quote(text),
+                                                 quote(direction), listed(direction_names())));
+    const ModalPlace* place = machine.find(name);
+    if (!place)
+        throw Error(ExitCode::usage, fmt::format("{} {}: no body, marker or node {}{}", option, quote(text), quote(name),
+                                                 suggestion(name, known)));
+    return {place, static_cast<int>(d - direction_names().begin())};
+}
+
+double frequency(const std::string& option, const std::string& text) {
+    try {
+        const double value = parse_quantity(text, "Hz");
+        if (value >= 0 && std::isfinite(value)) return value;
+        throw Error(ExitCode::usage, "must be zero or more");
+    } catch (const Error& error) {
+        throw Error(ExitCode::usage, fmt::format("{} {}: {}", option, quote(text), error.what()));
+    }
+}
+
+}  // namespace
+
+ExitCode find_response(const FrfRequest& request) {
+    const Plugins plugins(request.plugins);
+    const double from = frequency("--from", request.from), to = frequency("--to", request.to);
+    if (!(to > from)) throw Error(ExitCode::usage, "--to must be more than --from");
+    if (request.is_logarithmic && from == 0) throw Error(ExitCode::usage, "--log: --from must be more than zero");
+    const Model model = read(request, plugins);
+    ModalMachine machine(model, plugins);
+    const auto [in, in_direction] = place_and_direction(machine, "--in", request.input);
+    const auto [out, out_direction] = place_and_direction(machine, "--out", request.output_place);
+
+    const char* input = in_direction < 3 ? "N" : "N m";
+    const char* unit = out_direction < 3 ? "m" : "rad";
+    std::string text =
+        "frequency,receptance.re,receptance.im,receptance,phase,mobility.re,mobility.im,accelerance.re,accelerance.im\n";
+    text += fmt::format("Hz,{0}/({1}),{0}/({1}),{0}/({1}),deg,{0}/s/({1}),{0}/s/({1}),{0}/s^2/({1}),{0}/s^2/({1})\n", unit,
+                        input);
+    double largest = 0, at = 0;
+    for (int i = 0; i < request.points; ++i) {
+        const double part = request.points > 1 ? static_cast<double>(i) / (request.points - 1) : 0;
+        const double f = request.is_logarithmic ? from * std::pow(to / from, part) : from + part * (to - from);
+        const std::complex<double> H = machine.respond(f, *in, in_direction, *out, out_direction);
+        const std::complex<double> iw(0, 2 * std::numbers::pi * f), V = iw * H, A = iw * V;
+        text += number_text(f);
+        for (double value :
+             {H.real(), H.imag(), std::abs(H), std::arg(H) * 180 / std::numbers::pi, V.real(), V.imag(), A.real(), A.imag()})
+            text += "," + number_text(value);
+        text += "\n";
+        if (std::abs(H) > largest) {
+            largest = std::abs(H);
+            at = f;
+        }
+    }
+    std::filesystem::path path = default_results_path(request.model);
+    path += "-frf";
+    const ResultsFolder folder(request.output.value_or(path));
+    write_atomically(folder.file("frf.csv"), text);
+    if (!request.quiet)
+        fmt::print("{} points from {:g} to {:g} Hz, {} per {}; largest {:.6g} {}/({}) at {:.6g} Hz\nresults in {}\n",
+                   request.points, from, to, request.output_place, request.input, largest, unit, input, at,
+                   folder.file("frf.csv").string());
+    return ExitCode::ok;
+}
+
+}  // namespace dttmm

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "loader/modal_instance.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+
+namespace dttmm {
+
+namespace {
+
+dttmm_error cleared() {
+    dttmm_error error;
+    error.element = -1;
+    error.text[0] = '\0';
+    return error;
+}
+
+void no_destroy(dttmm_modal*) {}
+
+}  // namespace
+
+ModalInstance::ModalInstance(const PluginLibrary& plugin, const dttmm_modal_model& model)
+    : plugin_(plugin),
+      table_(&plugin.table()),
+      modal_(nullptr, no_destroy),
+      body_count_(model.body_count),
+      node_count_(model.network->node_count) {
+    if (!plugin.has_modes())
+        throw Error(ExitCode::plugin_failure,
+                    fmt::format("plugin {} knows histories only, no natural frequencies", plugin.name()));
+    for (uint32_t e = 0; e < model.network->element_count; ++e) element_names_.emplace_back(model.network->elements[e].name);
+    dttmm_error error = cleared();
+    dttmm_modal* modal = nullptr;
+    check(table_->create_modal(&model, &modal, &error), error);
+    modal_ = {modal, table_->destroy_modal};
+}
+
+uint32_t ModalInstance::find_modes(uint32_t count, double below) {
+    dttmm_error error = cleared();
+    uint32_t found = 0;
+    check(table_->find_modes(modal_.get(), count, below, &found, &error), error);
+    return found;
+}
+
+ModalInstance::Mode ModalInstance::mode(uint32_t index) {
+    dttmm_error error = cleared();
+    Mode mode;
+    mode.bodies.resize(body_count_);
+    mode.nodes.resize(node_count_);
+    mode.shares.resize(element_names_.size());
+    const auto data = [](std::vector<Vector6>& list) { return list.empty() ? nullptr : list.front().data(); };
+    check(table_->mode(modal_.get(), index, &mode.numbers, data(mode.bodies), data(mode.nodes), mode.shares.data(), &error),
+          error);
+    return mode;
+}
+
+std::vector<ModalInstance::Vector6> ModalInstance::along(uint32_t index, uint32_t element, uint32_t count, double& length) {
+    dttmm_error error = cleared();
+    std::vector<Vector6> shape(count, Vector6::Zero());
+    check(table_->mode_along(modal_.get(), index, element, count, &length, shape.front().data(), &error), error);
+    if (!(length > 0)) shape.clear();
+    return shape;
+}
+
+ModalInstance::Response ModalInstance::respond(double frequency, int body, int node, const Eigen::Vector3d& point,
+                                               const Vector6& wrench) {
+    dttmm_error error = cleared();
+    Response response;
+    response.bodies.resize(body_count_);
+    response.nodes.resize(node_count_);
+    // A complex number is its two parts in a row
+    const auto data = [](std::vector<Complex6>& list) {
+        return list.empty() ? nullptr : reinterpret_cast<double*>(list.front().data());
+    };
+    check(table_->respond(modal_.get(), frequency, body, node, point.data(), wrench.data(), data(response.bodies),
+                          data(response.nodes), &error),
+          error);
+    return response;
+}
+
+void ModalInstance::check(dttmm_status status, const dttmm_error& error) const {
+    if (status == DTTMM_OK) return;
+    const size_t length = ::strnlen(error.text, sizeof error.text);
+    const std::string text = length > 0 ? std::string(error.text, length) : fmt::format("status {} without a text", status);
+    const bool is_named = error.element >= 0 && static_cast<size_t>(error.element) < element_names_.size();
+    throw NetworkError(
+        exit_code_of(status),
+        is_named ? fmt::format("element \"{}\": {}", element_names_[static_cast<size_t>(error.element)], text) : text,
+        is_named ? error.element : -1);
+}
+
+}  // namespace dttmm

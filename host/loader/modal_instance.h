@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "loader/network_instance.h"
+
+namespace dttmm {
+
+/// The small vibrations of a machine inside a plugin: the C interface as a C++ object. Arguments and units are those of
+/// dttmm_plugin.h; failures become NetworkError as with NetworkInstance.
+class ModalInstance {
+public:
+    using Vector6 = Eigen::Matrix<double, 6, 1>;
+    using Complex6 = Eigen::Matrix<std::complex<double>, 6, 1>;
+    struct Mode {
+        dttmm_mode numbers{};
+        std::vector<Vector6> bodies, nodes;  ///< shape
+        std::vector<double> shares;          ///< of the strain energy, of every element
+    };
+    struct Response {
+        std::vector<Complex6> bodies, nodes;
+    };
+
+    /// Throws Error(plugin_failure) if the plugin knows no modes.
+    ModalInstance(const PluginLibrary& plugin, const dttmm_modal_model& model);
+
+    /// All up to `below` [Hz], or if that is 0 the first `count`; how many there are.
+    uint32_t find_modes(uint32_t count, double below);
+    Mode mode(uint32_t index);
+    /// Displacements at `count` stations of an element, ends included; none if it is no line. length: of it [m].
+    std::vector<Vector6> along(uint32_t index, uint32_t element, uint32_t count, double& length);
+    /// Per newton of a wrench on a body or a node (the other −1), at a point.
+    Response respond(double frequency, int body, int node, const Eigen::Vector3d& point, const Vector6& wrench);
+
+private:
+    void check(dttmm_status status, const dttmm_error& error) const;
+
+    PluginLibrary plugin_;
+    const dttmm_plugin* table_;
+    std::unique_ptr<dttmm_modal, void (*)(dttmm_modal*)> modal_;
+    std::vector<std::string> element_names_;
+    size_t body_count_, node_count_;
+};
+
+}  // namespace dttmm

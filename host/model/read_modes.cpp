@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model/read_modes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "model/units.h"
+#include "model/wording.h"
+
+namespace dttmm {
+
+namespace {
+
+constexpr long kMostModes = 10000;
+const std::vector<std::string> kBeams = {"exact", "lumped"};
+
+[[noreturn]] void refuse(const std::string& fault) { throw Error(ExitCode::usage, fault); }
+
+int count_of(const std::string& text) {
+    long count = 0;
+    const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), count);
+    if (fault != std::errc{} || end != text.data() + text.size() || count < 1 || count > kMostModes)
+        refuse(fmt::format("--count wants a whole number from 1 to {}, got {}", kMostModes, quote(text)));
+    return static_cast<int>(count);
+}
+
+double frequency_of(const std::string& text) {
+    double below = 0;
+    try {
+        below = parse_quantity(text, "Hz");
+    } catch (const Error& error) {
+        refuse(fmt::format("--below: {}", error.what()));
+    }
+    if (!(below > 0)) refuse(fmt::format("--below wants a frequency of more than zero, got {}", quote(text)));
+    return below;
+}
+
+}  // namespace
+
+const std::vector<std::string> kDirections = {"x", "y", "z", "rx", "ry", "rz"};
+
+std::bitset<6> read_directions(const TableReader& table, const std::string& key) {
+    std::bitset<6> directions;
+    const TomlMember* member = table.find(key);
+    if (!member) return directions;
+    if (!member->value.is_array()) {
+        table.error(member->value.place, fmt::format("{} must be a list of directions out of {}; got {}", key,
+                                                     listed(kDirections), kind_text(member->value.kind)));
+        return directions;
+    }
+    for (const TomlValue& item : member->value.items) {
+        const auto found = std::find(kDirections.begin(), kDirections.end(), item.string);
+        const std::string got = item.is_text() ? quote(item.string) : std::string(kind_text(item.kind));
+        const auto d = static_cast<std::size_t>(found - kDirections.begin());
+        if (!item.is_text() || found == kDirections.end())
+            table.error(item.place, fmt::format("{}: {} is none of the directions {}", key, got, listed(kDirections)));
+        else if (directions[d])
+            table.error(item.place, fmt::format("{} names {} twice", key, got));
+        else
+            directions[d] = true;
+    }
+    return directions;
+}
+
+ModesSettings read_modes(const TableReader& file, const ModesOverrides& overrides) {
+    ModesSettings settings;
+    if (const TomlMember* dofs = file.find("dofs")) {
+        settings.directions = read_directions(file, "dofs");
+        if (dofs->value.is_array() && dofs->value.items.empty())
+            file.error(dofs->place, "dofs names no direction: nothing moves");
+    }
+    if (const TomlMember* member = file.find("modes"); member && member->value.is_table()) {
+        const TableReader table(file.context(), member->value, "modes", {"count", "below", "beams"});
+        const TomlMember* count = table.find("count");
+        const TomlMember* below = table.find("below");
+        if (count && below) table.error(below->place, "count and below are two ways to say how many: give one");
+        if (count) {
+            const double number = table.number("count", "1", {1, static_cast<double>(kMostModes)}).value_or(1);
+            if (number != static_cast<int>(number)) table.error(count->value.place, "count must be a whole number");
+            settings.count = static_cast<int>(number);
+        }
+        if (below) {
+            settings.below = table.number("below", "Hz", kPositive).value_or(0);
+            settings.below_place = file.context().diagnostics.place_text(below->value.place);
+        }
+        settings.are_beams_lumped = table.choice("beams", kBeams, 0).value_or(0) == 1;
+    }
+    if (overrides.count && overrides.below) refuse("--count and --below are two ways to say how many: give one");
+    if (overrides.count) {
+        settings.count = count_of(*overrides.count);
+        settings.below.reset();
+    }
+    if (overrides.below) {
+        settings.below = frequency_of(*overrides.below);
+        settings.below_place = "--below";
+    }
+    return settings;
+}
+
+}  // namespace dttmm

@@ -1,0 +1,587 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modal/frequency_model.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/SparseLU>
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/state_vector.h"
+
+namespace dttmm {
+
+namespace {
+
+using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+/// Pieces of a line, at most.
+constexpr int kMostPieces = 20000;
+/// Of the eigenvalues of a pivot when all that moves is held: smaller ones, as share of the largest, stem from rounding.
+constexpr double kSingular = 1e-14;
+/// Cosine of an angle that is rounding.
+constexpr double kAligned = 1e-9;
+
+Matrix6 both(const Matrix3& R) {
+    Matrix6 twice = Matrix6::Zero();
+    twice.topLeftCorner<3, 3>() = twice.bottomRightCorner<3, 3>() = R;
+    return twice;
+}
+
+Matrix6 mass_block(double mass, const Matrix3& inertia) {
+    Matrix6 block = Matrix6::Zero();
+    block.diagonal().head<3>().setConstant(mass);
+    block.bottomRightCorner<3, 3>() = inertia;
+    return block;
+}
+
+/// Of a section that need not be given whole, as a key to tell lines apart.
+std::vector<double> key_of(const Line& line, double length, Directions active) {
+    const Section& s = line.section;
+    return {s.EA,
+            s.EIy,
+            s.EIz,
+            s.GJ,
+            s.GAy,
+            s.GAz,
+            s.mass,
+            s.inertia,
+            s.rotary_y,
+            s.rotary_z,
+            s.offset_y,
+            s.offset_z,
+            s.stiffness_damping,
+            length,
+            static_cast<double>(line.stretches_only),
+            static_cast<double>(active.to_ulong())};
+}
+
+bool is_same(const std::vector<double>& a, const std::vector<double>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); });
+}
+
+}  // namespace
+
+FrequencyModel::FrequencyModel(const dttmm_modal_model& model)
+    : assembly_(assemble(*model.network, model.lumped_beams ? Waves::lumped : Waves::exact)), directions_(model.directions) {
+    mask_.setZero();
+    for (size_t d = 0; d < 6; ++d)
+        if (directions_[d]) mask_(static_cast<Eigen::Index>(d), static_cast<Eigen::Index>(d)) = 1;
+    add_bodies(model);
+    frame_of_.assign(assembly_.frames.size(), -1);
+    for (int f = 0; f < static_cast<int>(assembly_.frames.size()); ++f) {
+        const FrameSpec& frame = assembly_.frames[static_cast<size_t>(f)];
+        int& own = frame_of_[static_cast<size_t>(f)];
+        if (f < assembly_.port_count) {
+            own = static_cast<int>(model.port_bodies[f]);
+            if (own >= body_count_) throw Error(DTTMM_ERROR_ARGUMENT, "a port of no body");
+        } else if (frame.kind == FrameSpec::Kind::inner) {
+            own = static_cast<int>(positions_.size());
+            positions_.push_back(frame.pose.position);
+            names_.push_back(frame.name);
+            elements_.push_back(frame.element);
+            if (frame.mass > 0)
+                masses_.push_back(
+                    {own, mass_block(frame.mass, frame.pose.rotation * frame.inertia * frame.pose.rotation.transpose())});
+            total_mass_ += frame.mass;
+        }
+    }
+    const auto frame = [&](int f) { return frame_of_[static_cast<size_t>(f)]; };
+    for (const JointSpec& joint : assembly_.joints)
+        add_joint(joint.element, frame(joint.from), frame(joint.to), joint.law, joint.pose);
+    for (uint32_t c = 0; c < model.constraint_count; ++c) {
+        const dttmm_constraint& constraint = model.constraints[c];
+        JointLaw law;
+        law.rigid = Directions(constraint.rigid);
+        add_joint(-1, constraint.first, constraint.second, law,
+                  {Eigen::Map<const Vector3>(constraint.position), Eigen::Map<const RowMajor3>(constraint.axes)});
+    }
+    own_frames_ = positions_.size();
+    for (const LineSpec& line : assembly_.lines) add_line(line);
+    if (own_frames_ == 0) throw Error(DTTMM_ERROR_MODEL, "nothing moves: no body and no free node");
+}
+
+void FrequencyModel::add_bodies(const dttmm_modal_model& model) {
+    body_count_ = static_cast<int>(model.body_count);
+    for (uint32_t b = 0; b < model.body_count; ++b) {
+        const dttmm_body& body = model.bodies[b];
+        const Eigen::Map<const Vector3> position(body.position);
+        const Eigen::Map<const RowMajor3> inertia(body.inertia);
+        if (!position.allFinite() || !inertia.allFinite() || !(body.mass > 0 && std::isfinite(body.mass)))
+            throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("body \"{}\": its numbers must be finite", body.name));
+        positions_.push_back(position);
+        names_.push_back(fmt::format("body \"{}\"", body.name));
+        elements_.push_back(-1);
+        masses_.push_back({static_cast<int>(b), mass_block(body.mass, inertia)});
+        total_mass_ += body.mass;
+    }
+}
+
+Matrix6 FrequencyModel::at_point(const Vector3& point, const Vector3& origin) {
+    Matrix6 by = Matrix6::Identity();
+    by.topRightCorner<3, 3>() = -skew(point - origin);
+    return by;
+}
+
+/// Between directions that the model leaves.
+Matrix6 FrequencyModel::masked(const Matrix6& by) const { return mask_ * by * mask_; }
+
+/// Adds a row unless it says nothing or what the rows before it say.
+void FrequencyModel::add_rigid(std::vector<Rigid>& rows, const Rigid& row) const {
+    Eigen::Matrix<double, 12, 1> rest;
+    rest << row.by_from, row.by_to;
+    const double size = rest.norm();
+    if (!(size > kAligned)) return;
+    std::vector<Eigen::Matrix<double, 12, 1>> basis;
+    for (const Rigid& other : rows) {
+        Eigen::Matrix<double, 12, 1> next;
+        next << other.by_from, other.by_to;
+        for (const auto& b : basis) next -= b.dot(next) * b;
+        basis.push_back(next.normalized());
+    }
+    for (const auto& b : basis) rest -= b.dot(rest) * b;
+    if (rest.norm() > kAligned * size) rows.push_back(row);
+}
+
+void FrequencyModel::add_joint(int element, int from, int to, const JointLaw& law, const Pose& pose) {
+    if (from < 0 && to < 0) return;
+    Bond bond{element, from, to, Matrix6::Zero(), Matrix6::Zero(), Matrix6::Zero(), Matrix6::Zero(), {}};
+    const auto by = [&](int frame) { return masked(at_point(pose.position, positions_[static_cast<size_t>(frame)])); };
+    if (from >= 0) bond.by_from = by(from);
+    if (to >= 0) bond.by_to = by(to);
+    const Matrix6 axes = both(pose.rotation);
+    Vector6 stiffness = law.stiffness, damping = law.damping;
+    for (size_t d = 0; d < 6; ++d) {
+        const auto i = static_cast<Eigen::Index>(d);
+        if (!law.rigid[d]) continue;
+        stiffness(i) = damping(i) = 0;
+        const Eigen::Matrix<double, 1, 6> row = axes.col(i).transpose();
+        add_rigid(bond.rigid, {-(row * bond.by_from).transpose(), (row * bond.by_to).transpose()});
+    }
+    bond.stiffness = axes * stiffness.asDiagonal() * axes.transpose();
+    bond.damping = axes * damping.asDiagonal() * axes.transpose();
+    bonds_.push_back(std::move(bond));
+}
+
+/// Displacement of the end of a line in its axes by the motion of a frame; of the ground none.
+Matrix6 FrequencyModel::local_end(const Matrix3& axes, const Vector3& point, int frame) const {
+    if (frame < 0) return Matrix6::Zero();
+    return both(axes.transpose()) * masked(at_point(point, positions_[static_cast<size_t>(frame)]));
+}
+
+void FrequencyModel::add_line(const LineSpec& spec) {
+    LineModel line{spec.element,
+                   frame_of_[static_cast<size_t>(spec.from)],
+                   frame_of_[static_cast<size_t>(spec.to)],
+                   spec.start,
+                   spec.finish,
+                   spec.line.axes,
+                   nullptr,
+                   spec.line,
+                   0};
+    Directions active;
+    for (size_t d = 0; d < 6; ++d) {
+        const auto half = static_cast<Eigen::Index>(3 * (d / 3));
+        const double share =
+            (mask_.diagonal().segment<3>(half).cwiseProduct(line.axes.col(static_cast<Eigen::Index>(d % 3)))).norm();
+        if (share > kAligned && share < 1 - kAligned)
+            throw Error(DTTMM_ERROR_MODEL,
+                        fmt::format("dofs: its local {} lies at an angle to the directions that are left: turn the beam or "
+                                    "its `up`, or leave all directions",
+                                    kDirectionNames[d]),
+                        spec.element);
+        active[d] = share > 0.5;
+    }
+    const double length = (spec.finish - spec.start).norm();
+    const std::vector<double> key = key_of(spec.line, length, active);
+    const auto known = std::ranges::find_if(kinds_, [&](const Kind& kind) { return is_same(kind.key, key); });
+    line.kind = static_cast<size_t>(known - kinds_.begin());
+    if (known == kinds_.end()) {
+        try {
+            kinds_.push_back({key, std::make_unique<LineWaves>(spec.line, length, active), {}});
+        } catch (const Error& error) {
+            throw Error(error.status(), error.what(), spec.element);
+        }
+    }
+    line.waves = kinds_[line.kind].waves.get();
+    total_mass_ += spec.line.section.mass * length;
+    lines_.push_back(line);
+}
+
+void FrequencyModel::cut(double omega) {
+    positions_.resize(own_frames_);
+    names_.resize(own_frames_);
+    elements_.resize(own_frames_);
+    pieces_.clear();
+    bar_masses_.clear();
+    std::vector<int> counts;
+    for (const Kind& kind : kinds_) counts.push_back(kind.waves->pieces(omega, kMostPieces));
+    size_t total = 0;
+    for (LineModel& line : lines_) {
+        const int count = counts[line.kind];
+        total += static_cast<size_t>(count);
+        if (count > kMostPieces || total > 100 * static_cast<size_t>(kMostPieces))
+            throw Error(DTTMM_ERROR_MEMORY,
+                        fmt::format("up to {:.4g} Hz it has too many waves to count: more than {} pieces; ask for lower "
+                                    "frequencies",
+                                    omega / (2 * M_PI), kMostPieces),
+                        line.element);
+        cut_line(line, count);
+    }
+    build();
+}
+
+void FrequencyModel::cut_line(LineModel& line, int count) {
+    line.first_piece = static_cast<int>(pieces_.size());
+    line.count = count;
+    const Directions passed = line.waves->passed();
+    const auto point = [&](int i) { return Vector3(line.start + double(i) / count * (line.finish - line.start)); };
+    int from = line.from;
+    for (int i = 0; i < count; ++i) {
+        int to = line.to;
+        if (i + 1 < count) {
+            to = static_cast<int>(positions_.size());
+            positions_.push_back(point(i + 1));
+            names_.push_back(fmt::format("a point of the line at ({:.4g}, {:.4g}, {:.4g}) m", point(i + 1).x(),
+                                         point(i + 1).y(), point(i + 1).z()));
+            elements_.push_back(line.element);
+        }
+        Piece piece{from, to, local_end(line.axes, point(i), from), local_end(line.axes, point(i + 1), to), {}};
+        // A rod is a bar, its far end goes with its near one; in a restricted state it passes all but x as it is
+        const bool is_bar = line.line.stretches_only && directions_.all();
+        const Matrix6 carried = is_bar ? local_end(line.axes, point(i + 1), from) : piece.by_from;
+        for (Eigen::Index d = 0; d < 6; ++d)
+            if (passed[static_cast<size_t>(d)])
+                add_rigid(piece.rigid, {-carried.row(d).transpose(), piece.by_to.row(d).transpose()});
+        if (is_bar) {
+            const Section& s = line.line.section;
+            const double l = (line.finish - line.start).norm() / count, polar = s.inertia;
+            Matrix6 bar = Matrix6::Zero();
+            bar.diagonal() << 0, s.mass * l, s.mass * l, polar * l, s.mass * l * l * l / 12, s.mass * l * l * l / 12;
+            const int frame = from >= 0 ? from : to;
+            if (frame >= 0) {
+                const Matrix6 middle = local_end(line.axes, 0.5 * (point(i) + point(i + 1)), frame);
+                bar_masses_.push_back({frame, middle.transpose() * bar * middle});
+            }
+        }
+        pieces_.push_back(std::move(piece));
+        from = to;
+    }
+}
+
+/// Fixes the order of elimination and what stands in the directions left out.
+void FrequencyModel::build() {
+    for (;;) {
+        std::vector<Link> links;
+        for (const Bond& bond : bonds_) links.push_back({bond.from, bond.to, static_cast<int>(bond.rigid.size())});
+        for (const Piece& piece : pieces_) links.push_back({piece.from, piece.to, static_cast<int>(piece.rigid.size())});
+        elimination_.emplace(frame_count(), links);
+        elimination_->count_negatives(kSingular);
+        int link = 0;
+        const auto set = [&](const std::vector<Rigid>& rows) {
+            for (size_t i = 0; i < rows.size(); ++i)
+                elimination_->set_rigid(link, static_cast<int>(i), rows[i].by_from, rows[i].by_to);
+            ++link;
+        };
+        for (const Bond& bond : bonds_) set(bond.rigid);
+        for (const Piece& piece : pieces_) set(piece.rigid);
+
+        // With λ < 0 all that moves is held: what is singular then is so at every frequency
+        const double stiffest = largest_stiffness();
+        const double lambda = total_mass_ > 0 && stiffest > 0 ? -1e-3 * stiffest / total_mass_ : -1;
+        set_matrices(lambda);
+        const auto fault = elimination_->factor();
+        if (!fault) {
+            elimination_->count_negatives(0);
+            return;
+        }
+        if (fault->link < 0 || fault->too_many) refuse(*fault);
+        // Of rigid directions that say the same one is enough, in small motions
+        const auto l = static_cast<size_t>(fault->link);
+        auto& rows = l < bonds_.size() ? bonds_[l].rigid : pieces_[l - bonds_.size()].rigid;
+        rows.erase(rows.begin() + fault->rigid);
+    }
+}
+
+void FrequencyModel::refuse(const Elimination::Fault& fault) const {
+    const auto f = static_cast<size_t>(fault.frame);
+    if (fault.too_many)
+        throw Error(DTTMM_ERROR_MODEL,
+                    fmt::format("{}: more than {} rigid directions meet there; give some of them a stiffness", names_[f],
+                                Elimination::kMostRows),
+                    elements_[f]);
+    throw Error(DTTMM_ERROR_MODEL,
+                fmt::format("{}: nothing determines its motion in {} (world axes): it has no mass, and no element holds it "
+                            "there; give it a stiffness, a mass or a `fixed` direction, or leave the direction out of dofs",
+                            names_[f], kDirectionNames[static_cast<size_t>(fault.direction)]),
+                elements_[f]);
+}
+
+/// Calls body(link, piece, kind, count) for every piece.
+template <class Body>
+void FrequencyModel::for_each_piece(const Body& body) const {
+    for (const LineModel& line : lines_)
+        for (int i = 0; i < line.count; ++i) {
+            const int p = line.first_piece + i;
+            body(static_cast<int>(bonds_.size()) + p, pieces_[static_cast<size_t>(p)], line);
+        }
+}
+
+void FrequencyModel::set_matrices(double lambda) {
+    lambda_ = lambda;
+    Elimination& e = *elimination_;
+    e.set_zero();
+    for (Kind& kind : kinds_) kind.at_lambda.clear();
+    const auto add = [&](int link, int from, int to, const Matrix6& by_from, const Matrix6& by_to, const Matrix6& start,
+                         const Matrix6& across, const Matrix6& end) {
+        if (from >= 0) e.add_diagonal(from, by_from.transpose() * start * by_from);
+        if (to >= 0) e.add_diagonal(to, by_to.transpose() * end * by_to);
+        if (from >= 0 && to >= 0) e.add_coupling(link, by_from.transpose() * across * by_to);
+    };
+    for (size_t b = 0; b < bonds_.size(); ++b) {
+        const Bond& bond = bonds_[b];
+        add(static_cast<int>(b), bond.from, bond.to, bond.by_from, bond.by_to, bond.stiffness, -bond.stiffness,
+            bond.stiffness);
+    }
+    for_each_piece([&](int link, const Piece& piece, const LineModel& line) {
+        auto& known = kinds_[line.kind].at_lambda;
+        auto [it, is_new] = known.try_emplace(line.count);
+        if (is_new) line.waves->evaluate<double>(line.count, lambda, 1, it->second.first, &it->second.second);
+        const Matrix12& D = it->second.first;
+        add(link, piece.from, piece.to, piece.by_from, piece.by_to, D.topLeftCorner<6, 6>(), D.topRightCorner<6, 6>(),
+            D.bottomRightCorner<6, 6>());
+    });
+    for (const auto* list : {&masses_, &bar_masses_})
+        for (const Mass& mass : *list) e.add_diagonal(mass.frame, -lambda * mask_ * mass.block * mask_);
+    for (int f = 0; f < frame_count(); ++f) {
+        Matrix6 idle = Matrix6::Zero();
+        for (Eigen::Index half : {0, 3}) {
+            const double size = e.diagonal(f).diagonal().segment<3>(half).cwiseAbs().maxCoeff();
+            for (Eigen::Index d = half; d < half + 3; ++d)
+                if (!directions_[static_cast<size_t>(d)]) idle(d, d) = size > 0 ? size : 1;
+        }
+        e.add_diagonal(f, idle);
+    }
+}
+
+std::optional<int> FrequencyModel::factor(double lambda) {
+    set_matrices(lambda);
+    if (elimination_->factor()) return std::nullopt;
+    return elimination_->negatives();
+}
+
+void FrequencyModel::solve(Motion& r) const {
+    for (Vector6& own : r) own = mask_ * own;
+    std::vector<double> q(static_cast<size_t>(elimination_->rigid_count()));
+    elimination_->solve(r, q);
+}
+
+FrequencyModel::Motion FrequencyModel::mass_times(const Motion& u) const {
+    Motion out(u.size(), Vector6::Zero());
+    for (const auto* list : {&masses_, &bar_masses_})
+        for (const Mass& mass : *list) {
+            const auto f = static_cast<size_t>(mass.frame);
+            out[f] += mask_ * (mass.block * (mask_ * u[f]));
+        }
+    for_each_piece([&](int, const Piece& piece, const LineModel& line) {
+        add_piece(piece, kinds_[line.kind].at_lambda.at(line.count).second, u, out);
+    });
+    return out;
+}
+
+FrequencyModel::Motion FrequencyModel::stiffness_times(const Motion& u) const {
+    Motion out(u.size(), Vector6::Zero());
+    for (const auto* list : {&masses_, &bar_masses_})
+        for (const Mass& mass : *list) {
+            const auto f = static_cast<size_t>(mass.frame);
+            out[f] -= lambda_ * mask_ * (mass.block * (mask_ * u[f]));
+        }
+    for (const Bond& bond : bonds_) {
+        const Vector6 force = bond.stiffness * relative(bond, u);
+        if (bond.from >= 0) out[static_cast<size_t>(bond.from)] -= bond.by_from.transpose() * force;
+        if (bond.to >= 0) out[static_cast<size_t>(bond.to)] += bond.by_to.transpose() * force;
+    }
+    for_each_piece([&](int, const Piece& piece, const LineModel& line) {
+        add_piece(piece, kinds_[line.kind].at_lambda.at(line.count).first, u, out);
+    });
+    return out;
+}
+
+Vector6 FrequencyModel::relative(const Bond& bond, const Motion& u) {
+    Vector6 d = Vector6::Zero();
+    if (bond.from >= 0) d -= bond.by_from * u[static_cast<size_t>(bond.from)];
+    if (bond.to >= 0) d += bond.by_to * u[static_cast<size_t>(bond.to)];
+    return d;
+}
+
+Vector12 FrequencyModel::ends_of(const Piece& piece, const Motion& u) {
+    Vector12 ends = Vector12::Zero();
+    if (piece.from >= 0) ends.head<6>() = piece.by_from * u[static_cast<size_t>(piece.from)];
+    if (piece.to >= 0) ends.tail<6>() = piece.by_to * u[static_cast<size_t>(piece.to)];
+    return ends;
+}
+
+void FrequencyModel::add_piece(const Piece& piece, const Matrix12& D, const Motion& u, Motion& out) {
+    const Vector12 force = D * ends_of(piece, u);
+    if (piece.from >= 0) out[static_cast<size_t>(piece.from)] += piece.by_from.transpose() * force.head<6>();
+    if (piece.to >= 0) out[static_cast<size_t>(piece.to)] += piece.by_to.transpose() * force.tail<6>();
+}
+
+double FrequencyModel::largest_stiffness() const {
+    double largest = 0;
+    for (const Bond& bond : bonds_) largest = std::max(largest, bond.stiffness.diagonal().head<3>().maxCoeff());
+    for (const LineModel& line : lines_) {
+        const double l = (line.finish - line.start).norm() / std::max(line.count, 1);
+        largest = std::max(largest, line.line.section.EA / l);
+    }
+    return largest;
+}
+
+bool FrequencyModel::is_elastic() const {
+    return !lines_.empty() ||
+           std::ranges::any_of(bonds_, [](const Bond& bond) { return bond.stiffness.diagonal().maxCoeff() > 0; });
+}
+
+FrequencyModel::Motion FrequencyModel::rigid_motion(int direction) const {
+    Motion motion(positions_.size());
+    Vector6 whole = Vector6::Zero();
+    whole(direction) = 1;
+    for (size_t f = 0; f < motion.size(); ++f) motion[f] = mask_ * (at_point(positions_[f], Vector3::Zero()) * whole);
+    return motion;
+}
+
+Vector3 FrequencyModel::position_of_node(size_t node) const {
+    const NodeSpec& spec = assembly_.nodes[node];
+    const Pose& pose = assembly_.frames[static_cast<size_t>(spec.frame)].pose;
+    return pose.position + pose.rotation * spec.offset;
+}
+
+Vector6 FrequencyModel::node_motion(size_t node, const Motion& u) const {
+    const int frame = frame_of_node(node);
+    return frame < 0 ? Vector6(Vector6::Zero()) : Vector6(by_node(node) * u[static_cast<size_t>(frame)]);
+}
+
+Matrix6 FrequencyModel::by_node(size_t node) const {
+    return masked(at_point(position_of_node(node), positions_[static_cast<size_t>(frame_of_node(node))]));
+}
+
+std::vector<double> FrequencyModel::strain_energies(const Motion& u, size_t elements) const {
+    std::vector<double> energies(elements);
+    const auto add = [&](int element, double energy) {
+        if (element >= 0) energies[static_cast<size_t>(element)] += energy;
+    };
+    for (const Bond& bond : bonds_) {
+        const Vector6 d = relative(bond, u);
+        add(bond.element, 0.5 * d.dot(bond.stiffness * d));
+    }
+    for_each_piece([&](int, const Piece& piece, const LineModel& line) {
+        // uᵀ D u = 2 (V − λ T') and uᵀ (−∂D/∂λ) u = 2 T'
+        const auto& [D, M] = kinds_[line.kind].at_lambda.at(line.count);
+        const Vector12 ends = ends_of(piece, u);
+        add(line.element, 0.5 * ends.dot(D * ends + lambda_ * (M * ends)));
+    });
+    return energies;
+}
+
+double FrequencyModel::along(size_t element, const Motion& u, size_t count, double* shape) const {
+    for (const LineModel& line : lines_) {
+        if (line.element != static_cast<int>(element)) continue;
+        const double length = (line.finish - line.start).norm(), piece_length = length / line.count;
+        const Matrix12& D = kinds_[line.kind].at_lambda.at(line.count).first;
+        for (size_t k = 0; shape && k < count; ++k) {
+            const double s = count > 1 ? static_cast<double>(k) / static_cast<double>(count - 1) * length : 0;
+            const int i = std::min(line.count - 1, static_cast<int>(s / piece_length));
+            const Piece& piece = pieces_[static_cast<size_t>(line.first_piece + i)];
+            const Vector12 ends = ends_of(piece, u);
+            Vector12 start;
+            start << ends.head<6>(), -(D.topRows<6>() * ends);
+            Vector6 local = (line.waves->transfer(lambda_, s - i * piece_length) * start).head<6>();
+            if (line.line.stretches_only && directions_.all())
+                local.segment<3>(1) += (s - i * piece_length) * Vector3(ends(5), -ends(4), 0);
+            Eigen::Map<Vector6>{shape + 6 * k} = both(line.axes) * local;
+        }
+        return length;
+    }
+    return 0;
+}
+
+std::vector<Eigen::Matrix<FrequencyModel::Frequency, 6, 1>> FrequencyModel::respond(double omega, int frame,
+                                                                                    const Vector3& point,
+                                                                                    const Vector6& wrench) const {
+    using Vector6c = Eigen::Matrix<Frequency, 6, 1>;
+    using Matrix6c = Eigen::Matrix<Frequency, 6, 6>;
+    const Eigen::Index frames = frame_count(), size = 6 * frames + elimination_->rigid_count();
+    std::vector<Eigen::Triplet<Frequency>> entries;
+    const auto add = [&](int row, int column, const Matrix6c& block) {
+        if (row < 0 || column < 0) return;
+        for (int i = 0; i < 6; ++i)
+            for (int j = 0; j < 6; ++j)
+                if (block(i, j) != 0.0) entries.emplace_back(6 * row + i, 6 * column + j, block(i, j));
+    };
+    const auto couple = [&](int from, int to, const Matrix6& by_from, const Matrix6& by_to, const Matrix6c& start,
+                            const Matrix6c& across, const Matrix6c& end) {
+        add(from, from, by_from.transpose() * start * by_from);
+        add(to, to, by_to.transpose() * end * by_to);
+        const Matrix6c between = by_from.transpose() * across * by_to;
+        add(from, to, between);
+        add(to, from, between.transpose());
+    };
+    Eigen::Index row = 6 * frames;
+    const auto hold = [&](int from, int to, const std::vector<Rigid>& rows) {
+        for (const Rigid& rigid : rows) {
+            for (const auto& [f, by] : {std::pair(from, &rigid.by_from), std::pair(to, &rigid.by_to)}) {
+                if (f < 0) continue;
+                for (int i = 0; i < 6; ++i) {
+                    if ((*by)(i) == 0) continue;
+                    entries.emplace_back(row, 6 * f + i, (*by)(i));
+                    entries.emplace_back(6 * f + i, row, (*by)(i));
+                }
+            }
+            ++row;
+        }
+    };
+    for (const Bond& bond : bonds_) {
+        const Matrix6c K = bond.stiffness.cast<Frequency>() + Frequency(0, omega) * bond.damping.cast<Frequency>();
+        couple(bond.from, bond.to, bond.by_from, bond.by_to, K, -K, K);
+        hold(bond.from, bond.to, bond.rigid);
+    }
+    std::map<std::pair<size_t, int>, Eigen::Matrix<Frequency, 12, 12>> known;
+    for_each_piece([&](int, const Piece& piece, const LineModel& line) {
+        auto [it, is_new] = known.try_emplace({line.kind, line.count});
+        if (is_new)
+            line.waves->evaluate<Frequency>(line.count, omega * omega,
+                                            Frequency(1, omega * line.line.section.stiffness_damping), it->second, nullptr);
+        const auto& D = it->second;
+        couple(piece.from, piece.to, piece.by_from, piece.by_to, D.topLeftCorner<6, 6>(), D.topRightCorner<6, 6>(),
+               D.bottomRightCorner<6, 6>());
+        hold(piece.from, piece.to, piece.rigid);
+    });
+    for (const auto* list : {&masses_, &bar_masses_})
+        for (const Mass& mass : *list)
+            add(mass.frame, mass.frame, (-omega * omega * mask_ * mass.block * mask_).cast<Frequency>());
+    for (int f = 0; f < frames; ++f)
+        for (int d = 0; d < 6; ++d)
+            if (!directions_[static_cast<size_t>(d)]) entries.emplace_back(6 * f + d, 6 * f + d, 1.0);
+
+    Eigen::SparseMatrix<Frequency> matrix(size, size);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    Eigen::SparseLU<Eigen::SparseMatrix<Frequency>> lu(matrix);
+    Eigen::VectorXcd r = Eigen::VectorXcd::Zero(size);
+    if (frame >= 0) {
+        const Matrix6 by = masked(at_point(point, positions_[static_cast<size_t>(frame)]));
+        r.segment<6>(6 * frame) = (by.transpose() * wrench).cast<Frequency>();
+    }
+    const Eigen::VectorXcd x = lu.info() == Eigen::Success ? Eigen::VectorXcd(lu.solve(r)) : r;
+    if (lu.info() != Eigen::Success || !x.allFinite())
+        throw Error(DTTMM_ERROR_SINGULAR,
+                    fmt::format("{:.6g} Hz is a natural frequency without damping: the response there has no bound",
+                                omega / (2 * M_PI)));
+    std::vector<Vector6c> motion;
+    for (Eigen::Index f = 0; f < frames; ++f) motion.push_back(mask_ * x.segment<6>(6 * f));
+    return motion;
+}
+
+}  // namespace dttmm

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <complex>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "modal/line_waves.h"
+#include "network/assembly.h"
+#include "network/elimination.h"
+
+namespace dttmm {
+
+/// A machine in small vibrations about its start: frames (bodies of the host, masses and nodes of the network, points along
+/// the lines) that joints and lines join. Its dynamic stiffness at λ = ω²,
+///     D(λ) = K − λ M + Σ lines,     J u = 0 in rigid directions,
+/// is factored by the elimination of the time solver, from the tips inwards (Riccati's form of the transfer equations),
+/// which also counts the negative eigenvalues. As lines are cut into pieces that do not vibrate with their ends held, that
+/// is the number of natural frequencies below ω, each with its multiplicity. Source: Wittrick and Williams (1971), Q. J.
+/// Mech. Appl. Math. 24, 263–284, with J0 = 0.
+///
+/// Motions are 6 per frame: of its origin (a mass: its centre), world axes. Directions that the model does not leave are
+/// zero and what would happen in them is not looked at, neither in joints nor along lines.
+class FrequencyModel {
+public:
+    using Motion = std::vector<Vector6>;
+    using Frequency = std::complex<double>;
+
+    /// Throws Error naming element or node: what assemble() refuses, lines at an angle to the directions left, nothing that
+    /// moves, more than one joint direction of no effect.
+    explicit FrequencyModel(const dttmm_modal_model& model);
+
+    /// Cuts the lines so that frequencies below ω [rad/s] can be counted. Throws Error naming the element that would take
+    /// too many pieces, or what nothing holds and has no mass.
+    void cut(double omega);
+
+    /// Sets D(λ) and factors it; the number of natural frequencies below. Nothing: λ is one of them, to rounding.
+    std::optional<int> factor(double lambda);
+
+    // At the λ last set:
+    /// D⁻¹ r on the motions that rigid directions allow.
+    void solve(Motion& r) const;
+    /// −∂D/∂λ u, and D u with the forces of rigid directions left out.
+    Motion mass_times(const Motion& u) const;
+    Motion stiffness_times(const Motion& u) const;
+
+    /// Largest stiffness [N/m] and total mass [kg]: what rounding makes of a rigid-body mode.
+    double largest_stiffness() const;
+    double total_mass() const { return total_mass_; }
+    /// Inertia of all that moves for a motion of the whole, direction d about the world's origin; see dttmm_mode.
+    Motion rigid_motion(int direction) const;
+    bool is_elastic() const;
+    bool has_lines() const { return !lines_.empty(); }
+    int frame_count() const { return static_cast<int>(positions_.size()); }
+    int body_count() const { return body_count_; }
+    Directions directions() const { return directions_; }
+
+    /// Displacement of a node of the network [6, world] that goes with its frame.
+    Vector6 node_motion(size_t node, const Motion& u) const;
+    Matrix6 by_node(size_t node) const;  ///< by the motion of its frame, which there is
+    size_t node_count() const { return assembly_.nodes.size(); }
+    /// Strain energy of every element [J] for a motion of amplitude u.
+    std::vector<double> strain_energies(const Motion& u, size_t elements) const;
+    /// Displacement along an element at stations, ends included; its length, 0 if it is no line.
+    double along(size_t element, const Motion& u, size_t count, double* shape) const;
+
+    /// Response to a unit harmonic wrench at a point of a frame, damped; 6 per frame. Throws Error(DTTMM_ERROR_SINGULAR) at
+    /// a natural frequency without damping.
+    std::vector<Eigen::Matrix<Frequency, 6, 1>> respond(double omega, int frame, const Vector3& point,
+                                                        const Vector6& wrench) const;
+    /// Frame of a body or a node; −1: the ground.
+    int frame_of_node(size_t node) const { return frame_of_[static_cast<size_t>(assembly_.nodes[node].frame)]; }
+    Vector3 position_of_node(size_t node) const;
+
+private:
+    /// Displacement at a point by the motion of a frame, world axes.
+    static Matrix6 at_point(const Vector3& point, const Vector3& origin);
+
+    struct Rigid {
+        Vector6 by_from, by_to;
+    };
+    /// A coupling of two frames (−1: the ground) by constant stiffness and damping of their relative displacement.
+    struct Bond {
+        int element, from, to;
+        Matrix6 by_from, by_to;      ///< relative displacement = by_to u_to − by_from u_from
+        Matrix6 stiffness, damping;  ///< world axes
+        std::vector<Rigid> rigid;
+    };
+    struct Mass {
+        int frame;
+        Matrix6 block;  ///< [kg, kg m², kg m] by the motion of the frame
+    };
+    /// A piece of a line between two frames.
+    struct Piece {
+        int from, to;
+        Matrix6 by_from, by_to;  ///< displacement of its ends in local axes
+        std::vector<Rigid> rigid;
+    };
+    struct LineModel {
+        int element, from, to;
+        Vector3 start, finish;
+        Matrix3 axes;
+        const LineWaves* waves;
+        Line line;
+        size_t kind;  ///< lines alike share their waves
+        int first_piece = 0, count = 0;
+    };
+
+    void add_bodies(const dttmm_modal_model& model);
+    void add_joint(int element, int from, int to, const JointLaw& law, const Pose& pose);
+    void add_line(const LineSpec& line);
+    void add_rigid(std::vector<Rigid>& rows, const Rigid& row) const;
+    Matrix6 masked(const Matrix6& by) const;
+    Matrix6 local_end(const Matrix3& axes, const Vector3& point, int frame) const;
+    void cut_line(LineModel& line, int count);
+    void build();
+    void set_matrices(double lambda);
+    static Vector6 relative(const Bond& bond, const Motion& u);
+    static Vector12 ends_of(const Piece& piece, const Motion& u);
+    static void add_piece(const Piece& piece, const Matrix12& D, const Motion& u, Motion& out);
+    [[noreturn]] void refuse(const Elimination::Fault& fault) const;
+    template <class Body>
+    void for_each_piece(const Body& body) const;
+
+    Assembly assembly_;
+    Directions directions_;
+    Matrix6 mask_;
+    int body_count_ = 0;
+    double total_mass_ = 0;
+    std::vector<int> frame_of_;       ///< of the assembly's frames
+    std::vector<Vector3> positions_;  ///< of the frames
+    std::vector<std::string> names_;
+    std::vector<int> elements_;  ///< one that hangs on each frame
+    size_t own_frames_ = 0;      ///< without those along the lines
+    std::vector<Mass> masses_, bar_masses_;
+    std::vector<Bond> bonds_;
+    std::vector<LineModel> lines_;
+    std::vector<Piece> pieces_;
+    struct Kind {
+        std::vector<double> key;
+        std::unique_ptr<LineWaves> waves;
+        std::map<int, std::pair<Matrix12, Matrix12>> at_lambda;  ///< stiffness and mass of one of so many pieces
+    };
+    std::vector<Kind> kinds_;
+    std::optional<Elimination> elimination_;
+    double lambda_ = 0;
+};
+
+}  // namespace dttmm

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modal/line_waves.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <array>
+#include <cmath>
+
+#include "core/error.h"
+#include "element/parameters.h"
+
+namespace dttmm {
+
+namespace {
+
+using Matrix = Eigen::MatrixXd;
+
+/// Bending planes: the deflection and the rotation that goes with it.
+constexpr std::array kPlanes = {std::pair<size_t, size_t>{1, 5}, std::pair<size_t, size_t>{2, 4}};
+
+void require(double value, const char* key) {
+    if (!is_given(value))
+        throw Error(DTTMM_ERROR_MODEL, fmt::format("section.{} is needed for the directions that move", key));
+}
+
+/// Of a unit length: the mass matrix of the section by the motion of its elastic axis.
+Matrix6 mass_per_length(const Section& s) {
+    const Vector3 c(0, s.offset_y, s.offset_z);
+    Matrix6 M;
+    M.topLeftCorner<3, 3>() = s.mass * Matrix3::Identity();
+    M.topRightCorner<3, 3>() = -s.mass * skew(c);
+    M.bottomLeftCorner<3, 3>() = s.mass * skew(c);
+    M.bottomRightCorner<3, 3>() = -s.mass * skew(c) * skew(c);
+    M(3, 3) = s.inertia;
+    M(4, 4) += s.rotary_y;
+    M(5, 5) += s.rotary_z;
+    return M;
+}
+
+/// e^X and its derivative by Y, X' = Y: Taylor of a small fraction, then squared.
+template <class Square>
+void exponential(Square X, Square Y, bool with_derivative, Square& E, Square& D) {
+    constexpr int kTerms = 16;
+    const double norm = X.cwiseAbs().colwise().sum().maxCoeff();
+    const int squarings = norm > 0.5 ? static_cast<int>(std::ceil(std::log2(norm / 0.5))) : 0;
+    const double part = std::ldexp(1.0, -squarings);
+    X *= part;
+    Y *= part;
+    const auto n = X.rows();
+    Square term = Square::Identity(n, n), change = Square::Zero(n, n);
+    E = term;
+    D = change;
+    for (int k = 1; k <= kTerms; ++k) {
+        if (with_derivative) {
+            change = ((X * change + Y * term) / k).eval();
+            D += change;
+        }
+        term = (X * term / k).eval();
+        E += term;
+    }
+    for (int k = 0; k < squarings; ++k) {
+        if (with_derivative) D = (E * D + D * E).eval();
+        E = (E * E).eval();
+    }
+}
+
+}  // namespace
+
+LineWaves::LineWaves(const Line& line, double length, Directions active) : length_(length) {
+    const Section& s = line.section;
+    Directions moving;
+    moving[0] = active[0];
+    if (line.stretches_only) {
+        passed_ = active;
+        passed_[0] = false;
+    } else {
+        moving[3] = active[3];
+        for (const auto& [deflection, rotation] : kPlanes) {
+            if (active[deflection])
+                moving.set(deflection).set(rotation);
+            else
+                passed_[rotation] = active[rotation];
+        }
+    }
+    if (moving[1]) require(s.EIz, "EIz"), require(s.GAy, "GAy");
+    if (moving[2]) require(s.EIy, "EIy"), require(s.GAz, "GAz");
+    if (moving[3]) require(s.GJ, "GJ");
+
+    Vector6 C;
+    C << 1 / s.EA, 1 / s.GAy, 1 / s.GAz, 1 / s.GJ, 1 / s.EIy, 1 / s.EIz;
+    Matrix6 A = Matrix6::Zero();
+    A(1, 5) = 1;
+    A(2, 4) = -1;
+    const Matrix6 M = mass_per_length(s);
+    std::array<int, 6> group_of{};
+    group_of.fill(-1);
+    for (size_t first = 0; first < 6; ++first) {
+        if (!moving[first] || group_of[first] >= 0) continue;
+        Group group;
+        const auto add = [&](size_t d) {
+            group_of[d] = static_cast<int>(groups_.size());
+            group.directions.push_back(static_cast<int>(d));
+        };
+        add(first);
+        for (size_t k = 0; k < group.directions.size(); ++k)
+            for (size_t d = 0; d < 6; ++d) {
+                const int other = group.directions[k], own = static_cast<int>(d);
+                if (moving[d] && group_of[d] < 0 && (A(other, own) != 0 || A(own, other) != 0 || M(other, own) != 0)) add(d);
+            }
+        group.A = A(group.directions, group.directions);
+        group.M = M(group.directions, group.directions);
+        group.C = C(group.directions);
+        const auto n = static_cast<Eigen::Index>(group.directions.size());
+        group.unit_d.setOnes(n);
+        group.unit_n.resize(n);
+        for (Eigen::Index k = 0; k < n; ++k) {
+            const int d = group.directions[static_cast<size_t>(k)];
+            const double bending = d == 1 ? s.EIz : d == 2 ? s.EIy : 0;
+            group.unit_n(k) = bending > 0 ? bending : 1 / C(d);
+        }
+        groups_.push_back(std::move(group));
+    }
+}
+
+/// U of a group over s in its units, where a deflection counts in lengths of s and forces as what bends by a radian on s.
+template <class Scalar>
+LineWaves::Waves<Scalar> LineWaves::waves(const Group& group, double s, Scalar lambda, Scalar stiffening,
+                                          bool with_derivative) const {
+    using Block = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+    const auto n = static_cast<Eigen::Index>(group.directions.size());
+    Waves<Scalar> waves;
+    waves.unit_d = group.unit_d;
+    waves.unit_n = group.unit_n;
+    for (Eigen::Index k = 0; k < n; ++k) {
+        const int d = group.directions[static_cast<size_t>(k)];
+        if (d < 3) waves.unit_d(k) = s;
+        if (d >= 3) waves.unit_n(k) /= s;
+        if (d == 1 || d == 2) waves.unit_n(k) /= s * s;
+    }
+    const auto &ud = waves.unit_d, &un = waves.unit_n;
+    const Matrix A = s * (ud.cwiseInverse().asDiagonal() * group.A * ud.asDiagonal());
+    const Matrix C = s * (ud.cwiseInverse().cwiseProduct(group.C).cwiseProduct(un)).asDiagonal().toDenseMatrix();
+    const Matrix M = s * (un.cwiseInverse().asDiagonal() * group.M * ud.asDiagonal());
+    const Matrix At = s * (un.cwiseInverse().asDiagonal() * group.A.transpose() * un.asDiagonal());
+    Block S = Block::Zero(2 * n, 2 * n), by_lambda = S;
+    S.topLeftCorner(n, n) = A.template cast<Scalar>();
+    S.topRightCorner(n, n) = C.template cast<Scalar>() / stiffening;
+    S.bottomLeftCorner(n, n) = -lambda * M.template cast<Scalar>();
+    S.bottomRightCorner(n, n) = -At.template cast<Scalar>();
+    by_lambda.bottomLeftCorner(n, n) = -M.template cast<Scalar>();
+    exponential(S, by_lambda, with_derivative, waves.U, waves.by_lambda);
+    return waves;
+}
+
+/// A lower bound of the square of the lowest frequency of a piece with its ends held: one over the sum of what every part of
+/// the mass would do alone, ∫ tr(G(s, s) M) ds, G the compliance at s of the massless piece.
+double LineWaves::lowest_held(const Group& group, double length) const {
+    constexpr std::array kPoints = {0.0694318442029737, 0.3300094782075719, 0.6699905217924281, 0.9305681557970263};
+    constexpr std::array kWeights = {0.1739274225687269, 0.3260725774312731, 0.3260725774312731, 0.1739274225687269};
+    const auto n = static_cast<Eigen::Index>(group.directions.size());
+    // Compliance of a piece held at its start, at its end; of one held at its end, at its start
+    const auto held = [&](double s, bool at_start) {
+        const Waves<double> w = waves<double>(group, s, 0, 1, false);
+        const auto Udd = w.U.topLeftCorner(n, n), Udn = w.U.topRightCorner(n, n), Unn = w.U.bottomRightCorner(n, n);
+        const Matrix F = at_start ? Matrix(Udn * Matrix(Unn).inverse()) : Matrix(Matrix(Udd).inverse() * Udn);
+        return Matrix(w.unit_d.asDiagonal() * F * w.unit_n.cwiseInverse().asDiagonal());
+    };
+    double sum = 0;
+    for (size_t k = 0; k < kPoints.size(); ++k) {
+        const double s = kPoints[k] * length;
+        const Matrix stiffness = held(s, true).inverse() + held(length - s, false).inverse();
+        sum += kWeights[k] * length * (stiffness.inverse() * group.M).trace();
+    }
+    return 1 / sum;
+}
+
+int LineWaves::pieces(double omega, int most) const {
+    constexpr double kMargin = 2;  // on the square; the sum over points is not the integral
+    int count = 1;
+    for (const Group& group : groups_) {
+        while (count <= most) {
+            const double ratio = kMargin * omega * omega / lowest_held(group, length_ / count);
+            if (ratio <= 1) break;
+            const double next = std::ceil(count * std::pow(ratio, 0.25));  // bending; axial waves take another round
+            count = next > most ? most + 1 : std::max(count + 1, static_cast<int>(next));
+        }
+    }
+    return count;
+}
+
+template <class Scalar>
+void LineWaves::evaluate(int count, Scalar lambda, Scalar stiffening, Square<Scalar>& stiffness,
+                         Square<Scalar>* mass) const {
+    using Block = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+    stiffness.setZero();
+    if (mass) mass->setZero();
+    for (const Group& group : groups_) {
+        const auto n = static_cast<Eigen::Index>(group.directions.size());
+        const Waves<Scalar> w = waves<Scalar>(group, length_ / count, lambda, stiffening, mass != nullptr);
+        const Block Udd = w.U.topLeftCorner(n, n), Unn = w.U.bottomRightCorner(n, n);
+        const Block W = Block(w.U.topRightCorner(n, n)).fullPivLu().inverse();
+        // n0 = W (d1 − Udd d0),  n1 = Und d0 + Unn n0; on the piece act −n0 and n1
+        Eigen::VectorXi at(2 * n);
+        Eigen::VectorXd unit(n);
+        for (Eigen::Index k = 0; k < n; ++k) {
+            at(k) = group.directions[static_cast<size_t>(k)];
+            at(n + k) = 6 + at(k);
+        }
+        const auto store = [&](const Block& start, const Block& across, const Block& end, double sign,
+                               Square<Scalar>& into) {
+            Block all(2 * n, 2 * n);
+            all << start, across, across.transpose(), end;
+            const Eigen::VectorXd un = w.unit_n.replicate(2, 1), ud = w.unit_d.replicate(2, 1).cwiseInverse();
+            // In units: the upper right block is taken, its transpose would have the units of the other side
+            Block scaled = un.asDiagonal() * all * ud.asDiagonal();
+            scaled.bottomLeftCorner(n, n) = scaled.topRightCorner(n, n).transpose();
+            scaled = (0.5 * sign * (scaled + scaled.transpose())).eval();
+            for (Eigen::Index i = 0; i < 2 * n; ++i)
+                for (Eigen::Index j = 0; j < 2 * n; ++j) into(at(i), at(j)) = scaled(i, j);
+        };
+        store(W * Udd, -W, Unn * W, 1, stiffness);
+        if (!mass) continue;
+        const Block dUdd = w.by_lambda.topLeftCorner(n, n), dUnn = w.by_lambda.bottomRightCorner(n, n);
+        const Block dW = -W * w.by_lambda.topRightCorner(n, n) * W;
+        store(dW * Udd + W * dUdd, -dW, dUnn * W + Unn * dW, -1, *mass);
+    }
+}
+
+Matrix12 LineWaves::transfer(double lambda, double s) const {
+    Matrix12 U = Matrix12::Identity();
+    if (!(s > 0)) return U;
+    for (const Group& group : groups_) {
+        const auto n = static_cast<Eigen::Index>(group.directions.size());
+        const Waves<double> w = waves<double>(group, s, lambda, 1, false);
+        Eigen::VectorXd unit(2 * n);
+        unit << w.unit_d, w.unit_n;
+        const Matrix own = unit.asDiagonal() * w.U * unit.cwiseInverse().asDiagonal();
+        for (Eigen::Index i = 0; i < 2 * n; ++i)
+            for (Eigen::Index j = 0; j < 2 * n; ++j) {
+                const auto at = [&](Eigen::Index k) {
+                    return group.directions[static_cast<size_t>(k % n)] + (k < n ? 0 : 6);
+                };
+                U(at(i), at(j)) = own(i, j);
+            }
+    }
+    return U;
+}
+
+template void LineWaves::evaluate(int, double, double, Square<double>&, Square<double>*) const;
+template void LineWaves::evaluate(int, std::complex<double>, std::complex<double>, Square<std::complex<double>>&,
+                                  Square<std::complex<double>>*) const;
+
+}  // namespace dttmm

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "core/driven_ends.h"
+#include "element/element.h"
+
+namespace dttmm {
+
+/// A uniform element at a frequency, in its local axes. Displacement d = [u; θ] and section force n = [f; m] on the positive
+/// face obey, λ = ω²,
+///     d' = A d + C n,   n' = −λ M d − Aᵀ n,      A: u' = θ × e_x,  C: compliances,  M: mass per length with its offset,
+/// so that [d; n] at a distance s is U = exp(S s) times that at the start: no wave number is divided by, nothing is special
+/// at λ = 0, and bending, shear, torsion and axial waves couple as the mass axis has it. Units are balanced and the
+/// exponential is squared up from small steps, so that nothing overflows as long as the element is cut into pieces that do
+/// not vibrate with their ends held (see pieces). In the letters of the state vector q = −f and m = m.
+/// Source: theory of transfer matrices, Pestel and Leckie (1963); the hydroplane paper's eq. (9) is its 8 × 8 part.
+class LineWaves {
+public:
+    template <class Scalar>
+    using Square = Eigen::Matrix<Scalar, 12, 12>;
+
+    /// The directions of its ends in which it moves with waves: `active` are those of the local axes that the model leaves.
+    /// A bending plane goes by its deflection; without it the rotation passes unchanged (see passed()). Throws
+    /// Error(DTTMM_ERROR_MODEL) naming a stiffness of the section that is needed and not given.
+    LineWaves(const Line& line, double length, Directions active);
+
+    /// Directions that both ends share rigidly: rotations whose bending plane is not spanned; of a rod all but the axial
+    /// (the ends of a bar, as it stands; with only some directions left each by itself, the paper's reduced state).
+    Directions passed() const { return passed_; }
+
+    /// Pieces it must be cut into so that none vibrates below ω with its ends held, by a lower bound (Dunkerley): the
+    /// frequencies of the whole below ω can then be counted at its nodes. At most `most` + 1.
+    int pieces(double omega, int most) const;
+
+    /// Dynamic stiffness of one of `count` equal pieces, [force; moment] on its start and end by their displacements, and
+    /// the mass −∂D/∂λ if given. stiffening: 1 + iωη of a complex modulus.
+    template <class Scalar>
+    void evaluate(int count, Scalar lambda, Scalar stiffening, Square<Scalar>& stiffness, Square<Scalar>* mass) const;
+
+    /// exp(S s), [d; n] order, directions without waves unchanged.
+    Matrix12 transfer(double lambda, double s) const;
+
+private:
+    /// Directions that couple with each other.
+    struct Group {
+        std::vector<int> directions;
+        Eigen::MatrixXd A, M;
+        Eigen::VectorXd C, unit_d, unit_n;  ///< diagonal of C; units of d and n for a piece of unit length
+    };
+    template <class Scalar>
+    struct Waves {
+        Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> U, by_lambda;
+        Eigen::VectorXd unit_d, unit_n;
+    };
+    template <class Scalar>
+    Waves<Scalar> waves(const Group& group, double s, Scalar lambda, Scalar stiffening, bool with_derivative) const;
+    double lowest_held(const Group& group, double length) const;
+
+    double length_;
+    Directions passed_;
+    std::vector<Group> groups_;
+};
+
+}  // namespace dttmm

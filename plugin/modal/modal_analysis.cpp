@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modal/modal_analysis.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/error.h"
+
+namespace dttmm {
+
+ModalAnalysis::ModalAnalysis(const dttmm_modal_model& model) : model_(model), element_count_(model.network->element_count) {}
+
+size_t ModalAnalysis::find_modes(uint32_t count, double below) {
+    if (!model_.is_elastic())
+        throw Error(DTTMM_ERROR_MODEL, "nothing is elastic: no element stores energy, nothing vibrates");
+    if (!(below >= 0) || !std::isfinite(below) || (below == 0 && count == 0))
+        throw Error(DTTMM_ERROR_ARGUMENT, "find_modes wants a frequency or a count");
+    ModeFinder finder(model_);
+    modes_ = below > 0 ? finder.find_below(2 * M_PI * below) : finder.find_first(static_cast<int>(count));
+    cut_ = finder.cut_for();
+    at_ = -1;
+    return modes_.size();
+}
+
+const Mode& ModalAnalysis::stand_at(uint32_t index) {
+    if (index >= modes_.size()) throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("there is no mode {}", index));
+    const Mode& mode = modes_[index];
+    if (at_ == static_cast<long>(index)) return mode;
+    if (at_ < 0) model_.cut(cut_);
+    model_.factor(mode.omega * mode.omega);
+    at_ = static_cast<long>(index);
+    return mode;
+}
+
+void ModalAnalysis::mode(uint32_t index, dttmm_mode* out, double* bodies, double* nodes, double* shares) {
+    const Mode& mode = stand_at(index);
+    if (out) {
+        *out = {mode.omega / (2 * M_PI), mode.bracket, static_cast<uint32_t>(mode.multiplicity),
+                mode.residual,           mode.mass,    {}};
+        Eigen::Map<Vector6>{out->participation} = mode.participation;
+    }
+    for (int b = 0; bodies && b < model_.body_count(); ++b)
+        Eigen::Map<Vector6>{bodies + 6 * b} = mode.shape[static_cast<size_t>(b)];
+    for (size_t n = 0; nodes && n < model_.node_count(); ++n)
+        Eigen::Map<Vector6>{nodes + 6 * n} = model_.node_motion(n, mode.shape);
+    if (!shares) return;
+    const std::vector<double> energies = model_.strain_energies(mode.shape, element_count_);
+    double total = 0;
+    for (double energy : energies) total += energy;
+    // Of a rigid-body mode rounding is all there is
+    const bool is_rigid = mode.omega == 0 || !(total > 0);
+    for (size_t e = 0; e < element_count_; ++e) shares[e] = is_rigid ? 0 : energies[e] / total;
+}
+
+double ModalAnalysis::along(uint32_t index, uint32_t element, uint32_t count, double* shape) {
+    return model_.along(element, stand_at(index).shape, count, shape);
+}
+
+void ModalAnalysis::respond(double frequency, int on_body, int on_node, const Vector3& point, const Vector6& force,
+                            double* bodies, double* nodes) {
+    if (!(frequency >= 0) || !std::isfinite(frequency)) throw Error(DTTMM_ERROR_ARGUMENT, "a frequency must be finite");
+    const double omega = 2 * M_PI * frequency;
+    if (omega > cut_) {  // here pieces only keep numbers small
+        model_.cut(omega);
+        cut_ = omega;
+        at_ = -1;
+    } else if (cut_ == 0) {
+        model_.cut(1);
+    }
+    const int frame = on_body >= 0 ? on_body : model_.frame_of_node(static_cast<size_t>(on_node));
+    const auto motion = model_.respond(omega, frame, point, force);
+    const auto write = [](const Eigen::Matrix<std::complex<double>, 6, 1>& u, double* out) {
+        for (Eigen::Index d = 0; d < 6; ++d) {
+            out[2 * d] = u(d).real();
+            out[2 * d + 1] = u(d).imag();
+        }
+    };
+    for (int b = 0; bodies && b < model_.body_count(); ++b) write(motion[static_cast<size_t>(b)], bodies + 12 * b);
+    for (size_t n = 0; nodes && n < model_.node_count(); ++n) {
+        const int f = model_.frame_of_node(n);
+        write(f < 0 ? Eigen::Matrix<std::complex<double>, 6, 1>::Zero()
+                    : Eigen::Matrix<std::complex<double>, 6, 1>(model_.by_node(n).cast<std::complex<double>>() *
+                                                                motion[static_cast<size_t>(f)]),
+              nodes + 12 * n);
+    }
+}
+
+}  // namespace dttmm

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "modal/frequency_model.h"
+#include "modal/mode_finder.h"
+
+namespace dttmm {
+
+/// Small vibrations of a machine, as the C interface asks for them.
+class ModalAnalysis {
+public:
+    explicit ModalAnalysis(const dttmm_modal_model& model);
+
+    /// See dttmm_plugin.find_modes. Throws Error(DTTMM_ERROR_MODEL) where nothing is elastic.
+    size_t find_modes(uint32_t count, double below);
+    /// See dttmm_plugin.mode, mode_along and respond.
+    void mode(uint32_t index, dttmm_mode* mode, double* bodies, double* nodes, double* shares);
+    double along(uint32_t index, uint32_t element, uint32_t count, double* shape);
+    void respond(double frequency, int on_body, int on_node, const Vector3& point, const Vector6& force, double* bodies,
+                 double* nodes);
+
+private:
+    const Mode& stand_at(uint32_t index);
+
+    FrequencyModel model_;
+    size_t element_count_;
+    std::vector<Mode> modes_;
+    double cut_ = 0;  ///< [rad/s] for which the lines are cut
+    long at_ = -1;    ///< mode that the model stands at
+};
+
+}  // namespace dttmm

@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modal/mode_finder.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+
+namespace dttmm {
+
+namespace {
+
+/// Rounding of a rigid-body mode, as share of the largest stiffness over the whole mass.
+constexpr double kRigidRounding = 1e-12;
+/// Of the range looked at: lower frequencies are taken for zero.
+constexpr double kLowest = 1e-7;
+/// Frequencies so near each other count as equal, unless the count can tell them apart.
+constexpr double kEqual = 2e-9;
+/// Wider than this the shapes of a group are not looked for yet: high/low of an interval.
+constexpr double kNarrow = 1.3;
+constexpr double kFinestBracket = 2.5e-11, kWidestBracket = 1e-8;
+/// Where the search for the first few begins, and where a model of finitely many masses has no more [rad/s].
+constexpr double kFirstTrial = 2 * M_PI, kFastest = 1e12;
+
+double dot(const FrequencyModel::Motion& a, const FrequencyModel::Motion& b) {
+    double sum = 0;
+    for (size_t f = 0; f < a.size(); ++f) sum += a[f].dot(b[f]);
+    return sum;
+}
+
+}  // namespace
+
+void ModeFinder::open(double below) {
+    model_.cut(below);
+    below_ = below;
+    const double rounding = model_.total_mass() > 0 ? kRigidRounding * model_.largest_stiffness() / model_.total_mass() : 0;
+    lowest_ = std::max(std::sqrt(rounding), kLowest * below);
+}
+
+/// A frequency hit to rounding has no count: a little beside it there is one.
+int ModeFinder::count_at(double& omega) {
+    for (const double shift : {0.0, 1e-10, 3e-10, 1e-9, 3e-9, 1e-8}) {
+        const double beside = omega * (1 + shift);
+        if (const auto count = model_.factor(beside * beside)) {
+            omega = beside;
+            return *count;
+        }
+    }
+    throw Error(DTTMM_ERROR_NUMERIC,
+                fmt::format("the natural frequencies near {:.9g} Hz cannot be counted", omega / (2 * M_PI)));
+}
+
+std::vector<Mode> ModeFinder::find_below(double below) {
+    open(below);
+    if (lowest_ >= below)
+        throw Error(DTTMM_ERROR_NUMERIC,
+                    fmt::format("below {:.4g} Hz rounding hides everything: its stiffest parts vibrate too much faster",
+                                lowest_ / (2 * M_PI)));
+    rigid_count_ = count_at(lowest_);
+    const int until = count_at(below);
+    find_rigid(rigid_count_);
+    separate({lowest_, below, rigid_count_, until});
+    return finish();
+}
+
+std::vector<Mode> ModeFinder::find_first(int count) {
+    // How far to look: no farther than needed. Masses without lines between them have only so many
+    double below = 0;
+    int most = -1;
+    for (double trial = kFirstTrial; most < count && trial < kFastest; trial *= 4) {
+        open(trial);
+        double counted = trial;
+        const int there = lowest_ < trial ? count_at(counted) : 0;
+        if (there <= most) continue;
+        most = there;
+        below = trial;
+    }
+    open(below);
+    double low = below / 4;
+    while (below > 1.1 * low) {
+        double middle = std::sqrt(low * below);
+        if (middle > lowest_ && count_at(middle) >= std::min(count, most))
+            below = middle;
+        else
+            low = middle;
+    }
+    std::vector<Mode> modes = find_below(below);
+    const auto is_equal = [](const Mode& a, const Mode& b) { return std::abs(a.omega - b.omega) <= kEqual * a.omega; };
+    size_t keep = std::min(modes.size(), static_cast<size_t>(count));
+    while (keep > 0 && keep < modes.size() && is_equal(modes[keep - 1], modes[keep])) ++keep;
+    modes.resize(keep);
+    return modes;
+}
+
+FrequencyModel::Motion ModeFinder::random_motion() {
+    Motion motion(static_cast<size_t>(model_.frame_count()));
+    for (Vector6& u : motion)
+        for (double& x : u) {
+            seed_ = seed_ * 6364136223846793005u + 1442695040888963407u;
+            x = static_cast<double>(seed_ >> 11) * 0x1p-53 - 0.5;
+        }
+    return motion;
+}
+
+/// Inverse iteration on a group of shapes at a shift, and what their span says of the frequencies next to it: λ, ascending.
+/// The shapes are then these, of unit modal mass.
+std::vector<double> ModeFinder::iterate(std::vector<Motion>& shapes, double lambda, int rounds) {
+    const auto n = static_cast<Eigen::Index>(shapes.size());
+    if (!model_.factor(lambda)) return {};
+    Eigen::MatrixXd A(n, n), B(n, n);
+    std::vector<double> lambdas(shapes.size());
+    for (int round = 0; round < rounds; ++round) {
+        std::vector<Motion> loads, masses;
+        for (Motion& shape : shapes) {
+            loads.push_back(model_.mass_times(shape));
+            shape = loads.back();
+            model_.solve(shape);
+            // Overflow and underflow have nothing to do with shapes
+            double largest = 0;
+            for (const Vector6& u : shape) largest = std::max(largest, u.cwiseAbs().maxCoeff());
+            if (!(largest > 0) || !std::isfinite(largest)) return {};
+            for (Vector6& u : shape) u /= largest;
+            for (Vector6& r : loads.back()) r /= largest;
+            masses.push_back(model_.mass_times(shape));
+        }
+        for (Eigen::Index i = 0; i < n; ++i)
+            for (Eigen::Index j = 0; j < n; ++j) {
+                A(i, j) = dot(shapes[static_cast<size_t>(i)], loads[static_cast<size_t>(j)]);
+                B(i, j) = dot(shapes[static_cast<size_t>(i)], masses[static_cast<size_t>(j)]);
+            }
+        // In units in which every shape has unit mass
+        const Eigen::VectorXd unit = B.diagonal().cwiseSqrt().cwiseInverse();
+        if (!unit.allFinite()) return {};
+        const Eigen::MatrixXd scaled_a = unit.asDiagonal() * (0.5 * (A + A.transpose())) * unit.asDiagonal();
+        const Eigen::MatrixXd scaled_b = unit.asDiagonal() * (0.5 * (B + B.transpose())) * unit.asDiagonal();
+        const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> ritz(scaled_a, scaled_b);
+        if (ritz.info() != Eigen::Success || !ritz.eigenvectors().allFinite()) return {};
+        const Eigen::MatrixXd mix = unit.asDiagonal() * ritz.eigenvectors();
+        std::vector<Motion> mixed(shapes.size(), Motion(shapes.front().size(), Vector6::Zero()));
+        for (Eigen::Index j = 0; j < n; ++j)
+            for (Eigen::Index i = 0; i < n; ++i)
+                for (size_t f = 0; f < shapes.front().size(); ++f)
+                    mixed[static_cast<size_t>(j)][f] += mix(i, j) * shapes[static_cast<size_t>(i)][f];
+        shapes = std::move(mixed);
+        for (Eigen::Index i = 0; i < n; ++i) lambdas[static_cast<size_t>(i)] = lambda + ritz.eigenvalues()(i);
+    }
+    return lambdas;
+}
+
+void ModeFinder::find_rigid(int count) {
+    if (count == 0) return;
+    std::vector<Motion> shapes;
+    for (int i = 0; i < count; ++i) shapes.push_back(random_motion());
+    const double shift = -1e4 * lowest_ * lowest_;  // all is held there
+    if (iterate(shapes, shift, 8).empty())
+        throw Error(DTTMM_ERROR_NUMERIC, "the shapes of the rigid-body modes were not found");
+    model_.factor(shift);
+    add({std::vector<double>(shapes.size(), 0.0), shapes}, 0);
+}
+
+/// Splits an interval by counts until its group of frequencies can be refined.
+void ModeFinder::separate(Interval interval) {
+    while (interval.until > interval.before) {
+        if (interval.high <= kNarrow * interval.low && refine(interval)) return;
+        if (interval.high - interval.low < kEqual * interval.low)
+            throw Error(DTTMM_ERROR_NUMERIC,
+                        fmt::format("{} natural frequencies at {:.9g} Hz could be counted but not confirmed",
+                                    interval.until - interval.before, interval.low / (2 * M_PI)));
+        const bool is_wide = interval.high > 2 * interval.low;
+        double middle = is_wide ? std::sqrt(interval.low * interval.high) : 0.5 * (interval.low + interval.high);
+        const int count = count_at(middle);
+        if (count < interval.before || count > interval.until)
+            throw Error(
+                DTTMM_ERROR_NUMERIC,
+                fmt::format("the count of natural frequencies near {:.9g} Hz is lost in rounding", middle / (2 * M_PI)));
+        separate({interval.low, middle, interval.before, count});
+        interval = {middle, interval.high, count, interval.until};
+    }
+}
+
+bool ModeFinder::refine(const Interval& interval) {
+    std::vector<Motion> shapes;
+    for (int i = interval.before; i < interval.until; ++i) shapes.push_back(random_motion());
+    const double middle = 0.5 * (interval.low + interval.high);
+    const std::vector<double> lambdas = iterate(shapes, middle * middle, 4);
+    if (lambdas.empty()) return false;
+    std::vector<Cluster> clusters;
+    for (size_t k = 0; k < lambdas.size(); ++k) {
+        const double omega = std::sqrt(std::max(lambdas[k], 0.0));
+        if (!(omega >= interval.low * 0.99 && omega <= interval.high * 1.01)) return false;
+        if (clusters.empty() || lambdas[k] > clusters.back().lambdas.back() * (1 + 1e-4)) clusters.emplace_back();
+        clusters.back().lambdas.push_back(lambdas[k]);
+        clusters.back().shapes.push_back(shapes[k]);
+    }
+    std::vector<double> brackets(clusters.size());
+    int before = interval.before;
+    for (size_t k = 0; k < clusters.size(); ++k) {
+        if (!converge(clusters[k])) return false;
+        if (!confirm(clusters[k], before, brackets[k])) return false;
+        before += static_cast<int>(clusters[k].shapes.size());
+    }
+    for (size_t k = 0; k < clusters.size(); ++k) {
+        const double lambda = clusters[k].lambdas.front();
+        if (!model_.factor(lambda)) model_.factor(lambda * (1 + 1e-10));
+        add(clusters[k], brackets[k]);
+    }
+    return true;
+}
+
+/// Inverse iteration with the shift next to the cluster until its frequencies stand.
+bool ModeFinder::converge(Cluster& cluster) {
+    std::vector<double> before = cluster.lambdas;
+    for (int pass = 0; pass < 8; ++pass) {
+        const double mean = 0.5 * (before.front() + before.back());
+        std::vector<double> next = iterate(cluster.shapes, mean * (1 + 1e-9), 2);
+        if (next.empty()) next = iterate(cluster.shapes, mean * (1 + 1e-7), 2);
+        if (next.empty() || !(next.front() > 0)) return false;
+        double change = 0;
+        for (size_t k = 0; k < next.size(); ++k) change = std::max(change, std::abs(next[k] - before[k]) / next[k]);
+        before = next;
+        if (change < 1e-12 || (pass > 2 && change < 1e-10)) break;
+    }
+    cluster.lambdas = before;
+    return cluster.lambdas.back() <= cluster.lambdas.front() * (1 + 2 * kEqual);
+}
+
+/// The count on both sides of a cluster, as near as it can tell.
+bool ModeFinder::confirm(const Cluster& cluster, int before, double& bracket) {
+    const int until = before + static_cast<int>(cluster.shapes.size());
+    for (bracket = kFinestBracket; bracket <= kWidestBracket; bracket *= 4) {
+        const double low = std::sqrt(cluster.lambdas.front()) * (1 - bracket);
+        const double high = std::sqrt(cluster.lambdas.back()) * (1 + bracket);
+        if (model_.factor(low * low) == before && model_.factor(high * high) == until) return true;
+    }
+    return false;
+}
+
+/// Takes shapes of equal frequencies into the list; the model stands at them.
+void ModeFinder::add(const Cluster& cluster, double bracket) {
+    for (size_t k = 0; k < cluster.shapes.size(); ++k) {
+        Mode mode;
+        mode.omega = std::sqrt(cluster.lambdas[k]);
+        mode.bracket = bracket;
+        mode.multiplicity = static_cast<int>(cluster.shapes.size());
+        mode.shape = cluster.shapes[k];
+        double largest = 0, turn = 0;
+        const auto look = [&](const Vector6& u) {
+            largest = std::max(largest, u.head<3>().norm());
+            turn = std::max(turn, u.tail<3>().norm());
+        };
+        for (const Vector6& u : mode.shape) look(u);
+        for (size_t n = 0; n < model_.node_count(); ++n) look(model_.node_motion(n, mode.shape));
+        // A shape is scaled by its largest displacement, one that only turns by its rotation
+        const double scale = 1 / (largest > 1e-9 * turn ? largest : turn);
+        for (Vector6& u : mode.shape) u *= scale;
+        mode.mass = dot(mode.shape, model_.mass_times(mode.shape));
+        const double inertial = mode.omega * mode.omega * mode.mass;
+        if (inertial > 0) mode.residual = std::abs(dot(mode.shape, model_.stiffness_times(mode.shape))) / inertial;
+        modes_.push_back(std::move(mode));
+    }
+}
+
+std::vector<Mode> ModeFinder::finish() {
+    std::ranges::stable_sort(modes_, {}, &Mode::omega);
+    // Shares of what moves as a whole. Of two motions φ at λ and r at 0 the mass between them is −φᵀ (D(λ) − D(0)) r / λ
+    std::array<Motion, 6> whole, held, massive;
+    Vector6 all;
+    model_.factor(0);
+    for (int d = 0; d < 6; ++d) {
+        const auto i = static_cast<size_t>(d);
+        whole[i] = model_.rigid_motion(d);
+        held[i] = model_.stiffness_times(whole[i]);
+        massive[i] = model_.mass_times(whole[i]);
+        all(d) = dot(whole[i], massive[i]);
+    }
+    double lambda = 0;
+    for (Mode& mode : modes_) {
+        if (mode.omega > 0 && mode.omega * mode.omega != lambda) {
+            lambda = mode.omega * mode.omega;
+            model_.factor(lambda);
+        }
+        for (int d = 0; d < 6; ++d) {
+            const auto i = static_cast<size_t>(d);
+            double moved = dot(mode.shape, massive[i]);
+            if (mode.omega > 0)
+                moved = (dot(mode.shape, held[i]) - dot(mode.shape, model_.stiffness_times(whole[i]))) / lambda;
+            mode.participation(d) = all(d) > 0 ? moved * moved / (mode.mass * all(d)) : 0;
+        }
+    }
+    return std::move(modes_);
+}
+
+}  // namespace dttmm

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "modal/frequency_model.h"
+
+namespace dttmm {
+
+/// A natural frequency and its shape.
+struct Mode {
+    double omega = 0;    ///< [rad/s]; 0: a rigid-body mode
+    double bracket = 0;  ///< relative: the count changes by the multiplicity between ω (1 − bracket) and ω (1 + bracket)
+    int multiplicity = 1;
+    double residual = 0;                      ///< |uᵀ D(ω²) u| over the kinetic energy that goes with it
+    double mass = 0;                          ///< modal [kg], of the shape as it is scaled: its largest displacement is 1
+    FrequencyModel::Motion shape;             ///< of the frames
+    Vector6 participation = Vector6::Zero();  ///< share of the mass or inertia moved as a whole in each direction
+};
+
+/// Finds natural frequencies in order and proves that none is missing: the count separates them, inverse iteration on the
+/// shapes of a group (so that multiple ones come whole) refines them, and the count on both sides of each confirms it.
+/// Source: Wittrick and Williams (1971), Q. J. Mech. Appl. Math. 24; inverse iteration with the derivative of the dynamic
+/// stiffness: Yuan, Ye, Williams and Kennedy (2003), Int. J. Numer. Meth. Eng. 56.
+class ModeFinder {
+public:
+    explicit ModeFinder(FrequencyModel& model) : model_(model) {}
+
+    /// All below `below` [rad/s]. Throws Error(DTTMM_ERROR_NUMERIC) where the count cannot be made out.
+    std::vector<Mode> find_below(double below);
+    /// The first `count`, and what is equal to the last of them; all if there are fewer.
+    std::vector<Mode> find_first(int count);
+    /// Frequency [rad/s] for which the model was cut last.
+    double cut_for() const { return below_; }
+
+private:
+    using Motion = FrequencyModel::Motion;
+    struct Interval {
+        double low, high;   ///< [rad/s]
+        int before, until;  ///< counts at its ends
+    };
+    /// Approximations of equal or nearly equal frequencies.
+    struct Cluster {
+        std::vector<double> lambdas;
+        std::vector<Motion> shapes;
+    };
+
+    void open(double below);
+    int count_at(double& omega);
+    void find_rigid(int count);
+    void separate(Interval interval);
+    bool refine(const Interval& interval);
+    bool converge(Cluster& cluster);
+    bool confirm(const Cluster& cluster, int before, double& bracket);
+    std::vector<double> iterate(std::vector<Motion>& shapes, double lambda, int rounds);
+    void add(const Cluster& cluster, double bracket);
+    Motion random_motion();
+    std::vector<Mode> finish();
+
+    FrequencyModel& model_;
+    std::vector<Mode> modes_;
+    double lowest_ = 0;  ///< below lie rigid-body modes only [rad/s]
+    double below_ = 0;
+    int rigid_count_ = 0;
+    uint64_t seed_ = 1;
+};
+
+}  // namespace dttmm

@@ -22,9 +22,10 @@ namespace dttmm {
 /// the deformations only, not with the motion of the whole: it is factored once per step size and kept until it converges
 /// slowly. Passes start from the extrapolated motion; the solution is accepted when θ/(1 − θ) × (last correction), θ the
 /// rate of convergence, is below kShare of the first one, which measures what the step itself leaves out, and below
-/// kTolerance of the motion; a rate of the steps before serves corrections up to the one that measured it, larger ones in
-/// proportion less. The forces where it ends then move the momentum, in pairs that balance exactly, so that it is
-/// kept however few passes were taken; what the motion lacks to it is made up for in the next step.
+/// kTolerance of the motion; and, in the same way, what is left of the momentum is below kImpulse of the largest impulse of
+/// a joint: a stiff joint makes much of a small motion, and would feed its own vibration with what is left. The forces where
+/// it ends then move the momentum, in pairs that balance exactly, so that it is kept however few passes were taken; what the
+/// motion lacks to it is made up for in the next step.
 ///
 /// A step is solved once, for ports that go on as they have; the answer to another motion of the ports is the linear one
 /// from there, as long as that is good enough by a like measure and the joints at ports hardly turn (the error of the force
@@ -36,6 +37,7 @@ class Interior {
 public:
     static constexpr double kTolerance = 1e-7;
     static constexpr double kShare = 1e-4;
+    static constexpr double kTurnedImpulse = 1e-9, kSmallestImpulse = 1e-6, kLargestImpulse = 3e-4;
     static constexpr int kMostPasses = 30;
 
     /// Throws Error(DTTMM_ERROR_MODEL) naming what cannot move as described: a massless node that nothing holds in some
@@ -111,27 +113,46 @@ private:
         size_t burden, node;
         Vector3 offset;  ///< axes of the frame
     };
+    /// How fast passes converge, in one measure. A larger correction than the one it was measured at turns the joints' axes
+    /// more, and contracts less in proportion.
+    struct Convergence {
+        double contraction = 1;  ///< θ/(1 − θ), θ the rate
+        double measured_at = 0;  ///< correction after which it was measured; 0: not yet
+        /// What remains after a correction.
+        double left(double correction) const {
+            if (correction > measured_at) {
+                if (measured_at == 0) return correction;
+                return std::min(contraction * (correction / measured_at), 1.0) * correction;
+            }
+            return std::min(contraction, 1.0) * correction;
+        }
+        void measure(double rate, double previous) { *this = {rate < 1 ? rate / (1 - rate) : 1e3, previous}; }
+        void forget(double factor) { contraction = std::min(factor * contraction, 1.0); }
+    };
     struct Books {
         double port_turn =
             0;  ///< of the joints at ports in the last step, since the matrix was formed, as share of their arms
-        double contraction = 1, scale = 0;  ///< θ/(1 − θ) last measured; size of the motion, slowly forgetting [m/s]
-        double measured_at = 0;             ///< correction after which it was measured [m/s]
-        double port_way = 0;                ///< of the ports from the anchor to where they went in the last step [m/s]
-        double load_work = 0;               ///< of the loads up to t_{n−1} [J]
-        double load_power = 0;              ///< at t_{n−1} [W]
+        Convergence motion, momentum;  ///< in [m/s] and [N s]
+        double scale = 0;              ///< size of the motion, slowly forgetting [m/s]
+        double port_way = 0;           ///< of the ports from the anchor to where they went in the last step [m/s]
+        double port_impulse = 0;       ///< of their joints by that, at most [N s]
+        double load_work = 0;          ///< of the loads up to t_{n−1} [J]
+        double load_power = 0;         ///< at t_{n−1} [W]
     };
     /// The motion inside for one motion of the ports, linear about the last pass: u + change.
     struct Solution {
-        std::vector<Frame> ports;           ///< at the end of the step
-        std::vector<Vector6> u;             ///< of the inner frames, at which the forces were worked out [m/s, rad/s]
-        std::vector<Vector6> change;        ///< last correction of it
-        std::vector<double> q;              ///< forces of the rigid directions, before the correction [N, N m]
-        std::vector<double> q_change;       ///< correction of them, times h
-        std::vector<JointForce> near;       ///< forces of near_joints_ over the step, before the correction
-        double contraction = 1, scale = 0;  ///< as in Books
-        double measured_at = 0;             ///< likewise
-        double slowest_rate = 0;            ///< largest θ in this step; 0: not measured
-        double tolerance = 0;               ///< of what remains to be corrected [m/s]
+        std::vector<Frame> ports;       ///< at the end of the step
+        std::vector<Vector6> u;         ///< of the inner frames, at which the forces were worked out [m/s, rad/s]
+        std::vector<Vector6> change;    ///< last correction of it
+        std::vector<double> q;          ///< forces of the rigid directions, before the correction [N, N m]
+        std::vector<double> q_change;   ///< correction of them, times h
+        std::vector<JointForce> near;   ///< forces of near_joints_ over the step, before the correction
+        Convergence motion, momentum;   ///< as in Books
+        double scale = 0;               ///< likewise
+        double impulse = 0, share = 0;  ///< of a joint over the step, at most [N s]; of that, what may be left over
+        double slowest_rate = 0;        ///< largest θ in this step; 0: not measured
+        double tolerance = 0;           ///< of what remains to be corrected [m/s]
+        double floor = 0;               ///< corrections below are rounding [m/s]
     };
 
     size_t at(int frame) const { return static_cast<size_t>(frame - driven_); }
@@ -168,7 +189,9 @@ private:
     Vector6 settled(const Mechanism& mechanism, size_t massless, const Vector6& load) const;
     Vector6 bequest(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const;
     double correct(const Elimination& matrix, Solution& solution) const;
-    static bool is_good_enough(double correction, const Solution& solution);
+    double residual_size(const Solution& solution) const;
+    static bool is_good_enough(double correction, double residual, const Solution& solution);
+    double impulse_of_ports(const Mechanism& mechanism) const;
     Vector3 mean_velocity(const Mechanism& mechanism, const Solution& solution) const;
     void solve(const Mechanism& mechanism, Solution& solution) const;
     void look_at_joints(const Mechanism& mechanism);
@@ -258,6 +281,7 @@ private:
     mutable Eigen::VectorXd port_change_;   ///< from the solution in use to the end of the step asked for, 6 per port, local
     mutable Eigen::VectorXd rigid_change_;  ///< what it changes in the forces of rigid directions, times h
     mutable double port_way_ = 0;           ///< size of it: the largest speed of a point
+    mutable double port_impulse_ = 0;       ///< by it, of their joints
     mutable std::vector<Frame> trial_;
     mutable std::vector<Vector6> motion_;  ///< of the inner frames over the step that is committed, each in its axes at t_n
     mutable std::vector<Vector6> wrench_;  ///< over the step, on every frame at its origin at t_n, world

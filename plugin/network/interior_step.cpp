@@ -87,8 +87,9 @@ void Interior::drop_anchor(const Mechanism& mechanism) {
         }
     }
     anchor_.q = rigid_;
-    anchor_.contraction = std::min(kForget * books_.contraction, 1.0);
-    anchor_.measured_at = books_.measured_at;
+    anchor_.motion = books_.motion;
+    anchor_.momentum = books_.momentum;
+    for (Convergence* convergence : {&anchor_.motion, &anchor_.momentum}) convergence->forget(kForget);
     anchor_.scale = books_.scale;
     solve(mechanism, anchor_);
 }
@@ -129,6 +130,7 @@ void Interior::find_forces(const Mechanism& mechanism, Solution& solution) const
             damping_wrench_[static_cast<size_t>(frame)].setZero();
         }
     q_ = solution.q;
+    double largest = 0;
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Joint& joint = mechanism.joints[j];
         const auto a = static_cast<size_t>(joint.from()), b = static_cast<size_t>(joint.to());
@@ -136,6 +138,7 @@ void Interior::find_forces(const Mechanism& mechanism, Solution& solution) const
         const JointPose at_end = joint.pose(trial);
         const Joint::Strained end = joint.strain(trial, at_end);
         const JointForce force = force_over_step(mechanism, j, at_end, end);
+        largest = std::max(largest, force.force.squaredNorm());
         Joint::add_wrench(force, wrench_[a].data(), wrench_[b].data());
         if (near_index_[j] >= 0) solution.near[static_cast<size_t>(near_index_[j])] = force;
         if (!massless_.is_settling(j)) continue;
@@ -150,6 +153,7 @@ void Interior::find_forces(const Mechanism& mechanism, Solution& solution) const
                                                      mechanism.states[j], mechanism.turn(j)),
                               damping_wrench_[a].data(), damping_wrench_[b].data());
     }
+    solution.impulse = mechanism.scheme.step_size() * std::sqrt(largest);
 }
 
 /// The load on a burdened frame at the end of the step, at its origin, when it is then at `frame`.
@@ -276,9 +280,10 @@ Vector3 Interior::mean_velocity(const Mechanism& mechanism, const Solution& solu
 void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
     const double h = mechanism.scheme.step_size();
     const Vector3 mean = mean_velocity(mechanism, solution);
-    double size = kSmallestSize, speed = 0;
+    double size = kSmallestSize, speed = 0, turning = 0;
     for (size_t i = 0; i < state_.size(); ++i) {
         const double reach = inertias_[i].reach;
+        turning = std::max(turning, solution.u[i].tail<3>().squaredNorm());
         size =
             std::max(size, FrameView(mechanism.frames[static_cast<size_t>(driven_) + i]).origin().cwiseAbs().sum() + reach);
         Vector3 velocity = solution.u[i].head<3>();
@@ -286,10 +291,11 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
         speed = std::max(speed, velocity.squaredNorm() + reach * reach * solution.u[i].tail<3>().squaredNorm());
     }
     solution.scale = std::max(solution.scale, std::sqrt(speed));
+    solution.share = std::clamp(kTurnedImpulse / (h * h * turning), kSmallestImpulse, kLargestImpulse);
     solution.slowest_rate = 0;
-    const double floor = std::max(kRounding * size / h, kFinest * solution.scale);
+    const double floor = solution.floor = std::max(kRounding * size / h, kFinest * solution.scale);
     const Elimination* matrix = &elimination_;
-    double previous = 0, rate = 0;
+    double previous = 0, previous_residual = 0, rate = 0;
     for (int pass = 0; pass < kMostPasses; ++pass) {
         ++passes_;
         if (pass > 0) {
@@ -301,17 +307,19 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
         find_forces(mechanism, solution);
         form_residuals(mechanism, solution);
         if (rate > kTooSlow && form_at_trial(mechanism)) matrix = &at_trial_;
+        const double residual = residual_size(solution);
         const double correction = correct(*matrix, solution);
         if (!std::isfinite(correction)) break;
         if (pass > 0 && correction > floor) {
             rate = previous > 0 ? correction / previous : 0;
             solution.slowest_rate = std::max(solution.slowest_rate, rate);
-            solution.contraction = rate < 1 ? rate / (1 - rate) : 1e3;
-            solution.measured_at = previous;
+            solution.motion.measure(rate, previous);
+            if (previous_residual > 0) solution.momentum.measure(residual / previous_residual, previous_residual);
         }
         previous = correction;
+        previous_residual = residual;
         if (pass == 0) solution.tolerance = std::max(floor, std::min(kShare * correction, kTolerance * solution.scale));
-        if (is_good_enough(correction, solution)) return;
+        if (is_good_enough(correction, residual, solution)) return;
     }
     throw Error(DTTMM_ERROR_NUMERIC,
                 fmt::format("the motion inside the network was not found in {} passes (last correction {:.1e} m/s); try a "
@@ -320,10 +328,34 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
                 mechanism.assembly.frames.back().element);
 }
 
-/// A larger correction than the one that measured it turns the joints' axes more, and contracts less.
-bool Interior::is_good_enough(double correction, const Solution& solution) {
-    const double contraction = solution.contraction * std::max(1.0, correction / solution.measured_at);
-    return std::min(contraction, 1.0) * correction <= solution.tolerance;
+bool Interior::is_good_enough(double correction, double residual, const Solution& solution) {
+    if (correction <= solution.floor) return true;
+    return solution.motion.left(correction) <= solution.tolerance &&
+           solution.momentum.left(residual) <= solution.share * solution.impulse;
+}
+
+/// What the momentum of a frame lacks, at most [N s].
+double Interior::residual_size(const Solution& solution) const {
+    double largest = 0;
+    for (size_t i = 0; i < state_.size(); ++i) {
+        const double reach = inertias_[i].reach;
+        double squared = solution.change[i].head<3>().squaredNorm();
+        if (reach > 0) squared += solution.change[i].tail<3>().squaredNorm() / (reach * reach);
+        largest = std::max(largest, squared);
+    }
+    return std::sqrt(largest);
+}
+
+/// By which the change of the ports changes what their joints do over the step, at most [N s].
+double Interior::impulse_of_ports(const Mechanism& mechanism) const {
+    double largest = 0;
+    for (size_t k = 0; k < near_joints_.size(); ++k)
+        for (int end : {0, 1})
+            if (const int port = mechanism.joints[near_joints_[k]].frame(end); port < ports_)
+                largest = std::max(largest, (near_blocks_[k].at[end][end].topRows<3>() *
+                                             port_change_.segment<6>(static_cast<Eigen::Index>(6 * port)))
+                                                .squaredNorm());
+    return std::sqrt(largest);
 }
 
 /// The solution for a motion of the ports: the anchored one, to which port_change_ is to be added linearly, if that is good
@@ -342,10 +374,13 @@ const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::spa
     }
     port_way_ = std::sqrt(largest);
     // The host wants a smooth answer: which one it gets hangs on the step before, not on how near this trial is
-    const bool is_near = books_.port_turn <= kTurnedPorts && is_good_enough(kLinearShare * books_.port_way, anchor_);
-    if (is_near && is_good_enough(kLinearShare * port_way_ / kFarther, anchor_)) return anchor_;
-    other_.contraction = anchor_.contraction;
-    other_.measured_at = anchor_.measured_at;
+    port_impulse_ = impulse_of_ports(mechanism);
+    const bool is_near = mechanism.steps > 0 && books_.port_turn <= kTurnedPorts &&
+                         is_good_enough(kLinearShare * books_.port_way, kLinearShare * books_.port_impulse, anchor_);
+    if (is_near && is_good_enough(kLinearShare * port_way_ / kFarther, kLinearShare * port_impulse_ / kFarther, anchor_))
+        return anchor_;
+    other_.motion = anchor_.motion;
+    other_.momentum = anchor_.momentum;
     other_.scale = anchor_.scale;
     for (size_t p = 0; p < port_u_.size(); ++p) other_.ports[p] = ports[p].copy();
     for (size_t i = 0; i < state_.size(); ++i) other_.u[i] = anchor_.u[i] + anchor_.change[i] + responses_[i] * port_change_;
@@ -435,8 +470,9 @@ void Interior::commit(Mechanism& mechanism, std::span<const FrameView> ports) {
     find_end(mechanism, solution);
     rigid_ = q_;
     books_.port_way = port_way_;
-    books_.contraction = solution.contraction;
-    books_.measured_at = solution.measured_at;
+    books_.port_impulse = port_impulse_;
+    books_.motion = solution.motion;
+    books_.momentum = solution.momentum;
     books_.scale = 0.98 * solution.scale;
     const bool is_slow = solution.slowest_rate > kSlowestContraction;
     take_velocities(mechanism);

@@ -138,6 +138,7 @@ public:
     int element() const { return element_; }
     int from() const { return from_; }
     int to() const { return to_; }
+    int frame(int end) const { return end == 0 ? from_ : to_; }
     /// Whether it carries a moment: otherwise rotations are not worked out.
     bool turns() const { return turns_; }
     Directions rigid() const { return rigid_; }

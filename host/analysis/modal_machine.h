@@ -34,6 +34,9 @@ public:
     std::complex<double> respond(double frequency, const ModalPlace& in, int in_direction, const ModalPlace& out,
                                  int out_direction);
 
+    std::string layout() { return instance_.layout(); }
+    dttmm_overall overall(double frequency) { return instance_.overall(frequency); }
+
     const std::vector<ModalPlace>& places() const { return places_; }
     const ModalPlace* find(const std::string& name) const;
 

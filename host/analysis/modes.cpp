@@ -173,6 +173,7 @@ ExitCode find_modes(const ModesRequest& request) {
     const Plugins plugins(request.plugins);
     const Model model = read(request, plugins);
     ModalMachine machine(model, plugins);
+    if (request.is_verbose) fmt::print(request.as_json ? stderr : stdout, "{}", machine.layout());
     const std::vector<Mode> modes = machine.find_modes();
     refuse_empty(model, modes);
 

@@ -8,7 +8,8 @@ namespace dttmm {
 
 /// What the command line asks of `dttmm modes` beyond what it asks of a run.
 struct ModesRequest : RunRequest {
-    bool as_json = false;  ///< one JSON object on the standard output instead of the table
+    bool is_verbose = false;  ///< print how the overall transfer equation is laid out
+    bool as_json = false;     ///< one JSON object on the standard output instead of the table
 };
 
 /// Finds the natural frequencies of a model, prints a table (frequency, multiplicity, modal mass, where it moves most, which

@@ -63,6 +63,7 @@ void add_modes_only(CLI::App& command, Arguments& arguments) {
     command.add_option("--below", arguments.below, "all frequencies up to this one, e.g. \"500 Hz\"");
     command.add_option("--sweep", arguments.sweeps, "name=from..to:count or name=value,value; several span a grid")
         ->allow_extra_args(false);
+    command.add_flag("-v,--verbose", arguments.modes.is_verbose, "print how the overall transfer equation is laid out");
     command.add_flag("--json", arguments.modes.as_json, "print one JSON object instead of the table");
 }
 

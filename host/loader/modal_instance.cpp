@@ -63,6 +63,22 @@ std::vector<ModalInstance::Vector6> ModalInstance::along(uint32_t index, uint32_
     return shape;
 }
 
+std::string ModalInstance::layout() {
+    dttmm_error error = cleared();
+    dttmm_overall overall{};
+    std::string text(1 << 20, '\0');
+    table_->overall(modal_.get(), 0, &overall, text.data(), static_cast<uint32_t>(text.size()), &error);
+    text.resize(::strnlen(text.data(), text.size()));
+    return text;
+}
+
+dttmm_overall ModalInstance::overall(double frequency) {
+    dttmm_error error = cleared();
+    dttmm_overall overall{};
+    check(table_->overall(modal_.get(), frequency, &overall, nullptr, 0, &error), error);
+    return overall;
+}
+
 ModalInstance::Response ModalInstance::respond(double frequency, int body, int node, const Eigen::Vector3d& point,
                                                const Vector6& wrench) {
     dttmm_error error = cleared();

@@ -34,6 +34,9 @@ public:
     Mode mode(uint32_t index);
     /// Displacements at `count` stations of an element, ends included; none if it is no line. length: of it [m].
     std::vector<Vector6> along(uint32_t index, uint32_t element, uint32_t count, double& length);
+    /// How the overall transfer equation is laid out, and what it is at a frequency.
+    std::string layout();
+    dttmm_overall overall(double frequency);
     /// Per newton of a wrench on a body or a node (the other −1), at a point.
     Response respond(double frequency, int body, int node, const Eigen::Vector3d& point, const Vector6& wrench);
 

@@ -112,7 +112,7 @@ PluginLibrary::PluginLibrary(std::string name, const dttmm_plugin* table, std::s
 
 bool PluginLibrary::has_modes() const {
     return table_->size >= sizeof(dttmm_plugin) && table_->create_modal && table_->destroy_modal && table_->find_modes &&
-           table_->mode && table_->mode_along && table_->respond;
+           table_->mode && table_->mode_along && table_->overall && table_->respond;
 }
 
 PluginLibrary PluginLibrary::built_in() { return {"built in", dttmm_plugin_entry(DTTMM_PLUGIN_MAJOR), nullptr}; }

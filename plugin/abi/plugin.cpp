@@ -2,6 +2,7 @@
 //
 // The C interface of the built-in plugin: every function forwards to a Network and turns exceptions into a status and a
 // text.
+#include <algorithm>
 #include <cstring>
 #include <new>
 
@@ -139,6 +140,24 @@ dttmm_status mode_along(dttmm_modal* modal, uint32_t index, uint32_t element, ui
     return guard(error, [&] { *length = modal->analysis.along(index, element, count, shape); });
 }
 
+dttmm_status overall(dttmm_modal* modal, double frequency, dttmm_overall* overall, char* layout, uint32_t size,
+                     dttmm_error* error) {
+    return guard(error, [&] {
+        const dttmm::OverallTransfer& topology = modal->analysis.topology();
+        if (layout && size > 0) {
+            const std::string text = topology.layout();
+            const size_t length = std::min(text.size(), static_cast<size_t>(size - 1));
+            std::memcpy(layout, text.data(), length);
+            layout[length] = '\0';
+        }
+        *overall = {static_cast<uint32_t>(topology.rows()), static_cast<uint32_t>(topology.columns()), 1, 0, 0};
+        const auto check = modal->analysis.overall(frequency);
+        overall->smallest = check.smallest;
+        overall->sign = check.sign;
+        overall->log10_determinant = check.log10_determinant;
+    });
+}
+
 dttmm_status respond(dttmm_modal* modal, double frequency, int32_t on_body, int32_t on_node, const double* point,
                      const double* force, double* bodies, double* nodes, dttmm_error* error) {
     return guard(error, [&] {
@@ -177,6 +196,7 @@ const dttmm_plugin& table() {
         find_modes,
         mode,
         mode_along,
+        overall,
         respond,
     };
     return plugin;

@@ -237,11 +237,20 @@ typedef struct dttmm_mode {
     double frequency; /* [Hz]; 0 for a rigid-body mode */
     double bracket;   /* the count of frequencies changes by the multiplicity within this relative distance */
     uint32_t multiplicity;
-    double residual;         /* of the equations of motion, relative to their largest term */
+    double residual;         /* smallest singular value of the overall transfer matrix as share of what it is 0.1 % beside;
+                                where the machine is too large for that, what the quotient leaves by which the frequency was
+                                refined */
     double mass;             /* modal mass of the shape as scaled: its largest displacement is 1 m [kg]. Shapes of equal
                                 frequencies are at right angles by mass. */
     double participation[6]; /* share of the moved mass or inertia (about the origin) that takes part per direction */
 } dttmm_mode;
+
+/* The overall transfer equation U_all Z_all = 0 at a frequency. */
+typedef struct dttmm_overall {
+    uint32_t rows, columns;         /* before the known boundary entries are struck out */
+    double smallest;                /* singular value as share of the largest, in balanced units */
+    double sign, log10_determinant; /* of the square matrix that is left */
+} dttmm_overall;
 
 typedef struct dttmm_plugin {
     uint32_t size;         /* sizeof(dttmm_plugin) as the plugin was compiled */
@@ -322,6 +331,11 @@ typedef struct dttmm_plugin {
      * beam, 0 for an element that is no line. */
     dttmm_status (*mode_along)(dttmm_modal* modal, uint32_t index, uint32_t element, uint32_t count, double* length,
                                double* shape, dttmm_error* error);
+
+    /* The overall transfer equation, and how it is laid out as a zero-terminated text of at most `size` bytes (NULL: not
+     * wanted). */
+    dttmm_status (*overall)(dttmm_modal *modal, double frequency, dttmm_overall *overall, char *layout, uint32_t size,
+                            dttmm_error *error);
 
     /* Steady motion under unit harmonic wrenches, damping as the elements have it: `force` (6: force and moment, world) at
      * a point of body `on_body`, or of node `on_node` of the network (the other is -1); response: displacement per newton as

@@ -148,7 +148,7 @@ void FrequencyModel::add_rigid(std::vector<Rigid>& rows, const Rigid& row) const
 
 void FrequencyModel::add_joint(int element, int from, int to, const JointLaw& law, const Pose& pose) {
     if (from < 0 && to < 0) return;
-    Bond bond{element, from, to, Matrix6::Zero(), Matrix6::Zero(), Matrix6::Zero(), Matrix6::Zero(), {}};
+    Bond bond{element, from, to, pose.position, Matrix6::Zero(), Matrix6::Zero(), Matrix6::Zero(), Matrix6::Zero(), {}, {}};
     const auto by = [&](int frame) { return masked(at_point(pose.position, positions_[static_cast<size_t>(frame)])); };
     if (from >= 0) bond.by_from = by(from);
     if (to >= 0) bond.by_to = by(to);
@@ -159,6 +159,7 @@ void FrequencyModel::add_joint(int element, int from, int to, const JointLaw& la
         if (!law.rigid[d]) continue;
         stiffness(i) = damping(i) = 0;
         const Eigen::Matrix<double, 1, 6> row = axes.col(i).transpose();
+        bond.held.push_back(mask_ * axes.col(i));
         add_rigid(bond.rigid, {-(row * bond.by_from).transpose(), (row * bond.by_to).transpose()});
     }
     bond.stiffness = axes * stiffness.asDiagonal() * axes.transpose();

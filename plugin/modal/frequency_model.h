@@ -76,29 +76,25 @@ public:
     int frame_of_node(size_t node) const { return frame_of_[static_cast<size_t>(assembly_.nodes[node].frame)]; }
     Vector3 position_of_node(size_t node) const;
 
-private:
     /// Displacement at a point by the motion of a frame, world axes.
     static Matrix6 at_point(const Vector3& point, const Vector3& origin);
 
+    // The parts it is made of:
     struct Rigid {
         Vector6 by_from, by_to;
     };
     /// A coupling of two frames (−1: the ground) by constant stiffness and damping of their relative displacement.
     struct Bond {
         int element, from, to;
+        Vector3 point;               ///< where its ends meet
         Matrix6 by_from, by_to;      ///< relative displacement = by_to u_to − by_from u_from
         Matrix6 stiffness, damping;  ///< world axes
         std::vector<Rigid> rigid;
+        std::vector<Vector6> held;  ///< directions that do not give, world axes
     };
     struct Mass {
         int frame;
         Matrix6 block;  ///< [kg, kg m², kg m] by the motion of the frame
-    };
-    /// A piece of a line between two frames.
-    struct Piece {
-        int from, to;
-        Matrix6 by_from, by_to;  ///< displacement of its ends in local axes
-        std::vector<Rigid> rigid;
     };
     struct LineModel {
         int element, from, to;
@@ -108,8 +104,22 @@ private:
         Line line;
         size_t kind;  ///< lines alike share their waves
         int first_piece = 0, count = 0;
+        double length() const { return (finish - start).norm(); }
     };
+    const std::vector<Bond>& bonds() const { return bonds_; }
+    const std::vector<LineModel>& lines() const { return lines_; }
+    const std::vector<Mass>& masses() const { return masses_; }
+    int own_frame_count() const { return static_cast<int>(own_frames_); }  ///< without points along lines
+    const Vector3& position(int frame) const { return positions_[static_cast<size_t>(frame)]; }
+    const std::string& name(int frame) const { return names_[static_cast<size_t>(frame)]; }
 
+private:
+    /// A piece of a line between two frames.
+    struct Piece {
+        int from, to;
+        Matrix6 by_from, by_to;  ///< displacement of its ends in local axes
+        std::vector<Rigid> rigid;
+    };
     void add_bodies(const dttmm_modal_model& model);
     void add_joint(int element, int from, int to, const JointLaw& law, const Pose& pose);
     void add_line(const LineSpec& line);

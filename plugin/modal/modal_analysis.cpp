@@ -9,7 +9,8 @@
 
 namespace dttmm {
 
-ModalAnalysis::ModalAnalysis(const dttmm_modal_model& model) : model_(model), element_count_(model.network->element_count) {}
+ModalAnalysis::ModalAnalysis(const dttmm_modal_model& model)
+    : model_(model), topology_(model_), element_count_(model.network->element_count) {}
 
 size_t ModalAnalysis::find_modes(uint32_t count, double below) {
     if (!model_.is_elastic())
@@ -21,6 +22,14 @@ size_t ModalAnalysis::find_modes(uint32_t count, double below) {
     cut_ = finder.cut_for();
     at_ = -1;
     return modes_.size();
+}
+
+/// The smallest singular value of the overall transfer matrix at a frequency as share of what it is a little beside.
+double ModalAnalysis::overall_residual(double omega) const {
+    constexpr double kBeside = 1e-3;
+    const double beside = omega > 0 ? omega * (1 + kBeside) : kBeside * cut_;
+    const OverallTransfer::Units units = topology_.units_at(beside * beside);
+    return topology_.check(omega * omega, units).smallest / topology_.check(beside * beside, units).smallest;
 }
 
 const Mode& ModalAnalysis::stand_at(uint32_t index) {
@@ -39,6 +48,7 @@ void ModalAnalysis::mode(uint32_t index, dttmm_mode* out, double* bodies, double
         *out = {mode.omega / (2 * M_PI), mode.bracket, static_cast<uint32_t>(mode.multiplicity),
                 mode.residual,           mode.mass,    {}};
         Eigen::Map<Vector6>{out->participation} = mode.participation;
+        if (topology_.is_short()) out->residual = overall_residual(mode.omega);
     }
     for (int b = 0; bodies && b < model_.body_count(); ++b)
         Eigen::Map<Vector6>{bodies + 6 * b} = mode.shape[static_cast<size_t>(b)];
@@ -51,6 +61,14 @@ void ModalAnalysis::mode(uint32_t index, dttmm_mode* out, double* bodies, double
     // Of a rigid-body mode rounding is all there is
     const bool is_rigid = mode.omega == 0 || !(total > 0);
     for (size_t e = 0; e < element_count_; ++e) shares[e] = is_rigid ? 0 : energies[e] / total;
+}
+
+OverallTransfer::Check ModalAnalysis::overall(double frequency) {
+    if (!topology_.is_short())
+        throw Error(DTTMM_ERROR_NUMERIC,
+                    "the paths are too long for products of transfer matrices: they would have no digits left");
+    const double omega = 2 * M_PI * frequency;
+    return topology_.check(omega * omega, topology_.units_at(1.002 * omega * omega));
 }
 
 double ModalAnalysis::along(uint32_t index, uint32_t element, uint32_t count, double* shape) {

@@ -6,6 +6,7 @@
 
 #include "modal/frequency_model.h"
 #include "modal/mode_finder.h"
+#include "modal/overall_transfer.h"
 
 namespace dttmm {
 
@@ -19,13 +20,18 @@ public:
     /// See dttmm_plugin.mode, mode_along and respond.
     void mode(uint32_t index, dttmm_mode* mode, double* bodies, double* nodes, double* shares);
     double along(uint32_t index, uint32_t element, uint32_t count, double* shape);
+    /// See dttmm_plugin.overall. Throws Error(DTTMM_ERROR_NUMERIC) where the paths are too long for it.
+    OverallTransfer::Check overall(double frequency);
+    const OverallTransfer& topology() const { return topology_; }
     void respond(double frequency, int on_body, int on_node, const Vector3& point, const Vector6& force, double* bodies,
                  double* nodes);
 
 private:
     const Mode& stand_at(uint32_t index);
+    double overall_residual(double omega) const;
 
     FrequencyModel model_;
+    OverallTransfer topology_;
     size_t element_count_;
     std::vector<Mode> modes_;
     double cut_ = 0;  ///< [rad/s] for which the lines are cut

@@ -500,6 +500,7 @@ static const dttmm_plugin table = {
     channels,             outputs,
     NULL,                 NULL,               NULL, /* no modes */
     NULL,                 NULL,               NULL,
+    NULL,
 };
 
 const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major) { return host_major == DTTMM_PLUGIN_MAJOR ? &table : NULL; }

@@ -215,6 +215,7 @@ static const dttmm_plugin table = {
     NULL,
     NULL,
     NULL,
+    NULL,
 };
 
 const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major) {

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "modal/frequency_model.h"
+
+namespace dttmm {
+
+/// The overall transfer equation of a machine, U_all Z_all = 0, deduced from its topology.
+///
+/// Where elements meet there is a body, a node being one without a mass. Ends that nothing goes on from are boundaries: free
+/// ends, and every end on the ground. One of them is the root; the states of all others, the tips, are transferred along
+/// their paths towards it. At a body with several inputs the first one, the main input, gives the motion; the others add
+/// their loads (auxiliary matrices) and a geometric equation each: the motion there is that of the same body. Hence, with n
+/// directions left,
+///     − z_root + Σ T_t z_t = 0   2n rows,      H_1 z_I1 − H_j z_Ij = 0   n rows per further input,
+/// which is 24 × 48 for the hydroplane system. A loop is cut: its two ends are tips with the same motion and opposite loads.
+/// A direction in which a joint is free belongs to the boundary at the ground; elsewhere it is an unknown of its own, with
+/// the equation that nothing is carried there. With what is known at the boundaries struck out the matrix is square, and
+/// singular at every natural frequency: a second way to them, beside the count.
+///
+/// A state is [displacement; load handed on], the load being [q; −m] in the letters of the state vector; world axes.
+/// Source: Rui, Wang and Zhou (2014), Transfer matrix method for multibody systems of tree topology: automatic deduction of
+/// the overall transfer equation; the hydroplane paper, eq. (4)–(8) and (36), (8) without its redundant factor and (34) with
+/// the H of its own input.
+class OverallTransfer {
+public:
+    /// Deduces the topology. The model must live on.
+    explicit OverallTransfer(const FrequencyModel& model);
+
+    /// Size of U_all before the known is struck out.
+    int rows() const { return rows_; }
+    int columns() const { return 2 * directions_ * static_cast<int>(boundaries_.size()) + loose_; }
+    /// Whether paths are so short that products of matrices still have digits, and the matrix small.
+    bool is_short() const { return rows_ <= 400 && longest_path_ <= 60; }
+
+    /// Of the square matrix at λ in given units: the smallest singular value as share of the largest, and the
+    /// determinant.
+    struct Check {
+        double smallest, sign, log10_determinant;
+    };
+    /// Units of rows and columns in which the matrix is about one at some λ. Not at a natural frequency: what vanishes there
+    /// would be blown up to one.
+    struct Units {
+        Eigen::VectorXd rows, columns;
+    };
+    Units units_at(double lambda) const;
+    Check check(double lambda, const Units& units) const;
+
+    /// Boundaries, paths, inputs and the size of the equation, as text.
+    std::string layout() const;
+
+private:
+    using Matrix = Eigen::MatrixXd;
+    /// A joint or a line between two vertices: frames, ends on the ground, ends of cut loops.
+    struct Edge {
+        bool is_line;
+        size_t index;
+        int ends[2];                      ///< vertices of `from` and `to`
+        Vector3 points[2];                ///< where they are attached
+        int loose = 0, first_loose = -1;  ///< free directions that are unknowns, the first of them
+    };
+    struct Boundary {
+        std::string name;
+        Matrix basis;     ///< state = basis · unknowns
+        int first = 0;    ///< of its unknowns
+        double sign = 1;  ///< of the load where unknowns are shared with the other end of a cut
+    };
+    struct Vertex {
+        int frame = -1;  ///< −1: an end on the ground or of a cut
+        std::vector<int> edges;
+        std::vector<int> tips;  ///< boundaries that end here as inputs
+        int parent = -1;        ///< edge towards the root; −1: the root itself
+        int root = -1;          ///< boundary at the root
+    };
+    struct Law {
+        Matrix compliance, loose;  ///< of a joint: u_O = u_I − C w + F α
+    };
+
+    int add_vertex(int frame);
+    void add_edge(bool is_line, size_t index, int from, int to, const Vector3& start, const Vector3& finish);
+    void add_boundaries();
+    void grow_tree(int root);
+    void cut(int edge);
+    Law law_of(const Edge& edge) const;
+    Matrix restricted(const Matrix6& all) const;
+    Matrix by_point(const Vertex& vertex, const Vector3& point) const;
+    Matrix through(const Edge& edge, bool is_forward, const Matrix& state, double lambda) const;
+    Matrix state_of(const Boundary& boundary) const;
+    Matrix assemble(double lambda) const;
+
+    const FrequencyModel& model_;
+    int directions_;
+    std::vector<Eigen::Index> active_;
+    std::vector<Vertex> vertices_;
+    std::vector<Edge> edges_;
+    std::vector<Boundary> boundaries_;
+    std::vector<int> order_;  ///< vertices from the root outwards, tree by tree
+    int rows_ = 0, unknowns_ = 0, loose_ = 0, longest_path_ = 0;
+    std::vector<int> depth_;
+};
+
+}  // namespace dttmm

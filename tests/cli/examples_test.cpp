@@ -16,7 +16,8 @@
 namespace dttmm {
 namespace {
 
-/// "options | pointer into summary.json | expected | tolerance | why"
+/// "options | pointer into summary.json | expected | tolerance | why"; options are those of `run` unless they begin with
+/// the name of another command
 struct Expectation {
     std::string options, pointer;
     double value = NAN, tolerance = NAN;
@@ -51,9 +52,10 @@ std::vector<std::string> words_of(const std::string& options) {
 nlohmann::json run_example(const std::string& name, const std::string& options) {
     const TemporaryFolder folder;
     const fs::path model = fs::path(DTTMM_SOURCE_DIR) / "examples" / name / "model.toml";
-    std::vector<std::string> words = {"run", model, "-q", "-o", folder.path() / "results"};
+    std::vector<std::string> words = words_of(options);
+    if (words.empty() || words.front().starts_with("-")) words.insert(words.begin(), "run");
+    words.insert(words.begin() + 1, {model, "-q", "-o", folder.path() / "results"});
     if (name == "minimal_plugin") words.insert(words.end(), {"--plugin", DTTMM_C_SPRING});
-    for (const std::string& word : words_of(options)) words.push_back(word);
     const Ended ended = run_dttmm(folder.path(), words);
     EXPECT_EQ(ended.code, 0) << ended.err;
     return read_json(folder.path() / "results" / "summary.json");

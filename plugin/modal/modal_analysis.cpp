@@ -19,7 +19,6 @@ size_t ModalAnalysis::find_modes(uint32_t count, double below) {
         throw Error(DTTMM_ERROR_ARGUMENT, "find_modes wants a frequency or a count");
     ModeFinder finder(model_);
     modes_ = below > 0 ? finder.find_below(2 * M_PI * below) : finder.find_first(static_cast<int>(count));
-    cut_ = finder.cut_for();
     at_ = -1;
     return modes_.size();
 }
@@ -27,7 +26,7 @@ size_t ModalAnalysis::find_modes(uint32_t count, double below) {
 /// The smallest singular value of the overall transfer matrix at a frequency as share of what it is a little beside.
 double ModalAnalysis::overall_residual(double omega) const {
     constexpr double kBeside = 1e-3;
-    const double beside = omega > 0 ? omega * (1 + kBeside) : kBeside * cut_;
+    const double beside = omega > 0 ? omega * (1 + kBeside) : kBeside * std::max(cut_, 1.0);
     const OverallTransfer::Units units = topology_.units_at(beside * beside);
     return topology_.check(omega * omega, units).smallest / topology_.check(beside * beside, units).smallest;
 }
@@ -36,7 +35,8 @@ const Mode& ModalAnalysis::stand_at(uint32_t index) {
     if (index >= modes_.size()) throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("there is no mode {}", index));
     const Mode& mode = modes_[index];
     if (at_ == static_cast<long>(index)) return mode;
-    if (at_ < 0) model_.cut(cut_);
+    if (cut_ != mode.cut || at_ < 0) model_.cut(mode.cut);
+    cut_ = mode.cut;
     model_.factor(mode.omega * mode.omega);
     at_ = static_cast<long>(index);
     return mode;
@@ -79,12 +79,16 @@ void ModalAnalysis::respond(double frequency, int on_body, int on_node, const Ve
                             double* bodies, double* nodes) {
     if (!(frequency >= 0) || !std::isfinite(frequency)) throw Error(DTTMM_ERROR_ARGUMENT, "a frequency must be finite");
     const double omega = 2 * M_PI * frequency;
-    if (omega > cut_) {  // here pieces only keep numbers small
-        model_.cut(omega);
-        cut_ = omega;
+    if (frequency == 0) {
+        const int free = ModeFinder(model_).count_rigid();
+        if (free > 0)
+            throw Error(DTTMM_ERROR_SINGULAR,
+                        fmt::format("0 Hz: the machine is free to move in {} ways, a lasting force takes it away", free));
+    }
+    if (at_ >= 0 || !(omega <= cut_ && cut_ < 4 * omega)) {  // here pieces only keep numbers small
+        cut_ = 2 * std::max(omega, 1.0);
+        model_.cut(cut_);
         at_ = -1;
-    } else if (cut_ == 0) {
-        model_.cut(1);
     }
     const int frame = on_body >= 0 ? on_body : model_.frame_of_node(static_cast<size_t>(on_node));
     const auto motion = model_.respond(omega, frame, point, force);

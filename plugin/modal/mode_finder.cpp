@@ -21,7 +21,9 @@ constexpr double kLowest = 1e-7;
 constexpr double kEqual = 2e-9;
 /// Wider than this the shapes of a group are not looked for yet: high/low of an interval.
 constexpr double kNarrow = 1.3;
-constexpr double kFinestBracket = 2.5e-11, kWidestBracket = 1e-8;
+constexpr double kFinestBracket = 2.5e-11, kWidestBracket = 1e-5;
+/// Lines are cut for so much more than is asked, and a frequency that is the upper limit itself belongs to the range.
+constexpr double kAhead = 1.01, kUpTo = 1e-7;
 /// Where the search for the first few begins, and where a model of finitely many masses has no more [rad/s].
 constexpr double kFirstTrial = 2 * M_PI, kFastest = 1e12;
 
@@ -33,15 +35,21 @@ double dot(const FrequencyModel::Motion& a, const FrequencyModel::Motion& b) {
 
 }  // namespace
 
-void ModeFinder::open(double below) {
-    model_.cut(below);
-    below_ = below;
+/// Cuts the lines for a frequency unless they are.
+void ModeFinder::cut_for(double omega) {
+    if (omega <= cut_ && (cut_ < 2 * omega || !model_.has_lines())) return;
+    model_.cut(kAhead * omega);
+    cut_ = kAhead * omega;
+}
+
+double ModeFinder::lowest_for(double below) const {
     const double rounding = model_.total_mass() > 0 ? kRigidRounding * model_.largest_stiffness() / model_.total_mass() : 0;
-    lowest_ = std::max(std::sqrt(rounding), kLowest * below);
+    return std::max(std::sqrt(rounding), kLowest * below);
 }
 
 /// A frequency hit to rounding has no count: a little beside it there is one.
 int ModeFinder::count_at(double& omega) {
+    cut_for(omega);
     for (const double shift : {0.0, 1e-10, 3e-10, 1e-9, 3e-9, 1e-8}) {
         const double beside = omega * (1 + shift);
         if (const auto count = model_.factor(beside * beside)) {
@@ -54,15 +62,16 @@ int ModeFinder::count_at(double& omega) {
 }
 
 std::vector<Mode> ModeFinder::find_below(double below) {
-    open(below);
+    below *= 1 + kUpTo;
+    cut_for(below);
+    lowest_ = lowest_for(below);
     if (lowest_ >= below)
         throw Error(DTTMM_ERROR_NUMERIC,
                     fmt::format("below {:.4g} Hz rounding hides everything: its stiffest parts vibrate too much faster",
                                 lowest_ / (2 * M_PI)));
-    rigid_count_ = count_at(lowest_);
-    const int until = count_at(below);
-    find_rigid(rigid_count_);
-    separate({lowest_, below, rigid_count_, until});
+    const int until = count_at(below), rigid = count_at(lowest_);
+    find_rigid(rigid);
+    separate({lowest_, below, rigid, until});
     return finish();
 }
 
@@ -71,18 +80,17 @@ std::vector<Mode> ModeFinder::find_first(int count) {
     double below = 0;
     int most = -1;
     for (double trial = kFirstTrial; most < count && trial < kFastest; trial *= 4) {
-        open(trial);
         double counted = trial;
-        const int there = lowest_ < trial ? count_at(counted) : 0;
+        cut_for(trial);
+        const int there = lowest_for(trial) < trial ? count_at(counted) : 0;
         if (there <= most) continue;
         most = there;
         below = trial;
     }
-    open(below);
     double low = below / 4;
     while (below > 1.1 * low) {
         double middle = std::sqrt(low * below);
-        if (middle > lowest_ && count_at(middle) >= std::min(count, most))
+        if (middle > lowest_for(middle) && count_at(middle) >= std::min(count, most))
             below = middle;
         else
             low = middle;
@@ -93,6 +101,12 @@ std::vector<Mode> ModeFinder::find_first(int count) {
     while (keep > 0 && keep < modes.size() && is_equal(modes[keep - 1], modes[keep])) ++keep;
     modes.resize(keep);
     return modes;
+}
+
+int ModeFinder::count_rigid() {
+    double lowest = lowest_for(0);
+    cut_for(1);
+    return count_at(lowest = std::max(lowest_for(0), 1e-6));
 }
 
 FrequencyModel::Motion ModeFinder::random_motion() {
@@ -165,10 +179,15 @@ void ModeFinder::find_rigid(int count) {
 void ModeFinder::separate(Interval interval) {
     while (interval.until > interval.before) {
         if (interval.high <= kNarrow * interval.low && refine(interval)) return;
-        if (interval.high - interval.low < kEqual * interval.low)
-            throw Error(DTTMM_ERROR_NUMERIC,
-                        fmt::format("{} natural frequencies at {:.9g} Hz could be counted but not confirmed",
-                                    interval.until - interval.before, interval.low / (2 * M_PI)));
+        if (interval.high - interval.low < kEqual * interval.low) {
+            const int number = interval.until - interval.before;
+            throw Error(
+                DTTMM_ERROR_NUMERIC,
+                fmt::format("{} natural {} at {:.9g} Hz could be counted but not confirmed: rounding of the stiffest "
+                            "parts hides {}",
+                            number, number == 1 ? "frequency" : "frequencies", interval.low / (2 * M_PI),
+                            number == 1 ? "it" : "them"));
+        }
         const bool is_wide = interval.high > 2 * interval.low;
         double middle = is_wide ? std::sqrt(interval.low * interval.high) : 0.5 * (interval.low + interval.high);
         const int count = count_at(middle);
@@ -195,17 +214,19 @@ bool ModeFinder::refine(const Interval& interval) {
         clusters.back().lambdas.push_back(lambdas[k]);
         clusters.back().shapes.push_back(shapes[k]);
     }
-    std::vector<double> brackets(clusters.size());
+    for (Cluster& cluster : clusters)
+        if (!converge(cluster)) return false;
+    const size_t known = modes_.size();
     int before = interval.before;
-    for (size_t k = 0; k < clusters.size(); ++k) {
-        if (!converge(clusters[k])) return false;
-        if (!confirm(clusters[k], before, brackets[k])) return false;
-        before += static_cast<int>(clusters[k].shapes.size());
-    }
-    for (size_t k = 0; k < clusters.size(); ++k) {
-        const double lambda = clusters[k].lambdas.front();
-        if (!model_.factor(lambda)) model_.factor(lambda * (1 + 1e-10));
-        add(clusters[k], brackets[k]);
+    for (Cluster& cluster : clusters) {
+        double bracket = 0;
+        if (!settle(cluster) || !confirm(cluster, before, bracket)) {
+            modes_.resize(known);
+            return false;
+        }
+        model_.factor(cluster.lambdas.front());
+        add(cluster, bracket);
+        before += static_cast<int>(cluster.shapes.size());
     }
     return true;
 }
@@ -227,6 +248,18 @@ bool ModeFinder::converge(Cluster& cluster) {
     return cluster.lambdas.back() <= cluster.lambdas.front() * (1 + 2 * kEqual);
 }
 
+/// Once more with the lines cut for this frequency alone, however far the search reaches.
+bool ModeFinder::settle(Cluster& cluster) {
+    const double omega = std::sqrt(cluster.lambdas.back());
+    if (!model_.has_lines()) return true;
+    model_.cut(kAhead * omega);
+    cut_ = kAhead * omega;
+    for (Motion& shape : cluster.shapes) shape = random_motion();
+    const double beside = omega * (1 + 1e-8);
+    if (iterate(cluster.shapes, beside * beside, 3).empty()) return false;
+    return converge(cluster);
+}
+
 /// The count on both sides of a cluster, as near as it can tell.
 bool ModeFinder::confirm(const Cluster& cluster, int before, double& bracket) {
     const int until = before + static_cast<int>(cluster.shapes.size());
@@ -246,6 +279,7 @@ void ModeFinder::add(const Cluster& cluster, double bracket) {
         mode.bracket = bracket;
         mode.multiplicity = static_cast<int>(cluster.shapes.size());
         mode.shape = cluster.shapes[k];
+        mode.cut = cut_;
         double largest = 0, turn = 0;
         const auto look = [&](const Vector6& u) {
             largest = std::max(largest, u.head<3>().norm());
@@ -267,17 +301,22 @@ std::vector<Mode> ModeFinder::finish() {
     std::ranges::stable_sort(modes_, {}, &Mode::omega);
     // Shares of what moves as a whole. Of two motions φ at λ and r at 0 the mass between them is −φᵀ (D(λ) − D(0)) r / λ
     std::array<Motion, 6> whole, held, massive;
-    Vector6 all;
-    model_.factor(0);
-    for (int d = 0; d < 6; ++d) {
-        const auto i = static_cast<size_t>(d);
-        whole[i] = model_.rigid_motion(d);
-        held[i] = model_.stiffness_times(whole[i]);
-        massive[i] = model_.mass_times(whole[i]);
-        all(d) = dot(whole[i], massive[i]);
-    }
-    double lambda = 0;
+    Vector6 all = Vector6::Zero();
+    double cut = 0, lambda = 0;
     for (Mode& mode : modes_) {
+        if (mode.cut != cut) {
+            model_.cut(mode.cut);
+            cut_ = cut = mode.cut;
+            lambda = 0;
+            model_.factor(0);
+            for (int d = 0; d < 6; ++d) {
+                const auto i = static_cast<size_t>(d);
+                whole[i] = model_.rigid_motion(d);
+                held[i] = model_.stiffness_times(whole[i]);
+                massive[i] = model_.mass_times(whole[i]);
+                all(d) = dot(whole[i], massive[i]);
+            }
+        }
         if (mode.omega > 0 && mode.omega * mode.omega != lambda) {
             lambda = mode.omega * mode.omega;
             model_.factor(lambda);

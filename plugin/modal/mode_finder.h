@@ -16,12 +16,16 @@ struct Mode {
     double mass = 0;                          ///< modal [kg], of the shape as it is scaled: its largest displacement is 1
     FrequencyModel::Motion shape;             ///< of the frames
     Vector6 participation = Vector6::Zero();  ///< share of the mass or inertia moved as a whole in each direction
+    double cut = 0;                           ///< [rad/s] for which the lines were cut when the shape was found
 };
 
 /// Finds natural frequencies in order and proves that none is missing: the count separates them, inverse iteration on the
 /// shapes of a group (so that multiple ones come whole) refines them, and the count on both sides of each confirms it.
 /// Source: Wittrick and Williams (1971), Q. J. Mech. Appl. Math. 24; inverse iteration with the derivative of the dynamic
 /// stiffness: Yuan, Ye, Williams and Kennedy (2003), Int. J. Numer. Meth. Eng. 56.
+///
+/// Short pieces of a line are stiff, and their rounding stands beside ω²: every frequency is found with the lines cut for it
+/// alone. Where the machine itself is a long chain of short elements rounding keeps the bracket wide, which is then told.
 class ModeFinder {
 public:
     explicit ModeFinder(FrequencyModel& model) : model_(model) {}
@@ -30,8 +34,8 @@ public:
     std::vector<Mode> find_below(double below);
     /// The first `count`, and what is equal to the last of them; all if there are fewer.
     std::vector<Mode> find_first(int count);
-    /// Frequency [rad/s] for which the model was cut last.
-    double cut_for() const { return below_; }
+    /// Rigid-body modes alone.
+    int count_rigid();
 
 private:
     using Motion = FrequencyModel::Motion;
@@ -45,12 +49,14 @@ private:
         std::vector<Motion> shapes;
     };
 
-    void open(double below);
+    void cut_for(double omega);
+    double lowest_for(double below) const;
     int count_at(double& omega);
     void find_rigid(int count);
     void separate(Interval interval);
     bool refine(const Interval& interval);
     bool converge(Cluster& cluster);
+    bool settle(Cluster& cluster);
     bool confirm(const Cluster& cluster, int before, double& bracket);
     std::vector<double> iterate(std::vector<Motion>& shapes, double lambda, int rounds);
     void add(const Cluster& cluster, double bracket);
@@ -60,8 +66,7 @@ private:
     FrequencyModel& model_;
     std::vector<Mode> modes_;
     double lowest_ = 0;  ///< below lie rigid-body modes only [rad/s]
-    double below_ = 0;
-    int rigid_count_ = 0;
+    double cut_ = 0;     ///< [rad/s] for which the lines are cut
     uint64_t seed_ = 1;
 };
 

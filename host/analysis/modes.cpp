@@ -330,7 +330,7 @@ namespace {
 
 /// "plate.corner1.z" as a place and a direction.
 std::pair<const ModalPlace*, int> place_and_direction(const ModalMachine& machine, const std::string& option,
-                                                      const std::string& text) {
+                                                      const std::string& text, std::bitset<6> directions) {
     const size_t dot = text.rfind('.');
     std::vector<std::string> known;
     for (const ModalPlace& place : machine.places()) known.push_back(place.name);
@@ -339,6 +339,9 @@ std::pair<const ModalPlace*, int> place_and_direction(const ModalMachine& machin
                     fmt::format("{} {}: write place.direction, e.g. {}.z", option, quote(text), known.front()));
     const std::string name = text.substr(0, dot), direction = text.substr(dot + 1);
     const auto d = std::ranges::find(direction_names(), direction);
+    if (d != direction_names().end() && !directions[static_cast<size_t>(d - direction_names().begin())])
+        throw Error(ExitCode::usage,
+                    fmt::format("{} {}: nothing moves in {}, which is not among dofs", option, quote(text), direction));
     if (d == direction_names().end())
         throw Error(ExitCode::usage, fmt::format("{} {}: {} is none of the directions {}", option, quote(text),
                                                  quote(direction), listed(direction_names())));
@@ -368,15 +371,14 @@ ExitCode find_response(const FrfRequest& request) {
     if (request.is_logarithmic && from == 0) throw Error(ExitCode::usage, "--log: --from must be more than zero");
     const Model model = read(request, plugins);
     ModalMachine machine(model, plugins);
-    const auto [in, in_direction] = place_and_direction(machine, "--in", request.input);
-    const auto [out, out_direction] = place_and_direction(machine, "--out", request.output_place);
+    const auto [in, in_direction] = place_and_direction(machine, "--in", request.input, model.modes.directions);
+    const auto [out, out_direction] = place_and_direction(machine, "--out", request.output_place, model.modes.directions);
 
-    const char* input = in_direction < 3 ? "N" : "N m";
+    const char* input = in_direction < 3 ? "N" : "(N*m)";
     const char* unit = out_direction < 3 ? "m" : "rad";
     std::string text =
         "frequency,receptance.re,receptance.im,receptance,phase,mobility.re,mobility.im,accelerance.re,accelerance.im\n";
-    text += fmt::format("Hz,{0}/({1}),{0}/({1}),{0}/({1}),deg,{0}/s/({1}),{0}/s/({1}),{0}/s^2/({1}),{0}/s^2/({1})\n", unit,
-                        input);
+    text += fmt::format("Hz,{0}/{1},{0}/{1},{0}/{1},deg,{0}/s/{1},{0}/s/{1},{0}/s^2/{1},{0}/s^2/{1}\n", unit, input);
     double largest = 0, at = 0;
     for (int i = 0; i < request.points; ++i) {
         const double part = request.points > 1 ? static_cast<double>(i) / (request.points - 1) : 0;
@@ -397,8 +399,13 @@ ExitCode find_response(const FrfRequest& request) {
     path += "-frf";
     const ResultsFolder folder(request.output.value_or(path));
     write_atomically(folder.file("frf.csv"), text);
+    if (largest == 0)
+        tell(
+            fmt::format("warning: {} does not move under {}: one of them is held there, or nothing leads from one to the "
+                        "other",
+                        request.output_place, request.input));
     if (!request.quiet)
-        fmt::print("{} points from {:g} to {:g} Hz, {} per {}; largest {:.6g} {}/({}) at {:.6g} Hz\nresults in {}\n",
+        fmt::print("{} points from {:g} to {:g} Hz, {} per {}; largest {:.6g} {}/{} at {:.6g} Hz\nresults in {}\n",
                    request.points, from, to, request.output_place, request.input, largest, unit, input, at,
                    folder.file("frf.csv").string());
     return ExitCode::ok;

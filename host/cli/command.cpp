@@ -27,7 +27,7 @@ namespace {
 struct Arguments {
     FrfRequest frf;
     ModesRequest modes;
-    std::string count, below;
+    std::string count, below, beams;
     RunRequest request;
     std::vector<std::string> sets, sweeps;
     std::string output, step, duration, coupling, tolerance;
@@ -55,6 +55,7 @@ void add_modes_options(CLI::App& command, Arguments& arguments) {
     command.add_option("--plugin", arguments.request.plugins, "shared library with more element types")
         ->allow_extra_args(false);
     command.add_option("-o,--output", arguments.output, "results folder; default results/<model name>-modes, or -frf");
+    command.add_option("--beams", arguments.beams, "\"exact\" or \"lumped\" instead of the model's");
     command.add_flag("-q,--quiet", arguments.request.quiet, "no table");
 }
 
@@ -105,6 +106,7 @@ void settle(Arguments& arguments) {
     if (!arguments.tolerance.empty()) request.overrides.tolerance = arguments.tolerance;
     if (!arguments.output.empty()) request.output = arguments.output;
     if (!arguments.count.empty()) request.overrides.modes.count = arguments.count;
+    if (!arguments.beams.empty()) request.overrides.modes.beams = arguments.beams;
     if (!arguments.below.empty()) request.overrides.modes.below = arguments.below;
 }
 

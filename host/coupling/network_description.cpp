@@ -115,12 +115,10 @@ void NetworkDescription::add_element(const Element& element) {
 
 uint32_t NetworkDescription::find_or_add_node(const Attachment& end, const Attachment& other) {
     if (end.is_ground()) {
-        places_.push_back(end);
         return add_node("ground", DTTMM_NODE_GROUND, frame_at_start(model_, other).position, Eigen::Matrix3d::Identity());
     }
-    const auto found = std::find(places_.begin(), places_.end(), end);
-    if (found != places_.end()) return static_cast<uint32_t>(found - places_.begin());
-    places_.push_back(end);
+    const auto [found, is_new] = nodes_at_.try_emplace(end, static_cast<uint32_t>(nodes_.size()));
+    if (!is_new) return found->second;
     const Frame frame = frame_at_start(model_, end);
     if (end.body >= 0) {
         ports_.push_back(end);
@@ -152,9 +150,9 @@ uint32_t NetworkDescription::add_node(const std::string& name, uint32_t kind, co
 }
 
 std::optional<size_t> NetworkDescription::node_at(const Attachment& place) const {
-    const auto found = std::ranges::find(places_, place);
-    if (found == places_.end()) return std::nullopt;
-    return static_cast<size_t>(found - places_.begin());
+    const auto found = nodes_at_.find(place);
+    if (found == nodes_at_.end()) return std::nullopt;
+    return found->second;
 }
 
 dttmm_network NetworkDescription::network() const {

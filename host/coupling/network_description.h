@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,7 +48,7 @@ private:
     const PluginLibrary* plugin_ = nullptr;
     std::vector<dttmm_node> nodes_;
     std::vector<std::string> node_names_;
-    std::vector<Attachment> places_;           ///< of every node
+    std::map<Attachment, uint32_t> nodes_at_;  ///< by place; the ground has one per element
     std::vector<std::vector<uint32_t>> ends_;  ///< of every element
     std::vector<dttmm_element> elements_;
     std::vector<Attachment> ports_;

@@ -88,6 +88,12 @@ ModesSettings read_modes(const TableReader& file, const ModesOverrides& override
         settings.are_beams_lumped = table.choice("beams", kBeams, 0).value_or(0) == 1;
     }
     if (overrides.count && overrides.below) refuse("--count and --below are two ways to say how many: give one");
+    if (overrides.beams) {
+        const auto beams = std::ranges::find(kBeams, *overrides.beams);
+        if (beams == kBeams.end())
+            refuse(fmt::format("--beams must be one of {}, got {}", listed(kBeams), quote(*overrides.beams)));
+        settings.are_beams_lumped = beams != kBeams.begin();
+    }
     if (overrides.count) {
         settings.count = count_of(*overrides.count);
         settings.below.reset();

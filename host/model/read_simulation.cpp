@@ -136,7 +136,7 @@ SimulationSettings read_simulation(const TableReader& file, const SimulationOver
     const bool is_valid = table && table->is_valid();
     const SettingsReader reader(file, is_valid ? &*table : nullptr);
     if (!member && !(overrides.step && overrides.duration))
-        file.error(file.place(), "missing table [simulation] with duration and step");
+        file.error(file.place(), "missing table [simulation] with duration and step (dttmm modes and dttmm frf want none)");
 
     SimulationSettings settings;
     const auto step_setting = reader.require("step", overrides.step);

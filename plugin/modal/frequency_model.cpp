@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/state_vector.h"
+#include "element/parameters.h"
 
 namespace dttmm {
 
@@ -258,7 +259,8 @@ void FrequencyModel::cut_line(LineModel& line, int count) {
                 add_rigid(piece.rigid, {-carried.row(d).transpose(), piece.by_to.row(d).transpose()});
         if (is_bar) {
             const Section& s = line.line.section;
-            const double l = (line.finish - line.start).norm() / count, polar = s.inertia;
+            const double l = (line.finish - line.start).norm() / count;
+            const double polar = is_given(s.inertia) ? s.inertia : 0;  // as in time
             Matrix6 bar = Matrix6::Zero();
             bar.diagonal() << 0, s.mass * l, s.mass * l, polar * l, s.mass * l * l * l / 12, s.mass * l * l * l / 12;
             const int frame = from >= 0 ? from : to;

@@ -62,7 +62,7 @@ TEST(RandomTrees, HaveTheFrequenciesOfFiniteElements) {
         }
         EXPECT_GE(found.size(), kModes) << "seed " << seed;
         std::string fault;
-        for (const int n : {2, 4, 8}) {
+        for (const int n : {2, 4, 8, 16}) {
             fault = compare(tree, found, n);
             if (fault.empty()) break;
         }

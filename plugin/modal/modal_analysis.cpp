@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -18,7 +19,7 @@ size_t ModalAnalysis::find_modes(uint32_t count, double below) {
         throw Error(DTTMM_ERROR_ARGUMENT, "find_modes wants a frequency or a count");
     ModeFinder finder(model_);
     modes_ = below > 0 ? finder.find_below(2 * M_PI * below) : finder.find_first(static_cast<int>(count));
-    cut_ = finder.cut_for();
+    cut_ = now_ = finder.cut_for();
     at_ = -1;
     return modes_.size();
 }
@@ -27,7 +28,7 @@ const Mode& ModalAnalysis::stand_at(uint32_t index) {
     if (index >= modes_.size()) throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("there is no mode {}", index));
     const Mode& mode = modes_[index];
     if (at_ == static_cast<long>(index)) return mode;
-    if (at_ < 0) model_.cut(cut_);
+    if (now_ != cut_) model_.cut(now_ = cut_);  // a response took more pieces
     model_.factor(mode.omega * mode.omega);
     at_ = static_cast<long>(index);
     return mode;
@@ -61,12 +62,10 @@ void ModalAnalysis::respond(double frequency, int on_body, int on_node, const Ve
                             double* bodies, double* nodes) {
     if (!(frequency >= 0) || !std::isfinite(frequency)) throw Error(DTTMM_ERROR_ARGUMENT, "a frequency must be finite");
     const double omega = 2 * M_PI * frequency;
-    if (omega > cut_) {  // here pieces only keep numbers small
-        model_.cut(omega);
-        cut_ = omega;
+    if (now_ == 0 || omega > now_) {  // here pieces only keep numbers small
+        now_ = std::max(omega, 1.0);
         at_ = -1;
-    } else if (cut_ == 0) {
-        model_.cut(1);
+        model_.cut(now_);
     }
     const int frame = on_body >= 0 ? on_body : model_.frame_of_node(static_cast<size_t>(on_node));
     const auto motion = model_.respond(omega, frame, point, force);

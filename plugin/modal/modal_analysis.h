@@ -28,8 +28,9 @@ private:
     FrequencyModel model_;
     size_t element_count_;
     std::vector<Mode> modes_;
-    double cut_ = 0;  ///< [rad/s] for which the lines are cut
-    long at_ = -1;    ///< mode that the model stands at
+    double cut_ = 0;  ///< [rad/s] for which the lines were cut when the modes were found
+    double now_ = 0;  ///< [rad/s] for which they are cut
+    long at_ = -1;    ///< mode that the model stands at; −1: none
 };
 
 }  // namespace dttmm

@@ -246,13 +246,7 @@ void ModeFinder::add(const Cluster& cluster, double bracket) {
         mode.bracket = bracket;
         mode.multiplicity = static_cast<int>(cluster.shapes.size());
         mode.shape = cluster.shapes[k];
-        double largest = 0, turn = 0;
-        const auto look = [&](const Vector6& u) {
-            largest = std::max(largest, u.head<3>().norm());
-            turn = std::max(turn, u.tail<3>().norm());
-        };
-        for (const Vector6& u : mode.shape) look(u);
-        for (size_t n = 0; n < model_.node_count(); ++n) look(model_.node_motion(n, mode.shape));
+        const auto [largest, turn] = model_.largest(mode.shape);
         // A shape is scaled by its largest displacement, one that only turns by its rotation
         const double scale = 1 / (largest > 1e-9 * turn ? largest : turn);
         for (Vector6& u : mode.shape) u *= scale;
@@ -266,28 +260,27 @@ void ModeFinder::add(const Cluster& cluster, double bracket) {
 std::vector<Mode> ModeFinder::finish() {
     std::ranges::stable_sort(modes_, {}, &Mode::omega);
     // Shares of what moves as a whole. Of two motions φ at λ and r at 0 the mass between them is −φᵀ (D(λ) − D(0)) r / λ
-    std::array<Motion, 6> whole, held, massive;
-    Vector6 all;
+    std::vector<FrequencyModel::Whole> at_rest, whole;
+    const auto move_whole = [&] {
+        std::vector<FrequencyModel::Whole> all;
+        for (int d = 0; d < 6; ++d) all.push_back(model_.move_whole(d));
+        return all;
+    };
     model_.factor(0);
-    for (int d = 0; d < 6; ++d) {
-        const auto i = static_cast<size_t>(d);
-        whole[i] = model_.rigid_motion(d);
-        held[i] = model_.stiffness_times(whole[i]);
-        massive[i] = model_.mass_times(whole[i]);
-        all(d) = dot(whole[i], massive[i]);
-    }
+    at_rest = whole = move_whole();
     double lambda = 0;
     for (Mode& mode : modes_) {
         if (mode.omega > 0 && mode.omega * mode.omega != lambda) {
             lambda = mode.omega * mode.omega;
             model_.factor(lambda);
+            whole = move_whole();
         }
         for (int d = 0; d < 6; ++d) {
             const auto i = static_cast<size_t>(d);
-            double moved = dot(mode.shape, massive[i]);
-            if (mode.omega > 0)
-                moved = (dot(mode.shape, held[i]) - dot(mode.shape, model_.stiffness_times(whole[i]))) / lambda;
-            mode.participation(d) = all(d) > 0 ? moved * moved / (mode.mass * all(d)) : 0;
+            const double moved = mode.omega > 0
+                                     ? (dot(mode.shape, at_rest[i].forces) - dot(mode.shape, whole[i].forces)) / lambda
+                                     : dot(mode.shape, at_rest[i].momenta);
+            mode.participation(d) = at_rest[i].mass > 0 ? moved * moved / (mode.mass * at_rest[i].mass) : 0;
         }
     }
     return std::move(modes_);

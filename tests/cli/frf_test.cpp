@@ -137,7 +137,9 @@ TEST(Frf, ACantileverFollowsItsClosedForm) {
             const Complex H = closed(row[kFrequency], damping);
             EXPECT_NEAR(row[kRe], H.real(), 1e-8 * std::abs(H)) << row[kFrequency];
             EXPECT_NEAR(row[kIm], H.imag(), 1e-8 * std::abs(H)) << row[kFrequency];
-            if (damping == 0) EXPECT_EQ(row[kIm], 0);
+            if (damping == 0) {
+                EXPECT_EQ(row[kIm], 0);
+            }
         }
     }
 }

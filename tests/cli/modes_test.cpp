@@ -345,5 +345,210 @@ TEST(ModesCases, TwoMasses) {
     expect_frequencies(frequencies_of(modes_of(two_masses(), {"--below", "0.3 Hz"})), {expected[0]}, kRounding);
 }
 
+// ---- What it writes -----------------------------------------------------------------------------------------------------
+
+TEST(Modes, WritesATableShapesAndASummary) {
+    const TemporaryFolder folder;
+    write_text(folder / "two.toml", two_masses());
+    const Ended ended = run_dttmm(folder.path(), {"modes", "two.toml", "--count", "2"});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_THAT(ended.out, testing::AllOf(testing::HasSubstr("0.19672"), testing::HasSubstr("0.51503"),
+                                          testing::HasSubstr("results/two-modes"), testing::HasSubstr("first 72 %")));
+    const nlohmann::json summary = read_json(folder / "results/two-modes/summary.json");
+    EXPECT_EQ(summary["frequencies_hz"].size(), 2u);
+    EXPECT_EQ(summary["command_line"], "dttmm modes two.toml --count 2");
+    std::istringstream lines(read_text(folder / "results/two-modes/modes.csv"));
+    std::string line;
+    std::getline(lines, line);
+    EXPECT_EQ(line, "mode,frequency,multiplicity,modal_mass,place,x,y,z,ux,uy,uz,urx,ury,urz");
+    std::getline(lines, line);
+    size_t count = 0;
+    while (std::getline(lines, line)) ++count;
+    EXPECT_EQ(count, 4u) << "two modes at two nodes";
+    // The shape of the printed object is that of the closed form: u1/u2 = (√5 − 1)/2
+    const nlohmann::json modes = modes_of(two_masses(), {"--count", "1"});
+    EXPECT_NEAR(modes["modes"][0]["shape"]["a"][0].get<double>() / modes["modes"][0]["shape"]["b"][0].get<double>(),
+                (std::sqrt(5.) - 1) / 2, kRounding);
+    EXPECT_EQ(run_dttmm(folder.path(), {"modes", "two.toml", "-q"}).out, "");
+}
+
+// ---- Joints and bodies --------------------------------------------------------------------------------------------------
+
+/// A bar on a joint to the ground, on a rotational spring; told in [[joint]] and a spring beside it.
+std::string on_a_joint(const std::string& joint, const std::string& spring) {
+    return R"(format = "dttmm/1"
+[modes]
+count = 6
+[[body]]
+name = "bar"
+mass = 3
+inertia = [0.01, 0.2, 0.25]
+position = [0.4, 0, 0]
+markers.foot = [-0.4, 0, 0]
+[[joint]]
+name = "pin"
+between = ["ground", "bar"]
+anchor = [0, 0, 0]
+)" + joint +
+           R"(
+[[element]]
+name = "spring"
+type = "spring_damper"
+from = "ground"
+to = "bar.foot"
+)" + spring +
+           "\n";
+}
+
+// Oracle: one degree of freedom each: k over the inertia about the joint, I + m l², or the mass.
+TEST(Modes, AJointLeavesItsDirections) {
+    const double k = 500, about_y = 0.2 + 3 * 0.4 * 0.4, about_z = 0.25 + 3 * 0.4 * 0.4;
+    const auto f = [](double stiffness, double inertia) { return std::sqrt(stiffness / inertia) / (2 * kPi); };
+    const std::string turn = "rotational_stiffness = 500";
+    expect_frequencies(frequencies_of(modes_of(on_a_joint("type = \"hinge\"\naxis = [0, 1, 0]", turn))), {f(k, about_y)},
+                       kRounding);
+    expect_frequencies(frequencies_of(modes_of(on_a_joint("type = \"slider\"\naxis = [1, 0, 0]", "stiffness = 500"))),
+                       {f(k, 3)}, kRounding);
+    expect_frequencies(
+        frequencies_of(modes_of(on_a_joint("type = \"universal\"\naxis = [0, 1, 0]\naxis2 = [0, 0, 1]", turn))),
+        {f(k, about_z), f(k, about_y)}, kRounding);
+    expect_frequencies(frequencies_of(modes_of(on_a_joint("type = \"ball\"", turn))),
+                       {f(k, about_z), f(k, about_y), f(k, 0.01)}, kRounding);
+}
+
+// ---- Sweeps -------------------------------------------------------------------------------------------------------------
+
+/// Rows of a sweep.csv: without its two lines of names and units; an empty cell is NaN.
+std::vector<std::vector<double>> read_table(const fs::path& file, std::string& names, std::string& units) {
+    std::istringstream lines(read_text(file));
+    std::getline(lines, names);
+    std::getline(lines, units);
+    std::vector<std::vector<double>> rows;
+    for (std::string line; std::getline(lines, line);) {
+        std::vector<double> row;
+        std::istringstream cells(line + ",");
+        for (std::string cell; std::getline(cells, cell, ',');) row.push_back(cell.empty() ? std::nan("") : std::stod(cell));
+        rows.push_back(row);
+    }
+    return rows;
+}
+
+// Oracle: two masses that know nothing of each other: one on 100 N/m, one on k: √(k/m)/2π crosses the other's √(100/m)/2π at
+// k = 100. Followed by their shapes, one curve stays and the other rises through it.
+TEST(ModesSweep, CurvesGoThroughACrossing) {
+    const std::string text = R"(format = "dttmm/1"
+dofs = ["x"]
+[parameters]
+k = "50 N/m"
+[modes]
+count = 2
+[nodes]
+a = [1, 0, 0]
+b = [2, 0, 0]
+[[element]]
+name = "fixed"
+type = "spring_damper"
+from = "ground"
+to = "a"
+stiffness = 100
+[[element]]
+name = "swept"
+type = "spring_damper"
+from = "ground"
+to = "b"
+stiffness = ["=k", 0, 0]
+[[element]]
+name = "one"
+type = "point_mass"
+at = "a"
+mass = 1
+[[element]]
+name = "two"
+type = "point_mass"
+at = "b"
+mass = 1
+)";
+    const TemporaryFolder folder;
+    write_text(folder / "m.toml", text);
+    const Ended ended = run_dttmm(folder.path(), {"modes", "m.toml", "--sweep", "k=40N/m..190N/m:6"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    std::string names, units;
+    const auto rows = read_table(folder / "results/m-modes/sweep.csv", names, units);
+    EXPECT_EQ(names, "case,k,curve1,curve2");
+    EXPECT_EQ(units, "1,N/m,Hz,Hz");
+    ASSERT_EQ(rows.size(), 6u);
+    for (size_t c = 0; c < 6; ++c) {
+        const double k = 40 + 30 * static_cast<double>(c);
+        ASSERT_EQ(rows[c].size(), 4u);
+        EXPECT_EQ(rows[c][0], static_cast<double>(c + 1));
+        EXPECT_NEAR(rows[c][1], k, 1e-9);
+        EXPECT_NEAR(rows[c][2], std::sqrt(k) / (2 * kPi), 1e-9) << "the swept one began lower";
+        EXPECT_NEAR(rows[c][3], 10 / (2 * kPi), 1e-9);
+    }
+    // The same as an object, in the same order
+    const Ended json = run_dttmm(folder.path(), {"modes", "m.toml", "--sweep", "k=40N/m,190N/m", "--json"});
+    ASSERT_EQ(json.code, 0) << json.err;
+    const nlohmann::json cases = nlohmann::json::parse(json.out)["cases"];
+    ASSERT_EQ(cases.size(), 2u);
+    EXPECT_EQ(cases[1]["parameters"]["k"], 190);
+    EXPECT_NEAR(cases[1]["frequencies_hz"][0].get<double>(), std::sqrt(190.) / (2 * kPi), 1e-9);
+}
+
+// Oracle: the same frequencies one by one, in any order; and each curve goes its way in small steps: with 32 times the
+// stiffness over ten cases none jumps by more than a third.
+TEST(ModesSweep, TheHydroplanesCurvesAreItsFrequencies) {
+    const TemporaryFolder folder;
+    const Ended ended =
+        run_dttmm(folder.path(), {"modes", modes_model("hydroplane"), "--sweep", "kh=5MN/m..160MN/m:11", "-o", "out", "-q"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    std::string names, units;
+    const auto rows = read_table(folder / "out/sweep.csv", names, units);
+    EXPECT_THAT(names, testing::StartsWith("case,kh,curve1,"));
+    ASSERT_EQ(rows.size(), 11u);
+    for (size_t c = 0; c < rows.size(); ++c) {
+        ASSERT_GE(rows[c].size(), 10u);
+        std::vector<double> own;
+        for (size_t k = 2; k < rows[c].size(); ++k)
+            if (!std::isnan(rows[c][k])) own.push_back(rows[c][k]);
+        if (c % 5 == 0)
+            expect_frequencies(
+                sorted(own),
+                frequencies_of(modes_of_file(modes_model("hydroplane"), {"--set", fmt::format("kh={} N/m", rows[c][1])})),
+                1e-9);
+        for (size_t k = 2; c > 0 && k < rows[c].size(); ++k)
+            if (!std::isnan(rows[c][k]) && !std::isnan(rows[c - 1][k])) {
+                EXPECT_LT(std::abs(rows[c][k] / rows[c - 1][k] - 1), 0.34) << c << ", " << k;
+            }
+    }
+}
+
+// A sweep below a frequency: curves that leave the range leave a gap, others begin.
+TEST(ModesSweep, CurvesEndAndBegin) {
+    const TemporaryFolder folder;
+    write_text(folder / "two.toml", two_masses());
+    std::string text = two_masses();
+    text.replace(text.find("mass = 3"), 8, "mass = \"=m\"");
+    text.replace(text.find("[nodes]"), 0, "[parameters]\nm = 3\n");
+    write_text(folder / "m.toml", text);
+    const Ended ended =
+        run_dttmm(folder.path(), {"modes", "m.toml", "--below", "0.45 Hz", "--sweep", "m=2,3,6,9", "-o", "out", "-q"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    std::string names, units;
+    const auto rows = read_table(folder / "out/sweep.csv", names, units);
+    ASSERT_EQ(rows.size(), 4u);
+    for (size_t c = 0; c < 4; ++c) {
+        const double m = rows[c][1];
+        // det [24 − mλ, −12; −12, 12 − 3λ] = 0
+        const double b = 24 * 3 + 12 * m, root = std::sqrt(b * b - 4 * 3 * m * 144);
+        std::vector<double> expected, own;
+        for (const double lambda : {(b - root) / (6 * m), (b + root) / (6 * m)})
+            if (std::sqrt(lambda) / (2 * kPi) < 0.45) expected.push_back(std::sqrt(lambda) / (2 * kPi));
+        for (size_t k = 2; k < rows[c].size(); ++k)
+            if (!std::isnan(rows[c][k])) own.push_back(rows[c][k]);
+        expect_frequencies(own, expected, kRounding);
+        EXPECT_EQ(rows[c].size(), rows[0].size());
+    }
+}
+
 }  // namespace
 }  // namespace dttmm

@@ -453,8 +453,11 @@ double FrequencyModel::largest_stiffness() const {
 }
 
 bool FrequencyModel::is_elastic() const {
+    const auto gives = [](const Bond& bond, const Matrix6& by) {
+        return (by.transpose() * bond.stiffness * by).diagonal().maxCoeff() > 0;
+    };
     return !lines_.empty() ||
-           std::ranges::any_of(bonds_, [](const Bond& bond) { return bond.stiffness.diagonal().maxCoeff() > 0; });
+           std::ranges::any_of(bonds_, [&](const Bond& b) { return gives(b, b.by_from) || gives(b, b.by_to); });
 }
 
 FrequencyModel::Whole FrequencyModel::move_whole(int direction) const {

@@ -518,6 +518,15 @@ std::vector<double> FrequencyModel::strain_energies(const Motion& u, size_t elem
     return energies;
 }
 
+double FrequencyModel::strain_quotient(const Motion& u) const {
+    const size_t elements = assembly_.first_joint.size() - 1;  // after them come the fixed nodes
+    double twice = 0, mass = 0;
+    for (double energy : strain_energies(u, elements)) twice += 2 * energy;
+    const Motion momenta = mass_times(u);
+    for (size_t f = 0; f < u.size(); ++f) mass += u[f].dot(momenta[f]);
+    return std::max(twice, 0.0) / mass;
+}
+
 double FrequencyModel::along(size_t element, const Motion& u, size_t count, double* shape) const {
     for (const LineModel& line : lines_) {
         if (line.element != static_cast<int>(element)) continue;

@@ -60,6 +60,8 @@ public:
     Whole move_whole(int direction) const;
     bool is_elastic() const;
     bool has_lines() const { return !lines_.empty(); }
+    /// ω² of a motion by its strain and kinetic energy, as far as the elements tell them [1/s²].
+    double strain_quotient(const Motion& u) const;
     int frame_count() const { return static_cast<int>(positions_.size()); }
     int body_count() const { return body_count_; }
     Directions directions() const { return directions_; }

@@ -385,6 +385,78 @@ TEST(ModalAnalysis, AResponseAtAnUndampedFrequencyIsRefused) {
     }
 }
 
+// Oracle: by hand. Two masses on one slow spring, free, looked at up to 100 kHz: as one they move equally, 1 + 2 kg, and the
+// spring's motion of √(k (1/1 + 1/2)) stays out of it.
+TEST(ModalAnalysis, ASlowModeStaysOutOfTheRigidShapes) {
+    NetworkModel network;
+    network.node("a", DTTMM_NODE_INNER, {0, 0, 0});
+    network.node("b", DTTMM_NODE_INNER, {1, 0, 0});
+    network.element("spring", "spring_damper", {"a", "b"}, {{"stiffness", {1}}});
+    network.element("one", "point_mass", {"a"}, {{"mass", {1}}});
+    network.element("two", "point_mass", {"b"}, {{"mass", {2}}});
+    Machine machine(network, 0b000001);
+    const std::vector<dttmm_mode> modes = machine.find(0, 1e5);
+    ASSERT_EQ(modes.size(), 2u);
+    EXPECT_EQ(modes[0].frequency, 0);
+    EXPECT_NEAR(modes[0].mass, 3, 1e-6);
+    EXPECT_NEAR(modes[0].participation[0], 1, 1e-6);
+    EXPECT_NEAR(machine.shape(0)(0, 0), machine.shape(0)(0, 1), 1e-6);
+    EXPECT_NEAR(modes[1].frequency, std::sqrt(1.5) / (2 * kPi), 1e-9);
+}
+
+// ---- What rounding hides ------------------------------------------------------------------------------------------------
+
+/// Three masses of 0.5 kg in a row: 0.5 N/m to the ground, `stiff`, 100 N/m.
+NetworkModel stiff_row(double stiff) {
+    NetworkModel network;
+    network.node("ground", DTTMM_NODE_GROUND, {0, 0, 0});
+    const double k[] = {0.5, stiff, 100};
+    for (int i = 0; i < 3; ++i) {
+        const std::string name = fmt::format("n{}", i);
+        network.node(name, DTTMM_NODE_INNER, {i + 1.0, 0, 0});
+        network.element("spring" + name, "spring_damper", {i == 0 ? "ground" : fmt::format("n{}", i - 1), name},
+                        {{"stiffness", {k[i], 0, 0}}});
+        network.element("mass" + name, "point_mass", {name}, {{"mass", {0.5}}});
+    }
+    return network;
+}
+
+// Oracle: the two slow frequencies of the row with its stiff spring rigid, (0.5 − λ, ...): λ² · 0.5 − λ (0.5 · 100.5 + 100)
+// + 50 = 0 of masses 1 and 0.5 kg. Beside 1e9 N/m the count tells them; beside 1e12 N/m it cannot, and says so: a slow
+// spring is no rigid-body mode.
+TEST(ModalAnalysis, ASlowSpringIsNoRigidBodyMode) {
+    const double b = 0.5 * 100.5 + 100, root = std::sqrt(b * b - 4 * 0.5 * 50);
+    const double slow = std::sqrt((b - root) / 1) / (2 * kPi), fast = std::sqrt((b + root) / 1) / (2 * kPi);
+    const NetworkModel network = stiff_row(1e9);
+    const std::vector<dttmm_mode> modes = Machine(network, 0b000001).find(3);
+    ASSERT_EQ(modes.size(), 3u);
+    EXPECT_NEAR(modes[0].frequency, slow, 1e-6 * slow);  // of 1e9 + 0.5 N/m the last digit is 1.2e-7
+    EXPECT_NEAR(modes[1].frequency, fast, 1e-6 * fast);
+    for (const double stiff : {1e12, 1e14}) {
+        const NetworkModel too_stiff = stiff_row(stiff);
+        try {
+            Machine(too_stiff, 0b000001).find(3);
+            ADD_FAILURE() << stiff << ": a frequency was hidden";
+        } catch (const Error& error) {
+            EXPECT_EQ(error.status(), DTTMM_ERROR_NUMERIC);
+            EXPECT_THAT(error.what(), HasSubstr("natural frequency at about 0.09"));
+        }
+    }
+}
+
+// A range much wider than the slowest frequency: seen, or the search fails, but never taken for rigid.
+TEST(ModalAnalysis, AWideRangeHidesNothing) {
+    const NetworkModel network = stiff_row(1e9);
+    Machine machine(network, 0b000001);
+    try {
+        const std::vector<dttmm_mode> modes = machine.find(0, 1e6);
+        ASSERT_EQ(modes.size(), 3u);
+        EXPECT_NEAR(modes[0].frequency, 0.0918626, 1e-6);
+    } catch (const Error& error) {
+        EXPECT_EQ(error.status(), DTTMM_ERROR_NUMERIC);
+    }
+}
+
 // ---- Loops --------------------------------------------------------------------------------------------------------------
 
 // Oracle: a square frame of four equal beams, closed, in its plane, free: the same as twice as many beams of half the

@@ -18,9 +18,10 @@ namespace {
 constexpr double kRigidRounding = 1e-12;
 /// Of the range looked at: lower frequencies are taken for zero.
 constexpr double kLowest = 1e-7;
-/// Strain of a rigid-body mode, as share of λ where the count begins: of lines, whose D is a difference of large numbers
-/// (0.03 in a few hundred random trees), and of joints, whose ends are subtracted. More is a mode too slow to be counted.
-constexpr double kLineRounding = 0.2, kJointRounding = 1e-6;
+/// Strain of a rigid-body mode: of lines, whose D is a difference of large numbers, as share of the rounding above (0.4 in a
+/// few thousand random trees); of joints, whose ends are subtracted, as share of λ where the count begins. More is a mode
+/// too slow to be counted.
+constexpr double kLineStrain = 2, kJointStrain = 1e-6;
 /// Frequencies so near each other count as equal, unless the count can tell them apart.
 constexpr double kEqual = 2e-9;
 /// Wider than this the shapes of a group are not looked for yet: high/low of an interval.
@@ -40,8 +41,8 @@ double dot(const FrequencyModel::Motion& a, const FrequencyModel::Motion& b) {
 void ModeFinder::open(double below) {
     model_.cut(below);
     below_ = below;
-    const double rounding = model_.total_mass() > 0 ? kRigidRounding * model_.largest_stiffness() / model_.total_mass() : 0;
-    lowest_ = std::max(std::sqrt(rounding), kLowest * below);
+    rounding_ = model_.total_mass() > 0 ? kRigidRounding * model_.largest_stiffness() / model_.total_mass() : 0;
+    lowest_ = std::max(std::sqrt(rounding_), kLowest * below);
 }
 
 /// A frequency hit to rounding has no count: a little beside it there is one.
@@ -171,7 +172,7 @@ void ModeFinder::find_rigid(int count) {
         lambda = std::min(lambda, strained);
         if (stands) break;
     }
-    if (lambda > (model_.has_lines() ? kLineRounding : kJointRounding) * lowest_ * lowest_)
+    if (lambda > (model_.has_lines() ? kLineStrain * rounding_ : kJointStrain * lowest_ * lowest_))
         throw Error(DTTMM_ERROR_NUMERIC,
                     fmt::format("there is a natural frequency at about {:.3g} Hz, below {:.3g} Hz where rounding hides what "
                                 "is counted: make the stiffest parts rigid, or ask for lower frequencies",

@@ -59,7 +59,8 @@ private:
 
     FrequencyModel& model_;
     std::vector<Mode> modes_;
-    double lowest_ = 0;  ///< below lie rigid-body modes only [rad/s]
+    double rounding_ = 0;  ///< what it makes of λ = 0 [1/s²]
+    double lowest_ = 0;    ///< below lie rigid-body modes only [rad/s]
     double below_ = 0;
     int rigid_count_ = 0;
     uint64_t seed_ = 1;

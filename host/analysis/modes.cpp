@@ -329,8 +329,8 @@ ExitCode sweep_modes(const ModesRequest& request, const std::vector<SweepAxis>& 
 namespace {
 
 /// "plate.corner1.z" as a place and a direction.
-std::pair<const ModalPlace*, int> place_and_direction(const ModalMachine& machine, const std::string& option,
-                                                      const std::string& text, std::bitset<6> directions) {
+std::pair<const ModalPlace*, int> place_and_direction(const Model& model, const ModalMachine& machine,
+                                                      const std::string& option, const std::string& text) {
     const size_t dot = text.rfind('.');
     std::vector<std::string> known;
     for (const ModalPlace& place : machine.places()) known.push_back(place.name);
@@ -339,9 +339,6 @@ std::pair<const ModalPlace*, int> place_and_direction(const ModalMachine& machin
                     fmt::format("{} {}: write place.direction, e.g. {}.z", option, quote(text), known.front()));
     const std::string name = text.substr(0, dot), direction = text.substr(dot + 1);
     const auto d = std::ranges::find(direction_names(), direction);
-    if (d != direction_names().end() && !directions[static_cast<size_t>(d - direction_names().begin())])
-        throw Error(ExitCode::usage,
-                    fmt::format("{} {}: nothing moves in {}, which is not among dofs", option, quote(text), direction));
     if (d == direction_names().end())
         throw Error(ExitCode::usage, fmt::format("{} {}: {} is none of the directions {}", option, quote(text),
                                                  quote(direction), listed(direction_names())));
@@ -349,7 +346,11 @@ std::pair<const ModalPlace*, int> place_and_direction(const ModalMachine& machin
     if (!place)
         throw Error(ExitCode::usage, fmt::format("{} {}: no body, marker or node {}{}", option, quote(text), quote(name),
                                                  suggestion(name, known)));
-    return {place, static_cast<int>(d - direction_names().begin())};
+    const auto index = static_cast<size_t>(d - direction_names().begin());
+    if (!model.modes.directions[index])
+        throw Error(ExitCode::usage,
+                    fmt::format("{} {}: nothing moves in {}: the model's dofs leave it out", option, quote(text), *d));
+    return {place, static_cast<int>(index)};
 }
 
 double frequency(const std::string& option, const std::string& text) {
@@ -371,8 +372,8 @@ ExitCode find_response(const FrfRequest& request) {
     if (request.is_logarithmic && from == 0) throw Error(ExitCode::usage, "--log: --from must be more than zero");
     const Model model = read(request, plugins);
     ModalMachine machine(model, plugins);
-    const auto [in, in_direction] = place_and_direction(machine, "--in", request.input, model.modes.directions);
-    const auto [out, out_direction] = place_and_direction(machine, "--out", request.output_place, model.modes.directions);
+    const auto [in, in_direction] = place_and_direction(model, machine, "--in", request.input);
+    const auto [out, out_direction] = place_and_direction(model, machine, "--out", request.output_place);
 
     const char* input = in_direction < 3 ? "N" : "(N*m)";
     const char* unit = out_direction < 3 ? "m" : "rad";

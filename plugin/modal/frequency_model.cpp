@@ -7,9 +7,11 @@
 #include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "core/error.h"
 #include "core/state_vector.h"
+#include "element/parameters.h"
 
 namespace dttmm {
 
@@ -217,6 +219,7 @@ void FrequencyModel::cut(double omega) {
     names_.resize(own_frames_);
     elements_.resize(own_frames_);
     pieces_.clear();
+    held_pieces_.clear();
     bar_masses_.clear();
     std::vector<int> counts;
     for (const Kind& kind : kinds_) counts.push_back(kind.waves->pieces(omega, kMostPieces));
@@ -259,7 +262,8 @@ void FrequencyModel::cut_line(LineModel& line, int count) {
                 add_rigid(piece.rigid, {-carried.row(d).transpose(), piece.by_to.row(d).transpose()});
         if (is_bar) {
             const Section& s = line.line.section;
-            const double l = (line.finish - line.start).norm() / count, polar = s.inertia;
+            const double l = (line.finish - line.start).norm() / count;
+            const double polar = is_given(s.inertia) ? s.inertia : 0;  // as in time
             Matrix6 bar = Matrix6::Zero();
             bar.diagonal() << 0, s.mass * l, s.mass * l, polar * l, s.mass * l * l * l / 12, s.mass * l * l * l / 12;
             const int frame = from >= 0 ? from : to;
@@ -267,6 +271,14 @@ void FrequencyModel::cut_line(LineModel& line, int count) {
                 const Matrix6 middle = local_end(line.axes, 0.5 * (point(i) + point(i + 1)), frame);
                 bar_masses_.push_back({frame, middle.transpose() * bar * middle});
             }
+        }
+        if (from < 0 || to < 0) {
+            const auto ground = [&](int frame, int end) -> Matrix6 {
+                if (frame >= 0) return Matrix6::Zero();
+                return both(line.axes.transpose()) * masked(at_point(point(end), Vector3::Zero()));
+            };
+            held_pieces_.push_back(
+                {pieces_.size(), static_cast<size_t>(&line - lines_.data()), ground(from, i), ground(to, i + 1)});
         }
         pieces_.push_back(std::move(piece));
         from = to;
@@ -442,16 +454,36 @@ double FrequencyModel::largest_stiffness() const {
 }
 
 bool FrequencyModel::is_elastic() const {
+    const auto gives = [](const Bond& bond, const Matrix6& by) {
+        return (by.transpose() * bond.stiffness * by).diagonal().maxCoeff() > 0;
+    };
     return !lines_.empty() ||
-           std::ranges::any_of(bonds_, [](const Bond& bond) { return bond.stiffness.diagonal().maxCoeff() > 0; });
+           std::ranges::any_of(bonds_, [&](const Bond& b) { return gives(b, b.by_from) || gives(b, b.by_to); });
 }
 
-FrequencyModel::Motion FrequencyModel::rigid_motion(int direction) const {
-    Motion motion(positions_.size());
-    Vector6 whole = Vector6::Zero();
-    whole(direction) = 1;
-    for (size_t f = 0; f < motion.size(); ++f) motion[f] = mask_ * (at_point(positions_[f], Vector3::Zero()) * whole);
-    return motion;
+FrequencyModel::Whole FrequencyModel::move_whole(int direction) const {
+    Whole whole{Motion(positions_.size()), {}, {}, 0};
+    for (size_t f = 0; f < positions_.size(); ++f)
+        whole.motion[f] = masked(at_point(positions_[f], Vector3::Zero())).col(direction);
+    whole.forces = stiffness_times(whole.motion);
+    whole.momenta = mass_times(whole.motion);
+    for (size_t f = 0; f < positions_.size(); ++f) whole.mass += whole.motion[f].dot(whole.momenta[f]);
+    // And the ends on the ground: g moves along, D g and M g act on the other ends
+    for (const HeldPiece& held : held_pieces_) {
+        const LineModel& line = lines_[held.line];
+        const Piece& piece = pieces_[held.piece];
+        const auto& [D, M] = kinds_[line.kind].at_lambda.at(line.count);
+        Vector12 ground;
+        ground << held.start.col(direction), held.finish.col(direction);
+        const Vector12 force = D * ground, momentum = M * ground, own = ends_of(piece, whole.motion);
+        whole.mass += ground.dot(momentum) + 2 * own.dot(momentum);
+        for (const auto& [frame, by, end] : {std::tuple(piece.from, &piece.by_from, 0), {piece.to, &piece.by_to, 6}}) {
+            if (frame < 0) continue;
+            whole.forces[static_cast<size_t>(frame)] += by->transpose() * force.segment<6>(end);
+            whole.momenta[static_cast<size_t>(frame)] += by->transpose() * momentum.segment<6>(end);
+        }
+    }
+    return whole;
 }
 
 Vector3 FrequencyModel::position_of_node(size_t node) const {
@@ -487,6 +519,15 @@ std::vector<double> FrequencyModel::strain_energies(const Motion& u, size_t elem
     return energies;
 }
 
+double FrequencyModel::strain_quotient(const Motion& u) const {
+    const size_t elements = assembly_.first_joint.size() - 1;  // after them come the fixed nodes
+    double twice = 0, mass = 0;
+    for (double energy : strain_energies(u, elements)) twice += 2 * energy;
+    const Motion momenta = mass_times(u);
+    for (size_t f = 0; f < u.size(); ++f) mass += u[f].dot(momenta[f]);
+    return std::max(twice, 0.0) / mass;
+}
+
 double FrequencyModel::along(size_t element, const Motion& u, size_t count, double* shape) const {
     for (const LineModel& line : lines_) {
         if (line.element != static_cast<int>(element)) continue;
@@ -507,6 +548,28 @@ double FrequencyModel::along(size_t element, const Motion& u, size_t count, doub
         return length;
     }
     return 0;
+}
+
+std::pair<double, double> FrequencyModel::largest(const Motion& u) const {
+    constexpr int kStations = 8;  // of a piece, which is half a wave at most
+    double way = 0, turn = 0;
+    const auto look = [&](const Vector6& motion) {
+        way = std::max(way, motion.head<3>().norm());
+        turn = std::max(turn, motion.tail<3>().norm());
+    };
+    for (const Vector6& motion : u) look(motion);
+    for (size_t n = 0; n < node_count(); ++n) look(node_motion(n, u));
+    std::map<std::pair<size_t, int>, std::vector<Matrix12>> transfers;
+    for_each_piece([&](int, const Piece& piece, const LineModel& line) {
+        const double step = (line.finish - line.start).norm() / line.count / kStations;
+        auto [known, is_new] = transfers.try_emplace({line.kind, line.count});
+        for (int k = 1; is_new && k < kStations; ++k) known->second.push_back(line.waves->transfer(lambda_, k * step));
+        const Vector12 ends = ends_of(piece, u);
+        Vector12 start;
+        start << ends.head<6>(), -(kinds_[line.kind].at_lambda.at(line.count).first.topRows<6>() * ends);
+        for (const Matrix12& transfer : known->second) look((transfer * start).head<6>());
+    });
+    return {way, turn};
 }
 
 std::vector<Eigen::Matrix<FrequencyModel::Frequency, 6, 1>> FrequencyModel::respond(double omega, int frame,

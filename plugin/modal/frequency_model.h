@@ -51,10 +51,17 @@ public:
     /// Largest stiffness [N/m] and total mass [kg]: what rounding makes of a rigid-body mode.
     double largest_stiffness() const;
     double total_mass() const { return total_mass_; }
-    /// Inertia of all that moves for a motion of the whole, direction d about the world's origin; see dttmm_mode.
-    Motion rigid_motion(int direction) const;
+    /// All moves as a whole in direction d about the world's origin, the ground too: the motion of the frames, the forces D
+    /// r and the momenta −∂D/∂λ r on them, and twice the kinetic energy, that of clamped lines included. See dttmm_mode.
+    struct Whole {
+        Motion motion, forces, momenta;
+        double mass;  ///< [kg, kg m²]
+    };
+    Whole move_whole(int direction) const;
     bool is_elastic() const;
     bool has_lines() const { return !lines_.empty(); }
+    /// ω² of a motion by its strain and kinetic energy, as far as the elements tell them [1/s²].
+    double strain_quotient(const Motion& u) const;
     int frame_count() const { return static_cast<int>(positions_.size()); }
     int body_count() const { return body_count_; }
     Directions directions() const { return directions_; }
@@ -67,6 +74,8 @@ public:
     std::vector<double> strain_energies(const Motion& u, size_t elements) const;
     /// Displacement along an element at stations, ends included; its length, 0 if it is no line.
     double along(size_t element, const Motion& u, size_t count, double* shape) const;
+    /// Largest displacement [m] and rotation [rad] of frames and nodes, and of stations along the lines.
+    std::pair<double, double> largest(const Motion& u) const;
 
     /// Response to a unit harmonic wrench at a point of a frame, damped; 6 per frame. Throws Error(DTTMM_ERROR_SINGULAR) at
     /// a natural frequency without damping.
@@ -95,6 +104,11 @@ public:
     struct Mass {
         int frame;
         Matrix6 block;  ///< [kg, kg m², kg m] by the motion of the frame
+    };
+    /// A piece that stands on the ground with an end or both.
+    struct HeldPiece {
+        size_t piece, line;
+        Matrix6 start, finish;  ///< displacement of such an end in local axes if the ground moved; zero of the other
     };
     struct LineModel {
         int element, from, to;
@@ -150,6 +164,7 @@ private:
     std::vector<Bond> bonds_;
     std::vector<LineModel> lines_;
     std::vector<Piece> pieces_;
+    std::vector<HeldPiece> held_pieces_;
     struct Kind {
         std::vector<double> key;
         std::unique_ptr<LineWaves> waves;

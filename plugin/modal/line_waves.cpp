@@ -85,7 +85,7 @@ LineWaves::LineWaves(const Line& line, double length, Directions active) : lengt
     }
     if (moving[1]) require(s.EIz, "EIz"), require(s.GAy, "GAy");
     if (moving[2]) require(s.EIy, "EIy"), require(s.GAz, "GAz");
-    if (moving[3]) require(s.GJ, "GJ");
+    if (moving[3]) require(s.GJ, "GJ"), require(s.inertia, "inertia");
 
     Vector6 C;
     C << 1 / s.EA, 1 / s.GAy, 1 / s.GAz, 1 / s.GJ, 1 / s.EIy, 1 / s.EIz;

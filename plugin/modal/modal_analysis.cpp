@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -19,6 +20,7 @@ size_t ModalAnalysis::find_modes(uint32_t count, double below) {
         throw Error(DTTMM_ERROR_ARGUMENT, "find_modes wants a frequency or a count");
     ModeFinder finder(model_);
     modes_ = below > 0 ? finder.find_below(2 * M_PI * below) : finder.find_first(static_cast<int>(count));
+    cut_ = 0;
     at_ = -1;
     return modes_.size();
 }

@@ -34,8 +34,8 @@ private:
     OverallTransfer topology_;
     size_t element_count_;
     std::vector<Mode> modes_;
-    double cut_ = 0;  ///< [rad/s] for which the lines are cut
-    long at_ = -1;    ///< mode that the model stands at
+    double cut_ = 0;  ///< [rad/s] for which the lines are cut; 0: not known
+    long at_ = -1;    ///< mode that the model stands at; −1: none
 };
 
 }  // namespace dttmm

@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
 
@@ -17,8 +18,14 @@ namespace {
 constexpr double kRigidRounding = 1e-12;
 /// Of the range looked at: lower frequencies are taken for zero.
 constexpr double kLowest = 1e-7;
+/// Strain of a rigid-body mode: of lines, whose D is a difference of large numbers, as share of the rounding above (0.4 in a
+/// few thousand random trees); of joints, whose ends are subtracted, as share of λ where the count begins. More is a mode
+/// too slow to be counted.
+constexpr double kLineStrain = 2, kJointStrain = 1e-6;
 /// Frequencies so near each other count as equal, unless the count can tell them apart.
 constexpr double kEqual = 2e-9;
+/// Of λ: how near inverse iteration comes at first, and at last.
+constexpr double kRough = 1e-7, kFine = 1e-12;
 /// Wider than this the shapes of a group are not looked for yet: high/low of an interval.
 constexpr double kNarrow = 1.3;
 constexpr double kFinestBracket = 2.5e-11, kWidestBracket = 1e-5;
@@ -42,10 +49,12 @@ void ModeFinder::cut_for(double omega) {
     cut_ = kAhead * omega;
 }
 
-double ModeFinder::lowest_for(double below) const {
-    const double rounding = model_.total_mass() > 0 ? kRigidRounding * model_.largest_stiffness() / model_.total_mass() : 0;
-    return std::max(std::sqrt(rounding), kLowest * below);
+/// What rounding makes of λ = 0 [1/s²].
+double ModeFinder::rounding() const {
+    return model_.total_mass() > 0 ? kRigidRounding * model_.largest_stiffness() / model_.total_mass() : 0;
 }
+
+double ModeFinder::lowest_for(double below) const { return std::max(std::sqrt(rounding()), kLowest * below); }
 
 /// A frequency hit to rounding has no count: a little beside it there is one.
 int ModeFinder::count_at(double& omega) {
@@ -168,10 +177,24 @@ void ModeFinder::find_rigid(int count) {
     if (count == 0) return;
     std::vector<Motion> shapes;
     for (int i = 0; i < count; ++i) shapes.push_back(random_motion());
-    const double shift = -1e4 * lowest_ * lowest_;  // all is held there
-    if (iterate(shapes, shift, 8).empty())
-        throw Error(DTTMM_ERROR_NUMERIC, "the shapes of the rigid-body modes were not found");
-    model_.factor(shift);
+    const double shift = -10 * lowest_ * lowest_;  // all is held there
+    // What slow modes leave in the shapes falls by shift/(shift + λ) per round: until nothing is strained any more, to
+    // rounding
+    double lambda = std::numeric_limits<double>::infinity();
+    for (int pass = 0; pass < 40; ++pass) {
+        if (iterate(shapes, shift, 4).empty())
+            throw Error(DTTMM_ERROR_NUMERIC, "the shapes of the rigid-body modes were not found");
+        double strained = 0;
+        for (const Motion& shape : shapes) strained = std::max(strained, model_.strain_quotient(shape));
+        const bool stands = strained > 0.5 * lambda;
+        lambda = std::min(lambda, strained);
+        if (stands) break;
+    }
+    if (lambda > (model_.has_lines() ? kLineStrain * rounding() : kJointStrain * lowest_ * lowest_))
+        throw Error(DTTMM_ERROR_NUMERIC,
+                    fmt::format("there is a natural frequency at about {:.3g} Hz, below {:.3g} Hz where rounding hides what "
+                                "is counted: make the stiffest parts rigid, or ask for lower frequencies",
+                                std::sqrt(lambda) / (2 * M_PI), lowest_ / (2 * M_PI)));
     add({std::vector<double>(shapes.size(), 0.0), shapes}, 0);
 }
 
@@ -215,7 +238,7 @@ bool ModeFinder::refine(const Interval& interval) {
         clusters.back().shapes.push_back(shapes[k]);
     }
     for (Cluster& cluster : clusters)
-        if (!converge(cluster)) return false;
+        if (!converge(cluster, model_.has_lines() ? kRough : kFine)) return false;
     const size_t known = modes_.size();
     int before = interval.before;
     for (Cluster& cluster : clusters) {
@@ -232,7 +255,7 @@ bool ModeFinder::refine(const Interval& interval) {
 }
 
 /// Inverse iteration with the shift next to the cluster until its frequencies stand.
-bool ModeFinder::converge(Cluster& cluster) {
+bool ModeFinder::converge(Cluster& cluster, double tolerance) {
     std::vector<double> before = cluster.lambdas;
     for (int pass = 0; pass < 8; ++pass) {
         const double mean = 0.5 * (before.front() + before.back());
@@ -242,7 +265,7 @@ bool ModeFinder::converge(Cluster& cluster) {
         double change = 0;
         for (size_t k = 0; k < next.size(); ++k) change = std::max(change, std::abs(next[k] - before[k]) / next[k]);
         before = next;
-        if (change < 1e-12 || (pass > 2 && change < 1e-10)) break;
+        if (change < tolerance || (pass > 2 && change < 100 * tolerance)) break;
     }
     cluster.lambdas = before;
     return cluster.lambdas.back() <= cluster.lambdas.front() * (1 + 2 * kEqual);
@@ -257,7 +280,7 @@ bool ModeFinder::settle(Cluster& cluster) {
     for (Motion& shape : cluster.shapes) shape = random_motion();
     const double beside = omega * (1 + 1e-8);
     if (iterate(cluster.shapes, beside * beside, 3).empty()) return false;
-    return converge(cluster);
+    return converge(cluster, kFine);
 }
 
 /// The count on both sides of a cluster, as near as it can tell.
@@ -280,13 +303,7 @@ void ModeFinder::add(const Cluster& cluster, double bracket) {
         mode.multiplicity = static_cast<int>(cluster.shapes.size());
         mode.shape = cluster.shapes[k];
         mode.cut = cut_;
-        double largest = 0, turn = 0;
-        const auto look = [&](const Vector6& u) {
-            largest = std::max(largest, u.head<3>().norm());
-            turn = std::max(turn, u.tail<3>().norm());
-        };
-        for (const Vector6& u : mode.shape) look(u);
-        for (size_t n = 0; n < model_.node_count(); ++n) look(model_.node_motion(n, mode.shape));
+        const auto [largest, turn] = model_.largest(mode.shape);
         // A shape is scaled by its largest displacement, one that only turns by its rotation
         const double scale = 1 / (largest > 1e-9 * turn ? largest : turn);
         for (Vector6& u : mode.shape) u *= scale;
@@ -300,8 +317,12 @@ void ModeFinder::add(const Cluster& cluster, double bracket) {
 std::vector<Mode> ModeFinder::finish() {
     std::ranges::stable_sort(modes_, {}, &Mode::omega);
     // Shares of what moves as a whole. Of two motions φ at λ and r at 0 the mass between them is −φᵀ (D(λ) − D(0)) r / λ
-    std::array<Motion, 6> whole, held, massive;
-    Vector6 all = Vector6::Zero();
+    std::vector<FrequencyModel::Whole> at_rest, whole;
+    const auto move_whole = [&] {
+        std::vector<FrequencyModel::Whole> all;
+        for (int d = 0; d < 6; ++d) all.push_back(model_.move_whole(d));
+        return all;
+    };
     double cut = 0, lambda = 0;
     for (Mode& mode : modes_) {
         if (mode.cut != cut) {
@@ -309,24 +330,19 @@ std::vector<Mode> ModeFinder::finish() {
             cut_ = cut = mode.cut;
             lambda = 0;
             model_.factor(0);
-            for (int d = 0; d < 6; ++d) {
-                const auto i = static_cast<size_t>(d);
-                whole[i] = model_.rigid_motion(d);
-                held[i] = model_.stiffness_times(whole[i]);
-                massive[i] = model_.mass_times(whole[i]);
-                all(d) = dot(whole[i], massive[i]);
-            }
+            at_rest = whole = move_whole();
         }
         if (mode.omega > 0 && mode.omega * mode.omega != lambda) {
             lambda = mode.omega * mode.omega;
             model_.factor(lambda);
+            whole = move_whole();
         }
         for (int d = 0; d < 6; ++d) {
             const auto i = static_cast<size_t>(d);
-            double moved = dot(mode.shape, massive[i]);
-            if (mode.omega > 0)
-                moved = (dot(mode.shape, held[i]) - dot(mode.shape, model_.stiffness_times(whole[i]))) / lambda;
-            mode.participation(d) = all(d) > 0 ? moved * moved / (mode.mass * all(d)) : 0;
+            const double moved = mode.omega > 0
+                                     ? (dot(mode.shape, at_rest[i].forces) - dot(mode.shape, whole[i].forces)) / lambda
+                                     : dot(mode.shape, at_rest[i].momenta);
+            mode.participation(d) = at_rest[i].mass > 0 ? moved * moved / (mode.mass * at_rest[i].mass) : 0;
         }
     }
     return std::move(modes_);

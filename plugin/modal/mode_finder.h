@@ -50,12 +50,13 @@ private:
     };
 
     void cut_for(double omega);
+    double rounding() const;
     double lowest_for(double below) const;
     int count_at(double& omega);
     void find_rigid(int count);
     void separate(Interval interval);
     bool refine(const Interval& interval);
-    bool converge(Cluster& cluster);
+    bool converge(Cluster& cluster, double tolerance);
     bool settle(Cluster& cluster);
     bool confirm(const Cluster& cluster, int before, double& bracket);
     std::vector<double> iterate(std::vector<Motion>& shapes, double lambda, int rounds);

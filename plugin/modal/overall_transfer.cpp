@@ -194,9 +194,10 @@ OverallTransfer::Law OverallTransfer::law_of(const Edge& edge) const {
         held.rightCols(1) = own;
     }
     const Matrix N = complement(held, n);
-    const Eigen::SelfAdjointEigenSolver<Matrix> solver(N.transpose() * restricted(bond.stiffness) * N);
     Law law{Matrix::Zero(n, n), Matrix(n, 0)};
-    const double largest = solver.eigenvalues().size() ? solver.eigenvalues().cwiseAbs().maxCoeff() : 0;
+    if (N.cols() == 0) return law;
+    const Eigen::SelfAdjointEigenSolver<Matrix> solver(N.transpose() * restricted(bond.stiffness) * N);
+    const double largest = solver.eigenvalues().cwiseAbs().maxCoeff();
     for (Eigen::Index k = 0; k < solver.eigenvalues().size(); ++k) {
         const Eigen::VectorXd direction = N * solver.eigenvectors().col(k);
         if (solver.eigenvalues()(k) > kFree * largest) {

@@ -34,6 +34,9 @@ public:
         return nodes_.back();
     }
 
+    /// Holds directions of the world, x y z rx ry rz by bit.
+    void fix(const std::string& name, uint32_t directions) { nodes_[index_.at(name)].fixed = directions; }
+
     using Values = std::map<std::string, std::vector<double>>;
     void element(const std::string& name, const std::string& type, const std::vector<std::string>& ends,
                  const Values& values) {

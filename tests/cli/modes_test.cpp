@@ -1,0 +1,555 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// `dttmm modes` against closed forms, published cases and finite elements that share no formula with it.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <numbers>
+
+#include "cli/modes_run.h"
+#include "support/exact_timoshenko.h"
+#include "support/finite_elements.h"
+#include "support/hydroplane_finite_elements.h"
+
+namespace dttmm {
+namespace {
+
+using test::FiniteElements;
+constexpr double kPi = std::numbers::pi;
+constexpr double kRounding = 1e-9;  ///< what is asked of refinement to 1e-10 beside an oracle exact to rounding
+
+/// A quantity of every mode.
+std::vector<double> of_modes(const nlohmann::json& modes, const char* key) {
+    std::vector<double> values;
+    for (const auto& mode : modes["modes"]) values.push_back(mode[key].get<double>());
+    return values;
+}
+
+// ---- The cases ----------------------------------------------------------------------------------------------------------
+
+// Oracle: theory.md V2, by exact dynamic stiffness, printed to seven digits: half of the last one is 3e-7 at most.
+TEST(ModesCases, TheDoubleCrossHasItsFrequenciesOneTwoAndFiveFold) {
+    const nlohmann::json modes = modes_of_file(modes_model("double_cross"));
+    expect_frequencies(frequencies_of(modes),
+                       {11.33625, 17.68077, 17.68077, 17.70938, 17.70938, 17.70938, 17.70938, 17.70938, 45.34498, 57.07456,
+                        57.07456, 57.38973, 57.38973, 57.38973, 57.38973, 57.38973},
+                       4.5e-7);
+    EXPECT_THAT(of_modes(modes, "multiplicity"), testing::ElementsAre(1, 2, 2, 5, 5, 5, 5, 5, 1, 2, 2, 5, 5, 5, 5, 5));
+    // The count brackets each, to a relative 1e-10. The overall transfer matrix is singular there: a frequency within 1e-11
+    // leaves a smallest singular value of 1e-8 of that 1e-3 beside
+    for (double bracket : of_modes(modes, "bracket")) EXPECT_LT(bracket, 1.001e-10);
+    for (double residual : of_modes(modes, "residual")) EXPECT_LT(residual, 1e-8);
+}
+
+// Oracle: a pinned arm alone sounds with sin(kl) = 0 for bending, and a clamped-pinned arm with tan kl = tanh kl: the
+// one-fold frequencies and the five-fold ones are those of a single arm.
+TEST(ModesCases, TheDoubleCrossHasFrequenciesOfOneArm) {
+    const double E = 200e9, rho = 8000, b = 0.125, l = 5;
+    const auto arm = [&](double kl) { return kl * kl / (2 * kPi * l * l) * std::sqrt(E * b * b / (12 * rho)); };
+    const std::vector<double> found = frequencies_of(modes_of_file(modes_model("double_cross")));
+    ASSERT_EQ(found.size(), 16u);
+    EXPECT_NEAR(found[0] / arm(kPi), 1, kRounding);
+    EXPECT_NEAR(found[8] / arm(2 * kPi), 1, kRounding);
+    EXPECT_NEAR(found[5] / arm(3.9266023120479188), 1, kRounding);
+    EXPECT_NEAR(found[13] / arm(7.0685827456287321), 1, kRounding);
+}
+
+/// The free tube: six zeros, bending twice, twist and stretch.
+struct FreeTube {
+    static constexpr double l = 1.2, E = 204e9, nu = 0.26, rho = 7800;
+    static double axial(int n) { return n / (2 * l) * std::sqrt(E / rho); }
+    static double torsion(int n) { return n / (2 * l) * std::sqrt(E / (2 * (1 + nu)) / rho); }  // a circle: J = Ip
+};
+
+const std::vector<double> kTubeBending = {182.9656, 497.0200, 954.2453, 1536.2971, 2225.2393, 3003.2814};
+
+// Oracle: theory.md 3.4, exact Timoshenko, printed to a tenth of a millihertz with Cowper's coefficient, which the case
+// rounds to six digits (1.6e-4 Hz of the sixth); the same beam in extended precision; closed forms of bars.
+TEST(ModesCases, TheFreeTubeHasSixZerosPairsTwistAndStretch) {
+    const nlohmann::json modes = modes_of_file(modes_model("free_tube"));
+    const std::vector<double> found = frequencies_of(modes);
+    EXPECT_THAT(of_modes(modes, "multiplicity"),
+                testing::ElementsAre(6, 6, 6, 6, 6, 6, 2, 2, 2, 2, 2, 2, 1, 2, 2, 1, 2, 2, 1, 2, 2));
+    ASSERT_EQ(found.size(), 21u);
+    const double A = kPi / 4 * (0.05 * 0.05 - 0.03 * 0.03), I = kPi / 64 * (std::pow(0.05, 4) - std::pow(0.03, 4)),
+                 E = FreeTube::E, rho = FreeTube::rho;
+    const test::ExactTimoshenko beam{E * I, 0.578867 * A * E / (2 * (1 + FreeTube::nu)), rho * A, rho * I, FreeTube::l};
+    const std::vector<double> bending = beam.free_frequencies(6, 300);
+    std::vector<double> expected(6, 0.0);
+    for (size_t i = 0; i < 6; ++i) {
+        expected.insert(expected.end(), 2, bending[i] / (2 * kPi));
+        EXPECT_NEAR(bending[i] / (2 * kPi), kTubeBending[i], 2.2e-4) << i;
+    }
+    expected.insert(expected.end(), {FreeTube::torsion(1), FreeTube::torsion(2), FreeTube::axial(1)});
+    expect_frequencies(found, sorted(expected), kRounding);
+    EXPECT_NEAR(FreeTube::torsion(1), 1342.32, 5e-3);
+    EXPECT_NEAR(FreeTube::axial(1), 2130.87, 5e-3);
+}
+
+// Oracle: theory.md 3.4, errors of the paper's lumped beam in percent, printed to four figures.
+TEST(ModesCases, TheLumpedFreeTubeErrsAsThePaperSays) {
+    std::string text = read_text(modes_model("free_tube"));
+    text.replace(text.find("\"exact\""), 7, "\"lumped\"");
+    const std::vector<std::pair<int, std::vector<double>>> rows = {
+        {10, {-0.504, -1.815, -3.690, -6.015, -8.678, -11.624}},
+        {20, {-0.126, -0.458, -0.945, -1.563, -2.290, -3.114}},
+        {40, {-0.0315, -0.1149, -0.2376, -0.3947, -0.5808, -0.7931}},
+        {80, {-0.0079, -0.0287, -0.0595, -0.0989, -0.1457, -0.1992}}};
+    for (const auto& [segments, errors] : rows) {
+        std::string own = text;
+        own.replace(own.find("segments = 40"), 13, fmt::format("segments = {}", segments));
+        const nlohmann::json modes = modes_of(own);
+        EXPECT_EQ(modes["beams"], "lumped");
+        std::vector<double> bending;
+        const std::vector<double> found = frequencies_of(modes);
+        ASSERT_GT(found.size(), 6u);
+        for (size_t i = 0; i < 6; ++i) EXPECT_EQ(found[i], 0);
+        for (const auto& mode : modes["modes"])
+            if (mode["multiplicity"] == 2) bending.push_back(mode["frequency_hz"]);
+        ASSERT_GE(bending.size(), 12u);
+        // The printed exact frequencies carry 5e-5 Hz, which is 3e-5 % of the lowest
+        for (size_t i = 0; i < 6; ++i) {
+            const double digit = segments < 40 ? 5.1e-4 : 8e-5;
+            EXPECT_NEAR(100 * (bending[2 * i] / kTubeBending[i] - 1), errors[i], digit) << segments << ", mode " << i + 1;
+            EXPECT_EQ(bending[2 * i], bending[2 * i + 1]);
+        }
+    }
+}
+
+// Oracle: finite elements of 3, 6 and 12 per member, extrapolated: their own limit to 1e-6 (finite_elements_test.cpp).
+TEST(ModesCases, TheHydroplaneAgreesWithFiniteElements) {
+    for (const double kh : {5e6, 20e6, 160e6}) {
+        const std::vector<double> found =
+            frequencies_of(modes_of_file(modes_model("hydroplane"), {"--set", fmt::format("kh={} MN/m", kh / 1e6)}));
+        std::vector<double> expected = test::extrapolate(
+            [&](int n) { return test::hydroplane(kh, n, FiniteElements::Across::unchanged).frequencies(); }, 3);
+        expected.resize(8);
+        expect_frequencies(found, expected, 1e-6);
+    }
+}
+
+/// The plate's matrices by hand: 9.42 kg of 300 × 200 × 20 mm on springs k at (±0.13, ±0.08, 0).
+TEST(ModesCases, TheFourBoltPlateHasTheEigenvaluesOfItsMatrices) {
+    const double m = 7850 * 0.3 * 0.2 * 0.02;
+    const Eigen::Vector3d I =
+        m / 12 * Eigen::Vector3d(0.2 * 0.2 + 0.02 * 0.02, 0.3 * 0.3 + 0.02 * 0.02, 0.3 * 0.3 + 0.2 * 0.2);
+    const double k[] = {4e5, 5e5, 5e5, 5e5};
+    const double x[] = {0.13, -0.13, -0.13, 0.13}, y[] = {0.08, 0.08, -0.08, -0.08};
+    Eigen::Matrix<double, 6, 6> K = Eigen::Matrix<double, 6, 6>::Zero(), M = K;
+    M.diagonal() << m, m, m, I;
+    for (int i = 0; i < 4; ++i) {
+        Eigen::Matrix<double, 3, 6> by;  // u + θ × r
+        by << 1, 0, 0, 0, 0, -y[i], 0, 1, 0, 0, 0, x[i], 0, 0, 1, y[i], -x[i], 0;
+        K += k[i] * by.transpose() * by;
+    }
+    const Eigen::VectorXd lambda = Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(K, M).eigenvalues();
+    std::vector<double> expected;
+    for (double l : lambda) expected.push_back(std::sqrt(l) / (2 * kPi));
+    const nlohmann::json modes =
+        modes_of_file(DTTMM_SOURCE_DIR "/examples/four_bolt_plate/model.toml", {"--set", "k1=400 N/mm", "--count", "6"});
+    expect_frequencies(frequencies_of(modes), expected, kRounding);
+}
+
+// Oracle: theory.md V6, nine frequencies of the paper's transfer matrices, corrected, printed to a tenth of a millihertz,
+// and its sweep of the hydraulic stiffness by finite elements, whose own error is 1e-5 and more.
+TEST(ModesCases, TheHydroplaneOfThePaper) {
+    const std::vector<double> printed{55.1826, 61.9625, 67.3843, 142.5924, 184.1910, 199.7435, 274.4468, 275.3788, 383.7306};
+    const std::vector<double> found = frequencies_of(modes_of_file(modes_model("hydroplane_of_the_paper")));
+    ASSERT_EQ(found.size(), printed.size());
+    for (size_t i = 0; i < printed.size(); ++i) EXPECT_NEAR(found[i], printed[i], 5.1e-5) << i + 1;
+    const std::vector<std::pair<const char*, std::vector<double>>> sweep{
+        {"1e7", {42.803, 61.963, 64.475, 142.598, 179.446}},
+        {"4e7", {60.540, 61.963, 79.387, 142.598, 193.333}},
+        {"8e7", {61.542, 61.963, 94.671, 142.598, 199.744}}};
+    for (const auto& [kh, row] : sweep)
+        expect_frequencies(frequencies_of(modes_of_file(modes_model("hydroplane_of_the_paper"),
+                                                        {"--set", fmt::format("kh={} N/m", kh), "--count", "5"})),
+                           row, 5e-5);
+}
+
+// ---- Cases of theory.md -------------------------------------------------------------------------------------------------
+
+// Oracle: theory.md V1, the torsional chain of a classification society. A flexibility of zero is a rigid hinge.
+TEST(ModesCases, TorsionalChain) {
+    const std::vector<double> inertia{3.16, 0.305, 1.2511, 0.0609, 0.0527, 0.018, 0.018, 0.0273, 0.0438, 0.6593};
+    const std::vector<double> give{5128.2051, 277777.7778, 7352.9412, 0, 1142.8571, 0, 0, 23596.0359, 621118.0124};
+    std::string text = "format = \"dttmm/1\"\ndofs = [\"rx\"]\n[modes]\nbelow = \"1 kHz\"\n[nodes]\n";
+    for (size_t i = 0; i < inertia.size(); ++i) text += fmt::format("n{} = [{}, 0, 0]\n", i, i);
+    for (size_t i = 0; i < inertia.size(); ++i) {
+        text += fmt::format(
+            "[[element]]\nname = \"J{0}\"\ntype = \"rigid_body\"\nat = \"n{0}\"\nmass = 1\ninertia = {{ xx = {1}, yy = {1}, "
+            "zz "
+            "= {1} }}\n",
+            i, inertia[i]);
+        if (i == 0) continue;
+        text += fmt::format("[[element]]\nname = \"k{1}\"\ntype = \"elastic_hinge\"\nfrom = \"n{0}\"\nto = \"n{1}\"\n",
+                            i - 1, i);
+        text += give[i - 1] > 0 ? fmt::format("stiffness = {{ rx = {} }}\n", 1 / (give[i - 1] * 1e-10))
+                                : std::string("stiffness = { rx = \"rigid\" }\n");
+    }
+    const std::vector<double> found = frequencies_of(modes_of(text));
+    ASSERT_EQ(found.size(), 6u) << "the seventh lies above 1 kHz";
+    EXPECT_EQ(found[0], 0);
+    expect_frequencies({found.begin() + 1, found.begin() + 6}, {21.418, 35.628, 383.40, 424.65, 619.74}, 2e-5);
+}
+
+// Oracle: theory.md V3 (NAFEMS FV4), printed to five decimals without shear; with it the last of four is off by up to one.
+TEST(ModesCases, CantileverWithMassesBesideItsTip) {
+    const auto found = [](const std::string& section) {
+        return frequencies_of(modes_of(R"(format = "dttmm/1"
+[modes]
+count = 6
+[nodes]
+root = { position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+tip  = ["10 m", 0, 0]
+heavy = [10, 2, 0]
+light = [10, -2, 0]
+[[element]]
+name = "masses"
+type = "rigid_body"
+at = ["heavy", "tip"]
+mass = 10000
+[[element]]
+name = "second"
+type = "rigid_body"
+at = ["light", "tip"]
+mass = 1000
+[[element]]
+name = "beam"
+type = "beam"
+from = "root"
+to = "tip"
+)" + section));
+    };
+    const std::string steel = "material = { E = \"200 GPa\", poisson = 0.3, density = 8000 }\n";
+    const double d = 0.5, A = kPi / 4 * d * d, I = kPi / 64 * std::pow(d, 4), E = 200e9, G = E / 2.6;
+    const std::string numbers =
+        fmt::format("EA = {}, EIy = {}, EIz = {}, GJ = {}, mass = {}", E * A, E * I, E * I, 2 * G * I, 8000 * A);
+    expect_frequencies(found("section = { " + numbers + ", GAy = 1e18, GAz = 1e18 }\n"),
+                       {1.72312, 1.72669, 7.41275, 9.97148, 18.15513, 26.95717}, 3.2e-6);
+    const std::vector<double> shear = found("section = { circle = 0.5, shear_coefficient = 0.886 }\n" + steel);
+    expect_frequencies(shear, {1.72198, 1.72548, 7.40979, 9.94680, 18.0430, 26.6870}, 4e-6);
+    // The same by its numbers; Euler-Bernoulli is neither shear nor rotary inertia
+    const std::string sheared = fmt::format("{}, GAy = {}, GAz = {}", numbers, 0.886 * G * A, 0.886 * G * A);
+    expect_frequencies(found("section = { " + sheared + " }\n"), shear, kRounding);
+    const std::vector<double> euler = found("theory = \"euler-bernoulli\"\nsection = { circle = 0.5 }\n" + steel);
+    expect_frequencies(euler, found("theory = \"euler-bernoulli\"\nsection = { " + numbers + " }\n"), kRounding);
+    EXPECT_GT(euler[0], 1.72312);
+    EXPECT_LT(euler[0], 1.7233);
+}
+
+/// A beam of a square section on supports that hold what `fixed` says at both ends.
+std::vector<double> deep_beam(double length, double side, double E, double rho, double kappa, const std::string& dofs,
+                              const std::string& left, const std::string& right, double below) {
+    return frequencies_of(modes_of(fmt::format(R"(format = "dttmm/1"
+dofs = {}
+[modes]
+below = {}
+[nodes]
+a = {{ position = [0, 0, 0], fixed = {} }}
+b = {{ position = [{}, 0, 0], fixed = {} }}
+[[element]]
+name = "beam"
+type = "beam"
+from = "a"
+to = "b"
+section = {{ rectangle = [{}, {}], shear_coefficient = {} }}
+material = {{ E = {}, poisson = 0.3, density = {} }}
+)",
+                                               dofs, below, left, length, right, side, side, kappa, E, rho)));
+}
+
+// Oracle: theory.md V4, closed form of the simply supported Timoshenko beam, beside its digits as printed. The second branch
+// of the closed form (shear) lies above the range.
+TEST(ModesCases, DeepBeams) {
+    const auto closed = [](int n, double l, double b, double E, double rho, double kappa) {
+        const double A = b * b, I = b * b * b * b / 12, G = E / 2.6, L2 = std::pow(n * kPi, 2), j = I / (A * l * l),
+                     g = E * I / (kappa * A * G * l * l), s = (g + j) * L2 + 1;
+        const double Omega = (s - std::sqrt(std::pow(g - j, 2) * L2 * L2 + 2 * (g + j) * L2 + 1)) / (2 * g * j);
+        return std::sqrt(Omega * E * I / (rho * A * std::pow(l, 4))) / (2 * kPi);
+    };
+    const std::string plane = R"(["x", "y", "rz"])";
+    const std::vector<double> a = deep_beam(2, 0.2, 210e9, 7800, 5. / 6, plane, R"(["x", "y"])", R"(["y"])", 1600);
+    expect_frequencies(a, {115.709, 442.172, 648.593, 931.574, 1533.648}, 4.5e-6);
+    for (const auto& [at, n] : {std::pair(0, 1), std::pair(1, 2), std::pair(3, 3), std::pair(4, 4)})
+        EXPECT_NEAR(a[static_cast<size_t>(at)] / closed(n, 2, 0.2, 210e9, 7800, 5. / 6), 1, kRounding) << n;
+
+    const std::vector<double> b = deep_beam(10, 2, 200e9, 8000, 0.85, plane, R"(["x", "y"])", R"(["y"])", 284);
+    expect_frequencies(b, {42.6456, 125.000, 148.156, 283.490}, 3.5e-6);
+    EXPECT_NEAR(b[2] / closed(2, 10, 2, 200e9, 8000, 0.85), 1, kRounding);
+}
+
+// Oracle: theory.md V4 b, torsion with J = Ip: of a circle of any size, f = (2k − 1)/4l √(G/ρ), clamped at one end.
+TEST(ModesCases, TorsionOfADeepBeam) {
+    const std::string text = R"(format = "dttmm/1"
+dofs = ["rx"]
+[modes]
+count = 2
+[nodes]
+a = { position = [0, 0, 0], fixed = ["rx"] }
+b = [10, 0, 0]
+[[element]]
+name = "beam"
+type = "beam"
+from = "a"
+to = "b"
+section = { circle = 2 }
+material = { E = 200e9, poisson = 0.3, density = 8000 }
+)";
+    const std::vector<double> found = frequencies_of(modes_of(text));
+    const double c = std::sqrt(200e9 / 2.6 / 8000);
+    expect_frequencies(found, {c / 40, 3 * c / 40}, kRounding);
+    expect_frequencies(found, {77.522, 232.565}, 7e-6);
+}
+
+/// Wall, spring, mass, spring, mass along x, all equal but what is told.
+std::string two_masses(const std::string& extra = "") {
+    return R"(format = "dttmm/1"
+dofs = ["x"]
+[nodes]
+a = [1, 0, 0]
+b = [2, 0, 0]
+[[element]]
+name = "first"
+type = "spring_damper"
+from = "ground"
+to = "a"
+stiffness = 12
+[[element]]
+name = "second"
+type = "spring_damper"
+from = "a"
+to = "b"
+stiffness = 12
+[[element]]
+name = "one"
+type = "point_mass"
+at = "a"
+mass = 3
+[[element]]
+name = "two"
+type = "point_mass"
+at = "b"
+mass = 3
+)" + extra;
+}
+
+// Oracle: theory.md V7, ω = √5 ∓ 1. A model of two masses has two frequencies, however many are asked for.
+TEST(ModesCases, TwoMasses) {
+    const std::vector<double> expected{(std::sqrt(5.) - 1) / (2 * kPi), (std::sqrt(5.) + 1) / (2 * kPi)};
+    expect_frequencies(frequencies_of(modes_of(two_masses())), expected, kRounding);
+    expect_frequencies(frequencies_of(modes_of(two_masses(), {"--count", "7"})), expected, kRounding);
+    expect_frequencies(frequencies_of(modes_of(two_masses(), {"--count", "1"})), {expected[0]}, kRounding);
+    expect_frequencies(frequencies_of(modes_of(two_masses(), {"--below", "0.3 Hz"})), {expected[0]}, kRounding);
+}
+
+// ---- What it writes -----------------------------------------------------------------------------------------------------
+
+TEST(Modes, WritesATableShapesAndASummary) {
+    const TemporaryFolder folder;
+    write_text(folder / "two.toml", two_masses());
+    const Ended ended = run_dttmm(folder.path(), {"modes", "two.toml", "--count", "2"});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_THAT(ended.out, testing::AllOf(testing::HasSubstr("0.19672"), testing::HasSubstr("0.51503"),
+                                          testing::HasSubstr("results/two-modes"), testing::HasSubstr("first 72 %")));
+    const nlohmann::json summary = read_json(folder / "results/two-modes/summary.json");
+    EXPECT_EQ(summary["frequencies_hz"].size(), 2u);
+    EXPECT_EQ(summary["command_line"], "dttmm modes two.toml --count 2");
+    std::istringstream lines(read_text(folder / "results/two-modes/modes.csv"));
+    std::string line;
+    std::getline(lines, line);
+    EXPECT_EQ(line, "mode,frequency,multiplicity,modal_mass,place,x,y,z,ux,uy,uz,urx,ury,urz");
+    std::getline(lines, line);
+    size_t count = 0;
+    while (std::getline(lines, line)) ++count;
+    EXPECT_EQ(count, 4u) << "two modes at two nodes";
+    // The shape of the printed object is that of the closed form: u1/u2 = (√5 − 1)/2
+    const nlohmann::json modes = modes_of(two_masses(), {"--count", "1"});
+    EXPECT_NEAR(modes["modes"][0]["shape"]["a"][0].get<double>() / modes["modes"][0]["shape"]["b"][0].get<double>(),
+                (std::sqrt(5.) - 1) / 2, kRounding);
+    EXPECT_EQ(run_dttmm(folder.path(), {"modes", "two.toml", "-q"}).out, "");
+}
+
+// ---- Joints and bodies --------------------------------------------------------------------------------------------------
+
+/// A bar on a joint to the ground, on a rotational spring; told in [[joint]] and a spring beside it.
+std::string on_a_joint(const std::string& joint, const std::string& spring) {
+    return R"(format = "dttmm/1"
+[modes]
+count = 6
+[[body]]
+name = "bar"
+mass = 3
+inertia = [0.1, 0.2, 0.25]
+position = [0.4, 0, 0]
+markers.foot = [-0.4, 0, 0]
+[[joint]]
+name = "pin"
+between = ["ground", "bar"]
+anchor = [0, 0, 0]
+)" + joint +
+           R"(
+[[element]]
+name = "spring"
+type = "spring_damper"
+from = "ground"
+to = "bar.foot"
+)" + spring +
+           "\n";
+}
+
+// Oracle: one degree of freedom each: k over the inertia about the joint, I + m l², or the mass.
+TEST(Modes, AJointLeavesItsDirections) {
+    const double k = 500, about_y = 0.2 + 3 * 0.4 * 0.4, about_z = 0.25 + 3 * 0.4 * 0.4;
+    const auto f = [](double stiffness, double inertia) { return std::sqrt(stiffness / inertia) / (2 * kPi); };
+    const std::string turn = "rotational_stiffness = 500";
+    expect_frequencies(frequencies_of(modes_of(on_a_joint("type = \"hinge\"\naxis = [0, 1, 0]", turn))), {f(k, about_y)},
+                       kRounding);
+    expect_frequencies(frequencies_of(modes_of(on_a_joint("type = \"slider\"\naxis = [1, 0, 0]", "stiffness = 500"))),
+                       {f(k, 3)}, kRounding);
+    expect_frequencies(
+        frequencies_of(modes_of(on_a_joint("type = \"universal\"\naxis = [0, 1, 0]\naxis2 = [0, 0, 1]", turn))),
+        {f(k, about_z), f(k, about_y)}, kRounding);
+    expect_frequencies(frequencies_of(modes_of(on_a_joint("type = \"ball\"", turn))),
+                       {f(k, about_z), f(k, about_y), f(k, 0.1)}, kRounding);
+}
+
+// ---- Sweeps -------------------------------------------------------------------------------------------------------------
+
+/// Rows of a sweep.csv: without its two lines of names and units; an empty cell is NaN.
+std::vector<std::vector<double>> read_table(const fs::path& file, std::string& names, std::string& units) {
+    std::istringstream lines(read_text(file));
+    std::getline(lines, names);
+    std::getline(lines, units);
+    std::vector<std::vector<double>> rows;
+    for (std::string line; std::getline(lines, line);) {
+        std::vector<double> row;
+        std::istringstream cells(line + ",");
+        for (std::string cell; std::getline(cells, cell, ',');) row.push_back(cell.empty() ? std::nan("") : std::stod(cell));
+        rows.push_back(row);
+    }
+    return rows;
+}
+
+// Oracle: two masses that know nothing of each other: one on 100 N/m, one on k: √(k/m)/2π crosses the other's √(100/m)/2π at
+// k = 100. Followed by their shapes, one curve stays and the other rises through it.
+TEST(ModesSweep, CurvesGoThroughACrossing) {
+    const std::string text = R"(format = "dttmm/1"
+dofs = ["x"]
+[parameters]
+k = "50 N/m"
+[modes]
+count = 2
+[nodes]
+a = [1, 0, 0]
+b = [2, 0, 0]
+[[element]]
+name = "fixed"
+type = "spring_damper"
+from = "ground"
+to = "a"
+stiffness = 100
+[[element]]
+name = "swept"
+type = "spring_damper"
+from = "ground"
+to = "b"
+stiffness = ["=k", 0, 0]
+[[element]]
+name = "one"
+type = "point_mass"
+at = "a"
+mass = 1
+[[element]]
+name = "two"
+type = "point_mass"
+at = "b"
+mass = 1
+)";
+    const TemporaryFolder folder;
+    write_text(folder / "m.toml", text);
+    const Ended ended = run_dttmm(folder.path(), {"modes", "m.toml", "--sweep", "k=40N/m..190N/m:6"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    std::string names, units;
+    const auto rows = read_table(folder / "results/m-modes/sweep.csv", names, units);
+    EXPECT_EQ(names, "case,k,curve1,curve2");
+    EXPECT_EQ(units, "1,N/m,Hz,Hz");
+    ASSERT_EQ(rows.size(), 6u);
+    for (size_t c = 0; c < 6; ++c) {
+        const double k = 40 + 30 * static_cast<double>(c);
+        ASSERT_EQ(rows[c].size(), 4u);
+        EXPECT_EQ(rows[c][0], static_cast<double>(c + 1));
+        EXPECT_NEAR(rows[c][1], k, 1e-9);
+        EXPECT_NEAR(rows[c][2], std::sqrt(k) / (2 * kPi), 1e-9) << "the swept one began lower";
+        EXPECT_NEAR(rows[c][3], 10 / (2 * kPi), 1e-9);
+    }
+    // The same as an object, in the same order
+    const Ended json = run_dttmm(folder.path(), {"modes", "m.toml", "--sweep", "k=40N/m,190N/m", "--json"});
+    ASSERT_EQ(json.code, 0) << json.err;
+    const nlohmann::json cases = nlohmann::json::parse(json.out)["cases"];
+    ASSERT_EQ(cases.size(), 2u);
+    EXPECT_EQ(cases[1]["parameters"]["k"], 190);
+    EXPECT_NEAR(cases[1]["frequencies_hz"][0].get<double>(), std::sqrt(190.) / (2 * kPi), 1e-9);
+}
+
+// Oracle: the same frequencies one by one, in any order; and each curve goes its way in small steps: with 32 times the
+// stiffness over ten cases none jumps by more than a third.
+TEST(ModesSweep, TheHydroplanesCurvesAreItsFrequencies) {
+    const TemporaryFolder folder;
+    const Ended ended =
+        run_dttmm(folder.path(), {"modes", modes_model("hydroplane"), "--sweep", "kh=5MN/m..160MN/m:11", "-o", "out", "-q"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    std::string names, units;
+    const auto rows = read_table(folder / "out/sweep.csv", names, units);
+    EXPECT_THAT(names, testing::StartsWith("case,kh,curve1,"));
+    ASSERT_EQ(rows.size(), 11u);
+    for (size_t c = 0; c < rows.size(); ++c) {
+        ASSERT_GE(rows[c].size(), 10u);
+        std::vector<double> own;
+        for (size_t k = 2; k < rows[c].size(); ++k)
+            if (!std::isnan(rows[c][k])) own.push_back(rows[c][k]);
+        if (c % 5 == 0)
+            expect_frequencies(
+                sorted(own),
+                frequencies_of(modes_of_file(modes_model("hydroplane"), {"--set", fmt::format("kh={} N/m", rows[c][1])})),
+                1e-9);
+        for (size_t k = 2; c > 0 && k < rows[c].size(); ++k)
+            if (!std::isnan(rows[c][k]) && !std::isnan(rows[c - 1][k])) {
+                EXPECT_LT(std::abs(rows[c][k] / rows[c - 1][k] - 1), 0.34) << c << ", " << k;
+            }
+    }
+}
+
+// A sweep below a frequency: curves that leave the range leave a gap, others begin.
+TEST(ModesSweep, CurvesEndAndBegin) {
+    const TemporaryFolder folder;
+    write_text(folder / "two.toml", two_masses());
+    std::string text = two_masses();
+    text.replace(text.find("mass = 3"), 8, "mass = \"=m\"");
+    text.replace(text.find("[nodes]"), 0, "[parameters]\nm = 3\n");
+    write_text(folder / "m.toml", text);
+    const Ended ended =
+        run_dttmm(folder.path(), {"modes", "m.toml", "--below", "0.45 Hz", "--sweep", "m=2,3,6,9", "-o", "out", "-q"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    std::string names, units;
+    const auto rows = read_table(folder / "out/sweep.csv", names, units);
+    ASSERT_EQ(rows.size(), 4u);
+    for (size_t c = 0; c < 4; ++c) {
+        const double m = rows[c][1];
+        // det [24 − mλ, −12; −12, 12 − 3λ] = 0
+        const double b = 24 * 3 + 12 * m, root = std::sqrt(b * b - 4 * 3 * m * 144);
+        std::vector<double> expected, own;
+        for (const double lambda : {(b - root) / (6 * m), (b + root) / (6 * m)})
+            if (std::sqrt(lambda) / (2 * kPi) < 0.45) expected.push_back(std::sqrt(lambda) / (2 * kPi));
+        for (size_t k = 2; k < rows[c].size(); ++k)
+            if (!std::isnan(rows[c][k])) own.push_back(rows[c][k]);
+        expect_frequencies(own, expected, kRounding);
+        EXPECT_EQ(rows[c].size(), rows[0].size());
+    }
+}
+
+}  // namespace
+}  // namespace dttmm

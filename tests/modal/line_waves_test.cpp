@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modal/line_waves.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "core/error.h"
+
+namespace dttmm {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kRigid = std::numeric_limits<double>::infinity();
+const Directions kAll("111111");
+
+/// Every constant another; Euler-Bernoulli.
+Line euler() {
+    Line line;
+    line.axes = Matrix3::Identity();
+    Section& s = line.section;
+    s.EA = 4e8, s.EIy = 3e5, s.EIz = 7e5, s.GJ = 2e5, s.GAy = s.GAz = kRigid;
+    s.mass = 16, s.inertia = 0.05;
+    return line;
+}
+
+/// The same with shear, rotary inertia and a mass axis beside the elastic one.
+Line timoshenko() {
+    Line line = euler();
+    Section& s = line.section;
+    s.GAy = 5e7, s.GAz = 8e7, s.rotary_y = 0.012, s.rotary_z = 0.028;
+    s.offset_y = 0.02, s.offset_z = -0.03, s.inertia += s.mass * (0.02 * 0.02 + 0.03 * 0.03);
+    return line;
+}
+
+constexpr double kLength = 1.7;
+
+Matrix12 stiffness(const Line& line, double lambda, int count = 1, Directions active = kAll) {
+    Matrix12 D;
+    LineWaves(line, kLength, active).evaluate<double>(count, lambda, 1.0, D, nullptr);
+    return D;
+}
+
+Matrix12 mass(const Line& line, double lambda) {
+    Matrix12 D, M;
+    LineWaves(line, kLength, kAll).evaluate<double>(1, lambda, 1.0, D, &M);
+    return M;
+}
+
+void expect_near(const Matrix12& found, const Matrix12& expected, double relative) {
+    // Forces by displacements, moments by rotations: each by the size of its row and column
+    for (int i = 0; i < 12; ++i)
+        for (int j = 0; j < 12; ++j) {
+            const double size = std::sqrt(std::abs(expected(i, i) * expected(j, j)));
+            EXPECT_NEAR(found(i, j), expected(i, j), relative * size) << i << ", " << j;
+        }
+}
+
+/// A bar of stiffness K = EA or GJ and inertia μ per length: b K cot bl at its ends, b = ω √(μ/K).
+void expect_bar(const Matrix12& D, int d, double K, double mu, double omega) {
+    const double b = omega * std::sqrt(mu / K), bl = b * kLength;
+    EXPECT_NEAR(D(d, d), b * K / std::tan(bl), 1e-12 * K / kLength);
+    EXPECT_NEAR(D(d, d + 6), -b * K / std::sin(bl), 1e-12 * K / kLength);
+    EXPECT_NEAR(D(d + 6, d + 6), D(d, d), 1e-12 * K / kLength);
+}
+
+/// Euler's beam of [v0 θ0 v1 θ1], θ = v': the classical functions of L = βl.
+Eigen::Matrix4d euler_beam(double EI, double mu, double omega) {
+    const double l = kLength, L = l * std::pow(mu * omega * omega / EI, 0.25);
+    const double s = std::sin(L), c = std::cos(L), S = std::sinh(L), C = std::cosh(L);
+    const double f = EI / (1 - c * C) / (l * l * l);
+    const double a = L * L * L * (c * S + s * C), b = L * L * s * S * l, g = L * L * L * (S + s), h = L * L * (C - c) * l,
+                 p = L * (s * C - c * S) * l * l, q = L * (S - s) * l * l;
+    Eigen::Matrix4d D;
+    D << a, b, -g, h, b, p, -h, q, -g, -h, a, -b, h, q, -b, p;
+    return f * D;
+}
+
+Eigen::Matrix4d part(const Matrix12& D, const std::array<int, 4>& at, const std::array<double, 4>& sign) {
+    Eigen::Matrix4d out;
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j)
+            out(i, j) = sign[static_cast<size_t>(i)] * sign[static_cast<size_t>(j)] *
+                        D(at[static_cast<size_t>(i)], at[static_cast<size_t>(j)]);
+    return out;
+}
+
+// Oracle: closed forms of bars and of Euler's beam, from far below the first frequency of the clamped line up to several
+// above. Exact but for rounding, which 1 − cos L cosh L magnifies near its zeros and where it is small (L⁴/6): 1e-9 there.
+TEST(LineWaves, HasTheDynamicStiffnessOfBarsAndOfEulersBeam) {
+    for (const double omega : {40.0, 300.0, 1100.0, 4000.0}) {
+        const Line line = euler();
+        const Section& s = line.section;
+        const Matrix12 D = stiffness(line, omega * omega);
+        expect_bar(D, 0, s.EA, s.mass, omega);
+        expect_bar(D, 3, s.GJ, s.inertia, omega);
+        for (const bool in_xy : {true, false}) {
+            const double EI = in_xy ? s.EIz : s.EIy;
+            // θy turns z towards x: w' = −θy
+            const Eigen::Matrix4d found =
+                in_xy ? part(D, {1, 5, 7, 11}, {1, 1, 1, 1}) : part(D, {2, 4, 8, 10}, {1, -1, 1, -1});
+            const Eigen::Matrix4d expected = euler_beam(EI, s.mass, omega);
+            for (int i = 0; i < 4; ++i)
+                for (int j = 0; j < 4; ++j)
+                    EXPECT_NEAR(found(i, j), expected(i, j),
+                                1e-9 * EI / std::pow(kLength, 3 - i % 2 - j % 2) +
+                                    1e-10 * std::sqrt(std::abs(expected(i, i) * expected(j, j))))
+                        << omega << ": " << i << ", " << j;
+        }
+        EXPECT_EQ(D(0, 1), 0);
+        EXPECT_EQ(D(1, 4), 0);
+        EXPECT_EQ(D(3, 2), 0);
+    }
+}
+
+// Oracle: Przemieniecki's stiffness of a beam with shear, φ = 12 EI/(κGA l²).
+TEST(LineWaves, AtRestItIsTheStaticBeam) {
+    const Line line = timoshenko();
+    const Section& s = line.section;
+    const double l = kLength;
+    Matrix12 K = Matrix12::Zero();
+    const auto bar = [&](int d, double k) {
+        K(d, d) = K(d + 6, d + 6) = k;
+        K(d, d + 6) = K(d + 6, d) = -k;
+    };
+    bar(0, s.EA / l);
+    bar(3, s.GJ / l);
+    const auto plane = [&](int v, int r, double sign, double EI, double GA) {
+        const double phi = 12 * EI / (GA * l * l), f = EI / (l * l * l * (1 + phi));
+        const std::array<int, 4> at{v, r, v + 6, r + 6};
+        const std::array<double, 4> o{1, sign, 1, sign};
+        Eigen::Matrix4d k;
+        k << 12, 6 * l, -12, 6 * l, 6 * l, (4 + phi) * l * l, -6 * l, (2 - phi) * l * l, -12, -6 * l, 12, -6 * l, 6 * l,
+            (2 - phi) * l * l, -6 * l, (4 + phi) * l * l;
+        for (size_t i = 0; i < 4; ++i)
+            for (size_t j = 0; j < 4; ++j)
+                K(at[i], at[j]) = o[i] * o[j] * f * k(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+    };
+    plane(1, 5, 1, s.EIz, s.GAy);
+    plane(2, 4, -1, s.EIy, s.GAz);
+    expect_near(stiffness(line, 0), K, 1e-13);
+}
+
+// Oracle: −∂D/∂λ by differences of D; their own error is of the second order in the step.
+TEST(LineWaves, ItsMassIsTheDerivativeOfItsStiffness) {
+    for (const Line& line : {euler(), timoshenko()})
+        for (const double lambda : {0.0, 3e4, 2.5e6, -4e5}) {
+            const double step = 60;
+            const Matrix12 difference = -(stiffness(line, lambda + step) - stiffness(line, lambda - step)) / (2 * step);
+            expect_near(mass(line, lambda), difference, 2e-6);
+        }
+}
+
+// Oracle: at rest the mass of a line moved as a whole is its mass and moves with its centre; inertia m l²/12 about it.
+TEST(LineWaves, ItsMassMovedAsAWholeIsThatOfARigidBody) {
+    const Line line = timoshenko();
+    const Section& s = line.section;
+    const Matrix12 M = mass(line, 0);
+    Eigen::Matrix<double, 12, 6> whole = Eigen::Matrix<double, 12, 6>::Zero();  // about the start
+    whole.topRows<6>().setIdentity();
+    whole.bottomRows<6>().setIdentity();
+    whole.block<3, 3>(6, 3) = -skew(Vector3(kLength, 0, 0));
+    const Matrix6 found = whole.transpose() * M * whole;
+    const double m = s.mass * kLength;
+    const Vector3 c(kLength / 2, s.offset_y, s.offset_z);
+    Matrix3 own =
+        Vector3((s.inertia - s.mass * (c.y() * c.y() + c.z() * c.z())) * kLength,
+                s.rotary_y * kLength + m * kLength * kLength / 12, s.rotary_z * kLength + m * kLength * kLength / 12)
+            .asDiagonal();
+    Matrix6 expected;
+    expected << m * Matrix3::Identity(), -m * skew(c), m * skew(c), own - m * skew(c) * skew(c);
+    EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), 1e-11 * m * kLength * kLength);
+}
+
+// Oracle: two halves joined at their middle are the whole.
+TEST(LineWaves, TwoPiecesAreOne) {
+    const Line line = timoshenko();
+    for (const double lambda : {0.0, 2e5, 3e6}) {
+        const Matrix12 half = stiffness(line, lambda, 2), whole = stiffness(line, lambda);
+        const Matrix6 middle = half.bottomRightCorner<6, 6>() + half.topLeftCorner<6, 6>();
+        const Matrix6 across = half.topRightCorner<6, 6>();
+        const Eigen::PartialPivLU<Matrix6> lu(middle);
+        Matrix12 joined;
+        joined << half.topLeftCorner<6, 6>() - across * lu.solve(across.transpose()), -across * lu.solve(across),
+            -across.transpose() * lu.solve(across.transpose()),
+            half.bottomRightCorner<6, 6>() - across.transpose() * lu.solve(across);
+        expect_near(joined, whole, 1e-10);
+    }
+}
+
+// Oracle: transfer over s1 and then over s2 is that over both, and D follows from it: n0 on the start is −f.
+TEST(LineWaves, TransfersMultiply) {
+    const Line line = timoshenko();
+    const LineWaves waves(line, kLength, kAll);
+    Vector12 unit;  // of displacements and of forces
+    unit << 1, 1, 1, 1, 1, 1, 1e6, 1e6, 1e6, 1e6, 1e6, 1e6;
+    const auto in_units = [&](const Matrix12& U) {
+        return Matrix12(unit.cwiseInverse().asDiagonal() * U * unit.asDiagonal());
+    };
+    for (const double lambda : {0.0, 7e4, 5e6}) {
+        const Matrix12 one = in_units(waves.transfer(lambda, 0.6)), two = in_units(waves.transfer(lambda, 1.1)),
+                       both = in_units(waves.transfer(lambda, kLength));
+        EXPECT_LT((two * one - both).cwiseAbs().maxCoeff(), 1e-12 * both.cwiseAbs().maxCoeff()) << lambda;
+        EXPECT_LT((one * two - both).cwiseAbs().maxCoeff(), 1e-12 * both.cwiseAbs().maxCoeff()) << lambda;
+
+        const Matrix12 D = stiffness(line, lambda), U = waves.transfer(lambda, kLength);
+        const Vector12 ends =
+            (Vector12() << 1e-3, 2e-3, -1e-3, 0.01, 0.02, -0.03, 2e-3, -1e-3, 3e-3, 0.02, -0.01, 0.02).finished();
+        Vector12 start;
+        start << ends.head<6>(), -D.topRows<6>() * ends;
+        const Vector12 end = U * start;
+        EXPECT_LT((end.head<6>() - ends.tail<6>()).cwiseAbs().maxCoeff(), 1e-10 * ends.norm()) << lambda;
+        EXPECT_LT((end.tail<6>() - D.bottomRows<6>() * ends).cwiseAbs().maxCoeff(),
+                  1e-10 * (D.cwiseAbs() * ends.cwiseAbs()).maxCoeff())
+            << lambda;
+    }
+    EXPECT_EQ(waves.transfer(5e6, 0), Matrix12::Identity());
+}
+
+// Oracle: frequencies of the clamped bar, π/l √(K/μ), and of the clamped Euler beam, 22.373/l² √(EI/μ): no piece has one
+// below ω. And the bound is not wasteful: twice as many pieces at most as bending needs.
+TEST(LineWaves, PiecesHeldAtTheirEndsStaySilent) {
+    const Line line = euler();
+    const Section& s = line.section;
+    const LineWaves waves(line, kLength, kAll);
+    int before = 0;
+    for (double omega = 1; omega < 3e6; omega *= 1.7) {
+        const int count = waves.pieces(omega, 100000);
+        const double l = kLength / count;
+        EXPECT_GT(kPi / l * std::sqrt(s.EA / s.mass), omega);
+        EXPECT_GT(kPi / l * std::sqrt(s.GJ / s.inertia), omega);
+        EXPECT_GT(22.3732854 / (l * l) * std::sqrt(s.EIy / s.mass), omega);
+        EXPECT_GE(count, before);
+        before = count;
+        const double needed = std::max({1.0, omega * kLength / kPi * std::sqrt(s.mass / s.EA),
+                                        omega * kLength / kPi * std::sqrt(s.inertia / s.GJ),
+                                        kLength * std::sqrt(omega / 22.3732854 * std::sqrt(s.mass / s.EIy))});
+        EXPECT_LE(count, 3 * needed + 1) << omega;
+    }
+    EXPECT_GT(before, 100);
+    EXPECT_EQ(waves.pieces(1e9, 50), 51) << "more than asked for";
+}
+
+// Oracle: D of a piece that does not vibrate with its ends held has no more negative eigenvalues than a massless one, which
+// has none, once what it moves is held: its inverse exists all the way up, D stays finite and −∂D/∂λ positive definite.
+TEST(LineWaves, PiecesOfABeamWithAllCouplingsStaySilent) {
+    const Line line = timoshenko();
+    const LineWaves waves(line, kLength, kAll);
+    for (double omega = 10; omega < 1e6; omega *= 3) {
+        const int count = waves.pieces(omega, 100000);
+        // From silence up to ω the smallest eigenvalue of the transfer from end forces to end displacements keeps its sign
+        double before = 0;
+        for (int k = 0; k <= 40; ++k) {
+            const double part = k / 40.0;
+            const Matrix12 U = waves.transfer(std::pow(part * omega, 2), kLength / count);
+            Vector6 unit;  // of displacement by force: balanced
+            unit << 1, 1, 1, count / kLength, count / kLength, count / kLength;
+            const Matrix6 across =
+                unit.cwiseInverse().asDiagonal() * U.topRightCorner<6, 6>() * unit.cwiseInverse().asDiagonal();
+            const double det = across.determinant();
+            EXPECT_TRUE(k == 0 || det * before > 0) << omega << ", " << part;
+            before = det;
+        }
+    }
+}
+
+// Oracle: without its deflection a bending plane does not move, and its rotation passes; a rod passes all but x.
+TEST(LineWaves, PassesWhatTheModelDoesNotSpan) {
+    EXPECT_EQ(LineWaves(euler(), kLength, kAll).passed(), Directions());
+    EXPECT_EQ(LineWaves(euler(), kLength, Directions("101011")).passed(), Directions());          // rz, rx, y, x
+    EXPECT_EQ(LineWaves(euler(), kLength, Directions("111001")).passed(), Directions("110000"));  // neither y nor z
+    Line rod = euler();
+    rod.stretches_only = true;
+    EXPECT_EQ(LineWaves(rod, kLength, kAll).passed(), Directions("111110"));
+    const Matrix12 D = stiffness(euler(), 1e4, 1, Directions("101011"));
+    for (int d : {2, 4, 8, 10}) EXPECT_EQ(D.row(d).norm(), 0) << d;
+    for (int d : {0, 1, 3, 5}) EXPECT_GT(D(d, d), 0) << d;
+}
+
+TEST(LineWaves, NamesTheStiffnessThatIsNeeded) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const auto refused = [&](double Section::*value, const char* directions) -> std::string {
+        Line line = euler();
+        line.section.*value = nan;
+        try {
+            LineWaves(line, kLength, Directions(directions));
+        } catch (const Error& error) {
+            EXPECT_EQ(error.status(), DTTMM_ERROR_MODEL);
+            return error.what();
+        }
+        return {};
+    };
+    EXPECT_THAT(refused(&Section::EIz, "100011"), testing::HasSubstr("section.EIz"));
+    EXPECT_THAT(refused(&Section::EIy, "010101"), testing::HasSubstr("section.EIy"));
+    EXPECT_THAT(refused(&Section::GJ, "001000"), testing::HasSubstr("section.GJ"));
+    EXPECT_THAT(refused(&Section::GAy, "100011"), testing::HasSubstr("section.GAy"));
+    EXPECT_THAT(refused(&Section::inertia, "001000"), testing::HasSubstr("section.inertia"));
+    EXPECT_EQ(refused(&Section::EIy, "100011"), "");
+    EXPECT_EQ(refused(&Section::inertia, "100011"), "");
+}
+
+// Oracle: elastic stiffness (1 + iωη) at a frequency: D of the line with E (1 + iωη), at rest exactly that factor.
+TEST(LineWaves, DampingTurnsItsModulus) {
+    const Line line = timoshenko();
+    const LineWaves waves(line, kLength, kAll);
+    LineWaves::Square<std::complex<double>> D;
+    const std::complex<double> factor(1, 0.3);
+    waves.evaluate<std::complex<double>>(1, 0.0, factor, D, nullptr);
+    const Matrix12 K = stiffness(line, 0);
+    EXPECT_LT((D - factor * K).cwiseAbs().maxCoeff(), 1e-12 * K.cwiseAbs().maxCoeff());
+    // A bar: b² = ω² μ/(EA (1 + iωη))
+    const double omega = 3000;
+    waves.evaluate<std::complex<double>>(1, omega * omega, factor, D, nullptr);
+    Line straight = euler();
+    const std::complex<double> b = omega * std::sqrt(straight.section.mass / (straight.section.EA * factor));
+    LineWaves(straight, kLength, kAll).evaluate<std::complex<double>>(1, omega * omega, factor, D, nullptr);
+    EXPECT_LT(std::abs(D(0, 0) - b * straight.section.EA * factor / std::tan(b * kLength)), 1e-12 * std::abs(D(0, 0)));
+}
+
+}  // namespace
+}  // namespace dttmm

@@ -343,7 +343,7 @@ void FrequencyModel::for_each_piece(const Body& body) const {
         }
 }
 
-void FrequencyModel::set_matrices(double lambda) {
+void FrequencyModel::set_matrices(double lambda, bool with_mass) {
     lambda_ = lambda;
     Elimination& e = *elimination_;
     e.set_zero();
@@ -362,7 +362,8 @@ void FrequencyModel::set_matrices(double lambda) {
     for_each_piece([&](int link, const Piece& piece, const LineModel& line) {
         auto& known = kinds_[line.kind].at_lambda;
         auto [it, is_new] = known.try_emplace(line.count);
-        if (is_new) line.waves->evaluate<double>(line.count, lambda, 1, it->second.first, &it->second.second);
+        if (is_new)
+            line.waves->evaluate<double>(line.count, lambda, 1, it->second.first, with_mass ? &it->second.second : nullptr);
         const Matrix12& D = it->second.first;
         add(link, piece.from, piece.to, piece.by_from, piece.by_to, D.topLeftCorner<6, 6>(), D.topRightCorner<6, 6>(),
             D.bottomRightCorner<6, 6>());
@@ -380,8 +381,8 @@ void FrequencyModel::set_matrices(double lambda) {
     }
 }
 
-std::optional<int> FrequencyModel::factor(double lambda) {
-    set_matrices(lambda);
+std::optional<int> FrequencyModel::factor(double lambda, bool with_mass) {
+    set_matrices(lambda, with_mass);
     if (elimination_->factor()) return std::nullopt;
     return elimination_->negatives();
 }

@@ -38,8 +38,9 @@ public:
     /// too many pieces, or what nothing holds and has no mass.
     void cut(double omega);
 
-    /// Sets D(λ) and factors it; the number of natural frequencies below. Nothing: λ is one of them, to rounding.
-    std::optional<int> factor(double lambda);
+    /// Sets D(λ) and factors it; the number of natural frequencies below. Nothing: λ is one of them, to rounding. Without
+    /// −∂D/∂λ it is quicker, and only counts.
+    std::optional<int> factor(double lambda, bool with_mass = true);
 
     // At the λ last set:
     /// D⁻¹ r on the motions that rigid directions allow.
@@ -142,7 +143,7 @@ private:
     Matrix6 local_end(const Matrix3& axes, const Vector3& point, int frame) const;
     void cut_line(LineModel& line, int count);
     void build();
-    void set_matrices(double lambda);
+    void set_matrices(double lambda, bool with_mass = true);
     static Vector6 relative(const Bond& bond, const Motion& u);
     static Vector12 ends_of(const Piece& piece, const Motion& u);
     static void add_piece(const Piece& piece, const Matrix12& D, const Motion& u, Motion& out);

@@ -14,7 +14,7 @@ namespace dttmm {
 
 namespace {
 
-using Matrix = Eigen::MatrixXd;
+using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 12, 12>;
 
 /// Bending planes: the deflection and the rotation that goes with it.
 constexpr std::array kPlanes = {std::pair<size_t, size_t>{1, 5}, std::pair<size_t, size_t>{2, 4}};
@@ -127,7 +127,6 @@ LineWaves::LineWaves(const Line& line, double length, Directions active) : lengt
 template <class Scalar>
 LineWaves::Waves<Scalar> LineWaves::waves(const Group& group, double s, Scalar lambda, Scalar stiffening,
                                           bool with_derivative) const {
-    using Block = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
     const auto n = static_cast<Eigen::Index>(group.directions.size());
     Waves<Scalar> waves;
     waves.unit_d = group.unit_d;
@@ -143,7 +142,7 @@ LineWaves::Waves<Scalar> LineWaves::waves(const Group& group, double s, Scalar l
     const Matrix C = s * (ud.cwiseInverse().cwiseProduct(group.C).cwiseProduct(un)).asDiagonal().toDenseMatrix();
     const Matrix M = s * (un.cwiseInverse().asDiagonal() * group.M * ud.asDiagonal());
     const Matrix At = s * (un.cwiseInverse().asDiagonal() * group.A.transpose() * un.asDiagonal());
-    Block S = Block::Zero(2 * n, 2 * n), by_lambda = S;
+    Block<Scalar> S = Block<Scalar>::Zero(2 * n, 2 * n), by_lambda = S;
     S.topLeftCorner(n, n) = A.template cast<Scalar>();
     S.topRightCorner(n, n) = C.template cast<Scalar>() / stiffening;
     S.bottomLeftCorner(n, n) = -lambda * M.template cast<Scalar>();
@@ -192,14 +191,13 @@ int LineWaves::pieces(double omega, int most) const {
 template <class Scalar>
 void LineWaves::evaluate(int count, Scalar lambda, Scalar stiffening, Square<Scalar>& stiffness,
                          Square<Scalar>* mass) const {
-    using Block = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
     stiffness.setZero();
     if (mass) mass->setZero();
     for (const Group& group : groups_) {
         const auto n = static_cast<Eigen::Index>(group.directions.size());
         const Waves<Scalar> w = waves<Scalar>(group, length_ / count, lambda, stiffening, mass != nullptr);
-        const Block Udd = w.U.topLeftCorner(n, n), Unn = w.U.bottomRightCorner(n, n);
-        const Block W = Block(w.U.topRightCorner(n, n)).fullPivLu().inverse();
+        const Block<Scalar> Udd = w.U.topLeftCorner(n, n), Unn = w.U.bottomRightCorner(n, n);
+        const Block<Scalar> W = Block<Scalar>(w.U.topRightCorner(n, n)).fullPivLu().inverse();
         // n0 = W (d1 − Udd d0),  n1 = Und d0 + Unn n0; on the piece act −n0 and n1
         Eigen::VectorXi at(2 * n);
         Eigen::VectorXd unit(n);
@@ -207,13 +205,13 @@ void LineWaves::evaluate(int count, Scalar lambda, Scalar stiffening, Square<Sca
             at(k) = group.directions[static_cast<size_t>(k)];
             at(n + k) = 6 + at(k);
         }
-        const auto store = [&](const Block& start, const Block& across, const Block& end, double sign,
-                               Square<Scalar>& into) {
-            Block all(2 * n, 2 * n);
+        const auto store = [&](const Block<Scalar>& start, const Block<Scalar>& across, const Block<Scalar>& end,
+                               double sign, Square<Scalar>& into) {
+            Block<Scalar> all(2 * n, 2 * n);
             all << start, across, across.transpose(), end;
             const Eigen::VectorXd un = w.unit_n.replicate(2, 1), ud = w.unit_d.replicate(2, 1).cwiseInverse();
             // In units: the upper right block is taken, its transpose would have the units of the other side
-            Block scaled = un.asDiagonal() * all * ud.asDiagonal();
+            Block<Scalar> scaled = un.asDiagonal() * all * ud.asDiagonal();
             scaled.bottomLeftCorner(n, n) = scaled.topRightCorner(n, n).transpose();
             scaled = (0.5 * sign * (scaled + scaled.transpose())).eval();
             for (Eigen::Index i = 0; i < 2 * n; ++i)
@@ -221,8 +219,8 @@ void LineWaves::evaluate(int count, Scalar lambda, Scalar stiffening, Square<Sca
         };
         store(W * Udd, -W, Unn * W, 1, stiffness);
         if (!mass) continue;
-        const Block dUdd = w.by_lambda.topLeftCorner(n, n), dUnn = w.by_lambda.bottomRightCorner(n, n);
-        const Block dW = -W * w.by_lambda.topRightCorner(n, n) * W;
+        const Block<Scalar> dUdd = w.by_lambda.topLeftCorner(n, n), dUnn = w.by_lambda.bottomRightCorner(n, n);
+        const Block<Scalar> dW = -W * w.by_lambda.topRightCorner(n, n) * W;
         store(dW * Udd + W * dUdd, -dW, dUnn * W + Unn * dW, -1, *mass);
     }
 }

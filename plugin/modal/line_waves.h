@@ -21,6 +21,8 @@ class LineWaves {
 public:
     template <class Scalar>
     using Square = Eigen::Matrix<Scalar, 12, 12>;
+    template <class Scalar>
+    using Block = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, 0, 12, 12>;
 
     /// The directions of its ends in which it moves with waves: `active` are those of the local axes that the model leaves.
     /// A bending plane goes by its deflection; without it the rotation passes unchanged (see passed()). Throws
@@ -52,7 +54,7 @@ private:
     };
     template <class Scalar>
     struct Waves {
-        Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> U, by_lambda;
+        Block<Scalar> U, by_lambda;
         Eigen::VectorXd unit_d, unit_n;
     };
     template <class Scalar>

@@ -61,7 +61,7 @@ int ModeFinder::count_at(double& omega) {
     cut_for(omega);
     for (const double shift : {0.0, 1e-10, 3e-10, 1e-9, 3e-9, 1e-8}) {
         const double beside = omega * (1 + shift);
-        if (const auto count = model_.factor(beside * beside)) {
+        if (const auto count = model_.factor(beside * beside, false)) {
             omega = beside;
             return *count;
         }
@@ -289,7 +289,7 @@ bool ModeFinder::confirm(const Cluster& cluster, int before, double& bracket) {
     for (bracket = kFinestBracket; bracket <= kWidestBracket; bracket *= 4) {
         const double low = std::sqrt(cluster.lambdas.front()) * (1 - bracket);
         const double high = std::sqrt(cluster.lambdas.back()) * (1 + bracket);
-        if (model_.factor(low * low) == before && model_.factor(high * high) == until) return true;
+        if (model_.factor(low * low, false) == before && model_.factor(high * high, false) == until) return true;
     }
     return false;
 }

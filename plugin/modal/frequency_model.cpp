@@ -91,6 +91,7 @@ FrequencyModel::FrequencyModel(const dttmm_modal_model& model)
             total_mass_ += frame.mass;
         }
     }
+    if (!directions_.all()) refer_to_inputs();
     const auto frame = [&](int f) { return frame_of_[static_cast<size_t>(f)]; };
     for (const JointSpec& joint : assembly_.joints)
         add_joint(joint.element, frame(joint.from), frame(joint.to), joint.law, joint.pose);
@@ -115,11 +116,32 @@ void FrequencyModel::add_bodies(const dttmm_modal_model& model) {
         if (!position.allFinite() || !inertia.allFinite() || !(body.mass > 0 && std::isfinite(body.mass)))
             throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("body \"{}\": its numbers must be finite", body.name));
         positions_.push_back(position);
+        centres_.push_back(position);
         names_.push_back(fmt::format("body \"{}\"", body.name));
         elements_.push_back(-1);
         masses_.push_back({static_cast<int>(b), mass_block(body.mass, inertia)});
         total_mass_ += body.mass;
     }
+}
+
+/// In a reduced state the place counts at which a body is looked at: what is left out is left out there, while the centre of
+/// mass keeps all the velocity that the rotations give it, as in the paper's J_xx + m (c2² + c3²). That is its first node.
+void FrequencyModel::refer_to_inputs() {
+    std::vector<bool> is_referred(positions_.size());
+    for (size_t n = 0; n < assembly_.nodes.size(); ++n) {
+        const int f = frame_of_node(n);
+        if (f < 0 || is_referred[static_cast<size_t>(f)]) continue;
+        is_referred[static_cast<size_t>(f)] = true;
+        const Vector3 node = position_of_node(n), centre = positions_[static_cast<size_t>(f)];
+        const Matrix6 to_centre = at_point(centre, node);
+        for (Mass& mass : masses_)
+            if (mass.frame == f) mass.block = to_centre.transpose() * mass.block * to_centre;
+        positions_[static_cast<size_t>(f)] = node;
+    }
+}
+
+Matrix6 FrequencyModel::by_centre(int body) const {
+    return at_point(centres_[static_cast<size_t>(body)], positions_[static_cast<size_t>(body)]);
 }
 
 Matrix6 FrequencyModel::at_point(const Vector3& point, const Vector3& origin) {

@@ -23,8 +23,8 @@ namespace dttmm {
 /// is the number of natural frequencies below ω, each with its multiplicity. Source: Wittrick and Williams (1971), Q. J.
 /// Mech. Appl. Math. 24, 263–284, with J0 = 0.
 ///
-/// Motions are 6 per frame: of its origin (a mass: its centre), world axes. Directions that the model does not leave are
-/// zero and what would happen in them is not looked at, neither in joints nor along lines.
+/// Motions are 6 per frame: of its origin (a mass: its centre, in a reduced state its first node), world axes. Directions
+/// that the model does not leave are zero and what would happen in them is not looked at, neither in joints nor along lines.
 class FrequencyModel {
 public:
     using Motion = std::vector<Vector6>;
@@ -69,6 +69,7 @@ public:
 
     /// Displacement of a node of the network [6, world] that goes with its frame.
     Vector6 node_motion(size_t node, const Motion& u) const;
+    Matrix6 by_centre(int body) const;   ///< displacement of a body's centre of mass by the motion of its frame
     Matrix6 by_node(size_t node) const;  ///< by the motion of its frame, which there is
     size_t node_count() const { return assembly_.nodes.size(); }
     /// Strain energy of every element [J] for a motion of amplitude u.
@@ -136,6 +137,7 @@ private:
         std::vector<Rigid> rigid;
     };
     void add_bodies(const dttmm_modal_model& model);
+    void refer_to_inputs();
     void add_joint(int element, int from, int to, const JointLaw& law, const Pose& pose);
     void add_line(const LineSpec& line);
     void add_rigid(std::vector<Rigid>& rows, const Rigid& row) const;
@@ -158,6 +160,7 @@ private:
     double total_mass_ = 0;
     std::vector<int> frame_of_;       ///< of the assembly's frames
     std::vector<Vector3> positions_;  ///< of the frames
+    std::vector<Vector3> centres_;    ///< of mass, of the bodies
     std::vector<std::string> names_;
     std::vector<int> elements_;  ///< one that hangs on each frame
     size_t own_frames_ = 0;      ///< without those along the lines

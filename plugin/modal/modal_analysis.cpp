@@ -53,7 +53,7 @@ void ModalAnalysis::mode(uint32_t index, dttmm_mode* out, double* bodies, double
         if (topology_.is_short()) out->residual = overall_residual(mode.omega);
     }
     for (int b = 0; bodies && b < model_.body_count(); ++b)
-        Eigen::Map<Vector6>{bodies + 6 * b} = mode.shape[static_cast<size_t>(b)];
+        Eigen::Map<Vector6>{bodies + 6 * b} = model_.by_centre(b) * mode.shape[static_cast<size_t>(b)];
     for (size_t n = 0; nodes && n < model_.node_count(); ++n)
         Eigen::Map<Vector6>{nodes + 6 * n} = model_.node_motion(n, mode.shape);
     if (!shares) return;
@@ -100,7 +100,8 @@ void ModalAnalysis::respond(double frequency, int on_body, int on_node, const Ve
             out[2 * d + 1] = u(d).imag();
         }
     };
-    for (int b = 0; bodies && b < model_.body_count(); ++b) write(motion[static_cast<size_t>(b)], bodies + 12 * b);
+    for (int b = 0; bodies && b < model_.body_count(); ++b)
+        write(model_.by_centre(b).cast<std::complex<double>>() * motion[static_cast<size_t>(b)], bodies + 12 * b);
     for (size_t n = 0; nodes && n < model_.node_count(); ++n) {
         const int f = model_.frame_of_node(n);
         write(f < 0 ? Eigen::Matrix<std::complex<double>, 6, 1>::Zero()

@@ -337,6 +337,34 @@ mass = 3
 )" + extra;
 }
 
+// Oracle: the paper's (10) with its misprint corrected, J_xx + m (c2² + c3²) about the input, though z is left out of the
+// state: a body on a torsion spring, its centre off in y and in z.
+TEST(ModesCases, ABodyTurnsAboutItsInputWithAllOfItsMass) {
+    const std::vector<double> found = frequencies_of(modes_of(R"(
+format = "dttmm/1"
+dofs = ["x", "y", "rz", "rx"]
+[modes]
+below = "100 Hz"
+[nodes]
+input = { position = [0.2, -0.1, 0.3], fixed = ["x", "y", "rz"] }
+[[element]]
+name = "body"
+type = "rigid_body"
+at = "input"
+mass = 7
+center_of_mass = [0, 0.3, 0.2]
+inertia = { xx = 2, yy = 3, zz = 4 }
+[[element]]
+name = "spring"
+type = "spring_damper"
+from = "ground"
+to = "input"
+rotational_stiffness = [1e5, 0, 0]
+)"));
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_NEAR(found[0], std::sqrt(1e5 / (2 + 7 * (0.3 * 0.3 + 0.2 * 0.2))) / (2 * M_PI), 1e-9 * found[0]);
+}
+
 // Oracle: theory.md V7, ω = √5 ∓ 1. A model of two masses has two frequencies, however many are asked for.
 TEST(ModesCases, TwoMasses) {
     const std::vector<double> expected{(std::sqrt(5.) - 1) / (2 * kPi), (std::sqrt(5.) + 1) / (2 * kPi)};

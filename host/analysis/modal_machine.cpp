@@ -12,14 +12,15 @@ namespace dttmm {
 
 namespace {
 
-/// An instance from a description, faults told with their place in the file.
-ModalInstance make_instance(const Model& model, const ModalDescription& description) {
+/// Puts the place in the model file before what a plugin says: of the element it blames, or the file alone.
+template <class Action>
+auto tell_place(const Model& model, Action&& action) {
     try {
-        return {description.plugin(), description.model()};
+        return action();
     } catch (const NetworkError& error) {
-        if (error.element() < 0) throw Error(error.code(), fmt::format("{}: {}", model.path, error.what()));
-        throw Error(error.code(),
-                    fmt::format("{}: {}", model.elements[static_cast<size_t>(error.element())].place, error.what()));
+        const std::string& place =
+            error.element() < 0 ? model.path : model.elements[static_cast<size_t>(error.element())].place;
+        throw Error(error.code(), fmt::format("{}: {}", place, error.what()));
     }
 }
 
@@ -28,7 +29,9 @@ ModalInstance make_instance(const Model& model, const ModalDescription& descript
 const std::vector<std::string>& direction_names() { return kDirections; }
 
 ModalMachine::ModalMachine(const Model& model, const Plugins& plugins)
-    : model_(model), description_(model, plugins), instance_(make_instance(model, description_)) {
+    : model_(model),
+      description_(model, plugins),
+      instance_(tell_place(model, [&] { return ModalInstance(description_.plugin(), description_.model()); })) {
     for (size_t b = 0; b < model.bodies.size(); ++b) {
         const Body& body = model.bodies[b];
         places_.push_back({body.name, static_cast<int>(b), -1, body.position});
@@ -41,20 +44,9 @@ ModalMachine::ModalMachine(const Model& model, const Plugins& plugins)
             places_.push_back({model.nodes[n].name, -1, static_cast<int>(*index), model.nodes[n].position});
 }
 
-template <class Action>
-auto ModalMachine::tell_place(Action&& action) const {
-    try {
-        return action();
-    } catch (const NetworkError& error) {
-        if (error.element() < 0) throw Error(error.code(), fmt::format("{}: {}", model_.path, error.what()));
-        throw Error(error.code(),
-                    fmt::format("{}: {}", model_.elements[static_cast<size_t>(error.element())].place, error.what()));
-    }
-}
-
 std::vector<ModalInstance::Mode> ModalMachine::find_modes() {
     const ModesSettings& settings = model_.modes;
-    return tell_place([&] {
+    return tell_place(model_, [&] {
         const uint32_t found =
             instance_.find_modes(settings.below ? 0 : static_cast<uint32_t>(settings.count), settings.below.value_or(0));
         std::vector<ModalInstance::Mode> modes;
@@ -80,12 +72,12 @@ ModalMachine::Vector6 ModalMachine::motion(const ModalPlace& place, const ModalI
 }
 
 std::vector<ModalMachine::Vector6> ModalMachine::along(uint32_t mode, uint32_t element, uint32_t count, double& length) {
-    return tell_place([&] { return instance_.along(mode, element, count, length); });
+    return tell_place(model_, [&] { return instance_.along(mode, element, count, length); });
 }
 
 std::complex<double> ModalMachine::respond(double frequency, const ModalPlace& in, int in_direction, const ModalPlace& out,
                                            int out_direction) {
-    return tell_place([&] {
+    return tell_place(model_, [&] {
         const Vector6 wrench = Vector6::Unit(in_direction);
         const ModalInstance::Response response = instance_.respond(frequency, in.body, in.node, in.position, wrench);
         if (out.body < 0) return response.nodes[static_cast<size_t>(out.node)](out_direction);

@@ -42,8 +42,6 @@ public:
 
 private:
     Eigen::Matrix<double, 6, 6> by_body(const ModalPlace& place) const;
-    template <class Action>
-    auto tell_place(Action&& action) const;
 
     const Model& model_;
     ModalDescription description_;

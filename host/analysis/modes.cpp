@@ -50,27 +50,20 @@ void refuse_empty(const Model& model, const std::vector<Mode>& modes) {
                 fmt::format("{}: no natural frequency lies below {:g} Hz", model.modes.below_place, *model.modes.below));
 }
 
-/// The place and direction that move most.
+/// The place and direction that move most; of a mode in which nothing is displaced, that turn most.
 std::string where_most(const ModalMachine& machine, const Mode& mode) {
-    double largest = 0;
     std::string where = "inside";
-    for (const ModalPlace& place : machine.places()) {
-        const Vector6 u = machine.motion(place, mode);
-        for (int d = 0; d < 3; ++d) {
-            if (std::abs(u(d)) <= largest * (1 + 1e-6)) continue;
-            largest = std::abs(u(d));
-            where = fmt::format("{}.{}", place.name, direction_names()[static_cast<size_t>(d)]);
+    for (const int first : {0, 3}) {
+        double largest = 1e-6;
+        for (const ModalPlace& place : machine.places()) {
+            const Vector6 u = machine.motion(place, mode);
+            for (int d = first; d < first + 3; ++d) {
+                if (std::abs(u(d)) <= largest * (1 + 1e-6)) continue;
+                largest = std::abs(u(d));
+                where = fmt::format("{}.{}", place.name, direction_names()[static_cast<size_t>(d)]);
+            }
         }
-    }
-    if (largest > 1e-6) return where;
-    double turn = 0;
-    for (const ModalPlace& place : machine.places()) {
-        const Vector6 u = machine.motion(place, mode);
-        for (int d = 3; d < 6; ++d) {
-            if (std::abs(u(d)) <= turn * (1 + 1e-6)) continue;
-            turn = std::abs(u(d));
-            where = fmt::format("{}.{}", place.name, direction_names()[static_cast<size_t>(d)]);
-        }
+        if (largest > 1e-6) break;
     }
     return where;
 }

@@ -62,7 +62,8 @@ OverallTransfer::OverallTransfer(const FrequencyModel& model) : model_(model) {
             Matrix basis = Matrix::Zero(2 * directions_, directions_);
             basis.topRows(directions_).setIdentity();
             vertices_[v].tips.push_back(static_cast<int>(boundaries_.size()));
-            boundaries_.push_back({model.name(vertices_[v].frame) + ", free", basis, unknowns_, 1});
+            boundaries_.push_back(
+                {model.name(vertices_[v].frame) + ", free", model.position(vertices_[v].frame), basis, unknowns_, 1});
             unknowns_ += directions_;
             grow_tree(static_cast<int>(v));
         }
@@ -120,7 +121,8 @@ void OverallTransfer::add_boundaries() {
                                        : std::string("the ground"));
         }
         vertex.tips.push_back(static_cast<int>(boundaries_.size()));
-        boundaries_.push_back({name, basis, unknowns_, 1});
+        const Vector3 point = vertex.frame >= 0 ? model_.position(vertex.frame) : Vector3(Vector3::Zero());
+        boundaries_.push_back({name, point, basis, unknowns_, 1});
         unknowns_ += directions_;
     }
 }
@@ -169,7 +171,7 @@ void OverallTransfer::cut(int e) {
     vertices_[at(end)].parent = e;
     for (const auto& [vertex, sign] : {std::pair(end, 1.0), std::pair(behind, -1.0)}) {
         vertices_[at(vertex)].tips.push_back(static_cast<int>(boundaries_.size()));
-        boundaries_.push_back({name, basis, unknowns_, sign});
+        boundaries_.push_back({name, edges_[at(e)].points[1], basis, unknowns_, sign});
     }
     unknowns_ += 2 * directions_;
 }
@@ -295,15 +297,7 @@ OverallTransfer::Matrix OverallTransfer::assemble(double lambda) const {
             if (e != vertex.parent) take(by_point(vertex, point(e)), handed_on[static_cast<size_t>(e)]);
         for (int b : vertex.tips) {
             const Boundary& boundary = boundaries_[static_cast<size_t>(b)];
-            // The second end of a cut stands where the first does
-            const bool is_cut = boundary.basis.cols() == 2 * n && boundary.sign < 0;
-            const auto other = std::ranges::find_if(edges_, [&](const Edge& edge) {
-                const Vertex& end = vertices_[static_cast<size_t>(edge.ends[1])];
-                return !end.tips.empty() && boundaries_[static_cast<size_t>(end.tips.front())].first == boundary.first &&
-                       end.frame < 0;
-            });
-            const Matrix by = is_cut ? by_point(vertex, other->points[1]) : Matrix(Matrix::Identity(n, n));
-            take(by, state_of(boundary));
+            take(by_point(vertex, boundary.point), state_of(boundary));
         }
         if (vertex.frame >= 0) load += lambda * restricted(masses[static_cast<size_t>(vertex.frame)]) * motion;
         if (vertex.root >= 0) {

@@ -64,6 +64,7 @@ private:
     };
     struct Boundary {
         std::string name;
+        Vector3 point;    ///< where its state stands
         Matrix basis;     ///< state = basis · unknowns
         int first = 0;    ///< of its unknowns
         double sign = 1;  ///< of the load where unknowns are shared with the other end of a cut

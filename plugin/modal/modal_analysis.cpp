@@ -83,6 +83,7 @@ void ModalAnalysis::respond(double frequency, int on_body, int on_node, const Ve
     const double omega = 2 * M_PI * frequency;
     if (frequency == 0) {
         const int free = ModeFinder(model_).count_rigid();
+        cut_ = 0;
         if (free > 0)
             throw Error(DTTMM_ERROR_SINGULAR,
                         fmt::format("0 Hz: the machine is free to move in {} ways, a lasting force takes it away", free));

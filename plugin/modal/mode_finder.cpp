@@ -33,6 +33,8 @@ constexpr double kFinestBracket = 2.5e-11, kWidestBracket = 1e-5;
 constexpr double kAhead = 1.01, kUpTo = 1e-7;
 /// Where the search for the first few begins, and where a model of finitely many masses has no more [rad/s].
 constexpr double kFirstTrial = 2 * M_PI, kFastest = 1e12;
+/// Without a range to measure it by: slower is rigid [rad/s].
+constexpr double kSlowest = 1e-6;
 
 double dot(const FrequencyModel::Motion& a, const FrequencyModel::Motion& b) {
     double sum = 0;
@@ -81,6 +83,9 @@ std::vector<Mode> ModeFinder::find_below(double below) {
     const int until = count_at(below), rigid = count_at(lowest_);
     find_rigid(rigid);
     separate({lowest_, below, rigid, until});
+    if (static_cast<int>(modes_.size()) != until)
+        throw Error(DTTMM_ERROR_NUMERIC, fmt::format("{} natural frequencies were counted below {:.9g} Hz, {} were found",
+                                                     until, below / (2 * M_PI), modes_.size()));
     return finish();
 }
 
@@ -113,9 +118,8 @@ std::vector<Mode> ModeFinder::find_first(int count) {
 }
 
 int ModeFinder::count_rigid() {
-    double lowest = lowest_for(0);
-    cut_for(1);
-    return count_at(lowest = std::max(lowest_for(0), 1e-6));
+    double lowest = std::max(lowest_for(0), kSlowest);
+    return count_at(lowest);
 }
 
 FrequencyModel::Motion ModeFinder::random_motion() {
@@ -224,6 +228,7 @@ void ModeFinder::separate(Interval interval) {
 }
 
 bool ModeFinder::refine(const Interval& interval) {
+    cut_for(interval.high);
     std::vector<Motion> shapes;
     for (int i = interval.before; i < interval.until; ++i) shapes.push_back(random_motion());
     const double middle = 0.5 * (interval.low + interval.high);

@@ -28,6 +28,29 @@ std::vector<double> of_modes(const nlohmann::json& modes, const char* key) {
     return values;
 }
 
+// Oracle: two ways to the same frequencies. The overall transfer matrix knows nothing of the dynamic stiffness; where the
+// count says that there is a frequency, its smallest singular value is 1e-7 of that a thousandth beside: masses, springs,
+// free directions, lines both ways, several inputs, and in the gun two loops that are cut.
+TEST(ModesCases, TheOverallTransferMatrixIsSingularAtEveryFrequency) {
+    for (const char* name : {"hydroplane", "gun", "four_bolt_plate", "beam_and_body"}) {
+        const auto modes = modes_of_file(DTTMM_SOURCE_DIR "/examples/" + std::string(name) + "/model.toml");
+        const std::vector<double> residuals = of_modes(modes, "residual");
+        EXPECT_GE(residuals.size(), 6u) << name;
+        for (double residual : residuals) EXPECT_LT(residual, 1e-7) << name;
+    }
+}
+
+// Oracle: the size of the hydroplane paper's equation (36).
+TEST(ModesCases, TheHydroplanesOverallTransferEquationIsThatOfThePaper) {
+    const TemporaryFolder folder;
+    const Ended ended =
+        run_dttmm(folder.path(), {"modes", "-v", DTTMM_SOURCE_DIR "/examples/hydroplane/model.toml", "-o", "out"});
+    EXPECT_EQ(ended.code, 0);
+    EXPECT_THAT(ended.out, testing::HasSubstr("overall transfer equation: 24 x 48, 4 directions per state; known boundary "
+                                              "entries struck out: 24 x 24\n"));
+    EXPECT_THAT(ended.out, testing::HasSubstr("body \"tiller\": 3 inputs, 8 geometric equations"));
+}
+
 // ---- The cases ----------------------------------------------------------------------------------------------------------
 
 // Oracle: theory.md V2, by exact dynamic stiffness, printed to seven digits: half of the last one is 3e-7 at most.

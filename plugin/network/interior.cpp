@@ -95,6 +95,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     }
     for (size_t j = 0; j < mechanism.joints.size(); ++j)
         if (massless_.is_settling(j)) settling_joints_.push_back(j);
+    for (const Joint& joint : mechanism.joints) is_articulated_ = is_articulated_ || is_free_to_turn(joint);
     rigid_known_.resize(rigid_joints_.size());
     state_.resize(n);
     choose_burdened(mechanism);
@@ -120,7 +121,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     rigid_responses_.setZero(static_cast<Eigen::Index>(rigid), 6 * ports_);
 
     const Mechanism sample = at_rest(mechanism, kTrialStep);
-    assemble(sample);
+    assemble(sample, sample.frames);
     factor(sample, DTTMM_ERROR_MODEL);
 }
 
@@ -138,6 +139,18 @@ void Interior::set_reaches(const Mechanism& mechanism) {
         reach_out(joint.from(), joint.arm(from, to).norm());
         reach_out(joint.to(), joint.lever(to).norm());
     }
+}
+
+/// A part with an inertia, about a joint that leaves it free to.
+bool Interior::is_free_to_turn(const Joint& joint) const {
+    const auto turns = [&](int frame) {
+        if (!is_inner(frame)) return frame < ports_;
+        return !massless_.is_massless(at(frame), 1);
+    };
+    if (!turns(joint.from()) && !turns(joint.to())) return false;
+    for (size_t d = 0; d < 3; ++d)
+        if (!joint.rigid()[3 + d] && !(joint.rotation_half().stiffness(static_cast<Eigen::Index>(d)) > 0)) return true;
+    return false;
 }
 
 void Interior::choose_burdened(const Mechanism& mechanism) {
@@ -232,10 +245,14 @@ Matrix6 Interior::mass_matrix(size_t frame) const {
     return M;
 }
 
-/// h² times −∂(wrench over a step)/∂(pose at its end) of a joint's frames, in their axes: what is elastic or damped, and
-/// what stems from forces that act already.
-Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j) const {
-    return blocks(mechanism, j, mechanism.pose(j), mechanism.theta(j), mechanism.states[j].elastic.force, rigid_);
+/// h² times −∂(wrench over a step)/∂(pose at its end) of a joint's frames, in their axes at t_n, when `at` has them at its
+/// end: what is elastic or damped, and what stems from forces that act at t_n, which turn with the joint.
+Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, const std::vector<Frame>& at) const {
+    const Joint& joint = mechanism.joints[j];
+    const FrameView from = at[static_cast<size_t>(joint.from())], to = at[static_cast<size_t>(joint.to())];
+    const JointPose pose = joint.pose(from, to);
+    const Vector3 acting = mechanism.pose(j).axes.transpose() * mechanism.states[j].elastic.force;
+    return blocks(mechanism, j, pose, joint.rotation(from, to), pose.axes * acting, rigid_);
 }
 
 /// The same with the joint elsewhere, turned by theta, under the elastic force `acting`, its rigid directions carrying q.
@@ -269,16 +286,18 @@ void Interior::add_blocks(const Joint& joint, size_t j, const Blocks& K, Elimina
     if (is_inner(frames[0]) && is_inner(frames[1])) matrix.add_coupling(static_cast<int>(j), K.between(0, 1));
 }
 
-void Interior::assemble(const Mechanism& mechanism) {
+/// at: the frames at the end of the step, as far as they are known.
+void Interior::assemble(const Mechanism& mechanism, const std::vector<Frame>& at) {
     elimination_.set_zero();
     for (int i = 0; i < count_; ++i) elimination_.add_diagonal(i, mass_matrix(static_cast<size_t>(i)));
-    for (size_t j = 0; j < mechanism.joints.size(); ++j)
-        add_blocks(mechanism.joints[j], j, blocks(mechanism, j), elimination_);
-    for (size_t k = 0; k < near_joints_.size(); ++k) {
-        const Blocks K = blocks(mechanism, near_joints_[k]);
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const Blocks K = blocks(mechanism, j, at);
+        add_blocks(mechanism.joints[j], j, K, elimination_);
+        if (near_index_[j] < 0) continue;
+        const auto k = static_cast<size_t>(near_index_[j]);
         for (int row : {0, 1})
             for (int column : {0, 1}) near_blocks_[k].at[row][column] = K.between(row, column);
-        for (int end : {0, 1}) near_columns_[k].at[end] = local_columns(mechanism, near_joints_[k], end);
+        for (int end : {0, 1}) near_columns_[k].at[end] = local_columns(mechanism, j, end);
     }
     for (size_t j : rigid_joints_) set_rigid_rows(mechanism, j, mechanism.pose(j), mechanism.theta(j), elimination_);
 }
@@ -338,8 +357,16 @@ void Interior::refuse(const Mechanism& mechanism, const Elimination::Fault& faul
 }
 
 void Interior::refactor(const Mechanism& mechanism) {
+    predict(mechanism);
+    std::copy(anchor_.ports.begin(), anchor_.ports.end(), trial_.begin());
+    for (size_t i = 0; i < state_.size(); ++i) place(mechanism, i, anchor_.u[i]);
+    form_matrix(mechanism, trial_);
+    is_fresh_ = true;
+}
+
+void Interior::form_matrix(const Mechanism& mechanism, const std::vector<Frame>& at) {
     is_stale_ = true;
-    assemble(mechanism);
+    assemble(mechanism, at);
     factor(mechanism, DTTMM_ERROR_SINGULAR);
     find_responses(mechanism);
     look_at_joints(mechanism);
@@ -359,10 +386,10 @@ void Interior::find_responses(const Mechanism& mechanism) {
             if (joint.from() != port && joint.to() != port) continue;
             const int end = joint.from() == port ? 0 : 1;
             const int other = end == 0 ? joint.to() : joint.from();
-            if (is_inner(other)) r[at(other)] -= blocks(mechanism, j).between(1 - end, end).col(c);
-            if (joint.rigid().none()) continue;
-            const Vector6 held = rigid_rows(mechanism, j, local_columns(mechanism, j, end)).col(c);
-            for_each_rigid(joint, [&](int i, int direction) { g[rigid_row(j, i)] = -held(direction); });
+            const EndBlocks& K = near_blocks_[static_cast<size_t>(near_index_[j])];
+            if (is_inner(other)) r[at(other)] -= K.at[1 - end][end].col(c);
+            for_each_rigid(joint,
+                           [&](int i, int) { g[rigid_row(j, i)] = -elimination_.rigid(static_cast<int>(j), i, end)(c); });
         }
         elimination_.solve(r, g);
         for (size_t i = 0; i < r.size(); ++i) responses_[i].col(column) = r[i];
@@ -378,20 +405,19 @@ void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) co
     S.setZero();
     for (size_t j : port_joints_) {
         const Joint& joint = mechanism.joints[j];
-        const Blocks K = blocks(mechanism, j);
+        const EndBlocks& K = near_blocks_[static_cast<size_t>(near_index_[j])];
         const int frames[2] = {joint.from(), joint.to()};
         for (int row : {0, 1}) {
             if (frames[row] >= ports_) continue;
-            const Matrix6 held = rigid_rows(mechanism, j, local_columns(mechanism, j, row));
             for (int column = 0; column < ports_; ++column) {
                 auto block = S.block<6, 6>(6 * frames[row], 6 * column);
                 for (int end : {0, 1}) {
                     if (is_inner(frames[end]))
-                        block += K.between(row, end) * responses_[at(frames[end])].middleCols<6>(6 * column);
-                    if (frames[end] == column) block += K.between(row, end);
+                        block += K.at[row][end] * responses_[at(frames[end])].middleCols<6>(6 * column);
+                    if (frames[end] == column) block += K.at[row][end];
                 }
-                for_each_rigid(joint, [&](int i, int d) {
-                    block += held.row(d).transpose() *
+                for_each_rigid(joint, [&](int i, int) {
+                    block += elimination_.rigid(static_cast<int>(j), i, row) *
                              rigid_responses_.block<1, 6>(static_cast<Eigen::Index>(rigid_row(j, i)), 6 * column);
                 });
             }

@@ -18,18 +18,24 @@ namespace dttmm {
 /// A = 1/h², C = γ/h. A rigid direction has one force over the whole step, in the weighted mean of its axes at the three
 /// instants.
 ///
-/// Newton's iteration with the matrix M + h² S of a configuration of before, in the frames' axes, in which it changes with
-/// the deformations only, not with the motion of the whole: it is factored once per step size and kept until it converges
-/// slowly. Passes start from the extrapolated motion; the solution is accepted when θ/(1 − θ) × (last correction), θ the
-/// rate of convergence, is below kShare of the first one, which measures what the step itself leaves out, and below
-/// kTolerance of the motion; and, in the same way, what is left of the momentum is below kImpulse of the largest impulse of
-/// a joint: a stiff joint makes much of a small motion, and would feed its own vibration with what is left. The forces where
-/// it ends then move the momentum, in pairs that balance exactly, so that it is kept however few passes were taken; what the
-/// motion lacks to it is made up for in the next step.
+/// Newton's iteration with the matrix M + h² S, in the frames' axes, in which it changes with the deformations only, not
+/// with the motion of the whole: it is factored once per step size and kept until it converges slowly or joints at ports
+/// have turned. Elastic directions enter it where the step is expected to end, for only their forces there hang on the
+/// motion: by those of t_n, k h²/m times what a hinge turns in a step would be missing across it, and k h²/m is in the
+/// thousands where it is stiff. Rigid directions enter it where they are at t_n, in the middle of the three instants.
+///
+/// Passes start from the extrapolated motion; the solution is accepted when θ/(1 − θ) × (last correction), θ the rate of
+/// convergence, is below kShare of the first one, which measures what the step itself leaves out, and below kTolerance of
+/// the motion; and, in the same way, what is left of the momentum is below a share of the largest impulse of a joint: a
+/// stiff joint makes much of a small motion, and would feed its own vibration with what is left. That share is
+/// kLargestImpulse where the parts keep their attitude, kSmallestImpulse where they are free to turn against each other, and
+/// between them kTurnedImpulse/turn², turn of the fastest frame over the step [rad]. The forces where it ends then move the
+/// momentum, in pairs that balance exactly, so that it is kept however few passes were taken; what the motion lacks to it is
+/// made up for in the next step.
 ///
 /// A step is solved once, for ports that go on as they have; the answer to another motion of the ports is the linear one
-/// from there, as long as that is good enough by a like measure and the joints at ports hardly turn (the error of the force
-/// they tell grows with their stiffness). A step of small vibrations takes one pass or two.
+/// from there, as long as that is good enough by a like measure, the joints at ports hardly turn (the error of the force
+/// they tell grows with their stiffness), and no part is free to turn. A step of small vibrations takes one pass or two.
 ///
 /// What a massless frame leaves unbalanced over a step by its own rule (MasslessFrames) its heir takes over, a frame nearby
 /// with a mass, so that no momentum is lost.
@@ -81,7 +87,8 @@ public:
     long passes() const { return passes_; }
     long factorisations() const { return factorisations_; }
 
-    /// Everything that changes from step to step, as pieces of memory; the factor goes with them by refactor().
+    /// Everything that changes from step to step, as pieces of memory; the factor goes with them by refactor(), for the step
+    /// to come.
     void add_state_parts(std::vector<std::pair<void*, size_t>>& parts);
     void refactor(const Mechanism& mechanism);
 
@@ -162,9 +169,10 @@ private:
     void choose_heirs(const Mechanism& mechanism);
     void choose_near(const Mechanism& mechanism);
     void choose_burdened(const Mechanism& mechanism);
+    bool is_free_to_turn(const Joint& joint) const;
     Burden& burden(size_t frame) { return burdens_[static_cast<size_t>(burden_of_[frame])]; }
     const Burden& burden(size_t frame) const { return burdens_[static_cast<size_t>(burden_of_[frame])]; }
-    void assemble(const Mechanism& mechanism);
+    void assemble(const Mechanism& mechanism, const std::vector<Frame>& at);
     void factor(const Mechanism& mechanism, dttmm_status status);
     [[noreturn]] void refuse(const Mechanism& mechanism, const Elimination::Fault& fault, dttmm_status status) const;
     void find_responses(const Mechanism& mechanism);
@@ -195,6 +203,8 @@ private:
     Vector3 mean_velocity(const Mechanism& mechanism, const Solution& solution) const;
     void solve(const Mechanism& mechanism, Solution& solution) const;
     void look_at_joints(const Mechanism& mechanism);
+    void form_matrix(const Mechanism& mechanism, const std::vector<Frame>& at);
+    void predict(const Mechanism& mechanism);
     void drop_anchor(const Mechanism& mechanism);
     const Solution& respond(const Mechanism& mechanism, std::span<const FrameView> ports) const;
     Vector6 motion_of(size_t frame, const Solution& solution) const;
@@ -223,7 +233,7 @@ private:
         EndBlocks own, acting;
         Matrix6 between(int row, int column) const { return own.at[row][column] + acting.at[row][column]; }
     };
-    Blocks blocks(const Mechanism& mechanism, size_t joint) const;
+    Blocks blocks(const Mechanism& mechanism, size_t joint, const std::vector<Frame>& at) const;
     Blocks blocks(const Mechanism& mechanism, size_t joint, const JointPose& pose, const Vector3& theta, Vector3 acting,
                   const std::vector<double>& q) const;
     void add_blocks(const Joint& joint, size_t index, const Blocks& blocks, Elimination& matrix) const;
@@ -233,6 +243,7 @@ private:
 
     int ports_ = 0, driven_ = 0, count_ = 0;
     Vector3 gravity_;
+    bool is_articulated_ = false;  ///< parts are free to turn against each other
     std::vector<Inertia> inertias_;
     std::vector<int> inner_nodes_;  ///< nodes of the description that loads and motions go by
     /// How a node is to start.
@@ -260,6 +271,7 @@ private:
     MasslessFrames massless_;
 
     bool is_stale_ = false;  ///< the factor no longer serves
+    bool is_fresh_ = false;  ///< it was formed for the open step
 
     std::vector<State> state_;
     std::vector<Burden> burdens_;

@@ -47,7 +47,7 @@ void Interior::linearise(const Mechanism& mechanism, const dttmm_motion* ports, 
     if (damping) std::fill_n(damping, size * size, 0.0);
     if (!stiffness) return;
     const Mechanism slow = at_rest(sample, kLongStep);
-    scratch.refactor(slow);
+    scratch.form_matrix(slow, slow.frames);
     scratch.write_stiffness(slow, stiffness);
     Eigen::Map<Eigen::VectorXd>(stiffness, static_cast<Eigen::Index>(size * size)) /= mechanism.scheme.weight(0);
 }
@@ -84,13 +84,13 @@ void Interior::settle_at_start(Mechanism& mechanism, const dttmm_motion* ports) 
 void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_motion* ports) {
     constexpr double kHold = 1e12;  // stiffer than everything
     const Mechanism slow = at_rest(mechanism, kLongStep);
-    assemble(slow);
+    assemble(slow, slow.frames);
     std::vector<Vector6> r(state_.size(), Vector6::Zero());
     std::vector<double> g(rigid_.size(), 0);
     for (size_t j : port_joints_) {
         const Joint& joint = slow.joints[j];
         const int frames[2] = {joint.from(), joint.to()};
-        const Blocks K = blocks(slow, j);
+        const Blocks K = blocks(slow, j, slow.frames);
         for (int end : {0, 1}) {
             if (frames[end] >= ports_) continue;
             const Vector6 u = in_axes(slow.frame(frames[end]), joined(twist(ports[frames[end]])));

@@ -65,11 +65,12 @@ void Interior::begin_step(const Mechanism& mechanism, const double* loads) {
         if (const TurnState* turn = mechanism.turn(j)) mechanism.joints[j].refuse_large_rotation(*turn);
     if (is_stale_) refactor(mechanism);
     read_loads(mechanism, loads);
+    predict(mechanism);
     drop_anchor(mechanism);
 }
 
-/// Solves the step for ports that go on as they have.
-void Interior::drop_anchor(const Mechanism& mechanism) {
+/// Where the ports and the inside end if they go on as they have.
+void Interior::predict(const Mechanism& mechanism) {
     const double h = mechanism.scheme.step_size();
     for (size_t p = 0; p < port_u_.size(); ++p) {
         const Vector6 u = 2 * port_u_[p] - port_u_before_[p];
@@ -86,6 +87,10 @@ void Interior::drop_anchor(const Mechanism& mechanism) {
             u.head<3>() = (drift + turned(0.5 * h * u.tail<3>(), u.head<3>() - drift)).eval();
         }
     }
+}
+
+/// Solves the step for ports that go on as they have.
+void Interior::drop_anchor(const Mechanism& mechanism) {
     anchor_.q = rigid_;
     anchor_.motion = books_.motion;
     anchor_.momentum = books_.momentum;
@@ -291,7 +296,8 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
         speed = std::max(speed, velocity.squaredNorm() + reach * reach * solution.u[i].tail<3>().squaredNorm());
     }
     solution.scale = std::max(solution.scale, std::sqrt(speed));
-    solution.share = std::clamp(kTurnedImpulse / (h * h * turning), kSmallestImpulse, kLargestImpulse);
+    solution.share = is_articulated_ ? kSmallestImpulse
+                                     : std::clamp(kTurnedImpulse / (h * h * turning), kSmallestImpulse, kLargestImpulse);
     solution.slowest_rate = 0;
     const double floor = solution.floor = std::max(kRounding * size / h, kFinest * solution.scale);
     const Elimination* matrix = &elimination_;
@@ -309,7 +315,7 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
         if (rate > kTooSlow && form_at_trial(mechanism)) matrix = &at_trial_;
         const double residual = residual_size(solution);
         const double correction = correct(*matrix, solution);
-        if (!std::isfinite(correction)) break;
+        if (!std::isfinite(correction + floor)) break;
         if (pass > 0 && correction > floor) {
             rate = previous > 0 ? correction / previous : 0;
             solution.slowest_rate = std::max(solution.slowest_rate, rate);
@@ -375,7 +381,7 @@ const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::spa
     port_way_ = std::sqrt(largest);
     // The host wants a smooth answer: which one it gets hangs on the step before, not on how near this trial is
     port_impulse_ = impulse_of_ports(mechanism);
-    const bool is_near = mechanism.steps > 0 && books_.port_turn <= kTurnedPorts &&
+    const bool is_near = !is_articulated_ && mechanism.steps > 0 && books_.port_turn <= kTurnedPorts &&
                          is_good_enough(kLinearShare * books_.port_way, kLinearShare * books_.port_impulse, anchor_);
     if (is_near && is_good_enough(kLinearShare * port_way_ / kFarther, kLinearShare * port_impulse_ / kFarther, anchor_))
         return anchor_;
@@ -471,8 +477,10 @@ void Interior::commit(Mechanism& mechanism, std::span<const FrameView> ports) {
     rigid_ = q_;
     books_.port_way = port_way_;
     books_.port_impulse = port_impulse_;
-    books_.motion = solution.motion;
-    books_.momentum = solution.momentum;
+    // Where a matrix was formed for this step it converges like no other
+    books_.motion = is_fresh_ ? Convergence{} : solution.motion;
+    books_.momentum = is_fresh_ ? Convergence{} : solution.momentum;
+    is_fresh_ = false;
     books_.scale = 0.98 * solution.scale;
     const bool is_slow = solution.slowest_rate > kSlowestContraction;
     take_velocities(mechanism);

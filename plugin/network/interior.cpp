@@ -95,7 +95,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     }
     for (size_t j = 0; j < mechanism.joints.size(); ++j)
         if (massless_.is_settling(j)) settling_joints_.push_back(j);
-    for (const Joint& joint : mechanism.joints) is_articulated_ = is_articulated_ || is_free_to_turn(joint);
+    has_free_parts_ = has_free_parts(mechanism);
     rigid_known_.resize(rigid_joints_.size());
     state_.resize(n);
     choose_burdened(mechanism);
@@ -123,6 +123,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     const Mechanism sample = at_rest(mechanism, kTrialStep);
     assemble(sample, sample.frames);
     factor(sample, DTTMM_ERROR_MODEL);
+    form_at_trial(sample);  // its working memory is then there when a step wants it
 }
 
 void Interior::set_reaches(const Mechanism& mechanism) {
@@ -141,16 +142,20 @@ void Interior::set_reaches(const Mechanism& mechanism) {
     }
 }
 
-/// A part with an inertia, about a joint that leaves it free to.
-bool Interior::is_free_to_turn(const Joint& joint) const {
-    const auto turns = [&](int frame) {
-        if (!is_inner(frame)) return frame < ports_;
-        return !massless_.is_massless(at(frame), 1);
-    };
-    if (!turns(joint.from()) && !turns(joint.to())) return false;
-    for (size_t d = 0; d < 3; ++d)
-        if (!joint.rigid()[3 + d] && !(joint.rotation_half().stiffness(static_cast<Eigen::Index>(d)) > 0)) return true;
-    return false;
+/// Whether some joint leaves a frame free to turn that has an attitude: an inertia, or a joint that carries a moment.
+bool Interior::has_free_parts(const Mechanism& mechanism) const {
+    std::vector<bool> has_attitude(mechanism.frames.size(), false);
+    for (int f = 0; f < driven_ + count_; ++f)
+        has_attitude[static_cast<size_t>(f)] = is_inner(f) ? !massless_.is_massless(at(f), 1) : f < ports_;
+    for (const Joint& joint : mechanism.joints)
+        for (int frame : {joint.from(), joint.to()})
+            if (joint.turns()) has_attitude[static_cast<size_t>(frame)] = true;
+    return std::ranges::any_of(mechanism.joints, [&](const Joint& joint) {
+        if (!has_attitude[static_cast<size_t>(joint.from())] && !has_attitude[static_cast<size_t>(joint.to())]) return false;
+        for (size_t d = 0; d < 3; ++d)
+            if (!joint.rigid()[3 + d] && !(joint.rotation_half().stiffness(static_cast<Eigen::Index>(d)) > 0)) return true;
+        return false;
+    });
 }
 
 void Interior::choose_burdened(const Mechanism& mechanism) {
@@ -323,7 +328,6 @@ bool Interior::form_at_trial(const Mechanism& mechanism) const {
         add_blocks(joint, j, blocks(mechanism, j, pose, strained.theta, strained.elastic.force, q_), at_trial_);
         if (joint.rigid().any()) set_rigid_rows(mechanism, j, pose, strained.theta, at_trial_);
     }
-    ++factorisations_;
     return !at_trial_.factor();
 }
 

@@ -169,7 +169,7 @@ private:
     void choose_heirs(const Mechanism& mechanism);
     void choose_near(const Mechanism& mechanism);
     void choose_burdened(const Mechanism& mechanism);
-    bool is_free_to_turn(const Joint& joint) const;
+    bool has_free_parts(const Mechanism& mechanism) const;
     Burden& burden(size_t frame) { return burdens_[static_cast<size_t>(burden_of_[frame])]; }
     const Burden& burden(size_t frame) const { return burdens_[static_cast<size_t>(burden_of_[frame])]; }
     void assemble(const Mechanism& mechanism, const std::vector<Frame>& at);
@@ -243,7 +243,7 @@ private:
 
     int ports_ = 0, driven_ = 0, count_ = 0;
     Vector3 gravity_;
-    bool is_articulated_ = false;  ///< parts are free to turn against each other
+    bool has_free_parts_ = false;  ///< that can turn against each other
     std::vector<Inertia> inertias_;
     std::vector<int> inner_nodes_;  ///< nodes of the description that loads and motions go by
     /// How a node is to start.

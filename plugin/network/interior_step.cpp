@@ -296,7 +296,7 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
         speed = std::max(speed, velocity.squaredNorm() + reach * reach * solution.u[i].tail<3>().squaredNorm());
     }
     solution.scale = std::max(solution.scale, std::sqrt(speed));
-    solution.share = is_articulated_ ? kSmallestImpulse
+    solution.share = has_free_parts_ ? kSmallestImpulse
                                      : std::clamp(kTurnedImpulse / (h * h * turning), kSmallestImpulse, kLargestImpulse);
     solution.slowest_rate = 0;
     const double floor = solution.floor = std::max(kRounding * size / h, kFinest * solution.scale);
@@ -312,7 +312,10 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
         for (size_t i = 0; i < state_.size(); ++i) place(mechanism, i, solution.u[i]);
         find_forces(mechanism, solution);
         form_residuals(mechanism, solution);
-        if (rate > kTooSlow && form_at_trial(mechanism)) matrix = &at_trial_;
+        if (rate > kTooSlow) {
+            ++factorisations_;
+            if (form_at_trial(mechanism)) matrix = &at_trial_;
+        }
         const double residual = residual_size(solution);
         const double correction = correct(*matrix, solution);
         if (!std::isfinite(correction + floor)) break;
@@ -381,7 +384,7 @@ const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::spa
     port_way_ = std::sqrt(largest);
     // The host wants a smooth answer: which one it gets hangs on the step before, not on how near this trial is
     port_impulse_ = impulse_of_ports(mechanism);
-    const bool is_near = !is_articulated_ && mechanism.steps > 0 && books_.port_turn <= kTurnedPorts &&
+    const bool is_near = !has_free_parts_ && mechanism.steps > 0 && books_.port_turn <= kTurnedPorts &&
                          is_good_enough(kLinearShare * books_.port_way, kLinearShare * books_.port_impulse, anchor_);
     if (is_near && is_good_enough(kLinearShare * port_way_ / kFarther, kLinearShare * port_impulse_ / kFarther, anchor_))
         return anchor_;

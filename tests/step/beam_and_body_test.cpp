@@ -222,11 +222,11 @@ TEST(BeamAndBody, AStiffHingeUnderASwingingBodyIsNearlyRigid) {
         EXPECT_NEAR(largest_pull_of_a_swing(step, "{ x = 2e9, z = 2e9, ry = 'free' }"), rigid, 0.01 * rigid) << step;
 }
 
-// k h²/m = 1000 at 0.017 rad per step: rings, as an undamped joint does, but every step is found, though the rounding of the
-// network's forces is more than that of the body's place.
+// k h²/m = 1000 at 0.017 rad per step: every step is found, though the rounding of the network's forces is more than that of
+// the body's place, and nothing rings. It did, by a quarter, with the matrix of t_n.
 TEST(BeamAndBody, AStepTooCoarseForAHingeIsTakenAllTheSame) {
     const double rigid = largest_pull_of_a_swing(1e-3, "{ ry = 'free' }");
-    EXPECT_NEAR(largest_pull_of_a_swing(2e-3, "{ x = 2e9, z = 2e9, ry = 'free' }"), rigid, 0.3 * rigid);
+    EXPECT_NEAR(largest_pull_of_a_swing(2e-3, "{ x = 2e9, z = 2e9, ry = 'free' }"), rigid, 0.01 * rigid);
 }
 
 /// A body that hangs on a slide at the tip, swings and moves on: by ODE, and within the network.

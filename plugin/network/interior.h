@@ -41,7 +41,7 @@ namespace dttmm {
 /// with a mass, so that no momentum is lost.
 class Interior {
 public:
-    static constexpr double kTolerance = 1e-7;
+    static constexpr double kTolerance = 1e-6;
     static constexpr double kShare = 1e-4;
     static constexpr double kTurnedImpulse = 1e-9, kSmallestImpulse = 1e-6, kLargestImpulse = 3e-4;
     static constexpr int kMostPasses = 30;

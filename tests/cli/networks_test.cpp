@@ -90,16 +90,16 @@ TEST(Frames, TheFrameThatIsChangedBelowRuns) {
 }
 
 /// One fault: `instead` stands in the file for `what`; its place is counted by hand. `says`: the rule, `cure`: what to do.
-struct Fault {
+struct NetworkFault {
     const char* name;
     std::string what, instead;
     const char* place;
     const char* says;
     const char* cure;
 };
-void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
+void PrintTo(const NetworkFault& fault, std::ostream* out) { *out << fault.name; }
 
-class WrongFrames : public testing::TestWithParam<Fault> {};
+class WrongFrames : public testing::TestWithParam<NetworkFault> {};
 
 // Oracle: exit code 3, file:line:column, rule and cure in words, and nothing left behind.
 TEST_P(WrongFrames, AreRefusedWithPlaceAndCure) {
@@ -117,7 +117,7 @@ TEST_P(WrongFrames, AreRefusedWithPlaceAndCure) {
 const std::string kTip = "[nodes.tip]\nposition = [0, 1, 1]\n";
 const std::string kTube = "tube = [\"40 mm\", \"30 mm\"]", kHinge = "stiffness = { x = 1e6, ry = 50 }";
 
-const Fault kFaults[] = {
+const NetworkFault kNetworkFaults[] = {
     // Sections and materials
     {"InnerAboveOuter", "\"30 mm\"", "\"50 mm\"", "20:1", "the inner diameter, 0.05 m", "must be less than the outer"},
     {"InnerIsOuter", "\"30 mm\"", "\"40 mm\"", "20:1", "the inner diameter, 0.04 m", "must be less than the outer"},
@@ -213,7 +213,8 @@ const Fault kFaults[] = {
      "matches no channel", "the nearest is \"rail.section"},
 };
 
-INSTANTIATE_TEST_SUITE_P(Command, WrongFrames, testing::ValuesIn(kFaults), [](const auto& one) { return one.param.name; });
+INSTANTIATE_TEST_SUITE_P(Command, WrongFrames, testing::ValuesIn(kNetworkFaults),
+                         [](const auto& one) { return one.param.name; });
 
 // ---- The start and what happens on the way ------------------------------------------------------------------------------
 

@@ -158,15 +158,15 @@ TEST(NodesInAFile, ElementsPrintsWordsNestedNamesAndWhatIsOptional) {
 }
 
 /// One fault: `instead` stands in the file for `what`; its place is counted by hand.
-struct Fault {
+struct NodeFault {
     const char* name;
     std::string what, instead;
     const char* place;
     const char* says;
 };
-void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
+void PrintTo(const NodeFault& fault, std::ostream* out) { *out << fault.name; }
 
-class WrongNodes : public testing::TestWithParam<Fault> {};
+class WrongNodes : public testing::TestWithParam<NodeFault> {};
 
 // Oracle: exit code 3, file:line:column, the fault in words, and nothing left behind.
 TEST_P(WrongNodes, AreRefusedWithPlaceAndCure) {
@@ -180,7 +180,7 @@ TEST_P(WrongNodes, AreRefusedWithPlaceAndCure) {
     }
 }
 
-const Fault kFaults[] = {
+const NodeFault kNodeFaults[] = {
     {"PositionOfTwo", "[0, 0, \"0.3 m\"]", "[0, 0]", "11:8", "node \"near\" wants 3 numbers, got 2"},
     {"PositionInKilograms", "\"0.3 m\"", "\"3 kg\"", "11:15", "expected a value in m, got \"3 kg\""},
     {"NanPosition", "\"0.3 m\"", "nan", "11:15", "must be finite"},
@@ -217,7 +217,8 @@ const Fault kFaults[] = {
     {"Dofs", "[simulation]", "dofs = [\"x\"]\n[simulation]", "3:1", "dofs is for `dttmm modes`"},
 };
 
-INSTANTIATE_TEST_SUITE_P(Command, WrongNodes, testing::ValuesIn(kFaults), [](const auto& one) { return one.param.name; });
+INSTANTIATE_TEST_SUITE_P(Command, WrongNodes, testing::ValuesIn(kNodeFaults),
+                         [](const auto& one) { return one.param.name; });
 
 }  // namespace
 }  // namespace dttmm

@@ -13,15 +13,15 @@ namespace {
 using testing::HasSubstr;
 
 /// One fault. Its place is that in model.toml, counted by hand; `says` is part of the message.
-struct Fault {
+struct ModelFault {
     const char* name;
     std::string text;
     const char* place;
     const char* says;
 };
-void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
+void PrintTo(const ModelFault& fault, std::ostream* out) { *out << fault.name; }
 
-Fault change(const char* name, const char* what, const char* instead, const char* place, const char* says) {
+ModelFault change(const char* name, const char* what, const char* instead, const char* place, const char* says) {
     return {name, small_model_with(what, instead), place, says};
 }
 
@@ -37,7 +37,7 @@ std::string every_byte() {
     return repeat(all, 4096);
 }
 
-class WrongModel : public testing::TestWithParam<Fault> {};
+class WrongModel : public testing::TestWithParam<ModelFault> {};
 
 // Oracle: exit code 3 in less than a second, file:line:column, the fault in words, and nothing left behind.
 TEST_P(WrongModel, IsRefusedWithPlaceAndCure) {
@@ -54,7 +54,7 @@ TEST_P(WrongModel, IsRefusedWithPlaceAndCure) {
     }
 }
 
-const Fault kFaults[] = {
+const ModelFault kModelFaults[] = {
     {"EmptyFile", "", "1:1", "no format key"},
     {"BinaryFile", every_byte(), "1:1", "not UTF-8"},
     {"Utf16",
@@ -111,7 +111,8 @@ const Fault kFaults[] = {
            "outside the model folder"),
 };
 
-INSTANTIATE_TEST_SUITE_P(Command, WrongModel, testing::ValuesIn(kFaults), [](const auto& one) { return one.param.name; });
+INSTANTIATE_TEST_SUITE_P(Command, WrongModel, testing::ValuesIn(kModelFaults),
+                         [](const auto& one) { return one.param.name; });
 
 // Oracle: a file with 60 faults: 50 lines with a place, and a word about the other ten.
 TEST(WrongModels, AllFaultsAreToldInOneGo) {

@@ -13,15 +13,15 @@ namespace {
 
 using testing::HasSubstr;
 
-struct Fault {
+struct WrongWord {
     const char* name;
     std::vector<std::string> words;
     int code;
     const char* says;
 };
-void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
+void PrintTo(const WrongWord& fault, std::ostream* out) { *out << fault.name; }
 
-class WrongWords : public testing::TestWithParam<Fault> {};
+class WrongWords : public testing::TestWithParam<WrongWord> {};
 
 // Oracle: the exit code of the design, the fault in words, and no new file beside the model.
 TEST_P(WrongWords, AreRefusedBeforeAnythingIsWritten) {
@@ -42,7 +42,7 @@ std::vector<std::string> run_with(const std::string& option, const std::string& 
     return {"run", "model.toml", option, value};
 }
 
-const Fault kFaults[] = {
+const WrongWord kWrongWords[] = {
     {"NoSubcommand", {}, 2, "A subcommand is required"},
     {"UnknownSubcommand", {"rum", "model.toml"}, 2, "no subcommand \"rum\"; did you mean \"run\"?"},
     {"NoModel", {"run"}, 2, "MODEL is required"},
@@ -84,7 +84,8 @@ const Fault kFaults[] = {
     {"PluginForElements", {"elements", "--plugin", faulty_plugin("null_types")}, 7, "list of element types is null"},
 };
 
-INSTANTIATE_TEST_SUITE_P(Command, WrongWords, testing::ValuesIn(kFaults), [](const auto& one) { return one.param.name; });
+INSTANTIATE_TEST_SUITE_P(Command, WrongWords, testing::ValuesIn(kWrongWords),
+                         [](const auto& one) { return one.param.name; });
 
 // ---- Plugins that fail when used ----------------------------------------------------------------------------------------
 

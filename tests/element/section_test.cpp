@@ -22,7 +22,7 @@ Section section_of(const Given& given, BeamTheory theory = BeamTheory::timoshenk
 }
 
 /// The bond-space paper's tube, and a bar of another material whose extents differ.
-const Given kTube = {
+const Given kTubeSection = {
     {"section.tube", {0.05, 0.03}}, {"material.E", {204e9}}, {"material.poisson", {0.26}}, {"material.density", {7800}}};
 const Given kBar = {{"section.rectangle", {0.03, 0.011}},
                     {"material.E", {70e9}},
@@ -50,7 +50,7 @@ TEST(Section, ShearCoefficientsAreCowpers) {
 // Oracle: area, second moment, shear modulus and mass of the paper's tube by hand, to the digits given; the products
 // exactly.
 TEST(Section, ATubeHasTheValuesOfThePaper) {
-    const Section s = section_of(kTube);
+    const Section s = section_of(kTubeSection);
     const double A = 1.256637e-3, I = 2.670354e-7, G = 80.952381e9;
     EXPECT_NEAR(s.EA / 204e9, A, 5e-10);
     EXPECT_NEAR(s.EIy / 204e9, I, 5e-14);
@@ -69,7 +69,7 @@ TEST(Section, ATubeHasTheValuesOfThePaper) {
 
 // Oracle: a circle is a tube without a bore, for every value.
 TEST(Section, ACircleIsATubeWithoutABore) {
-    Given round = kTube;
+    Given round = kTubeSection;
     round.erase("section.tube");
     const Section circle = section_of(with(round, {{"section.circle", {0.037}}}));
     const Section tube = section_of(with(round, {{"section.tube", {0.037, 0}}}));
@@ -126,32 +126,32 @@ TEST(Section, TheTorsionConstantOfARectangleIsSaintVenants) {
 
 // Oracle: G = E/2(1 + ν): either of the two describes the same material. With both, G is used as given and ν for κ only.
 TEST(Section, AShearModulusStandsForPoissonsRatio) {
-    Given by_G = kTube;
+    Given by_G = kTubeSection;
     by_G.erase("material.poisson");
     by_G["material.G"] = {204e9 / 2.52};
-    const Section a = section_of(kTube), b = section_of(by_G);
+    const Section a = section_of(kTubeSection), b = section_of(by_G);
     EXPECT_NEAR(b.GJ, a.GJ, 1e-15 * a.GJ);
     EXPECT_NEAR(b.GAy, a.GAy, 1e-14 * a.GAy);
-    const Section both = section_of(with(kTube, {{"material.G", {60e9}}}));
+    const Section both = section_of(with(kTubeSection, {{"material.G", {60e9}}}));
     EXPECT_NEAR(both.GJ / a.GJ, 60e9 * 2.52 / 204e9, 1e-14);
     EXPECT_NEAR(both.GAy / a.GAy, 60e9 * 2.52 / 204e9, 1e-14);
 }
 
 TEST(Section, AShearCoefficientTakesThePlaceOfCowpers) {
-    const Section a = section_of(kTube), b = section_of(with(kTube, {{"section.shear_coefficient", {0.9}}}));
+    const Section a = section_of(kTubeSection), b = section_of(with(kTubeSection, {{"section.shear_coefficient", {0.9}}}));
     EXPECT_NEAR(b.GAy / a.GAy, 0.9 / cowper_tube(0.26, 0.6), 1e-14);
     EXPECT_EQ(b.GAz, b.GAy);
     EXPECT_EQ(b.EIy, a.EIy);
 }
 
 TEST(Section, StiffnessDampingIsHandedOn) {
-    EXPECT_EQ(section_of(with(kTube, {{"material.stiffness_damping", {3.7e-5}}})).stiffness_damping, 3.7e-5);
+    EXPECT_EQ(section_of(with(kTubeSection, {{"material.stiffness_damping", {3.7e-5}}})).stiffness_damping, 3.7e-5);
     EXPECT_EQ(section_of(with(kStiffnesses, {{"material.stiffness_damping", {3.7e-5}}})).stiffness_damping, 3.7e-5);
 }
 
 // Euler-Bernoulli's theory: no shear deformation, no rotary inertia; all else as it was, the polar inertia included.
 TEST(Section, EulerBernoulliLeavesOutShearAndRotaryInertia) {
-    for (const Given& given : {kTube, kBar, kStiffnesses}) {
+    for (const Given& given : {kTubeSection, kBar, kStiffnesses}) {
         const Section thick = section_of(given), thin = section_of(given, BeamTheory::euler_bernoulli);
         EXPECT_TRUE(std::isinf(thin.GAy) && std::isinf(thin.GAz));
         EXPECT_EQ(thin.rotary_y, 0);
@@ -181,7 +181,7 @@ TEST(Section, AStiffnessIsTakenAsGiven) {
     EXPECT_DOUBLE_EQ(s.rotary_z, 13.7 * 7.7e3 / 3.1e8);
     EXPECT_DOUBLE_EQ(section_of(kStiffnesses).inertia, s.rotary_y + s.rotary_z);
 
-    const Section tube = section_of(kTube);
+    const Section tube = section_of(kTubeSection);
     const Section again = section_of({{"section.EA", {tube.EA}},
                                       {"section.EIy", {tube.EIy}},
                                       {"section.EIz", {tube.EIz}},
@@ -204,7 +204,7 @@ TEST(Section, WhatIsNotGivenIsNotANumber) {
 TEST(Section, AMassOffsetShiftsTheInertiaThatIsNotGiven) {
     const Given offset = {{"section.mass_offset", {0.013, -0.021}}};
     const double square = 0.013 * 0.013 + 0.021 * 0.021;
-    for (const Given& given : {kTube, kBar, kStiffnesses}) {
+    for (const Given& given : {kTubeSection, kBar, kStiffnesses}) {
         const Section s = section_of(given), shifted = section_of(with(given, offset));
         EXPECT_EQ(shifted.offset_y, 0.013);
         EXPECT_EQ(shifted.offset_z, -0.021);
@@ -229,24 +229,25 @@ TEST(Section, RefusalsNameTheKey) {
     };
     const Case cases[] = {
         {{}, "section", "give its shape"},
-        {with(kTube, {{"section.circle", {0.02}}}), "section", "one of tube, circle and rectangle"},
-        {with(kTube, {{"section.rectangle", {0.02, 0.03}}}), "section", "one of tube, circle and rectangle"},
+        {with(kTubeSection, {{"section.circle", {0.02}}}), "section", "one of tube, circle and rectangle"},
+        {with(kTubeSection, {{"section.rectangle", {0.02, 0.03}}}), "section", "one of tube, circle and rectangle"},
         {with(kBar, {{"section.circle", {0.02}}}), "section", "one of tube, circle and rectangle"},
-        {with(kTube, {{"section.tube", {0, 0}}}), "section.tube", "outer"},
-        {with(kTube, {{"section.tube", {0.03, 0.05}}}), "section.tube", "0.05 m, must be less than the outer, 0.03 m"},
-        {with(kTube, {{"section.tube", {0.03, 0.03}}}), "section.tube", "inner"},
-        {without(kTube, "material.E"), "material.E", "needed"},
-        {without(kTube, "material.density"), "material.density", "needed"},
-        {without(kTube, "material.poisson"), "material.poisson", "material.G"},
-        {with(without(kTube, "material.poisson"), {{"material.G", {60e9}}}), "material.G", "Poisson's ratio 0.7"},
-        {with(kTube, {{"section.EA", {1}}}), "section.EA", "contradicts the shape"},
-        {with(kTube, {{"section.EIy", {1}}}), "section.EIy", "contradicts the shape"},
-        {with(kTube, {{"section.EIz", {1}}}), "section.EIz", "contradicts the shape"},
-        {with(kTube, {{"section.GJ", {1}}}), "section.GJ", "contradicts the shape"},
-        {with(kTube, {{"section.GAy", {1}}}), "section.GAy", "contradicts the shape"},
-        {with(kTube, {{"section.GAz", {1}}}), "section.GAz", "contradicts the shape"},
-        {with(kTube, {{"section.mass", {1}}}), "section.mass", "contradicts the shape"},
-        {with(kTube, {{"section.inertia", {1}}}), "section.inertia", "contradicts the shape"},
+        {with(kTubeSection, {{"section.tube", {0, 0}}}), "section.tube", "outer"},
+        {with(kTubeSection, {{"section.tube", {0.03, 0.05}}}), "section.tube",
+         "0.05 m, must be less than the outer, 0.03 m"},
+        {with(kTubeSection, {{"section.tube", {0.03, 0.03}}}), "section.tube", "inner"},
+        {without(kTubeSection, "material.E"), "material.E", "needed"},
+        {without(kTubeSection, "material.density"), "material.density", "needed"},
+        {without(kTubeSection, "material.poisson"), "material.poisson", "material.G"},
+        {with(without(kTubeSection, "material.poisson"), {{"material.G", {60e9}}}), "material.G", "Poisson's ratio 0.7"},
+        {with(kTubeSection, {{"section.EA", {1}}}), "section.EA", "contradicts the shape"},
+        {with(kTubeSection, {{"section.EIy", {1}}}), "section.EIy", "contradicts the shape"},
+        {with(kTubeSection, {{"section.EIz", {1}}}), "section.EIz", "contradicts the shape"},
+        {with(kTubeSection, {{"section.GJ", {1}}}), "section.GJ", "contradicts the shape"},
+        {with(kTubeSection, {{"section.GAy", {1}}}), "section.GAy", "contradicts the shape"},
+        {with(kTubeSection, {{"section.GAz", {1}}}), "section.GAz", "contradicts the shape"},
+        {with(kTubeSection, {{"section.mass", {1}}}), "section.mass", "contradicts the shape"},
+        {with(kTubeSection, {{"section.inertia", {1}}}), "section.inertia", "contradicts the shape"},
         {with(kStiffnesses, {{"material.E", {1}}}), "material.E", "given by its stiffness"},
         {with(kStiffnesses, {{"material.G", {1}}}), "material.G", "given by its stiffness"},
         {with(kStiffnesses, {{"material.poisson", {0.3}}}), "material.poisson", "given by its stiffness"},
@@ -255,9 +256,9 @@ TEST(Section, RefusalsNameTheKey) {
         {without(kStiffnesses, "section.EA"), "section", "EA"},
         {without(kStiffnesses, "section.mass"), "section.mass", "needed"},
         {{{"material.E", {204e9}}}, "section", "give its shape"},
-        {with(kTube, {{"material.E", {1e-300}}}), "EA", "look at the numbers and units"},
-        {with(kTube, {{"material.E", {1e308}}}), "EA", "which must be in [1e-30, 1e+30]"},
-        {with(kTube, {{"material.density", {1e-300}}}), "mass", "which must be in"},
+        {with(kTubeSection, {{"material.E", {1e-300}}}), "EA", "look at the numbers and units"},
+        {with(kTubeSection, {{"material.E", {1e308}}}), "EA", "which must be in [1e-30, 1e+30]"},
+        {with(kTubeSection, {{"material.density", {1e-300}}}), "mass", "which must be in"},
         {with(kStiffnesses, {{"section.GAz", {1e31}}}), "GAz comes to 1e+31", "which must be in"},
         {with(kStiffnesses, {{"section.inertia", {0.01}}, {"section.mass_offset", {0.02, 0.03}}}), "section.inertia",
          "0.01781 kg m"},

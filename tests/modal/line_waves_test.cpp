@@ -15,7 +15,6 @@
 namespace dttmm {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kRigid = std::numeric_limits<double>::infinity();
 const Directions kAll("111111");
 
@@ -232,13 +231,13 @@ TEST(LineWaves, PiecesHeldAtTheirEndsStaySilent) {
     for (double omega = 1; omega < 3e6; omega *= 1.7) {
         const int count = waves.pieces(omega, 100000);
         const double l = kLength / count;
-        EXPECT_GT(kPi / l * std::sqrt(s.EA / s.mass), omega);
-        EXPECT_GT(kPi / l * std::sqrt(s.GJ / s.inertia), omega);
+        EXPECT_GT(M_PI / l * std::sqrt(s.EA / s.mass), omega);
+        EXPECT_GT(M_PI / l * std::sqrt(s.GJ / s.inertia), omega);
         EXPECT_GT(22.3732854 / (l * l) * std::sqrt(s.EIy / s.mass), omega);
         EXPECT_GE(count, before);
         before = count;
-        const double needed = std::max({1.0, omega * kLength / kPi * std::sqrt(s.mass / s.EA),
-                                        omega * kLength / kPi * std::sqrt(s.inertia / s.GJ),
+        const double needed = std::max({1.0, omega * kLength / M_PI * std::sqrt(s.mass / s.EA),
+                                        omega * kLength / M_PI * std::sqrt(s.inertia / s.GJ),
                                         kLength * std::sqrt(omega / 22.3732854 * std::sqrt(s.mass / s.EIy))});
         EXPECT_LE(count, 3 * needed + 1) << omega;
     }

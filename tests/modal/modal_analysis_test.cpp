@@ -17,12 +17,12 @@ namespace {
 using test::NetworkModel;
 using testing::HasSubstr;
 constexpr double kPi = std::numbers::pi;
-constexpr uint32_t kAll = 0b111111, kHeld = 0b111111, kPlane = 0b100011;
+constexpr uint32_t kAllDirections = 0b111111, kHeld = 0b111111, kPlane = 0b100011;
 
 /// A machine of a network alone, with its modes.
 class Machine {
 public:
-    explicit Machine(const NetworkModel& network, uint32_t directions = kAll)
+    explicit Machine(const NetworkModel& network, uint32_t directions = kAllDirections)
         : network_(network.description()), analysis_(model(directions)) {}
 
     std::vector<dttmm_mode> find(uint32_t count, double below = 0) {
@@ -77,17 +77,17 @@ NetworkModel::Values bar(bool is_timoshenko = false) {
     if (is_timoshenko) values["section.GAy"] = {6e7}, values["section.GAz"] = {9e7};
     return values;
 }
-constexpr double kLength = 2, kMass = 16 * kLength, kEIz = 7e5;
+constexpr double kBeamLength = 2, kMass = 16 * kBeamLength, kEIz = 7e5;
 
 NetworkModel beam(uint32_t fixed_at_start, uint32_t fixed_at_end, bool is_timoshenko = false) {
     NetworkModel network;
     network.node("a", DTTMM_NODE_INNER, {0.3, 0, 0}).fixed = fixed_at_start;
-    network.node("b", DTTMM_NODE_INNER, {0.3 + kLength, 0, 0}).fixed = fixed_at_end;
+    network.node("b", DTTMM_NODE_INNER, {0.3 + kBeamLength, 0, 0}).fixed = fixed_at_end;
     network.element("beam", "beam", {"a", "b"}, bar(is_timoshenko));
     return network;
 }
 
-double euler(double beta_l) { return beta_l * beta_l / (2 * kPi * kLength * kLength) * std::sqrt(kEIz / 16); }
+double euler(double beta_l) { return beta_l * beta_l / (2 * kPi * kBeamLength * kBeamLength) * std::sqrt(kEIz / 16); }
 
 // ---- What a mode says ---------------------------------------------------------------------------------------------------
 
@@ -210,10 +210,10 @@ TEST(ModalAnalysis, ShapesAlongABeamAreItsClosedForm) {
     for (uint32_t m = 0; m < 3; ++m) {
         const double b = beta_l[m], sigma = (std::cosh(b) + std::cos(b)) / (std::sinh(b) + std::sin(b));
         const Eigen::MatrixXd found = machine.along(m, 0, kStations);
-        EXPECT_NEAR(machine.length(), kLength, 1e-15);
+        EXPECT_NEAR(machine.length(), kBeamLength, 1e-15);
         const auto shape = [&](double x) { return std::cosh(x) - std::cos(x) - sigma * (std::sinh(x) - std::sin(x)); };
         const auto slope = [&](double x) {
-            return b / kLength * (std::sinh(x) + std::sin(x) - sigma * (std::cosh(x) - std::cos(x)));
+            return b / kBeamLength * (std::sinh(x) + std::sin(x) - sigma * (std::cosh(x) - std::cos(x)));
         };
         const double sign = found(1, kStations - 1) / shape(b);
         EXPECT_NEAR(std::abs(found(1, kStations - 1)), 1, 1e-12);
@@ -235,13 +235,13 @@ TEST(ModalAnalysis, ShapesAreInTheWorldsAxes) {
     // Turned with its y: without `up` z would turn back to the world's
     NetworkModel turned;
     turned.node("a", DTTMM_NODE_INNER, turn * Eigen::Vector3d(0.3, 0, 0));
-    turned.node("b", DTTMM_NODE_INNER, turn * Eigen::Vector3d(0.3 + kLength, 0, 0));
+    turned.node("b", DTTMM_NODE_INNER, turn * Eigen::Vector3d(0.3 + kBeamLength, 0, 0));
     NetworkModel::Values values = bar(true);
     const Eigen::Vector3d z = turn.col(2);
     values["up"] = {z.x(), z.y(), z.z()};
     turned.element("beam", "beam", {"a", "b"}, values);
 
-    const test::ExactTimoshenko exact{7e5, 6e7, 16, 16 * 7e5 / 4e8, kLength};
+    const test::ExactTimoshenko exact{7e5, 6e7, 16, 16 * 7e5 / 4e8, kBeamLength};
     const double omega = exact.free_frequencies(1, 100)[0];
     Machine straight(network), askew(turned);
     const std::vector<dttmm_mode> modes = straight.find(8), same = askew.find(8);
@@ -255,7 +255,8 @@ TEST(ModalAnalysis, ShapesAreInTheWorldsAxes) {
                             ? 1
                             : -1;
     for (int k = 0; k < 9; ++k) {
-        EXPECT_NEAR(one(1, k) / one(1, 0), exact.free_shape(omega, kLength * k / 8) / exact.free_shape(omega, 0), 1e-7) << k;
+        EXPECT_NEAR(one(1, k) / one(1, 0), exact.free_shape(omega, kBeamLength * k / 8) / exact.free_shape(omega, 0), 1e-7)
+            << k;
         EXPECT_LT((turn * one.col(k).head<3>() - sign * other.col(k).head<3>()).norm(), 1e-7) << k;
         EXPECT_LT((turn * one.col(k).tail<3>() - sign * other.col(k).tail<3>()).norm(), 1e-6) << k;
     }
@@ -313,7 +314,7 @@ TEST(ModalAnalysis, RigidModesMoveAllTheMass) {
     }
     for (uint32_t m = 0; m < 6; ++m) {
         const Eigen::MatrixXd u = machine.shape(m);
-        const Eigen::Vector3d turn = u.col(0).tail<3>(), arm(kLength, 0, 0);
+        const Eigen::Vector3d turn = u.col(0).tail<3>(), arm(kBeamLength, 0, 0);
         EXPECT_LT((u.col(1).tail<3>() - turn).norm(), 1e-8);
         EXPECT_LT((u.col(1).head<3>() - u.col(0).head<3>() - turn.cross(arm)).norm(), 1e-8);
         EXPECT_EQ(machine.shares(m)[0], 0);
@@ -328,16 +329,16 @@ TEST(ModalAnalysis, ReceptanceOfACantileverAtItsTip) {
     const NetworkModel network = beam(kHeld, 0);
     Machine machine(network, kPlane);
     for (const double hertz : {5.0, 100.0, 430.0, 2500.0}) {
-        const double beta = std::pow(16 * std::pow(2 * kPi * hertz, 2) / kEIz, 0.25), L = beta * kLength;
+        const double beta = std::pow(16 * std::pow(2 * kPi * hertz, 2) / kEIz, 0.25), L = beta * kBeamLength;
         const double expected = (std::cosh(L) * std::sin(L) - std::sinh(L) * std::cos(L)) /
                                 (beta * beta * beta * kEIz * (1 + std::cos(L) * std::cosh(L)));
         const std::complex<double> found = machine.respond(hertz, 1, 1, 1, 1);
         EXPECT_NEAR(found.real() / expected, 1, 1e-8) << hertz;
         EXPECT_EQ(found.imag(), 0) << hertz;
     }
-    const double at_rest = std::pow(kLength, 3) / (3 * kEIz);
+    const double at_rest = std::pow(kBeamLength, 3) / (3 * kEIz);
     EXPECT_NEAR(machine.respond(0, 1, 1, 1, 1).real() / at_rest, 1, 1e-10);
-    EXPECT_NEAR(machine.respond(0, 1, 1, 1, 5).real() / (1.5 * at_rest / kLength), 1, 1e-10) << "its slope";
+    EXPECT_NEAR(machine.respond(0, 1, 1, 1, 5).real() / (1.5 * at_rest / kBeamLength), 1, 1e-10) << "its slope";
 }
 
 // Oracle: Maxwell and Betti: what a force at one place and direction does at another is what it does the other way round.

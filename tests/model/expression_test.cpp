@@ -15,7 +15,7 @@ using testing::HasSubstr;
 const Constants kConstants = {{"k", 500.0}, {"mass_2", 3.0}, {"größe", 7.0}, {"k-1", 11.0}, {"min", 13.0}, {"e1", 17.0}};
 
 double value_of(const std::string& text) { return evaluate_expression(text, kConstants); }
-std::string fault(const std::string& text) {
+std::string expression_fault(const std::string& text) {
     return error_of([&] { value_of(text); });
 }
 
@@ -38,20 +38,21 @@ TEST(Expression, TimeIsAVariable) {
     const Expression expression("k*sin(2*pi*50*t)", kConstants, true);
     for (const double t : {0.0, 0.0013, 0.7})
         EXPECT_NEAR(expression.value(t), 500 * std::sin(100 * std::numbers::pi * t), 1e-10) << t;
-    EXPECT_THAT(fault("2*t"), HasSubstr("the time exists in the expression of a load only"));
+    EXPECT_THAT(expression_fault("2*t"), HasSubstr("the time exists in the expression of a load only"));
 }
 
 TEST(Expression, UnknownNamesGetTheNearest) {
-    EXPECT_THAT(fault("mas_2 + 1"), HasSubstr("unknown name \"mas_2\" in \"mas_2 + 1\"; did you mean \"mass_2\"?"));
-    EXPECT_THAT(fault("sqtr(1)"), HasSubstr("unknown function \"sqtr\" in \"sqtr(1)\"; did you mean \"sqrt\"?"));
-    EXPECT_THAT(fault("x*k-1"), HasSubstr("parameter \"k-1\" cannot be used in \"x*k-1\": '-' is minus there"));
-    EXPECT_THAT(fault("min + 1"), HasSubstr("is a function; rename the parameter"));
+    EXPECT_THAT(expression_fault("mas_2 + 1"),
+                HasSubstr("unknown name \"mas_2\" in \"mas_2 + 1\"; did you mean \"mass_2\"?"));
+    EXPECT_THAT(expression_fault("sqtr(1)"), HasSubstr("unknown function \"sqtr\" in \"sqtr(1)\"; did you mean \"sqrt\"?"));
+    EXPECT_THAT(expression_fault("x*k-1"), HasSubstr("parameter \"k-1\" cannot be used in \"x*k-1\": '-' is minus there"));
+    EXPECT_THAT(expression_fault("min + 1"), HasSubstr("is a function; rename the parameter"));
 }
 
 TEST(Expression, ValuesMustBeFinite) {
-    EXPECT_THAT(fault("1/0"), HasSubstr("the value of \"=1/0\" is not finite"));
-    EXPECT_THAT(fault("sqrt(-1)"), HasSubstr("not finite"));
-    EXPECT_THAT(fault("10^400"), HasSubstr("not finite"));
+    EXPECT_THAT(expression_fault("1/0"), HasSubstr("the value of \"=1/0\" is not finite"));
+    EXPECT_THAT(expression_fault("sqrt(-1)"), HasSubstr("not finite"));
+    EXPECT_THAT(expression_fault("10^400"), HasSubstr("not finite"));
 }
 
 TEST(Expression, SizeAndDepthAreLimited) {
@@ -59,15 +60,15 @@ TEST(Expression, SizeAndDepthAreLimited) {
         return std::string(static_cast<std::size_t>(depth), '(') + "1" + std::string(static_cast<std::size_t>(depth), ')');
     };
     EXPECT_EQ(value_of(nested(30)), 1);
-    EXPECT_THAT(fault(nested(40)), HasSubstr("more than 30 brackets"));
-    EXPECT_THAT(fault("1" + std::string(4999, ' ')), HasSubstr("5000 bytes; at most 1000"));
+    EXPECT_THAT(expression_fault(nested(40)), HasSubstr("more than 30 brackets"));
+    EXPECT_THAT(expression_fault("1" + std::string(4999, ' ')), HasSubstr("5000 bytes; at most 1000"));
 }
 
 TEST(Expression, WhatIsNoFormulaIsRefused) {
     for (const char* text : {"", "   ", "1 +", "(1", "1)", "1,2", "1 2", "2**3", "sin()", "sin(1,2)", "k = 5", "t = 5",
                              "\"a\"", "1;2", "#", "0x10", "1..2", "k\n+1", "1e999"})
-        EXPECT_NE(fault(text), "") << text;
-    EXPECT_THAT(fault("k = 5"), HasSubstr("cannot assign"));
+        EXPECT_NE(expression_fault(text), "") << text;
+    EXPECT_THAT(expression_fault("k = 5"), HasSubstr("cannot assign"));
 }
 
 TEST(Expression, NamesAreListedOnceWithoutFunctions) {

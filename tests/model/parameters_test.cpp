@@ -19,7 +19,7 @@ std::vector<Parameter> parameters_of(const std::string& text, const Parameters::
     return parse(with_parameters(text), all).parameters;
 }
 
-std::string fault(const std::string& text) { return errors_of(with_parameters(text)); }
+std::string parameter_fault(const std::string& text) { return errors_of(with_parameters(text)); }
 
 std::string override_fault(const Parameters::Overrides& overrides, ExitCode code) {
     ModelOverrides all;
@@ -64,21 +64,23 @@ TEST(Parameters, WrongOverridesAreWrongUsage) {
 }
 
 TEST(Parameters, CirclesAreNamedOnce) {
-    const std::string text = fault("x = \"=a\"\na = \"=b\"\nb = \"=c + 1\"\nc = \"=2*a\"\ns = \"=s\"\n");
+    const std::string text = parameter_fault("x = \"=a\"\na = \"=b\"\nb = \"=c + 1\"\nc = \"=2*a\"\ns = \"=s\"\n");
     EXPECT_EQ(text,
               "m.toml:14:1: parameter \"a\": depends on itself: a -> b -> c -> a\nm.toml:17:1: parameter \"s\": depends on "
               "itself: s -> s");
 }
 
 TEST(Parameters, FaultsHaveTheirPlace) {
-    EXPECT_THAT(fault("a = 1\nb = \"=aa + 1\"\n"), HasSubstr("m.toml:14:1: parameter \"b\": unknown name \"aa\""));
-    EXPECT_THAT(fault("a = \"=1/0\"\n"), HasSubstr("m.toml:13:1: parameter \"a\": the value of \"=1/0\" is not finite"));
-    EXPECT_THAT(fault("a = true\n"), HasSubstr("must be a number, a quantity or an expression, not true or false"));
-    EXPECT_THAT(fault("a = nan\n"), HasSubstr("must be finite"));
-    EXPECT_THAT(fault("a = \"=\"\n"), HasSubstr("nothing follows"));
-    EXPECT_THAT(fault("t = 1\n"), HasSubstr("has the name of the time"));
-    EXPECT_THAT(fault("\"a b\" = 1\n"), HasSubstr("parameter \"a b\" holds the character U+0020"));
-    EXPECT_THAT(fault("\"\\u00e9\" = 1\n\"e\\u0301\" = 1\n"),
+    EXPECT_THAT(parameter_fault("a = 1\nb = \"=aa + 1\"\n"), HasSubstr("m.toml:14:1: parameter \"b\": unknown name \"aa\""));
+    EXPECT_THAT(parameter_fault("a = \"=1/0\"\n"),
+                HasSubstr("m.toml:13:1: parameter \"a\": the value of \"=1/0\" is not finite"));
+    EXPECT_THAT(parameter_fault("a = true\n"),
+                HasSubstr("must be a number, a quantity or an expression, not true or false"));
+    EXPECT_THAT(parameter_fault("a = nan\n"), HasSubstr("must be finite"));
+    EXPECT_THAT(parameter_fault("a = \"=\"\n"), HasSubstr("nothing follows"));
+    EXPECT_THAT(parameter_fault("t = 1\n"), HasSubstr("has the name of the time"));
+    EXPECT_THAT(parameter_fault("\"a b\" = 1\n"), HasSubstr("parameter \"a b\" holds the character U+0020"));
+    EXPECT_THAT(parameter_fault("\"\\u00e9\" = 1\n\"e\\u0301\" = 1\n"),
                 HasSubstr("m.toml:14:1: parameter \"é\" exists already, line 13"));
     EXPECT_THAT(errors_of(std::string("parameters = 3\n") + model_with("")),
                 HasSubstr("m.toml:1:14: parameters must be a table"));

@@ -12,9 +12,9 @@ namespace {
 using testing::HasSubstr;
 
 Body body(const std::string& text) { return parse(body_with(text)).bodies.at(0); }
-std::string fault(const std::string& text) { return errors_of(body_with(text)); }
+std::string body_fault(const std::string& text) { return errors_of(body_with(text)); }
 /// The fault of a body that is otherwise complete; the first line of `text` is line 11.
-std::string fault_beside_mass(const std::string& text) { return fault("mass = 2\ninertia = [2, 3, 4]\n" + text); }
+std::string fault_beside_mass(const std::string& text) { return body_fault("mass = 2\ninertia = [2, 3, 4]\n" + text); }
 
 TEST(ReadBody, MassAndInertia) {
     const Body b = body(
@@ -67,25 +67,27 @@ TEST(ReadBody, Markers) {
 
 TEST(ReadBody, MassFaults) {
     for (const char* mass : {"0", "-1", "1e-400", "1e13"})
-        EXPECT_THAT(fault("inertia = [2, 3, 4]\nmass = " + std::string(mass)),
+        EXPECT_THAT(body_fault("inertia = [2, 3, 4]\nmass = " + std::string(mass)),
                     HasSubstr("m.toml:10:8: body \"plate\": mass must lie within"))
             << mass;
     for (const char* mass : {"nan", "inf"})
-        EXPECT_THAT(fault("inertia = [2, 3, 4]\nmass = " + std::string(mass)), HasSubstr("mass must be finite")) << mass;
-    EXPECT_THAT(fault("inertia = [2, 3, 4]\n"), HasSubstr("m.toml:7:1: body \"plate\": missing key \"mass\""));
-    EXPECT_THAT(fault("mass = 2\n"), HasSubstr("missing key \"inertia\""));
-    EXPECT_THAT(fault("mass = true\ninertia = [2, 3, 4]\n"),
+        EXPECT_THAT(body_fault("inertia = [2, 3, 4]\nmass = " + std::string(mass)), HasSubstr("mass must be finite"))
+            << mass;
+    EXPECT_THAT(body_fault("inertia = [2, 3, 4]\n"), HasSubstr("m.toml:7:1: body \"plate\": missing key \"mass\""));
+    EXPECT_THAT(body_fault("mass = 2\n"), HasSubstr("missing key \"inertia\""));
+    EXPECT_THAT(body_fault("mass = true\ninertia = [2, 3, 4]\n"),
                 HasSubstr("body \"plate\": mass: expected a number in kg, got true or false"));
-    EXPECT_THAT(fault("mass = 2020-01-01\ninertia = [2, 3, 4]\n"), HasSubstr("got a date or time"));
+    EXPECT_THAT(body_fault("mass = 2020-01-01\ninertia = [2, 3, 4]\n"), HasSubstr("got a date or time"));
 }
 
 TEST(ReadBody, InertiaFaults) {
-    EXPECT_THAT(fault("mass = 1\ninertia = [1, 1, 100]\n"),
+    EXPECT_THAT(body_fault("mass = 1\ninertia = [1, 1, 100]\n"),
                 HasSubstr("m.toml:10:11: body \"plate\": inertia breaks the triangle inequality"));
-    EXPECT_THAT(fault("mass = 1\ninertia = [1, -1, 1]\n"), HasSubstr("positive definite: principal moments -1, 1, 1 kg m²"));
-    EXPECT_THAT(fault("mass = 1\ninertia = [1, 1]\n"), HasSubstr("inertia wants 3 numbers, got 2"));
-    EXPECT_THAT(fault("mass = 1\ninertia = { xx = 1, yy = 1 }\n"), HasSubstr("inertia: missing key \"zz\""));
-    EXPECT_THAT(fault("mass = 1\ninertia = { xx = 1, yy = 1, zz = 1, yx = 2 }\n"), HasSubstr("unknown key \"yx\""));
+    EXPECT_THAT(body_fault("mass = 1\ninertia = [1, -1, 1]\n"),
+                HasSubstr("positive definite: principal moments -1, 1, 1 kg m²"));
+    EXPECT_THAT(body_fault("mass = 1\ninertia = [1, 1]\n"), HasSubstr("inertia wants 3 numbers, got 2"));
+    EXPECT_THAT(body_fault("mass = 1\ninertia = { xx = 1, yy = 1 }\n"), HasSubstr("inertia: missing key \"zz\""));
+    EXPECT_THAT(body_fault("mass = 1\ninertia = { xx = 1, yy = 1, zz = 1, yx = 2 }\n"), HasSubstr("unknown key \"yx\""));
 }
 
 // Oracle: the box's moments by hand; a weighed machine gives the mass instead of the density.
@@ -98,21 +100,23 @@ TEST(ReadBody, AShapeMayHaveAMassInsteadOfADensity) {
 }
 
 TEST(ReadBody, ShapeFaults) {
-    EXPECT_THAT(fault("density = -5\nbox = [1, 2, 3]\n"), HasSubstr("density must be > 0 kg/m^3, got -5"));
-    EXPECT_THAT(fault("density = 5\nbox = [1, 0, 3]\n"),
+    EXPECT_THAT(body_fault("density = -5\nbox = [1, 2, 3]\n"), HasSubstr("density must be > 0 kg/m^3, got -5"));
+    EXPECT_THAT(body_fault("density = 5\nbox = [1, 0, 3]\n"),
                 HasSubstr("m.toml:10:11: body \"plate\": box must be > 0 m, got 0"));
-    EXPECT_THAT(fault("density = 5\ntube = [1, 2, 3]\n"),
+    EXPECT_THAT(body_fault("density = 5\ntube = [1, 2, 3]\n"),
                 HasSubstr("the inner diameter must be less than the outer (1 m), got 2 m"));
-    EXPECT_THAT(fault("density = 5\n"), HasSubstr("missing key: one of box, cylinder, tube, sphere"));
-    EXPECT_THAT(fault("density = 5\nbox = [1, 2, 3]\nsphere = 1\n"), HasSubstr("\"box\" and \"sphere\" exclude each other"));
-    EXPECT_THAT(fault("density = 5\nbox = [1, 2, 3]\nmass = 1\n"), HasSubstr("\"density\" and \"mass\" exclude each other"));
-    EXPECT_THAT(fault("mass = 5\ninertia = [2, 3, 4]\nbox = [1, 2, 3]\n"),
+    EXPECT_THAT(body_fault("density = 5\n"), HasSubstr("missing key: one of box, cylinder, tube, sphere"));
+    EXPECT_THAT(body_fault("density = 5\nbox = [1, 2, 3]\nsphere = 1\n"),
+                HasSubstr("\"box\" and \"sphere\" exclude each other"));
+    EXPECT_THAT(body_fault("density = 5\nbox = [1, 2, 3]\nmass = 1\n"),
+                HasSubstr("\"density\" and \"mass\" exclude each other"));
+    EXPECT_THAT(body_fault("mass = 5\ninertia = [2, 3, 4]\nbox = [1, 2, 3]\n"),
                 HasSubstr("\"inertia\" and a shape exclude each other"));
-    EXPECT_THAT(fault("box = [1, 2, 3]\n"), HasSubstr("missing key: one of density, mass"));
-    EXPECT_THAT(fault("density = 5\nbox = [1, 2, 3]\naxis = \"x\"\n"), HasSubstr("a box has no axis"));
-    EXPECT_THAT(fault("density = 5\ncylinder = [1, 2]\naxis = \"w\"\n"),
+    EXPECT_THAT(body_fault("box = [1, 2, 3]\n"), HasSubstr("missing key: one of density, mass"));
+    EXPECT_THAT(body_fault("density = 5\nbox = [1, 2, 3]\naxis = \"x\"\n"), HasSubstr("a box has no axis"));
+    EXPECT_THAT(body_fault("density = 5\ncylinder = [1, 2]\naxis = \"w\"\n"),
                 HasSubstr("axis must be one of: x, y, z; got \"w\""));
-    EXPECT_THAT(fault("density = 1e300\nbox = [1, 1e100, 3]\n"), HasSubstr("mass must lie within"));
+    EXPECT_THAT(body_fault("density = 1e300\nbox = [1, 1e100, 3]\n"), HasSubstr("mass must lie within"));
 }
 
 TEST(ReadBody, PlaceFaults) {

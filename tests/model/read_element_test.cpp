@@ -22,7 +22,7 @@ std::string with_element(const std::string& text) {
 const std::string kEnds = "type = \"spring_damper\"\nfrom = \"ground\"\nto = \"plate.a\"\n";  // lines 20 to 22
 
 Element element(const std::string& text) { return parse(with_element(text)).elements.at(0); }
-std::string fault(const std::string& text) { return errors_of(with_element(text)); }
+std::string element_fault(const std::string& text) { return errors_of(with_element(text)); }
 
 TEST(ReadElement, ValuesStandInTheDeclaredOrder) {
     const Element e =
@@ -45,47 +45,51 @@ TEST(ReadElement, EndsAreResolved) {
 }
 
 TEST(ReadElement, ValuesMustSatisfyTheDeclaration) {
-    EXPECT_EQ(fault(kEnds + "stiffness = \"-500 N/mm\"\n"),
+    EXPECT_EQ(element_fault(kEnds + "stiffness = \"-500 N/mm\"\n"),
               "m.toml:23:13: element \"bolt3\": stiffness must be ≥ 0 N/m, got -500 N/mm");
-    EXPECT_THAT(fault(kEnds + "damping = [0, -1, 0]\n"),
+    EXPECT_THAT(element_fault(kEnds + "damping = [0, -1, 0]\n"),
                 HasSubstr("m.toml:23:15: element \"bolt3\": damping must be ≥ 0 N*s/m, got -1"));
-    EXPECT_THAT(fault(kEnds + "stiffness = [1, 2]\n"), HasSubstr("stiffness wants 3 numbers, got 2"));
-    EXPECT_THAT(fault(kEnds + "stiffness = nan\n"), HasSubstr("stiffness must be finite, got nan"));
-    EXPECT_THAT(fault(kEnds + "stiffness = inf\n"), HasSubstr("stiffness must be finite, got inf"));
-    EXPECT_THAT(fault(kEnds + "stiffness = \"500 N/mM\"\n"),
+    EXPECT_THAT(element_fault(kEnds + "stiffness = [1, 2]\n"), HasSubstr("stiffness wants 3 numbers, got 2"));
+    EXPECT_THAT(element_fault(kEnds + "stiffness = nan\n"), HasSubstr("stiffness must be finite, got nan"));
+    EXPECT_THAT(element_fault(kEnds + "stiffness = inf\n"), HasSubstr("stiffness must be finite, got inf"));
+    EXPECT_THAT(element_fault(kEnds + "stiffness = \"500 N/mM\"\n"),
                 HasSubstr("unknown unit \"N/mM\" in \"500 N/mM\"; accepted here: N/m, N/mm, kN/m, kN/mm, MN/m"));
-    EXPECT_THAT(fault(kEnds + "stiffness = \"500 kg\"\n"), HasSubstr("expected a value in N/m, got \"500 kg\""));
-    EXPECT_THAT(fault(kEnds + "stiffness = \"0,5 N/m\"\n"), HasSubstr("the decimal sign is a point"));
-    EXPECT_THAT(fault(kEnds + "stiffness = \"=1/0\"\n"), HasSubstr("stiffness: the value of \"=1/0\" is not finite"));
-    EXPECT_THAT(fault(kEnds + "stiffness = \"=0-3\"\n"), HasSubstr("must be ≥ 0 N/m, got \"=0-3\" = -3 N/m"));
-    EXPECT_THAT(fault(kEnds + "stiffness = { x = 1 }\n"), HasSubstr("expected a number in N/m, got a table"));
-    EXPECT_THAT(fault(kEnds + "stifness = 1\n"), HasSubstr("m.toml:23:1: element \"bolt3\": unknown key \"stifness\" in "
-                                                           "[[element]] number 1; did you mean \"stiffness\"?"));
+    EXPECT_THAT(element_fault(kEnds + "stiffness = \"500 kg\"\n"), HasSubstr("expected a value in N/m, got \"500 kg\""));
+    EXPECT_THAT(element_fault(kEnds + "stiffness = \"0,5 N/m\"\n"), HasSubstr("the decimal sign is a point"));
+    EXPECT_THAT(element_fault(kEnds + "stiffness = \"=1/0\"\n"),
+                HasSubstr("stiffness: the value of \"=1/0\" is not finite"));
+    EXPECT_THAT(element_fault(kEnds + "stiffness = \"=0-3\"\n"), HasSubstr("must be ≥ 0 N/m, got \"=0-3\" = -3 N/m"));
+    EXPECT_THAT(element_fault(kEnds + "stiffness = { x = 1 }\n"), HasSubstr("expected a number in N/m, got a table"));
+    EXPECT_THAT(element_fault(kEnds + "stifness = 1\n"),
+                HasSubstr("m.toml:23:1: element \"bolt3\": unknown key \"stifness\" in "
+                          "[[element]] number 1; did you mean \"stiffness\"?"));
     const std::string strut = "type = \"strut\"\nfrom = \"ground\"\nto = \"plate\"\n";
-    EXPECT_THAT(fault(strut), HasSubstr("m.toml:18:1: element \"bolt3\": missing key \"lengths\""));
-    EXPECT_THAT(fault(strut + "lengths = 3\n"), HasSubstr("lengths wants 2 numbers, got a number"));  // does not spread
-    EXPECT_THAT(fault(strut + "lengths = [1, 8]\nratio = 0.6\n"), HasSubstr("lengths must be ≤ 7 m, got 8"));
-    EXPECT_THAT(fault(strut + "lengths = [1, 0.4]\nratio = 0.6\n"), HasSubstr("ratio must be ≤ 0.5, got 0.6"));
-    EXPECT_THAT(fault(strut + "lengths = [1, 0.4]\n"), HasSubstr("lengths must be ≥ 0.5 m, got 0.4"));
+    EXPECT_THAT(element_fault(strut), HasSubstr("m.toml:18:1: element \"bolt3\": missing key \"lengths\""));
+    EXPECT_THAT(element_fault(strut + "lengths = 3\n"),
+                HasSubstr("lengths wants 2 numbers, got a number"));  // does not spread
+    EXPECT_THAT(element_fault(strut + "lengths = [1, 8]\nratio = 0.6\n"), HasSubstr("lengths must be ≤ 7 m, got 8"));
+    EXPECT_THAT(element_fault(strut + "lengths = [1, 0.4]\nratio = 0.6\n"), HasSubstr("ratio must be ≤ 0.5, got 0.6"));
+    EXPECT_THAT(element_fault(strut + "lengths = [1, 0.4]\n"), HasSubstr("lengths must be ≥ 0.5 m, got 0.4"));
 }
 
 TEST(ReadElement, UnknownTypesNameThePluginsAndWhatTheyDeclare) {
-    const std::string text = fault("type = \"spring_dampr\"\nfrom = \"ground\"\nto = \"plate\"\nwhatever = 3\n");
+    const std::string text = element_fault("type = \"spring_dampr\"\nfrom = \"ground\"\nto = \"plate\"\nwhatever = 3\n");
     EXPECT_EQ(text,
               "m.toml:20:8: element \"bolt3\": no loaded plugin declares element type \"spring_dampr\"; declared: "
               "spring_damper (plugin \"dttmm\"), "
               "strut (plugin \"extra\"), beam (plugin \"extra\"), lump (plugin \"extra\"); did you mean \"spring_damper\"?");
-    EXPECT_THAT(fault("type = \"/tmp/x.so\"\nfrom = \"ground\"\nto = \"plate\"\n"),
+    EXPECT_THAT(element_fault("type = \"/tmp/x.so\"\nfrom = \"ground\"\nto = \"plate\"\n"),
                 HasSubstr("no loaded plugin declares element type \"/tmp/x.so\""));
-    EXPECT_THAT(fault("from = \"ground\"\nto = \"plate\"\n"), HasSubstr("missing key \"type\""));
-    EXPECT_THAT(fault("type = 3\nfrom = \"ground\"\nto = \"plate\"\n"), HasSubstr("type must be a text, got a number"));
+    EXPECT_THAT(element_fault("from = \"ground\"\nto = \"plate\"\n"), HasSubstr("missing key \"type\""));
+    EXPECT_THAT(element_fault("type = 3\nfrom = \"ground\"\nto = \"plate\"\n"),
+                HasSubstr("type must be a text, got a number"));
     EXPECT_THAT(error_of([&] { parse_model(with_element(kEnds), "m.toml", ElementCatalogue{}); }),
                 HasSubstr("declared: none, as no plugin is loaded"));
 }
 
 TEST(ReadElement, EndsMustBeTwoPlaces) {
     const auto with_ends = [](const std::string& from, const std::string& to) {
-        return fault("type = \"spring_damper\"\nfrom = \"" + from + "\"\nto = \"" + to + "\"\n");
+        return element_fault("type = \"spring_damper\"\nfrom = \"" + from + "\"\nto = \"" + to + "\"\n");
     };
     EXPECT_THAT(with_ends("ground", "ground"), HasSubstr("m.toml:22:6: element \"bolt3\": both ends are on the ground"));
     EXPECT_THAT(with_ends("plate", "plate.a"), HasSubstr("both ends are on the same body"));
@@ -93,8 +97,8 @@ TEST(ReadElement, EndsMustBeTwoPlaces) {
                 HasSubstr("m.toml:22:6: element \"bolt3\": to: there is no body \"plat\"; did you mean \"plate\"?"));
     EXPECT_THAT(with_ends("disc.d", "plate"),
                 HasSubstr("m.toml:21:8: element \"bolt3\": from: body \"disc\" has no marker \"d\"; known here: b, c"));
-    EXPECT_THAT(fault("type = \"spring_damper\"\nfrom = \"ground\"\n"), HasSubstr("missing key \"to\""));
-    EXPECT_THAT(fault("type = \"spring_damper\"\nfrom = \"ground\"\nto = 3\n"),
+    EXPECT_THAT(element_fault("type = \"spring_damper\"\nfrom = \"ground\"\n"), HasSubstr("missing key \"to\""));
+    EXPECT_THAT(element_fault("type = \"spring_damper\"\nfrom = \"ground\"\nto = 3\n"),
                 HasSubstr("to must be a text, got a number"));
 }
 

@@ -13,14 +13,14 @@ using testing::HasSubstr;
 using testing::Not;
 
 /// A second body on lines 12 to 17, turned by a quarter about z: its marker b is at the plate's a, its c at (5, 2, 4).
-const std::string kSecondBody =
+const std::string kDisc =
     "[[body]]\nname = \"disc\"\nmass = 3\ninertia = [2, 3, 4]\nposition = [5, 0, 4]\n"
     "rotation = { axis = [0, 0, 2], angle = \"90 deg\" }\nmarkers = { b = [2, 4, -1], c = [2, 0, 0] }\n";
 
 /// The header of a joint on line 19, its name on line 20; `text` begins on line 21.
-std::string with_joint(const std::string& text) { return model_with(kSecondBody + "[[joint]]\nname = \"pin\"\n" + text); }
+std::string with_joint(const std::string& text) { return model_with(kDisc + "[[joint]]\nname = \"pin\"\n" + text); }
 Joint joint(const std::string& text) { return parse(with_joint(text)).joints.at(0); }
-std::string fault(const std::string& text) { return errors_of(with_joint(text)); }
+std::string joint_fault(const std::string& text) { return errors_of(with_joint(text)); }
 
 const std::string kBetween = "between = [\"plate\", \"disc\"]\n";
 const std::string kAxis = "axis = [0, 3, 4]\n";
@@ -83,34 +83,35 @@ TEST(ReadJoint, TheAnchorIsAPlaceOrAMarkerOrTheSecondBody) {
 }
 
 TEST(ReadJoint, AJointHasOneAnchor) {
-    EXPECT_EQ(fault("type = \"ball\"\nbetween = [\"plate.a\", \"disc.c\"]\n"),
+    EXPECT_EQ(joint_fault("type = \"ball\"\nbetween = [\"plate.a\", \"disc.c\"]\n"),
               "m.toml:22:23: joint \"pin\": a joint has one anchor, to within 1e-06 m at the start, but \"plate.a\" is at "
               "(1, 2, 3) m "
               "and \"disc.c\" at (5, 2, 4) m; move a body, or name the body without marker");
     EXPECT_THAT(
-        fault("type = \"ball\"\nbetween = [\"plate\", \"disc.c\"]\nanchor = [5, 2, 4.00001]\n"),
+        joint_fault("type = \"ball\"\nbetween = [\"plate\", \"disc.c\"]\nanchor = [5, 2, 4.00001]\n"),
         HasSubstr("m.toml:22:21: joint \"pin\": a joint has one anchor, to within 1e-06 m at the start, but anchor is at"));
     EXPECT_LT((joint("type = \"ball\"\nbetween = [\"plate\", \"disc.c\"]\nanchor = [5, 2, 4.0000009]\n").anchor -
                Eigen::Vector3d(5, 2, 4.0000009))
                   .norm(),
               1e-15);
     EXPECT_THAT(
-        fault("type = \"ball\"\n" + kBetween),
+        joint_fault("type = \"ball\"\n" + kBetween),
         HasSubstr("m.toml:19:1: joint \"pin\": missing key \"anchor\": a ball joint is at a point; give three lengths"));
-    EXPECT_THAT(fault("type = \"hinge\"\n" + kAxis + kBetween), HasSubstr("missing key \"anchor\""));
-    EXPECT_THAT(fault("type = \"ball\"\nanchor = \"ground\"\n" + kBetween),
+    EXPECT_THAT(joint_fault("type = \"hinge\"\n" + kAxis + kBetween), HasSubstr("missing key \"anchor\""));
+    EXPECT_THAT(joint_fault("type = \"ball\"\nanchor = \"ground\"\n" + kBetween),
                 HasSubstr("m.toml:22:10: joint \"pin\": anchor: the ground has no point of its own"));
-    EXPECT_THAT(fault("type = \"ball\"\nanchor = \"disc.d\"\n" + kBetween),
+    EXPECT_THAT(joint_fault("type = \"ball\"\nanchor = \"disc.d\"\n" + kBetween),
                 HasSubstr("m.toml:22:10: joint \"pin\": anchor: body \"disc\" has no marker \"d\"; known here: b, c"));
-    EXPECT_THAT(fault("type = \"ball\"\nanchor = [1, 2]\n" + kBetween), HasSubstr("anchor wants 3 numbers, got 2"));
-    EXPECT_THAT(fault("type = \"ball\"\nanchor = [1, nan, 2]\n" + kBetween), HasSubstr("anchor must be finite, got nan"));
-    EXPECT_THAT(fault("type = \"ball\"\nanchor = [1, 2e6, 2]\n" + kBetween), HasSubstr("anchor must be ≤ 1000000 m"));
-    EXPECT_THAT(fault("type = \"ball\"\nanchor = [1, \"2 kg\", 2]\n" + kBetween),
+    EXPECT_THAT(joint_fault("type = \"ball\"\nanchor = [1, 2]\n" + kBetween), HasSubstr("anchor wants 3 numbers, got 2"));
+    EXPECT_THAT(joint_fault("type = \"ball\"\nanchor = [1, nan, 2]\n" + kBetween),
+                HasSubstr("anchor must be finite, got nan"));
+    EXPECT_THAT(joint_fault("type = \"ball\"\nanchor = [1, 2e6, 2]\n" + kBetween), HasSubstr("anchor must be ≤ 1000000 m"));
+    EXPECT_THAT(joint_fault("type = \"ball\"\nanchor = [1, \"2 kg\", 2]\n" + kBetween),
                 HasSubstr("anchor: expected a value in m, got \"2 kg\""));
 }
 
 TEST(ReadJoint, EndsMustBeTwoBodiesOrABodyAndTheGround) {
-    const auto between = [](const std::string& ends) { return fault("type = \"fixed\"\nbetween = " + ends + "\n"); };
+    const auto between = [](const std::string& ends) { return joint_fault("type = \"fixed\"\nbetween = " + ends + "\n"); };
     EXPECT_THAT(between("[\"ground\", \"ground\"]"), HasSubstr("m.toml:22:22: joint \"pin\": both ends are on the ground"));
     EXPECT_THAT(between("[\"plate\", \"plate.a\"]"),
                 HasSubstr("m.toml:22:21: joint \"pin\": both ends are on the same body"));
@@ -120,12 +121,12 @@ TEST(ReadJoint, EndsMustBeTwoBodiesOrABodyAndTheGround) {
     EXPECT_THAT(between("[\"plate\", 3]"), HasSubstr("m.toml:22:21: joint \"pin\": between must be a text, got a number"));
     EXPECT_THAT(between("[\"plate\"]"), HasSubstr("m.toml:22:11: joint \"pin\": between wants two names, e.g."));
     EXPECT_THAT(between("\"plate\""), HasSubstr("or [\"ground\", \"crank.pin\"]; got a text"));
-    EXPECT_THAT(fault("type = \"fixed\"\n"), HasSubstr("m.toml:19:1: joint \"pin\": missing key \"between\""));
+    EXPECT_THAT(joint_fault("type = \"fixed\"\n"), HasSubstr("m.toml:19:1: joint \"pin\": missing key \"between\""));
 }
 
 TEST(ReadJoint, EveryTypeHasTheAxesItNeeds) {
     const auto axes = [](const std::string& type, const std::string& text) {
-        return fault("type = \"" + type + "\"\nanchor = [0, 0, 0]\n" + kBetween + text);
+        return joint_fault("type = \"" + type + "\"\nanchor = [0, 0, 0]\n" + kBetween + text);
     };
     for (const char* type : {"hinge", "slider", "universal"}) {
         EXPECT_THAT(axes(type, ""), HasSubstr("m.toml:19:1: joint \"pin\": missing key \"axis\"")) << type;
@@ -149,7 +150,7 @@ TEST(ReadJoint, EveryTypeHasTheAxesItNeeds) {
 
 TEST(ReadJoint, LimitsHoldTheStartBetweenThem) {
     const auto limits = [](const std::string& type, const std::string& text) {
-        return fault("type = \"" + type + "\"\nanchor = [0, 0, 0]\n" + kBetween + kAxis + "limits = " + text + "\n");
+        return joint_fault("type = \"" + type + "\"\nanchor = [0, 0, 0]\n" + kBetween + kAxis + "limits = " + text + "\n");
     };
     EXPECT_EQ(limits("hinge", "[1, -1]"),
               "m.toml:25:10: joint \"pin\": limits = [low, high] must have low < high, got [1, -1] rad");
@@ -164,25 +165,25 @@ TEST(ReadJoint, LimitsHoldTheStartBetweenThem) {
     EXPECT_THAT(limits("slider", "[\"-1 deg\", 1]"), HasSubstr("limits: expected a value in m, got \"-1 deg\""));
     EXPECT_THAT(limits("hinge", "[nan, 1]"), HasSubstr("limits must be finite, got nan"));
     EXPECT_THAT(limits("hinge", "[1]"), HasSubstr("limits wants 2 numbers, got 1"));
-    EXPECT_THAT(fault("type = \"ball\"\nanchor = [0, 0, 0]\n" + kBetween + "limits = [-1, 1]\n"),
+    EXPECT_THAT(joint_fault("type = \"ball\"\nanchor = [0, 0, 0]\n" + kBetween + "limits = [-1, 1]\n"),
                 HasSubstr("m.toml:24:1: joint \"pin\": a ball joint has no limits; it belongs to a hinge or slider"));
 }
 
 TEST(ReadJoint, TypesAndKeysAreNamed) {
-    EXPECT_EQ(fault("type = \"hinges\"\n" + kBetween + kAxis),
+    EXPECT_EQ(joint_fault("type = \"hinges\"\n" + kBetween + kAxis),
               "m.toml:21:8: joint \"pin\": type must be one of: ball, hinge, slider, universal, fixed; got \"hinges\"; did "
               "you mean "
               "\"hinge\"?");
-    EXPECT_THAT(fault(kBetween), HasSubstr("m.toml:19:1: joint \"pin\": missing key \"type\""));
-    EXPECT_THAT(fault("type = 3\n" + kBetween), HasSubstr("type must be a text, got a number"));
-    EXPECT_THAT(fault("type = \"fixed\"\n" + kBetween + "[[joint]]\ntype = \"fixed\"\nx = 1\n" + kBetween),
+    EXPECT_THAT(joint_fault(kBetween), HasSubstr("m.toml:19:1: joint \"pin\": missing key \"type\""));
+    EXPECT_THAT(joint_fault("type = 3\n" + kBetween), HasSubstr("type must be a text, got a number"));
+    EXPECT_THAT(joint_fault("type = \"fixed\"\n" + kBetween + "[[joint]]\ntype = \"fixed\"\nx = 1\n" + kBetween),
                 HasSubstr("m.toml:25:1: joint number 2: unknown key \"x\" in [[joint]] number 2"));
     EXPECT_THAT(errors_of("joint = 3\n" + model_with("")), HasSubstr("joint must be a list of tables; write [[joint]]"));
 }
 
 TEST(ReadJoint, NamesAreUniqueAlsoAmongBodiesAndElements) {
     const auto named = [](const std::string& name) {
-        return errors_of(model_with(kSecondBody +
+        return errors_of(model_with(kDisc +
                                     "[[element]]\nname = \"bolt\"\ntype = \"spring_damper\"\nfrom = \"plate\"\nto = "
                                     "\"ground\"\n[[joint]]\nname = \"pin\"\ntype = \"fixed\"\n" +
                                     kBetween + "[[joint]]\nname = \"" + name + "\"\ntype = \"fixed\"\n" + kBetween));
@@ -192,7 +193,7 @@ TEST(ReadJoint, NamesAreUniqueAlsoAmongBodiesAndElements) {
     EXPECT_THAT(named("bolt"), HasSubstr("m.toml:29:8: joint \"bolt\": the element on line 20 has the same name"));
     EXPECT_THAT(named("a.b"), HasSubstr("joint name \"a.b\" holds a dot"));
     for (const char* name : {"energy", "time", "ground"}) EXPECT_THAT(named(name), HasSubstr("is reserved")) << name;
-    EXPECT_THAT(errors_of(model_with(kSecondBody + "[[joint]]\ntype = \"fixed\"\n" + kBetween)),
+    EXPECT_THAT(errors_of(model_with(kDisc + "[[joint]]\ntype = \"fixed\"\n" + kBetween)),
                 HasSubstr("m.toml:19:1: joint number 1: missing key \"name\""));
 }
 

@@ -9,7 +9,7 @@ namespace {
 using testing::HasSubstr;
 
 std::string with_load(const std::string& text) { return model_with("[[load]]\n" + text); }
-std::string fault(const std::string& text) { return errors_of(with_load(text)); }
+std::string load_fault(const std::string& text) { return errors_of(with_load(text)); }
 
 TEST(ReadLoad, ActsOnABodyOrAMarker) {
     const Load load = parse(with_load("on = \"plate\"\ndirection = [3, 0, 4]\nforce = 7\n")).loads.at(0);
@@ -48,20 +48,20 @@ TEST(ReadLoad, ALoadOnWhatIsFixedIsRefused) {
 }
 
 TEST(ReadLoad, FaultsNameTheLoadByItsNumber) {
-    EXPECT_THAT(fault("on = \"ground\"\ndirection = [0, 0, 1]\nforce = 7\n"),
+    EXPECT_THAT(load_fault("on = \"ground\"\ndirection = [0, 0, 1]\nforce = 7\n"),
                 HasSubstr("m.toml:13:6: load number 1: a load on the ground moves nothing"));
-    EXPECT_THAT(fault("on = \"plte\"\ndirection = [0, 0, 1]\nforce = 7\n"),
+    EXPECT_THAT(load_fault("on = \"plte\"\ndirection = [0, 0, 1]\nforce = 7\n"),
                 HasSubstr("on: there is no body \"plte\"; did you mean \"plate\"?"));
-    EXPECT_THAT(fault("on = \"plate.b\"\ndirection = [0, 0, 1]\nforce = 7\n"),
+    EXPECT_THAT(load_fault("on = \"plate.b\"\ndirection = [0, 0, 1]\nforce = 7\n"),
                 HasSubstr("on: body \"plate\" has no marker \"b\""));
-    EXPECT_THAT(fault("on = \"plate\"\ndirection = [0, 0, 0]\nforce = 7\n"),
+    EXPECT_THAT(load_fault("on = \"plate\"\ndirection = [0, 0, 0]\nforce = 7\n"),
                 HasSubstr("m.toml:14:13: load number 1: direction must not be zero"));
-    EXPECT_THAT(fault("on = \"plate\"\ndirection = [0, 0, 1]\n"), HasSubstr("missing key: one of force, moment"));
-    EXPECT_THAT(fault("on = \"plate\"\ndirection = [0, 0, 1]\nforce = 7\nmoment = 7\n"),
+    EXPECT_THAT(load_fault("on = \"plate\"\ndirection = [0, 0, 1]\n"), HasSubstr("missing key: one of force, moment"));
+    EXPECT_THAT(load_fault("on = \"plate\"\ndirection = [0, 0, 1]\nforce = 7\nmoment = 7\n"),
                 HasSubstr("\"force\" and \"moment\" exclude each other"));
-    EXPECT_THAT(fault("on = \"plate\"\ndirection = [0, 0, 1]\nfroce = 7\n"),
+    EXPECT_THAT(load_fault("on = \"plate\"\ndirection = [0, 0, 1]\nfroce = 7\n"),
                 HasSubstr("unknown key \"froce\" in [[load]] number 1; did you mean \"force\"?"));
-    EXPECT_THAT(fault("direction = [0, 0, 1]\nforce = 7\n"), HasSubstr("missing key \"on\""));
+    EXPECT_THAT(load_fault("direction = [0, 0, 1]\nforce = 7\n"), HasSubstr("missing key \"on\""));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ std::string with_node(const std::string& node) {
     return model_with("[nodes]\n" + node + "\n[[element]]\nname = \"mass\"\ntype = \"lump\"\nat = \"tip\"\nmass = 1\n");
 }
 Node node(const std::string& text) { return parse(with_node("tip = " + text)).nodes.at(0); }
-std::string fault(const std::string& text) { return errors_of(with_node("tip = " + text)); }
+std::string node_fault(const std::string& text) { return errors_of(with_node("tip = " + text)); }
 
 TEST(ReadNode, APositionIsEnough) {
     const Node tip = node("[\"1.45 m\", 0, \"-20 mm\"]");
@@ -39,23 +39,24 @@ TEST(ReadNode, ATableSaysMore) {
 }
 
 TEST(ReadNode, FaultsNameTheNode) {
-    EXPECT_EQ(fault("[1, 2]"), "m.toml:13:7: node \"tip\" wants 3 numbers, got 2");
-    EXPECT_EQ(fault("[0,8, 1, 2]"), "m.toml:13:7: node \"tip\" wants 3 numbers, got 4 (a number has a decimal point, 0.8)");
-    EXPECT_EQ(fault("{ fixed = [] }"), "m.toml:13:7: node \"tip\": missing key \"position\"");
-    EXPECT_EQ(fault("{ position = [0, 0, 0], fixd = [] }"),
+    EXPECT_EQ(node_fault("[1, 2]"), "m.toml:13:7: node \"tip\" wants 3 numbers, got 2");
+    EXPECT_EQ(node_fault("[0,8, 1, 2]"),
+              "m.toml:13:7: node \"tip\" wants 3 numbers, got 4 (a number has a decimal point, 0.8)");
+    EXPECT_EQ(node_fault("{ fixed = [] }"), "m.toml:13:7: node \"tip\": missing key \"position\"");
+    EXPECT_EQ(node_fault("{ position = [0, 0, 0], fixd = [] }"),
               "m.toml:13:31: node \"tip\": unknown key \"fixd\"; did you mean \"fixed\"?");
-    EXPECT_EQ(fault("{ position = [0, 0, 0], fixed = \"x\" }"),
+    EXPECT_EQ(node_fault("{ position = [0, 0, 0], fixed = \"x\" }"),
               "m.toml:13:39: node \"tip\": fixed must be a list of directions out of x, y, z, rx, ry, rz; got a text");
-    EXPECT_EQ(fault("{ position = [0, 0, 0], fixed = [\"x\", \"theta\"] }"),
+    EXPECT_EQ(node_fault("{ position = [0, 0, 0], fixed = [\"x\", \"theta\"] }"),
               "m.toml:13:45: node \"tip\": fixed: \"theta\" is none of the directions x, y, z, rx, ry, rz");
-    EXPECT_EQ(fault("{ position = [0, 0, 0], fixed = [1] }"),
+    EXPECT_EQ(node_fault("{ position = [0, 0, 0], fixed = [1] }"),
               "m.toml:13:40: node \"tip\": fixed: a number is none of the directions x, y, z, rx, ry, rz");
-    EXPECT_EQ(fault("{ position = [0, 0, 0], fixed = [\"x\", \"x\"] }"),
+    EXPECT_EQ(node_fault("{ position = [0, 0, 0], fixed = [\"x\", \"x\"] }"),
               "m.toml:13:45: node \"tip\": fixed names \"x\" twice");
-    EXPECT_EQ(fault("{ position = [0, 0, 0], fixed = [\"ry\"], angular_velocity = [0, 1, 0] }"),
+    EXPECT_EQ(node_fault("{ position = [0, 0, 0], fixed = [\"ry\"], angular_velocity = [0, 1, 0] }"),
               "m.toml:13:66: node \"tip\": angular_velocity moves the node in ry, which is fixed");
     EXPECT_EQ(
-        fault("[0, 2e6, 0]"),
+        node_fault("[0, 2e6, 0]"),
         "m.toml:13:7: node \"tip\": position must be within 1000000 m of the origin in every direction, got 2000000 m");
     EXPECT_THAT(parse(with_node("tip = [0, 2e4, 0]")).warnings,
                 testing::Contains(HasSubstr("node \"tip\": position is 20000 m from the origin")));

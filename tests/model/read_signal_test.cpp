@@ -20,7 +20,7 @@ std::string with_force(const std::string& force, const char* key = "force") {
 }
 
 Signal signal(const std::string& force) { return parse(with_force(force)).loads.at(0).signal; }
-std::string fault(const std::string& force) { return errors_of(with_force(force)); }
+std::string signal_fault(const std::string& force) { return errors_of(with_force(force)); }
 
 // Oracles below: the formulas in signal_shapes.h at points where they are simple.
 TEST(ReadSignal, ANumberOrQuantityIsConstant) {
@@ -61,32 +61,36 @@ TEST(ReadSignal, AMomentIsInNewtonMetres) {
 }
 
 TEST(ReadSignal, FaultsNameTheKeyAndTheRule) {
-    EXPECT_THAT(fault("\"5 kg\""), HasSubstr("m.toml:18:9: load number 1: force: expected a value in N, got \"5 kg\""));
-    EXPECT_THAT(fault("\"=q\""), HasSubstr("expected a value in N, got \"=q\", which is \"3 m\" (line 14)"));
-    EXPECT_THAT(fault("\"=foo(t)\""), HasSubstr("unknown function \"foo\""));
-    EXPECT_THAT(fault("\"=1/t\""), HasSubstr("not finite at t = 0"));
-    EXPECT_THAT(fault("true"), HasSubstr("expected a number in N, got true or false"));
-    EXPECT_THAT(fault("{ to = 3 }"), HasSubstr("missing key \"type\"; one of constant, step"));
-    EXPECT_THAT(fault("{ type = \"stpe\" }"), HasSubstr("unknown type \"stpe\" of a signal; did you mean \"step\"?"));
-    EXPECT_THAT(fault("{ type = \"step\", to = 1, ende = 2 }"), HasSubstr("unknown key \"ende\"; did you mean \"end\"?"));
-    EXPECT_THAT(fault("{ type = \"step\", to = 1 }"), HasSubstr("force: missing key \"end\""));
-    EXPECT_THAT(fault("{ type = \"step\", to = 1, start = 3, end = 2 }"),
+    EXPECT_THAT(signal_fault("\"5 kg\""),
+                HasSubstr("m.toml:18:9: load number 1: force: expected a value in N, got \"5 kg\""));
+    EXPECT_THAT(signal_fault("\"=q\""), HasSubstr("expected a value in N, got \"=q\", which is \"3 m\" (line 14)"));
+    EXPECT_THAT(signal_fault("\"=foo(t)\""), HasSubstr("unknown function \"foo\""));
+    EXPECT_THAT(signal_fault("\"=1/t\""), HasSubstr("not finite at t = 0"));
+    EXPECT_THAT(signal_fault("true"), HasSubstr("expected a number in N, got true or false"));
+    EXPECT_THAT(signal_fault("{ to = 3 }"), HasSubstr("missing key \"type\"; one of constant, step"));
+    EXPECT_THAT(signal_fault("{ type = \"stpe\" }"), HasSubstr("unknown type \"stpe\" of a signal; did you mean \"step\"?"));
+    EXPECT_THAT(signal_fault("{ type = \"step\", to = 1, ende = 2 }"),
+                HasSubstr("unknown key \"ende\"; did you mean \"end\"?"));
+    EXPECT_THAT(signal_fault("{ type = \"step\", to = 1 }"), HasSubstr("force: missing key \"end\""));
+    EXPECT_THAT(signal_fault("{ type = \"step\", to = 1, start = 3, end = 2 }"),
                 HasSubstr("end must not lie before start (3 s), got 2 s"));
-    EXPECT_THAT(fault("{ type = \"haversine\", peak = 1, width = 0 }"), HasSubstr("width must be > 0 s, got 0"));
-    EXPECT_THAT(fault("{ type = \"pulse\", peak = 1, width = 1, count = 2 }"), HasSubstr("missing key \"period\""));
-    EXPECT_THAT(fault("{ type = \"pulse\", peak = 1, width = 1, count = 2, period = 0.5 }"),
+    EXPECT_THAT(signal_fault("{ type = \"haversine\", peak = 1, width = 0 }"), HasSubstr("width must be > 0 s, got 0"));
+    EXPECT_THAT(signal_fault("{ type = \"pulse\", peak = 1, width = 1, count = 2 }"), HasSubstr("missing key \"period\""));
+    EXPECT_THAT(signal_fault("{ type = \"pulse\", peak = 1, width = 1, count = 2, period = 0.5 }"),
                 HasSubstr("period must be ≥ width (1 s), got 0.5 s"));
-    EXPECT_THAT(fault("{ type = \"pulse\", peak = 1, width = 1, count = 2.5, period = 2 }"),
+    EXPECT_THAT(signal_fault("{ type = \"pulse\", peak = 1, width = 1, count = 2.5, period = 2 }"),
                 HasSubstr("count must be a whole number, got 2.5"));
-    EXPECT_THAT(fault("{ type = \"sine\", amplitude = 1, frequency = \"314 rad/s\" }"), HasSubstr("expected a value in Hz"));
-    EXPECT_THAT(fault("{ type = \"table\", times = [0, 1], values = [0, 1, 2] }"),
+    EXPECT_THAT(signal_fault("{ type = \"sine\", amplitude = 1, frequency = \"314 rad/s\" }"),
+                HasSubstr("expected a value in Hz"));
+    EXPECT_THAT(signal_fault("{ type = \"table\", times = [0, 1], values = [0, 1, 2] }"),
                 HasSubstr("must be of one length, got 2 and 3"));
-    EXPECT_THAT(fault("{ type = \"table\", times = [0, 2, 2], values = [0, 1, 2] }"),
+    EXPECT_THAT(signal_fault("{ type = \"table\", times = [0, 2, 2], values = [0, 1, 2] }"),
                 HasSubstr("row 3 (2 s) does not come after row 2 (2 s)"));
-    EXPECT_THAT(fault("{ type = \"table\", times = [], values = [] }"), HasSubstr("times wants 1 number, got 0"));
-    EXPECT_THAT(fault("{ type = \"table\", file = \"../x.csv\" }"),
+    EXPECT_THAT(signal_fault("{ type = \"table\", times = [], values = [] }"), HasSubstr("times wants 1 number, got 0"));
+    EXPECT_THAT(signal_fault("{ type = \"table\", file = \"../x.csv\" }"),
                 HasSubstr("table file \"../x.csv\" is outside the model folder"));
-    EXPECT_THAT(fault("{ type = \"expression\", value = 3 }"), HasSubstr("value must be a text that begins with \"=\""));
+    EXPECT_THAT(signal_fault("{ type = \"expression\", value = 3 }"),
+                HasSubstr("value must be a text that begins with \"=\""));
 }
 
 TEST(ReadSignal, ATableFileLiesBesideTheModel) {

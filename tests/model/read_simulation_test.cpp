@@ -10,7 +10,7 @@ using testing::Contains;
 using testing::HasSubstr;
 
 Model with(const std::string& text, const ModelOverrides& overrides = {}) { return parse(simulation_with(text), overrides); }
-std::string fault(const std::string& text, const ModelOverrides& overrides = {}) {
+std::string simulation_fault(const std::string& text, const ModelOverrides& overrides = {}) {
     return errors_of(simulation_with(text), overrides);
 }
 
@@ -41,22 +41,23 @@ TEST(ReadSimulation, SettingsAndDefaults) {
 
 TEST(ReadSimulation, StepMustBeReasonable) {
     for (const char* step : {"0", "-1", "1e-300", "1e-10", "1.1"})
-        EXPECT_THAT(fault("duration = 2\nstep = " + std::string(step) + "\n"),
+        EXPECT_THAT(simulation_fault("duration = 2\nstep = " + std::string(step) + "\n"),
                     HasSubstr("m.toml:6:8: simulation: step must be "))
             << step;
     for (const char* step : {"nan", "inf"})
-        EXPECT_THAT(fault("duration = 1\nstep = " + std::string(step) + "\n"), HasSubstr("step must be finite")) << step;
-    EXPECT_THAT(fault("duration = 1\nstep = 1e-10\n"), HasSubstr("must be ≥ 1e-09 s"));
-    EXPECT_THAT(fault("duration = 1\n"), HasSubstr("m.toml:4:1: simulation: missing key \"step\""));
+        EXPECT_THAT(simulation_fault("duration = 1\nstep = " + std::string(step) + "\n"), HasSubstr("step must be finite"))
+            << step;
+    EXPECT_THAT(simulation_fault("duration = 1\nstep = 1e-10\n"), HasSubstr("must be ≥ 1e-09 s"));
+    EXPECT_THAT(simulation_fault("duration = 1\n"), HasSubstr("m.toml:4:1: simulation: missing key \"step\""));
     EXPECT_THAT(errors_of(std::string(kStart) + kBody), HasSubstr("missing table [simulation] with duration and step"));
 }
 
 TEST(ReadSimulation, DurationIsAWholeNumberOfSteps) {
-    EXPECT_THAT(fault("duration = 0.1\nstep = 0.25\n"),
+    EXPECT_THAT(simulation_fault("duration = 0.1\nstep = 0.25\n"),
                 HasSubstr("m.toml:5:12: simulation: duration must be at least one step (0.25 s), got 0.1 s"));
-    EXPECT_THAT(fault("duration = \"1e6 s\"\nstep = 1e-5\n"),
+    EXPECT_THAT(simulation_fault("duration = \"1e6 s\"\nstep = 1e-5\n"),
                 HasSubstr("duration is 1e+11 steps; at most 1e+10 are allowed"));
-    EXPECT_THAT(fault("duration = 1.1\nstep = 0.25\n"),
+    EXPECT_THAT(simulation_fault("duration = 1.1\nstep = 0.25\n"),
                 HasSubstr("duration must be a whole number of steps, got 1.1 s / 0.25 s = 4.4; a duration of 1 s or 1.25 s "
                           "would fit, or a step of 0.22 s or 0.275 s"));
     EXPECT_NO_THROW(with("duration = 1\nstep = 0.333333333333\n"));  // within 1e-6 of a step
@@ -91,51 +92,54 @@ TEST(ReadSimulation, ToleranceMustBeReasonable) {
     const std::string settings = "duration = 1\nstep = 0.1\n";
     const std::string place = "m.toml:7:13: simulation: tolerance ";
     for (const char* text : {"0", "-1", "1e-10", "\"0 %\""})
-        EXPECT_THAT(fault(settings + "tolerance = " + text + "\n"), HasSubstr(place + "must be ≥ 1e-09")) << text;
+        EXPECT_THAT(simulation_fault(settings + "tolerance = " + text + "\n"), HasSubstr(place + "must be ≥ 1e-09")) << text;
     for (const char* text : {"2", "0.51", "\"200 %\""})
-        EXPECT_THAT(fault(settings + "tolerance = " + text + "\n"), HasSubstr(place + "must be ≤ 0.5")) << text;
-    EXPECT_THAT(fault(settings + "tolerance = nan\n"), HasSubstr("tolerance must be finite"));
-    EXPECT_THAT(fault(settings + "tolerance = \"3 kg\"\n"), HasSubstr("got \"3 kg\""));
-    EXPECT_THAT(fault(settings + "tolerance = \"0,1 %\"\n"), HasSubstr("m.toml:7:13: simulation: tolerance"));
-    EXPECT_THAT(fault(settings + "tolerance = true\n"), HasSubstr("m.toml:7:13: simulation: tolerance"));
-    EXPECT_THAT(fault(settings + "tollerance = 0.1\n"), HasSubstr("did you mean \"tolerance\"?"));
+        EXPECT_THAT(simulation_fault(settings + "tolerance = " + text + "\n"), HasSubstr(place + "must be ≤ 0.5")) << text;
+    EXPECT_THAT(simulation_fault(settings + "tolerance = nan\n"), HasSubstr("tolerance must be finite"));
+    EXPECT_THAT(simulation_fault(settings + "tolerance = \"3 kg\"\n"), HasSubstr("got \"3 kg\""));
+    EXPECT_THAT(simulation_fault(settings + "tolerance = \"0,1 %\"\n"), HasSubstr("m.toml:7:13: simulation: tolerance"));
+    EXPECT_THAT(simulation_fault(settings + "tolerance = true\n"), HasSubstr("m.toml:7:13: simulation: tolerance"));
+    EXPECT_THAT(simulation_fault(settings + "tollerance = 0.1\n"), HasSubstr("did you mean \"tolerance\"?"));
     ModelOverrides overrides;
     overrides.tolerance = "3 kg";
-    EXPECT_THAT(fault(settings, overrides), HasSubstr("--tolerance: tolerance"));
+    EXPECT_THAT(simulation_fault(settings, overrides), HasSubstr("--tolerance: tolerance"));
     overrides.tolerance = "0";
-    EXPECT_THAT(fault(settings, overrides), HasSubstr("--tolerance: tolerance must be ≥ 1e-09"));
+    EXPECT_THAT(simulation_fault(settings, overrides), HasSubstr("--tolerance: tolerance must be ≥ 1e-09"));
 }
 
 TEST(ReadSimulation, FaultsOfOptionsNameThem) {
     const std::string settings = "duration = 1\nstep = 0.1\n";
-    EXPECT_EQ(fault(settings, with_options("0")), "--step: step must be ≥ 1e-09 s, got 0");
-    EXPECT_THAT(fault(settings, with_options("1 kg")), HasSubstr("--step: step: expected a value in s, got \"1 kg\""));
-    EXPECT_THAT(fault(settings, with_options({}, "0.15")),
+    EXPECT_EQ(simulation_fault(settings, with_options("0")), "--step: step must be ≥ 1e-09 s, got 0");
+    EXPECT_THAT(simulation_fault(settings, with_options("1 kg")),
+                HasSubstr("--step: step: expected a value in s, got \"1 kg\""));
+    EXPECT_THAT(simulation_fault(settings, with_options({}, "0.15")),
                 HasSubstr("--duration: duration must be a whole number of steps"));
-    EXPECT_THAT(fault(settings, with_options({}, {}, "implizit")),
+    EXPECT_THAT(simulation_fault(settings, with_options({}, {}, "implizit")),
                 HasSubstr("--coupling: must be one of: implicit, explicit; got \"implizit\""));
 }
 
 TEST(ReadSimulation, SchemeBelongsToTheExplicitCoupling) {
     const std::string settings = "duration = 1\nstep = 0.1\n";
-    EXPECT_THAT(fault(settings + "scheme = \"park\"\n"),
+    EXPECT_THAT(simulation_fault(settings + "scheme = \"park\"\n"),
                 HasSubstr("m.toml:7:1: simulation: scheme belongs to coupling = \"explicit\""));
-    EXPECT_THAT(fault(settings + "coupling = \"explicit\"\nscheme = \"newmark\"\n"),
+    EXPECT_THAT(simulation_fault(settings + "coupling = \"explicit\"\nscheme = \"newmark\"\n"),
                 HasSubstr("scheme must be one of: fox-euler, bdf1, bdf2, houbolt, park; got \"newmark\""));
-    EXPECT_THAT(fault(settings + "coupling = 3\n"), HasSubstr("coupling must be a text, got a number"));
-    EXPECT_THAT(fault(settings + "solver = 3\n"), HasSubstr("simulation: unknown key \"solver\"; known here: duration, "
-                                                            "step, tolerance, coupling, scheme, spectral_radius, gravity"));
+    EXPECT_THAT(simulation_fault(settings + "coupling = 3\n"), HasSubstr("coupling must be a text, got a number"));
+    EXPECT_THAT(simulation_fault(settings + "solver = 3\n"),
+                HasSubstr("simulation: unknown key \"solver\"; known here: duration, "
+                          "step, tolerance, coupling, scheme, spectral_radius, gravity"));
 }
 
 TEST(ReadSimulation, SpectralRadiusBelongsToTheImplicitCoupling) {
     const std::string settings = "duration = 1\nstep = 0.1\nspectral_radius = ";
     EXPECT_EQ(with(settings + "0.8\n").simulation.spectral_radius, 0.8);
     EXPECT_EQ(with(settings + "0\n").simulation.spectral_radius, 0);
-    EXPECT_THAT(fault(settings + "1.01\n"), HasSubstr("m.toml:7:19: simulation: spectral_radius must be ≤ 1, got 1.01"));
-    EXPECT_THAT(fault(settings + "-0.1\n"), HasSubstr("spectral_radius must be ≥ 0, got -0.1"));
-    EXPECT_THAT(fault(settings + "nan\n"), HasSubstr("spectral_radius must be finite"));
+    EXPECT_THAT(simulation_fault(settings + "1.01\n"),
+                HasSubstr("m.toml:7:19: simulation: spectral_radius must be ≤ 1, got 1.01"));
+    EXPECT_THAT(simulation_fault(settings + "-0.1\n"), HasSubstr("spectral_radius must be ≥ 0, got -0.1"));
+    EXPECT_THAT(simulation_fault(settings + "nan\n"), HasSubstr("spectral_radius must be finite"));
     const std::string is_explicit = settings + "0.8\ncoupling = \"explicit\"\n";
-    EXPECT_THAT(fault(is_explicit),
+    EXPECT_THAT(simulation_fault(is_explicit),
                 HasSubstr("m.toml:7:1: simulation: spectral_radius belongs to coupling = \"implicit\"; the explicit"));
     EXPECT_EQ(with(is_explicit, with_options({}, {}, "implicit")).simulation.spectral_radius, 0.8);
     EXPECT_EQ(with(settings + "0.8\n", with_options({}, {}, "explicit")).simulation.coupling, Coupling::explicit_);
@@ -144,7 +148,8 @@ TEST(ReadSimulation, SpectralRadiusBelongsToTheImplicitCoupling) {
 TEST(ReadSimulation, GravityInMillimetresIsWarnedOf) {
     EXPECT_THAT(with("duration = 1\nstep = 0.1\ngravity = [0, 0, -9810]\n").warnings,
                 Contains(HasSubstr("m.toml:7:11: simulation: gravity of 9810 m/s² looks like mm/s²")));
-    EXPECT_THAT(fault("duration = 1\nstep = 0.1\ngravity = 9.81\n"), HasSubstr("gravity wants 3 numbers, got a number"));
+    EXPECT_THAT(simulation_fault("duration = 1\nstep = 0.1\ngravity = 9.81\n"),
+                HasSubstr("gravity wants 3 numbers, got a number"));
 }
 
 TEST(ReadOutput, RowsFallOnStepsAndOnTheEnd) {

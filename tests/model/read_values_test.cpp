@@ -20,7 +20,7 @@ std::string with_beam(const std::string& parameters, const std::string& material
                       material);
 }
 std::vector<double> values(const std::string& parameters) { return parse(with_beam(parameters)).elements.at(0).values; }
-std::string fault(const std::string& parameters) { return errors_of(with_beam(parameters)); }
+std::string value_fault(const std::string& parameters) { return errors_of(with_beam(parameters)); }
 
 TEST(ReadValues, WhatIsLeftOutIsTheDefaultOrNotANumber) {
     EXPECT_THAT(values(""), ElementsAre(1, 10, IsNan(), IsNan(), IsNan(), kRigid, 2e9));
@@ -38,14 +38,15 @@ TEST(ReadValues, NestedTablesWordsAndWholeNumbersAreRead) {
 }
 
 TEST(ReadValues, KeysOfNestedTablesAreChecked) {
-    EXPECT_EQ(fault("section = { tub = [1, 2] }\n"),
+    EXPECT_EQ(value_fault("section = { tub = [1, 2] }\n"),
               "m.toml:17:13: element \"rod\": section: unknown key \"tub\"; did you mean \"tube\"?");
-    EXPECT_EQ(fault("section = 3\n"),
+    EXPECT_EQ(value_fault("section = 3\n"),
               "m.toml:17:11: element \"rod\": section: expected a table such as { tube = ... }, got a number");
-    EXPECT_EQ(fault("section = { tube = 3 }\n"),
+    EXPECT_EQ(value_fault("section = { tube = 3 }\n"),
               "m.toml:17:20: element \"rod\": section: tube wants 2 numbers, got a number");
-    EXPECT_EQ(fault("section = { mass = -1 }\n"), "m.toml:17:20: element \"rod\": section: mass must be ≥ 0 kg, got -1");
-    EXPECT_EQ(fault("sections = { mass = 1 }\n"),
+    EXPECT_EQ(value_fault("section = { mass = -1 }\n"),
+              "m.toml:17:20: element \"rod\": section: mass must be ≥ 0 kg, got -1");
+    EXPECT_EQ(value_fault("sections = { mass = 1 }\n"),
               "m.toml:17:1: element \"rod\": unknown key \"sections\" in [[element]] number "
               "1; did you mean \"section\"?");
     EXPECT_EQ(errors_of(with_beam("", "")), "m.toml:12:1: element \"rod\": missing key \"material.E\"");
@@ -54,26 +55,26 @@ TEST(ReadValues, KeysOfNestedTablesAreChecked) {
 
 TEST(ReadValues, FaultyWordsAreToldWithTheWordsThereAre) {
     EXPECT_EQ(
-        fault("theory = \"timoschenko\"\n"),
+        value_fault("theory = \"timoschenko\"\n"),
         "m.toml:17:10: element \"rod\": theory must be one of: euler-bernoulli, timoshenko; got \"timoschenko\"; did you "
         "mean \"timoshenko\"?");
-    EXPECT_EQ(fault("theory = 2\n"),
+    EXPECT_EQ(value_fault("theory = 2\n"),
               "m.toml:17:10: element \"rod\": theory must be one of: euler-bernoulli, timoshenko; got a "
               "number");
-    EXPECT_EQ(fault("theory = \"=1\"\n"),
+    EXPECT_EQ(value_fault("theory = \"=1\"\n"),
               "m.toml:17:10: element \"rod\": theory must be one of: euler-bernoulli, timoshenko; "
               "got \"=1\"");
     EXPECT_EQ(
-        fault("stiffness = { y = \"fre\" }\n"),
+        value_fault("stiffness = { y = \"fre\" }\n"),
         "m.toml:17:19: element \"rod\": stiffness: y must be a number in N/m or one of: free, rigid; got \"fre\"; did you "
         "mean \"free\"?");
-    EXPECT_THAT(fault("stiffness.y = \"5 kg\"\n"), HasSubstr("expected a value in N/m, got \"5 kg\""));
-    EXPECT_THAT(fault("stiffness.y = inf\n"), HasSubstr("y must be finite, got inf")) << "that is what words are for";
+    EXPECT_THAT(value_fault("stiffness.y = \"5 kg\"\n"), HasSubstr("expected a value in N/m, got \"5 kg\""));
+    EXPECT_THAT(value_fault("stiffness.y = inf\n"), HasSubstr("y must be finite, got inf")) << "that is what words are for";
 }
 
 TEST(ReadValues, WholeNumbersAreWhole) {
-    EXPECT_EQ(fault("segments = 2.5\n"), "m.toml:17:12: element \"rod\": segments must be a whole number, got 2.5");
-    EXPECT_THAT(fault("segments = 0\n"), HasSubstr("segments must be ≥ 1, got 0"));
+    EXPECT_EQ(value_fault("segments = 2.5\n"), "m.toml:17:12: element \"rod\": segments must be a whole number, got 2.5");
+    EXPECT_THAT(value_fault("segments = 0\n"), HasSubstr("segments must be ≥ 1, got 0"));
 }
 
 // What a parameter is not given does not make two elements differ, nor an element that is rigid one that carries nothing.

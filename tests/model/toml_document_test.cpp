@@ -18,7 +18,7 @@ TomlValue document(std::string_view text) {
     return value.value();
 }
 
-std::string fault(std::string_view text) {
+std::string document_fault(std::string_view text) {
     return error_of([&] { document(text); });
 }
 
@@ -54,41 +54,42 @@ TEST(TomlDocument, EveryKindOfValueWithItsPlace) {
 }
 
 TEST(TomlDocument, SyntaxFaultsHaveTheirPlace) {
-    EXPECT_THAT(fault("[[[body]]\n"), HasSubstr("m.toml:1:3: expected bare key"));
-    EXPECT_THAT(fault("a = 1\nb = [1, 2\n"), HasSubstr("m.toml:2:11: encountered end-of-file"));
-    EXPECT_THAT(fault("a = {x = 1,}\n"), HasSubstr("m.toml:1:12: expected key-value pair"));
-    EXPECT_THAT(fault("a = 1\r\nb = 2 c\r\n"), HasSubstr("m.toml:2:7: expected a comment"));
-    EXPECT_THAT(fault("a = \"abc"), HasSubstr("m.toml:1:5: the string that begins here"));
+    EXPECT_THAT(document_fault("[[[body]]\n"), HasSubstr("m.toml:1:3: expected bare key"));
+    EXPECT_THAT(document_fault("a = 1\nb = [1, 2\n"), HasSubstr("m.toml:2:11: encountered end-of-file"));
+    EXPECT_THAT(document_fault("a = {x = 1,}\n"), HasSubstr("m.toml:1:12: expected key-value pair"));
+    EXPECT_THAT(document_fault("a = 1\r\nb = 2 c\r\n"), HasSubstr("m.toml:2:7: expected a comment"));
+    EXPECT_THAT(document_fault("a = \"abc"), HasSubstr("m.toml:1:5: the string that begins here"));
 }
 
 TEST(TomlDocument, DecimalCommasAndBareUnitsAreNamed) {
-    EXPECT_THAT(fault("a = 2,5"),
+    EXPECT_THAT(document_fault("a = 2,5"),
                 HasSubstr("m.toml:1:6: expected a comment or whitespace, saw ','; a number has a decimal point"));
     for (const char* text : {"a = 2 s", "a = 2s", "a = 2.5\tmm"})
-        EXPECT_THAT(fault(text), HasSubstr("a value with a unit stands in quotes")) << text;
-    EXPECT_THAT(fault("a = true b"), Not(HasSubstr("quotes")));
+        EXPECT_THAT(document_fault(text), HasSubstr("a value with a unit stands in quotes")) << text;
+    EXPECT_THAT(document_fault("a = true b"), Not(HasSubstr("quotes")));
 }
 
 TEST(TomlDocument, NumbersOutOfRangeSayWhichRange) {
-    EXPECT_THAT(fault("a = 1\nb = 99999999999999999999"), HasSubstr("m.toml:2:5: 99999999999999999999 is out of range"));
-    EXPECT_THAT(fault("a = [2, 1e999]"), HasSubstr("m.toml:1:9: 1e999 is out of range"));
+    EXPECT_THAT(document_fault("a = 1\nb = 99999999999999999999"),
+                HasSubstr("m.toml:2:5: 99999999999999999999 is out of range"));
+    EXPECT_THAT(document_fault("a = [2, 1e999]"), HasSubstr("m.toml:1:9: 1e999 is out of range"));
 }
 
 TEST(TomlDocument, DuplicatesNameBothPlaces) {
-    EXPECT_THAT(fault("a=1\n\nb=2\n a = 3\n"),
+    EXPECT_THAT(document_fault("a=1\n\nb=2\n a = 3\n"),
                 HasSubstr("m.toml:4:2: cannot redefine existing integer 'a'; first defined on line 1, column 1"));
-    EXPECT_THAT(fault("a=1\r\nb=2\r\nb=3\r\n"),
+    EXPECT_THAT(document_fault("a=1\r\nb=2\r\nb=3\r\n"),
                 HasSubstr("m.toml:3:1: cannot redefine existing integer 'b'; first defined on line 2, column 1"));
-    EXPECT_THAT(fault("[x]\na.b=1\n[y]\n[x]\n"),
+    EXPECT_THAT(document_fault("[x]\na.b=1\n[y]\n[x]\n"),
                 HasSubstr("m.toml:4:1: cannot redefine existing table 'x'; first defined on line 1, column 2"));
-    EXPECT_THAT(fault("[[q]]\nm.z=1\n[[q]]\nw=1\n[v]\nm.x=5\nm.x=6"),
+    EXPECT_THAT(document_fault("[[q]]\nm.z=1\n[[q]]\nw=1\n[v]\nm.x=5\nm.x=6"),
                 HasSubstr("m.toml:7:1: cannot redefine existing integer 'm.x'; first defined on line 6"));
-    EXPECT_THAT(fault("a = {x=1, x=2}"), HasSubstr("m.toml:1:"));
+    EXPECT_THAT(document_fault("a = {x=1, x=2}"), HasSubstr("m.toml:1:"));
 }
 
 TEST(TomlDocument, LettersBeyondAsciiMayFollowAFoldedLine) {
     EXPECT_EQ(document("t = \"\"\"a \\\n  éあ\"\"\"\n").find("t")->value.string, "a éあ");
-    EXPECT_NE(fault("t = \"\"\"a \\é\"\"\"\n"), "");
+    EXPECT_NE(document_fault("t = \"\"\"a \\é\"\"\"\n"), "");
 }
 
 // Oracle: no input may end the process, and every refusal has a text: bytes of a valid file deleted, doubled and swapped.

@@ -11,7 +11,7 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string fault(const std::string& text, const std::string& wanted) {
+std::string unit_fault(const std::string& text, const std::string& wanted) {
     return error_of([&] { parse_quantity(text, wanted); });
 }
 
@@ -66,16 +66,16 @@ TEST(Units, QuantityOfAnyDimensionKeepsItsSiUnit) {
 }
 
 TEST(Units, WrongDimensionNamesTheExpectedOneAndTheUnitsAccepted) {
-    EXPECT_EQ(fault("500 kg", "N/m"),
+    EXPECT_EQ(unit_fault("500 kg", "N/m"),
               "expected a value in N/m, got \"500 kg\"; accepted here: N/m, N/mm, kN/m, kN/mm, MN/m");
-    EXPECT_THAT(fault("5 N", "s"), HasSubstr("accepted here: s, ms, us, min"));
-    EXPECT_THAT(fault("5 N", "m^7"), HasSubstr("accepted here: m^7"));
+    EXPECT_THAT(unit_fault("5 N", "s"), HasSubstr("accepted here: s, ms, us, min"));
+    EXPECT_THAT(unit_fault("5 N", "m^7"), HasSubstr("accepted here: m^7"));
 }
 
 TEST(Units, UnknownUnitIsNamed) {
-    EXPECT_THAT(fault("500 N/furlongx", "N/m"),
+    EXPECT_THAT(unit_fault("500 N/furlongx", "N/m"),
                 HasSubstr("unknown unit \"N/furlongx\" in \"500 N/furlongx\"; accepted here: N/m, N/mm"));
-    EXPECT_THAT(fault("500 N/mM", "N/m"), HasSubstr("unknown unit \"N/mM\""));
+    EXPECT_THAT(unit_fault("500 N/mM", "N/m"), HasSubstr("unknown unit \"N/mM\""));
     EXPECT_NEAR(parse_quantity("500 N/furlong", "N/m"), 500 / 201.168,
                 1e-5);  // a unit after all, of the US survey foot: 2e-6
 }
@@ -88,9 +88,9 @@ TEST(Units, OnlyUnitsThatMultiplyPass) {
 
 // 50 Hz are 100 pi rad/s: UDUNITS calls both 1/s, and a factor of 2 pi would be lost without a word.
 TEST(Units, CyclesAndRadiansAreKeptApart) {
-    EXPECT_THAT(fault("50 Hz", "rad/s"), HasSubstr("expected a value in rad/s"));
-    EXPECT_THAT(fault("314 rad/s", "Hz"), HasSubstr("expected a value in Hz"));
-    EXPECT_THAT(fault("3000 rpm", "Hz"), HasSubstr("expected a value in Hz"));
+    EXPECT_THAT(unit_fault("50 Hz", "rad/s"), HasSubstr("expected a value in rad/s"));
+    EXPECT_THAT(unit_fault("314 rad/s", "Hz"), HasSubstr("expected a value in Hz"));
+    EXPECT_THAT(unit_fault("3000 rpm", "Hz"), HasSubstr("expected a value in Hz"));
     EXPECT_EQ(parse_quantity("314 1/s", "rad/s"), 314.0);
     EXPECT_FALSE(measures("Hz", "rad/s"));
     EXPECT_TRUE(measures("N*m", "N*m/rad"));
@@ -102,19 +102,20 @@ TEST(Units, CyclesAndRadiansAreKeptApart) {
 }
 
 TEST(Units, ANulDoesNotHideWhatFollows) {
-    EXPECT_THAT(fault(std::string("5 m\0foo", 7), "m"), HasSubstr("unknown unit \"m\\u{0}foo\""));
+    EXPECT_THAT(unit_fault(std::string("5 m\0foo", 7), "m"), HasSubstr("unknown unit \"m\\u{0}foo\""));
 }
 
-TEST(Units, CommaHintsAtThePoint) { EXPECT_THAT(fault("0,5 mm", "m"), HasSubstr("the decimal sign is a point")); }
+TEST(Units, CommaHintsAtThePoint) { EXPECT_THAT(unit_fault("0,5 mm", "m"), HasSubstr("the decimal sign is a point")); }
 
 TEST(Units, NumbersMustBeFiniteAndInRange) {
-    for (const char* text : {"inf m", "nan", "-infinity"}) EXPECT_THAT(fault(text, "m"), HasSubstr("not finite")) << text;
+    for (const char* text : {"inf m", "nan", "-infinity"})
+        EXPECT_THAT(unit_fault(text, "m"), HasSubstr("not finite")) << text;
     for (const char* text : {"1e999 m", "1e-400 m", "1e306 km"})
-        EXPECT_THAT(fault(text, "m"), HasSubstr("out of range")) << text;
+        EXPECT_THAT(unit_fault(text, "m"), HasSubstr("out of range")) << text;
     for (const char* text : {"mm", "x5", "--5 m", "= 5"})
-        EXPECT_THAT(fault(text, "m"), HasSubstr("expected a number")) << text;
-    for (const char* text : {"", "  "}) EXPECT_THAT(fault(text, "m"), HasSubstr("empty")) << text;
-    EXPECT_THAT(fault("5 " + std::string(100000, 'm'), "m"), HasSubstr("100002 bytes"));
+        EXPECT_THAT(unit_fault(text, "m"), HasSubstr("expected a number")) << text;
+    for (const char* text : {"", "  "}) EXPECT_THAT(unit_fault(text, "m"), HasSubstr("empty")) << text;
+    EXPECT_THAT(unit_fault("5 " + std::string(100000, 'm'), "m"), HasSubstr("100002 bytes"));
 }
 
 TEST(Units, TheLocaleDoesNotMatter) {

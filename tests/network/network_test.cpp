@@ -22,8 +22,6 @@ using Values = std::array<double, 12>;
 constexpr Values kUgly = {5e5, 7.3e6, 1.2e4, 100, 0.7, 330, 2e3, 8.1e4, 300, 5, 0.01, 90};
 constexpr Values kSoft = {1e3, 2e3, 3e3, 4, 5, 6, 0, 0, 0, 0, 0, 0};
 
-Vector3 vec(double x, double y, double z) { return {x, y, z}; }
-
 /// A pose and twist that a test moves around.
 struct Frame {
     Vector3 position;
@@ -48,9 +46,10 @@ struct Frame {
     }
 };
 
-const Frame kLeft{vec(0.3, -0.1, 0.2), rotation_from_vector(vec(0.4, -0.8, 1.3)), vec(0.2, -0.3, 0.1), vec(0.5, 0.9, -0.4)};
-const Frame kRight{vec(0.7, 0.25, -0.3), rotation_from_vector(vec(-1.1, 0.2, 0.6)), vec(-0.1, 0.4, 0.6),
-                   vec(-0.8, 0.3, 0.7)};
+const Frame kLeft{Vector3(0.3, -0.1, 0.2), rotation_from_vector(Vector3(0.4, -0.8, 1.3)), Vector3(0.2, -0.3, 0.1),
+                  Vector3(0.5, 0.9, -0.4)};
+const Frame kRight{Vector3(0.7, 0.25, -0.3), rotation_from_vector(Vector3(-1.1, 0.2, 0.6)), Vector3(-0.1, 0.4, 0.6),
+                   Vector3(-0.8, 0.3, 0.7)};
 
 constexpr uint32_t kFromTo[] = {0, 1};
 
@@ -71,7 +70,7 @@ Network make_network(uint32_t scheme, bool grounded_left, const Values& values =
 
 /// Two parallel elements, the second the other way round: three ports, two elements, so that a swapped index shows.
 Network make_pair(uint32_t scheme, const Values& first = kUgly, const Values& second = kSoft) {
-    const Frame third{vec(-0.2, 0.1, 0.9), rotation_from_vector(vec(0.1, 0.2, 0.3))};
+    const Frame third{Vector3(-0.2, 0.1, 0.9), rotation_from_vector(Vector3(0.1, 0.2, 0.3))};
     const dttmm_node nodes[] = {node("left", DTTMM_NODE_PORT, kLeft), node("right", DTTMM_NODE_PORT, kRight),
                                 node("third", DTTMM_NODE_PORT, third)};
     const uint32_t third_to_right[] = {2, 1};
@@ -256,8 +255,8 @@ TEST(Network, CentredWrenchIsTheWeightedForceLaw) {
 /// their velocities takes them.
 std::pair<Eigen::MatrixXd, Eigen::MatrixXd> stiffnesses(const Values& first, const Values& second, double way) {
     Network network = make_pair(DTTMM_SCHEME_CENTRED, first, second);
-    const Frame third{vec(-0.2, 0.1, 0.9), rotation_from_vector(vec(0.1, 0.2, 0.3)), vec(0.3, 0.1, 0.2),
-                      vec(0.2, 0.7, -0.5)};
+    const Frame third{Vector3(-0.2, 0.1, 0.9), rotation_from_vector(Vector3(0.1, 0.2, 0.3)), Vector3(0.3, 0.1, 0.2),
+                      Vector3(0.2, 0.7, -0.5)};
     std::array<Frame, 3> ports = {kLeft, kRight, third};
     for (Frame& port : ports) {
         port = port.after(way);
@@ -300,8 +299,8 @@ TEST(Network, StiffnessOfTheStepIsTheDerivativeOfItsWrench) {
 // are referred the derivative is symmetric, and its symmetric part the second derivative of the energy.
 TEST(Network, StiffnessOfTheStepHasThatOfTheForcesThatAct) {
     constexpr Values kPulled = {5e5, 7.3e6, 1.2e4, 0, 0, 0, 0, 0, 0, 0, 0, 0},
-                     kOther = {1e3, 2e3, 3e3, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-    const auto [difference, S] = stiffnesses(kPulled, kOther, 0.5);
+                     kFar = {1e3, 2e3, 3e3, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+    const auto [difference, S] = stiffnesses(kPulled, kFar, 0.5);
     EXPECT_LT((S - 0.5 * (difference + difference.transpose())).norm(), 1e-7 * S.norm());
     EXPECT_LT((S - S.transpose()).norm(), 1e-14 * S.norm());
 }
@@ -340,7 +339,7 @@ TEST(Network, ExplicitWrenchIsTheForceLawAtTheStartOfTheStep) {
 TEST(Network, ARigidMotionOfTheWholeCausesNoWrench) {
     for (uint32_t scheme : {DTTMM_SCHEME_CENTRED, DTTMM_SCHEME_FOX_EULER, DTTMM_SCHEME_PARK}) {
         Network network = make_network(scheme, false);
-        const Vector3 w = vec(3, -50, 20), v = vec(5, 2, -1), center = vec(0.1, 0.2, 0.3);
+        const Vector3 w = Vector3(3, -50, 20), v = Vector3(5, 2, -1), center = Vector3(0.1, 0.2, 0.3);
         const auto moved = [&](const Frame& frame, double t) {
             const Matrix3 R = rotation_from_vector(t * w);
             return Frame{center + t * v + R * (frame.position - center), R * frame.rotation,
@@ -404,7 +403,7 @@ TEST(Network, RestoredStateRepeatsTheFutureToTheBit) {
             std::vector<Vector6> wrenches;
             for (uint64_t n = from; n < to; ++n) {
                 at = at.after(kStep);
-                at.velocity += vec(0.01, -0.02, 0.005);
+                at.velocity += Vector3(0.01, -0.02, 0.005);
                 const dttmm_motion trial[] = {at.motion()};
                 Vector6 wrench;
                 network.begin_step({n, static_cast<double>(n) * kStep, kStep}, nullptr);

@@ -41,7 +41,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-const std::vector<Channel> kChannels{{"time", "s"}, {"bolt1.force.x", "N"}, {"bolt1.moment.z", "N m"}};
+const std::vector<Channel> kCsvChannels{{"time", "s"}, {"bolt1.force.x", "N"}, {"bolt1.moment.z", "N m"}};
 constexpr const char* kHeader = "time,bolt1.force.x,bolt1.moment.z\ns,N,N m\n";
 
 /// Sets the stand-in for the life of one scope.
@@ -51,10 +51,10 @@ public:
     ~ReplacedWrite() { replaced_write = nullptr; }
 };
 
-std::vector<double> make_row(int n) { return {0.001 * n, std::sin(n), -1e6 / (n + 1)}; }
+std::vector<double> csv_row(int n) { return {0.001 * n, std::sin(n), -1e6 / (n + 1)}; }
 
 std::string expected_line(int n) {
-    const std::vector<double> row = make_row(n);
+    const std::vector<double> row = csv_row(n);
     return fmt::format("{},{},{}\n", row[0], row[1], row[2]);
 }
 
@@ -65,8 +65,8 @@ std::string expected_text(int rows) {
 }
 
 void write_rows(const std::filesystem::path& path, int rows) {
-    CsvWriter writer(path, kChannels);
-    for (int n = 0; n < rows; ++n) writer.write_row(make_row(n));
+    CsvWriter writer(path, kCsvChannels);
+    for (int n = 0; n < rows; ++n) writer.write_row(csv_row(n));
     writer.finish();
 }
 
@@ -123,11 +123,11 @@ TEST(CsvWriter, NumbersReadBackToTheBit) {
 
 TEST(CsvWriter, HeaderIsThereAtOnceAndRowsFollowWithin100Milliseconds) {
     const TemporaryFolder folder;
-    CsvWriter writer(folder / "history.csv", kChannels);
+    CsvWriter writer(folder / "history.csv", kCsvChannels);
     EXPECT_EQ(read_text(folder / "history.csv"), kHeader);
-    writer.write_row(make_row(0));
+    writer.write_row(csv_row(0));
     std::this_thread::sleep_for(std::chrono::milliseconds(110));
-    writer.write_row(make_row(1));
+    writer.write_row(csv_row(1));
     EXPECT_EQ(read_text(folder / "history.csv"), expected_text(2));
 }
 
@@ -157,8 +157,8 @@ TEST(CsvWriter, EveryWriteHoldsWholeRowsAndCrossesNoPageWithTwo) {
 TEST(CsvWriter, TheDestructorWritesTheRowsThatWait) {
     const TemporaryFolder folder;
     {
-        CsvWriter writer(folder / "history.csv", kChannels);
-        for (int n = 0; n < 3; ++n) writer.write_row(make_row(n));
+        CsvWriter writer(folder / "history.csv", kCsvChannels);
+        for (int n = 0; n < 3; ++n) writer.write_row(csv_row(n));
     }
     EXPECT_EQ(read_text(folder / "history.csv"), expected_text(3));
 }
@@ -223,10 +223,10 @@ TEST(CsvWriter, AFullDiskLeavesWholeRowsWhereverItFills) {
 
 /// Writes rows for ever at the pace of a real run, 20 000 a second.
 void write_until_killed(const std::filesystem::path& path) {
-    CsvWriter writer(path, kChannels);
+    CsvWriter writer(path, kCsvChannels);
     const auto start = std::chrono::steady_clock::now();
     for (int n = 0;; ++n) {
-        writer.write_row(make_row(n));
+        writer.write_row(csv_row(n));
         while (std::chrono::steady_clock::now() < start + n * std::chrono::microseconds(50)) {
         }
     }

@@ -17,14 +17,14 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-const std::vector<Channel> kChannels{{"time", "s"}, {"bolt1.force.x", "N"}, {"плита.moment.z", "N m"}};
+const std::vector<Channel> kHdf5Channels{{"time", "s"}, {"bolt1.force.x", "N"}, {"плита.moment.z", "N m"}};
 const Attributes kAttributes{{"title", "Four bolts"}, {"version", "0.1.0"}, {"model", std::string(100'000, '#')}};
 
-std::vector<double> make_row(int n) { return {0.001 * n, std::sin(n), -1e6 / (n + 1)}; }
+std::vector<double> hdf5_row(int n) { return {0.001 * n, std::sin(n), -1e6 / (n + 1)}; }
 
 void write_file(const std::filesystem::path& path, int rows) {
-    Hdf5Writer writer(path, kChannels, kAttributes);
-    for (int n = 0; n < rows; ++n) writer.write_row(make_row(n));
+    Hdf5Writer writer(path, kHdf5Channels, kAttributes);
+    for (int n = 0; n < rows; ++n) writer.write_row(hdf5_row(n));
     writer.publish();
 }
 
@@ -56,11 +56,11 @@ std::string read_attribute(hid_t file, const std::string& owner, const std::stri
 void expect_rows(const std::filesystem::path& path, int rows) {
     const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
     ASSERT_GE(file, 0);
-    for (std::size_t i = 0; i < kChannels.size(); ++i) {
-        const std::vector<double> values = read_values(file, kChannels[i].name);
+    for (std::size_t i = 0; i < kHdf5Channels.size(); ++i) {
+        const std::vector<double> values = read_values(file, kHdf5Channels[i].name);
         ASSERT_EQ(values.size(), static_cast<std::size_t>(rows));
         for (int n = 0; n < rows; ++n)
-            ASSERT_EQ(values[static_cast<std::size_t>(n)], make_row(n)[i]) << kChannels[i].name << n;
+            ASSERT_EQ(values[static_cast<std::size_t>(n)], hdf5_row(n)[i]) << kHdf5Channels[i].name << n;
     }
     H5Fclose(file);
 }
@@ -78,16 +78,16 @@ TEST(Hdf5Writer, UnitsAndFileAttributesReadBack) {
     const TemporaryFolder folder;
     write_file(folder / "history.h5", 5);
     const hid_t file = H5Fopen((folder / "history.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-    for (const Channel& channel : kChannels) EXPECT_EQ(read_attribute(file, channel.name, "unit"), channel.unit);
+    for (const Channel& channel : kHdf5Channels) EXPECT_EQ(read_attribute(file, channel.name, "unit"), channel.unit);
     for (const auto& [name, text] : kAttributes) EXPECT_EQ(read_attribute(file, "/", name), text);
     H5Fclose(file);
 }
 
 TEST(Hdf5Writer, TheFinalNameAppearsWhenPublished) {
     const TemporaryFolder folder;
-    Hdf5Writer writer(folder / "history.h5", kChannels, kAttributes);
+    Hdf5Writer writer(folder / "history.h5", kHdf5Channels, kAttributes);
     EXPECT_TRUE(std::filesystem::exists(folder / "history.h5.part"));
-    writer.write_row(make_row(0));
+    writer.write_row(hdf5_row(0));
     EXPECT_FALSE(std::filesystem::exists(folder / "history.h5"));
     writer.publish();
     EXPECT_TRUE(std::filesystem::exists(folder / "history.h5"));
@@ -97,8 +97,8 @@ TEST(Hdf5Writer, TheFinalNameAppearsWhenPublished) {
 TEST(Hdf5Writer, WithoutPublishNothingIsLeft) {
     const TemporaryFolder folder;
     {
-        Hdf5Writer writer(folder / "history.h5", kChannels, kAttributes);
-        for (int n = 0; n < 3000; ++n) writer.write_row(make_row(n));
+        Hdf5Writer writer(folder / "history.h5", kHdf5Channels, kAttributes);
+        for (int n = 0; n < 3000; ++n) writer.write_row(hdf5_row(n));
     }
     EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }

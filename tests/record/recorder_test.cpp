@@ -33,10 +33,10 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-const std::vector<Channel> kChannels{
+const std::vector<Channel> kPlateChannels{
     {"time", "s"}, {"bolt1.force.x", "N"}, {"bolt1.force.y", "N"}, {"plate.position.x", "m"}};
 
-std::vector<double> make_row(int n) { return {0.001 * n, std::sin(n), 1.0 / (n + 1), -2.5 * n}; }
+std::vector<double> plate_row(int n) { return {0.001 * n, std::sin(n), 1.0 / (n + 1), -2.5 * n}; }
 
 std::vector<double> read_dataset(const std::filesystem::path& path, const char* name) {
     const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
@@ -54,7 +54,8 @@ std::vector<double> read_dataset(const std::filesystem::path& path, const char* 
 TEST(Recorder, WritesTheSelectedChannelsToBothFiles) {
     const TemporaryFolder temporary;
     const ResultsFolder folder(temporary / "plate");
-    Recorder recorder(folder, kChannels, select_channels(kChannels, {"plate", "bolt1.force.x"}), {{"title", "Plate"}});
+    Recorder recorder(folder, kPlateChannels, select_channels(kPlateChannels, {"plate", "bolt1.force.x"}),
+                      {{"title", "Plate"}});
     recorder.close_row(std::vector{0.0, 1.5, 7.0, -3.0});
     recorder.close_row(std::vector{0.25, -2.5, 8.0, 4.0});
     recorder.finish();
@@ -65,7 +66,7 @@ TEST(Recorder, WritesTheSelectedChannelsToBothFiles) {
 
 // Oracle: by hand. Of two equal peaks the first counts; channels that are not written are tracked all the same.
 TEST(Recorder, TracksEveryChannel) {
-    Recorder recorder(kChannels);
+    Recorder recorder(kPlateChannels);
     EXPECT_EQ(recorder.statistics(3).maximum, 0.0);
     recorder.close_row(std::vector{0.5, -4.0, 2.0, -1.0});
     recorder.close_row(std::vector{1.0, 3.0, -9.0, -5.0});
@@ -88,9 +89,9 @@ TEST(Recorder, TracksEveryChannel) {
 TEST(Recorder, EstimatesStandBesideTheirChannels) {
     const TemporaryFolder temporary;
     const ResultsFolder folder(temporary / "plate");
-    Recorder other(kChannels);
+    Recorder other(kPlateChannels);
     other.close_row(std::vector{0.0, 9.0, 7.0, 9.0});
-    Recorder recorder(folder, kChannels, {0, 1, 3}, {}, Recorder::Rows::estimated);
+    Recorder recorder(folder, kPlateChannels, {0, 1, 3}, {}, Recorder::Rows::estimated);
     recorder.close_selected_row(std::vector{0.0, 1.5, -3.0}, std::vector{0.0, 0.25, 0.5});
     recorder.close_selected_row(std::vector{0.25, -2.5, 4.0}, std::vector{0.0, 0.75, 0.5});
     recorder.adopt_unselected(other);
@@ -114,8 +115,8 @@ TEST(Recorder, RefusesWhatIsNotFiniteByName) {
     const TemporaryFolder temporary;
     const ResultsFolder folder(temporary / "plate");
     {
-        Recorder recorder(folder, kChannels, {0, 1}, {});
-        recorder.close_row(make_row(0));
+        Recorder recorder(folder, kPlateChannels, {0, 1}, {});
+        recorder.close_row(plate_row(0));
         expect_error(
             [&] {
                 recorder.close_row(std::vector{0.001, 1.0, std::nan(""), 1.0});
@@ -135,8 +136,8 @@ TEST(Recorder, RefusesWhatIsNotFiniteByName) {
 }
 
 TEST(Recorder, WithoutAFolderWritesNothing) {
-    Recorder recorder(kChannels);
-    recorder.close_row(make_row(3));
+    Recorder recorder(kPlateChannels);
+    recorder.close_row(plate_row(3));
     EXPECT_NO_THROW(recorder.finish());
 }
 
@@ -148,8 +149,8 @@ TEST(Recorder, RefusesChannelsNoFileCanStore) {
 TEST(Recorder, AllocatesNothingPerRow) {
     const TemporaryFolder temporary;
     const ResultsFolder folder(temporary / "plate");
-    Recorder recorder(folder, kChannels, {0, 1, 3}, {});
-    const std::vector<double> row = make_row(17);
+    Recorder recorder(folder, kPlateChannels, {0, 1, 3}, {});
+    const std::vector<double> row = plate_row(17);
     recorder.close_row(row);
     const long before = allocations;
     for (int n = 0; n < 5000; ++n) recorder.close_row(row);
@@ -162,8 +163,8 @@ TEST(Recorder, AFullDiskLeavesWholeRowsAndNoFinalFile) {
     const auto record = [](const std::filesystem::path& path, rlim_t bytes) {
         const ResultsFolder folder(path);
         limit_file_size(bytes);
-        Recorder recorder(folder, kChannels, {0, 1, 3}, {{"title", "Plate"}});
-        for (int n = 0; n < 3000; ++n) recorder.close_row(make_row(n));
+        Recorder recorder(folder, kPlateChannels, {0, 1, 3}, {{"title", "Plate"}});
+        for (int n = 0; n < 3000; ++n) recorder.close_row(plate_row(n));
         recorder.finish();
     };
     ASSERT_EQ(run_in_child([&] { record(temporary / "whole", RLIM_INFINITY); }), 0);

@@ -23,7 +23,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kLength = 1.2, kWidth = 1e-3;
+constexpr double kTubeLength = 1.2, kWidth = 1e-3;
 constexpr int kSegments = 40;
 
 /// Values of channels by name, a row per step.
@@ -44,7 +44,7 @@ std::map<std::string, std::vector<double>> run(const Parameters::Overrides& para
     return columns;
 }
 
-test::LumpedTube tube() { return {0.05, 0.03, kLength, 204e9, 0.26, 7800, kSegments}; }
+test::LumpedTube tube() { return {0.05, 0.03, kTubeLength, 204e9, 0.26, 7800, kSegments}; }
 
 /// Bending of the lumps in one plane, z and θ about y of each; the blow, of 1 N, is on the left face of the first.
 test::LinearMachine lumps(double damping = 0) {
@@ -99,10 +99,10 @@ TEST(FreeTube, MovesAsItsLumpsDo) {
 TEST(FreeTube, FliesAndTurnsAsTheBlowHasIt) {
     const auto columns = run({{"damping", "0.1 ms"}}, 2e-5, 0.3);
     const test::LumpedTube parts = tube();
-    const double impulse = 0.5 * 1000 * kWidth, mass = kLength * parts.mass_per_length,
-                 J = mass * kLength * kLength / 12 + kLength * parts.rotary;
-    const double v = impulse / mass, w = impulse * kLength / 2 / J, time = 0.3 - kWidth / 2;
-    const double arm = kLength / 2, angle = w * time;
+    const double impulse = 0.5 * 1000 * kWidth, mass = kTubeLength * parts.mass_per_length,
+                 J = mass * kTubeLength * kTubeLength / 12 + kTubeLength * parts.rotary;
+    const double v = impulse / mass, w = impulse * kTubeLength / 2 / J, time = 0.3 - kWidth / 2;
+    const double arm = kTubeLength / 2, angle = w * time;
     const auto last = [&](const char* name) { return columns.at(name).back(); };
     // The end moves a little while it is struck, which the lever of the blow feels: (1e-4 m/0.6 m)²
     EXPECT_NEAR(last("left.position.z"), v * time + arm * std::sin(angle), 1e-8);
@@ -150,7 +150,8 @@ TEST(FreeTube, RingsAtItsLumpsFrequencies) {
         Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd>(machine.K, machine.M, Eigen::EigenvaluesOnly).eigenvalues();
     const test::LumpedTube parts = tube();
     const std::vector<double> exact =
-        test::ExactTimoshenko{parts.EI, parts.shear, parts.mass_per_length, parts.rotary, kLength}.free_frequencies(6, 120);
+        test::ExactTimoshenko{parts.EI, parts.shear, parts.mass_per_length, parts.rotary, kTubeLength}.free_frequencies(6,
+                                                                                                                        120);
     for (Eigen::Index mode = 0; mode < 6; ++mode) {
         const double omega = std::sqrt(squares(2 + mode)), shifted = 2 / step * std::atan(omega * step / 2);
         const double heard = peak(after, step, shifted, 60);

@@ -67,20 +67,20 @@ History run(Model model, const Plugins& plugins, double step, double duration) {
     return history;
 }
 
-constexpr double kLength = 0.8;
+constexpr double kRodLength = 0.8;
 
 /// A rod on a hinge, its far end held by a spring-damper; it starts with speed.
 Model pendulum(const Plugins& plugins, double k, double c, double omega, const Eigen::Vector3d& gravity = {0, 0, 0}) {
     Model model;
     model.simulation.gravity = gravity;
-    model.bodies.push_back(rod("rod", 2.3, at(0, 0), at(kLength, 0)));
+    model.bodies.push_back(rod("rod", 2.3, at(0, 0), at(kRodLength, 0)));
     turn(model.bodies[0], at(0, 0), omega);
     model.joints.push_back(test::pin("pin", -1, 0, at(0, 0), kZ));
     if (k > 0) model.elements.push_back(test::spring("bolt", plugins, {}, {0, 1}, k, c));
     return model;
 }
 
-double inertia_about_end(const Body& body) { return body.inertia(2, 2) + body.mass * kLength * kLength / 4; }
+double inertia_about_end(const Body& body) { return body.inertia(2, 2) + body.mass * kRodLength * kRodLength / 4; }
 
 // Oracle: the closed solution of I θ'' + c l² θ' + k l² θ = 0 for small angles,
 //     θ = ω₀/ω_d exp(−ζ ω t) sin ω_d t,
@@ -89,8 +89,8 @@ TEST(Joints, PendulumOnAStiffBoltFollowsTheClosedSolution) {
     const Plugins plugins;
     const double k = 4e8, c = 3e3, omega0 = 1e-3;
     const Model model = pendulum(plugins, k, c, omega0);
-    const double I = inertia_about_end(model.bodies[0]), omega = std::sqrt(k * kLength * kLength / I);
-    const double zeta = c * kLength * kLength / (2 * I * omega), damped = omega * std::sqrt(1 - zeta * zeta);
+    const double I = inertia_about_end(model.bodies[0]), omega = std::sqrt(k * kRodLength * kRodLength / I);
+    const double zeta = c * kRodLength * kRodLength / (2 * I * omega), damped = omega * std::sqrt(1 - zeta * zeta);
     double error[2];
     for (int halving = 0; halving < 2; ++halving) {
         const double h = 4e-6 / (1 << halving);  // omega h = 0.09
@@ -142,7 +142,7 @@ TEST(Joints, PendulumAtLargeAnglesConvergesToTheSolutionInSecondOrder) {
         const auto rate = [&](double, const Eigen::VectorXd& y) {
             // end of the rod at l (cos θ, sin θ), spring towards (l, 0): moment −k l² sin θ
             Eigen::VectorXd d(2);
-            d << y(1), (-m * g * kLength / 2 * std::sin(y(0)) - k * kLength * kLength * std::sin(y(0))) / I;
+            d << y(1), (-m * g * kRodLength / 2 * std::sin(y(0)) - k * kRodLength * kRodLength * std::sin(y(0))) / I;
             return d;
         };
         const Eigen::VectorXd exact = test::integrate(rate, Eigen::Vector2d(0, omega0), 5);
@@ -164,7 +164,7 @@ TEST(Joints, PinCarriesTheCentripetalForce) {
     const double omega = 21;
     const Model model = pendulum(plugins, 0, 0, omega);
     const History history = run(model, plugins, 1e-3, 0.5);
-    const double expected = model.bodies[0].mass * omega * omega * kLength / 2;
+    const double expected = model.bodies[0].mass * omega * omega * kRodLength / 2;
     for (size_t n = 0; n < history["time"].size(); ++n) {
         Eigen::Vector3d force;
         for (int i = 0; i < 3; ++i) force(i) = history[std::string("pin.force.") + "xyz"[i]][n];
@@ -399,7 +399,7 @@ TEST(Joints, ReactionAtTheStartIsExact) {
         const History history = run(model, plugins, h, 0.1);
         Eigen::Vector3d force;
         for (int i = 0; i < 3; ++i) force(i) = history[std::string("pin.force.") + "xyz"[i]][0];
-        EXPECT_LT((force - model.bodies[0].mass * 9 * kLength / 2 * kX).norm(), 1e-9);
+        EXPECT_LT((force - model.bodies[0].mass * 9 * kRodLength / 2 * kX).norm(), 1e-9);
     }
 }
 

@@ -13,13 +13,13 @@
 namespace dttmm {
 namespace {
 
-constexpr double kMass = 3.7, kStep = 1.3e-3;
+constexpr double kMass = 3.7, kStepSize = 1.3e-3;
 
-/// One mass on a spring, pushed off at 0.7 m/s; omega_h and zeta: of the spring and its damper at kStep.
+/// One mass on a spring, pushed off at 0.7 m/s; omega_h and zeta: of the spring and its damper at kStepSize.
 Model oscillator(const Plugins& plugins, double omega_h, double zeta, double rho) {
-    const double omega = omega_h / kStep;
+    const double omega = omega_h / kStepSize;
     Model model;
-    model.simulation.step = kStep;
+    model.simulation.step = kStepSize;
     model.simulation.duration = 1;
     model.simulation.spectral_radius = rho;
     Body body = test::box("mass", kMass, {0.1, 0.2, 0.3}, {0, 0, 0});
@@ -46,7 +46,7 @@ struct Roots {
         return 0.5 * (trace + std::sqrt(std::complex<double>(trace * trace - 4 * determinant)));
     }
     double damping_ratio() const { return -std::log(larger()).real() / std::abs(std::log(larger())); }
-    double period() const { return 2 * M_PI * kStep / std::log(larger()).imag(); }
+    double period() const { return 2 * M_PI * kStepSize / std::log(larger()).imag(); }
 };
 
 /// The roots that fit a record best, as a signal analysis would find them.
@@ -112,7 +112,7 @@ TEST(NumericalDamping, CostsAnOrder) {
     const Plugins plugins;
     const double omega = 300, zeta = 0.05, damped = omega * std::sqrt(1 - zeta * zeta), end = 0.0445;
     const auto error = [&](double rho, int steps) {
-        Model model = oscillator(plugins, omega * kStep, zeta, rho);
+        Model model = oscillator(plugins, omega * kStepSize, zeta, rho);
         model.simulation.step = end / steps;
         const double exact = 0.7 / damped * std::exp(-zeta * omega * end) * std::sin(damped * end);
         return std::abs(ring_down(model, plugins, steps).back() - exact);

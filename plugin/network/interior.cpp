@@ -307,6 +307,22 @@ void Interior::assemble(const Mechanism& mechanism, const std::vector<Frame>& at
     for (size_t j : rigid_joints_) set_rigid_rows(mechanism, j, mechanism.pose(j), mechanism.theta(j), elimination_);
 }
 
+/// Gives inertias that vanish in the rounding of what holds their frames otherwise as much as shows beside it.
+void Interior::make_heavier() {
+    constexpr double kLeastShare = 1e-11;
+    for (int i = 0; i < count_; ++i) {
+        const Matrix6 own = elimination_.diagonal(i), M = mass_matrix(static_cast<size_t>(i));
+        Matrix6 more = Matrix6::Zero();
+        for (int half : {0, 1}) {
+            if (massless_.is_massless(static_cast<size_t>(i), half)) continue;
+            const Matrix3 inertia = M.block<3, 3>(3 * half, 3 * half);
+            const double held = own.block<3, 3>(3 * half, 3 * half).trace();
+            more.block<3, 3>(3 * half, 3 * half) = kLeastShare * held / inertia.diagonal().minCoeff() * inertia;
+        }
+        elimination_.add_diagonal(i, more);
+    }
+}
+
 void Interior::set_rigid_rows(const Mechanism& mechanism, size_t j, const JointPose& pose, const Vector3& theta,
                               Elimination& matrix) const {
     const Matrix6 rows[2] = {rigid_rows(theta, local_columns(mechanism, j, pose, 0)),
@@ -375,6 +391,19 @@ void Interior::form_matrix(const Mechanism& mechanism, const std::vector<Frame>&
     find_responses(mechanism);
     look_at_joints(mechanism);
     is_stale_ = false;
+}
+
+/// slow: nothing moves, over a step so long that inertias do not resist, but those that nothing else holds. hold: adds to
+/// the matrix before it is factored, which may have to be done twice.
+void Interior::factor_static(const Mechanism& slow, const std::function<void()>& hold) {
+    assemble(slow, slow.frames);
+    hold();
+    ++factorisations_;
+    if (!elimination_.factor()) return;
+    assemble(slow, slow.frames);
+    make_heavier();
+    hold();
+    factor(slow, DTTMM_ERROR_SINGULAR);
 }
 
 /// How the inside follows a unit motion of each port.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -157,6 +158,8 @@ private:
         Convergence motion, momentum;   ///< as in Books
         double scale = 0;               ///< likewise
         double impulse = 0, share = 0;  ///< of a joint over the step, at most [N s]; of that, what may be left over
+        double trusted = 0;             ///< times that: what may be left to a rate of convergence
+        bool has_own_matrix = false;    ///< the one kept did not serve
         double slowest_rate = 0;        ///< largest θ in this step; 0: not measured
         double tolerance = 0;           ///< of what remains to be corrected [m/s]
         double floor = 0;               ///< corrections below are rounding [m/s]
@@ -173,6 +176,7 @@ private:
     Burden& burden(size_t frame) { return burdens_[static_cast<size_t>(burden_of_[frame])]; }
     const Burden& burden(size_t frame) const { return burdens_[static_cast<size_t>(burden_of_[frame])]; }
     void assemble(const Mechanism& mechanism, const std::vector<Frame>& at);
+    void make_heavier();
     void factor(const Mechanism& mechanism, dttmm_status status);
     [[noreturn]] void refuse(const Mechanism& mechanism, const Elimination::Fault& fault, dttmm_status status) const;
     void find_responses(const Mechanism& mechanism);
@@ -204,6 +208,8 @@ private:
     void solve(const Mechanism& mechanism, Solution& solution) const;
     void look_at_joints(const Mechanism& mechanism);
     void form_matrix(const Mechanism& mechanism, const std::vector<Frame>& at);
+    void factor_static(const Mechanism& slow, const std::function<void()>& hold);
+    void hold_given(const Mechanism& slow, std::vector<Vector6>& load);
     void predict(const Mechanism& mechanism);
     void drop_anchor(const Mechanism& mechanism);
     const Solution& respond(const Mechanism& mechanism, std::span<const FrameView> ports) const;

@@ -47,7 +47,8 @@ void Interior::linearise(const Mechanism& mechanism, const dttmm_motion* ports, 
     if (damping) std::fill_n(damping, size * size, 0.0);
     if (!stiffness) return;
     const Mechanism slow = at_rest(sample, kLongStep);
-    scratch.form_matrix(slow, slow.frames);
+    scratch.factor_static(slow, [] {});
+    scratch.find_responses(slow);
     scratch.write_stiffness(slow, stiffness);
     Eigen::Map<Eigen::VectorXd>(stiffness, static_cast<Eigen::Index>(size * size)) /= mechanism.scheme.weight(0);
 }
@@ -82,10 +83,8 @@ void Interior::settle_at_start(Mechanism& mechanism, const dttmm_motion* ports) 
 }
 
 void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_motion* ports) {
-    constexpr double kHold = 1e12;  // stiffer than everything
     const Mechanism slow = at_rest(mechanism, kLongStep);
-    assemble(slow, slow.frames);
-    std::vector<Vector6> r(state_.size(), Vector6::Zero());
+    std::vector<Vector6> pull(state_.size(), Vector6::Zero()), r;
     std::vector<double> g(rigid_.size(), 0);
     for (size_t j : port_joints_) {
         const Joint& joint = slow.joints[j];
@@ -94,13 +93,28 @@ void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_mot
         for (int end : {0, 1}) {
             if (frames[end] >= ports_) continue;
             const Vector6 u = in_axes(slow.frame(frames[end]), joined(twist(ports[frames[end]])));
-            if (is_inner(frames[1 - end])) r[at(frames[1 - end])] -= K.between(1 - end, end) * u;
+            if (is_inner(frames[1 - end])) pull[at(frames[1 - end])] -= K.between(1 - end, end) * u;
             const Vector6 held = rigid_rows(slow, j, local_columns(slow, j, end)) * u;
             for_each_rigid(joint, [&](int i, int direction) { g[rigid_row(j, i)] -= held(direction); });
         }
     }
+    factor_static(slow, [&] {
+        r = pull;
+        hold_given(slow, r);
+    });
+    elimination_.solve(r, g);
+    for (int i = 0; i < count_; ++i) {
+        const RowMajor3 R = slow.frame(driven_ + i).axes();
+        State& state = state_[static_cast<size_t>(i)];
+        state.velocity = {R * head(r[static_cast<size_t>(i)]), R * tail(r[static_cast<size_t>(i)])};
+    }
+}
+
+/// Adds to the matrix and the load on the frames what moves nodes as they are given to.
+void Interior::hold_given(const Mechanism& slow, std::vector<Vector6>& load) {
+    constexpr double kHold = 1e12;  // stiffer than everything
     for (size_t i = 0; i < given_.size(); ++i) {
-        const NodeSpec& spec = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])];
+        const NodeSpec& spec = slow.assembly.nodes[static_cast<size_t>(inner_nodes_[i])];
         if (!given_[i].moves || !is_inner(spec.frame)) continue;
         // v_node = v − offset × ω in the frame's axes
         Matrix6 G = Matrix6::Identity();
@@ -114,14 +128,7 @@ void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_mot
         Vector6 weight;
         weight << Vector3::Constant(translation), Vector3::Constant(rotation);
         elimination_.add_diagonal(spec.frame - driven_, G.transpose() * weight.asDiagonal() * G);
-        r[at(spec.frame)] += G.transpose() * weight.cwiseProduct(given);
-    }
-    factor(slow, DTTMM_ERROR_SINGULAR);
-    elimination_.solve(r, g);
-    for (int i = 0; i < count_; ++i) {
-        const RowMajor3 R = slow.frame(driven_ + i).axes();
-        State& state = state_[static_cast<size_t>(i)];
-        state.velocity = {R * head(r[static_cast<size_t>(i)]), R * tail(r[static_cast<size_t>(i)])};
+        load[at(spec.frame)] += G.transpose() * weight.cwiseProduct(given);
     }
 }
 

@@ -38,6 +38,8 @@ constexpr double kSmallestSize = 1e-6;
 constexpr double kFinest = 1e-13;
 /// Axes lose their right angles by rounding only.
 constexpr uint64_t kStepsBetweenNormalisations = 64;
+/// Where parts are free to turn: so much more than may be left over is never left to a kept rate of convergence.
+constexpr double kTrusted = 30;
 /// Beyond these something has flown apart, by the host's measure of its bodies.
 constexpr double kFarthest = 1e6;  // m
 constexpr double kFastest = 1e8;   // m/s and rad/s
@@ -298,8 +300,10 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
     solution.scale = std::max(solution.scale, std::sqrt(speed));
     solution.share = has_free_parts_ ? kSmallestImpulse
                                      : std::clamp(kTurnedImpulse / (h * h * turning), kSmallestImpulse, kLargestImpulse);
+    solution.trusted = has_free_parts_ ? kTrusted : INFINITY;
     solution.slowest_rate = 0;
     const double floor = solution.floor = std::max(kRounding * size / h, kFinest * solution.scale);
+    solution.has_own_matrix = false;
     const Elimination* matrix = &elimination_;
     double previous = 0, previous_residual = 0, rate = 0;
     for (int pass = 0; pass < kMostPasses; ++pass) {
@@ -315,6 +319,7 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
         if (rate > kTooSlow) {
             ++factorisations_;
             if (form_at_trial(mechanism)) matrix = &at_trial_;
+            solution.has_own_matrix = true;
         }
         const double residual = residual_size(solution);
         const double correction = correct(*matrix, solution);
@@ -330,17 +335,23 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
         if (pass == 0) solution.tolerance = std::max(floor, std::min(kShare * correction, kTolerance * solution.scale));
         if (is_good_enough(correction, residual, solution)) return;
     }
+    const auto left = [&](size_t i) { return solution.change[i].squaredNorm(); };
+    size_t worst = 0;
+    for (size_t i = 1; i < state_.size(); ++i)
+        if (!(left(i) <= left(worst))) worst = i;
+    const FrameSpec& frame = mechanism.assembly.frames[static_cast<size_t>(driven_) + worst];
     throw Error(DTTMM_ERROR_NUMERIC,
-                fmt::format("the motion inside the network was not found in {} passes (last correction {:.1e} m/s); try a "
-                            "smaller step",
-                            kMostPasses, previous),
-                mechanism.assembly.frames.back().element);
+                fmt::format("the motion inside the network was not found in {} passes, worst at {} (last correction {:.1e} "
+                            "m/s); try a smaller step",
+                            kMostPasses, frame.name, previous),
+                frame.element);
 }
 
 bool Interior::is_good_enough(double correction, double residual, const Solution& solution) {
     if (correction <= solution.floor) return true;
-    return solution.motion.left(correction) <= solution.tolerance &&
-           solution.momentum.left(residual) <= solution.share * solution.impulse;
+    const double allowed = solution.share * solution.impulse;
+    return solution.motion.left(correction) <= solution.tolerance && solution.momentum.left(residual) <= allowed &&
+           residual <= solution.trusted * allowed;
 }
 
 /// What the momentum of a frame lacks, at most [N s].
@@ -480,9 +491,10 @@ void Interior::commit(Mechanism& mechanism, std::span<const FrameView> ports) {
     rigid_ = q_;
     books_.port_way = port_way_;
     books_.port_impulse = port_impulse_;
-    // Where a matrix was formed for this step it converges like no other
-    books_.motion = is_fresh_ ? Convergence{} : solution.motion;
-    books_.momentum = is_fresh_ ? Convergence{} : solution.momentum;
+    // A step with a matrix formed for it converges like no other
+    const bool is_like_the_next = !is_fresh_ && !solution.has_own_matrix;
+    books_.motion = is_like_the_next ? solution.motion : Convergence{};
+    books_.momentum = is_like_the_next ? solution.momentum : Convergence{};
     is_fresh_ = false;
     books_.scale = 0.98 * solution.scale;
     const bool is_slow = solution.slowest_rate > kSlowestContraction;

@@ -330,17 +330,17 @@ markers.right = [0.2, 0, 0])",
     }
 }
 
-/// A double pendulum of 0.3 m each that falls from the horizontal: a uniform bar of 100 kg, and below it another one.
+/// A double pendulum of two uniform bars of 0.3 m that falls from the horizontal.
 struct DoublePendulum {
-    static constexpr double L = 0.3, c = 0.15, first_mass = 100, first_inertia = 0.75, g = 9.81;
-    double second_mass;
+    static constexpr double L = 0.3, c = 0.15, g = 9.81;
+    double first_mass, second_mass;
     struct State {
         double angle[2], speed[2];
     };
 
     /// Angular accelerations by Lagrange's equations, angles from the horizontal down.
     std::array<double, 2> accelerations(const State& s) const {
-        const double m = second_mass, J = 0.0075 * m, apart = s.angle[0] - s.angle[1];
+        const double m = second_mass, J = 0.0075 * m, first_inertia = 0.0075 * first_mass, apart = s.angle[0] - s.angle[1];
         const double a = first_inertia + first_mass * c * c + m * L * L, b = m * L * c * std::cos(apart), d = J + m * c * c;
         const double p =
             (first_mass * c + m * L) * g * std::cos(s.angle[0]) - m * L * c * std::sin(apart) * s.speed[1] * s.speed[1];
@@ -387,12 +387,10 @@ struct DoublePendulum {
     }
 };
 
-// Oracle: the same with ideal hinges, and 5 % for what rings as the undamped ones are let go under 981 N and 9.81 N/kg.
-// k h²/m = 1e4 and 2.5e5 at 0.01 rad per step: with the matrix of t_n, and the linear answer to the port, the lower hinge came
-// out 3.5 times too large, or the step was not found.
-TEST(BeamAndBody, ALightBodyOnAStiffHingeThatTurnsIsPulledAsByAnIdealOne) {
-    for (const auto& [mass, step] : {std::pair{1., 1e-3}, {1., 0.5e-3}, {0.01, 0.5e-3}}) {
-        const double pull = largest_of("hinge.force.z", fmt::format(R"(
+/// Two bars on hinges of stiffness k, the second as given, with its end "eye" on the lower hinge.
+double largest_pull_of_two_bars(double step, double k, double first_mass, const std::string& second, const std::string& eye,
+                                const std::string& nodes = "") {
+    return largest_of("hinge.force.z", fmt::format(R"(
 [simulation]
 duration = 0.5
 step = {}
@@ -401,37 +399,116 @@ gravity = [0, 0, -9.81]
 root = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
 p = [0, 0, 0]
 q = [0.3, 0, 0]
+{}
+{}
 [[element]]
 name = "first"
 type = "rigid_body"
 at = ["p", "q"]
-mass = 100
+mass = {}
 center_of_mass = [0.15, 0, 0]
-inertia = {{ xx = 0.01, yy = 0.75, zz = 0.75 }}
+inertia = {{ xx = {}, yy = {}, zz = {} }}
 [[element]]
 name = "above"
 type = "elastic_hinge"
 from = "root"
 to = "p"
-stiffness = {{ x = 1e10, z = 1e10, ry = "free" }}
-[[body]]
+stiffness = {{ x = {}, z = {}, ry = "free" }}
+[[element]]
+name = "hinge"
+type = "elastic_hinge"
+from = "q"
+to = "{}"
+stiffness = {{ x = {}, z = {}, y = "free", rx = "free", ry = "free", rz = "free" }}
+)",
+                                                   step, nodes, second, first_mass, 1e-4 * first_mass, 0.0075 * first_mass,
+                                                   0.0075 * first_mass, k, k, eye, k, k));
+}
+
+std::string bar_of_ode(double mass) {
+    return fmt::format(R"([[body]]
 name = "second"
 mass = {}
 inertia = {{ xx = {}, yy = {}, zz = {} }}
 position = [0.45, 0, 0]
-markers.eye = [-0.15, 0, 0]
+markers.eye = [-0.15, 0, 0])",
+                       mass, 1e-4 * mass, 0.0075 * mass, 0.0075 * mass);
+}
+
+std::string bar_of_the_network(double mass) {
+    return fmt::format(R"([[element]]
+name = "second"
+type = "rigid_body"
+at = ["eye", "end"]
+mass = {}
+center_of_mass = [0.15, 0, 0]
+inertia = {{ xx = {}, yy = {}, zz = {} }})",
+                       mass, 1e-4 * mass, 0.0075 * mass, 0.0075 * mass);
+}
+
+// Oracle: the same with ideal hinges, and 6 % for what rings as the undamped ones are let go under 981 N and 9.81 N/kg.
+// k h²/m = 1e4 and 2.5e5 at 0.01 rad per step: with the matrix of t_n, and the linear answer to the port, the lower hinge
+// came out 3.5 times too large, or the step was not found.
+TEST(BeamAndBody, ALightBodyOnAStiffHingeThatTurnsIsPulledAsByAnIdealOne) {
+    for (const auto& [mass, step] : {std::pair{1., 1e-3}, {1., 0.5e-3}, {0.01, 0.5e-3}}) {
+        const double ideal = DoublePendulum{100, mass}.largest_force(0.5);
+        EXPECT_GT(ideal, 70 * mass);
+        EXPECT_NEAR(largest_pull_of_two_bars(step, 1e10, 100, bar_of_ode(mass), "second.eye"), ideal, 0.08 * ideal)
+            << mass << " kg at " << step << " s";
+    }
+}
+
+// Oracle: likewise, both within the network, and 14 % for what rings. A rate of convergence measured with a matrix of one
+// step was trusted in the next, which was then taken unsolved: the hinge rang for ever with 5 to 70 times its force, at some
+// steps only.
+TEST(BeamAndBody, TwoBarsOnStiffHingesInsideANetworkPullAsOnIdealOnes) {
+    const double ideal = DoublePendulum{1, 1}.largest_force(0.5);
+    for (const double k : {1e10, 1e11})
+        for (const double step : {0.25e-3, 0.125e-3, 0.05e-3})
+            EXPECT_NEAR(
+                largest_pull_of_two_bars(step, k, 1, bar_of_the_network(1), "eye", "eye = [0.3, 0, 0]\nend = [0.6, 0, 0]"),
+                ideal, 0.2 * ideal)
+                << k << " N/m at " << step << " s";
+}
+
+// A bar that nothing but its inertia keeps from turning about itself, beside hinges that hold it with 1e21 times that over
+// the long step by which static stiffnesses are found: it was refused as held by nothing.
+TEST(BeamAndBody, ABarBetweenBallHingesMayTurnAboutItself) {
+    const auto pull = [](double step) {
+        return largest_of("hinge.force.z", fmt::format(R"(
+[simulation]
+duration = 0.2
+step = {}
+gravity = [0, 0, -9.81]
+[nodes]
+root = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+p = [0, 0, 0]
+q = [0.3, 0, 0]
+{}
+[[element]]
+name = "first"
+type = "rigid_body"
+at = ["p", "q"]
+mass = 1
+center_of_mass = [0.15, 0, 0]
+inertia = {{ xx = 1e-4, yy = 0.0075, zz = 0.0075 }}
+[[element]]
+name = "above"
+type = "elastic_hinge"
+from = "root"
+to = "p"
+stiffness = {{ x = 1e8, y = 1e8, z = 1e8, rx = "free", ry = "free", rz = "free" }}
 [[element]]
 name = "hinge"
 type = "elastic_hinge"
 from = "q"
 to = "second.eye"
-stiffness = {{ x = 1e10, z = 1e10, y = "free", rx = "free", ry = "free", rz = "free" }}
+stiffness = {{ x = 1e8, y = 1e8, z = 1e8, rx = "free", ry = "free", rz = "free" }}
 )",
-                                                                    step, mass, 1e-4 * mass, 0.0075 * mass, 0.0075 * mass));
-        const double ideal = DoublePendulum{mass}.largest_force(0.5);
-        EXPECT_GT(ideal, 70 * mass);
-        EXPECT_NEAR(pull, ideal, 0.08 * ideal) << mass << " kg at " << step << " s";
-    }
+                                                       step, bar_of_ode(1)));
+    };
+    const double ideal = DoublePendulum{1, 1}.largest_force(0.2);
+    for (const double step : {0.5e-3, 0.1e-3}) EXPECT_NEAR(pull(step), ideal, 0.2 * ideal) << step;
 }
 
 // Oracle: the hinge at a step so small that it does not matter. What the passes left over, within the share of the largest

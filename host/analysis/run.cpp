@@ -196,6 +196,36 @@ void warn_energy(const Recorder& recorder, const Model& model, const Simulation&
                          ledger.turned_over, describe_energy_fault(simulation, !model.nodes.empty())));
 }
 
+/// The force of an element that goes up and down from row to row: a vibration faster than the step. Nothing else shows it,
+/// as it holds next to no energy in a stiff element.
+void warn_ripple(const Recorder& recorder, const Model& model) {
+    constexpr double kTolerated = 0.1;  // of the element's largest force
+    double worst = kTolerated;
+    std::string warning;
+    for (const Element& element : model.elements) {
+        double peak = 0, ripple = 0;
+        for (size_t c = 1; c < recorder.channels().size(); ++c) {
+            const std::string& name = recorder.channels()[c].name;
+            if (!name.starts_with(element.name) ||
+                !std::string_view(name).substr(element.name.size()).starts_with(".force."))
+                continue;
+            const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
+            peak = std::max(peak, statistics.peak);
+            ripple = std::max(ripple, statistics.ripple);
+        }
+        if (ripple <= worst * peak) continue;
+        worst = ripple / peak;
+        warning = fmt::format(
+            "warning: the force of element \"{}\" alternates from row to row by {:.3g} N and is {:.3g} N at most: a "
+            "vibration "
+            "that the step of {:g} s does not follow. It rings for ever unless something damps it, and its peaks are no "
+            "peaks "
+            "of the joint; try a shorter step, its damping, or a spectral_radius of 0.9",
+            element.name, ripple, peak, model.simulation.step);
+    }
+    if (!warning.empty()) tell(warning);
+}
+
 /// How the step was found, in one line.
 void print_halving(const Halving& halving) {
     const Level& last = halving.levels().back();
@@ -262,7 +292,10 @@ ExitCode conclude(const RunRequest& request, const Bench& bench, const Simulatio
     write_atomically(folder.file("summary.json"), summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 
     warn_energy(recorder, bench.model, simulation);
-    if (halving) warn_unresolved(*halving);
+    if (halving)
+        warn_unresolved(*halving);
+    else
+        warn_ripple(recorder, bench.model);
     if (ending.outcome.status == "failed") {
         throw Error(ending.code, fmt::format("{} ({} rows recorded in {})", ending.outcome.reason, recorder.rows(),
                                              folder.path().string()));

@@ -22,7 +22,8 @@ std::vector<Channel> pick(const std::vector<Channel>& all, const std::vector<int
 
 }  // namespace
 
-Recorder::Recorder(std::vector<Channel> all) : channels_(std::move(all)), statistics_(channels_.size()) {
+Recorder::Recorder(std::vector<Channel> all)
+    : channels_(std::move(all)), statistics_(channels_.size()), alternations_(channels_.size()) {
     check_channels(channels_);
 }
 
@@ -84,13 +85,19 @@ void Recorder::check_finite(int channel, double value, double time) const {
 
 void Recorder::count(int channel, double value, double time) {
     ChannelStatistics& s = statistics_[static_cast<std::size_t>(channel)];
-    if (rows_ == 0) s = {std::abs(value), time, value, value, value};
+    if (rows_ == 0) s = {std::abs(value), time, value, value, value, 0};
     if (std::abs(value) > s.peak) {
         s.peak = std::abs(value);
         s.peak_time = time;
     }
     s.minimum = std::min(s.minimum, value);
     s.maximum = std::max(s.maximum, value);
+    constexpr double kRows = 10;  // to look back
+    Alternation& a = alternations_[static_cast<std::size_t>(channel)];
+    const double change = value - s.final;
+    const double alternating = change * a.change < 0 ? 0.5 * std::min(std::abs(change), std::abs(a.change)) : 0;
+    a = {change, a.mean + (alternating - a.mean) / kRows};
+    s.ripple = std::max(s.ripple, a.mean);
     s.final = value;
 }
 

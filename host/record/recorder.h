@@ -19,6 +19,9 @@ struct ChannelStatistics {
     double minimum = 0;
     double maximum = 0;
     double final = 0;  ///< in the last row
+    /// Largest that it alternated from row to row for some ten rows: the amplitude of a vibration near half the rate of
+    /// rows.
+    double ripple = 0;
 };
 
 /// Takes one row of numbers per output time: the selected channels go to history.csv and history.h5, and every channel,
@@ -61,7 +64,13 @@ private:
     void write_row(std::span<const double> values);
 
     std::vector<Channel> channels_;
+    /// Of a channel: its last change, and how much the last rows alternated.
+    struct Alternation {
+        double change = 0, mean = 0;
+    };
+
     std::vector<ChannelStatistics> statistics_;
+    std::vector<Alternation> alternations_;
     long rows_ = 0;
 
     std::vector<int> selection_;

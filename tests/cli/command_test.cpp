@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // The command as a user meets it when nothing is wrong, and where the physics sets the limit.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -163,6 +164,46 @@ TEST(Command, NumericalDampingIsToldByTheEnergyItTookAndNotAsAFault) {
                                   HasSubstr("J turned over"), Not(HasSubstr("too long"))));
     EXPECT_THAT(run_dttmm(folder.path(), {"check", "small.toml"}).out,
                 HasSubstr("implicit coupling with numerical damping (spectral_radius = 0.2), 2000 steps"));
+}
+
+/// A bar that turns by 0.01 rad per step of 1 ms about a hinge of stiffness k, without anything that damps it.
+std::string spinning_bar(double k) {
+    return fmt::format(R"(format = "dttmm/1"
+[simulation]
+duration = 1
+step = "1 ms"
+[[body]]
+name = "bar"
+mass = 1
+inertia = {{ xx = 1e-4, yy = 0.0076, zz = 0.0076 }}
+position = [0.15, 0, 0]
+markers.eye = [-0.15, 0, 0]
+velocity = [0, 0, 1.5]
+angular_velocity = [0, -10, 0]
+[[element]]
+name = "pin"
+type = "elastic_hinge"
+from = "ground"
+to = "bar.eye"
+stiffness = {{ x = {}, y = {}, z = {}, rx = "free", ry = "free", rz = "free" }}
+)",
+                       k, k, k);
+}
+
+// Oracle: m ω² r = 15 N, and twice that as it sets in at once. k h²/m = 1e6 turning by 0.01 rad per step feeds a vibration
+// that no step sees; in so stiff a hinge it holds no energy to speak of.
+TEST(Command, AForceThatRingsFromStepToStepIsToldWithItsElement) {
+    const TemporaryFolder folder;
+    const auto complaint = [&](double k) {
+        write_text(folder / "spin.toml", spinning_bar(k));
+        const Ended ended = run_dttmm(folder.path(), {"run", "spin.toml"});
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        return ended.err;
+    };
+    EXPECT_THAT(complaint(1e12), AllOf(HasSubstr("warning: the force of element \"pin\" alternates from row to row by"),
+                                       HasSubstr("a vibration that the step of 0.001 s does not follow"),
+                                       HasSubstr("a shorter step, its damping, or a spectral_radius of 0.9")));
+    EXPECT_EQ(complaint(1e5), "");
 }
 
 // Oracle: the amplitude of the residual. Undamped, the scheme itself keeps energy; the ledger's is off by (omega h)²/4 or

@@ -85,6 +85,19 @@ TEST(Recorder, TracksEveryChannel) {
     expect(3, {5.0, 1.0, -5.0, -1.0, -2.0});
 }
 
+// Oracle: what alternates by A about anything smooth has the ripple A; a vibration of 20 rows has none but at its turns, a
+// jump has none at all.
+TEST(Recorder, TellsHowMuchAChannelAlternates) {
+    Recorder recorder(kPlateChannels);
+    for (int n = 0; n < 200; ++n) {
+        const double t = 0.01 * n, ripple = n < 50 || n >= 150 ? 0 : n % 2 == 0 ? 3.7 : -3.7;
+        recorder.close_row(std::vector{t, 40 + 2 * t + ripple, 5 * std::sin(0.1 * M_PI * n), n < 100 ? 0 : 1e3});
+    }
+    EXPECT_NEAR(recorder.statistics(1).ripple, 3.7, 0.02 * 3.7);
+    EXPECT_LT(recorder.statistics(2).ripple, 0.01 * 5);
+    EXPECT_EQ(recorder.statistics(3).ripple, 0);
+}
+
 // Oracle: the text by hand; HDF5 read back; statistics of what is not selected are the other recorder's.
 TEST(Recorder, EstimatesStandBesideTheirChannels) {
     const TemporaryFolder temporary;

@@ -217,10 +217,8 @@ void warn_ripple(const Recorder& recorder, const Model& model) {
         worst = ripple / peak;
         warning = fmt::format(
             "warning: the force of element \"{}\" alternates from row to row by {:.3g} N and is {:.3g} N at most: a "
-            "vibration "
-            "that the step of {:g} s does not follow. It rings for ever unless something damps it, and its peaks are no "
-            "peaks "
-            "of the joint; try a shorter step, its damping, or a spectral_radius of 0.9",
+            "vibration that the step of {:g} s does not follow. It rings for ever unless something damps it, and its peaks "
+            "are not the joint's; try a shorter step, its damping, or a spectral_radius of 0.9",
             element.name, ripple, peak, model.simulation.step);
     }
     if (!warning.empty()) tell(warning);

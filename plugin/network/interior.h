@@ -158,7 +158,6 @@ private:
         Convergence motion, momentum;   ///< as in Books
         double scale = 0;               ///< likewise
         double impulse = 0, share = 0;  ///< of a joint over the step, at most [N s]; of that, what may be left over
-        double trusted = 0;             ///< times that: what may be left to a rate of convergence
         bool has_own_matrix = false;    ///< the one kept did not serve
         double slowest_rate = 0;        ///< largest θ in this step; 0: not measured
         double tolerance = 0;           ///< of what remains to be corrected [m/s]
@@ -202,7 +201,7 @@ private:
     Vector6 bequest(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const;
     double correct(const Elimination& matrix, Solution& solution) const;
     double residual_size(const Solution& solution) const;
-    static bool is_good_enough(double correction, double residual, const Solution& solution);
+    bool is_good_enough(double correction, double residual, const Solution& solution) const;
     double impulse_of_ports(const Mechanism& mechanism) const;
     Vector3 mean_velocity(const Mechanism& mechanism, const Solution& solution) const;
     void solve(const Mechanism& mechanism, Solution& solution) const;
@@ -265,7 +264,7 @@ private:
     struct Columns {
         Matrix6 at[2];
     };
-    std::vector<Columns> near_columns_;    ///< of their deformation by either frame, where the matrix was formed
+    std::vector<Columns> near_columns_;    ///< of their deformation by either frame, when the matrix was formed
     std::vector<int> port_frames_;         ///< the ports, and massless frames whose heirs they are
     std::vector<size_t> rigid_joints_;     ///< joints with rigid directions
     std::vector<int> rigid_index_;         ///< of every joint among them; −1: it has none

@@ -300,7 +300,6 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
     solution.scale = std::max(solution.scale, std::sqrt(speed));
     solution.share = has_free_parts_ ? kSmallestImpulse
                                      : std::clamp(kTurnedImpulse / (h * h * turning), kSmallestImpulse, kLargestImpulse);
-    solution.trusted = has_free_parts_ ? kTrusted : INFINITY;
     solution.slowest_rate = 0;
     const double floor = solution.floor = std::max(kRounding * size / h, kFinest * solution.scale);
     solution.has_own_matrix = false;
@@ -347,11 +346,11 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
                 frame.element);
 }
 
-bool Interior::is_good_enough(double correction, double residual, const Solution& solution) {
+bool Interior::is_good_enough(double correction, double residual, const Solution& solution) const {
     if (correction <= solution.floor) return true;
     const double allowed = solution.share * solution.impulse;
     return solution.motion.left(correction) <= solution.tolerance && solution.momentum.left(residual) <= allowed &&
-           residual <= solution.trusted * allowed;
+           (!has_free_parts_ || residual <= kTrusted * allowed);
 }
 
 /// What the momentum of a frame lacks, at most [N s].

@@ -12,7 +12,7 @@ namespace dttmm {
 /// A point of the machine whose motion is told: a body's origin, a marker, a node.
 struct ModalPlace {
     std::string name;
-    int body = -1, node = -1;  ///< index into Model::bodies, or the network's nodes; both −1: the ground
+    int body = -1, node = -1;  ///< index into Model::bodies, or the network's nodes; the other is −1
     Eigen::Vector3d position;  ///< world [m]
 };
 
@@ -28,9 +28,10 @@ public:
     std::vector<ModalInstance::Mode> find_modes();
     /// Displacement at a place [6, world].
     Vector6 motion(const ModalPlace& place, const ModalInstance::Mode& mode) const;
-    /// Displacements at stations along a beam; none for other elements.
+    /// Displacements [6, world] at stations along a beam, and its length [m]; none for other elements.
     std::vector<Vector6> along(uint32_t mode, uint32_t element, uint32_t count, double& length);
-    /// Displacement at `out` per unit force (direction 0 … 2) or moment (3 … 5) at `in`.
+    /// Displacement [m or rad] at `out` per unit force [N] (direction 0 … 2) or moment [N m] (3 … 5) at `in`; frequency
+    /// [Hz].
     std::complex<double> respond(double frequency, const ModalPlace& in, int in_direction, const ModalPlace& out,
                                  int out_direction);
 

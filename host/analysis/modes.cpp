@@ -71,7 +71,8 @@ std::string where_most(const ModalMachine& machine, const Mode& mode) {
 std::string who_strains(const Model& model, const Mode& mode) {
     std::vector<size_t> order(mode.shares.size());
     std::iota(order.begin(), order.end(), size_t{0});
-    std::ranges::stable_sort(order, [&](size_t a, size_t b) { return mode.shares[a] > mode.shares[b] * (1 + 1e-6); });
+    const auto rank = [&](size_t e) { return std::round(1e6 * mode.shares[e]); };  // equal to rounding: as in the model
+    std::ranges::stable_sort(order, std::ranges::greater{}, rank);
     std::string text;
     for (size_t k = 0; k < std::min(order.size(), kMostShares); ++k)
         if (mode.shares[order[k]] >= kSmallestShare)

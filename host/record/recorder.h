@@ -19,8 +19,8 @@ struct ChannelStatistics {
     double minimum = 0;
     double maximum = 0;
     double final = 0;  ///< in the last row
-    /// Largest that it alternated from row to row for some ten rows: the amplitude of a vibration near half the rate of
-    /// rows.
+    /// Largest amplitude at which it alternated from row to row, as a mean over some ten rows: a vibration near half the
+    /// rate of rows.
     double ripple = 0;
 };
 
@@ -59,16 +59,16 @@ public:
     long rows() const { return rows_; }
 
 private:
+    /// Of a channel: its change in the last row [its unit], and the mean amplitude at which the last rows alternated.
+    struct Alternation {
+        double change = 0, mean = 0;
+    };
+
     void check_finite(int channel, double value, double time) const;
     void count(int channel, double value, double time);
     void write_row(std::span<const double> values);
 
     std::vector<Channel> channels_;
-    /// Of a channel: its last change, and how much the last rows alternated.
-    struct Alternation {
-        double change = 0, mean = 0;
-    };
-
     std::vector<ChannelStatistics> statistics_;
     std::vector<Alternation> alternations_;
     long rows_ = 0;

@@ -283,11 +283,7 @@ void FrequencyModel::cut_line(LineModel& line, int count) {
             if (passed[static_cast<size_t>(d)])
                 add_rigid(piece.rigid, {-carried.row(d).transpose(), piece.by_to.row(d).transpose()});
         if (is_bar) {
-            const Section& s = line.line.section;
-            const double l = (line.finish - line.start).norm() / count;
-            const double polar = is_given(s.inertia) ? s.inertia : 0;  // as in time
-            Matrix6 bar = Matrix6::Zero();
-            bar.diagonal() << 0, s.mass * l, s.mass * l, polar * l, s.mass * l * l * l / 12, s.mass * l * l * l / 12;
+            const Matrix6 bar = bar_mass(line.line.section, line.length() / count);
             const int frame = from >= 0 ? from : to;
             if (frame >= 0) {
                 const Matrix6 middle = local_end(line.axes, 0.5 * (point(i) + point(i + 1)), frame);
@@ -669,6 +665,14 @@ std::vector<Eigen::Matrix<FrequencyModel::Frequency, 6, 1>> FrequencyModel::resp
     std::vector<Vector6c> motion;
     for (Eigen::Index f = 0; f < frames; ++f) motion.push_back(mask_ * x.segment<6>(6 * f));
     return motion;
+}
+
+Matrix6 bar_mass(const Section& section, double length) {
+    const double m = section.mass * length, J = m * length * length / 12;
+    const double polar = is_given(section.inertia) ? section.inertia : 0;
+    Matrix6 bar = Matrix6::Zero();
+    bar.diagonal() << 0, m, m, polar * length, J, J;
+    return bar;
 }
 
 }  // namespace dttmm

@@ -30,16 +30,17 @@ public:
     using Motion = std::vector<Vector6>;
     using Frequency = std::complex<double>;
 
-    /// Throws Error naming element or node: what assemble() refuses, lines at an angle to the directions left, nothing that
-    /// moves, more than one joint direction of no effect.
+    /// Throws Error naming body or element: what assemble() refuses, numbers of a body that are not finite or a mass that is
+    /// not positive, lines at an angle to the directions left, a stiffness of a section that is needed and not given,
+    /// nothing that moves.
     explicit FrequencyModel(const dttmm_modal_model& model);
 
-    /// Cuts the lines so that frequencies below ω [rad/s] can be counted. Throws Error naming the element that would take
-    /// too many pieces, or what nothing holds and has no mass.
+    /// Cuts the lines so that frequencies below ω [rad/s] can be counted; comes before all that follows. Throws Error naming
+    /// the element that would take too many pieces, or what nothing holds and has no mass.
     void cut(double omega);
 
-    /// Sets D(λ) and factors it; the number of natural frequencies below. Nothing: λ is one of them, to rounding. Without
-    /// −∂D/∂λ it is quicker, and only counts.
+    /// Sets D(λ), λ = ω² [1/s²], and factors it; the number of natural frequencies below ω. Nothing: λ belongs to one of
+    /// them, to rounding. Without −∂D/∂λ it is quicker, and only counts.
     std::optional<int> factor(double lambda, bool with_mass = true);
 
     // At the λ last set:
@@ -79,18 +80,19 @@ public:
     /// Largest displacement [m] and rotation [rad] of frames and nodes, and of stations along the lines.
     std::pair<double, double> largest(const Motion& u) const;
 
-    /// Response to a unit harmonic wrench at a point of a frame, damped; 6 per frame. Throws Error(DTTMM_ERROR_SINGULAR) at
-    /// a natural frequency without damping.
+    /// Motion [m, rad] under a harmonic wrench [N, N m] at a point [m, world] of a frame (−1: the ground, nothing moves),
+    /// damped; 6 per frame. Throws Error(DTTMM_ERROR_SINGULAR) at a natural frequency without damping.
     std::vector<Eigen::Matrix<Frequency, 6, 1>> respond(double omega, int frame, const Vector3& point,
                                                         const Vector6& wrench) const;
-    /// Frame of a body or a node; −1: the ground.
+    /// Frame that a node moves with; −1: the ground.
     int frame_of_node(size_t node) const { return frame_of_[static_cast<size_t>(assembly_.nodes[node].frame)]; }
-    Vector3 position_of_node(size_t node) const;
+    Vector3 position_of_node(size_t node) const;  ///< at the start [m, world]
 
     /// Displacement at a point by the motion of a frame, world axes.
     static Matrix6 at_point(const Vector3& point, const Vector3& origin);
 
     // The parts it is made of:
+    /// A rigid direction: by_from · u_from + by_to · u_to = 0. Unlike a bond's, by_from holds its minus sign.
     struct Rigid {
         Vector6 by_from, by_to;
     };
@@ -112,10 +114,11 @@ public:
         size_t piece, line;
         Matrix6 start, finish;  ///< displacement of such an end in local axes if the ground moved; zero of the other
     };
+    /// An element with waves from frame to frame (−1: the ground).
     struct LineModel {
         int element, from, to;
-        Vector3 start, finish;
-        Matrix3 axes;
+        Vector3 start, finish;  ///< its ends at the start [m, world]
+        Matrix3 axes;           ///< of it, as columns in world
         const LineWaves* waves;
         Line line;
         size_t kind;  ///< lines alike share their waves
@@ -178,5 +181,9 @@ private:
     std::optional<Elimination> elimination_;
     double lambda_ = 0;
 };
+
+/// Mass of a rod of a length [m] as a rigid body but for its axis x, about its middle, local axes: by [velocity; angular
+/// velocity]. Without an inertia of its own it has none about x, as in time.
+Matrix6 bar_mass(const Section& section, double length);
 
 }  // namespace dttmm

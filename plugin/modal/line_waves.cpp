@@ -200,7 +200,6 @@ void LineWaves::evaluate(int count, Scalar lambda, Scalar stiffening, Square<Sca
         const Block<Scalar> W = Block<Scalar>(w.U.topRightCorner(n, n)).fullPivLu().inverse();
         // n0 = W (d1 − Udd d0),  n1 = Und d0 + Unn n0; on the piece act −n0 and n1
         Eigen::VectorXi at(2 * n);
-        Eigen::VectorXd unit(n);
         for (Eigen::Index k = 0; k < n; ++k) {
             at(k) = group.directions[static_cast<size_t>(k)];
             at(n + k) = 6 + at(k);

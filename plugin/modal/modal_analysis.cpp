@@ -80,6 +80,7 @@ double ModalAnalysis::along(uint32_t index, uint32_t element, uint32_t count, do
 void ModalAnalysis::respond(double frequency, int on_body, int on_node, const Vector3& point, const Vector6& force,
                             double* bodies, double* nodes) {
     if (!(frequency >= 0) || !std::isfinite(frequency)) throw Error(DTTMM_ERROR_ARGUMENT, "a frequency must be finite");
+    if ((on_body < 0) == (on_node < 0)) throw Error(DTTMM_ERROR_ARGUMENT, "respond wants a body or a node");
     const double omega = 2 * M_PI * frequency;
     if (frequency == 0) {
         const int free = ModeFinder(model_).count_rigid();

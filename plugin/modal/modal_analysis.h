@@ -17,12 +17,13 @@ public:
 
     /// See dttmm_plugin.find_modes. Throws Error(DTTMM_ERROR_MODEL) where nothing is elastic.
     size_t find_modes(uint32_t count, double below);
-    /// See dttmm_plugin.mode, mode_along and respond.
+    /// See dttmm_plugin.mode and mode_along. Throw Error(DTTMM_ERROR_ARGUMENT) for an index that is no mode.
     void mode(uint32_t index, dttmm_mode* mode, double* bodies, double* nodes, double* shares);
     double along(uint32_t index, uint32_t element, uint32_t count, double* shape);
     /// See dttmm_plugin.overall. Throws Error(DTTMM_ERROR_NUMERIC) where the paths are too long for it.
     OverallTransfer::Check overall(double frequency);
     const OverallTransfer& topology() const { return topology_; }
+    /// See dttmm_plugin.respond; frequency [Hz]. Throws Error(DTTMM_ERROR_SINGULAR) where nothing bounds the response.
     void respond(double frequency, int on_body, int on_node, const Vector3& point, const Vector6& force, double* bodies,
                  double* nodes);
 

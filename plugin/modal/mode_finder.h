@@ -12,8 +12,9 @@ struct Mode {
     double omega = 0;    ///< [rad/s]; 0: a rigid-body mode
     double bracket = 0;  ///< relative: the count changes by the multiplicity between ω (1 − bracket) and ω (1 + bracket)
     int multiplicity = 1;
-    double residual = 0;                      ///< |uᵀ D(ω²) u| over the kinetic energy that goes with it
-    double mass = 0;                          ///< modal [kg], of the shape as it is scaled: its largest displacement is 1
+    double residual = 0;  ///< |uᵀ D(ω²) u| over ω² × modal mass, twice the kinetic energy
+    /// Modal, of the shape as scaled: largest displacement 1 m [kg]; of one that only turns, rotation 1 rad [kg m²].
+    double mass = 0;
     FrequencyModel::Motion shape;             ///< of the frames
     Vector6 participation = Vector6::Zero();  ///< share of the mass or inertia moved as a whole in each direction
     double cut = 0;                           ///< [rad/s] for which the lines were cut when the shape was found
@@ -30,11 +31,12 @@ class ModeFinder {
 public:
     explicit ModeFinder(FrequencyModel& model) : model_(model) {}
 
-    /// All below `below` [rad/s]. Throws Error(DTTMM_ERROR_NUMERIC) where the count cannot be made out.
+    /// All up to `below` [rad/s]. Throws Error(DTTMM_ERROR_NUMERIC) where the count cannot be made out or rounding hides
+    /// frequencies that low, and what FrequencyModel::cut() throws.
     std::vector<Mode> find_below(double below);
     /// The first `count`, and what is equal to the last of them; all if there are fewer.
     std::vector<Mode> find_first(int count);
-    /// Rigid-body modes alone.
+    /// The number of rigid-body modes.
     int count_rigid();
 
 private:

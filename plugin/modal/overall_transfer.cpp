@@ -229,13 +229,11 @@ OverallTransfer::Matrix OverallTransfer::through(const Edge& edge, bool is_forwa
     Matrix12 U = line.waves->transfer(lambda, length);
     if (line.line.stretches_only && model_.directions().all()) {
         const Section& s = line.line.section;
-        Matrix6 lever = Matrix6::Identity(), bar = Matrix6::Zero(), middle = Matrix6::Identity();
+        Matrix6 lever = Matrix6::Identity(), middle = Matrix6::Identity();
         lever.topRightCorner<3, 3>() = -skew(Vector3(length, 0, 0));
         middle.topRightCorner<3, 3>() = -skew(Vector3(0.5 * length, 0, 0));
-        const double m = s.mass * length, J = m * length * length / 12;
-        bar.diagonal() << 0, m, m, s.inertia * length, J, J;
         // As a rigid body but for x: n_O = G⁻ᵀ (n_I − λ M d)
-        const Matrix6 back = lever.inverse().transpose(), mass = middle.transpose() * bar * middle;
+        const Matrix6 back = lever.inverse().transpose(), mass = middle.transpose() * bar_mass(s, length) * middle;
         Matrix12 body = Matrix12::Zero();
         body.topLeftCorner<6, 6>() = lever;
         body.bottomRightCorner<6, 6>() = back;

@@ -36,8 +36,8 @@ public:
     /// Whether paths are so short that products of matrices still have digits, and the matrix small.
     bool is_short() const { return rows_ <= 400 && longest_path_ <= 60; }
 
-    /// Of the square matrix at λ in given units: the smallest singular value as share of the largest, and the
-    /// determinant.
+    /// Of the square matrix at λ: its smallest singular value as share of the largest, in given units; sign and log10 of its
+    /// determinant, in SI. {1, 0, 0} for one that is empty, not square or overflows.
     struct Check {
         double smallest, sign, log10_determinant;
     };

@@ -307,7 +307,8 @@ void Interior::assemble(const Mechanism& mechanism, const std::vector<Frame>& at
     for (size_t j : rigid_joints_) set_rigid_rows(mechanism, j, mechanism.pose(j), mechanism.theta(j), elimination_);
 }
 
-/// Gives inertias that vanish in the rounding of what holds their frames otherwise as much as shows beside it.
+/// Adds to every inertia so much that it shows beside the stiffness that holds its frame: over a long step it may otherwise
+/// vanish in rounding, and a motion that nothing else resists be undetermined.
 void Interior::make_heavier() {
     constexpr double kLeastShare = 1e-11;
     for (int i = 0; i < count_; ++i) {
@@ -393,8 +394,8 @@ void Interior::form_matrix(const Mechanism& mechanism, const std::vector<Frame>&
     is_stale_ = false;
 }
 
-/// slow: nothing moves, over a step so long that inertias do not resist, but those that nothing else holds. hold: adds to
-/// the matrix before it is factored, which may have to be done twice.
+/// Factors the matrix of `slow`: nothing moves, over a step so long that inertias do not resist, unless nothing else does:
+/// then they are made heavier and it is factored again. hold: adds to the matrix before it is factored, each time.
 void Interior::factor_static(const Mechanism& slow, const std::function<void()>& hold) {
     assemble(slow, slow.frames);
     hold();

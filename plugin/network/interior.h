@@ -20,10 +20,11 @@ namespace dttmm {
 /// instants.
 ///
 /// Newton's iteration with the matrix M + h² S, in the frames' axes, in which it changes with the deformations only, not
-/// with the motion of the whole: it is factored once per step size and kept until it converges slowly or joints at ports
-/// have turned. Elastic directions enter it where the step is expected to end, for only their forces there hang on the
-/// motion: by those of t_n, k h²/m times what a hinge turns in a step would be missing across it, and k h²/m is in the
-/// thousands where it is stiff. Rigid directions enter it where they are at t_n, in the middle of the three instants.
+/// with the motion of the whole: it is factored once per step size and kept until it converges slowly, or joints at ports
+/// or rigid directions have turned. Elastic directions enter it where the step is expected to end, for only their forces
+/// there hang on the motion: by those of t_n, k h²/m times what a hinge turns in a step would be missing across it, and k
+/// h²/m is in the thousands where it is stiff. Rigid directions enter it where they are at t_n, in the middle of the three
+/// instants.
 ///
 /// Passes start from the extrapolated motion; the solution is accepted when θ/(1 − θ) × (last correction), θ the rate of
 /// convergence, is below kShare of the first one, which measures what the step itself leaves out, and below kTolerance of

@@ -334,7 +334,10 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
         if (pass == 0) solution.tolerance = std::max(floor, std::min(kShare * correction, kTolerance * solution.scale));
         if (is_good_enough(correction, residual, solution)) return;
     }
-    const auto left = [&](size_t i) { return solution.change[i].squaredNorm(); };
+    const auto left = [&](size_t i) {
+        const double reach = inertias_[i].reach;
+        return solution.change[i].head<3>().squaredNorm() + reach * reach * solution.change[i].tail<3>().squaredNorm();
+    };
     size_t worst = 0;
     for (size_t i = 1; i < state_.size(); ++i)
         if (!(left(i) <= left(worst))) worst = i;

@@ -200,9 +200,9 @@ TEST(Command, AForceThatRingsFromStepToStepIsToldWithItsElement) {
         EXPECT_EQ(ended.code, 0) << ended.err;
         return ended.err;
     };
-    EXPECT_THAT(complaint(1e12), AllOf(HasSubstr("warning: the force of element \"pin\" alternates from row to row by"),
+    EXPECT_THAT(complaint(1e12), AllOf(HasSubstr("warning: the force of element \"pin\" alternates from step to step by"),
                                        HasSubstr("a vibration that the step of 0.001 s does not follow"),
-                                       HasSubstr("a shorter step, its damping, or a spectral_radius of 0.9")));
+                                       HasSubstr("a shorter step, damping of the element, or a spectral_radius of 0.9")));
     EXPECT_EQ(complaint(1e5), "");
 }
 

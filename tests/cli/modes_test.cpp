@@ -40,6 +40,41 @@ TEST(ModesCases, TheOverallTransferMatrixIsSingularAtEveryFrequency) {
     }
 }
 
+// A rod of which nothing but EA and mass is given has no inertia about its axis: its matrix was full of what is not given,
+// and every residual 1. The stiff springs hold what a rod leaves free.
+TEST(ModesCases, ARodNeedsNoInertiaOfItsOwn) {
+    const auto modes = modes_of(R"(format = "dttmm/1"
+[simulation]
+duration = 1
+step = "1 ms"
+[nodes]
+root = { position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+tip = [1.3, 0, 0]
+[[element]]
+name = "tie"
+type = "rod"
+from = "root"
+to = "tip"
+section = { EA = 3e8, mass = 4.1 }
+[[element]]
+name = "mount"
+type = "elastic_hinge"
+from = "tip"
+to = "ground"
+stiffness = { x = 1e7, y = 2e6, z = 3e6, rx = 4e4, ry = 5e4, rz = 6e4 }
+[[element]]
+name = "disc"
+type = "rigid_body"
+at = ["tip"]
+mass = 2.7
+inertia = { xx = 0.03, yy = 0.02, zz = 0.025 }
+)",
+                                {"--count", "5"});
+    const std::vector<double> residuals = of_modes(modes, "residual");
+    EXPECT_GE(residuals.size(), 4u);
+    for (double residual : residuals) EXPECT_LT(residual, 1e-7);
+}
+
 // Oracle: the size of the hydroplane paper's equation (36).
 TEST(ModesCases, TheHydroplanesOverallTransferEquationIsThatOfThePaper) {
     const TemporaryFolder folder;

@@ -6,6 +6,18 @@
 
 namespace dttmm::detail {
 
+namespace {
+
+/// What `function` makes of every lane of its arguments.
+template <class Result, class Function, class... Arguments>
+Result lane_by_lane(const Function& function, const Arguments&... arguments) {
+    Result result;
+    for (int i = 0; i < Lanes::kCount; ++i) set_lane(result, i, function(lane(arguments, i)...));
+    return result;
+}
+
+}  // namespace
+
 Matrix3 large_rotation_from_vector(const Vector3& theta) {
     // Rodrigues: exp(θ~) = I + (sin φ/φ) θ~ + ((1 − cos φ)/φ²) θ~², the second factor written as ½ (sin(φ/2)/(φ/2))²
     const double angle = theta.norm();
@@ -23,10 +35,34 @@ Vector3 large_rotation_vector(const Matrix3& R) {
     return angle / sine_half * q.vec();
 }
 
+Vector3 large_moment_of_gradient(const Vector3& theta, const Vector3& v) {
+    return large_rotation_vector_rate(theta).transpose() * v;
+}
+
+Vector3 large_turned(const Vector3& theta, const Vector3& v) {
+    return large_rotation_from_vector(theta) * v;
+}
+
 Matrix3 large_rotation_vector_rate(const Vector3& theta) {
     const double angle = theta.norm();
     const Matrix3 cross = skew(theta);
     return Matrix3::Identity() - 0.5 * cross + (1 - 0.5 * angle / std::tan(0.5 * angle)) / (angle * angle) * cross * cross;
+}
+
+Matrix3Of<Lanes> large_rotation_from_vector(const Vector3Of<Lanes>& theta) {
+    return lane_by_lane<Matrix3Of<Lanes>>(rotation_from_vector<double>, theta);
+}
+
+Vector3Of<Lanes> large_rotation_vector(const Matrix3Of<Lanes>& R) {
+    return lane_by_lane<Vector3Of<Lanes>>(rotation_vector<double>, R);
+}
+
+Vector3Of<Lanes> large_moment_of_gradient(const Vector3Of<Lanes>& theta, const Vector3Of<Lanes>& v) {
+    return lane_by_lane<Vector3Of<Lanes>>(moment_of_gradient<double>, theta, v);
+}
+
+Vector3Of<Lanes> large_turned(const Vector3Of<Lanes>& theta, const Vector3Of<Lanes>& v) {
+    return lane_by_lane<Vector3Of<Lanes>>(turned<double>, theta, v);
 }
 
 }  // namespace dttmm::detail

@@ -5,6 +5,10 @@
 
 namespace dttmm {
 
+template <class Real>
+using Vector3Of = Eigen::Matrix<Real, 3, 1>;
+template <class Real>
+using Matrix3Of = Eigen::Matrix<Real, 3, 3>;
 using Vector3 = Eigen::Vector3d;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Vector12 = Eigen::Matrix<double, 12, 1>;

@@ -52,7 +52,7 @@ Mechanism at_rest(const Mechanism& mechanism, double step_size) {
         Joint& joint = rest.joints[j];
         joint.set_scheme(rest.scheme);
         joint.start(rest.scheme, rest.frame(joint.from()), rest.frame(joint.to()), Vector6::Zero(), Vector6::Zero(),
-                    rest.states[j], rest.turn(j));
+                    rest.states[j], rest.damper(j));
         rest.states[j].elastic = {};
     }
     return rest;

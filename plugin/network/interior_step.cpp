@@ -56,15 +56,13 @@ void Interior::look_at_joints(const Mechanism& mechanism) {
         RigidMap& known = rigid_known_[k] = {};
         known.add(scheme.elastic_weight(1), mechanism.pose(j), theta);
         // Three instants, one force: of one branch of θ
-        const TurnState* turn = mechanism.turn(j);
-        known.add(scheme.elastic_weight(2), before, turn ? nearest_turn(turn->rotation.d_before, theta) : theta);
+        known.add(scheme.elastic_weight(2), before, nearest_turn(mechanism.states[j].theta_before, theta));
     }
     massless_.look(mechanism);
 }
 
 void Interior::begin_step(const Mechanism& mechanism, const double* loads) {
-    for (size_t j = 0; j < mechanism.joints.size(); ++j)
-        if (const TurnState* turn = mechanism.turn(j)) mechanism.joints[j].refuse_large_rotation(*turn);
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) mechanism.joints[j].refuse_large_rotation(mechanism.states[j]);
     if (is_stale_) refactor(mechanism);
     read_loads(mechanism, loads);
     predict(mechanism);
@@ -123,7 +121,7 @@ JointForce Interior::rigid_action(const Mechanism& mechanism, size_t j, const Jo
 JointForce Interior::force_over_step(const Mechanism& mechanism, size_t j, const JointPose& at_end,
                                      const Joint::Strained& end) const {
     const Joint& joint = mechanism.joints[j];
-    JointForce force = joint.weigh(mechanism.scheme, end, mechanism.ends(j), mechanism.states[j], mechanism.turn(j));
+    JointForce force = joint.weigh(mechanism.scheme, end, mechanism.ends(j), mechanism.states[j], mechanism.damper(j));
     if (joint.rigid().any()) force.add(1, rigid_action(mechanism, j, at_end, end.theta, rigid_values(mechanism, j, q_)));
     return force;
 }
@@ -157,7 +155,7 @@ void Interior::find_forces(const Mechanism& mechanism, Solution& solution) const
         Joint::add_wrench(then, end_wrench_[a].data(), end_wrench_[b].data());
         if (massless_.is_half_way(j))
             Joint::add_wrench(joint.damping_half_way(trial, mechanism.ends(j), mechanism.scheme.step_size(),
-                                                     mechanism.states[j], mechanism.turn(j)),
+                                                     mechanism.states[j], *mechanism.damper(j)),
                               damping_wrench_[a].data(), damping_wrench_[b].data());
     }
     solution.impulse = mechanism.scheme.step_size() * std::sqrt(largest);
@@ -601,7 +599,7 @@ void Interior::take_forces(Mechanism& mechanism, const Solution& solution) {
         if (near < 0 && joint.rigid().any())
             rigid = rigid_action(mechanism, j, joint.pose(next), joint.rotation(next.from, next.to),
                                  rigid_values(mechanism, j, rigid_));
-        joint.advance(mechanism.scheme, mechanism.steps, next, mechanism.ends(j), mechanism.states[j], mechanism.turn(j),
+        joint.advance(mechanism.scheme, mechanism.steps, next, mechanism.ends(j), mechanism.states[j], mechanism.damper(j),
                       near < 0 ? &force : nullptr);
         if (near >= 0)
             force = near_force(mechanism, static_cast<size_t>(near), solution);

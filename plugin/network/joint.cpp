@@ -12,16 +12,16 @@ namespace dttmm {
 Joint::Joint(const JointSpec& spec, const Assembly& assembly)
     : element_(spec.element), from_(spec.from), to_(spec.to), rigid_(spec.law.rigid), law_(spec.law) {
     for (int half : {0, 1}) {
-        halves_[half].stiffness = spec.law.stiffness.segment<3>(3 * half);
-        halves_[half].damping = spec.law.damping.segment<3>(3 * half);
+        springs_.halves[half].stiffness = spec.law.stiffness.segment<3>(3 * half);
+        springs_.halves[half].damping = spec.law.damping.segment<3>(3 * half);
     }
-    turns_ = (spec.law.carried() >> 3).any();
+    springs_.turns = (spec.law.carried() >> 3).any();
     is_damped_ = !spec.law.damping.isZero(0);
     const Pose& from = assembly.frames[static_cast<size_t>(from_)].pose;
     const Pose& to = assembly.frames[static_cast<size_t>(to_)].pose;
     from_axes_ = from.rotation.transpose() * spec.pose.rotation;
     to_axes_ = to.rotation.transpose() * spec.pose.rotation;
-    rest_ = spec.pose.rotation.transpose() * (spec.pose.position - from.position);
+    springs_.rest = spec.pose.rotation.transpose() * (spec.pose.position - from.position);
     to_point_ = to.rotation.transpose() * (spec.pose.position - to.position);
     is_aligned_ = from.rotation == spec.pose.rotation;
     is_straight_ = is_aligned_ && to.rotation == spec.pose.rotation;
@@ -36,8 +36,8 @@ void Joint::set_scheme(const Scheme& scheme) {
         // f = [−q; m] of the input end against d = x_O − x_I: −∂q/∂x_O for forces, ∂m/∂θ_O for moments
         const EndForces ends = solve_driven_ends(law_.transfer(step, Vector6::Zero()), law_.elastic());
         for (int i = 0; i < 3; ++i) {
-            halves_[0].law(i) = -ends.S(i, 6 + i);
-            halves_[1].law(i) = ends.S(3 + i, 9 + i);
+            solved_[0](i) = -ends.S(i, 6 + i);
+            solved_[1](i) = ends.S(3 + i, 9 + i);
         }
     } catch (const Error& error) {
         throw Error(error.status(), error.what(), element_);
@@ -91,25 +91,25 @@ Matrix6 Joint::by_to(const JointPose& pose) const {
 Vector6 Joint::force(FrameView from, FrameView to, const Vector6& rate) const {
     const Vector3 theta = rotation(from, to);
     Vector6 f;
-    f << halves_[0].stiffness.cwiseProduct(translation(from, arm(from, to))) +
-             halves_[0].damping.cwiseProduct(rate.head<3>()),
-        moment_of_gradient(theta, halves_[1].stiffness.cwiseProduct(theta)) +
-            halves_[1].damping.cwiseProduct(rate.tail<3>());
+    f << springs_.halves[0].stiffness.cwiseProduct(translation(from, arm(from, to))) +
+             springs_.halves[0].damping.cwiseProduct(rate.head<3>()),
+        moment_of_gradient(theta, springs_.halves[1].stiffness.cwiseProduct(theta)) +
+            springs_.halves[1].damping.cwiseProduct(rate.tail<3>());
     return f;
 }
 
 Matrix3 Joint::turn_stiffness(const Vector3& theta) const {
     const Matrix3 inverse_J = rotation_vector_rate(theta);
-    return inverse_J.transpose() * halves_[1].stiffness.asDiagonal() * inverse_J;
+    return inverse_J.transpose() * springs_.halves[1].stiffness.asDiagonal() * inverse_J;
 }
 
 Matrix6 Joint::gain(const Scheme& scheme, const Vector3& theta) const {
     Matrix6 gain = Matrix6::Zero();
-    gain.topLeftCorner<3, 3>() = halves_[0].law.asDiagonal();
-    if (!turns_) return gain;
+    gain.topLeftCorner<3, 3>() = solved_[0].asDiagonal();
+    if (!turns()) return gain;
     const double weight = scheme.elastic_weight(0);
     gain.bottomRightCorner<3, 3>() = weight * turn_stiffness(theta);
-    gain.bottomRightCorner<3, 3>().diagonal() += halves_[1].law - weight * halves_[1].stiffness;
+    gain.bottomRightCorner<3, 3>().diagonal() += solved_[1] - weight * springs_.halves[1].stiffness;
     return gain;
 }
 
@@ -140,104 +140,64 @@ EndBlocks Joint::acting_stiffness(const JointPose& pose, const Vector3& force) {
 
 // ---- Time steps ---------------------------------------------------------------------------------------------------------
 
-/// What of the force over the coming step is known before its end is: for an explicit scheme all of it. before: the elastic
-/// force at t_{n−1}.
-void Joint::recall(const Scheme& scheme, const JointPose& now, const JointForce& before, JointState& state,
-                   const TurnState* turn) const {
-    state.known = {};
-    state.known.add(scheme.elastic_weight(1), state.elastic);
-    state.known.add(scheme.elastic_weight(2), before);
-    if (!is_damped_ && scheme.lag() == 0) return;
-    const auto damper = [&](const JointHalf& half, const HalfState& s) {
-        return Vector3(now.axes * (half.damping.cwiseProduct(scheme.rate(1) * s.delta[0] + scheme.rate(2) * s.delta[1] +
-                                                             scheme.rate(3) * s.delta[2]) +
-                                   scheme.lag() * half.stiffness.cwiseProduct(s.delta[0])));
-    };
-    state.known.add(1, now.act(damper(halves_[0], state.translation),
-                               turn ? damper(halves_[1], turn->rotation) : Vector3(Vector3::Zero())));
-}
-
-void Joint::start(const Scheme& scheme, FrameView from, FrameView to, const Vector6& rate, const Vector6& acceleration,
-                  JointState& state, TurnState* turn) const {
-    const JointPose now = pose(from, to);
-    const Strained strained = strain({from, to}, now);
-    state.dissipated = 0;
-    state.power = 0;
-    state.elastic = strained.elastic;
-    start_half(scheme, strained.d, rate.head<3>(), acceleration.head<3>(), state.translation);
-    if (turn) {
-        turn->attitude = strained.attitude;
-        start_half(scheme, strained.theta, rate.tail<3>(), acceleration.tail<3>(), turn->rotation);
-    }
-    if (!scheme.is_implicit()) return recall(scheme, now, state.elastic, state, turn);
-    // The rate of the first step is Newmark's from d, d', d'': γ δ₊/h + (1 − γ) d' + (β − γ/2) h d''
-    const double gamma = scheme.centred().gamma;
-    const Vector6 known = (1 - gamma) * rate + (scheme.centred().beta - 0.5 * gamma) * scheme.step_size() * acceleration;
-    state.known = {};
-    state.known.add(1 - scheme.elastic_weight(0), state.elastic);
-    state.known.add(1, now.act(now.axes * halves_[0].damping.cwiseProduct(known.head<3>()),
-                               now.axes * halves_[1].damping.cwiseProduct(known.tail<3>())));
-}
-
 /// The past before the start is the parabola through it, which suits every explicit scheme; for the centred one the elastic
 /// force before the start counts as that at the start.
-void Joint::start_half(const Scheme& scheme, const Vector3& d, const Vector3& rate, const Vector3& acceleration,
-                       HalfState& state) const {
+void Joint::start(const Scheme& scheme, FrameView from, FrameView to, const Vector6& rate, const Vector6& acceleration,
+                  JointState& state, DamperState* damper) const {
     const double h = scheme.step_size();
-    state.d = d;
-    state.rate = rate;
-    for (int back = 0; back < 3; ++back) state.delta[back] = h * rate - (back + 0.5) * h * h * acceleration;
-    state.d_before = d - state.delta[0];
+    const JointPose now = pose(from, to);
+    const Strained strained = strain({from, to}, now);
+    state.elastic = strained.elastic;
+    state.d = strained.d;
+    state.theta = strained.theta;
+    const Vector6 increment = h * rate - 0.5 * h * h * acceleration;
+    state.d_before = state.d - increment.head<3>();
+    state.theta_before = turns() ? Vector3(state.theta - increment.tail<3>()) : Vector3(Vector3::Zero());
+    if (damper) {
+        for (int half : {0, 1}) {
+            const Vector3 v = rate.segment<3>(3 * half), a = acceleration.segment<3>(3 * half);
+            damper->halves[half].rate = v;
+            for (int back = 0; back < 3; ++back) damper->halves[half].delta[back] = h * v - (back + 0.5) * h * h * a;
+        }
+        damper->attitude = turns() ? strained.attitude : Matrix3(Matrix3::Identity());
+        damper->dissipated = 0;
+        damper->power = 0;
+    }
+    if (!scheme.is_implicit()) return springs_.recall(scheme, now, state.elastic, state, damper);
+    // The rate of the first step is Newmark's from d, d', d'': γ δ₊/h + (1 − γ) d' + (β − γ/2) h d''
+    const double gamma = scheme.centred().gamma;
+    const Vector6 known = (1 - gamma) * rate + (scheme.centred().beta - 0.5 * gamma) * h * acceleration;
+    state.known = {};
+    state.known.add(1 - scheme.elastic_weight(0), state.elastic);
+    state.known.add(1, now.act(now.axes * springs_.halves[0].damping.cwiseProduct(known.head<3>()),
+                               now.axes * springs_.halves[1].damping.cwiseProduct(known.tail<3>())));
 }
 
-JointForce Joint::damping_half_way(Ends trial, Ends now, double h, const JointState& state, const TurnState* turn) const {
+JointForce Joint::damping_half_way(Ends trial, Ends now, double h, const JointState& state, const DamperState& damper) const {
     const JointPose at = pose(now);
     const Matrix3 mean = 0.5 / h * (axes(trial.from) + at.axes);
-    const Vector3 slide = translation(trial.from, arm(trial.from, trial.to)) - state.translation.d;
+    const Vector3 slide = translation(trial.from, arm(trial.from, trial.to)) - state.d;
     Vector3 moment = Vector3::Zero();
-    if (turn)
-        moment = mean * halves_[1].damping.cwiseProduct(
-                            rotation_vector(attitude(trial.from, trial.to) * turn->attitude.transpose()));
-    return at.act(mean * halves_[0].damping.cwiseProduct(slide), moment);
+    if (turns())
+        moment = mean * springs_.halves[1].damping.cwiseProduct(
+                            rotation_vector(attitude(trial.from, trial.to) * damper.attitude.transpose()));
+    return at.act(mean * springs_.halves[0].damping.cwiseProduct(slide), moment);
 }
 
-/// Moves one half of a joint on by the increment `delta` to `d`; returns the power of its damper at the start of the step.
-double Joint::advance_half(const Scheme& scheme, uint64_t steps, const JointHalf& half, const Vector3& d,
-                           const Vector3& delta, HalfState& state) const {
-    state.delta[2] = state.delta[1];
-    state.delta[1] = state.delta[0];
-    state.delta[0] = delta;
-    state.d_before = state.d;
-    state.d = d;
-    if (steps > 0) state.rate = 0.5 / scheme.step_size() * (state.delta[0] + state.delta[1]);
-    return state.rate.dot(half.damping.cwiseProduct(state.rate));
-}
-
-void Joint::advance(const Scheme& scheme, uint64_t steps, Ends next, Ends now, JointState& state, TurnState* turn,
+void Joint::advance(const Scheme& scheme, uint64_t steps, Ends next, Ends now, JointState& state, DamperState* damper,
                     JointForce* force) const {
     const JointPose at_end = pose(next);
     const Strained end = strain(next, at_end);
-    if (force) *force = weigh(scheme, end, now, state, turn);
-    const JointForce before = state.elastic;
-    state.elastic = end.elastic;
-    double power = advance_half(scheme, steps, halves_[0], end.d, end.d - state.translation.d, state.translation);
-    if (turn) {
-        const Vector3 delta =
-            is_damped_ ? rotation_vector(end.attitude * turn->attitude.transpose()) : Vector3(end.theta - turn->rotation.d);
-        power += advance_half(scheme, steps, halves_[1], end.theta, delta, turn->rotation);
-        turn->attitude = end.attitude;
-    }
-    recall(scheme, at_end, before, state, turn);
-    if (steps > 0) state.dissipated += 0.5 * scheme.step_size() * (state.power + power);
-    state.power = power;
+    if (force) *force = weigh(scheme, end, now, state, damper);
+    springs_.advance(scheme, steps, end, at_end, state, damper);
 }
 
 void Joint::refuse_large_rotation(FrameView from, FrameView to) const {
-    if (turns_ && !halves_[1].stiffness.isZero(0)) refuse_rotation(rotation(from, to).norm());
+    if (turns() && !springs_.halves[1].stiffness.isZero(0)) refuse_rotation(rotation(from, to).norm());
 }
 
 void Joint::refuse_rotation(double angle) const {
-    if (angle <= kLargestRotation || halves_[1].stiffness.isZero(0)) return;
+    if (angle <= kLargestRotation || springs_.halves[1].stiffness.isZero(0)) return;
     throw Error(
         DTTMM_ERROR_NUMERIC,
         fmt::format("its ends have turned {:.3g} rad against each other; a rotational stiffness holds up to {:g} rad", angle,

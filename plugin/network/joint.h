@@ -3,10 +3,10 @@
 
 #include <Eigen/Geometry>
 
-#include "core/rotation.h"
 #include "dttmm_plugin.h"
 #include "network/assembly.h"
 #include "network/scheme.h"
+#include "network/springs.h"
 
 namespace dttmm {
 
@@ -44,59 +44,6 @@ struct Twist {
     Vector3 linear = Vector3::Zero(), angular = Vector3::Zero();
 };
 
-/// Three translations or three rotations of a joint, its axes: the same formulas hold for both.
-struct JointHalf {
-    Vector3 stiffness;              ///< [N/m, N m/rad]
-    Vector3 damping;                ///< [N s/m, N m s/rad]
-    Vector3 law = Vector3::Zero();  ///< k̂ = ∂f/∂d of the solved transfer equations [N/m, N m/rad]
-};
-
-/// What a joint does to its frames [N, N m], world axes: force and moment on the `from` end, the opposite on the `to` end
-/// (on_to counts as on_from does, add_wrench turns its sign); the moments about the origins of the frames, each at the
-/// instant of the force.
-struct JointForce {
-    Vector3 force = Vector3::Zero(), on_from = Vector3::Zero(), on_to = Vector3::Zero();
-    void add(double weight, const JointForce& other) {
-        force += weight * other.force;
-        on_from += weight * other.on_from;
-        on_to += weight * other.on_to;
-    }
-    void add_moment(const Vector3& moment) {
-        on_from += moment;
-        on_to += moment;
-    }
-};
-
-/// A joint at an instant, world: its axes, and the point of its `to` end from the origins of its frames [m].
-struct JointPose {
-    Matrix3 axes;
-    Vector3 arm, lever;  ///< from the origin of the `from` frame, of the `to` frame
-    /// A force and a moment at the point.
-    JointForce act(const Vector3& force, const Vector3& moment) const {
-        return {force, moment + arm.cross(force), moment + lever.cross(force)};
-    }
-    /// The same of [force; moment] in the joint's axes.
-    JointForce act(const Vector6& f) const { return act(axes * f.head<3>(), axes * f.tail<3>()); }
-};
-
-/// What changes from step to step, [m] or [rad] in the joint's axes; plain numbers, so that saving is copying.
-struct HalfState {
-    Vector3 d, d_before;  ///< deformation at t_n and t_{n−1}
-    Vector3 delta[3];     ///< its increments over the steps that ended at t_n, t_{n−1}, t_{n−2}
-    Vector3 rate;         ///< of the deformation at t_{n−1} [1/s]: centred, at the start the initial one
-};
-struct JointState {
-    HalfState translation;
-    JointForce elastic;  ///< at t_n
-    JointForce known;    ///< what of the force over the open step does not depend on its end
-    double dissipated;   ///< energy lost to damping up to t_{n−1} [J]
-    double power;        ///< lost to damping at t_{n−1} [W]
-};
-struct TurnState {
-    HalfState rotation;
-    Matrix3 attitude;  ///< of the `to` end relative to the `from` end at t_n, in the joint's axes; identity at rest
-};
-
 /// What unit forces in the rigid directions of a joint do over a step.
 struct RigidMap {
     Matrix3 force = Matrix3::Zero(), arm = Matrix3::Zero(), lever = Matrix3::Zero(), moment = Matrix3::Zero();
@@ -120,15 +67,10 @@ struct EndBlocks {
 
 /// A massless joint at work between two frames: its rest configuration, its law solved for the step size, its kinematics. It
 /// measures its deformation in its axes, which go with the `from` frame; the wrenches on its two ends balance exactly, lever
-/// arms included. A rotational stiffness holds for relative rotations θ up to kLargestRotation; its moment is the gradient
-/// of ½ θᵀ k θ, so that it conserves energy. A rotational damper may turn for ever.
+/// arms included. A rotational stiffness holds for relative rotations θ up to kLargestRotation. A rotational damper may turn
+/// for ever.
 ///
-/// Over a step of the centred scheme its elastic forces at t_{n+1}, t_n and t_{n−1} are weighted, each with the axes and
-/// lever arms of its own instant: Newmark's rule for the whole wrench, so that a lasting force turns with the parts
-/// implicitly too. Rates, numerical damping, and increments δ of rotations as the rotation vectors that lead from one
-/// instant to the next, have the axes of t_n.
-///
-/// The memory is the caller's: a JointState and, if turns(), a TurnState.
+/// The memory is the caller's: a JointState and, where rates count, a DamperState.
 class Joint {
 public:
     static constexpr double kLargestRotation = 2.5;  ///< rad
@@ -140,10 +82,11 @@ public:
     int to() const { return to_; }
     int frame(int end) const { return end == 0 ? from_ : to_; }
     /// Whether it carries a moment: otherwise rotations are not worked out.
-    bool turns() const { return turns_; }
+    bool turns() const { return springs_.turns; }
     Directions rigid() const { return rigid_; }
-    const JointHalf& translation_half() const { return halves_[0]; }
-    const JointHalf& rotation_half() const { return halves_[1]; }
+    const JointHalf& translation_half() const { return springs_.halves[0]; }
+    const JointHalf& rotation_half() const { return springs_.halves[1]; }
+    const SpringsOf<double>& springs() const { return springs_; }
     bool is_damped() const { return is_damped_; }
 
     /// Solves the transfer equations for the law at the scheme's step size. Throws Error naming the element.
@@ -159,7 +102,7 @@ public:
     Vector3 translation(FrameView from, const Vector3& arm) const;
     Matrix3 attitude(FrameView from, FrameView to) const;
     Vector3 rotation(FrameView from, FrameView to) const {
-        return turns_ ? rotation_vector(attitude(from, to)) : Vector3(Vector3::Zero());
+        return turns() ? rotation_vector(attitude(from, to)) : Vector3(Vector3::Zero());
     }
     /// Rates and second rates of the deformation, [d; relative turn], joint axes.
     Vector6 rate(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity) const;
@@ -176,12 +119,8 @@ public:
     /// The force law at one instant: f [force; moment] on the `from` end in the joint's axes.
     Vector6 force(FrameView from, FrameView to, const Vector6& rate) const;
     /// Its elastic part with the deformation it stems from.
-    struct Strained {
-        Vector3 d, theta;
-        Matrix3 attitude;  ///< if turns()
-        JointForce elastic;
-    };
-    Strained strain(Ends at, const JointPose& pose) const;
+    using Strained = StrainedOf<double>;
+    Strained strain(Ends at, const JointPose& pose) const { return springs_.strain(pose, to_axes(at.to)); }
 
     /// ∂m/∂ε at one instant, joint axes, ε the relative turn: J⁻ᵀ k J⁻¹, the part that does not hang on the moment itself.
     Matrix3 turn_stiffness(const Vector3& theta) const;
@@ -193,44 +132,42 @@ public:
     static EndBlocks acting_stiffness(const JointPose& pose, const Vector3& force);
 
     void start(const Scheme& scheme, FrameView from, FrameView to, const Vector6& rate, const Vector6& acceleration,
-               JointState& state, TurnState* turn) const;
+               JointState& state, DamperState* damper) const;
     /// The force over the open step at a trial end of it; without rigid directions. now: its frames at t_n.
     JointForce weigh(const Scheme& scheme, const Strained& end, Ends now, const JointState& state,
-                     const TurnState* turn) const;
-    JointForce over_step(const Scheme& scheme, Ends trial, Ends now, const JointState& state, const TurnState* turn) const {
-        return weigh(scheme, strain(trial, pose(trial)), now, state, turn);
+                     const DamperState* damper) const {
+        return springs_.weigh(scheme, end, [&] { return pose(now); }, state, damper);
+    }
+    JointForce over_step(const Scheme& scheme, Ends trial, Ends now, const JointState& state,
+                         const DamperState* damper) const {
+        return weigh(scheme, strain(trial, pose(trial)), now, state, damper);
     }
     /// The damping force from the start of the open step to a trial end of it: the mean rate in the mean of the axes.
-    JointForce damping_half_way(Ends trial, Ends now, double h, const JointState& state, const TurnState* turn) const;
+    JointForce damping_half_way(Ends trial, Ends now, double h, const JointState& state, const DamperState& damper) const;
     /// Moves the memory on to the accepted end of the step. steps: committed before it since the start; force: if given,
     /// takes the force over the step as over_step finds it.
-    void advance(const Scheme& scheme, uint64_t steps, Ends next, Ends now, JointState& state, TurnState* turn,
+    void advance(const Scheme& scheme, uint64_t steps, Ends next, Ends now, JointState& state, DamperState* damper,
                  JointForce* force) const;
 
     /// Throws Error(DTTMM_ERROR_NUMERIC) when a rotational stiffness has turned too far.
     void refuse_large_rotation(FrameView from, FrameView to) const;
-    void refuse_large_rotation(const TurnState& turn) const {
-        if (!(turn.rotation.d.squaredNorm() <= kLargestRotation * kLargestRotation)) [[unlikely]]
-            refuse_rotation(turn.rotation.d.norm());
+    void refuse_large_rotation(const JointState& state) const {
+        if (!(state.theta.squaredNorm() <= kLargestRotation * kLargestRotation)) [[unlikely]]
+            refuse_rotation(state.theta.norm());
     }
 
 private:
     void refuse_rotation(double angle) const;
-    void recall(const Scheme& scheme, const JointPose& now, const JointForce& before, JointState& state,
-                const TurnState* turn) const;
-    void start_half(const Scheme& scheme, const Vector3& d, const Vector3& rate, const Vector3& acceleration,
-                    HalfState& state) const;
-    double advance_half(const Scheme& scheme, uint64_t steps, const JointHalf& half, const Vector3& d, const Vector3& delta,
-                        HalfState& state) const;
+    Matrix3 to_axes(FrameView to) const { return is_straight_ ? Matrix3(to.axes()) : Matrix3(to.axes() * to_axes_); }
 
     int element_, from_, to_;
-    bool turns_, is_aligned_, has_lever_, is_straight_, is_damped_;
+    bool is_aligned_, has_lever_, is_straight_, is_damped_;
     Directions rigid_;
     JointLaw law_;
-    JointHalf halves_[2];
+    SpringsOf<double> springs_;
+    Vector3 solved_[2];  ///< k̂ = ∂f/∂d of the solved transfer equations, translations, rotations [N/m, N m/rad]
     Matrix3 from_axes_;  ///< of the joint in the axes of the `from` frame
     Matrix3 to_axes_;    ///< the same at rest in those of the `to` frame
-    Vector3 rest_;       ///< the point of the `to` end from the `from` origin at rest, joint axes
     Vector3 to_point_;   ///< the point from the `to` origin, axes of the `to` frame
 };
 
@@ -242,13 +179,11 @@ inline Vector3 Joint::arm(FrameView from, FrameView to) const {
 }
 
 inline Vector3 Joint::translation(FrameView from, const Vector3& arm) const {
-    if (is_aligned_) return from.axes().transpose() * arm - rest_;
-    return from_axes_.transpose() * (from.axes().transpose() * arm) - rest_;
+    return axes(from).transpose() * arm - springs_.rest;
 }
 
 inline Matrix3 Joint::attitude(FrameView from, FrameView to) const {
-    if (is_straight_) return from.axes().transpose() * to.axes();
-    return (from.axes() * from_axes_).transpose() * (to.axes() * to_axes_);
+    return axes(from).transpose() * to_axes(to);
 }
 
 inline void Joint::add_wrench(const JointForce& force, double* on_from, double* on_to) {
@@ -261,38 +196,6 @@ inline void Joint::add_wrench(const JointForce& force, double* on_from, double* 
         Map{on_from} += force.force;
         Map{on_from + 3} += force.on_from;
     }
-}
-
-[[gnu::always_inline]] inline Joint::Strained Joint::strain(Ends at, const JointPose& pose) const {
-    Strained strained;
-    strained.d = translation(at.from, pose.arm);
-    strained.theta.setZero();
-    Vector3 moment = Vector3::Zero();
-    if (turns_) {
-        strained.attitude = attitude(at.from, at.to);
-        strained.theta = rotation_vector(strained.attitude);
-        // m = J⁻ᵀ(θ) (k ∘ θ): the gradient of ½ θᵀ k θ, for δθ = J⁻¹ ε
-        moment = pose.axes * moment_of_gradient(strained.theta, halves_[1].stiffness.cwiseProduct(strained.theta));
-    }
-    strained.elastic = pose.act(pose.axes * halves_[0].stiffness.cwiseProduct(strained.d), moment);
-    return strained;
-}
-
-[[gnu::always_inline]] inline JointForce Joint::weigh(const Scheme& scheme, const Strained& end, Ends now,
-                                                      const JointState& state, const TurnState* turn) const {
-    JointForce force = state.known;
-    if (!scheme.is_implicit()) return force;
-    force.add(scheme.elastic_weight(0), end.elastic);
-    if (!is_damped_ && scheme.lag() == 0) return force;
-    const JointPose at = pose(now);
-    const auto damper = [&](const JointHalf& half, const Vector3& delta) {
-        return Vector3(at.axes * (scheme.rate(0) * half.damping + scheme.lag() * half.stiffness).cwiseProduct(delta));
-    };
-    const Vector3 slide = damper(halves_[0], end.d - state.translation.d);
-    Vector3 moment = Vector3::Zero();
-    if (turn) moment = damper(halves_[1], rotation_vector(end.attitude * turn->attitude.transpose()));
-    force.add(1, at.act(slide, moment));
-    return force;
 }
 
 }  // namespace dttmm

@@ -9,8 +9,9 @@ Mechanism::Mechanism(const dttmm_network& description)
     : assembly(assemble(description)), scheme(description.scheme, {description.beta, description.gamma}) {
     for (const JointSpec& spec : assembly.joints) {
         joints.emplace_back(spec, assembly);
-        turn_of.push_back(joints.back().turns() ? static_cast<int>(turns.size()) : -1);
-        if (joints.back().turns()) turns.emplace_back();
+        const bool wants_rates = joints.back().is_damped() || scheme.lag() != 0;
+        damper_of.push_back(wants_rates ? static_cast<int>(dampers.size()) : -1);
+        if (wants_rates) dampers.emplace_back();
     }
     states.resize(joints.size());
     for (const FrameSpec& frame : assembly.frames) frames.push_back(make_frame(frame.pose));

@@ -16,22 +16,21 @@ struct Mechanism {
     Assembly assembly;
     Scheme scheme;
     std::vector<Joint> joints;
-    std::vector<int> turn_of;  ///< index of each joint's TurnState; −1: it has none
     std::vector<JointState> states;
-    std::vector<TurnState> turns;
+    std::vector<int> damper_of;  ///< index of each joint's DamperState; −1: it has none
+    std::vector<DamperState> dampers;
     std::vector<Frame> frames;  ///< all at t_n
     std::vector<Frame> before;  ///< all at t_{n−1}
     uint64_t steps = 0;         ///< committed since the start
 
-    TurnState* turn(size_t joint) { return turn_of[joint] < 0 ? nullptr : &turns[static_cast<size_t>(turn_of[joint])]; }
-    const TurnState* turn(size_t joint) const {
-        return turn_of[joint] < 0 ? nullptr : &turns[static_cast<size_t>(turn_of[joint])];
+    DamperState* damper(size_t joint) {
+        return damper_of[joint] < 0 ? nullptr : &dampers[static_cast<size_t>(damper_of[joint])];
+    }
+    const DamperState* damper(size_t joint) const {
+        return damper_of[joint] < 0 ? nullptr : &dampers[static_cast<size_t>(damper_of[joint])];
     }
     /// Rotation θ of a joint at t_n [rad], its axes; zero where it carries no moment.
-    Vector3 theta(size_t joint) const {
-        const TurnState* state = turn(joint);
-        return state ? state->rotation.d : Vector3(Vector3::Zero());
-    }
+    const Vector3& theta(size_t joint) const { return states[joint].theta; }
     /// Sets the memory of all joints by what velocity(frame) and acceleration(frame) say of their frames at the start.
     template <class Velocity, class Acceleration>
     void start_joints(const Velocity& velocity, const Acceleration& acceleration) {
@@ -41,7 +40,7 @@ struct Mechanism {
             const Twist v_from = velocity(joint.from()), v_to = velocity(joint.to());
             joint.start(scheme, from, to, joint.rate(from, v_from, to, v_to),
                         joint.acceleration(from, v_from, acceleration(joint.from()), to, v_to, acceleration(joint.to())),
-                        states[j], turn(j));
+                        states[j], damper(j));
         }
     }
     /// A joint at t_n.

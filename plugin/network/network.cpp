@@ -262,8 +262,7 @@ void Network::evaluate_joints(double* wrench, double* stiffness) const {
             continue;
         }
         const Ends at = {trial(joint.from()), trial(joint.to())};
-        const TurnState* turn = mechanism_.turn(j);
-        add_wrench(joint, joint.over_step(mechanism_.scheme, at, mechanism_.ends(j), state, turn), wrench);
+        add_wrench(joint, joint.over_step(mechanism_.scheme, at, mechanism_.ends(j), state, mechanism_.damper(j)), wrench);
         if (stiffness) {
             const JointPose end = joint.pose(at);
             const Joint::Strained strained = joint.strain(at, end);
@@ -288,12 +287,12 @@ void Network::commit_step(const dttmm_motion* nodes) {
 }
 
 void Network::commit_joints() {
-    if (!mechanism_.turns.empty())
-        for (const Joint& joint : mechanism_.joints) joint.refuse_large_rotation(trial(joint.from()), trial(joint.to()));
+    for (const Joint& joint : mechanism_.joints)
+        if (joint.turns()) joint.refuse_large_rotation(trial(joint.from()), trial(joint.to()));
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
         joint.advance(mechanism_.scheme, mechanism_.steps, {trial(joint.from()), trial(joint.to())}, mechanism_.ends(j),
-                      mechanism_.states[j], mechanism_.turn(j), nullptr);
+                      mechanism_.states[j], mechanism_.damper(j), nullptr);
     }
     for (size_t p = 0; p < ports_.size(); ++p) mechanism_.frames[p] = trial(static_cast<int>(p)).copy();
 }
@@ -317,7 +316,7 @@ std::vector<std::pair<void*, size_t>> Network::state_parts() const {
     auto& mechanism = const_cast<Mechanism&>(mechanism_);
     std::vector<std::pair<void*, size_t>> parts = {{&mechanism.steps, sizeof mechanism.steps},
                                                    {mechanism.states.data(), mechanism.states.size() * sizeof(JointState)},
-                                                   {mechanism.turns.data(), mechanism.turns.size() * sizeof(TurnState)}};
+                                                   {mechanism.dampers.data(), mechanism.dampers.size() * sizeof(DamperState)}};
     const auto ports = static_cast<size_t>(port_count()), driven = static_cast<size_t>(mechanism.assembly.driven_count);
     for (std::vector<Frame>* frames : {&mechanism.frames, &mechanism.before}) {
         parts.emplace_back(frames->data(), ports * sizeof(Frame));  // the ground behind them stays where it is
@@ -370,29 +369,25 @@ void Network::restore_state(const void* buffer, size_t size) {
 /// Force and moment of a joint at t_n, its axes.
 Vector6 Network::joint_force(size_t j) const {
     const Joint& joint = mechanism_.joints[j];
-    const HalfState& slide = mechanism_.states[j].translation;  // d_before is that at t_n, the start of the last step
-    Vector6 f = Vector6::Zero();
-    f.head<3>() = joint.translation_half().stiffness.cwiseProduct(slide.d_before) +
-                  joint.translation_half().damping.cwiseProduct(slide.rate);
-    const TurnState* turn = mechanism_.turn(j);
-    if (turn) {
-        const HalfState& rotation = turn->rotation;
-        f.tail<3>() =
-            moment_of_gradient(rotation.d_before, joint.rotation_half().stiffness.cwiseProduct(rotation.d_before)) +
-            joint.rotation_half().damping.cwiseProduct(rotation.rate);
+    const JointState& state = mechanism_.states[j];  // d_before is that at t_n, the start of the last step
+    Vector6 f;
+    f << joint.translation_half().stiffness.cwiseProduct(state.d_before),
+        moment_of_gradient(state.theta_before, joint.rotation_half().stiffness.cwiseProduct(state.theta_before));
+    if (const DamperState* damper = mechanism_.damper(j)) {
+        f.head<3>() += joint.translation_half().damping.cwiseProduct(damper->halves[0].rate);
+        f.tail<3>() += joint.rotation_half().damping.cwiseProduct(damper->halves[1].rate);
     }
     if (joint.rigid().none()) return f;
     const Vector6 q = interior_->rigid_force(mechanism_, j);
     f.head<3>() += q.head<3>();
-    if (turn) f.tail<3>() += moment_of_gradient(turn->rotation.d_before, q.tail<3>());
+    f.tail<3>() += moment_of_gradient(state.theta_before, q.tail<3>());
     return f;
 }
 
 double* Network::write_joint(double* out, size_t j) const {
     Eigen::Map<Vector6>{out} = joint_force(j);
-    Map3{out + 6} = mechanism_.states[j].translation.d_before;
-    const TurnState* turn = mechanism_.turn(j);
-    Map3{out + 9} = turn ? turn->rotation.d_before : Vector3(Vector3::Zero());
+    Map3{out + 6} = mechanism_.states[j].d_before;
+    Map3{out + 9} = mechanism_.states[j].theta_before;
     return out + 12;
 }
 
@@ -401,13 +396,10 @@ double* Network::write_energies(double* out, int first, int last) const {
     double strain = 0, dissipated = 0;
     for (auto j = static_cast<size_t>(first); j < static_cast<size_t>(last); ++j) {
         const Joint& joint = mechanism_.joints[j];
-        const Vector3& d = mechanism_.states[j].translation.d_before;
-        strain += 0.5 * d.dot(joint.translation_half().stiffness.cwiseProduct(d));
-        dissipated += mechanism_.states[j].dissipated;
-        if (const TurnState* turn = mechanism_.turn(j)) {
-            const Vector3& theta = turn->rotation.d_before;
-            strain += 0.5 * theta.dot(joint.rotation_half().stiffness.cwiseProduct(theta));
-        }
+        const Vector3 &d = mechanism_.states[j].d_before, &theta = mechanism_.states[j].theta_before;
+        strain += 0.5 * d.dot(joint.translation_half().stiffness.cwiseProduct(d)) +
+                  0.5 * theta.dot(joint.rotation_half().stiffness.cwiseProduct(theta));
+        if (const DamperState* damper = mechanism_.damper(j)) dissipated += damper->dissipated;
     }
     out[0] = strain;
     out[1] = dissipated;

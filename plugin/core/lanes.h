@@ -14,12 +14,14 @@
 namespace dttmm {
 
 /// Four numbers side by side, to which the same is done: a scalar for the formulas of one thing to work on four.
-struct Lanes {
+struct alignas(4 * sizeof(double)) Lanes {
     static constexpr int kCount = 4;
     using Values [[gnu::vector_size(kCount * sizeof(double))]] = double;
-    Values values;
 
     Lanes() = default;
+    /// Not trivial, so that no register carries it from function to function: which ones do hangs on the processor.
+    [[gnu::always_inline]] Lanes(const Lanes& other) : values(other.values) {}
+    [[gnu::always_inline]] Lanes& operator=(const Lanes& other) { return values = other.values, *this; }
     [[gnu::always_inline]] Lanes(double all) : values{all, all, all, all} {}
     [[gnu::always_inline]] explicit Lanes(const Values& four) : values(four) {}
     [[gnu::always_inline]] double operator[](int lane) const { return values[lane]; }
@@ -32,6 +34,8 @@ struct Lanes {
     [[gnu::always_inline]] friend Lanes operator-(Lanes a, const Lanes& b) { return a -= b; }
     [[gnu::always_inline]] friend Lanes operator*(Lanes a, const Lanes& b) { return a *= b; }
     [[gnu::always_inline]] friend Lanes operator-(const Lanes& a) { return Lanes(Values(-a.values)); }
+
+    Values values;
 };
 
 /// Whether all of the numbers are below a bound; false for NaN.
@@ -56,14 +60,13 @@ void set_lane(Eigen::Matrix<Lanes, R, C>& four, int i, const Eigen::Matrix<doubl
 template <int N>
 [[gnu::always_inline]] inline void gather(const double* const (&from)[Lanes::kCount], Lanes* to) {
     using Mask [[gnu::vector_size(4 * sizeof(long))]] = long;
-    const auto at = [&](int lane, int n) {
-        Lanes::Values four;
-        __builtin_memcpy(&four, from[lane] + n, sizeof four);
-        return four;
-    };
     constexpr int kBlocks = N / 4 * 4;
     for (int n = 0; n < kBlocks; n += 4) {
-        const Lanes::Values a = at(0, n), b = at(1, n), c = at(2, n), d = at(3, n);
+        Lanes::Values a, b, c, d;
+        __builtin_memcpy(&a, from[0] + n, sizeof a);
+        __builtin_memcpy(&b, from[1] + n, sizeof b);
+        __builtin_memcpy(&c, from[2] + n, sizeof c);
+        __builtin_memcpy(&d, from[3] + n, sizeof d);
         const Lanes::Values ab = __builtin_shuffle(a, b, Mask{0, 4, 2, 6}), AB = __builtin_shuffle(a, b, Mask{1, 5, 3, 7});
         const Lanes::Values cd = __builtin_shuffle(c, d, Mask{0, 4, 2, 6}), CD = __builtin_shuffle(c, d, Mask{1, 5, 3, 7});
         to[n].values = __builtin_shuffle(ab, cd, Mask{0, 1, 4, 5});
@@ -71,7 +74,10 @@ template <int N>
         to[n + 2].values = __builtin_shuffle(ab, cd, Mask{2, 3, 6, 7});
         to[n + 3].values = __builtin_shuffle(AB, CD, Mask{2, 3, 6, 7});
     }
-    for (int n = kBlocks; n < N; ++n) to[n].values = Lanes::Values{from[0][n], from[1][n], from[2][n], from[3][n]};
+    for (int n = kBlocks; n < N; ++n) {
+        const double four[] = {from[0][n], from[1][n], from[2][n], from[3][n]};
+        __builtin_memcpy(&to[n].values, four, sizeof four);
+    }
 }
 template <int N>
 [[gnu::always_inline]] inline void scatter(const Lanes* from, double* const (&to)[Lanes::kCount]) {

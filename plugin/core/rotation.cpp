@@ -39,9 +39,7 @@ Vector3 large_moment_of_gradient(const Vector3& theta, const Vector3& v) {
     return large_rotation_vector_rate(theta).transpose() * v;
 }
 
-Vector3 large_turned(const Vector3& theta, const Vector3& v) {
-    return large_rotation_from_vector(theta) * v;
-}
+Vector3 large_turned(const Vector3& theta, const Vector3& v) { return large_rotation_from_vector(theta) * v; }
 
 Matrix3 large_rotation_vector_rate(const Vector3& theta) {
     const double angle = theta.norm();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "network/elimination.h"
+#include "network/joints_by_four.h"
 #include "network/massless.h"
 #include "network/mechanism.h"
 
@@ -188,6 +189,7 @@ private:
     void read_loads(const Mechanism& mechanism, const double* loads);
     void set_elastic(const Mechanism& mechanism);
 
+    void place(const Mechanism& mechanism, std::span<const Vector6> u) const;
     void place(const Mechanism& mechanism, size_t frame, const Vector6& u) const;
     JointForce rigid_action(const Mechanism& mechanism, size_t joint, const JointPose& at_end, const Vector3& theta,
                             const Vector6& q) const;
@@ -270,6 +272,8 @@ private:
     std::vector<size_t> rigid_joints_;     ///< joints with rigid directions
     std::vector<int> rigid_index_;         ///< of every joint among them; −1: it has none
     std::vector<size_t> settling_joints_;  ///< joints of massless frames
+    JointsByFour by_four_;                 ///< joints that are nothing of all this
+    std::vector<size_t> others_;           ///< and those it does not take
     Elimination elimination_;
     mutable Elimination at_trial_;                                     ///< where the matrix kept does not serve
     std::vector<Eigen::Matrix<double, 6, Eigen::Dynamic>> responses_;  ///< ∂u/∂(u of the ports) per inner frame

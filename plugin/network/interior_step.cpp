@@ -99,14 +99,15 @@ void Interior::drop_anchor(const Mechanism& mechanism) {
     solve(mechanism, anchor_);
 }
 
-/// An inner frame at the end of the step.
+/// The inner frames at the end of the step; one of them.
+void Interior::place(const Mechanism& mechanism, std::span<const Vector6> u) const {
+    const auto first = static_cast<size_t>(driven_);
+    move_frames(mechanism.scheme.step_size(), std::span(mechanism.frames).subspan(first), u,
+                std::span(trial_).subspan(first));
+}
 void Interior::place(const Mechanism& mechanism, size_t i, const Vector6& u) const {
-    const double h = mechanism.scheme.step_size();
     const size_t f = static_cast<size_t>(driven_) + i;
-    const FrameView now = mechanism.frames[f];
-    const Vector3 way = now.axes() * u.head<3>();
-    Map3{trial_[f].position} = now.origin() + h * way;
-    MapR{trial_[f].rotation}.noalias() = now.axes() * rotation_from_vector(h * u.tail<3>());
+    move_frames(mechanism.scheme.step_size(), {&mechanism.frames[f], 1}, {&u, 1}, {&trial_[f], 1});
 }
 
 /// Forces q of a joint's rigid directions over the step.
@@ -135,8 +136,8 @@ void Interior::find_forces(const Mechanism& mechanism, Solution& solution) const
             damping_wrench_[static_cast<size_t>(frame)].setZero();
         }
     q_ = solution.q;
-    double largest = 0;
-    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+    double largest = by_four_.add_forces(mechanism, trial_, wrench_);
+    for (size_t j : others_) {
         const Joint& joint = mechanism.joints[j];
         const auto a = static_cast<size_t>(joint.from()), b = static_cast<size_t>(joint.to());
         const Ends trial = {trial_[a], trial_[b]};
@@ -310,7 +311,7 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
             for (size_t i = 0; i < solution.q.size(); ++i) solution.q[i] += solution.q_change[i] / h;
         }
         std::copy(solution.ports.begin(), solution.ports.end(), trial_.begin());
-        for (size_t i = 0; i < state_.size(); ++i) place(mechanism, i, solution.u[i]);
+        place(mechanism, solution.u);
         find_forces(mechanism, solution);
         form_residuals(mechanism, solution);
         if (rate > kTooSlow) {
@@ -543,10 +544,11 @@ double Interior::turn_at_ports(const Mechanism& mechanism) const {
 /// The frames where the step ends and what moves them there. Changes no state: here a step may still be refused.
 void Interior::find_end(const Mechanism& mechanism, const Solution& solution) const {
     const double fastest_turning = std::min(kFastest, M_PI / mechanism.scheme.step_size());
+    for (size_t i = 0; i < state_.size(); ++i) motion_[i] = motion_of(i, solution);
+    place(mechanism, motion_);
     for (size_t i = 0; i < state_.size(); ++i) {
         const size_t f = static_cast<size_t>(driven_) + i;
-        const Vector6& u = motion_[i] = motion_of(i, solution);
-        place(mechanism, i, u);
+        const Vector6& u = motion_[i];
         if (mechanism.steps % kStepsBetweenNormalisations == 0) {  // by one step of Newton
             MapR next(trial_[f].rotation);
             next += (0.5 * next * (RowMajor3::Identity() - next.transpose() * next)).eval();
@@ -590,7 +592,8 @@ void Interior::take_velocities(const Mechanism& mechanism) {
 /// The forces over the step, those of each joint a pair that balances exactly. The joints' memory moves on.
 void Interior::take_forces(Mechanism& mechanism, const Solution& solution) {
     std::fill(wrench_.begin(), wrench_.end(), Vector6::Zero());
-    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+    by_four_.advance(mechanism, trial_, wrench_);
+    for (size_t j : others_) {
         const Joint& joint = mechanism.joints[j];
         const auto a = static_cast<size_t>(joint.from()), b = static_cast<size_t>(joint.to());
         const Ends next = {trial_[a], trial_[b]};

@@ -19,13 +19,13 @@ Joint::Joint(const JointSpec& spec, const Assembly& assembly)
     is_damped_ = !spec.law.damping.isZero(0);
     const Pose& from = assembly.frames[static_cast<size_t>(from_)].pose;
     const Pose& to = assembly.frames[static_cast<size_t>(to_)].pose;
-    from_axes_ = from.rotation.transpose() * spec.pose.rotation;
-    to_axes_ = to.rotation.transpose() * spec.pose.rotation;
+    seat_.from_axes = from.rotation.transpose() * spec.pose.rotation;
+    seat_.to_axes = to.rotation.transpose() * spec.pose.rotation;
     springs_.rest = spec.pose.rotation.transpose() * (spec.pose.position - from.position);
-    to_point_ = to.rotation.transpose() * (spec.pose.position - to.position);
-    is_aligned_ = from.rotation == spec.pose.rotation;
-    is_straight_ = is_aligned_ && to.rotation == spec.pose.rotation;
-    has_lever_ = spec.pose.position != to.position;
+    seat_.to_point = to.rotation.transpose() * (spec.pose.position - to.position);
+    seat_.is_aligned = from.rotation == spec.pose.rotation;
+    seat_.is_straight = to.rotation == spec.pose.rotation;
+    seat_.has_lever = spec.pose.position != to.position;
 }
 
 void Joint::set_scheme(const Scheme& scheme) {
@@ -82,7 +82,7 @@ Matrix6 Joint::by_from(const JointPose& pose) const {
 Matrix6 Joint::by_to(const JointPose& pose) const {
     Matrix6 G = Matrix6::Zero();
     G.topLeftCorner<3, 3>() = G.bottomRightCorner<3, 3>() = pose.axes.transpose();
-    if (has_lever_) G.topRightCorner<3, 3>() = -pose.axes.transpose() * skew(pose.lever);
+    if (seat_.has_lever) G.topRightCorner<3, 3>() = -pose.axes.transpose() * skew(pose.lever);
     return G;
 }
 
@@ -173,7 +173,8 @@ void Joint::start(const Scheme& scheme, FrameView from, FrameView to, const Vect
                                now.axes * springs_.halves[1].damping.cwiseProduct(known.tail<3>())));
 }
 
-JointForce Joint::damping_half_way(Ends trial, Ends now, double h, const JointState& state, const DamperState& damper) const {
+JointForce Joint::damping_half_way(Ends trial, Ends now, double h, const JointState& state,
+                                   const DamperState& damper) const {
     const JointPose at = pose(now);
     const Matrix3 mean = 0.5 / h * (axes(trial.from) + at.axes);
     const Vector3 slide = translation(trial.from, arm(trial.from, trial.to)) - state.d;

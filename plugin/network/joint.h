@@ -5,34 +5,11 @@
 
 #include "dttmm_plugin.h"
 #include "network/assembly.h"
+#include "network/joint_kinematics.h"
 #include "network/scheme.h"
 #include "network/springs.h"
 
 namespace dttmm {
-
-using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-
-/// A frame in the world as plain numbers: origin [m] and axes, row-major as in dttmm_motion.
-struct Frame {
-    double position[3];
-    double rotation[9];
-};
-/// The same somewhere else in memory.
-struct FrameView {
-    FrameView(const Frame& frame) : position(frame.position), rotation(frame.rotation) {}
-    FrameView(const dttmm_motion& motion) : position(motion.position), rotation(motion.rotation) {}
-    FrameView(const double* origin, const double* axes) : position(origin), rotation(axes) {}
-    Frame copy() const {
-        Frame frame;
-        for (int i = 0; i < 3; ++i) frame.position[i] = position[i];
-        for (int i = 0; i < 9; ++i) frame.rotation[i] = rotation[i];
-        return frame;
-    }
-    const double* position;
-    const double* rotation;
-    Eigen::Map<const Vector3> origin() const { return Eigen::Map<const Vector3>(position); }
-    Eigen::Map<const RowMajor3> axes() const { return Eigen::Map<const RowMajor3>(rotation); }
-};
 
 /// The frames of a joint at an instant.
 struct Ends {
@@ -86,6 +63,7 @@ public:
     Directions rigid() const { return rigid_; }
     const JointHalf& translation_half() const { return springs_.halves[0]; }
     const JointHalf& rotation_half() const { return springs_.halves[1]; }
+    const JointSeat& seat() const { return seat_; }
     const SpringsOf<double>& springs() const { return springs_; }
     bool is_damped() const { return is_damped_; }
 
@@ -94,13 +72,13 @@ public:
 
     /// Kinematics at given frames: from the `from` origin to the point of the `to` end, world axes; from the `to` origin to
     /// that point; the joint's axes; its deformation; its attitude; its rotation θ.
-    Vector3 arm(FrameView from, FrameView to) const;
-    Vector3 lever(FrameView to) const { return has_lever_ ? Vector3(to.axes() * to_point_) : Vector3(Vector3::Zero()); }
-    Matrix3 axes(FrameView from) const { return is_aligned_ ? Matrix3(from.axes()) : Matrix3(from.axes() * from_axes_); }
-    JointPose pose(FrameView from, FrameView to) const { return {axes(from), arm(from, to), lever(to)}; }
+    Vector3 arm(FrameView from, FrameView to) const { return seat_.arm(from, to); }
+    Vector3 lever(FrameView to) const { return seat_.lever(to); }
+    Matrix3 axes(FrameView from) const { return seat_.axes(from); }
+    JointPose pose(FrameView from, FrameView to) const { return seat_.pose(from, to); }
     JointPose pose(Ends at) const { return pose(at.from, at.to); }
-    Vector3 translation(FrameView from, const Vector3& arm) const;
-    Matrix3 attitude(FrameView from, FrameView to) const;
+    Vector3 translation(FrameView from, const Vector3& arm) const { return axes(from).transpose() * arm - springs_.rest; }
+    Matrix3 attitude(FrameView from, FrameView to) const { return axes(from).transpose() * seat_.axes_at_to(to); }
     Vector3 rotation(FrameView from, FrameView to) const {
         return turns() ? rotation_vector(attitude(from, to)) : Vector3(Vector3::Zero());
     }
@@ -120,7 +98,7 @@ public:
     Vector6 force(FrameView from, FrameView to, const Vector6& rate) const;
     /// Its elastic part with the deformation it stems from.
     using Strained = StrainedOf<double>;
-    Strained strain(Ends at, const JointPose& pose) const { return springs_.strain(pose, to_axes(at.to)); }
+    Strained strain(Ends at, const JointPose& pose) const { return springs_.strain(pose, seat_.axes_at_to(at.to)); }
 
     /// ∂m/∂ε at one instant, joint axes, ε the relative turn: J⁻ᵀ k J⁻¹, the part that does not hang on the moment itself.
     Matrix3 turn_stiffness(const Vector3& theta) const;
@@ -136,7 +114,8 @@ public:
     /// The force over the open step at a trial end of it; without rigid directions. now: its frames at t_n.
     JointForce weigh(const Scheme& scheme, const Strained& end, Ends now, const JointState& state,
                      const DamperState* damper) const {
-        return springs_.weigh(scheme, end, [&] { return pose(now); }, state, damper);
+        return springs_.weigh(
+            scheme, end, [&] { return pose(now); }, state, damper);
     }
     JointForce over_step(const Scheme& scheme, Ends trial, Ends now, const JointState& state,
                          const DamperState* damper) const {
@@ -158,33 +137,17 @@ public:
 
 private:
     void refuse_rotation(double angle) const;
-    Matrix3 to_axes(FrameView to) const { return is_straight_ ? Matrix3(to.axes()) : Matrix3(to.axes() * to_axes_); }
 
     int element_, from_, to_;
-    bool is_aligned_, has_lever_, is_straight_, is_damped_;
+    bool is_damped_;
     Directions rigid_;
     JointLaw law_;
+    JointSeat seat_;
     SpringsOf<double> springs_;
     Vector3 solved_[2];  ///< k̂ = ∂f/∂d of the solved transfer equations, translations, rotations [N/m, N m/rad]
-    Matrix3 from_axes_;  ///< of the joint in the axes of the `from` frame
-    Matrix3 to_axes_;    ///< the same at rest in those of the `to` frame
-    Vector3 to_point_;   ///< the point from the `to` origin, axes of the `to` frame
 };
 
 // ---- What every step does for every joint -------------------------------------------------------------------------------
-
-inline Vector3 Joint::arm(FrameView from, FrameView to) const {
-    if (!has_lever_) return to.origin() - from.origin();
-    return to.origin() + to.axes() * to_point_ - from.origin();
-}
-
-inline Vector3 Joint::translation(FrameView from, const Vector3& arm) const {
-    return axes(from).transpose() * arm - springs_.rest;
-}
-
-inline Matrix3 Joint::attitude(FrameView from, FrameView to) const {
-    return axes(from).transpose() * to_axes(to);
-}
 
 inline void Joint::add_wrench(const JointForce& force, double* on_from, double* on_to) {
     using Map = Eigen::Map<Vector3>;

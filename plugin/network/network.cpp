@@ -314,9 +314,10 @@ void Network::discard_step() {
 /// Everything that changes from step to step, as pieces of memory; in a saved state the step size comes before them.
 std::vector<std::pair<void*, size_t>> Network::state_parts() const {
     auto& mechanism = const_cast<Mechanism&>(mechanism_);
-    std::vector<std::pair<void*, size_t>> parts = {{&mechanism.steps, sizeof mechanism.steps},
-                                                   {mechanism.states.data(), mechanism.states.size() * sizeof(JointState)},
-                                                   {mechanism.dampers.data(), mechanism.dampers.size() * sizeof(DamperState)}};
+    std::vector<std::pair<void*, size_t>> parts = {
+        {&mechanism.steps, sizeof mechanism.steps},
+        {mechanism.states.data(), mechanism.states.size() * sizeof(JointState)},
+        {mechanism.dampers.data(), mechanism.dampers.size() * sizeof(DamperState)}};
     const auto ports = static_cast<size_t>(port_count()), driven = static_cast<size_t>(mechanism.assembly.driven_count);
     for (std::vector<Frame>* frames : {&mechanism.frames, &mechanism.before}) {
         parts.emplace_back(frames->data(), ports * sizeof(Frame));  // the ground behind them stays where it is

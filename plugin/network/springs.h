@@ -2,41 +2,12 @@
 #pragma once
 
 #include "core/rotation.h"
+#include "network/joint_kinematics.h"
 #include "network/scheme.h"
 
 namespace dttmm {
 
-// What the joints of a network feel over a step. Real: double for one joint, Lanes for four at once, with the same bits.
-
-/// What a joint does to its frames [N, N m], world axes: force and moment on the `from` end, the opposite on the `to` end
-/// (on_to counts as on_from does, Joint::add_wrench turns its sign); the moments about the origins of the frames, each at
-/// the instant of the force.
-template <class Real>
-struct JointForceOf {
-    Vector3Of<Real> force = Vector3Of<Real>::Zero(), on_from = Vector3Of<Real>::Zero(), on_to = Vector3Of<Real>::Zero();
-    void add(const Real& weight, const JointForceOf& other) {
-        force += weight * other.force;
-        on_from += weight * other.on_from;
-        on_to += weight * other.on_to;
-    }
-};
-using JointForce = JointForceOf<double>;
-
-/// A joint at an instant, world: its axes, and the point of its `to` end from the origins of its frames [m].
-template <class Real>
-struct JointPoseOf {
-    Matrix3Of<Real> axes;
-    Vector3Of<Real> arm, lever;  ///< from the origin of the `from` frame, of the `to` frame
-    /// A force and a moment at the point.
-    JointForceOf<Real> act(const Vector3Of<Real>& force, const Vector3Of<Real>& moment) const {
-        return {force, moment + detail::cross<Real>(arm, force), moment + detail::cross<Real>(lever, force)};
-    }
-    /// The same of [force; moment] in the joint's axes.
-    JointForceOf<Real> act(const Eigen::Matrix<Real, 6, 1>& f) const {
-        return act(axes * f.template head<3>(), axes * f.template tail<3>());
-    }
-};
-using JointPose = JointPoseOf<double>;
+// The force law of a joint. Real: double for one, Lanes for four at once, with the same bits.
 
 /// Three translations or three rotations of a joint, its axes: the same formulas hold for both.
 template <class Real>
@@ -83,8 +54,8 @@ struct StrainedOf {
     JointForceOf<Real> elastic;
 };
 
-/// Springs and dampers of a joint at work. A rotational stiffness has the moment that is the gradient of ½ θᵀ k θ, so that it
-/// conserves energy.
+/// Springs and dampers of a joint at work. A rotational stiffness has the moment that is the gradient of ½ θᵀ k θ, so that
+/// it conserves energy.
 ///
 /// Over a step of the centred scheme the elastic forces at t_{n+1}, t_n and t_{n−1} are weighted, each with the axes and
 /// lever arms of its own instant: Newmark's rule for the whole wrench, so that a lasting force turns with the parts
@@ -108,8 +79,8 @@ struct SpringsOf {
     template <class PoseNow>
     Force weigh(const Scheme& scheme, const Strained& end, const PoseNow& now, const State& state,
                 const Damper* damper) const;
-    /// Moves the memory on to the accepted end of the step, when the joint is at `next`. steps: committed before it since the
-    /// start.
+    /// Moves the memory on to the accepted end of the step, when the joint is at `next`. steps: committed before it since
+    /// the start.
     void advance(const Scheme& scheme, uint64_t steps, const Strained& end, const Pose& next, State& state,
                  Damper* damper) const;
     /// What of the force over the coming step is known before its end is: for an explicit scheme all of it. before: the
@@ -169,9 +140,8 @@ template <class Real>
         const JointHalfOf<Real>& half = halves[i];
         const typename Damper::Half& s = damper->halves[i];
         const Real r1 = scheme.rate(1), r2 = scheme.rate(2), r3 = scheme.rate(3), lag = scheme.lag();
-        return Vector3Of<Real>(now.axes *
-                               (half.damping.cwiseProduct(r1 * s.delta[0] + r2 * s.delta[1] + r3 * s.delta[2]) +
-                                lag * half.stiffness.cwiseProduct(s.delta[0])));
+        return Vector3Of<Real>(now.axes * (half.damping.cwiseProduct(r1 * s.delta[0] + r2 * s.delta[1] + r3 * s.delta[2]) +
+                                           lag * half.stiffness.cwiseProduct(s.delta[0])));
     };
     Vector3Of<Real> moment = Vector3Of<Real>::Zero();
     if (turns) moment = act(1);

@@ -6,7 +6,7 @@
 
 namespace dttmm {
 
-// Where a joint is, and what its forces are on its frames. Real: double for one, Lanes for four at once, with the same bits.
+// Where a joint is, and what its forces are on its frames. Real: double for one, Lanes for four at once.
 
 template <class Real>
 using RowMajor3Of = Eigen::Matrix<Real, 3, 3, Eigen::RowMajor>;

@@ -8,8 +8,8 @@
 
 namespace dttmm {
 
-/// Joints worked out four at a time: what a long chain spends its steps on. The formulas are those of a single Joint, and
-/// where the four sit alike on their frames, so are the bits. Without rigid directions.
+/// Joints worked out four at a time: what a long chain spends its steps on. The formulas are those of a single Joint; sums
+/// may round otherwise. Without rigid directions.
 class JointsByFour {
 public:
     JointsByFour() = default;

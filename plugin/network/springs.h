@@ -7,7 +7,7 @@
 
 namespace dttmm {
 
-// The force law of a joint. Real: double for one, Lanes for four at once, with the same bits.
+// The force law of a joint. Real: double for one, Lanes for four at once.
 
 /// Three translations or three rotations of a joint, its axes: the same formulas hold for both.
 template <class Real>

@@ -136,16 +136,23 @@ private:
             }
             return std::min(contraction, 1.0) * correction;
         }
+        /// The same where the joints' axes turn by `turn` [rad] at most, and so the matrix fits by so much less.
+        double left(double correction, double turn) const { return std::min(contraction + turn, 1.0) * correction; }
         void measure(double rate, double previous) { *this = {rate < 1 ? rate / (1 - rate) : 1e3, previous}; }
         void forget(double factor) { contraction = std::min(factor * contraction, 1.0); }
+    };
+    /// Size of what leads the ports from the anchor to where they go.
+    struct PortChange {
+        double way = 0;      ///< the largest speed of a point [m/s]
+        double impulse = 0;  ///< by it, of their joints, at most [N s]
+        double turn = 0;     ///< by it, of them and the frames beside them, over the step [rad]
     };
     struct Books {
         double port_turn =
             0;  ///< of the joints at ports in the last step, since the matrix was formed, as share of their arms
         Convergence motion, momentum;  ///< in [m/s] and [N s]
         double scale = 0;              ///< size of the motion, slowly forgetting [m/s]
-        double port_way = 0;           ///< of the ports from the anchor to where they went in the last step [m/s]
-        double port_impulse = 0;       ///< of their joints by that, at most [N s]
+        PortChange port_change;        ///< in the last step
         double load_work = 0;          ///< of the loads up to t_{n−1} [J]
         double load_power = 0;         ///< at t_{n−1} [W]
     };
@@ -205,7 +212,8 @@ private:
     double correct(const Elimination& matrix, Solution& solution) const;
     double residual_size(const Solution& solution) const;
     bool is_good_enough(double correction, double residual, const Solution& solution) const;
-    double impulse_of_ports(const Mechanism& mechanism) const;
+    PortChange size_of_port_change(const Mechanism& mechanism) const;
+    bool linear_answer_serves(const PortChange& change, double share) const;
     Vector3 mean_velocity(const Mechanism& mechanism, const Solution& solution) const;
     void solve(const Mechanism& mechanism, Solution& solution) const;
     void look_at_joints(const Mechanism& mechanism);
@@ -302,8 +310,7 @@ private:
     mutable Solution other_;
     mutable Eigen::VectorXd port_change_;   ///< from the solution in use to the end of the step asked for, 6 per port, local
     mutable Eigen::VectorXd rigid_change_;  ///< what it changes in the forces of rigid directions, times h
-    mutable double port_way_ = 0;           ///< size of it: the largest speed of a point
-    mutable double port_impulse_ = 0;       ///< by it, of their joints
+    mutable PortChange port_change_size_;
     mutable std::vector<Frame> trial_;
     mutable std::vector<Vector6> motion_;  ///< of the inner frames over the step that is committed, each in its axes at t_n
     mutable std::vector<Vector6> wrench_;  ///< over the step, on every frame at its origin at t_n, world

@@ -26,7 +26,7 @@ constexpr double kTooSlow = 0.3;
 constexpr double kTurnedRows = 0.02;
 /// The same of joints at ports: as k h²/m of a stiff hinge is in the thousands, so is the error of the force they are told.
 constexpr double kTurnedPorts = 1e-4;
-/// A change of the ports feels the network's nonlinearity less than a change of everything inside, which the rate measures.
+/// Share of a change of the ports that counts beside one of everything inside.
 constexpr double kLinearShare = 0.1;
 /// So much farther than is good enough the linear answer still serves, where it served in the step before.
 constexpr double kFarther = 30;
@@ -367,39 +367,52 @@ double Interior::residual_size(const Solution& solution) const {
     return std::sqrt(largest);
 }
 
-/// By which the change of the ports changes what their joints do over the step, at most [N s].
-double Interior::impulse_of_ports(const Mechanism& mechanism) const {
-    double largest = 0;
+Interior::PortChange Interior::size_of_port_change(const Mechanism& mechanism) const {
+    double way = 0, impulse = 0, turn = 0;  // squared
+    for (size_t p = 0; p < port_u_.size(); ++p) {
+        const auto change = port_change_.segment<6>(static_cast<Eigen::Index>(6 * p));
+        const double turning = change.tail<3>().squaredNorm();
+        way = std::max(way, change.head<3>().squaredNorm() + port_reach_[p] * port_reach_[p] * turning);
+        turn = std::max(turn, turning);
+    }
     for (size_t k = 0; k < near_joints_.size(); ++k)
-        for (int end : {0, 1})
-            if (const int port = mechanism.joints[near_joints_[k]].frame(end); port < ports_)
-                largest = std::max(largest, (near_blocks_[k].at[end][end].topRows<3>() *
-                                             port_change_.segment<6>(static_cast<Eigen::Index>(6 * port)))
-                                                .squaredNorm());
-    return std::sqrt(largest);
+        for (int end : {0, 1}) {
+            const int frame = mechanism.joints[near_joints_[k]].frame(end);
+            if (frame < ports_) {
+                const auto change = port_change_.segment<6>(static_cast<Eigen::Index>(6 * frame));
+                impulse = std::max(impulse, (near_blocks_[k].at[end][end].topRows<3>() * change).squaredNorm());
+            } else if (is_inner(frame)) {
+                turn = std::max(turn, (responses_[at(frame)].bottomRows<3>() * port_change_).squaredNorm());
+            }
+        }
+    return {std::sqrt(way), std::sqrt(impulse), mechanism.scheme.step_size() * std::sqrt(turn)};
+}
+
+/// Whether the answer to a change of the ports is good enough if it is linear. A change of the ports feels the network's
+/// nonlinearity less than a change of everything inside, which the rate measures.
+bool Interior::linear_answer_serves(const PortChange& change, double share) const {
+    const double way = share * change.way;
+    if (way <= anchor_.floor) return true;
+    return anchor_.motion.left(way, change.turn) <= anchor_.tolerance &&
+           anchor_.momentum.left(share * change.impulse, change.turn) <= anchor_.share * anchor_.impulse;
 }
 
 /// The solution for a motion of the ports: the anchored one, to which port_change_ is to be added linearly, if that is good
 /// enough, else one of its own.
 const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::span<const FrameView> ports) const {
     const double h = mechanism.scheme.step_size();
-    double largest = 0;
     for (size_t p = 0; p < port_u_.size(); ++p) {
         const FrameView now = mechanism.frames[p], anchor = anchor_.ports[p], trial = ports[p];
         auto change = port_change_.segment<6>(static_cast<Eigen::Index>(6 * p));
         change << now.axes().transpose() * (trial.origin() - anchor.origin()),
             now.axes().transpose() * rotation_vector(trial.axes() * anchor.axes().transpose());
         change /= h;
-        largest = std::max(
-            largest, change.head<3>().squaredNorm() + port_reach_[p] * port_reach_[p] * change.tail<3>().squaredNorm());
     }
-    port_way_ = std::sqrt(largest);
+    port_change_size_ = size_of_port_change(mechanism);
     // The host wants a smooth answer: which one it gets hangs on the step before, not on how near this trial is
-    port_impulse_ = impulse_of_ports(mechanism);
     const bool is_near = !has_free_parts_ && mechanism.steps > 0 && books_.port_turn <= kTurnedPorts &&
-                         is_good_enough(kLinearShare * books_.port_way, kLinearShare * books_.port_impulse, anchor_);
-    if (is_near && is_good_enough(kLinearShare * port_way_ / kFarther, kLinearShare * port_impulse_ / kFarther, anchor_))
-        return anchor_;
+                         linear_answer_serves(books_.port_change, kLinearShare);
+    if (is_near && linear_answer_serves(port_change_size_, kLinearShare / kFarther)) return anchor_;
     other_.motion = anchor_.motion;
     other_.momentum = anchor_.momentum;
     other_.scale = anchor_.scale;
@@ -490,8 +503,7 @@ void Interior::commit(Mechanism& mechanism, std::span<const FrameView> ports) {
     find_rigid_forces(mechanism, solution);
     find_end(mechanism, solution);
     rigid_ = q_;
-    books_.port_way = port_way_;
-    books_.port_impulse = port_impulse_;
+    books_.port_change = port_change_size_;
     // A step with a matrix formed for it converges like no other
     const bool is_like_the_next = !is_fresh_ && !solution.has_own_matrix;
     books_.motion = is_like_the_next ? solution.motion : Convergence{};

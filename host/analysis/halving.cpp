@@ -14,7 +14,7 @@ namespace dttmm {
 
 namespace {
 
-constexpr size_t kMostHalvings = 12;
+constexpr size_t kMostHalvings = 12, kMostSkipped = 4;
 constexpr double kMostBytes = 2.0 * 1024 * 1024 * 1024;
 constexpr double kHistoriesHeld = 4;  // three that are judged and the one that is running
 
@@ -44,16 +44,27 @@ Halving::Halving(const Model& model, const Plugins& plugins, std::vector<int> se
 
 Ending Halving::run(bool quiet) {
     Outcome total;
-    while (true) {
-        std::unique_ptr<Run> run = make_run();
-        Ending ending = advance_to_end(run->simulation, quiet);
+    const auto advance = [&](Run& run) {
+        Ending ending = advance_to_end(run.simulation, quiet);
         ending.outcome.wall_time = total.wall_time += ending.outcome.wall_time;
         ending.outcome.steps = total.steps += ending.outcome.steps;
-        if (ending.code != ExitCode::ok) {
-            ending.outcome.reason += fmt::format(" (in the run at a step of {:g} s)", run->simulation.step_size());
-            if (!kept_) keep(std::move(run));
-            return ending;
-        }
+        if (ending.code != ExitCode::ok)
+            ending.outcome.reason += fmt::format(" (in the run at a step of {:g} s)", run.simulation.step_size());
+        return ending;
+    };
+    std::unique_ptr<Run> run = make_run();
+    Ending ending = advance(*run);
+    // A step too long for its motion to be found; if no shorter one does better, the first failure is the one to tell
+    while (ending.code == ExitCode::numerical_failure && skipped_ < kMostSkipped && may_halve()) {
+        ++skipped_;
+        std::unique_ptr<Run> shorter = make_run();
+        const Ending next = advance(*shorter);
+        if (next.code == ExitCode::numerical_failure) continue;
+        run = std::move(shorter);
+        ending = next;
+    }
+    if (ending.code == ExitCode::numerical_failure) skipped_ = 0;
+    while (ending.code == ExitCode::ok) {
         keep(std::move(run));
         judge();
         if (reached()) return ending;
@@ -63,11 +74,17 @@ Ending Halving::run(bool quiet) {
             ending.code = ExitCode::numerical_failure;
             return ending;
         }
+        run = make_run();
+        ending = advance(*run);
     }
+    ending.outcome.wall_time = total.wall_time;
+    ending.outcome.steps = total.steps;
+    if (!kept_) keep(std::move(run));
+    return ending;
 }
 
 std::unique_ptr<Halving::Run> Halving::make_run() const {
-    auto run = std::make_unique<Run>(at_level(model_, levels_.size()), plugins_);
+    auto run = std::make_unique<Run>(at_level(model_, skipped_ + levels_.size()), plugins_);
     run->history.reserve(static_cast<size_t>(rows_of(model_)) * selection_.size());
     run->simulation.record_to([this, &to = *run](std::span<const double> row) { take_row(to, row); });
     return run;
@@ -129,7 +146,9 @@ void Halving::judge() {
 }
 
 bool Halving::may_halve() const {
-    const double halvings = std::ldexp(1, static_cast<int>(levels_.size())), step = first_step() / halvings;
+    const auto next = static_cast<int>(skipped_ + std::max<size_t>(levels_.size(), 1));
+    const double halvings = std::ldexp(1, next);
+    const double step = model_.simulation.step / halvings;
     return levels_.size() <= kMostHalvings && step >= kShortestStep && model_.simulation.duration / step <= kMostSteps &&
            model_.output.every * halvings < std::numeric_limits<int>::max();
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <string>
@@ -38,8 +39,9 @@ public:
     Halving(const Model& model, const Plugins& plugins, std::vector<int> selection);
 
     /// Runs until the tolerance is reached, and gives up (numerical_failure) after 12 halvings or where the step or the
-    /// number of steps would leave the bounds of the model file. Stopped or failing on the way, it keeps the last finished
-    /// run, or what the first one has recorded.
+    /// number of steps would leave the bounds of the model file. A first step at which the run fails (numerical_failure) is
+    /// halved up to 4 times. Stopped or failing on the way, it keeps the last finished run, or what the first one has
+    /// recorded.
     Ending run(bool quiet);
 
     /// Rows of the selected channels, extrapolated and with estimates where there are any; the statistics of all others are
@@ -48,7 +50,9 @@ public:
     bool has_estimates() const { return convergence_.histories() > 1; }
 
     double tolerance() const { return *model_.simulation.tolerance; }
-    double first_step() const { return model_.simulation.step; }
+    double asked_step() const { return model_.simulation.step; }  ///< the model's [s]
+    /// Of the first run that got to its end; the model's where none did [s].
+    double first_step() const { return std::ldexp(model_.simulation.step, -static_cast<int>(skipped_)); }
     bool reached() const { return !levels_.empty() && levels_.back().error <= tolerance(); }
     const std::vector<Level>& levels() const { return levels_; }
     /// Estimated error per selected channel, the first the time's; empty before two runs have finished.
@@ -82,6 +86,7 @@ private:
     Convergence convergence_;
     std::unique_ptr<Run> kept_;
     std::vector<Level> levels_;
+    size_t skipped_ = 0;     ///< halvings of the model's step before a run got to its end
     double difference_ = 0;  ///< largest over scale, of the last two runs
 };
 

@@ -234,6 +234,13 @@ void print_halving(const Halving& halving) {
         std::isnan(last.order) ? "" : fmt::format(", observed order {:.2f}", last.order));
 }
 
+/// A run to a tolerance that could not begin where it was told to.
+void warn_skipped(const Halving& halving) {
+    if (halving.first_step() != halving.asked_step())
+        tell(fmt::format("the motion was not found at a step of {:g} s; it begins with {:g} s", halving.asked_step(),
+                         halving.first_step()));
+}
+
 /// A tolerance reached at a step that misses the fastest vibrations holds for what the step sees.
 void warn_unresolved(const Halving& halving) {
     const Simulation& simulation = halving.simulation();
@@ -290,10 +297,12 @@ ExitCode conclude(const RunRequest& request, const Bench& bench, const Simulatio
     write_atomically(folder.file("summary.json"), summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 
     warn_energy(recorder, bench.model, simulation);
-    if (halving)
+    if (halving) {
+        warn_skipped(*halving);
         warn_unresolved(*halving);
-    else
+    } else {
         warn_ripple(recorder, bench.model);
+    }
     if (ending.outcome.status == "failed") {
         throw Error(ending.code, fmt::format("{} ({} rows recorded in {})", ending.outcome.reason, recorder.rows(),
                                              folder.path().string()));

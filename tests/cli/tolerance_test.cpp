@@ -237,6 +237,38 @@ TEST_F(Tolerance, AFailingRunKeepsWhatItHas) {
     EXPECT_EQ(summary()["tolerance"]["levels"].size(), 0u);
 }
 
+// Oracle: by hand: a rotor on a free hinge turns 4 rad in 1 ms, more than half a turn, and 2 rad in half of it: there its
+// spin is the same at any step.
+TEST_F(Tolerance, ARunBeginsAtAStepThatFindsTheMotion) {
+    const std::string model = R"(format = "dttmm/1"
+simulation = { duration = "10 ms", step = "1 ms" }
+output = { step = "1 ms" }
+[nodes]
+bearing = { position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+rotor = { position = [0, 0, 0], velocity = [0, 0, 0], angular_velocity = [4000, 0, 0] }
+[[element]]
+name = "shaft"
+type = "elastic_hinge"
+from = "bearing"
+to = "rotor"
+stiffness = { rx = "free" }
+[[element]]
+name = "disc"
+type = "rigid_body"
+at = "rotor"
+mass = "1 kg"
+inertia = { xx = 0.01, yy = 0.005, zz = 0.005 }
+)";
+    write_text(folder_ / "rotor.toml", model);
+    ASSERT_EQ(run({"rotor.toml"}).code, 4);
+    const Ended ended = run({"rotor.toml", "--tolerance", "1 %"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    EXPECT_THAT(ended.err, HasSubstr("the motion was not found at a step of 0.001 s; it begins with 0.0005 s"));
+    EXPECT_EQ(summary()["tolerance"]["first_step"], 0.0005);
+    EXPECT_EQ(rows().size(), 11u);
+    EXPECT_NEAR(rows().back()[0], 0.01, 1e-12);
+}
+
 // Oracle: the exit code of the design. Stopped in the first run its rows are kept; later, the last finished run.
 TEST_F(Tolerance, AStoppedRunKeepsItsRows) {
     std::string text = small_model_with("step = \"5 ms\"", "step = \"20 ms\"\nchannels = [\"one.force\"]");

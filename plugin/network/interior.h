@@ -144,7 +144,7 @@ private:
     /// Size of what leads the ports from the anchor to where they go.
     struct PortChange {
         double way = 0;      ///< the largest speed of a point [m/s]
-        double impulse = 0;  ///< by it, of their joints, at most [N s]
+        double impulse = 0;  ///< what it changes in that of a joint at a port, at most [N s]
         double turn = 0;     ///< by it, of them and the frames beside them, over the step [rad]
     };
     struct Books {
@@ -213,7 +213,7 @@ private:
     double residual_size(const Solution& solution) const;
     bool is_good_enough(double correction, double residual, const Solution& solution) const;
     PortChange size_of_port_change(const Mechanism& mechanism) const;
-    bool linear_answer_serves(const PortChange& change, double share) const;
+    bool linear_answer_serves(const PortChange& change, double factor) const;
     Vector3 mean_velocity(const Mechanism& mechanism, const Solution& solution) const;
     void solve(const Mechanism& mechanism, Solution& solution) const;
     void look_at_joints(const Mechanism& mechanism);

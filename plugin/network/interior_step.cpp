@@ -375,26 +375,32 @@ Interior::PortChange Interior::size_of_port_change(const Mechanism& mechanism) c
         way = std::max(way, change.head<3>().squaredNorm() + port_reach_[p] * port_reach_[p] * turning);
         turn = std::max(turn, turning);
     }
-    for (size_t k = 0; k < near_joints_.size(); ++k)
-        for (int end : {0, 1}) {
-            const int frame = mechanism.joints[near_joints_[k]].frame(end);
-            if (frame < ports_) {
-                const auto change = port_change_.segment<6>(static_cast<Eigen::Index>(6 * frame));
-                impulse = std::max(impulse, (near_blocks_[k].at[end][end].topRows<3>() * change).squaredNorm());
-            } else if (is_inner(frame)) {
-                turn = std::max(turn, (responses_[at(frame)].bottomRows<3>() * port_change_).squaredNorm());
-            }
-        }
+    const auto change_of = [&](int frame) -> Vector6 {
+        if (is_inner(frame)) return responses_[at(frame)] * port_change_;
+        if (frame < ports_) return port_change_.segment<6>(static_cast<Eigen::Index>(6 * frame));
+        return Vector6::Zero();
+    };
+    for (size_t k = 0; k < near_joints_.size(); ++k) {
+        const Joint& joint = mechanism.joints[near_joints_[k]];
+        const Vector6 from = change_of(joint.from()), to = change_of(joint.to());
+        turn = std::max({turn, from.tail<3>().squaredNorm(), to.tail<3>().squaredNorm()});
+        const EndBlocks& K = near_blocks_[k];
+        for (int end : {0, 1})
+            if (joint.frame(end) < ports_)
+                impulse =
+                    std::max(impulse, (K.at[end][0].topRows<3>() * from + K.at[end][1].topRows<3>() * to).squaredNorm());
+    }
     return {std::sqrt(way), std::sqrt(impulse), mechanism.scheme.step_size() * std::sqrt(turn)};
 }
 
-/// Whether the answer to a change of the ports is good enough if it is linear. A change of the ports feels the network's
-/// nonlinearity less than a change of everything inside, which the rate measures.
-bool Interior::linear_answer_serves(const PortChange& change, double share) const {
-    const double way = share * change.way;
-    if (way <= anchor_.floor) return true;
-    return anchor_.motion.left(way, change.turn) <= anchor_.tolerance &&
-           anchor_.momentum.left(share * change.impulse, change.turn) <= anchor_.share * anchor_.impulse;
+/// Whether the linear answer to a change of the ports leaves no more over than `factor` times what is good enough: of what
+/// it changes as much as a pass would, and of the forces what they turn.
+bool Interior::linear_answer_serves(const PortChange& change, double factor) const {
+    const double way = kLinearShare * change.way;
+    return way <= factor * anchor_.floor ||
+           (anchor_.motion.left(way, change.turn) <= factor * anchor_.tolerance &&
+            anchor_.momentum.left(change.impulse, change.turn) + change.turn * anchor_.impulse <=
+                factor * anchor_.share * anchor_.impulse);
 }
 
 /// The solution for a motion of the ports: the anchored one, to which port_change_ is to be added linearly, if that is good
@@ -411,8 +417,8 @@ const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::spa
     port_change_size_ = size_of_port_change(mechanism);
     // The host wants a smooth answer: which one it gets hangs on the step before, not on how near this trial is
     const bool is_near = !has_free_parts_ && mechanism.steps > 0 && books_.port_turn <= kTurnedPorts &&
-                         linear_answer_serves(books_.port_change, kLinearShare);
-    if (is_near && linear_answer_serves(port_change_size_, kLinearShare / kFarther)) return anchor_;
+                         linear_answer_serves(books_.port_change, 1);
+    if (is_near && linear_answer_serves(port_change_size_, kFarther)) return anchor_;
     other_.motion = anchor_.motion;
     other_.momentum = anchor_.momentum;
     other_.scale = anchor_.scale;

@@ -1213,6 +1213,43 @@ TEST(Interior, AVelocityInAFixedDirectionIsRefused) {
     }
 }
 
+// The stiffness of a joint at a port grows with the number of segments, what a port feels of a change does not.
+TEST(Interior, AFinelyDividedBeamIsSolvedOncePerStepNotAtEveryTrial) {
+    constexpr double h = 0.25e-3, amplitude = 4e-5, omega = 490;
+    constexpr uint64_t steps = 200;
+    for (const int segments : {10, 1000}) {
+        NetworkModel model;
+        model.node("wall", kGround, vec(0, 0, 0));
+        model.node("body", kPort, vec(1.2, 0, 0));
+        model.element("beam", "beam", {"wall", "body"}, tube(segments));
+        Network network(model.description());
+        // Where the body is expected, where it is found, and there again but for rounding
+        const auto body = [&](uint64_t n, double off) {
+            const double phase = omega * static_cast<double>(n) * h;
+            dttmm_motion motion{};
+            Eigen::Map<Vector3>{motion.position} = vec(1.2, amplitude * (1 - std::cos(phase)) + off, 0);
+            Eigen::Map<Vector3>{motion.velocity} = vec(0, amplitude * omega * std::sin(phase), 0);
+            Eigen::Map<RowMajor3>{motion.rotation} =
+                rotation_from_vector(vec(0, 0, amplitude * (1 - std::cos(phase)) + off));
+            return motion;
+        };
+        const dttmm_motion start = body(0, 0);
+        const double acceleration[6] = {0, amplitude * omega * omega, 0, 0, 0, 0};
+        network.start({0, 0, h}, &start, acceleration, nullptr);
+        for (uint64_t n = 0; n < steps; ++n) {
+            network.begin_step({n, static_cast<double>(n) * h, h}, nullptr);
+            Vector6 wrench;
+            for (double off : {1e-7, 0.0, 1e-13}) {
+                const dttmm_motion trial = body(n + 1, off);
+                network.evaluate(&trial, wrench.data(), nullptr);
+            }
+            const dttmm_motion end = body(n + 1, 0);
+            network.commit_step(&end);
+        }
+        EXPECT_LT(network.interior()->passes(), 2.5 * steps) << segments;
+    }
+}
+
 TEST(Interior, AStartVelocityThatAMovingPortForbidsIsRefused) {
     const auto start_at = [](const Vector3& v) {
         NetworkModel model;

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdlib>
 
-/// Compiles a function, with all that it calls, once more for processors that add four numbers at a time. Results are the
-/// same to the bit: no products are fused with sums.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+/// Compiles a function and what it inlines a second time, for processors with AVX2, chosen when the library is loaded. Both
+/// give the same bits: AVX2 alone has no fused products, and the build forbids contraction.
+#if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__)
 #define DTTMM_WIDE [[gnu::flatten, gnu::target_clones("avx2", "default")]]
 #else
 #define DTTMM_WIDE
@@ -13,13 +14,13 @@
 
 namespace dttmm {
 
-/// Four numbers side by side, to which the same is done: a scalar for the formulas of one thing to work on four.
+/// Four numbers side by side: a scalar with which a formula for one thing works out four.
 struct alignas(4 * sizeof(double)) Lanes {
     static constexpr int kCount = 4;
     using Values [[gnu::vector_size(kCount * sizeof(double))]] = double;
 
     Lanes() = default;
-    /// Not trivial, so that no register carries it from function to function: which ones do hangs on the processor.
+    /// User-provided, so that Lanes pass through memory: whether registers pass them depends on the processor compiled for.
     [[gnu::always_inline]] Lanes(const Lanes& other) : values(other.values) {}
     [[gnu::always_inline]] Lanes& operator=(const Lanes& other) { return values = other.values, *this; }
     [[gnu::always_inline]] Lanes(double all) : values{all, all, all, all} {}
@@ -59,7 +60,6 @@ void set_lane(Eigen::Matrix<Lanes, R, C>& four, int i, const Eigen::Matrix<doubl
 /// N numbers of each of four records, from[lane][n], side by side: to[n][lane]; and the way back.
 template <int N>
 [[gnu::always_inline]] inline void gather(const double* const (&from)[Lanes::kCount], Lanes* to) {
-    using Mask [[gnu::vector_size(4 * sizeof(long))]] = long;
     constexpr int kBlocks = N / 4 * 4;
     for (int n = 0; n < kBlocks; n += 4) {
         Lanes::Values a, b, c, d;
@@ -67,12 +67,12 @@ template <int N>
         __builtin_memcpy(&b, from[1] + n, sizeof b);
         __builtin_memcpy(&c, from[2] + n, sizeof c);
         __builtin_memcpy(&d, from[3] + n, sizeof d);
-        const Lanes::Values ab = __builtin_shuffle(a, b, Mask{0, 4, 2, 6}), AB = __builtin_shuffle(a, b, Mask{1, 5, 3, 7});
-        const Lanes::Values cd = __builtin_shuffle(c, d, Mask{0, 4, 2, 6}), CD = __builtin_shuffle(c, d, Mask{1, 5, 3, 7});
-        to[n].values = __builtin_shuffle(ab, cd, Mask{0, 1, 4, 5});
-        to[n + 1].values = __builtin_shuffle(AB, CD, Mask{0, 1, 4, 5});
-        to[n + 2].values = __builtin_shuffle(ab, cd, Mask{2, 3, 6, 7});
-        to[n + 3].values = __builtin_shuffle(AB, CD, Mask{2, 3, 6, 7});
+        const Lanes::Values ab = __builtin_shufflevector(a, b, 0, 4, 2, 6), AB = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+        const Lanes::Values cd = __builtin_shufflevector(c, d, 0, 4, 2, 6), CD = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+        to[n].values = __builtin_shufflevector(ab, cd, 0, 1, 4, 5);
+        to[n + 1].values = __builtin_shufflevector(AB, CD, 0, 1, 4, 5);
+        to[n + 2].values = __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
+        to[n + 3].values = __builtin_shufflevector(AB, CD, 2, 3, 6, 7);
     }
     for (int n = kBlocks; n < N; ++n) {
         const double four[] = {from[0][n], from[1][n], from[2][n], from[3][n]};
@@ -87,14 +87,37 @@ template <int N>
         for (int k = 0; k < 4; ++k) columns[k] = reinterpret_cast<const double*>(&from[n + k]);
         Lanes rows[4];
         gather<4>(columns, rows);
-        for (int lane = 0; lane < 4; ++lane) __builtin_memcpy(to[lane] + n, &rows[lane], sizeof rows[lane]);
+        for (int lane = 0; lane < 4; ++lane) __builtin_memcpy(to[lane] + n, &rows[lane].values, sizeof(Lanes::Values));
     }
     for (int n = kBlocks; n < N; ++n)
         for (int lane = 0; lane < 4; ++lane) to[lane][n] = from[n][lane];
 }
 
+/// Whether a record is nothing but kNumbers numbers in a row, so that it may be read as an array of them.
+template <template <class> class Record>
+inline constexpr bool kIsPlain = sizeof(Record<double>) == Record<double>::kNumbers * sizeof(double) &&
+                                 sizeof(Record<Lanes>) == Record<double>::kNumbers * sizeof(Lanes);
+
+/// Four records side by side; record(k): the k-th, a Record<double>&. And the way back.
+template <template <class> class Record>
+[[gnu::always_inline]] inline Record<Lanes> gather_records(const auto& record) {
+    static_assert(kIsPlain<Record>);
+    const auto numbers = [&](size_t k) { return reinterpret_cast<const double*>(&record(k)); };
+    Record<Lanes> four;
+    gather<Record<double>::kNumbers>({numbers(0), numbers(1), numbers(2), numbers(3)}, reinterpret_cast<Lanes*>(&four));
+    return four;
+}
+template <template <class> class Record>
+[[gnu::always_inline]] inline void scatter_records(const Record<Lanes>& four, const auto& record) {
+    static_assert(kIsPlain<Record>);
+    const auto numbers = [&](size_t k) { return reinterpret_cast<double*>(&record(k)); };
+    scatter<Record<double>::kNumbers>(reinterpret_cast<const Lanes*>(&four),
+                                      {numbers(0), numbers(1), numbers(2), numbers(3)});
+}
+
 }  // namespace dttmm
 
+/// Plain numbers: nothing to construct.
 template <>
 struct Eigen::NumTraits<dttmm::Lanes> : Eigen::GenericNumTraits<dttmm::Lanes> {
     enum { IsSigned = 1, RequireInitialization = 0 };

@@ -39,8 +39,6 @@ Vector3 large_moment_of_gradient(const Vector3& theta, const Vector3& v) {
     return large_rotation_vector_rate(theta).transpose() * v;
 }
 
-Vector3 large_turned(const Vector3& theta, const Vector3& v) { return large_rotation_from_vector(theta) * v; }
-
 Matrix3 large_rotation_vector_rate(const Vector3& theta) {
     const double angle = theta.norm();
     const Matrix3 cross = skew(theta);
@@ -57,10 +55,6 @@ Vector3Of<Lanes> large_rotation_vector(const Matrix3Of<Lanes>& R) {
 
 Vector3Of<Lanes> large_moment_of_gradient(const Vector3Of<Lanes>& theta, const Vector3Of<Lanes>& v) {
     return lane_by_lane<Vector3Of<Lanes>>(moment_of_gradient<double>, theta, v);
-}
-
-Vector3Of<Lanes> large_turned(const Vector3Of<Lanes>& theta, const Vector3Of<Lanes>& v) {
-    return lane_by_lane<Vector3Of<Lanes>>(turned<double>, theta, v);
 }
 
 }  // namespace dttmm::detail

@@ -38,8 +38,17 @@ Vector3Of<Real> moment_of_gradient(const std::type_identity_t<Vector3Of<Real>>& 
                                    const std::type_identity_t<Vector3Of<Real>>& v);
 
 /// v turned by θ, exactly exp(θ~) v but for rounding, without making the matrix where θ is small.
-template <class Real = double>
-Vector3Of<Real> turned(const std::type_identity_t<Vector3Of<Real>>& theta, const std::type_identity_t<Vector3Of<Real>>& v);
+Vector3 turned(const Vector3& theta, const Vector3& v);
+
+/// a × b and |a|², written out, so that one thing and four give the same bits.
+template <class Real>
+[[gnu::always_inline]] inline Vector3Of<Real> cross(const Vector3Of<Real>& a, const Vector3Of<Real>& b) {
+    return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(), a.x() * b.y() - a.y() * b.x()};
+}
+template <class Real>
+[[gnu::always_inline]] inline Real squared_norm(const Vector3Of<Real>& a) {
+    return a.x() * a.x() + a.y() * a.y() + a.z() * a.z();
+}
 
 // ---- The small angles of every step -------------------------------------------------------------------------------------
 
@@ -61,15 +70,6 @@ template <class Real>
     return 1. / 12 + x * (1. / 720 + x * (1. / 30240 + x * (1. / 1209600 + x * (1. / 47900160))));
 }
 
-template <class Real>
-[[gnu::always_inline]] inline Vector3Of<Real> cross(const Vector3Of<Real>& a, const Vector3Of<Real>& b) {
-    return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(), a.x() * b.y() - a.y() * b.x()};
-}
-template <class Real>
-[[gnu::always_inline]] inline Real squared(const Vector3Of<Real>& a) {
-    return a.x() * a.x() + a.y() * a.y() + a.z() * a.z();
-}
-
 /// Where one angle is not small; of four: one after the other.
 Matrix3 large_rotation_from_vector(const Vector3& theta);
 Matrix3Of<Lanes> large_rotation_from_vector(const Vector3Of<Lanes>& theta);
@@ -77,15 +77,13 @@ Vector3 large_rotation_vector(const Matrix3& R);
 Vector3Of<Lanes> large_rotation_vector(const Matrix3Of<Lanes>& R);
 Vector3 large_moment_of_gradient(const Vector3& theta, const Vector3& v);
 Vector3Of<Lanes> large_moment_of_gradient(const Vector3Of<Lanes>& theta, const Vector3Of<Lanes>& v);
-Vector3 large_turned(const Vector3& theta, const Vector3& v);
-Vector3Of<Lanes> large_turned(const Vector3Of<Lanes>& theta, const Vector3Of<Lanes>& v);
 Matrix3 large_rotation_vector_rate(const Vector3& theta);
 
 }  // namespace detail
 
 template <class Real>
 [[gnu::always_inline]] inline Matrix3Of<Real> rotation_from_vector(const std::type_identity_t<Vector3Of<Real>>& theta) {
-    const Real squared = detail::squared<Real>(theta);
+    const Real squared = squared_norm<Real>(theta);
     if (!all_below(squared, detail::kSmall)) [[unlikely]]
         return detail::large_rotation_from_vector(theta);
     // I + s θ~ + c (θ θᵀ − θ² I)
@@ -98,28 +96,26 @@ template <class Real>
     return R;
 }
 
-template <class Real>
-[[gnu::always_inline]] inline Vector3Of<Real> turned(const std::type_identity_t<Vector3Of<Real>>& theta,
-                                                     const std::type_identity_t<Vector3Of<Real>>& v) {
-    const Real squared = detail::squared<Real>(theta);
-    if (!all_below(squared, detail::kSmall)) [[unlikely]]
-        return detail::large_turned(theta, v);
-    const Vector3Of<Real> once = detail::cross<Real>(theta, v);
-    return v + detail::sinc(squared) * once + detail::versine(squared) * detail::cross<Real>(theta, once);
+[[gnu::always_inline]] inline Vector3 turned(const Vector3& theta, const Vector3& v) {
+    const double squared = squared_norm<double>(theta);
+    if (!(squared < detail::kSmall)) [[unlikely]]
+        return detail::large_rotation_from_vector(theta) * v;
+    const Vector3 once = cross<double>(theta, v);
+    return v + detail::sinc(squared) * once + detail::versine(squared) * cross<double>(theta, once);
 }
 
 template <class Real>
 [[gnu::always_inline]] inline Vector3Of<Real> rotation_vector(const std::type_identity_t<Matrix3Of<Real>>& R) {
     // 2 sin φ n = vee(R − Rᵀ). Small angles: φ/sin φ = 1 + s²/6 + 3 s⁴/40 + 15 s⁶/336 + …, s = sin φ
     const Vector3Of<Real> twice_sine(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
-    const Real t = 0.25 * detail::squared<Real>(twice_sine);
+    const Real t = 0.25 * squared_norm<Real>(twice_sine);
     if (!(all_below(t, detail::kSmall) && all_below(-(R(0, 0) + R(1, 1) + R(2, 2)), -1))) [[unlikely]]
         return detail::large_rotation_vector(R);
     const Real series =
         1 +
         t * (1. / 6 +
              t * (3. / 40 + t * (5. / 112 + t * (35. / 1152 + t * (63. / 2816 + t * (231. / 13312 + t * (143. / 10240)))))));
-    return Real(0.5 * series) * twice_sine;
+    return 0.5 * series * twice_sine;
 }
 
 inline Matrix3 rotation_vector_rate(const Vector3& theta) {
@@ -137,11 +133,11 @@ inline Matrix3 rotation_vector_rate(const Vector3& theta) {
 template <class Real>
 [[gnu::always_inline]] inline Vector3Of<Real> moment_of_gradient(const std::type_identity_t<Vector3Of<Real>>& theta,
                                                                  const std::type_identity_t<Vector3Of<Real>>& v) {
-    const Real squared = detail::squared<Real>(theta);
+    const Real squared = squared_norm<Real>(theta);
     if (!all_below(squared, detail::kSmall)) [[unlikely]]
         return detail::large_moment_of_gradient(theta, v);
-    const Vector3Of<Real> once = detail::cross<Real>(theta, v);
-    return v + Real(0.5) * once + detail::half_cotangent(squared) * detail::cross<Real>(theta, once);
+    const Vector3Of<Real> once = cross<Real>(theta, v);
+    return v + Real(0.5) * once + detail::half_cotangent(squared) * cross<Real>(theta, once);
 }
 
 }  // namespace dttmm

@@ -10,12 +10,11 @@
 #include "core/error.h"
 #include "core/state_vector.h"
 #include "element/registry.h"
+#include "network/frame.h"
 
 namespace dttmm {
 
 namespace {
-
-using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 constexpr double kSamePoint = 1e-9;  // [m]: nearer than this is rounding
 

@@ -96,12 +96,12 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     for (size_t j = 0; j < mechanism.joints.size(); ++j)
         if (massless_.is_settling(j)) settling_joints_.push_back(j);
     std::vector<size_t> plain;
-    for (size_t j = 0; j < mechanism.joints.size(); ++j)
-        if (near_index_[j] < 0 && rigid_index_[j] < 0 && !massless_.is_settling(j)) plain.push_back(j);
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const bool is_plain = near_index_[j] < 0 && rigid_index_[j] < 0 && !massless_.is_settling(j);
+        (is_plain ? plain : others_).push_back(j);
+    }
     by_four_ = {mechanism, plain};
-    others_ = by_four_.others();
-    for (size_t j = 0; j < mechanism.joints.size(); ++j)
-        if (near_index_[j] >= 0 || rigid_index_[j] >= 0 || massless_.is_settling(j)) others_.push_back(j);
+    others_.insert(others_.end(), by_four_.others().begin(), by_four_.others().end());
     std::sort(others_.begin(), others_.end());
     has_free_parts_ = has_free_parts(mechanism);
     rigid_known_.resize(rigid_joints_.size());

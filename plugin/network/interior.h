@@ -37,8 +37,9 @@ namespace dttmm {
 /// made up for in the next step.
 ///
 /// A step is solved once, for ports that go on as they have; the answer to another motion of the ports is the linear one
-/// from there, as long as that is good enough by a like measure, the joints at ports hardly turn (the error of the force
-/// they tell grows with their stiffness), and no part is free to turn. A step of small vibrations takes one pass or two.
+/// from there, as long as that is good enough by a like measure, in which θ/(1 − θ) grows by the angle the change turns the
+/// ports and the frames beside them, the joints at ports hardly turn (the error of the force they tell grows with their
+/// stiffness), and no part is free to turn. A step of small vibrations takes one pass or two.
 ///
 /// What a massless frame leaves unbalanced over a step by its own rule (MasslessFrames) its heir takes over, a frame nearby
 /// with a mass, so that no momentum is lost.
@@ -136,23 +137,24 @@ private:
             }
             return std::min(contraction, 1.0) * correction;
         }
-        /// The same where the joints' axes turn by `turn` [rad] at most, and so the matrix fits by so much less.
-        double left(double correction, double turn) const { return std::min(contraction + turn, 1.0) * correction; }
+        /// What remains of a correction after which the joints' axes have turned by `turn` [rad] at most: the matrix then
+        /// fits by so much less, whatever the correction was at which the rate was measured.
+        double left_turned(double correction, double turn) const { return std::min(contraction + turn, 1.0) * correction; }
         void measure(double rate, double previous) { *this = {rate < 1 ? rate / (1 - rate) : 1e3, previous}; }
         void forget(double factor) { contraction = std::min(factor * contraction, 1.0); }
     };
-    /// Size of what leads the ports from the anchor to where they go.
+    /// Size of what leads the ports from the anchor to where they go, over the step.
     struct PortChange {
-        double way = 0;      ///< the largest speed of a point [m/s]
-        double impulse = 0;  ///< what it changes in that of a joint at a port, at most [N s]
-        double turn = 0;     ///< by it, of them and the frames beside them, over the step [rad]
+        double speed = 0;    ///< the largest of a point [m/s]
+        double impulse = 0;  ///< the largest change of that of a port's joint [N s]
+        double turn = 0;     ///< the largest angle by which ports, and the frames beside them, turn [rad]
     };
     struct Books {
         double port_turn =
             0;  ///< of the joints at ports in the last step, since the matrix was formed, as share of their arms
         Convergence motion, momentum;  ///< in [m/s] and [N s]
         double scale = 0;              ///< size of the motion, slowly forgetting [m/s]
-        PortChange port_change;        ///< in the last step
+        PortChange port_change_size;   ///< in the last step
         double load_work = 0;          ///< of the loads up to t_{n−1} [J]
         double load_power = 0;         ///< at t_{n−1} [W]
     };
@@ -280,8 +282,8 @@ private:
     std::vector<size_t> rigid_joints_;     ///< joints with rigid directions
     std::vector<int> rigid_index_;         ///< of every joint among them; −1: it has none
     std::vector<size_t> settling_joints_;  ///< joints of massless frames
-    JointsByFour by_four_;                 ///< joints that are nothing of all this
-    std::vector<size_t> others_;           ///< and those it does not take
+    JointsByFour by_four_;                 ///< joints that are neither near nor rigid nor settling
+    std::vector<size_t> others_;           ///< all joints it does not take, ascending
     Elimination elimination_;
     mutable Elimination at_trial_;                                     ///< where the matrix kept does not serve
     std::vector<Eigen::Matrix<double, 6, Eigen::Dynamic>> responses_;  ///< ∂u/∂(u of the ports) per inner frame

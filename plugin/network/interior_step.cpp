@@ -99,12 +99,13 @@ void Interior::drop_anchor(const Mechanism& mechanism) {
     solve(mechanism, anchor_);
 }
 
-/// The inner frames at the end of the step; one of them.
+/// Puts the inner frames, moving by u over the step, where it ends, into trial_.
 void Interior::place(const Mechanism& mechanism, std::span<const Vector6> u) const {
     const auto first = static_cast<size_t>(driven_);
     move_frames(mechanism.scheme.step_size(), std::span(mechanism.frames).subspan(first), u,
                 std::span(trial_).subspan(first));
 }
+/// The same of one of them.
 void Interior::place(const Mechanism& mechanism, size_t i, const Vector6& u) const {
     const size_t f = static_cast<size_t>(driven_) + i;
     move_frames(mechanism.scheme.step_size(), {&mechanism.frames[f], 1}, {&u, 1}, {&trial_[f], 1});
@@ -368,38 +369,45 @@ double Interior::residual_size(const Solution& solution) const {
 }
 
 Interior::PortChange Interior::size_of_port_change(const Mechanism& mechanism) const {
-    double way = 0, impulse = 0, turn = 0;  // squared
+    double speed = 0, impulse = 0, turn = 0;  // squared
     for (size_t p = 0; p < port_u_.size(); ++p) {
         const auto change = port_change_.segment<6>(static_cast<Eigen::Index>(6 * p));
         const double turning = change.tail<3>().squaredNorm();
-        way = std::max(way, change.head<3>().squaredNorm() + port_reach_[p] * port_reach_[p] * turning);
+        speed = std::max(speed, change.head<3>().squaredNorm() + port_reach_[p] * port_reach_[p] * turning);
         turn = std::max(turn, turning);
     }
-    const auto change_of = [&](int frame) -> Vector6 {
+    rigid_change_.noalias() = rigid_responses_ * port_change_;
+    const auto answer = [&](int frame) -> Vector6 {
         if (is_inner(frame)) return responses_[at(frame)] * port_change_;
         if (frame < ports_) return port_change_.segment<6>(static_cast<Eigen::Index>(6 * frame));
         return Vector6::Zero();
     };
     for (size_t k = 0; k < near_joints_.size(); ++k) {
-        const Joint& joint = mechanism.joints[near_joints_[k]];
-        const Vector6 from = change_of(joint.from()), to = change_of(joint.to());
+        const size_t j = near_joints_[k];
+        const Joint& joint = mechanism.joints[j];
+        const Vector6 from = answer(joint.from()), to = answer(joint.to());
         turn = std::max({turn, from.tail<3>().squaredNorm(), to.tail<3>().squaredNorm()});
-        const EndBlocks& K = near_blocks_[k];
-        for (int end : {0, 1})
-            if (joint.frame(end) < ports_)
-                impulse =
-                    std::max(impulse, (K.at[end][0].topRows<3>() * from + K.at[end][1].topRows<3>() * to).squaredNorm());
+        for (int end : {0, 1}) {
+            if (joint.frame(end) >= ports_) continue;
+            const Matrix6(&K)[2] = near_blocks_[k].at[end];
+            Vector3 change = K[0].topRows<3>() * from + K[1].topRows<3>() * to;
+            for_each_rigid(joint, [&](int i, int) {
+                change += rigid_change_(static_cast<Eigen::Index>(rigid_row(j, i))) *
+                          head(elimination_.rigid(static_cast<int>(j), i, end));
+            });
+            impulse = std::max(impulse, change.squaredNorm());
+        }
     }
-    return {std::sqrt(way), std::sqrt(impulse), mechanism.scheme.step_size() * std::sqrt(turn)};
+    return {std::sqrt(speed), std::sqrt(impulse), mechanism.scheme.step_size() * std::sqrt(turn)};
 }
 
 /// Whether the linear answer to a change of the ports leaves no more over than `factor` times what is good enough: of what
 /// it changes as much as a pass would, and of the forces what they turn.
 bool Interior::linear_answer_serves(const PortChange& change, double factor) const {
-    const double way = kLinearShare * change.way;
-    return way <= factor * anchor_.floor ||
-           (anchor_.motion.left(way, change.turn) <= factor * anchor_.tolerance &&
-            anchor_.momentum.left(change.impulse, change.turn) + change.turn * anchor_.impulse <=
+    const double speed = kLinearShare * change.speed;
+    return speed <= factor * anchor_.floor ||
+           (anchor_.motion.left_turned(speed, change.turn) <= factor * anchor_.tolerance &&
+            anchor_.momentum.left_turned(change.impulse, change.turn) + change.turn * anchor_.impulse <=
                 factor * anchor_.share * anchor_.impulse);
 }
 
@@ -417,7 +425,7 @@ const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::spa
     port_change_size_ = size_of_port_change(mechanism);
     // The host wants a smooth answer: which one it gets hangs on the step before, not on how near this trial is
     const bool is_near = !has_free_parts_ && mechanism.steps > 0 && books_.port_turn <= kTurnedPorts &&
-                         linear_answer_serves(books_.port_change, 1);
+                         linear_answer_serves(books_.port_change_size, 1);
     if (is_near && linear_answer_serves(port_change_size_, kFarther)) return anchor_;
     other_.motion = anchor_.motion;
     other_.momentum = anchor_.momentum;
@@ -509,7 +517,7 @@ void Interior::commit(Mechanism& mechanism, std::span<const FrameView> ports) {
     find_rigid_forces(mechanism, solution);
     find_end(mechanism, solution);
     rigid_ = q_;
-    books_.port_change = port_change_size_;
+    books_.port_change_size = port_change_size_;
     // A step with a matrix formed for it converges like no other
     const bool is_like_the_next = !is_fresh_ && !solution.has_own_matrix;
     books_.motion = is_like_the_next ? solution.motion : Convergence{};

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
+
 #include "core/driven_ends.h"
 #include "core/error.h"
 #include "core/rotation.h"
@@ -150,14 +152,13 @@ void Joint::start(const Scheme& scheme, FrameView from, FrameView to, const Vect
     state.elastic = strained.elastic;
     state.d = strained.d;
     state.theta = strained.theta;
-    const Vector6 increment = h * rate - 0.5 * h * h * acceleration;
-    state.d_before = state.d - increment.head<3>();
-    state.theta_before = turns() ? Vector3(state.theta - increment.tail<3>()) : Vector3(Vector3::Zero());
+    const auto increment = [&](int back) -> Vector6 { return h * rate - (back + 0.5) * h * h * acceleration; };
+    state.d_before = state.d - increment(0).head<3>();
+    state.theta_before = turns() ? Vector3(state.theta - increment(0).tail<3>()) : Vector3(Vector3::Zero());
     if (damper) {
         for (int half : {0, 1}) {
-            const Vector3 v = rate.segment<3>(3 * half), a = acceleration.segment<3>(3 * half);
-            damper->halves[half].rate = v;
-            for (int back = 0; back < 3; ++back) damper->halves[half].delta[back] = h * v - (back + 0.5) * h * h * a;
+            damper->halves[half].rate = rate.segment<3>(3 * half);
+            for (int back = 0; back < 3; ++back) damper->halves[half].delta[back] = increment(back).segment<3>(3 * half);
         }
         damper->attitude = turns() ? strained.attitude : Matrix3(Matrix3::Identity());
         damper->dissipated = 0;

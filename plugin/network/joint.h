@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Geometry>
-
-#include "dttmm_plugin.h"
+#include "core/rotation.h"
 #include "network/assembly.h"
 #include "network/joint_kinematics.h"
 #include "network/scheme.h"
@@ -96,8 +94,8 @@ public:
 
     /// The force law at one instant: f [force; moment] on the `from` end in the joint's axes.
     Vector6 force(FrameView from, FrameView to, const Vector6& rate) const;
-    /// Its elastic part with the deformation it stems from.
     using Strained = StrainedOf<double>;
+    /// Its elastic part with the deformation it stems from.
     Strained strain(Ends at, const JointPose& pose) const { return springs_.strain(pose, seat_.axes_at_to(at.to)); }
 
     /// ∂m/∂ε at one instant, joint axes, ε the relative turn: J⁻ᵀ k J⁻¹, the part that does not hang on the moment itself.

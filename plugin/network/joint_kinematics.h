@@ -2,42 +2,11 @@
 #pragma once
 
 #include "core/rotation.h"
-#include "dttmm_plugin.h"
+#include "network/frame.h"
 
 namespace dttmm {
 
 // Where a joint is, and what its forces are on its frames. Real: double for one, Lanes for four at once.
-
-template <class Real>
-using RowMajor3Of = Eigen::Matrix<Real, 3, 3, Eigen::RowMajor>;
-using RowMajor3 = RowMajor3Of<double>;
-
-/// A frame in the world as plain numbers: origin [m] and axes, row-major as in dttmm_motion.
-template <class Real>
-struct FrameOf {
-    static constexpr int kNumbers = 12;
-    Real position[3];
-    Real rotation[9];
-    Eigen::Map<const Vector3Of<Real>> origin() const { return Eigen::Map<const Vector3Of<Real>>(position); }
-    Eigen::Map<const RowMajor3Of<Real>> axes() const { return Eigen::Map<const RowMajor3Of<Real>>(rotation); }
-};
-using Frame = FrameOf<double>;
-/// The same somewhere else in memory.
-struct FrameView {
-    FrameView(const Frame& frame) : position(frame.position), rotation(frame.rotation) {}
-    FrameView(const dttmm_motion& motion) : position(motion.position), rotation(motion.rotation) {}
-    FrameView(const double* origin, const double* axes) : position(origin), rotation(axes) {}
-    Frame copy() const {
-        Frame frame;
-        for (int i = 0; i < 3; ++i) frame.position[i] = position[i];
-        for (int i = 0; i < 9; ++i) frame.rotation[i] = rotation[i];
-        return frame;
-    }
-    const double* position;
-    const double* rotation;
-    Eigen::Map<const Vector3> origin() const { return Eigen::Map<const Vector3>(position); }
-    Eigen::Map<const RowMajor3> axes() const { return Eigen::Map<const RowMajor3>(rotation); }
-};
 
 /// What a joint does to its frames [N, N m], world axes: force and moment on the `from` end, the opposite on the `to` end
 /// (on_to counts as on_from does, Joint::add_wrench turns its sign); the moments about the origins of the frames, each at
@@ -61,7 +30,7 @@ struct JointPoseOf {
     Vector3Of<Real> arm, lever;  ///< from the origin of the `from` frame, of the `to` frame
     /// A force and a moment at the point.
     JointForceOf<Real> act(const Vector3Of<Real>& force, const Vector3Of<Real>& moment) const {
-        return {force, moment + detail::cross<Real>(arm, force), moment + detail::cross<Real>(lever, force)};
+        return {force, moment + cross<Real>(arm, force), moment + cross<Real>(lever, force)};
     }
     /// The same of [force; moment] in the joint's axes.
     JointForceOf<Real> act(const Eigen::Matrix<Real, 6, 1>& f) const {
@@ -74,8 +43,8 @@ using JointPose = JointPoseOf<double>;
 template <class Real>
 struct JointSeatOf {
     Vector3Of<Real> to_point;   ///< its point from the `to` origin, axes of the `to` frame [m]
-    bool is_aligned = false;    ///< from_axes = 1
-    bool is_straight = false;   ///< to_axes = 1
+    bool is_aligned = false;    ///< from_axes = I
+    bool is_straight = false;   ///< to_axes = I
     bool has_lever = true;      ///< to_point ≠ 0
     Matrix3Of<Real> from_axes;  ///< of the joint in the axes of the `from` frame
     Matrix3Of<Real> to_axes;    ///< the same at rest in those of the `to` frame

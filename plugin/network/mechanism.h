@@ -50,8 +50,6 @@ struct Mechanism {
     FrameView frame_before(int index) const { return before[static_cast<size_t>(index)]; }
 };
 
-/// The frame of a pose.
-Frame make_frame(const Pose& pose);
 /// Velocity of a port's motion.
 inline Twist twist(const dttmm_motion& motion) {
     return {Eigen::Map<const Vector3>(motion.velocity), Eigen::Map<const Vector3>(motion.angular_velocity)};

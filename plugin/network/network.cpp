@@ -287,8 +287,7 @@ void Network::commit_step(const dttmm_motion* nodes) {
 }
 
 void Network::commit_joints() {
-    for (const Joint& joint : mechanism_.joints)
-        if (joint.turns()) joint.refuse_large_rotation(trial(joint.from()), trial(joint.to()));
+    for (const Joint& joint : mechanism_.joints) joint.refuse_large_rotation(trial(joint.from()), trial(joint.to()));
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
         joint.advance(mechanism_.scheme, mechanism_.steps, {trial(joint.from()), trial(joint.to())}, mechanism_.ends(j),

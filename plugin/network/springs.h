@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+
 #include "core/rotation.h"
 #include "network/joint_kinematics.h"
 #include "network/scheme.h"
@@ -28,7 +30,6 @@ struct JointStateOf {
     JointForceOf<Real> known;                ///< what of the force over the open step does not depend on its end
 };
 using JointState = JointStateOf<double>;
-static_assert(sizeof(JointState) == JointState::kNumbers * sizeof(double));
 
 /// More of it where rates count: at dampers, and everywhere if the scheme has numerical damping.
 template <class Real>
@@ -44,7 +45,6 @@ struct DamperStateOf {
     Real power;                ///< lost to damping at t_{n−1} [W]
 };
 using DamperState = DamperStateOf<double>;
-static_assert(sizeof(DamperState) == DamperState::kNumbers * sizeof(double));
 
 /// A joint at an instant: its deformation and the elastic force that stems from it.
 template <class Real>
@@ -64,7 +64,6 @@ struct StrainedOf {
 template <class Real>
 struct SpringsOf {
     using Force = JointForceOf<Real>;
-    using Pose = JointPoseOf<Real>;
     using Strained = StrainedOf<Real>;
     using State = JointStateOf<Real>;
     using Damper = DamperStateOf<Real>;
@@ -74,24 +73,25 @@ struct SpringsOf {
     bool turns = true;            ///< it carries a moment
 
     /// to_axes: those that are the joint's at rest and go with the `to` frame.
-    Strained strain(const Pose& pose, const Matrix3Of<Real>& to_axes) const;
-    /// The force over the open step at a trial end of it. now: the joint at t_n; damper: NULL where rates do not count.
-    template <class PoseNow>
-    Force weigh(const Scheme& scheme, const Strained& end, const PoseNow& now, const State& state,
+    Strained strain(const JointPoseOf<Real>& pose, const Matrix3Of<Real>& to_axes) const;
+    /// The force over the open step at a trial end of it. pose_now(): the joint at t_n, asked for only where rates count;
+    /// damper: NULL where they do not.
+    Force weigh(const Scheme& scheme, const Strained& end, const auto& pose_now, const State& state,
                 const Damper* damper) const;
     /// Moves the memory on to the accepted end of the step, when the joint is at `next`. steps: committed before it since
     /// the start.
-    void advance(const Scheme& scheme, uint64_t steps, const Strained& end, const Pose& next, State& state,
+    void advance(const Scheme& scheme, uint64_t steps, const Strained& end, const JointPoseOf<Real>& next, State& state,
                  Damper* damper) const;
     /// What of the force over the coming step is known before its end is: for an explicit scheme all of it. before: the
     /// elastic force at t_{n−1}.
-    void recall(const Scheme& scheme, const Pose& now, const Force& before, State& state, const Damper* damper) const;
+    void recall(const Scheme& scheme, const JointPoseOf<Real>& now, const Force& before, State& state,
+                const Damper* damper) const;
 };
 
 // ---- What every step does for every joint -------------------------------------------------------------------------------
 
 template <class Real>
-[[gnu::always_inline]] inline StrainedOf<Real> SpringsOf<Real>::strain(const Pose& pose,
+[[gnu::always_inline]] inline StrainedOf<Real> SpringsOf<Real>::strain(const JointPoseOf<Real>& pose,
                                                                        const Matrix3Of<Real>& to_axes) const {
     Strained strained;
     strained.d = pose.axes.transpose() * pose.arm - rest;
@@ -109,15 +109,14 @@ template <class Real>
 }
 
 template <class Real>
-template <class PoseNow>
 [[gnu::always_inline]] inline JointForceOf<Real> SpringsOf<Real>::weigh(const Scheme& scheme, const Strained& end,
-                                                                        const PoseNow& pose_now, const State& state,
+                                                                        const auto& pose_now, const State& state,
                                                                         const Damper* damper) const {
     Force force = state.known;
     if (!scheme.is_implicit()) return force;
     force.add(scheme.elastic_weight(0), end.elastic);
     if (!damper) return force;
-    const Pose now = pose_now();
+    const JointPoseOf<Real> now = pose_now();
     const auto act = [&](const JointHalfOf<Real>& half, const Vector3Of<Real>& delta) {
         const Real rate = scheme.rate(0), lag = scheme.lag();
         return Vector3Of<Real>(now.axes * (rate * half.damping + lag * half.stiffness).cwiseProduct(delta));
@@ -130,8 +129,8 @@ template <class PoseNow>
 }
 
 template <class Real>
-[[gnu::always_inline]] inline void SpringsOf<Real>::recall(const Scheme& scheme, const Pose& now, const Force& before,
-                                                           State& state, const Damper* damper) const {
+[[gnu::always_inline]] inline void SpringsOf<Real>::recall(const Scheme& scheme, const JointPoseOf<Real>& now,
+                                                           const Force& before, State& state, const Damper* damper) const {
     state.known = {};
     state.known.add(scheme.elastic_weight(1), state.elastic);
     state.known.add(scheme.elastic_weight(2), before);
@@ -150,7 +149,8 @@ template <class Real>
 
 template <class Real>
 [[gnu::always_inline]] inline void SpringsOf<Real>::advance(const Scheme& scheme, uint64_t steps, const Strained& end,
-                                                            const Pose& next, State& state, Damper* damper) const {
+                                                            const JointPoseOf<Real>& next, State& state,
+                                                            Damper* damper) const {
     if (damper) {
         const Vector3Of<Real> slide = end.d - state.d;
         Vector3Of<Real> turn = Vector3Of<Real>::Zero();

@@ -29,6 +29,16 @@ TEST(Rotation, MatrixToVectorIsTheInverse) {
     }
 }
 
+// Oracle: the matrices themselves; angles on both sides of 0.1, where the series end.
+TEST(Rotation, VectorsGoAsByTheMatrices) {
+    const Vector3 v(1, -2, 3);
+    for (double angle : {0.0, 1e-3, 0.09, 0.11, 2.0}) {
+        const Vector3 theta = angle * kAxis;
+        EXPECT_LT((turned(theta, v) - rotation_from_vector(theta) * v).norm(), 4e-15) << angle;
+        EXPECT_LT((moment_of_gradient(theta, v) - rotation_vector_rate(theta).transpose() * v).norm(), 4e-15) << angle;
+    }
+}
+
 TEST(Rotation, HalfATurnGivesOneOfItsTwoVectors) {
     const Vector3 theta = rotation_vector(Eigen::AngleAxisd(M_PI, kAxis).toRotationMatrix());
     EXPECT_NEAR(theta.norm(), M_PI, 1e-14);

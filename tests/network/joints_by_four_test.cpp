@@ -3,7 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <memory>
 #include <random>
+#include <span>
+#include <string>
+#include <tuple>
+#include <vector>
 
 #include "core/rotation.h"
 #include "support/network_model.h"
@@ -34,7 +42,6 @@ public:
         shake(mechanism_->frames, 1e-3);
         const auto twist = [&](int) { return Twist{any(2), any(30)}; };
         mechanism_->start_joints(twist, twist);
-        mechanism_->before = mechanism_->frames;
         mechanism_->steps = 3;
         trial_ = mechanism_->frames;
         shake(trial_, 1e-4);
@@ -45,7 +52,7 @@ public:
 
     const Mechanism& mechanism() const { return *mechanism_; }
     const std::vector<Frame>& trial() const { return trial_; }
-    /// Those that sit on their frames like most joints of a beam, or all.
+    /// All joints; or, if alike, those with both axes along their frames' and a lever, as most of a beam.
     std::vector<size_t> joints(bool alike) const {
         std::vector<size_t> list;
         for (size_t j = 0; j < mechanism_->joints.size(); ++j) {
@@ -72,10 +79,18 @@ private:
     std::normal_distribution<double> normal_;
 };
 
-/// Largest difference as share of the largest number.
-double difference(const double* a, const double* b, size_t count) {
-    const Eigen::Map<const Eigen::ArrayXd> A(a, static_cast<Eigen::Index>(count)), B(b, static_cast<Eigen::Index>(count));
-    return (A - B).abs().maxCoeff() / B.abs().maxCoeff();
+/// Whether triples of numbers, each of one unit, agree to a share of their largest; false for NaN.
+bool agree(const double* a, const double* b, size_t count, double share) {
+    for (size_t n = 0; n < count; n += 3) {
+        double error = 0, size = 0;
+        for (size_t i = n; i < std::min(n + 3, count); ++i) {
+            if (!std::isfinite(a[i])) return false;
+            error = std::max(error, std::abs(a[i] - b[i]));
+            size = std::max(size, std::abs(b[i]));
+        }
+        if (!(error <= share * size)) return false;
+    }
+    return true;
 }
 
 struct Answer {
@@ -88,16 +103,17 @@ struct Answer {
 
     void expect_like(const Answer& other, double share) const {
         const size_t wrenches = 6 * forces.size();
-        EXPECT_LE(difference(forces[0].data(), other.forces[0].data(), wrenches), share);
-        EXPECT_LE(difference(committed[0].data(), other.committed[0].data(), wrenches), share);
+        EXPECT_TRUE(agree(forces[0].data(), other.forces[0].data(), wrenches, share));
+        EXPECT_TRUE(agree(committed[0].data(), other.committed[0].data(), wrenches, share));
         EXPECT_LE(std::abs(largest - other.largest), share * other.largest);
+        const auto numbers = [](const auto& state) { return reinterpret_cast<const double*>(&state); };
         for (size_t j = 0; j < after.states.size(); ++j) {
-            const auto numbers = [](const auto& state) { return reinterpret_cast<const double*>(&state); };
-            EXPECT_LE(difference(numbers(after.states[j]), numbers(other.after.states[j]), JointState::kNumbers), share)
-                << j;
-            if (const DamperState* damper = after.damper(j)) {
-                EXPECT_LE(difference(numbers(*damper), numbers(*other.after.damper(j)), DamperState::kNumbers), share) << j;
-            }
+            EXPECT_TRUE(agree(numbers(after.states[j]), numbers(other.after.states[j]), JointState::kNumbers, share)) << j;
+            const DamperState *mine = after.damper(j), *its = other.after.damper(j);
+            if (!mine) continue;
+            EXPECT_TRUE(agree(numbers(*mine), numbers(*its), DamperState::kNumbers - 2, share)) << j;
+            EXPECT_LE(std::abs(mine->dissipated - its->dissipated), share * its->dissipated) << j;
+            EXPECT_LE(std::abs(mine->power - its->power), share * its->power) << j;
         }
     }
 };
@@ -138,13 +154,18 @@ std::vector<size_t> taken(const SomeJoints& model, const std::vector<size_t>& jo
 /// γ, how far one frame turns [rad], whether only joints that sit alike.
 class ByFour : public ::testing::TestWithParam<std::tuple<double, double, bool>> {};
 
-// Oracle: one joint after the other.
+// Oracle: one joint after the other. Positions of 1 m round by 2e-16 m, the smallest deformations are of 1e-4 m or so.
 TEST_P(ByFour, JointsAnswerAsOneByOne) {
     const auto [gamma, turn, alike] = GetParam();
     const SomeJoints model(0.25 * (gamma + 0.5) * (gamma + 0.5), gamma, turn);
     const std::vector<size_t> joints = taken(model, model.joints(alike));
+    // Of 15 + 12 + 5 joints; alike without the first and the last of either beam and the springs: 13 + 10
     ASSERT_EQ(joints.size(), alike ? 12U + 8U : 12U + 12U + 4U);
-    by_four(model, joints).expect_like(one_by_one(model, joints), 1e-12);
+    const Answer together = by_four(model, joints);
+    together.expect_like(one_by_one(model, joints), 1e-10);
+    double largest = 0;
+    for (size_t j : joints) largest = std::max(largest, together.after.states[j].theta.norm());
+    EXPECT_EQ(largest > 0.1, turn > 0) << "no joint leaves the small angles";
 }
 
 INSTANTIATE_TEST_SUITE_P(JointsByFour, ByFour,
@@ -159,31 +180,6 @@ TEST(JointsByFour, EveryJointIsTakenOrLeft) {
     EXPECT_TRUE(std::ranges::is_sorted(four.others()));
     EXPECT_EQ(JointsByFour(model.mechanism(), some).others(), some);
     EXPECT_EQ(JointsByFour(model.mechanism(), {}).size(), 0U);
-}
-
-// Oracle: frame by frame; counts with every remainder by four.
-TEST(JointsByFour, FramesMoveAsEachAlone) {
-    const SomeJoints model(0.25, 0.5, 0);
-    std::mt19937 random(11);
-    std::normal_distribution<double> normal;
-    std::vector<Vector6> u(7);
-    for (Vector6& one : u)
-        for (double& number : one) number = 20 * normal(random);
-    u[2].tail<3>() *= 500;
-    for (size_t count : {0, 1, 4, 6, 7}) {
-        const std::span<const Frame> from(model.trial().data(), count);
-        std::vector<Frame> together(count), alone(count);
-        move_frames(1e-4, from, {u.data(), count}, together);
-        for (size_t i = 0; i < count; ++i) {
-            move_frames(1e-4, from.subspan(i, 1), {&u[i], 1}, {&alone[i], 1});
-            const Matrix3 axes = from[i].axes() * rotation_from_vector(1e-4 * u[i].tail<3>());
-            const Vector3 origin = from[i].origin() + 1e-4 * from[i].axes() * u[i].head<3>();
-            for (const Frame& frame : {together[i], alone[i]}) {
-                EXPECT_LT((frame.axes() - axes).norm(), 1e-15) << count << ", " << i;
-                EXPECT_LT((frame.origin() - origin).norm(), 1e-15) << count << ", " << i;
-            }
-        }
-    }
 }
 
 }  // namespace

@@ -46,15 +46,16 @@ Matrix3 large_rotation_vector_rate(const Vector3& theta) {
 }
 
 Matrix3Of<Lanes> large_rotation_from_vector(const Vector3Of<Lanes>& theta) {
-    return lane_by_lane<Matrix3Of<Lanes>>(rotation_from_vector<double>, theta);
+    return lane_by_lane<Matrix3Of<Lanes>>([](const Vector3& one) { return rotation_from_vector(one); }, theta);
 }
 
 Vector3Of<Lanes> large_rotation_vector(const Matrix3Of<Lanes>& R) {
-    return lane_by_lane<Vector3Of<Lanes>>(rotation_vector<double>, R);
+    return lane_by_lane<Vector3Of<Lanes>>([](const Matrix3& one) { return rotation_vector(one); }, R);
 }
 
 Vector3Of<Lanes> large_moment_of_gradient(const Vector3Of<Lanes>& theta, const Vector3Of<Lanes>& v) {
-    return lane_by_lane<Vector3Of<Lanes>>(moment_of_gradient<double>, theta, v);
+    return lane_by_lane<Vector3Of<Lanes>>([](const Vector3& one, const Vector3& of) { return moment_of_gradient(one, of); },
+                                          theta, v);
 }
 
 }  // namespace dttmm::detail

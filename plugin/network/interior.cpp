@@ -125,6 +125,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     node_loads_.assign(inner_nodes_.size(), Vector6::Zero());
     trial_ = mechanism.frames;
     responses_.assign(n, Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, 6 * ports_));
+    turn_responses_.setZero(6 * ports_);
     rigid_change_.setZero(static_cast<Eigen::Index>(rigid));
     rigid_responses_.setZero(static_cast<Eigen::Index>(rigid), 6 * ports_);
 
@@ -147,6 +148,8 @@ void Interior::set_reaches(const Mechanism& mechanism) {
         };
         reach_out(joint.from(), joint.arm(from, to).norm());
         reach_out(joint.to(), joint.lever(to).norm());
+        const double length = joint.arm(from, to).norm() + joint.lever(to).norm();
+        axial_stiffness_ = std::max(axial_stiffness_, joint.translation_half().stiffness.maxCoeff() * length);
     }
 }
 
@@ -434,7 +437,12 @@ void Interior::find_responses(const Mechanism& mechanism) {
                            [&](int i, int) { g[rigid_row(j, i)] = -elimination_.rigid(static_cast<int>(j), i, end)(c); });
         }
         elimination_.solve(r, g);
-        for (size_t i = 0; i < r.size(); ++i) responses_[i].col(column) = r[i];
+        double turn = 0;
+        for (size_t i = 0; i < r.size(); ++i) {
+            responses_[i].col(column) = r[i];
+            turn = std::max(turn, r[i].tail<3>().norm());
+        }
+        turn_responses_(column) = turn;
         rigid_responses_.col(column) = Eigen::Map<const Eigen::VectorXd>(g.data(), static_cast<Eigen::Index>(g.size()));
     }
 }

@@ -36,10 +36,10 @@ namespace dttmm {
 /// momentum, in pairs that balance exactly, so that it is kept however few passes were taken; what the motion lacks to it is
 /// made up for in the next step.
 ///
-/// A step is solved once, for ports that go on as they have; the answer to another motion of the ports is the linear one
-/// from there, as long as that is good enough by a like measure, in which θ/(1 − θ) grows by the angle the change turns the
-/// ports and the frames beside them, the joints at ports hardly turn (the error of the force they tell grows with their
-/// stiffness), and no part is free to turn. A step of small vibrations takes one pass or two.
+/// A step is solved for ports that go on as they have, and once more where they are then expected; the answer to another
+/// motion of the ports is the linear one from there, as long as that is good enough by a like measure, in which θ/(1 − θ)
+/// grows by the angle the change turns what is inside, the joints at ports hardly turn (the error of the force they tell
+/// grows with their stiffness), and no part is free to turn. A step of small vibrations takes one pass or two.
 ///
 /// What a massless frame leaves unbalanced over a step by its own rule (MasslessFrames) its heir takes over, a frame nearby
 /// with a mass, so that no momentum is lost.
@@ -65,6 +65,9 @@ public:
     /// loads: NULL: none. Forms the matrix anew where the last step has left it stale; throws Error, nothing being changed,
     /// if that is singular or a rotational spring has turned too far.
     void begin_step(const Mechanism& mechanism, const double* loads);
+    /// The ports will end the open step near a trial end of it. Throws Error(DTTMM_ERROR_NUMERIC), nothing being changed, if
+    /// the motion for that is not found.
+    void expect(const Mechanism& mechanism, std::span<const FrameView> ports);
     /// Wrenches on the ports over the open step, at a trial end of it.
     void evaluate(const Mechanism& mechanism, std::span<const FrameView> ports, double* wrench) const;
     /// −∂(wrench)/∂(pose), 6P × 6P row-major.
@@ -147,7 +150,8 @@ private:
     struct PortChange {
         double speed = 0;    ///< the largest of a point [m/s]
         double impulse = 0;  ///< the largest change of that of a port's joint [N s]
-        double turn = 0;     ///< the largest angle by which ports, and the frames beside them, turn [rad]
+        double turn = 0;     ///< the angle by which ports and what is inside turn, at most [rad]
+        double stretch = 0;  ///< of the impulse of a joint, what is of second order in the turn: its arms shorten [N s]
     };
     struct Books {
         double port_turn =
@@ -155,24 +159,27 @@ private:
         Convergence motion, momentum;  ///< in [m/s] and [N s]
         double scale = 0;              ///< size of the motion, slowly forgetting [m/s]
         PortChange port_change_size;   ///< in the last step
+        uint64_t is_told = 0;          ///< 1: the host told in the last step where its ports were expected
         double load_work = 0;          ///< of the loads up to t_{n−1} [J]
         double load_power = 0;         ///< at t_{n−1} [W]
     };
     /// The motion inside for one motion of the ports, linear about the last pass: u + change.
     struct Solution {
-        std::vector<Frame> ports;       ///< at the end of the step
-        std::vector<Vector6> u;         ///< of the inner frames, at which the forces were worked out [m/s, rad/s]
-        std::vector<Vector6> change;    ///< last correction of it
-        std::vector<double> q;          ///< forces of the rigid directions, before the correction [N, N m]
-        std::vector<double> q_change;   ///< correction of them, times h
-        std::vector<JointForce> near;   ///< forces of near_joints_ over the step, before the correction
-        Convergence motion, momentum;   ///< as in Books
-        double scale = 0;               ///< likewise
-        double impulse = 0, share = 0;  ///< of a joint over the step, at most [N s]; of that, what may be left over
-        bool has_own_matrix = false;    ///< the one kept did not serve
-        double slowest_rate = 0;        ///< largest θ in this step; 0: not measured
-        double tolerance = 0;           ///< of what remains to be corrected [m/s]
-        double floor = 0;               ///< corrections below are rounding [m/s]
+        std::vector<Frame> ports;             ///< at the end of the step
+        std::vector<Vector6> u;               ///< of the inner frames, at which the forces were worked out [m/s, rad/s]
+        std::vector<Vector6> change;          ///< last correction of it
+        std::vector<double> q;                ///< forces of the rigid directions, before the correction [N, N m]
+        std::vector<double> q_change;         ///< correction of them, times h
+        std::vector<JointForce> near;         ///< forces of near_joints_ over the step, before the correction
+        Convergence motion, momentum;         ///< as in Books
+        double scale = 0;                     ///< likewise
+        double impulse = 0, share = 0;        ///< of a joint over the step, at most [N s]; of that, what may be left over
+        bool has_own_matrix = false;          ///< the one kept did not serve
+        double slowest_rate = 0;              ///< largest θ in this step; 0: not measured
+        double tolerance = 0;                 ///< of what remains to be corrected [m/s]
+        double first_correction = 0;          ///< what the step itself left out of the extrapolated motion [m/s]
+        double correction = 0, residual = 0;  ///< of the last pass [m/s, N s]
+        double floor = 0;                     ///< corrections below are rounding [m/s]
     };
 
     size_t at(int frame) const { return static_cast<size_t>(frame - driven_); }
@@ -214,17 +221,20 @@ private:
     double correct(const Elimination& matrix, Solution& solution) const;
     double residual_size(const Solution& solution) const;
     bool is_good_enough(double correction, double residual, const Solution& solution) const;
+    void look_at_ports(const Mechanism& mechanism, std::span<const FrameView> ports) const;
+    void solve_for_ports(const Mechanism& mechanism, std::span<const FrameView> ports) const;
     PortChange size_of_port_change(const Mechanism& mechanism) const;
+    bool may_answer_linearly(const Mechanism& mechanism) const;
     bool linear_answer_serves(const PortChange& change, double factor) const;
     Vector3 mean_velocity(const Mechanism& mechanism, const Solution& solution) const;
-    void solve(const Mechanism& mechanism, Solution& solution) const;
+    void solve(const Mechanism& mechanism, Solution& solution, const Solution* before) const;
     void look_at_joints(const Mechanism& mechanism);
     void form_matrix(const Mechanism& mechanism, const std::vector<Frame>& at);
     void factor_static(const Mechanism& slow, const std::function<void()>& hold);
     void hold_given(const Mechanism& slow, std::vector<Vector6>& load);
     void predict(const Mechanism& mechanism);
     void drop_anchor(const Mechanism& mechanism);
-    const Solution& respond(const Mechanism& mechanism, std::span<const FrameView> ports) const;
+    const Solution& respond(const Mechanism& mechanism, std::span<const FrameView> ports, bool is_last) const;
     Vector6 motion_of(size_t frame, const Solution& solution) const;
     Vector6 change_of(int frame, const Solution& solution) const;
     JointForce near_force(const Mechanism& mechanism, size_t near, const Solution& solution) const;
@@ -287,6 +297,8 @@ private:
     Elimination elimination_;
     mutable Elimination at_trial_;                                     ///< where the matrix kept does not serve
     std::vector<Eigen::Matrix<double, 6, Eigen::Dynamic>> responses_;  ///< ∂u/∂(u of the ports) per inner frame
+    Eigen::VectorXd turn_responses_;                                   ///< the largest rotation among those, per column
+    double axial_stiffness_ = 0;       ///< largest of a joint: translational stiffness times its length [N]
     Eigen::MatrixXd rigid_responses_;  ///< the same of the forces of rigid directions, times h
     MasslessFrames massless_;
 
@@ -306,7 +318,8 @@ private:
     std::vector<Vector6> node_loads_;              ///< at the end of the step
     std::vector<Vector6> port_u_, port_u_before_;  ///< of the ports over the two steps before, each in the axes at its start
     std::vector<double> port_reach_;
-    Solution anchor_;  ///< where the ports go on as they have
+    Solution anchor_;                           ///< where the ports go on as they have, then where they are expected
+    bool is_told_ = false, is_coarse_ = false;  ///< they are; the anchor only serves to start from
 
     // Working memory
     mutable Solution other_;

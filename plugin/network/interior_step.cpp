@@ -28,6 +28,11 @@ constexpr double kTurnedRows = 0.02;
 constexpr double kTurnedPorts = 1e-4;
 /// Share of a change of the ports that counts beside one of everything inside.
 constexpr double kLinearShare = 0.1;
+/// Where the host will tell where its ports are expected, the first solution need not be better than this share of a pass.
+constexpr double kCoarse = 1e-2;
+/// Of what may be left over: what shortens the arms of joints does so in the same sense at every step, and nothing damps the
+/// axial vibration that it feeds.
+constexpr double kStretched = 1e-2;
 /// So much farther than is good enough the linear answer still serves, where it served in the step before.
 constexpr double kFarther = 30;
 /// Of a frame's place, in the corrections: nothing finer can be asked for.
@@ -96,7 +101,9 @@ void Interior::drop_anchor(const Mechanism& mechanism) {
     anchor_.momentum = books_.momentum;
     for (Convergence* convergence : {&anchor_.motion, &anchor_.momentum}) convergence->forget(kForget);
     anchor_.scale = books_.scale;
-    solve(mechanism, anchor_);
+    is_coarse_ = books_.is_told && may_answer_linearly(mechanism);
+    is_told_ = false;
+    solve(mechanism, anchor_, nullptr);
 }
 
 /// Puts the inner frames, moving by u over the step, where it ends, into trial_.
@@ -284,7 +291,8 @@ Vector3 Interior::mean_velocity(const Mechanism& mechanism, const Solution& solu
 }
 
 /// Passes from the motion in `solution` on until the last change is good enough; contraction and scale as last known.
-void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
+/// before: the solution it starts from, if it goes on where that has ended: as good, and no better, is asked for.
+void Interior::solve(const Mechanism& mechanism, Solution& solution, const Solution* before) const {
     const double h = mechanism.scheme.step_size();
     const Vector3 mean = mean_velocity(mechanism, solution);
     double size = kSmallestSize, speed = 0, turning = 0;
@@ -304,7 +312,7 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
     const double floor = solution.floor = std::max(kRounding * size / h, kFinest * solution.scale);
     solution.has_own_matrix = false;
     const Elimination* matrix = &elimination_;
-    double previous = 0, previous_residual = 0, rate = 0;
+    double previous = before ? before->correction : 0, previous_residual = before ? before->residual : 0, rate = 0;
     for (int pass = 0; pass < kMostPasses; ++pass) {
         ++passes_;
         if (pass > 0) {
@@ -323,16 +331,20 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
         const double residual = residual_size(solution);
         const double correction = correct(*matrix, solution);
         if (!std::isfinite(correction + floor)) break;
-        if (pass > 0 && correction > floor) {
-            rate = previous > 0 ? correction / previous : 0;
+        if (previous > 0 && correction > floor) {
+            rate = correction / previous;
             solution.slowest_rate = std::max(solution.slowest_rate, rate);
             solution.motion.measure(rate, previous);
             if (previous_residual > 0) solution.momentum.measure(residual / previous_residual, previous_residual);
         }
-        previous = correction;
-        previous_residual = residual;
-        if (pass == 0) solution.tolerance = std::max(floor, std::min(kShare * correction, kTolerance * solution.scale));
+        previous = solution.correction = correction;
+        previous_residual = solution.residual = residual;
+        if (pass == 0) {
+            solution.first_correction = before ? before->first_correction : correction;
+            solution.tolerance = std::max(floor, std::min(kShare * solution.first_correction, kTolerance * solution.scale));
+        }
         if (is_good_enough(correction, residual, solution)) return;
+        if (is_coarse_ && !before && solution.motion.left(correction) <= kCoarse * correction) return;
     }
     const auto left = [&](size_t i) {
         const double reach = inertias_[i].reach;
@@ -369,12 +381,13 @@ double Interior::residual_size(const Solution& solution) const {
 }
 
 Interior::PortChange Interior::size_of_port_change(const Mechanism& mechanism) const {
-    double speed = 0, impulse = 0, turn = 0;  // squared
+    const double h = mechanism.scheme.step_size();
+    double speed = 0, turning = 0, impulse = 0;  // squared
     for (size_t p = 0; p < port_u_.size(); ++p) {
         const auto change = port_change_.segment<6>(static_cast<Eigen::Index>(6 * p));
-        const double turning = change.tail<3>().squaredNorm();
-        speed = std::max(speed, change.head<3>().squaredNorm() + port_reach_[p] * port_reach_[p] * turning);
-        turn = std::max(turn, turning);
+        const double own = change.tail<3>().squaredNorm();
+        speed = std::max(speed, change.head<3>().squaredNorm() + port_reach_[p] * port_reach_[p] * own);
+        turning = std::max(turning, own);
     }
     rigid_change_.noalias() = rigid_responses_ * port_change_;
     const auto answer = [&](int frame) -> Vector6 {
@@ -386,7 +399,6 @@ Interior::PortChange Interior::size_of_port_change(const Mechanism& mechanism) c
         const size_t j = near_joints_[k];
         const Joint& joint = mechanism.joints[j];
         const Vector6 from = answer(joint.from()), to = answer(joint.to());
-        turn = std::max({turn, from.tail<3>().squaredNorm(), to.tail<3>().squaredNorm()});
         for (int end : {0, 1}) {
             if (joint.frame(end) >= ports_) continue;
             const Matrix6(&K)[2] = near_blocks_[k].at[end];
@@ -398,22 +410,23 @@ Interior::PortChange Interior::size_of_port_change(const Mechanism& mechanism) c
             impulse = std::max(impulse, change.squaredNorm());
         }
     }
-    return {std::sqrt(speed), std::sqrt(impulse), mechanism.scheme.step_size() * std::sqrt(turn)};
+    const double turn = h * std::max(std::sqrt(turning), turn_responses_.dot(port_change_.cwiseAbs()));
+    return {std::sqrt(speed), std::sqrt(impulse), turn, 0.5 * h * axial_stiffness_ * turn * turn};
 }
 
 /// Whether the linear answer to a change of the ports leaves no more over than `factor` times what is good enough: of what
 /// it changes as much as a pass would, and of the forces what they turn.
 bool Interior::linear_answer_serves(const PortChange& change, double factor) const {
     const double speed = kLinearShare * change.speed;
+    const double allowed = anchor_.share * anchor_.impulse;
+    if (change.stretch > kStretched * allowed) return false;
     return speed <= factor * anchor_.floor ||
            (anchor_.motion.left_turned(speed, change.turn) <= factor * anchor_.tolerance &&
-            anchor_.momentum.left_turned(change.impulse, change.turn) + change.turn * anchor_.impulse <=
-                factor * anchor_.share * anchor_.impulse);
+            anchor_.momentum.left_turned(change.impulse, change.turn) + change.turn * anchor_.impulse <= factor * allowed);
 }
 
-/// The solution for a motion of the ports: the anchored one, to which port_change_ is to be added linearly, if that is good
-/// enough, else one of its own.
-const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::span<const FrameView> ports) const {
+/// Finds what leads the ports from the anchor to where they are on trial.
+void Interior::look_at_ports(const Mechanism& mechanism, std::span<const FrameView> ports) const {
     const double h = mechanism.scheme.step_size();
     for (size_t p = 0; p < port_u_.size(); ++p) {
         const FrameView now = mechanism.frames[p], anchor = anchor_.ports[p], trial = ports[p];
@@ -423,10 +436,11 @@ const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::spa
         change /= h;
     }
     port_change_size_ = size_of_port_change(mechanism);
-    // The host wants a smooth answer: which one it gets hangs on the step before, not on how near this trial is
-    const bool is_near = !has_free_parts_ && mechanism.steps > 0 && books_.port_turn <= kTurnedPorts &&
-                         linear_answer_serves(books_.port_change_size, 1);
-    if (is_near && linear_answer_serves(port_change_size_, kFarther)) return anchor_;
+}
+
+/// The solution for these ports, at which look_at_ports has just looked, into other_.
+void Interior::solve_for_ports(const Mechanism& mechanism, std::span<const FrameView> ports) const {
+    const double h = mechanism.scheme.step_size();
     other_.motion = anchor_.motion;
     other_.momentum = anchor_.momentum;
     other_.scale = anchor_.scale;
@@ -435,8 +449,38 @@ const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::spa
     rigid_change_.noalias() = rigid_responses_ * port_change_;
     for (size_t i = 0; i < other_.q.size(); ++i)
         other_.q[i] = anchor_.q[i] + (anchor_.q_change[i] + rigid_change_(static_cast<Eigen::Index>(i))) / h;
-    solve(mechanism, other_);
+    solve(mechanism, other_, &anchor_);
     port_change_.setZero();
+}
+
+/// Whether the linear answer is looked at: parts free to turn, and joints at ports that have turned, want every trial
+/// solved.
+bool Interior::may_answer_linearly(const Mechanism& mechanism) const {
+    return !has_free_parts_ && mechanism.steps > 0 && books_.port_turn <= kTurnedPorts;
+}
+
+void Interior::expect(const Mechanism& mechanism, std::span<const FrameView> ports) {
+    if (!may_answer_linearly(mechanism)) return;
+    look_at_ports(mechanism, ports);
+    is_told_ = true;
+    if (port_change_size_.speed <= anchor_.floor && !is_coarse_) return;
+    solve_for_ports(mechanism, ports);
+    other_.slowest_rate = std::max(other_.slowest_rate, anchor_.slowest_rate);
+    other_.has_own_matrix = other_.has_own_matrix || anchor_.has_own_matrix;
+    std::swap(anchor_, other_);
+    is_coarse_ = false;
+}
+
+/// The solution for a motion of the ports: the anchored one, to which port_change_ is to be added linearly, if that is good
+/// enough, else one of its own. is_last: the step ends there; before, an anchor that is only there to start from will do.
+const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::span<const FrameView> ports,
+                                            bool is_last) const {
+    look_at_ports(mechanism, ports);
+    // The host wants a smooth answer: which one it gets hangs on the step before, not on how near this trial is
+    if (!(is_coarse_ && is_last) && may_answer_linearly(mechanism) && linear_answer_serves(books_.port_change_size, 1) &&
+        linear_answer_serves(port_change_size_, kFarther))
+        return anchor_;
+    solve_for_ports(mechanism, ports);
     return other_;
 }
 
@@ -495,7 +539,7 @@ JointForce Interior::near_force(const Mechanism& mechanism, size_t k, const Solu
 }
 
 void Interior::evaluate(const Mechanism& mechanism, std::span<const FrameView> ports, double* wrench) const {
-    const Solution& solution = respond(mechanism, ports);
+    const Solution& solution = respond(mechanism, ports, false);
     find_rigid_forces(mechanism, solution);
     for (int frame : port_frames_) wrench_[static_cast<size_t>(frame)].setZero();
     for (size_t k = 0; k < near_joints_.size(); ++k) {
@@ -513,11 +557,12 @@ void Interior::evaluate(const Mechanism& mechanism, std::span<const FrameView> p
 }
 
 void Interior::commit(Mechanism& mechanism, std::span<const FrameView> ports) {
-    const Solution& solution = respond(mechanism, ports);
+    const Solution& solution = respond(mechanism, ports, true);
     find_rigid_forces(mechanism, solution);
     find_end(mechanism, solution);
     rigid_ = q_;
     books_.port_change_size = port_change_size_;
+    books_.is_told = is_told_;
     // A step with a matrix formed for it converges like no other
     const bool is_like_the_next = !is_fresh_ && !solution.has_own_matrix;
     books_.motion = is_like_the_next ? solution.motion : Convergence{};

@@ -222,7 +222,7 @@ private:
     double residual_size(const Solution& solution) const;
     bool is_good_enough(double correction, double residual, const Solution& solution) const;
     void look_at_ports(const Mechanism& mechanism, std::span<const FrameView> ports) const;
-    void solve_for_ports(const Mechanism& mechanism, std::span<const FrameView> ports) const;
+    void solve_for_ports(const Mechanism& mechanism, std::span<const FrameView> ports, const Solution* before) const;
     PortChange size_of_port_change(const Mechanism& mechanism) const;
     bool may_answer_linearly(const Mechanism& mechanism) const;
     bool linear_answer_serves(const PortChange& change, double factor) const;
@@ -234,7 +234,7 @@ private:
     void hold_given(const Mechanism& slow, std::vector<Vector6>& load);
     void predict(const Mechanism& mechanism);
     void drop_anchor(const Mechanism& mechanism);
-    const Solution& respond(const Mechanism& mechanism, std::span<const FrameView> ports, bool is_last) const;
+    const Solution& respond(const Mechanism& mechanism, std::span<const FrameView> ports) const;
     Vector6 motion_of(size_t frame, const Solution& solution) const;
     Vector6 change_of(int frame, const Solution& solution) const;
     JointForce near_force(const Mechanism& mechanism, size_t near, const Solution& solution) const;

@@ -344,7 +344,7 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution, const Solut
             solution.tolerance = std::max(floor, std::min(kShare * solution.first_correction, kTolerance * solution.scale));
         }
         if (is_good_enough(correction, residual, solution)) return;
-        if (is_coarse_ && !before && solution.motion.left(correction) <= kCoarse * correction) return;
+        if (is_coarse_ && &solution == &anchor_ && solution.motion.left(correction) <= kCoarse * correction) return;
     }
     const auto left = [&](size_t i) {
         const double reach = inertias_[i].reach;
@@ -438,8 +438,8 @@ void Interior::look_at_ports(const Mechanism& mechanism, std::span<const FrameVi
     port_change_size_ = size_of_port_change(mechanism);
 }
 
-/// The solution for these ports, at which look_at_ports has just looked, into other_.
-void Interior::solve_for_ports(const Mechanism& mechanism, std::span<const FrameView> ports) const {
+/// The solution for these ports, at which look_at_ports has just looked, into other_; before: as in solve.
+void Interior::solve_for_ports(const Mechanism& mechanism, std::span<const FrameView> ports, const Solution* before) const {
     const double h = mechanism.scheme.step_size();
     other_.motion = anchor_.motion;
     other_.momentum = anchor_.momentum;
@@ -449,7 +449,7 @@ void Interior::solve_for_ports(const Mechanism& mechanism, std::span<const Frame
     rigid_change_.noalias() = rigid_responses_ * port_change_;
     for (size_t i = 0; i < other_.q.size(); ++i)
         other_.q[i] = anchor_.q[i] + (anchor_.q_change[i] + rigid_change_(static_cast<Eigen::Index>(i))) / h;
-    solve(mechanism, other_, &anchor_);
+    solve(mechanism, other_, before);
     port_change_.setZero();
 }
 
@@ -464,7 +464,7 @@ void Interior::expect(const Mechanism& mechanism, std::span<const FrameView> por
     look_at_ports(mechanism, ports);
     is_told_ = true;
     if (port_change_size_.speed <= anchor_.floor && !is_coarse_) return;
-    solve_for_ports(mechanism, ports);
+    solve_for_ports(mechanism, ports, &anchor_);
     other_.slowest_rate = std::max(other_.slowest_rate, anchor_.slowest_rate);
     other_.has_own_matrix = other_.has_own_matrix || anchor_.has_own_matrix;
     std::swap(anchor_, other_);
@@ -472,15 +472,14 @@ void Interior::expect(const Mechanism& mechanism, std::span<const FrameView> por
 }
 
 /// The solution for a motion of the ports: the anchored one, to which port_change_ is to be added linearly, if that is good
-/// enough, else one of its own. is_last: the step ends there; before, an anchor that is only there to start from will do.
-const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::span<const FrameView> ports,
-                                            bool is_last) const {
+/// enough, else one of its own.
+const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::span<const FrameView> ports) const {
     look_at_ports(mechanism, ports);
     // The host wants a smooth answer: which one it gets hangs on the step before, not on how near this trial is
-    if (!(is_coarse_ && is_last) && may_answer_linearly(mechanism) && linear_answer_serves(books_.port_change_size, 1) &&
+    if (may_answer_linearly(mechanism) && linear_answer_serves(books_.port_change_size, 1) &&
         linear_answer_serves(port_change_size_, kFarther))
         return anchor_;
-    solve_for_ports(mechanism, ports);
+    solve_for_ports(mechanism, ports, nullptr);
     return other_;
 }
 
@@ -539,7 +538,7 @@ JointForce Interior::near_force(const Mechanism& mechanism, size_t k, const Solu
 }
 
 void Interior::evaluate(const Mechanism& mechanism, std::span<const FrameView> ports, double* wrench) const {
-    const Solution& solution = respond(mechanism, ports, false);
+    const Solution& solution = respond(mechanism, ports);
     find_rigid_forces(mechanism, solution);
     for (int frame : port_frames_) wrench_[static_cast<size_t>(frame)].setZero();
     for (size_t k = 0; k < near_joints_.size(); ++k) {
@@ -557,7 +556,7 @@ void Interior::evaluate(const Mechanism& mechanism, std::span<const FrameView> p
 }
 
 void Interior::commit(Mechanism& mechanism, std::span<const FrameView> ports) {
-    const Solution& solution = respond(mechanism, ports, true);
+    const Solution& solution = respond(mechanism, ports);
     find_rigid_forces(mechanism, solution);
     find_end(mechanism, solution);
     rigid_ = q_;

@@ -36,7 +36,8 @@ namespace dttmm {
 /// momentum, in pairs that balance exactly, so that it is kept however few passes were taken; what the motion lacks to it is
 /// made up for in the next step.
 ///
-/// A step is solved for ports that go on as they have, and once more where they are then expected; the answer to another
+/// A step is solved for ports that go on as they have, and once more where the host then expects them; if it told so in the
+/// step before, the first solution is rough. The answer to another
 /// motion of the ports is the linear one from there, as long as that is good enough by a like measure, in which θ/(1 − θ)
 /// grows by the angle the change turns what is inside, the joints at ports hardly turn (the error of the force they tell
 /// grows with their stiffness), and no part is free to turn. A step of small vibrations takes one pass or two.

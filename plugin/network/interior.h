@@ -37,10 +37,10 @@ namespace dttmm {
 /// made up for in the next step.
 ///
 /// A step is solved for ports that go on as they have, and once more where the host then expects them; if it told so in the
-/// step before, the first solution is rough. The answer to another
-/// motion of the ports is the linear one from there, as long as that is good enough by a like measure, in which θ/(1 − θ)
-/// grows by the angle the change turns what is inside, the joints at ports hardly turn (the error of the force they tell
-/// grows with their stiffness), and no part is free to turn. A step of small vibrations takes one pass or two.
+/// step before, the first solution is rough. The answer to another motion of the ports is the linear one from there, as long
+/// as that is good enough by a like measure, in which θ/(1 − θ) grows by the angle the change turns what is inside, the
+/// joints at ports hardly turn (the error of the force they tell grows with their stiffness), and no part is free to turn. A
+/// step of small vibrations takes one pass for each.
 ///
 /// What a massless frame leaves unbalanced over a step by its own rule (MasslessFrames) its heir takes over, a frame nearby
 /// with a mass, so that no momentum is lost.

@@ -353,7 +353,6 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
     int first_trusted = has_joints ? 1 : 0;
     for (int pass = 0; pass < kMostPasses; ++pass) {
         if (networks.is_implicit() || has_joints) place_trial(now);
-        if (pass == 1 && networks.is_implicit()) networks.expect(trial_);  // no later correction is as large as the first
         if (pass == 0 || networks.is_implicit() || stiffness_wanted_) evaluate(now, networks);
         correct(now);
         if (has_joints) raise_floors();

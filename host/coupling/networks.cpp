@@ -264,13 +264,6 @@ const double* Networks::gather_loads(size_t network, const double* node_loads) {
     return loads_.data();
 }
 
-void Networks::expect(const std::vector<BodyState>& trial) {
-    gather(trial, step_size_);
-    tell_time(time_, [&] {
-        for (size_t n = 0; n < instances_.size(); ++n) instances_[n].expect(motions_.data() + slots_[n].port);
-    });
-}
-
 void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches) {
     if (is_implicit_) gather(trial, step_size_);
     for (size_t n = 0; n < instances_.size(); ++n) {

@@ -47,8 +47,6 @@ public:
 
     /// node_loads: 6 per node of the model, at the end of the step.
     void begin_step(const dttmm_step& step, const double* node_loads);
-    /// Tells the plugins that the bodies will end the open step near `trial`.
-    void expect(const std::vector<BodyState>& trial);
     /// Adds the wrenches that act over the open step if the bodies end it as in `trial`. Throws Error(numerical_failure)
     /// naming element and body when one is not finite or beyond 1e15 N. Unless is_implicit(), `trial` is not looked at.
     void evaluate(const std::vector<BodyState>& trial, double* wrenches);

@@ -36,11 +36,10 @@ namespace dttmm {
 /// momentum, in pairs that balance exactly, so that it is kept however few passes were taken; what the motion lacks to it is
 /// made up for in the next step.
 ///
-/// A step is solved for ports that go on as they have, and once more where the host then expects them; if it told so in the
-/// step before, the first solution is rough. The answer to another motion of the ports is the linear one from there, as long
-/// as that is good enough by a like measure, in which θ/(1 − θ) grows by the angle the change turns what is inside, the
-/// joints at ports hardly turn (the error of the force they tell grows with their stiffness), and no part is free to turn. A
-/// step of small vibrations takes one pass for each.
+/// A step is solved once, for ports that go on as they have; the answer to another motion of the ports is the linear one
+/// from there, as long as that is good enough by a like measure, what it strains in second order is a small share of what
+/// may be left over, the joints at ports hardly turn (the error of the force they tell grows with their stiffness), and no
+/// part is free to turn. A step of small vibrations takes one pass or two.
 ///
 /// What a massless frame leaves unbalanced over a step by its own rule (MasslessFrames) its heir takes over, a frame nearby
 /// with a mass, so that no momentum is lost.
@@ -66,9 +65,6 @@ public:
     /// loads: NULL: none. Forms the matrix anew where the last step has left it stale; throws Error, nothing being changed,
     /// if that is singular or a rotational spring has turned too far.
     void begin_step(const Mechanism& mechanism, const double* loads);
-    /// The ports will end the open step near a trial end of it. Throws Error(DTTMM_ERROR_NUMERIC), nothing being changed, if
-    /// the motion for that is not found.
-    void expect(const Mechanism& mechanism, std::span<const FrameView> ports);
     /// Wrenches on the ports over the open step, at a trial end of it.
     void evaluate(const Mechanism& mechanism, std::span<const FrameView> ports, double* wrench) const;
     /// −∂(wrench)/∂(pose), 6P × 6P row-major.
@@ -141,17 +137,13 @@ private:
             }
             return std::min(contraction, 1.0) * correction;
         }
-        /// What remains of a correction after which the joints' axes have turned by `turn` [rad] at most: the matrix then
-        /// fits by so much less, whatever the correction was at which the rate was measured.
-        double left_turned(double correction, double turn) const { return std::min(contraction + turn, 1.0) * correction; }
         void measure(double rate, double previous) { *this = {rate < 1 ? rate / (1 - rate) : 1e3, previous}; }
         void forget(double factor) { contraction = std::min(factor * contraction, 1.0); }
     };
     /// Size of what leads the ports from the anchor to where they go, over the step.
     struct PortChange {
         double speed = 0;    ///< the largest of a point [m/s]
-        double impulse = 0;  ///< the largest change of that of a port's joint [N s]
-        double turn = 0;     ///< the angle by which ports and what is inside turn, at most [rad]
+        double impulse = 0;  ///< of the joints at ports, by the motion of the ports alone, at most [N s]
         double stretch = 0;  ///< of the impulse of a joint, what is of second order in the turn: its arms shorten [N s]
     };
     struct Books {
@@ -160,27 +152,24 @@ private:
         Convergence motion, momentum;  ///< in [m/s] and [N s]
         double scale = 0;              ///< size of the motion, slowly forgetting [m/s]
         PortChange port_change_size;   ///< in the last step
-        uint64_t is_told = 0;          ///< 1: the host told in the last step where its ports were expected
         double load_work = 0;          ///< of the loads up to t_{n−1} [J]
         double load_power = 0;         ///< at t_{n−1} [W]
     };
     /// The motion inside for one motion of the ports, linear about the last pass: u + change.
     struct Solution {
-        std::vector<Frame> ports;             ///< at the end of the step
-        std::vector<Vector6> u;               ///< of the inner frames, at which the forces were worked out [m/s, rad/s]
-        std::vector<Vector6> change;          ///< last correction of it
-        std::vector<double> q;                ///< forces of the rigid directions, before the correction [N, N m]
-        std::vector<double> q_change;         ///< correction of them, times h
-        std::vector<JointForce> near;         ///< forces of near_joints_ over the step, before the correction
-        Convergence motion, momentum;         ///< as in Books
-        double scale = 0;                     ///< likewise
-        double impulse = 0, share = 0;        ///< of a joint over the step, at most [N s]; of that, what may be left over
-        bool has_own_matrix = false;          ///< the one kept did not serve
-        double slowest_rate = 0;              ///< largest θ in this step; 0: not measured
-        double tolerance = 0;                 ///< of what remains to be corrected [m/s]
-        double first_correction = 0;          ///< what the step itself left out of the extrapolated motion [m/s]
-        double correction = 0, residual = 0;  ///< of the last pass [m/s, N s]
-        double floor = 0;                     ///< corrections below are rounding [m/s]
+        std::vector<Frame> ports;       ///< at the end of the step
+        std::vector<Vector6> u;         ///< of the inner frames, at which the forces were worked out [m/s, rad/s]
+        std::vector<Vector6> change;    ///< last correction of it
+        std::vector<double> q;          ///< forces of the rigid directions, before the correction [N, N m]
+        std::vector<double> q_change;   ///< correction of them, times h
+        std::vector<JointForce> near;   ///< forces of near_joints_ over the step, before the correction
+        Convergence motion, momentum;   ///< as in Books
+        double scale = 0;               ///< likewise
+        double impulse = 0, share = 0;  ///< of a joint over the step, at most [N s]; of that, what may be left over
+        bool has_own_matrix = false;    ///< the one kept did not serve
+        double slowest_rate = 0;        ///< largest θ in this step; 0: not measured
+        double tolerance = 0;           ///< of what remains to be corrected [m/s]
+        double floor = 0;               ///< corrections below are rounding [m/s]
     };
 
     size_t at(int frame) const { return static_cast<size_t>(frame - driven_); }
@@ -222,20 +211,19 @@ private:
     double correct(const Elimination& matrix, Solution& solution) const;
     double residual_size(const Solution& solution) const;
     bool is_good_enough(double correction, double residual, const Solution& solution) const;
-    void look_at_ports(const Mechanism& mechanism, std::span<const FrameView> ports) const;
-    void solve_for_ports(const Mechanism& mechanism, std::span<const FrameView> ports, const Solution* before) const;
     PortChange size_of_port_change(const Mechanism& mechanism) const;
-    bool may_answer_linearly(const Mechanism& mechanism) const;
+    double stretch_by_ports(const Mechanism& mechanism) const;
     bool linear_answer_serves(const PortChange& change, double factor) const;
     Vector3 mean_velocity(const Mechanism& mechanism, const Solution& solution) const;
-    void solve(const Mechanism& mechanism, Solution& solution, const Solution* before) const;
+    void take_measures(const Mechanism& mechanism, Solution& solution) const;
+    void solve(const Mechanism& mechanism, Solution& solution) const;
     void look_at_joints(const Mechanism& mechanism);
     void form_matrix(const Mechanism& mechanism, const std::vector<Frame>& at);
     void factor_static(const Mechanism& slow, const std::function<void()>& hold);
     void hold_given(const Mechanism& slow, std::vector<Vector6>& load);
     void predict(const Mechanism& mechanism);
     void drop_anchor(const Mechanism& mechanism);
-    const Solution& respond(const Mechanism& mechanism, std::span<const FrameView> ports) const;
+    const Solution& respond(const Mechanism& mechanism, std::span<const FrameView> ports, PortChange* size) const;
     Vector6 motion_of(size_t frame, const Solution& solution) const;
     Vector6 change_of(int frame, const Solution& solution) const;
     JointForce near_force(const Mechanism& mechanism, size_t near, const Solution& solution) const;
@@ -319,14 +307,12 @@ private:
     std::vector<Vector6> node_loads_;              ///< at the end of the step
     std::vector<Vector6> port_u_, port_u_before_;  ///< of the ports over the two steps before, each in the axes at its start
     std::vector<double> port_reach_;
-    Solution anchor_;                           ///< where the ports go on as they have, then where they are expected
-    bool is_told_ = false, is_coarse_ = false;  ///< they are; the anchor only serves to start from
+    Solution anchor_;  ///< where the ports go on as they have
 
     // Working memory
     mutable Solution other_;
     mutable Eigen::VectorXd port_change_;   ///< from the solution in use to the end of the step asked for, 6 per port, local
     mutable Eigen::VectorXd rigid_change_;  ///< what it changes in the forces of rigid directions, times h
-    mutable PortChange port_change_size_;
     mutable std::vector<Frame> trial_;
     mutable std::vector<Vector6> motion_;  ///< of the inner frames over the step that is committed, each in its axes at t_n
     mutable std::vector<Vector6> wrench_;  ///< over the step, on every frame at its origin at t_n, world

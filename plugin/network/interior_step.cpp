@@ -28,11 +28,9 @@ constexpr double kTurnedRows = 0.02;
 constexpr double kTurnedPorts = 1e-4;
 /// Share of a change of the ports that counts beside one of everything inside.
 constexpr double kLinearShare = 0.1;
-/// Where the host will tell where its ports are expected, the first solution need not be better than this share of a pass.
-constexpr double kCoarse = 1e-2;
-/// Of what may be left over: what shortens the arms of joints does so in the same sense at every step, and nothing damps the
-/// axial vibration that it feeds.
-constexpr double kStretched = 1e-2;
+/// Share of what may be left over for what a linear answer strains in second order: it is of the same sense at every step,
+/// and nothing damps the axial vibration that it feeds.
+constexpr double kStretched = 0.01;
 /// So much farther than is good enough the linear answer still serves, where it served in the step before.
 constexpr double kFarther = 30;
 /// Of a frame's place, in the corrections: nothing finer can be asked for.
@@ -101,9 +99,8 @@ void Interior::drop_anchor(const Mechanism& mechanism) {
     anchor_.momentum = books_.momentum;
     for (Convergence* convergence : {&anchor_.motion, &anchor_.momentum}) convergence->forget(kForget);
     anchor_.scale = books_.scale;
-    is_coarse_ = books_.is_told && may_answer_linearly(mechanism);
-    is_told_ = false;
-    solve(mechanism, anchor_, nullptr);
+    take_measures(mechanism, anchor_);
+    solve(mechanism, anchor_);
 }
 
 /// Puts the inner frames, moving by u over the step, where it ends, into trial_.
@@ -290,9 +287,8 @@ Vector3 Interior::mean_velocity(const Mechanism& mechanism, const Solution& solu
     return mean / static_cast<double>(state_.size());
 }
 
-/// Passes from the motion in `solution` on until the last change is good enough; contraction and scale as last known.
-/// before: the solution it starts from, if it goes on where that has ended: as good, and no better, is asked for.
-void Interior::solve(const Mechanism& mechanism, Solution& solution, const Solution* before) const {
+/// What the motion expected says of what is good enough.
+void Interior::take_measures(const Mechanism& mechanism, Solution& solution) const {
     const double h = mechanism.scheme.step_size();
     const Vector3 mean = mean_velocity(mechanism, solution);
     double size = kSmallestSize, speed = 0, turning = 0;
@@ -308,11 +304,16 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution, const Solut
     solution.scale = std::max(solution.scale, std::sqrt(speed));
     solution.share = has_free_parts_ ? kSmallestImpulse
                                      : std::clamp(kTurnedImpulse / (h * h * turning), kSmallestImpulse, kLargestImpulse);
+    solution.floor = std::max(kRounding * size / h, kFinest * solution.scale);
+}
+
+/// Passes from the motion in `solution` on until the last change is good enough; contraction and measures as last known.
+void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
+    const double h = mechanism.scheme.step_size(), floor = solution.floor;
     solution.slowest_rate = 0;
-    const double floor = solution.floor = std::max(kRounding * size / h, kFinest * solution.scale);
     solution.has_own_matrix = false;
     const Elimination* matrix = &elimination_;
-    double previous = before ? before->correction : 0, previous_residual = before ? before->residual : 0, rate = 0;
+    double previous = 0, previous_residual = 0, rate = 0;
     for (int pass = 0; pass < kMostPasses; ++pass) {
         ++passes_;
         if (pass > 0) {
@@ -331,20 +332,16 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution, const Solut
         const double residual = residual_size(solution);
         const double correction = correct(*matrix, solution);
         if (!std::isfinite(correction + floor)) break;
-        if (previous > 0 && correction > floor) {
-            rate = correction / previous;
+        if (pass > 0 && correction > floor) {
+            rate = previous > 0 ? correction / previous : 0;
             solution.slowest_rate = std::max(solution.slowest_rate, rate);
             solution.motion.measure(rate, previous);
             if (previous_residual > 0) solution.momentum.measure(residual / previous_residual, previous_residual);
         }
-        previous = solution.correction = correction;
-        previous_residual = solution.residual = residual;
-        if (pass == 0) {
-            solution.first_correction = before ? before->first_correction : correction;
-            solution.tolerance = std::max(floor, std::min(kShare * solution.first_correction, kTolerance * solution.scale));
-        }
+        previous = correction;
+        previous_residual = residual;
+        if (pass == 0) solution.tolerance = std::max(floor, std::min(kShare * correction, kTolerance * solution.scale));
         if (is_good_enough(correction, residual, solution)) return;
-        if (is_coarse_ && &solution == &anchor_ && solution.motion.left(correction) <= kCoarse * correction) return;
     }
     const auto left = [&](size_t i) {
         const double reach = inertias_[i].reach;
@@ -381,52 +378,47 @@ double Interior::residual_size(const Solution& solution) const {
 }
 
 Interior::PortChange Interior::size_of_port_change(const Mechanism& mechanism) const {
-    const double h = mechanism.scheme.step_size();
-    double speed = 0, turning = 0, impulse = 0;  // squared
+    double speed = 0, impulse = 0;  // squared
     for (size_t p = 0; p < port_u_.size(); ++p) {
         const auto change = port_change_.segment<6>(static_cast<Eigen::Index>(6 * p));
-        const double own = change.tail<3>().squaredNorm();
-        speed = std::max(speed, change.head<3>().squaredNorm() + port_reach_[p] * port_reach_[p] * own);
-        turning = std::max(turning, own);
+        speed = std::max(speed,
+                         change.head<3>().squaredNorm() + port_reach_[p] * port_reach_[p] * change.tail<3>().squaredNorm());
     }
-    rigid_change_.noalias() = rigid_responses_ * port_change_;
-    const auto answer = [&](int frame) -> Vector6 {
-        if (is_inner(frame)) return responses_[at(frame)] * port_change_;
-        if (frame < ports_) return port_change_.segment<6>(static_cast<Eigen::Index>(6 * frame));
-        return Vector6::Zero();
-    };
-    for (size_t k = 0; k < near_joints_.size(); ++k) {
-        const size_t j = near_joints_[k];
-        const Joint& joint = mechanism.joints[j];
-        const Vector6 from = answer(joint.from()), to = answer(joint.to());
-        for (int end : {0, 1}) {
-            if (joint.frame(end) >= ports_) continue;
-            const Matrix6(&K)[2] = near_blocks_[k].at[end];
-            Vector3 change = K[0].topRows<3>() * from + K[1].topRows<3>() * to;
-            for_each_rigid(joint, [&](int i, int) {
-                change += rigid_change_(static_cast<Eigen::Index>(rigid_row(j, i))) *
-                          head(elimination_.rigid(static_cast<int>(j), i, end));
-            });
-            impulse = std::max(impulse, change.squaredNorm());
-        }
-    }
-    const double turn = h * std::max(std::sqrt(turning), turn_responses_.dot(port_change_.cwiseAbs()));
-    return {std::sqrt(speed), std::sqrt(impulse), turn, 0.5 * h * axial_stiffness_ * turn * turn};
+    for (size_t k = 0; k < near_joints_.size(); ++k)
+        for (int end : {0, 1})
+            if (const int port = mechanism.joints[near_joints_[k]].frame(end); port < ports_)
+                impulse = std::max(impulse, (near_blocks_[k].at[end][end].topRows<3>() *
+                                             port_change_.segment<6>(static_cast<Eigen::Index>(6 * port)))
+                                                .squaredNorm());
+    return {std::sqrt(speed), std::sqrt(impulse), stretch_by_ports(mechanism)};
 }
 
-/// Whether the linear answer to a change of the ports leaves no more over than `factor` times what is good enough: of what
-/// it changes as much as a pass would, and of the forces what they turn.
+/// Of the impulse of a joint, what the linear answer to the change of the ports strains in second order [N s]: where frames
+/// turn by δ, ½ EA δ² of a beam.
+double Interior::stretch_by_ports(const Mechanism& mechanism) const {
+    const double h = mechanism.scheme.step_size();
+    const auto stretch = [&](double speed) { return 0.5 * h * axial_stiffness_ * (h * speed) * (h * speed); };
+    double fastest = 0;
+    for (size_t p = 0; p < port_u_.size(); ++p)
+        fastest = std::max(fastest, port_change_.segment<3>(static_cast<Eigen::Index>(6 * p + 3)).norm());
+    const double bound = stretch(std::max(fastest, turn_responses_.dot(port_change_.cwiseAbs())));
+    if (bound <= kStretched * anchor_.share * anchor_.impulse) return bound;
+    double squared = fastest * fastest;
+    for (const auto& response : responses_)
+        squared = std::max(squared, (response.bottomRows<3>() * port_change_).squaredNorm());
+    return stretch(std::sqrt(squared));
+}
+
+/// Whether the linear answer to a change of the ports leaves no more over than `factor` times what is good enough.
 bool Interior::linear_answer_serves(const PortChange& change, double factor) const {
-    const double speed = kLinearShare * change.speed;
-    const double allowed = anchor_.share * anchor_.impulse;
-    if (change.stretch > kStretched * allowed) return false;
-    return speed <= factor * anchor_.floor ||
-           (anchor_.motion.left_turned(speed, change.turn) <= factor * anchor_.tolerance &&
-            anchor_.momentum.left_turned(change.impulse, change.turn) + change.turn * anchor_.impulse <= factor * allowed);
+    return change.stretch <= factor * kStretched * anchor_.share * anchor_.impulse &&
+           is_good_enough(kLinearShare / factor * change.speed, kLinearShare / factor * change.impulse, anchor_);
 }
 
-/// Finds what leads the ports from the anchor to where they are on trial.
-void Interior::look_at_ports(const Mechanism& mechanism, std::span<const FrameView> ports) const {
+/// The solution for a motion of the ports: the anchored one, to which port_change_ is to be added linearly, if that is good
+/// enough, else one of its own. size: of that change; NULL: not wanted.
+const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::span<const FrameView> ports,
+                                            PortChange* size) const {
     const double h = mechanism.scheme.step_size();
     for (size_t p = 0; p < port_u_.size(); ++p) {
         const FrameView now = mechanism.frames[p], anchor = anchor_.ports[p], trial = ports[p];
@@ -435,51 +427,26 @@ void Interior::look_at_ports(const Mechanism& mechanism, std::span<const FrameVi
             now.axes().transpose() * rotation_vector(trial.axes() * anchor.axes().transpose());
         change /= h;
     }
-    port_change_size_ = size_of_port_change(mechanism);
-}
-
-/// The solution for these ports, at which look_at_ports has just looked, into other_; before: as in solve.
-void Interior::solve_for_ports(const Mechanism& mechanism, std::span<const FrameView> ports, const Solution* before) const {
-    const double h = mechanism.scheme.step_size();
+    // The host wants a smooth answer: which one it gets hangs on the step before, not on how near this trial is
+    const bool is_near = !has_free_parts_ && mechanism.steps > 0 && books_.port_turn <= kTurnedPorts &&
+                         linear_answer_serves(books_.port_change_size, 1);
+    if (is_near || size) {
+        const PortChange change = size_of_port_change(mechanism);
+        if (size) *size = change;
+        if (is_near && linear_answer_serves(change, kFarther)) return anchor_;
+    }
     other_.motion = anchor_.motion;
     other_.momentum = anchor_.momentum;
     other_.scale = anchor_.scale;
+    other_.share = anchor_.share;
+    other_.floor = anchor_.floor;
     for (size_t p = 0; p < port_u_.size(); ++p) other_.ports[p] = ports[p].copy();
     for (size_t i = 0; i < state_.size(); ++i) other_.u[i] = anchor_.u[i] + anchor_.change[i] + responses_[i] * port_change_;
     rigid_change_.noalias() = rigid_responses_ * port_change_;
     for (size_t i = 0; i < other_.q.size(); ++i)
         other_.q[i] = anchor_.q[i] + (anchor_.q_change[i] + rigid_change_(static_cast<Eigen::Index>(i))) / h;
-    solve(mechanism, other_, before);
+    solve(mechanism, other_);
     port_change_.setZero();
-}
-
-/// Whether the linear answer is looked at: parts free to turn, and joints at ports that have turned, want every trial
-/// solved.
-bool Interior::may_answer_linearly(const Mechanism& mechanism) const {
-    return !has_free_parts_ && mechanism.steps > 0 && books_.port_turn <= kTurnedPorts;
-}
-
-void Interior::expect(const Mechanism& mechanism, std::span<const FrameView> ports) {
-    if (!may_answer_linearly(mechanism)) return;
-    look_at_ports(mechanism, ports);
-    is_told_ = true;
-    if (port_change_size_.speed <= anchor_.floor && !is_coarse_) return;
-    solve_for_ports(mechanism, ports, &anchor_);
-    other_.slowest_rate = std::max(other_.slowest_rate, anchor_.slowest_rate);
-    other_.has_own_matrix = other_.has_own_matrix || anchor_.has_own_matrix;
-    std::swap(anchor_, other_);
-    is_coarse_ = false;
-}
-
-/// The solution for a motion of the ports: the anchored one, to which port_change_ is to be added linearly, if that is good
-/// enough, else one of its own.
-const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::span<const FrameView> ports) const {
-    look_at_ports(mechanism, ports);
-    // The host wants a smooth answer: which one it gets hangs on the step before, not on how near this trial is
-    if (may_answer_linearly(mechanism) && linear_answer_serves(books_.port_change_size, 1) &&
-        linear_answer_serves(port_change_size_, kFarther))
-        return anchor_;
-    solve_for_ports(mechanism, ports, nullptr);
     return other_;
 }
 
@@ -538,7 +505,7 @@ JointForce Interior::near_force(const Mechanism& mechanism, size_t k, const Solu
 }
 
 void Interior::evaluate(const Mechanism& mechanism, std::span<const FrameView> ports, double* wrench) const {
-    const Solution& solution = respond(mechanism, ports);
+    const Solution& solution = respond(mechanism, ports, nullptr);
     find_rigid_forces(mechanism, solution);
     for (int frame : port_frames_) wrench_[static_cast<size_t>(frame)].setZero();
     for (size_t k = 0; k < near_joints_.size(); ++k) {
@@ -556,12 +523,12 @@ void Interior::evaluate(const Mechanism& mechanism, std::span<const FrameView> p
 }
 
 void Interior::commit(Mechanism& mechanism, std::span<const FrameView> ports) {
-    const Solution& solution = respond(mechanism, ports);
+    PortChange port_change_size;
+    const Solution& solution = respond(mechanism, ports, &port_change_size);
     find_rigid_forces(mechanism, solution);
     find_end(mechanism, solution);
     rigid_ = q_;
-    books_.port_change_size = port_change_size_;
-    books_.is_told = is_told_;
+    books_.port_change_size = port_change_size;
     // A step with a matrix formed for it converges like no other
     const bool is_like_the_next = !is_fresh_ && !solution.has_own_matrix;
     books_.motion = is_like_the_next ? solution.motion : Convergence{};
@@ -614,7 +581,9 @@ double Interior::turn_at_ports(const Mechanism& mechanism) const {
 /// The frames where the step ends and what moves them there. Changes no state: here a step may still be refused.
 void Interior::find_end(const Mechanism& mechanism, const Solution& solution) const {
     const double fastest_turning = std::min(kFastest, M_PI / mechanism.scheme.step_size());
-    for (size_t i = 0; i < state_.size(); ++i) motion_[i] = motion_of(i, solution);
+    const bool is_solved = port_change_.isZero(0);
+    for (size_t i = 0; i < state_.size(); ++i)
+        motion_[i] = is_solved ? Vector6(solution.u[i] + solution.change[i]) : motion_of(i, solution);
     place(mechanism, motion_);
     for (size_t i = 0; i < state_.size(); ++i) {
         const size_t f = static_cast<size_t>(driven_) + i;

@@ -209,8 +209,7 @@ static const dttmm_plugin table = {
     channel_count,
     channels,
     outputs,
-    NULL, /* no modes, nothing to expect */
-    NULL,
+    NULL, /* no modes */
     NULL,
     NULL,
     NULL,

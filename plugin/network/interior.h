@@ -307,6 +307,7 @@ private:
     std::vector<Vector6> node_loads_;              ///< at the end of the step
     std::vector<Vector6> port_u_, port_u_before_;  ///< of the ports over the two steps before, each in the axes at its start
     std::vector<double> port_reach_;
+    double size_ = 0;  ///< of the network and its way from the world's origin, at t_n [m]
     Solution anchor_;  ///< where the ports go on as they have
 
     // Working memory

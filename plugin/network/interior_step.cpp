@@ -99,6 +99,11 @@ void Interior::drop_anchor(const Mechanism& mechanism) {
     anchor_.momentum = books_.momentum;
     for (Convergence* convergence : {&anchor_.motion, &anchor_.momentum}) convergence->forget(kForget);
     anchor_.scale = books_.scale;
+    size_ = kSmallestSize;
+    for (size_t i = 0; i < state_.size(); ++i) {
+        const FrameView frame = mechanism.frames[static_cast<size_t>(driven_) + i];
+        size_ = std::max(size_, frame.origin().cwiseAbs().sum() + inertias_[i].reach);
+    }
     take_measures(mechanism, anchor_);
     solve(mechanism, anchor_);
 }
@@ -287,16 +292,14 @@ Vector3 Interior::mean_velocity(const Mechanism& mechanism, const Solution& solu
     return mean / static_cast<double>(state_.size());
 }
 
-/// What the motion expected says of what is good enough.
+/// What the motion from which passes start says of what is good enough.
 void Interior::take_measures(const Mechanism& mechanism, Solution& solution) const {
     const double h = mechanism.scheme.step_size();
     const Vector3 mean = mean_velocity(mechanism, solution);
-    double size = kSmallestSize, speed = 0, turning = 0;
+    double speed = 0, turning = 0;
     for (size_t i = 0; i < state_.size(); ++i) {
         const double reach = inertias_[i].reach;
         turning = std::max(turning, solution.u[i].tail<3>().squaredNorm());
-        size =
-            std::max(size, FrameView(mechanism.frames[static_cast<size_t>(driven_) + i]).origin().cwiseAbs().sum() + reach);
         Vector3 velocity = solution.u[i].head<3>();
         if (driven_ == ports_) velocity -= mechanism.frame(driven_ + static_cast<int>(i)).axes().transpose() * mean;
         speed = std::max(speed, velocity.squaredNorm() + reach * reach * solution.u[i].tail<3>().squaredNorm());
@@ -304,7 +307,7 @@ void Interior::take_measures(const Mechanism& mechanism, Solution& solution) con
     solution.scale = std::max(solution.scale, std::sqrt(speed));
     solution.share = has_free_parts_ ? kSmallestImpulse
                                      : std::clamp(kTurnedImpulse / (h * h * turning), kSmallestImpulse, kLargestImpulse);
-    solution.floor = std::max(kRounding * size / h, kFinest * solution.scale);
+    solution.floor = std::max(kRounding * size_ / h, kFinest * solution.scale);
 }
 
 /// Passes from the motion in `solution` on until the last change is good enough; contraction and measures as last known.
@@ -438,13 +441,12 @@ const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::spa
     other_.motion = anchor_.motion;
     other_.momentum = anchor_.momentum;
     other_.scale = anchor_.scale;
-    other_.share = anchor_.share;
-    other_.floor = anchor_.floor;
     for (size_t p = 0; p < port_u_.size(); ++p) other_.ports[p] = ports[p].copy();
     for (size_t i = 0; i < state_.size(); ++i) other_.u[i] = anchor_.u[i] + anchor_.change[i] + responses_[i] * port_change_;
     rigid_change_.noalias() = rigid_responses_ * port_change_;
     for (size_t i = 0; i < other_.q.size(); ++i)
         other_.q[i] = anchor_.q[i] + (anchor_.q_change[i] + rigid_change_(static_cast<Eigen::Index>(i))) / h;
+    take_measures(mechanism, other_);
     solve(mechanism, other_);
     port_change_.setZero();
     return other_;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdlib>
+#include <cstddef>
 
 /// Compiles a function and what it inlines a second time, for processors with AVX2, chosen when the library is loaded. Both
 /// give the same bits: AVX2 alone has no fused products, and the build forbids contraction.

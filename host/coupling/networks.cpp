@@ -267,8 +267,10 @@ const double* Networks::gather_loads(size_t network, const double* node_loads) {
 void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches) {
     if (is_implicit_) gather(trial, step_size_);
     for (size_t n = 0; n < instances_.size(); ++n) {
-        tell_time(time_,
-                  [&] { instances_[n].evaluate(motions_.data() + slots_[n].port, &wrenches_[slots_[n].wrench], nullptr); });
+        tell_time(time_, [&] {
+            instances_[n].expect(motions_.data() + slots_[n].port);
+            instances_[n].evaluate(motions_.data() + slots_[n].port, &wrenches_[slots_[n].wrench], nullptr);
+        });
         scatter(n, wrenches);
     }
 }
@@ -279,6 +281,7 @@ void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches, c
         const auto size = 6 * static_cast<size_t>(instances_[n].port_count());
         stiffness_.resize(size * size);
         tell_time(time_, [&] {
+            instances_[n].expect(motions_.data() + slots_[n].port);
             instances_[n].evaluate(motions_.data() + slots_[n].port, &wrenches_[slots_[n].wrench], stiffness_.data());
         });
         scatter(n, wrenches);

@@ -25,7 +25,7 @@ ExitCode exit_code_of(dttmm_status status) {
 }
 
 NetworkInstance::NetworkInstance(const PluginLibrary& plugin, const dttmm_network& network)
-    : plugin_(plugin), table_(&plugin.table()), instance_(nullptr, table_->destroy) {
+    : plugin_(plugin), table_(&plugin.table()), expect_(plugin.expect()), instance_(nullptr, table_->destroy) {
     for (uint32_t n = 0; n < network.node_count; ++n) port_count_ += network.nodes[n].kind == DTTMM_NODE_PORT;
     for (uint32_t n = 0; n < network.node_count; ++n) node_names_.emplace_back(network.nodes[n].name);
     for (uint32_t e = 0; e < network.element_count; ++e) element_names_.emplace_back(network.elements[e].name);

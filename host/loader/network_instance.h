@@ -48,6 +48,12 @@ public:
         dttmm_error error;
         check(table_->begin_step(instance_.get(), &step, loads, cleared(error)), error);
     }
+    /// Does nothing if the plugin does not want to know.
+    void expect(const dttmm_motion* trial) {
+        if (!expect_) return;
+        dttmm_error error;
+        check(expect_(instance_.get(), trial, cleared(error)), error);
+    }
     void evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const {
         dttmm_error error;
         check(table_->evaluate(instance_.get(), trial, wrench, stiffness, cleared(error)), error);
@@ -95,6 +101,7 @@ private:
 
     PluginLibrary plugin_;
     const dttmm_plugin* table_;
+    decltype(dttmm_plugin::expect) expect_;
     std::unique_ptr<dttmm_instance, void (*)(dttmm_instance*)> instance_;
     int port_count_ = 0;
     std::vector<std::string> element_names_, node_names_;

@@ -18,7 +18,7 @@ namespace dttmm {
 namespace {
 
 /// Up to the members that minor version 1 appended.
-constexpr size_t kSizeOfMinor0 = offsetof(dttmm_plugin, create_modal);
+constexpr size_t kSizeOfMinor0 = offsetof(dttmm_plugin, create_modal), kSizeOfMinor1 = offsetof(dttmm_plugin, expect);
 
 [[noreturn]] void fail(const std::string& name, const std::string& fault) {
     throw Error(ExitCode::plugin_failure, fmt::format("plugin {}: {}", name, fault));
@@ -110,8 +110,12 @@ const dttmm_plugin* checked(const std::string& name, const dttmm_plugin* table) 
 PluginLibrary::PluginLibrary(std::string name, const dttmm_plugin* table, std::shared_ptr<void> handle)
     : name_(std::move(name)), table_(checked(name_, table)), handle_(std::move(handle)) {}
 
+decltype(dttmm_plugin::expect) PluginLibrary::expect() const {
+    return table_->size >= sizeof(dttmm_plugin) ? table_->expect : nullptr;
+}
+
 bool PluginLibrary::has_modes() const {
-    return table_->size >= sizeof(dttmm_plugin) && table_->create_modal && table_->destroy_modal && table_->find_modes &&
+    return table_->size >= kSizeOfMinor1 && table_->create_modal && table_->destroy_modal && table_->find_modes &&
            table_->mode && table_->mode_along && table_->overall && table_->respond;
 }
 

@@ -22,6 +22,8 @@ public:
 
     const dttmm_plugin& table() const { return *table_; }
     const std::string& name() const { return name_; }
+    /// The function of that name, NULL if it has none.
+    decltype(dttmm_plugin::expect) expect() const;
     /// Whether it can find natural frequencies.
     bool has_modes() const;
 

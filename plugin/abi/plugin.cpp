@@ -116,6 +116,10 @@ dttmm_status outputs(const dttmm_instance* instance, double* values, dttmm_error
     return guard(error, [&] { instance->network.outputs(values); });
 }
 
+dttmm_status expect(dttmm_instance* instance, const dttmm_motion* trial, dttmm_error* error) {
+    return guard(error, [&] { instance->network.expect(trial); });
+}
+
 dttmm_status create_modal(const dttmm_modal_model* model, dttmm_modal** modal, dttmm_error* error) {
     *modal = nullptr;
     return guard(error, [&] {
@@ -198,6 +202,7 @@ const dttmm_plugin& table() {
         mode_along,
         overall,
         respond,
+        expect,
     };
     return plugin;
 }

@@ -32,7 +32,7 @@ extern "C" {
 #endif
 
 #define DTTMM_PLUGIN_MAJOR 1u
-#define DTTMM_PLUGIN_MINOR 1u
+#define DTTMM_PLUGIN_MINOR 2u
 
 /* The one symbol a plugin exports; declared at the end. */
 #define DTTMM_PLUGIN_ENTRY "dttmm_plugin_entry"
@@ -342,6 +342,12 @@ typedef struct dttmm_plugin {
      * real and imaginary part, 12 per body and 12 per node. */
     dttmm_status (*respond)(dttmm_modal* modal, double frequency, int32_t on_body, int32_t on_node, const double* point,
                             const double* force, double* bodies, double* nodes, dttmm_error* error);
+
+    /* Since minor 2; NULL: nothing comes of it. The ports will end the open step near `trial`; told before every evaluate, as
+     * the host comes to know it. evaluate and commit_step may from now on be the cheaper and the more exact the nearer their
+     * motions are to it, and differ by what the plugin takes for good enough. evaluate stays pure from one such call to the
+     * next. [step open] */
+    dttmm_status (*expect)(dttmm_instance* instance, const dttmm_motion* trial, dttmm_error* error);
 } dttmm_plugin;
 
 /* The entry, exported as DTTMM_PLUGIN_ENTRY: the table, or NULL if the plugin does not speak the host's major version. */

@@ -36,10 +36,10 @@ namespace dttmm {
 /// momentum, in pairs that balance exactly, so that it is kept however few passes were taken; what the motion lacks to it is
 /// made up for in the next step.
 ///
-/// A step is solved once, for ports that go on as they have; the answer to another motion of the ports is the linear one
-/// from there, as long as that is good enough by a like measure, what it strains in second order is a small share of what
-/// may be left over, the joints at ports hardly turn (the error of the force they tell grows with their stiffness), and no
-/// part is free to turn. A step of small vibrations takes one pass or two.
+/// A step is solved where its ports are expected to end; the answer to another motion of the ports is the linear one from
+/// there, as long as that is good enough by a like measure, what it strains in second order is a small share of what may be
+/// left over, the joints at ports hardly turn (the error of the force they tell grows with their stiffness), and no part is
+/// free to turn. Ports that are expected farther away it is solved for anew. A step of small vibrations takes two passes.
 ///
 /// What a massless frame leaves unbalanced over a step by its own rule (MasslessFrames) its heir takes over, a frame nearby
 /// with a mass, so that no momentum is lost.
@@ -65,7 +65,10 @@ public:
     /// loads: NULL: none. Forms the matrix anew where the last step has left it stale; throws Error, nothing being changed,
     /// if that is singular or a rotational spring has turned too far.
     void begin_step(const Mechanism& mechanism, const double* loads);
-    /// Wrenches on the ports over the open step, at a trial end of it.
+    /// Where the ports will end the open step, as far as is known. Throws Error(DTTMM_ERROR_NUMERIC) where no motion is
+    /// found.
+    void expect(const Mechanism& mechanism, std::span<const FrameView> ports);
+    /// Wrenches on the ports over the open step, at a trial end of it. Throws as expect().
     void evaluate(const Mechanism& mechanism, std::span<const FrameView> ports, double* wrench) const;
     /// −∂(wrench)/∂(pose), 6P × 6P row-major.
     void write_stiffness(const Mechanism& mechanism, double* stiffness) const;
@@ -151,7 +154,6 @@ private:
             0;  ///< of the joints at ports in the last step, since the matrix was formed, as share of their arms
         Convergence motion, momentum;  ///< in [m/s] and [N s]
         double scale = 0;              ///< size of the motion, slowly forgetting [m/s]
-        PortChange port_change_size;   ///< in the last step
         double load_work = 0;          ///< of the loads up to t_{n−1} [J]
         double load_power = 0;         ///< at t_{n−1} [W]
     };
@@ -213,7 +215,7 @@ private:
     bool is_good_enough(double correction, double residual, const Solution& solution) const;
     PortChange size_of_port_change(const Mechanism& mechanism) const;
     double stretch_by_ports(const Mechanism& mechanism) const;
-    bool linear_answer_serves(const PortChange& change, double factor) const;
+    bool linear_answer_serves(const Mechanism& mechanism) const;
     Vector3 mean_velocity(const Mechanism& mechanism, const Solution& solution) const;
     void take_measures(const Mechanism& mechanism, Solution& solution) const;
     void solve(const Mechanism& mechanism, Solution& solution) const;
@@ -222,8 +224,10 @@ private:
     void factor_static(const Mechanism& slow, const std::function<void()>& hold);
     void hold_given(const Mechanism& slow, std::vector<Vector6>& load);
     void predict(const Mechanism& mechanism);
-    void drop_anchor(const Mechanism& mechanism);
-    const Solution& respond(const Mechanism& mechanism, std::span<const FrameView> ports, PortChange* size) const;
+    void open_anchor(const Mechanism& mechanism);
+    void take_port_change(const Mechanism& mechanism, std::span<const FrameView> ports) const;
+    void solve_beside_anchor(const Mechanism& mechanism, std::span<const FrameView> ports, Solution& solution) const;
+    const Solution& respond(const Mechanism& mechanism, std::span<const FrameView> ports) const;
     Vector6 motion_of(size_t frame, const Solution& solution) const;
     Vector6 change_of(int frame, const Solution& solution) const;
     JointForce near_force(const Mechanism& mechanism, size_t near, const Solution& solution) const;
@@ -307,8 +311,9 @@ private:
     std::vector<Vector6> node_loads_;              ///< at the end of the step
     std::vector<Vector6> port_u_, port_u_before_;  ///< of the ports over the two steps before, each in the axes at its start
     std::vector<double> port_reach_;
-    double size_ = 0;  ///< of the network and its way from the world's origin, at t_n [m]
-    Solution anchor_;  ///< where the ports go on as they have
+    double size_ = 0;         ///< of the network and its way from the world's origin, at t_n [m]
+    Solution anchor_;         ///< where the ports are expected
+    bool is_solved_ = false;  ///< the anchor; before that it is where everything goes on as it has
 
     // Working memory
     mutable Solution other_;

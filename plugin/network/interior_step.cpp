@@ -31,8 +31,6 @@ constexpr double kLinearShare = 0.1;
 /// Share of what may be left over for what a linear answer strains in second order: it is of the same sense at every step,
 /// and nothing damps the axial vibration that it feeds.
 constexpr double kStretched = 0.01;
-/// So much farther than is good enough the linear answer still serves, where it served in the step before.
-constexpr double kFarther = 30;
 /// Of a frame's place, in the corrections: nothing finer can be asked for.
 constexpr double kRounding = 1e-14;
 /// Smallest size of a network [m], for that.
@@ -69,7 +67,7 @@ void Interior::begin_step(const Mechanism& mechanism, const double* loads) {
     if (is_stale_) refactor(mechanism);
     read_loads(mechanism, loads);
     predict(mechanism);
-    drop_anchor(mechanism);
+    open_anchor(mechanism);
 }
 
 /// Where the ports and the inside end if they go on as they have.
@@ -92,8 +90,11 @@ void Interior::predict(const Mechanism& mechanism) {
     }
 }
 
-/// Solves the step for ports that go on as they have.
-void Interior::drop_anchor(const Mechanism& mechanism) {
+/// What is known of the anchor before anything is solved: ports that go on as they have.
+void Interior::open_anchor(const Mechanism& mechanism) {
+    is_solved_ = false;
+    std::fill(anchor_.change.begin(), anchor_.change.end(), Vector6::Zero());
+    std::fill(anchor_.q_change.begin(), anchor_.q_change.end(), 0.0);
     anchor_.q = rigid_;
     anchor_.motion = books_.motion;
     anchor_.momentum = books_.momentum;
@@ -104,8 +105,6 @@ void Interior::drop_anchor(const Mechanism& mechanism) {
         const FrameView frame = mechanism.frames[static_cast<size_t>(driven_) + i];
         size_ = std::max(size_, frame.origin().cwiseAbs().sum() + inertias_[i].reach);
     }
-    take_measures(mechanism, anchor_);
-    solve(mechanism, anchor_);
 }
 
 /// Puts the inner frames, moving by u over the step, where it ends, into trial_.
@@ -412,43 +411,57 @@ double Interior::stretch_by_ports(const Mechanism& mechanism) const {
     return stretch(std::sqrt(squared));
 }
 
-/// Whether the linear answer to a change of the ports leaves no more over than `factor` times what is good enough.
-bool Interior::linear_answer_serves(const PortChange& change, double factor) const {
-    return change.stretch <= factor * kStretched * anchor_.share * anchor_.impulse &&
-           is_good_enough(kLinearShare / factor * change.speed, kLinearShare / factor * change.impulse, anchor_);
+/// Whether the linear answer to port_change_ leaves no more over than is good enough.
+bool Interior::linear_answer_serves(const Mechanism& mechanism) const {
+    if (!is_solved_) return false;
+    if (port_change_.isZero(0)) return true;
+    if (has_free_parts_ || books_.port_turn > kTurnedPorts) return false;
+    const PortChange change = size_of_port_change(mechanism);
+    return change.stretch <= kStretched * anchor_.share * anchor_.impulse &&
+           is_good_enough(kLinearShare * change.speed, kLinearShare * change.impulse, anchor_);
 }
 
-/// The solution for a motion of the ports: the anchored one, to which port_change_ is to be added linearly, if that is good
-/// enough, else one of its own. size: of that change; NULL: not wanted.
-const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::span<const FrameView> ports,
-                                            PortChange* size) const {
-    const double h = mechanism.scheme.step_size();
+/// Sets port_change_: what leads the ports from the anchor to where they are to go.
+void Interior::take_port_change(const Mechanism& mechanism, std::span<const FrameView> ports) const {
     for (size_t p = 0; p < port_u_.size(); ++p) {
         const FrameView now = mechanism.frames[p], anchor = anchor_.ports[p], trial = ports[p];
         auto change = port_change_.segment<6>(static_cast<Eigen::Index>(6 * p));
         change << now.axes().transpose() * (trial.origin() - anchor.origin()),
             now.axes().transpose() * rotation_vector(trial.axes() * anchor.axes().transpose());
-        change /= h;
+        change /= mechanism.scheme.step_size();
     }
-    // The host wants a smooth answer: which one it gets hangs on the step before, not on how near this trial is
-    const bool is_near = !has_free_parts_ && mechanism.steps > 0 && books_.port_turn <= kTurnedPorts &&
-                         linear_answer_serves(books_.port_change_size, 1);
-    if (is_near || size) {
-        const PortChange change = size_of_port_change(mechanism);
-        if (size) *size = change;
-        if (is_near && linear_answer_serves(change, kFarther)) return anchor_;
-    }
-    other_.motion = anchor_.motion;
-    other_.momentum = anchor_.momentum;
-    other_.scale = anchor_.scale;
-    for (size_t p = 0; p < port_u_.size(); ++p) other_.ports[p] = ports[p].copy();
-    for (size_t i = 0; i < state_.size(); ++i) other_.u[i] = anchor_.u[i] + anchor_.change[i] + responses_[i] * port_change_;
+}
+
+/// Solves for ports port_change_ away from the anchor, from the linear answer on. `solution` may be the anchor itself.
+void Interior::solve_beside_anchor(const Mechanism& mechanism, std::span<const FrameView> ports, Solution& solution) const {
+    solution.motion = anchor_.motion;
+    solution.momentum = anchor_.momentum;
+    solution.scale = anchor_.scale;
+    for (size_t p = 0; p < port_u_.size(); ++p) solution.ports[p] = ports[p].copy();
+    for (size_t i = 0; i < state_.size(); ++i) solution.u[i] = motion_of(i, anchor_);
     rigid_change_.noalias() = rigid_responses_ * port_change_;
-    for (size_t i = 0; i < other_.q.size(); ++i)
-        other_.q[i] = anchor_.q[i] + (anchor_.q_change[i] + rigid_change_(static_cast<Eigen::Index>(i))) / h;
-    take_measures(mechanism, other_);
-    solve(mechanism, other_);
+    for (size_t i = 0; i < solution.q.size(); ++i)
+        solution.q[i] = anchor_.q[i] +
+                        (anchor_.q_change[i] + rigid_change_(static_cast<Eigen::Index>(i))) / mechanism.scheme.step_size();
+    take_measures(mechanism, solution);
+    solve(mechanism, solution);
     port_change_.setZero();
+}
+
+void Interior::expect(const Mechanism& mechanism, std::span<const FrameView> ports) {
+    take_port_change(mechanism, ports);
+    if (linear_answer_serves(mechanism)) return;
+    is_solved_ = false;
+    solve_beside_anchor(mechanism, ports, anchor_);
+    is_solved_ = true;
+}
+
+/// The solution for a motion of the ports: the anchored one, to which port_change_ is to be added linearly, if that is good
+/// enough, else one of its own.
+const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::span<const FrameView> ports) const {
+    take_port_change(mechanism, ports);
+    if (linear_answer_serves(mechanism)) return anchor_;
+    solve_beside_anchor(mechanism, ports, other_);
     return other_;
 }
 
@@ -507,7 +520,7 @@ JointForce Interior::near_force(const Mechanism& mechanism, size_t k, const Solu
 }
 
 void Interior::evaluate(const Mechanism& mechanism, std::span<const FrameView> ports, double* wrench) const {
-    const Solution& solution = respond(mechanism, ports, nullptr);
+    const Solution& solution = respond(mechanism, ports);
     find_rigid_forces(mechanism, solution);
     for (int frame : port_frames_) wrench_[static_cast<size_t>(frame)].setZero();
     for (size_t k = 0; k < near_joints_.size(); ++k) {
@@ -525,12 +538,10 @@ void Interior::evaluate(const Mechanism& mechanism, std::span<const FrameView> p
 }
 
 void Interior::commit(Mechanism& mechanism, std::span<const FrameView> ports) {
-    PortChange port_change_size;
-    const Solution& solution = respond(mechanism, ports, &port_change_size);
+    const Solution& solution = respond(mechanism, ports);
     find_rigid_forces(mechanism, solution);
     find_end(mechanism, solution);
     rigid_ = q_;
-    books_.port_change_size = port_change_size;
     // A step with a matrix formed for it converges like no other
     const bool is_like_the_next = !is_fresh_ && !solution.has_own_matrix;
     books_.motion = is_like_the_next ? solution.motion : Convergence{};

@@ -235,6 +235,13 @@ void Network::begin_step(const dttmm_step& step, const double* loads) {
     open_ = true;
 }
 
+void Network::expect(const dttmm_motion* nodes) {
+    if (!open_) throw Error(DTTMM_ERROR_PHASE, "expect: no step is open");
+    if (!interior_) return;
+    look(nodes);
+    interior_->expect(mechanism_, trial_ports());
+}
+
 void Network::evaluate(const dttmm_motion* nodes, double* wrench, double* stiffness) const {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "evaluate: no step is open");
     if (is_implicit()) look(nodes);

@@ -498,9 +498,9 @@ static const dttmm_plugin table = {
     is_implicit,          load_weights,       state_size,
     save_state,           restore_state,      channel_count,
     channels,             outputs,
-    NULL,                 NULL,               NULL, /* no modes */
+    NULL,                 NULL,               NULL, /* no modes, nothing to expect */
     NULL,                 NULL,               NULL,
-    NULL,
+    NULL,                 NULL,
 };
 
 const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major) { return host_major == DTTMM_PLUGIN_MAJOR ? &table : NULL; }

@@ -1002,6 +1002,47 @@ TEST(Interior, ThePortsFeelWhatTheInsideLoses) {
     }
 }
 
+// Oracle: the same step solved for the same ports because they are far from where they would have gone.
+TEST(Interior, PortsThatAreExpectedAreAnsweredAsIfSolvedFor) {
+    Bridge told, twin;
+    for (int n = 0; n < 10; ++n) told.step(), twin.step();
+    const auto far = [](const Bridge& bridge, double off) {
+        return bridge.motions(bridge.n + 1, (1e-4 + off) * Vector6::Ones());
+    };
+    const auto before = told.wrench(told.motions(11));
+    told.network.expect(far(told, 0).data());
+    const auto there = told.wrench(far(told, 0)), solved = twin.wrench(twin.motions(11, 1e-4 * Vector6::Ones()));
+    for (size_t i = 0; i < there.size(); ++i) EXPECT_NEAR(there[i], solved[i], 1e-6 * std::abs(solved[i])) << i;
+    const auto beside = told.wrench(far(told, 1e-12));
+    const auto back = told.wrench(told.motions(11));
+    for (size_t i = 0; i < there.size(); ++i) EXPECT_NEAR(back[i], before[i], 1e-3 * std::abs(before[i])) << i;
+    EXPECT_EQ(told.wrench(far(told, 1e-12)), beside) << "evaluate is no longer pure";
+    EXPECT_EQ(told.wrench(far(told, 0)), there);
+    EXPECT_NE(beside, there);
+}
+
+// Oracle: as in ThePortsFeelWhatTheInsideLoses, whether the host tells in every step where it expects the ports, in none or
+// in some.
+TEST(Interior, ThePortsFeelWhatTheInsideLosesWhetherToldOrNot) {
+    for (const int every : {1, 2, 3}) {
+        Bridge bridge;
+        for (int n = 0; n < 60; ++n) {
+            const auto trial = bridge.motions(bridge.n + 1, 1e-6 * std::sin(0.7 * n) * Vector6::Ones());
+            if (n % every == 0) bridge.network.expect(trial.data());
+            const Twist before = bridge.network.interior()->momentum(bridge.network.mechanism());
+            const auto w = bridge.wrench(trial);
+            bridge.network.commit_step(trial.data());
+            const Twist after = bridge.network.interior()->momentum(bridge.network.mechanism());
+            Vector3 force = Vector3::Zero();
+            for (size_t p : {0, 1}) force += Eigen::Map<const Vector3>(&w[6 * p]);
+            const double size = Bridge::h * Eigen::Map<const Eigen::VectorXd>(w.data(), 12).norm();
+            EXPECT_LT((after.linear - before.linear + Bridge::h * force).norm(), 1e-11 * size) << every << ", step " << n;
+            ++bridge.n;
+            bridge.begin();
+        }
+    }
+}
+
 TEST(Interior, ARestoredNetworkRepeatsItsFutureToTheBit) {
     Bridge bridge;
     for (int n = 0; n < 15; ++n) bridge.step();
@@ -1210,6 +1251,45 @@ TEST(Interior, AVelocityInAFixedDirectionIsRefused) {
         EXPECT_EQ(refusal(model, 0),
                   "node \"foot\": its angular velocity at the start moves it in ry, which is fixed; give "
                   "none there");
+    }
+}
+
+// The stiffness of a joint at a port grows with the number of segments, and with it what the way from trial to trial would
+// be feared to do; the trials themselves come no nearer.
+TEST(Interior, ABeamIsSolvedTwicePerStepAtMostHoweverFinelyDivided) {
+    constexpr double h = 0.25e-3, amplitude = 4e-5, omega = 490;
+    constexpr uint64_t steps = 200;
+    for (const int segments : {10, 1000}) {
+        NetworkModel model;
+        model.node("wall", kGround, vec(0, 0, 0));
+        model.node("body", kPort, vec(1.2, 0, 0));
+        model.element("beam", "beam", {"wall", "body"}, tube(segments));
+        Network network(model.description());
+        // Where the body is expected, where it is found, and there again but for rounding
+        const auto body = [&](uint64_t n, double off) {
+            const double phase = omega * static_cast<double>(n) * h;
+            dttmm_motion motion{};
+            Eigen::Map<Vector3>{motion.position} = vec(1.2, amplitude * (1 - std::cos(phase)) + off, 0);
+            Eigen::Map<Vector3>{motion.velocity} = vec(0, amplitude * omega * std::sin(phase), 0);
+            Eigen::Map<RowMajor3>{motion.rotation} =
+                rotation_from_vector(vec(0, 0, amplitude * (1 - std::cos(phase)) + off));
+            return motion;
+        };
+        const dttmm_motion start = body(0, 0);
+        const double acceleration[6] = {0, amplitude * omega * omega, 0, 0, 0, 0};
+        network.start({0, 0, h}, &start, acceleration, nullptr);
+        for (uint64_t n = 0; n < steps; ++n) {
+            network.begin_step({n, static_cast<double>(n) * h, h}, nullptr);
+            Vector6 wrench;
+            for (double off : {1e-7, 0.0, 1e-13}) {
+                const dttmm_motion trial = body(n + 1, off);
+                network.expect(&trial);
+                network.evaluate(&trial, wrench.data(), nullptr);
+            }
+            const dttmm_motion end = body(n + 1, 0);
+            network.commit_step(&end);
+        }
+        EXPECT_LT(network.interior()->passes(), 3 * steps) << segments;
     }
 }
 

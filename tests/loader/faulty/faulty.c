@@ -209,7 +209,8 @@ static const dttmm_plugin table = {
     channel_count,
     channels,
     outputs,
-    NULL, /* no modes */
+    NULL, /* no modes, nothing to expect */
+    NULL,
     NULL,
     NULL,
     NULL,

@@ -356,7 +356,7 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
         if (pass == 0 || networks.is_implicit() || stiffness_wanted_) evaluate(now, networks);
         correct(now);
         if (has_joints) raise_floors();
-        if (!judge(pass) || pass < first_trusted) continue;
+        if (!judge(pass) || pass < first_trusted || networks.is_rough()) continue;
         if (!revise_stops(now)) {
             form_feedback(now);
             return feedback_;

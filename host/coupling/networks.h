@@ -52,6 +52,8 @@ public:
     void evaluate(const std::vector<BodyState>& trial, double* wrenches);
     /// The same, and hands out the stiffness of that wrench.
     void evaluate(const std::vector<BodyState>& trial, double* wrenches, const StiffnessSink& stiffness);
+    /// Whether the last answers want another trial before the step is committed.
+    bool is_rough() const { return is_rough_; }
     void commit_step(const std::vector<BodyState>& accepted);
 
     const std::vector<NetworkInstance>& instances() const { return instances_; }
@@ -98,6 +100,7 @@ private:
     std::vector<std::pair<int, int>> neighbours_;
     double weights_[3] = {0, 1, 0};
     bool is_implicit_ = false;
+    bool is_rough_ = false;
 
     double step_size_ = 0;
     double time_ = 0;

@@ -48,11 +48,14 @@ public:
         dttmm_error error;
         check(table_->begin_step(instance_.get(), &step, loads, cleared(error)), error);
     }
-    /// Does nothing if the plugin does not want to know.
-    void expect(const dttmm_motion* trial) {
-        if (!expect_) return;
+    /// Does nothing if the plugin does not want to know. Whether to expect once more before the step is committed.
+    bool expect(const dttmm_motion* trial) {
+        if (!expect_) return false;
         dttmm_error error;
-        check(expect_(instance_.get(), trial, cleared(error)), error);
+        const dttmm_status status = expect_(instance_.get(), trial, cleared(error));
+        if (status == DTTMM_AGAIN) return true;
+        check(status, error);
+        return false;
     }
     void evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const {
         dttmm_error error;

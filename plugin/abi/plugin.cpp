@@ -117,7 +117,9 @@ dttmm_status outputs(const dttmm_instance* instance, double* values, dttmm_error
 }
 
 dttmm_status expect(dttmm_instance* instance, const dttmm_motion* trial, dttmm_error* error) {
-    return guard(error, [&] { instance->network.expect(trial); });
+    bool is_rough = false;
+    const dttmm_status status = guard(error, [&] { is_rough = instance->network.expect(trial); });
+    return status == DTTMM_OK && is_rough ? DTTMM_AGAIN : status;
 }
 
 dttmm_status create_modal(const dttmm_modal_model* model, dttmm_modal** modal, dttmm_error* error) {

@@ -7,7 +7,7 @@
 /// Compiles a function and what it inlines a second time, for processors with AVX2, chosen when the library is loaded. Both
 /// give the same bits: AVX2 alone has no fused products, and the build forbids contraction.
 #if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__)
-#define DTTMM_WIDE [[gnu::flatten, gnu::target_clones("avx2", "default")]]
+#define DTTMM_WIDE [[gnu::flatten, gnu::target_clones("arch=x86-64-v4", "avx2", "default")]]
 #else
 #define DTTMM_WIDE
 #endif

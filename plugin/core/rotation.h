@@ -38,7 +38,8 @@ Vector3Of<Real> moment_of_gradient(const std::type_identity_t<Vector3Of<Real>>& 
                                    const std::type_identity_t<Vector3Of<Real>>& v);
 
 /// v turned by θ, exactly exp(θ~) v but for rounding, without making the matrix where θ is small.
-Vector3 turned(const Vector3& theta, const Vector3& v);
+template <class Real = double>
+Vector3Of<Real> turned(const std::type_identity_t<Vector3Of<Real>>& theta, const std::type_identity_t<Vector3Of<Real>>& v);
 
 /// a × b and |a|², written out, so that one thing and four give the same bits.
 template <class Real>
@@ -96,12 +97,14 @@ template <class Real>
     return R;
 }
 
-[[gnu::always_inline]] inline Vector3 turned(const Vector3& theta, const Vector3& v) {
-    const double squared = squared_norm<double>(theta);
-    if (!(squared < detail::kSmall)) [[unlikely]]
+template <class Real>
+[[gnu::always_inline]] inline Vector3Of<Real> turned(const std::type_identity_t<Vector3Of<Real>>& theta,
+                                                     const std::type_identity_t<Vector3Of<Real>>& v) {
+    const Real squared = squared_norm<Real>(theta);
+    if (!all_below(squared, detail::kSmall)) [[unlikely]]
         return detail::large_rotation_from_vector(theta) * v;
-    const Vector3 once = cross<double>(theta, v);
-    return v + detail::sinc(squared) * once + detail::versine(squared) * cross<double>(theta, once);
+    const Vector3Of<Real> once = cross<Real>(theta, v);
+    return v + detail::sinc(squared) * once + detail::versine(squared) * cross<Real>(theta, once);
 }
 
 template <class Real>

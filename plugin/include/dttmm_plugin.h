@@ -14,7 +14,7 @@
  * lost; where those of several do, each must balance at its own. Memory    whoever calls owns every buffer it passes; what a
  * plugin returns by pointer lives as long as the instance or, for the table and what it points to, as long as the library
  * stays loaded. No allocated memory crosses. Errors    every function that can fail returns a dttmm_status; on anything but
- * DTTMM_OK it has filled *error (which the caller owns and which is never NULL) and the instance is as before the call. No
+ * DTTMM_OK (and DTTMM_AGAIN) it has filled *error (which the caller owns and which is never NULL) and the instance is as before the call. No
  * exception crosses. Threads   one thread at a time per instance; different instances may be used by different threads. No
  * statics. Phases    create -> [linearise] -> start -> { begin_step -> evaluate* -> commit_step | discard_step }* ->
  * destroy. A comment in [brackets] names the phases in which a function may be called. Versions  the table starts with its
@@ -47,6 +47,7 @@ typedef int32_t dttmm_status;
 enum {
     DTTMM_OK = 0,
     DTTMM_DISCARD = 1,         /* this step cannot be done; the instance is unchanged, the host may discard and retry */
+    DTTMM_AGAIN = 2,           /* only of expect: call it again before the step is committed */
     DTTMM_ERROR_ARGUMENT = -1, /* a null pointer, a size or a value outside its range */
     DTTMM_ERROR_PHASE = -2,    /* called out of order */
     DTTMM_ERROR_MODEL = -3,    /* the network cannot be solved as described: error->element names the element */
@@ -344,9 +345,9 @@ typedef struct dttmm_plugin {
                             const double* force, double* bodies, double* nodes, dttmm_error* error);
 
     /* Since minor 2; NULL: nothing comes of it. The ports will end the open step near `trial`; told before every evaluate, as
-     * the host comes to know it. evaluate and commit_step may from now on be the cheaper and the more exact the nearer their
-     * motions are to it, and differ by what the plugin takes for good enough. evaluate stays pure from one such call to the
-     * next. [step open] */
+     * the host comes to know it. The plugin may move there the point from which it works out its answers, which then differ by
+     * what it takes for good enough; evaluate stays pure from one such call to the next. Returns DTTMM_AGAIN where the answers
+     * are still rough: good enough for a trial, but to be expected once more before the step is committed. [step open] */
     dttmm_status (*expect)(dttmm_instance* instance, const dttmm_motion* trial, dttmm_error* error);
 } dttmm_plugin;
 

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "core/six.h"
 
 namespace dttmm {
 
@@ -156,7 +157,8 @@ Elimination::Elimination(int frame_count, const std::vector<Link>& links) {
     for (size_t k = 0; k < n; ++k) {
         Pivot& pivot = pivots_[k];
         pivot.is_plain = pivot.rigid.empty() && pivot.children.empty() && pivot.neighbours.size() <= 1;
-        pivot.plain = static_cast<int>(pivot.is_plain ? plain_.size() : general_.size());
+        pivot.index = static_cast<int>(pivot.is_plain ? plain_.size() : general_.size());
+        plain_index_.push_back(pivot.is_plain ? pivot.index : -1);
         // The rigid directions of one joint are independent of each other: nothing to pass on
         const auto link_of = [&](int row) { return rigid_rows_[static_cast<size_t>(row)].link; };
         const bool of_one_joint = pivot.rigid.empty() || link_of(pivot.rigid.front()) == link_of(pivot.rigid.back());
@@ -170,8 +172,7 @@ Elimination::Elimination(int frame_count, const std::vector<Link>& links) {
             pivots_[static_cast<size_t>(next)].children.push_back(static_cast<int>(k));
         }
         if (pivot.is_plain) {
-            plain_.push_back({Matrix6::Zero(), Matrix6::Zero(), pivot.frame,
-                              pivot.neighbours.empty() ? -1 : pivot.neighbours.front().frame});
+            plain_.push_back({pivot.frame, pivot.neighbours.empty() ? -1 : pivot.neighbours.front().frame});
             continue;
         }
         General general;
@@ -182,6 +183,8 @@ Elimination::Elimination(int frame_count, const std::vector<Link>& links) {
     }
     reserve(open_, 1 + most_neighbours);
     columns_.resize(general_.size());
+    inverses_.assign(plain_.size(), Matrix6::Zero());
+    gains_ = inverses_;
 }
 
 void Elimination::set_zero() {
@@ -330,18 +333,18 @@ Columns Elimination::solve_block(const Columns& B) const {
 
 bool Elimination::factor_plain(const Pivot& pivot, Fault& fault) {
     if (!decompose(pivot, work_[static_cast<size_t>(pivot.frame)], motion_scale(pivot), {}, fault)) return false;
-    Plain& plain = plain_[static_cast<size_t>(pivot.plain)];
-    plain.inverse = inverse();
-    if (plain.neighbour < 0) return true;
+    const auto index = static_cast<size_t>(pivot.index);
+    inverses_[index] = inverse();
+    if (plain_[index].neighbour < 0) return true;
     const Matrix6& B = couplings_[static_cast<size_t>(pivot.neighbours.front().coupling)].block;
-    plain.gain = solve_block(B);
-    work_[static_cast<size_t>(plain.neighbour)] -= B.transpose() * plain.gain;
+    gains_[index] = solve_block(B);
+    work_[static_cast<size_t>(plain_[index].neighbour)] -= B.transpose() * gains_[index];
     return true;
 }
 
 bool Elimination::factor_general(size_t index, Fault& fault) {
     const Pivot& pivot = pivots_[index];
-    General& general = general_[static_cast<size_t>(pivot.plain)];
+    General& general = general_[static_cast<size_t>(pivot.index)];
     if (!gather(pivot, open_)) {
         const RigidRow& row = rigid_rows_[static_cast<size_t>(open_.rows.back())];
         fault = {pivot.frame, -1, row.link, row.index, true};
@@ -450,51 +453,64 @@ bool Elimination::factor_general(size_t index, Fault& fault) {
 
 // ---- Solutions ----------------------------------------------------------------------------------------------------------
 
-void Elimination::solve(std::span<Vector6> r, std::span<double> g) const {
-    for (const Pivot& pivot : pivots_) {
-        Vector6& own = r[static_cast<size_t>(pivot.frame)];
-        if (pivot.is_plain) [[likely]] {
-            const Plain& plain = plain_[static_cast<size_t>(pivot.plain)];
-            if (plain.neighbour >= 0) r[static_cast<size_t>(plain.neighbour)].noalias() -= plain.gain.transpose() * own;
-            own = (plain.inverse * own).eval();
+DTTMM_WIDE void Elimination::solve(std::span<Vector6> r, std::span<double> g) const {
+    for (size_t k = 0; k < pivots_.size(); ++k) {
+        if (plain_index_[k] < 0) [[unlikely]] {
+            eliminate(pivots_[k], r, g);
             continue;
         }
-        const General& general = general_[static_cast<size_t>(pivot.plain)];
-        Column& z = columns_[static_cast<size_t>(pivot.plain)];
-        z.resize(general.inverse.rows());
-        z.head<6>() = own;
-        for (size_t i = 0; i < general.kept.size(); ++i)
-            z(static_cast<Eigen::Index>(6 + i)) = g[static_cast<size_t>(general.kept[i])];
-        for (size_t i = 0; i < pivot.neighbours.size(); ++i)
-            r[static_cast<size_t>(pivot.neighbours[i].frame)] -= general.gains[i].transpose() * z;
-        if (pivot.passed >= 0) {
-            const Passed& on = passed_[static_cast<size_t>(pivot.passed)];
-            for (size_t p = 0; p < on.open.rows.size(); ++p)
-                g[static_cast<size_t>(on.open.rows[p])] -= on.gain.col(static_cast<Eigen::Index>(p)).dot(z);
-        }
-        z = (general.inverse * z).eval();
+        const auto index = static_cast<size_t>(plain_index_[k]);
+        const Plain plain = plain_[index];
+        if (plain.neighbour < 0) continue;
+        double* const next = r[static_cast<size_t>(plain.neighbour)].data();
+        (Six(next) - transposed_product(gains_[index].data(), r[static_cast<size_t>(plain.frame)].data())).store(next);
     }
     for (size_t k = pivots_.size(); k-- > 0;) {
-        const Pivot& pivot = pivots_[k];
-        Vector6& own = r[static_cast<size_t>(pivot.frame)];
-        if (pivot.is_plain) [[likely]] {
-            const Plain& plain = plain_[static_cast<size_t>(pivot.plain)];
-            if (plain.neighbour >= 0) own.noalias() -= plain.gain * r[static_cast<size_t>(plain.neighbour)];
+        if (plain_index_[k] < 0) [[unlikely]] {
+            substitute(pivots_[k], r, g);
             continue;
         }
-        const General& general = general_[static_cast<size_t>(pivot.plain)];
-        Column& z = columns_[static_cast<size_t>(pivot.plain)];
-        for (size_t i = 0; i < pivot.neighbours.size(); ++i)
-            z -= general.gains[i] * r[static_cast<size_t>(pivot.neighbours[i].frame)];
-        if (pivot.passed >= 0) {
-            const Passed& on = passed_[static_cast<size_t>(pivot.passed)];
-            for (size_t p = 0; p < on.open.rows.size(); ++p)
-                z -= on.gain.col(static_cast<Eigen::Index>(p)) * g[static_cast<size_t>(on.open.rows[p])];
-        }
-        own = z.head<6>();
-        for (size_t i = 0; i < general.kept.size(); ++i)
-            g[static_cast<size_t>(general.kept[i])] = z(static_cast<Eigen::Index>(6 + i));
+        const auto index = static_cast<size_t>(plain_index_[k]);
+        const Plain plain = plain_[index];
+        double* const own = r[static_cast<size_t>(plain.frame)].data();
+        const Six held = product(inverses_[index].data(), own);
+        if (plain.neighbour < 0)
+            held.store(own);
+        else
+            (held - product(gains_[index].data(), r[static_cast<size_t>(plain.neighbour)].data())).store(own);
     }
+}
+
+void Elimination::eliminate(const Pivot& pivot, std::span<Vector6> r, std::span<double> g) const {
+    const General& general = general_[static_cast<size_t>(pivot.index)];
+    Column& z = columns_[static_cast<size_t>(pivot.index)];
+    z.resize(general.inverse.rows());
+    z.head<6>() = r[static_cast<size_t>(pivot.frame)];
+    for (size_t i = 0; i < general.kept.size(); ++i)
+        z(static_cast<Eigen::Index>(6 + i)) = g[static_cast<size_t>(general.kept[i])];
+    for (size_t i = 0; i < pivot.neighbours.size(); ++i)
+        r[static_cast<size_t>(pivot.neighbours[i].frame)] -= general.gains[i].transpose() * z;
+    if (pivot.passed >= 0) {
+        const Passed& on = passed_[static_cast<size_t>(pivot.passed)];
+        for (size_t p = 0; p < on.open.rows.size(); ++p)
+            g[static_cast<size_t>(on.open.rows[p])] -= on.gain.col(static_cast<Eigen::Index>(p)).dot(z);
+    }
+    z = (general.inverse * z).eval();
+}
+
+void Elimination::substitute(const Pivot& pivot, std::span<Vector6> r, std::span<double> g) const {
+    const General& general = general_[static_cast<size_t>(pivot.index)];
+    Column& z = columns_[static_cast<size_t>(pivot.index)];
+    for (size_t i = 0; i < pivot.neighbours.size(); ++i)
+        z -= general.gains[i] * r[static_cast<size_t>(pivot.neighbours[i].frame)];
+    if (pivot.passed >= 0) {
+        const Passed& on = passed_[static_cast<size_t>(pivot.passed)];
+        for (size_t p = 0; p < on.open.rows.size(); ++p)
+            z -= on.gain.col(static_cast<Eigen::Index>(p)) * g[static_cast<size_t>(on.open.rows[p])];
+    }
+    r[static_cast<size_t>(pivot.frame)] = z.head<6>();
+    for (size_t i = 0; i < general.kept.size(); ++i)
+        g[static_cast<size_t>(general.kept[i])] = z(static_cast<Eigen::Index>(6 + i));
 }
 
 }  // namespace dttmm

@@ -97,12 +97,10 @@ private:
         std::vector<Neighbour> neighbours;
         std::vector<int> fills;  ///< couplings between two neighbours, as pairs i < j run
         bool is_plain;           ///< one neighbour at most and nothing rigid
-        int plain = -1;          ///< index into the arrays of plain pivots, or of the general ones
+        int index = -1;          ///< into the array of plain pivots, or of the general ones
         int passed = -1;         ///< index into the array of rows passed on; −1: there never are any
     };
-    /// The factor of a plain pivot: the inverse of its block and that times the coupling.
     struct Plain {
-        Matrix6 inverse, gain;
         int frame, neighbour;
     };
     /// Rows of J in the hands of a pivot, as what has been eliminated before leaves them.
@@ -132,6 +130,9 @@ private:
     Columns solve_block(const Columns& B) const;
     bool factor_plain(const Pivot& pivot, Fault& fault);
     bool factor_general(size_t index, Fault& fault);
+    /// Of a pivot that is not plain, on the way in and on the way back.
+    [[gnu::noinline]] void eliminate(const Pivot& pivot, std::span<Vector6> r, std::span<double> g) const;
+    [[gnu::noinline]] void substitute(const Pivot& pivot, std::span<Vector6> r, std::span<double> g) const;
 
     struct Coupling {
         int row, column;  ///< the row is eliminated first
@@ -151,9 +152,11 @@ private:
     std::vector<RigidRow> rigid_rows_;
     std::vector<int> rigid_begin_;
     int rigid_total_ = 0;
-    std::vector<int> order_;     ///< position of every frame in the elimination
-    std::vector<Pivot> pivots_;  ///< in that order
+    std::vector<int> order_;        ///< position of every frame in the elimination
+    std::vector<Pivot> pivots_;     ///< in that order
+    std::vector<int> plain_index_;  ///< of each; −1: it is not plain
     std::vector<Plain> plain_;
+    std::vector<Matrix6> inverses_, gains_;  ///< of plain pivots: of the block, and that times the coupling
     std::vector<General> general_;
     std::vector<Passed> passed_;
     bool counts_ = false;

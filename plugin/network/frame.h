@@ -43,6 +43,11 @@ struct FrameView {
     Eigen::Map<const RowMajor3> axes() const { return Eigen::Map<const RowMajor3>(rotation); }
 };
 
+/// Velocities [m/s, rad/s] or accelerations of a frame, world axes.
+struct Twist {
+    Vector3 linear = Vector3::Zero(), angular = Vector3::Zero();
+};
+
 /// The frame of a pose.
 Frame make_frame(const Pose& pose);
 

@@ -81,7 +81,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     }
     for (int f = 0; f < count_; ++f) {
         const FrameSpec& frame = mechanism.assembly.frames[static_cast<size_t>(driven_ + f)];
-        inertias_.push_back({frame.mass, frame.inertia, 0, -1});
+        inertias_.push_back({frame.mass, frame.inertia});
     }
     set_reaches(mechanism);
     choose_heirs(mechanism);
@@ -105,7 +105,8 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     std::sort(others_.begin(), others_.end());
     has_free_parts_ = has_free_parts(mechanism);
     rigid_known_.resize(rigid_joints_.size());
-    state_.resize(n);
+    past_.resize(n);
+    momenta_.resize(n);
     choose_burdened(mechanism);
     const auto rigid = static_cast<size_t>(elimination_.rigid_count()), ports = static_cast<size_t>(ports_);
     rigid_.assign(rigid, 0);
@@ -124,8 +125,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     massless_residuals_.resize(massless_.frames().size());
     node_loads_.assign(inner_nodes_.size(), Vector6::Zero());
     trial_ = mechanism.frames;
-    responses_.assign(n, Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, 6 * ports_));
-    turn_responses_.setZero(6 * ports_);
+    responses_.assign(36 * n * ports, 0);
     rigid_change_.setZero(static_cast<Eigen::Index>(rigid));
     rigid_responses_.setZero(static_cast<Eigen::Index>(rigid), 6 * ports_);
 
@@ -137,19 +137,21 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
 
 void Interior::set_reaches(const Mechanism& mechanism) {
     port_reach_.assign(static_cast<size_t>(ports_), 0);
-    for (Inertia& inertia : inertias_)
-        if (inertia.mass > 0) inertia.reach = std::sqrt(inertia.moment.trace() / inertia.mass);
+    for (const Inertia& inertia : inertias_)
+        reach_.push_back(inertia.mass > 0 ? std::sqrt(inertia.moment.trace() / inertia.mass) : 0);
     for (const Joint& joint : mechanism.joints) {
         const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
         const auto reach_out = [&](int frame, double length) {
             if (frame >= ports_ && !is_inner(frame)) return;
-            double& reach = is_inner(frame) ? inertias_[at(frame)].reach : port_reach_[static_cast<size_t>(frame)];
+            double& reach = is_inner(frame) ? reach_[at(frame)] : port_reach_[static_cast<size_t>(frame)];
             reach = std::max(reach, length);
         };
         reach_out(joint.from(), joint.arm(from, to).norm());
         reach_out(joint.to(), joint.lever(to).norm());
-        const double length = joint.arm(from, to).norm() + joint.lever(to).norm();
-        axial_stiffness_ = std::max(axial_stiffness_, joint.translation_half().stiffness.maxCoeff() * length);
+    }
+    for (double reach : reach_) {
+        turn_weight_.push_back(reach * reach);
+        spin_weight_.push_back(reach > 0 ? 1 / (reach * reach) : 0);
     }
 }
 
@@ -207,15 +209,14 @@ void Interior::choose_heirs(const Mechanism& mechanism) {
             grows = true;
         }
     }
-    for (size_t i = 0; i < inertias_.size(); ++i)
-        if (!inherits(driven_ + static_cast<int>(i))) inertias_[i].heir = heir[static_cast<size_t>(driven_) + i];
+    for (int f = driven_; f < driven_ + count_; ++f) heirs_.push_back(inherits(f) ? -1 : heir[static_cast<size_t>(f)]);
 }
 
 /// What the ports feel: their own joints, and those of the frames whose heirs they are.
 void Interior::choose_near(const Mechanism& mechanism) {
     std::vector<bool> at_port(mechanism.frames.size(), false);
     for (int f = 0; f < static_cast<int>(at_port.size()); ++f) {
-        const bool is_estate = is_inner(f) && inertias_[at(f)].heir >= 0 && inertias_[at(f)].heir < ports_;
+        const bool is_estate = is_inner(f) && heirs_[at(f)] >= 0 && heirs_[at(f)] < ports_;
         if (f >= ports_ && !is_estate) continue;
         at_port[static_cast<size_t>(f)] = true;
         port_frames_.push_back(f);
@@ -391,7 +392,7 @@ void Interior::refuse(const Mechanism& mechanism, const Elimination::Fault& faul
 void Interior::refactor(const Mechanism& mechanism) {
     predict(mechanism);
     std::copy(anchor_.ports.begin(), anchor_.ports.end(), trial_.begin());
-    for (size_t i = 0; i < state_.size(); ++i) place(mechanism, i, anchor_.u[i]);
+    for (size_t i = 0; i < past_.size(); ++i) place(mechanism, i, anchor_.u[i]);
     form_matrix(mechanism, trial_);
     is_fresh_ = true;
 }
@@ -437,12 +438,9 @@ void Interior::find_responses(const Mechanism& mechanism) {
                            [&](int i, int) { g[rigid_row(j, i)] = -elimination_.rigid(static_cast<int>(j), i, end)(c); });
         }
         elimination_.solve(r, g);
-        double turn = 0;
         for (size_t i = 0; i < r.size(); ++i) {
-            responses_[i].col(column) = r[i];
-            turn = std::max(turn, r[i].tail<3>().norm());
+            Eigen::Map<Vector6>{&responses_[36 * i * static_cast<size_t>(ports_) + 6 * static_cast<size_t>(column)]} = r[i];
         }
-        turn_responses_(column) = turn;
         rigid_responses_.col(column) = Eigen::Map<const Eigen::VectorXd>(g.data(), static_cast<Eigen::Index>(g.size()));
     }
 }
@@ -462,8 +460,7 @@ void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) co
             for (int column = 0; column < ports_; ++column) {
                 auto block = S.block<6, 6>(6 * frames[row], 6 * column);
                 for (int end : {0, 1}) {
-                    if (is_inner(frames[end]))
-                        block += K.at[row][end] * responses_[at(frames[end])].middleCols<6>(6 * column);
+                    if (is_inner(frames[end])) block += K.at[row][end] * response(at(frames[end])).middleCols<6>(6 * column);
                     if (frames[end] == column) block += K.at[row][end];
                 }
                 for_each_rigid(joint, [&](int i, int) {
@@ -484,23 +481,23 @@ void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) co
 // ---- Results ------------------------------------------------------------------------------------------------------------
 
 Twist Interior::velocity(const Mechanism& mechanism, int frame, const Vector3& offset) const {
-    const Twist mean = state_[at(frame)].mean();
+    const Twist mean = past_[at(frame)].mean();
     const Vector3 arm = mechanism.frame_before(frame).axes() * offset;
     return {mean.linear + mean.angular.cross(arm), mean.angular};
 }
 
 Twist Interior::acceleration(const Mechanism& mechanism, int frame, const Vector3& offset) const {
-    const State& state = state_[at(frame)];
+    const PastMotion& past = past_[at(frame)];
     const double h = mechanism.scheme.step_size();
-    const Vector3 arm = mechanism.frame_before(frame).axes() * offset, w = state.mean().angular;
-    const Vector3 alpha = (state.velocity.angular - state.velocity_before.angular) / h;
-    return {(state.velocity.linear - state.velocity_before.linear) / h + alpha.cross(arm) + w.cross(w.cross(arm)), alpha};
+    const Vector3 arm = mechanism.frame_before(frame).axes() * offset, w = past.mean().angular;
+    const Vector3 alpha = (past.velocity.angular - past.velocity_before.angular) / h;
+    return {(past.velocity.linear - past.velocity_before.linear) / h + alpha.cross(arm) + w.cross(w.cross(arm)), alpha};
 }
 
 double Interior::kinetic_energy(const Mechanism& mechanism) const {
     double twice = 0;
-    for (size_t i = 0; i < state_.size(); ++i) {
-        const Twist mean = state_[i].mean();
+    for (size_t i = 0; i < past_.size(); ++i) {
+        const Twist mean = past_[i].mean();
         const Vector3 w = mechanism.frame_before(driven_ + static_cast<int>(i)).axes().transpose() * mean.angular;
         twice += inertias_[i].mass * mean.linear.squaredNorm() + w.dot(inertias_[i].moment * w);
     }
@@ -509,7 +506,7 @@ double Interior::kinetic_energy(const Mechanism& mechanism) const {
 
 double Interior::work(const Mechanism& mechanism) const {
     double work = books_.load_work;
-    for (size_t i = 0; i < state_.size(); ++i) {
+    for (size_t i = 0; i < past_.size(); ++i) {
         const Vector3& start = mechanism.assembly.frames[static_cast<size_t>(driven_) + i].pose.position;
         work += inertias_[i].mass * gravity_.dot(mechanism.frame_before(driven_ + static_cast<int>(i)).origin() - start);
     }
@@ -519,10 +516,10 @@ double Interior::work(const Mechanism& mechanism) const {
 Twist Interior::momentum(const Mechanism& mechanism) const {
     // x_n × p = x_{n−1} × p, for p is along what leads from one to the other
     Twist total;
-    for (size_t i = 0; i < state_.size(); ++i) {
-        const Vector3 p = head(state_[i].momentum);
+    for (size_t i = 0; i < past_.size(); ++i) {
+        const Vector3 p = head(momenta_[i]);
         total.linear += p;
-        total.angular += mechanism.frame(driven_ + static_cast<int>(i)).origin().cross(p) + tail(state_[i].momentum);
+        total.angular += mechanism.frame(driven_ + static_cast<int>(i)).origin().cross(p) + tail(momenta_[i]);
     }
     return total;
 }
@@ -542,17 +539,17 @@ Twist Interior::newmark_momentum(const Mechanism& mechanism) const {
         Joint::add_wrench(earlier, before[a].data(), before[b].data());
     }
     for (size_t i : massless_.frames()) {
-        if (!is_inner(inertias_[i].heir)) continue;
-        const auto f = static_cast<size_t>(driven_) + i, heir = static_cast<size_t>(inertias_[i].heir);
+        if (!is_inner(heirs_[i])) continue;
+        const auto f = static_cast<size_t>(driven_) + i, heir = static_cast<size_t>(heirs_[i]);
         now[heir] += bequest(mechanism.frames, i, massless_part(i, now[f]));
         before[heir] += bequest(mechanism.before, i, massless_part(i, before[f]));
     }
     const double h = mechanism.scheme.step_size(), beta = mechanism.scheme.elastic_weight(0);
     Twist total;
-    for (size_t i = 0; i < state_.size(); ++i) {
+    for (size_t i = 0; i < past_.size(); ++i) {
         if (massless_.is_massless(i, 0)) continue;
         const auto f = static_cast<size_t>(driven_) + i;
-        Vector6 P = state_[i].momentum - beta * h * (now[f] - before[f]);
+        Vector6 P = momenta_[i] - beta * h * (now[f] - before[f]);
         if (massless_.is_massless(i, 1)) P.tail<3>().setZero();
         const Vector3 y = FrameView(mechanism.frames[f]).origin() - beta * h * h / inertias_[i].mass * head(now[f]);
         total.linear += head(P);
@@ -575,7 +572,8 @@ Vector6 Interior::rigid_force(const Mechanism& mechanism, size_t j) const {
 }
 
 void Interior::add_state_parts(std::vector<std::pair<void*, size_t>>& parts) {
-    parts.emplace_back(state_.data(), state_.size() * sizeof(State));
+    parts.emplace_back(past_.data(), past_.size() * sizeof(PastMotion));
+    parts.emplace_back(momenta_.data(), momenta_.size() * sizeof(Vector6));
     parts.emplace_back(burdens_.data(), burdens_.size() * sizeof(Burden));
     parts.emplace_back(rigid_.data(), rigid_.size() * sizeof(double));
     parts.emplace_back(port_u_.data(), port_u_.size() * sizeof(Vector6));

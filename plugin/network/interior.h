@@ -9,6 +9,7 @@
 #include "network/joints_by_four.h"
 #include "network/massless.h"
 #include "network/mechanism.h"
+#include "network/momentum.h"
 
 namespace dttmm {
 
@@ -28,26 +29,24 @@ namespace dttmm {
 /// instants.
 ///
 /// Passes start from the extrapolated motion; the solution is accepted when θ/(1 − θ) × (last correction), θ the rate of
-/// convergence, is below kShare of the first one, which measures what the step itself leaves out, and below kTolerance of
-/// the motion; and, in the same way, what is left of the momentum is below a share of the largest impulse of a joint: a
-/// stiff joint makes much of a small motion, and would feed its own vibration with what is left. That share is
-/// kLargestImpulse where the parts keep their attitude, kSmallestImpulse where they are free to turn against each other, and
-/// between them kTurnedImpulse/turn², turn of the fastest frame over the step [rad]. The forces where it ends then move the
-/// momentum, in pairs that balance exactly, so that it is kept however few passes were taken; what the motion lacks to it is
-/// made up for in the next step.
+/// convergence, is below kShare of the first one, which measures what the step itself leaves out, and of the motion; and, in
+/// the same way, what is left of the momentum is below kShare of the largest impulse of a joint: a stiff joint makes much of
+/// a small motion, and would feed its own vibration with what is left, step after step. The forces where it ends then move
+/// the momentum, in pairs that balance exactly, so that it is kept however few passes were taken; what the motion lacks to
+/// it is made up for in the next step.
 ///
-/// A step is solved where its ports are expected to end; the answer to another motion of the ports is the linear one from
-/// there, as long as that is good enough by a like measure, what it strains in second order is a small share of what may be
-/// left over, the joints at ports hardly turn (the error of the force they tell grows with their stiffness), and no part is
-/// free to turn. Ports that are expected farther away it is solved for anew. A step of small vibrations takes two passes.
+/// Where the host expects the ports to end the step it is solved for them (the anchor), and solved on wherever it expects
+/// them next: one iteration with the host's own. The answer to another motion of the ports is the linear one from there, as
+/// long as that is good enough by a like measure; not where joints at ports turn (the error of the force they tell grows
+/// with their stiffness) or parts are free to turn: there the anchor stays, and every motion is solved for from it. At the
+/// first motion that is expected one pass may do, where passes are known to converge: the host is told to come again. A step
+/// of small vibrations takes two passes or three, whatever the number of frames.
 ///
 /// What a massless frame leaves unbalanced over a step by its own rule (MasslessFrames) its heir takes over, a frame nearby
 /// with a mass, so that no momentum is lost.
 class Interior {
 public:
-    static constexpr double kTolerance = 1e-6;
-    static constexpr double kShare = 1e-4;
-    static constexpr double kTurnedImpulse = 1e-9, kSmallestImpulse = 1e-6, kLargestImpulse = 3e-4;
+    static constexpr double kShare = 1e-6;  ///< of what may be left over
     static constexpr int kMostPasses = 30;
 
     /// Throws Error(DTTMM_ERROR_MODEL) naming what cannot move as described: a massless node that nothing holds in some
@@ -65,9 +64,9 @@ public:
     /// loads: NULL: none. Forms the matrix anew where the last step has left it stale; throws Error, nothing being changed,
     /// if that is singular or a rotational spring has turned too far.
     void begin_step(const Mechanism& mechanism, const double* loads);
-    /// Where the ports will end the open step, as far as is known. Throws Error(DTTMM_ERROR_NUMERIC) where no motion is
-    /// found.
-    void expect(const Mechanism& mechanism, std::span<const FrameView> ports);
+    /// Where the ports will end the open step, as far as is known. Whether the answer there is rough still: to be told
+    /// again. Throws Error(DTTMM_ERROR_NUMERIC) where no motion is found.
+    bool expect(const Mechanism& mechanism, std::span<const FrameView> ports);
     /// Wrenches on the ports over the open step, at a trial end of it. Throws as expect().
     void evaluate(const Mechanism& mechanism, std::span<const FrameView> ports, double* wrench) const;
     /// −∂(wrench)/∂(pose), 6P × 6P row-major.
@@ -100,23 +99,7 @@ public:
     void refactor(const Mechanism& mechanism);
 
 private:
-    struct Inertia {
-        double mass;
-        Matrix3 moment;  ///< of inertia, frame axes
-        double reach;    ///< of its joints from its origin [m], at least its radius of gyration
-        int heir = -1;   ///< frame nearby that takes over what a massless one leaves unbalanced; −1: none
-    };
-    /// What changes from step to step.
-    struct State {
-        Vector6 momentum;                 ///< over the step before t_n, world
-        Vector6 u, u_before;              ///< over that step and the one before, each in the axes at its start
-        Twist velocity, velocity_before;  ///< the same, world
-        /// Velocity at the start of the step before t_n.
-        Twist mean() const {
-            return {0.5 * (velocity.linear + velocity_before.linear), 0.5 * (velocity.angular + velocity_before.angular)};
-        }
-    };
-    /// The same of a frame with a node on it, or with a massless half: the others take no load.
+    /// What changes from step to step for a frame with a node on it, or with a massless half: the others take no load.
     struct Burden {
         Vector6 load[3];     ///< at the frame's origin, world, at t_{n+1} (forces off the origin left out), t_n, t_{n−1}
         Vector6 elastic[3];  ///< elastic forces on a massless frame, the same; at t_{n+1} once the step is taken
@@ -147,31 +130,35 @@ private:
     struct PortChange {
         double speed = 0;    ///< the largest of a point [m/s]
         double impulse = 0;  ///< of the joints at ports, by the motion of the ports alone, at most [N s]
-        double stretch = 0;  ///< of the impulse of a joint, what is of second order in the turn: its arms shorten [N s]
     };
     struct Books {
         double port_turn =
             0;  ///< of the joints at ports in the last step, since the matrix was formed, as share of their arms
         Convergence motion, momentum;  ///< in [m/s] and [N s]
         double scale = 0;              ///< size of the motion, slowly forgetting [m/s]
+        double first_correction = 0;   ///< the largest first one of the last step [m/s]
         double load_work = 0;          ///< of the loads up to t_{n−1} [J]
         double load_power = 0;         ///< at t_{n−1} [W]
     };
     /// The motion inside for one motion of the ports, linear about the last pass: u + change.
     struct Solution {
-        std::vector<Frame> ports;       ///< at the end of the step
-        std::vector<Vector6> u;         ///< of the inner frames, at which the forces were worked out [m/s, rad/s]
-        std::vector<Vector6> change;    ///< last correction of it
-        std::vector<double> q;          ///< forces of the rigid directions, before the correction [N, N m]
-        std::vector<double> q_change;   ///< correction of them, times h
-        std::vector<JointForce> near;   ///< forces of near_joints_ over the step, before the correction
-        Convergence motion, momentum;   ///< as in Books
-        double scale = 0;               ///< likewise
-        double impulse = 0, share = 0;  ///< of a joint over the step, at most [N s]; of that, what may be left over
-        bool has_own_matrix = false;    ///< the one kept did not serve
-        double slowest_rate = 0;        ///< largest θ in this step; 0: not measured
-        double tolerance = 0;           ///< of what remains to be corrected [m/s]
-        double floor = 0;               ///< corrections below are rounding [m/s]
+        std::vector<Frame> ports;      ///< at the end of the step
+        std::vector<Vector6> u;        ///< of the inner frames, at which the forces were worked out [m/s, rad/s]
+        std::vector<Vector6> change;   ///< last correction of it
+        std::vector<double> q;         ///< forces of the rigid directions, before the correction [N, N m]
+        std::vector<double> q_change;  ///< correction of them, times h
+        std::vector<JointForce> near;  ///< forces of near_joints_ over the step, before the correction
+        Convergence motion, momentum;  ///< as in Books
+        double scale = 0;              ///< likewise
+        double correction = 0;         ///< size of the last one [m/s]
+        double first_correction = 0;   ///< largest of those with which solutions of the step began [m/s]
+        double residual = 0;           ///< of the momentum before it [N s]
+        bool is_rough = false;         ///< not good enough yet
+        double impulse = 0;            ///< of a joint over the step, at most [N s]
+        bool has_own_matrix = false;   ///< the one kept did not serve
+        double slowest_rate = 0;       ///< largest θ in this step; 0: not measured
+        double tolerance = 0;          ///< of what remains to be corrected [m/s]
+        double floor = 0;              ///< corrections below are rounding [m/s]
     };
 
     size_t at(int frame) const { return static_cast<size_t>(frame - driven_); }
@@ -211,14 +198,16 @@ private:
     Vector6 settled(const Mechanism& mechanism, size_t massless, const Vector6& load) const;
     Vector6 bequest(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const;
     double correct(const Elimination& matrix, Solution& solution) const;
-    double residual_size(const Solution& solution) const;
+    bool may_be_rough(double correction, const Solution& solution) const;
     bool is_good_enough(double correction, double residual, const Solution& solution) const;
+    double speed_of_port_change() const;
     PortChange size_of_port_change(const Mechanism& mechanism) const;
-    double stretch_by_ports(const Mechanism& mechanism) const;
+    /// Whether no answer is linear.
+    bool turns() const;
     bool linear_answer_serves(const Mechanism& mechanism) const;
     Vector3 mean_velocity(const Mechanism& mechanism, const Solution& solution) const;
     void take_measures(const Mechanism& mechanism, Solution& solution) const;
-    void solve(const Mechanism& mechanism, Solution& solution) const;
+    void solve(const Mechanism& mechanism, Solution& solution, bool roughly) const;
     void look_at_joints(const Mechanism& mechanism);
     void form_matrix(const Mechanism& mechanism, const std::vector<Frame>& at);
     void factor_static(const Mechanism& slow, const std::function<void()>& hold);
@@ -226,9 +215,14 @@ private:
     void predict(const Mechanism& mechanism);
     void open_anchor(const Mechanism& mechanism);
     void take_port_change(const Mechanism& mechanism, std::span<const FrameView> ports) const;
-    void solve_beside_anchor(const Mechanism& mechanism, std::span<const FrameView> ports, Solution& solution) const;
-    const Solution& respond(const Mechanism& mechanism, std::span<const FrameView> ports) const;
+    void step_aside(const Mechanism& mechanism, std::span<const FrameView> ports, Solution& solution) const;
+    const Solution& respond(const Mechanism& mechanism, std::span<const FrameView> ports, bool finally) const;
+    /// The motion of all inner frames over the step, with the linear answer to the ports.
+    void find_motion(const Solution& solution, std::span<Vector6> motion) const;
     Vector6 motion_of(size_t frame, const Solution& solution) const;
+    Eigen::Map<const Eigen::Matrix<double, 6, Eigen::Dynamic>> response(size_t frame) const {
+        return {&responses_[frame * 36 * static_cast<size_t>(ports_)], 6, 6 * ports_};
+    }
     Vector6 change_of(int frame, const Solution& solution) const;
     JointForce near_force(const Mechanism& mechanism, size_t near, const Solution& solution) const;
     void find_rigid_forces(const Mechanism& mechanism, const Solution& solution) const;
@@ -238,9 +232,8 @@ private:
     double turn_at_ports(const Mechanism& mechanism) const;
     void find_end(const Mechanism& mechanism, const Solution& solution) const;
     [[noreturn]] void refuse_divergence(const Mechanism& mechanism, size_t frame) const;
-    void take_velocities(const Mechanism& mechanism);
     void take_forces(Mechanism& mechanism, const Solution& solution);
-    void take_momentum(const Mechanism& mechanism);
+    void take_momenta(const Mechanism& mechanism);
     void take_loads(const Mechanism& mechanism);
     void take_motion(Mechanism& mechanism);
 
@@ -266,7 +259,11 @@ private:
     Vector3 gravity_;
     bool has_free_parts_ = false;  ///< that can turn against each other
     std::vector<Inertia> inertias_;
-    std::vector<int> inner_nodes_;  ///< nodes of the description that loads and motions go by
+    std::vector<double> reach_;        ///< of a frame's joints from its origin [m], at least its radius of gyration
+    std::vector<double> turn_weight_;  ///< its square, and 1 by that: what makes one size of linear and angular motion, and
+    std::vector<double> spin_weight_;  ///< of linear and angular momentum; 0: nothing reaches out
+    std::vector<int> heirs_;           ///< frame nearby that takes over what a massless one leaves unbalanced; −1: none
+    std::vector<int> inner_nodes_;     ///< nodes of the description that loads and motions go by
     /// How a node is to start.
     struct Given {
         bool moves;
@@ -288,17 +285,16 @@ private:
     JointsByFour by_four_;                 ///< joints that are neither near nor rigid nor settling
     std::vector<size_t> others_;           ///< all joints it does not take, ascending
     Elimination elimination_;
-    mutable Elimination at_trial_;                                     ///< where the matrix kept does not serve
-    std::vector<Eigen::Matrix<double, 6, Eigen::Dynamic>> responses_;  ///< ∂u/∂(u of the ports) per inner frame
-    Eigen::VectorXd turn_responses_;                                   ///< the largest rotation among those, per column
-    double axial_stiffness_ = 0;       ///< largest of a joint: translational stiffness times its length [N]
+    mutable Elimination at_trial_;     ///< where the matrix kept does not serve
+    std::vector<double> responses_;    ///< ∂u/∂(u of the ports) of every inner frame
     Eigen::MatrixXd rigid_responses_;  ///< the same of the forces of rigid directions, times h
     MasslessFrames massless_;
 
     bool is_stale_ = false;  ///< the factor no longer serves
     bool is_fresh_ = false;  ///< it was formed for the open step
 
-    std::vector<State> state_;
+    std::vector<PastMotion> past_;
+    std::vector<Vector6> momenta_;  ///< over the step before t_n, world
     std::vector<Burden> burdens_;
     std::vector<size_t> burdened_;  ///< the frame of each
     std::vector<int> burden_of_;    ///< and the other way round; −1: none
@@ -309,11 +305,13 @@ private:
     // Of the open step
     std::vector<RigidMap> rigid_known_;            ///< of rigid_joints_: what the two instants before the end contribute
     std::vector<Vector6> node_loads_;              ///< at the end of the step
-    std::vector<Vector6> port_u_, port_u_before_;  ///< of the ports over the two steps before, each in the axes at its start
+    std::vector<Vector6> port_u_, port_u_before_;  ///< of the ports over the two steps before, world [m/s, rad/s]
     std::vector<double> port_reach_;
-    double size_ = 0;         ///< of the network and its way from the world's origin, at t_n [m]
-    Solution anchor_;         ///< where the ports are expected
-    bool is_solved_ = false;  ///< the anchor; before that it is where everything goes on as it has
+    double size_ = 0;            ///< of the network and its way from the world's origin, at t_n [m]
+    Solution anchor_;            ///< where the ports are expected
+    bool is_solved_ = false;     ///< the anchor; before that it is where everything goes on as it has
+    int moves_ = 0;              ///< of the anchor
+    bool stays_linear_ = false;  ///< it moves no more, and all answers are linear
 
     // Working memory
     mutable Solution other_;

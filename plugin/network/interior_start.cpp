@@ -54,7 +54,7 @@ void Interior::linearise(const Mechanism& mechanism, const dttmm_motion* ports, 
 }
 
 Twist Interior::start_velocity(int frame, const dttmm_motion* ports) const {
-    if (is_inner(frame)) return state_[at(frame)].velocity;
+    if (is_inner(frame)) return past_[at(frame)].velocity;
     return frame < ports_ ? twist(ports[frame]) : Twist{};
 }
 
@@ -76,7 +76,7 @@ void Interior::settle_at_start(Mechanism& mechanism, const dttmm_motion* ports) 
         const Twist velocity = twist(ports[p]);
         moves = moves || !velocity.linear.isZero(0) || !velocity.angular.isZero(0);
     }
-    for (State& state : state_) state.velocity = Twist{};
+    for (PastMotion& past : past_) past.velocity = Twist{};
     std::fill(rigid_.begin(), rigid_.end(), 0.0);
     for (const Given& given : given_) moves = moves || given.moves;
     if (moves) find_start_velocities(mechanism, ports);
@@ -84,7 +84,7 @@ void Interior::settle_at_start(Mechanism& mechanism, const dttmm_motion* ports) 
 
 void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_motion* ports) {
     const Mechanism slow = at_rest(mechanism, kLongStep);
-    std::vector<Vector6> pull(state_.size(), Vector6::Zero()), r;
+    std::vector<Vector6> pull(past_.size(), Vector6::Zero()), r;
     std::vector<double> g(rigid_.size(), 0);
     for (size_t j : port_joints_) {
         const Joint& joint = slow.joints[j];
@@ -105,8 +105,8 @@ void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_mot
     elimination_.solve(r, g);
     for (int i = 0; i < count_; ++i) {
         const RowMajor3 R = slow.frame(driven_ + i).axes();
-        State& state = state_[static_cast<size_t>(i)];
-        state.velocity = {R * head(r[static_cast<size_t>(i)]), R * tail(r[static_cast<size_t>(i)])};
+        PastMotion& past = past_[static_cast<size_t>(i)];
+        past.velocity = {R * head(r[static_cast<size_t>(i)]), R * tail(r[static_cast<size_t>(i)])};
     }
 }
 
@@ -137,7 +137,7 @@ void Interior::refuse_forbidden_velocities(const Mechanism& mechanism, const dtt
     double largest = 0;
     const auto look_at = [&](const Twist& v) { largest = std::max({largest, v.linear.norm(), v.angular.norm()}); };
     for (int p = 0; p < ports_; ++p) look_at(twist(ports[p]));
-    for (const State& state : state_) look_at(state.velocity);
+    for (const PastMotion& past : past_) look_at(past.velocity);
     for (const Given& given : given_)
         if (given.moves) look_at(given.velocity);
     const double least = kTolerated * largest;
@@ -145,7 +145,7 @@ void Interior::refuse_forbidden_velocities(const Mechanism& mechanism, const dtt
         const NodeSpec& spec = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])];
         if (!given_[i].moves || !is_inner(spec.frame)) continue;
         const Twist& given = given_[i].velocity;
-        Twist left = state_[at(spec.frame)].velocity;
+        Twist left = past_[at(spec.frame)].velocity;
         left.linear += left.angular.cross(mechanism.frame(spec.frame).axes() * spec.offset);
         if ((left.linear - given.linear).norm() <= least && (left.angular - given.angular).norm() <= least) continue;
         throw Error(DTTMM_ERROR_MODEL,
@@ -174,9 +174,9 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
     for (const Joint& joint : mechanism.joints)
         Joint::add_wrench(start_force(mechanism, joint, ports), wrench[static_cast<size_t>(joint.from())].data(),
                           wrench[static_cast<size_t>(joint.to())].data());
-    std::vector<Twist> acceleration(state_.size());
-    for (size_t i = 0; i < state_.size(); ++i) {
-        State& state = state_[i];
+    std::vector<Twist> acceleration(past_.size());
+    for (size_t i = 0; i < past_.size(); ++i) {
+        PastMotion& past = past_[i];
         const Inertia& inertia = inertias_[i];
         const Frame& frame = mechanism.frames[static_cast<size_t>(driven_) + i];
         const FrameView view = frame;
@@ -184,16 +184,16 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
         Vector6 force = wrench[static_cast<size_t>(driven_) + i];
         if (burden_of_[i] >= 0) force += burden(i).load[1];
         force.head<3>() += inertia.mass * gravity_;
-        const Vector3 spin = R.transpose() * state.velocity.angular;
-        state.momentum << inertia.mass * state.velocity.linear, R * (inertia.moment * spin);
-        state.momentum -= 0.5 * h * force;
-        state.u << R.transpose() * state.velocity.linear, spin;
-        state.u_before = state.u;
-        state.velocity_before = state.velocity;
+        const Vector3 spin = R.transpose() * past.velocity.angular;
+        momenta_[i] << inertia.mass * past.velocity.linear, R * (inertia.moment * spin);
+        momenta_[i] -= 0.5 * h * force;
+        past.u << R.transpose() * past.velocity.linear, spin;
+        past.u_before = past.u;
+        past.velocity_before = past.velocity;
         if (inertia.mass > 0) acceleration[i].linear = head(force) / inertia.mass;
         const Vector3 moment = R.transpose() * tail(force) - spin.cross(inertia.moment * spin);
         if (!massless_.is_massless(i, 1)) acceleration[i].angular = R * inertia.moment.fullPivLu().solve(moment);
-        if (burden_of_[i] >= 0) books_.load_power += burden(i).load[1].dot(joined(state.velocity));
+        if (burden_of_[i] >= 0) books_.load_power += burden(i).load[1].dot(joined(past.velocity));
     }
     const auto acceleration_of = [&](int frame) {
         if (is_inner(frame)) return acceleration[at(frame)];
@@ -210,7 +210,7 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
         own.elastic[1] = own.elastic[2] = own.elastic[0];
         own.settled[0] = own.settled[1] = -in_axes(mechanism.frame(driven_ + static_cast<int>(frame)), own.elastic[0]);
     }
-    for (size_t p = 0; p < port_u_.size(); ++p) port_u_[p] = in_axes(mechanism.frames[p], joined(twist(ports[p])));
+    for (size_t p = 0; p < port_u_.size(); ++p) port_u_[p] = joined(twist(ports[p]));
     port_u_before_ = port_u_;
     trial_ = mechanism.frames;
     refactor(mechanism);

@@ -26,11 +26,16 @@ constexpr double kTooSlow = 0.3;
 constexpr double kTurnedRows = 0.02;
 /// The same of joints at ports: as k h²/m of a stiff hinge is in the thousands, so is the error of the force they are told.
 constexpr double kTurnedPorts = 1e-4;
-/// Share of a change of the ports that counts beside one of everything inside.
-constexpr double kLinearShare = 0.1;
-/// Share of what may be left over for what a linear answer strains in second order: it is of the same sense at every step,
-/// and nothing damps the axial vibration that it feeds.
-constexpr double kStretched = 0.01;
+/// A first pass at a step may be rough where passes contract by so much, and its correction is less than so many times that
+/// of the step before.
+constexpr double kRoughly = 0.1, kSudden = 10;
+/// After so many passes a correction that has not halved, and is so small a share of the motion, is rounding.
+constexpr int kPassesToFall = 4;
+constexpr double kRumour = 1e-7;
+/// So often in a step the anchor moves; changes of the ports that are then so small a share of the motion are rounding.
+constexpr int kMostMoves = 4;
+/// So much farther they are still answered linearly, lest answers flip.
+constexpr double kFarther = 100;
 /// Of a frame's place, in the corrections: nothing finer can be asked for.
 constexpr double kRounding = 1e-14;
 /// Smallest size of a network [m], for that.
@@ -76,13 +81,13 @@ void Interior::predict(const Mechanism& mechanism) {
     for (size_t p = 0; p < port_u_.size(); ++p) {
         const Vector6 u = 2 * port_u_[p] - port_u_before_[p];
         const FrameView now = mechanism.frames[p];
-        Map3{anchor_.ports[p].position} = now.origin() + h * (now.axes() * head(u));
-        MapR{anchor_.ports[p].rotation} = now.axes() * rotation_from_vector(h * tail(u));
+        Map3{anchor_.ports[p].position} = now.origin() + h * head(u);
+        MapR{anchor_.ports[p].rotation} = rotation_from_vector(h * tail(u)) * now.axes();
     }
-    for (size_t i = 0; i < state_.size(); ++i) anchor_.u[i] = 2 * state_[i].u - state_[i].u_before;
+    for (size_t i = 0; i < past_.size(); ++i) anchor_.u[i] = 2 * past_[i].u - past_[i].u_before;
     if (mechanism.steps == 0) {  // velocities of an instant: over the step what turns has turned half of it on the mean
         const Vector3 mean = mean_velocity(mechanism, anchor_);
-        for (size_t i = 0; i < state_.size(); ++i) {
+        for (size_t i = 0; i < past_.size(); ++i) {
             const Vector3 drift = mechanism.frame(driven_ + static_cast<int>(i)).axes().transpose() * mean;
             Vector6& u = anchor_.u[i];
             u.head<3>() = (drift + turned(0.5 * h * u.tail<3>(), u.head<3>() - drift)).eval();
@@ -93,6 +98,11 @@ void Interior::predict(const Mechanism& mechanism) {
 /// What is known of the anchor before anything is solved: ports that go on as they have.
 void Interior::open_anchor(const Mechanism& mechanism) {
     is_solved_ = false;
+    moves_ = 0;
+    stays_linear_ = false;
+    anchor_.correction = anchor_.residual = anchor_.first_correction = 0;
+    anchor_.slowest_rate = 0;
+    anchor_.has_own_matrix = false;
     std::fill(anchor_.change.begin(), anchor_.change.end(), Vector6::Zero());
     std::fill(anchor_.q_change.begin(), anchor_.q_change.end(), 0.0);
     anchor_.q = rigid_;
@@ -101,9 +111,9 @@ void Interior::open_anchor(const Mechanism& mechanism) {
     for (Convergence* convergence : {&anchor_.motion, &anchor_.momentum}) convergence->forget(kForget);
     anchor_.scale = books_.scale;
     size_ = kSmallestSize;
-    for (size_t i = 0; i < state_.size(); ++i) {
+    for (size_t i = 0; i < past_.size(); ++i) {
         const FrameView frame = mechanism.frames[static_cast<size_t>(driven_) + i];
-        size_ = std::max(size_, frame.origin().cwiseAbs().sum() + inertias_[i].reach);
+        size_ = std::max(size_, frame.origin().cwiseAbs().sum() + reach_[i]);
     }
 }
 
@@ -187,27 +197,11 @@ Vector6 Interior::load_over_step(const Scheme& scheme, size_t burden, FrameView 
 /// What the equations lack at the trial motion, into `change` (in the frames' axes) and `q_change`.
 void Interior::form_residuals(const Mechanism& mechanism, Solution& solution) const {
     const double h = mechanism.scheme.step_size();
-    for (size_t i = 0; i < state_.size(); ++i) {
-        const size_t f = static_cast<size_t>(driven_) + i;
-        const State& state = state_[i];
-        const Inertia& inertia = inertias_[i];
-        const Vector6& u = solution.u[i];
-        const FrameView now = mechanism.frames[f];
-        Vector3 p = state.momentum.head<3>() + h * (wrench_[f].head<3>() + inertia.mass * gravity_);
-        Vector3 L = state.momentum.tail<3>() + h * wrench_[f].tail<3>();
-        if (burden_of_[i] >= 0) {
-            const Vector6 load = load_over_step(mechanism.scheme, static_cast<size_t>(burden_of_[i]), trial_[f]);
-            p += h * load.head<3>();
-            L += h * load.tail<3>();
-        }
-        // L = exp(h w~/2) J w half way through the step
-        const Vector3 w = u.tail<3>();
-        Vector6& r = solution.change[i];
-        r.head<3>().noalias() = now.axes().transpose() * p;
-        r.tail<3>().noalias() = now.axes().transpose() * L;
-        r.head<3>() -= inertia.mass * u.head<3>();
-        r.tail<3>() -= turned(0.5 * h * w, inertia.moment * w);
-    }
+    const auto first = static_cast<size_t>(driven_);
+    for (size_t k = 0; k < burdened_.size(); ++k)
+        wrench_[first + burdened_[k]] += load_over_step(mechanism.scheme, k, trial_[first + burdened_[k]]);
+    find_imbalance(h, gravity_, inertias_, momenta_, std::span(mechanism.frames).subspan(first),
+                   std::span(wrench_).subspan(first), solution.u, solution.change);
     balance_massless(mechanism, solution);
     for (size_t j : rigid_joints_) {
         const Joint& joint = mechanism.joints[j];
@@ -240,7 +234,7 @@ void Interior::balance_massless(const Mechanism& mechanism, Solution& solution) 
     massless_.combine(massless_residuals_);
     for (size_t m = 0; m < frames.size(); ++m) {
         const size_t i = frames[m];
-        const int heir = inertias_[i].heir;
+        const int heir = heirs_[i];
         const Vector6 left = solution.change[i] - massless_residuals_[m].step;
         solution.change[i] = massless_residuals_[m].step;
         if (!is_inner(heir)) continue;
@@ -265,61 +259,49 @@ Vector6 Interior::settled(const Mechanism& mechanism, size_t m, const Vector6& l
 Vector6 Interior::bequest(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const {
     const auto origin = [&](int f) { return FrameView(frames[static_cast<size_t>(f)]).origin(); };
     Vector6 wrench = left;
-    wrench.tail<3>() += Vector3(origin(driven_ + static_cast<int>(frame)) - origin(inertias_[frame].heir)).cross(head(left));
+    wrench.tail<3>() += Vector3(origin(driven_ + static_cast<int>(frame)) - origin(heirs_[frame])).cross(head(left));
     return wrench;
 }
 
 /// Solves for the correction and returns its size: the largest speed of a point.
 double Interior::correct(const Elimination& matrix, Solution& solution) const {
     matrix.solve(solution.change, solution.q_change);
-    double largest = 0;
-    for (size_t i = 0; i < state_.size(); ++i) {
-        const double reach = inertias_[i].reach;
-        const Vector6& change = solution.change[i];
-        largest = std::max(largest, change.head<3>().squaredNorm() + reach * reach * change.tail<3>().squaredNorm());
-        if (!(largest >= 0)) break;
-    }
-    return std::sqrt(largest);
+    return largest_size(solution.change, turn_weight_);
 }
 
 /// Of the whole, world; zero where something ties it to the ground.
 Vector3 Interior::mean_velocity(const Mechanism& mechanism, const Solution& solution) const {
     Vector3 mean = Vector3::Zero();
     if (driven_ > ports_) return mean;
-    for (size_t i = 0; i < state_.size(); ++i)
+    for (size_t i = 0; i < past_.size(); ++i)
         mean += mechanism.frame(driven_ + static_cast<int>(i)).axes() * solution.u[i].head<3>();
-    return mean / static_cast<double>(state_.size());
+    return mean / static_cast<double>(past_.size());
 }
 
 /// What the motion from which passes start says of what is good enough.
 void Interior::take_measures(const Mechanism& mechanism, Solution& solution) const {
     const double h = mechanism.scheme.step_size();
     const Vector3 mean = mean_velocity(mechanism, solution);
-    double speed = 0, turning = 0;
-    for (size_t i = 0; i < state_.size(); ++i) {
-        const double reach = inertias_[i].reach;
-        turning = std::max(turning, solution.u[i].tail<3>().squaredNorm());
+    double speed = 0;
+    for (size_t i = 0; i < past_.size(); ++i) {
         Vector3 velocity = solution.u[i].head<3>();
         if (driven_ == ports_) velocity -= mechanism.frame(driven_ + static_cast<int>(i)).axes().transpose() * mean;
-        speed = std::max(speed, velocity.squaredNorm() + reach * reach * solution.u[i].tail<3>().squaredNorm());
+        speed = std::max(speed, velocity.squaredNorm() + turn_weight_[i] * solution.u[i].tail<3>().squaredNorm());
     }
     solution.scale = std::max(solution.scale, std::sqrt(speed));
-    solution.share = has_free_parts_ ? kSmallestImpulse
-                                     : std::clamp(kTurnedImpulse / (h * h * turning), kSmallestImpulse, kLargestImpulse);
     solution.floor = std::max(kRounding * size_ / h, kFinest * solution.scale);
 }
 
-/// Passes from the motion in `solution` on until the last change is good enough; contraction and measures as last known.
-void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
+/// Passes from the motion in `solution` on until the last change is good enough, or one if `roughly`; contraction and
+/// measures as last known. solution.correction and solution.residual: of a pass before; 0: there was none.
+void Interior::solve(const Mechanism& mechanism, Solution& solution, bool roughly) const {
     const double h = mechanism.scheme.step_size(), floor = solution.floor;
-    solution.slowest_rate = 0;
-    solution.has_own_matrix = false;
     const Elimination* matrix = &elimination_;
-    double previous = 0, previous_residual = 0, rate = 0;
+    double rate = 0;
     for (int pass = 0; pass < kMostPasses; ++pass) {
         ++passes_;
         if (pass > 0) {
-            for (size_t i = 0; i < state_.size(); ++i) solution.u[i] += solution.change[i];
+            for (size_t i = 0; i < past_.size(); ++i) solution.u[i] += solution.change[i];
             for (size_t i = 0; i < solution.q.size(); ++i) solution.q[i] += solution.q_change[i] / h;
         }
         std::copy(solution.ports.begin(), solution.ports.end(), trial_.begin());
@@ -331,94 +313,78 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution) const {
             if (form_at_trial(mechanism)) matrix = &at_trial_;
             solution.has_own_matrix = true;
         }
-        const double residual = residual_size(solution);
+        const double residual = largest_size(solution.change, spin_weight_);  // the momentum that is lacking [N s]
         const double correction = correct(*matrix, solution);
         if (!std::isfinite(correction + floor)) break;
-        if (pass > 0 && correction > floor) {
-            rate = previous > 0 ? correction / previous : 0;
+        if (solution.correction > 0 && correction > floor) {
+            rate = correction / solution.correction;
             solution.slowest_rate = std::max(solution.slowest_rate, rate);
-            solution.motion.measure(rate, previous);
-            if (previous_residual > 0) solution.momentum.measure(residual / previous_residual, previous_residual);
+            solution.motion.measure(rate, solution.correction);
+            if (solution.residual > 0) solution.momentum.measure(residual / solution.residual, solution.residual);
         }
-        previous = correction;
-        previous_residual = residual;
-        if (pass == 0) solution.tolerance = std::max(floor, std::min(kShare * correction, kTolerance * solution.scale));
-        if (is_good_enough(correction, residual, solution)) return;
+        if (pass == 0) {
+            const double first = solution.correction > 0 ? solution.correction : correction;
+            solution.first_correction = std::max(solution.first_correction, first);
+            solution.tolerance = std::max(floor, kShare * std::min(first, solution.scale));
+        }
+        solution.correction = correction;
+        solution.residual = residual;
+        solution.is_rough = !is_good_enough(correction, residual, solution);
+        // What no longer falls is rounding, if it is small
+        if (pass >= kPassesToFall && rate > 0.5 && correction <= kRumour * solution.scale &&
+            residual <= kShare * solution.impulse)
+            solution.is_rough = false;
+        if (!solution.is_rough || (roughly && may_be_rough(correction, solution))) return;
     }
     const auto left = [&](size_t i) {
-        const double reach = inertias_[i].reach;
-        return solution.change[i].head<3>().squaredNorm() + reach * reach * solution.change[i].tail<3>().squaredNorm();
+        return solution.change[i].head<3>().squaredNorm() + turn_weight_[i] * solution.change[i].tail<3>().squaredNorm();
     };
     size_t worst = 0;
-    for (size_t i = 1; i < state_.size(); ++i)
+    for (size_t i = 1; i < past_.size(); ++i)
         if (!(left(i) <= left(worst))) worst = i;
     const FrameSpec& frame = mechanism.assembly.frames[static_cast<size_t>(driven_) + worst];
     throw Error(DTTMM_ERROR_NUMERIC,
                 fmt::format("the motion inside the network was not found in {} passes, worst at {} (last correction {:.1e} "
                             "m/s); try a smaller step",
-                            kMostPasses, frame.name, previous),
+                            kMostPasses, frame.name, solution.correction),
                 frame.element);
+}
+
+/// Whether what a first pass leaves over may be left to the next trial: passes are known to converge fast, and its
+/// correction is like that of the step before.
+bool Interior::may_be_rough(double correction, const Solution& solution) const {
+    return solution.motion.measured_at > 0 && solution.motion.contraction <= kRoughly &&
+           correction <= kSudden * books_.first_correction;
 }
 
 bool Interior::is_good_enough(double correction, double residual, const Solution& solution) const {
     if (correction <= solution.floor) return true;
-    const double allowed = solution.share * solution.impulse;
+    const double allowed = kShare * solution.impulse;
     return solution.motion.left(correction) <= solution.tolerance && solution.momentum.left(residual) <= allowed &&
            (!has_free_parts_ || residual <= kTrusted * allowed);
 }
 
-/// What the momentum of a frame lacks, at most [N s].
-double Interior::residual_size(const Solution& solution) const {
-    double largest = 0;
-    for (size_t i = 0; i < state_.size(); ++i) {
-        const double reach = inertias_[i].reach;
-        double squared = solution.change[i].head<3>().squaredNorm();
-        if (reach > 0) squared += solution.change[i].tail<3>().squaredNorm() / (reach * reach);
-        largest = std::max(largest, squared);
-    }
-    return std::sqrt(largest);
-}
-
 Interior::PortChange Interior::size_of_port_change(const Mechanism& mechanism) const {
-    double speed = 0, impulse = 0;  // squared
-    for (size_t p = 0; p < port_u_.size(); ++p) {
-        const auto change = port_change_.segment<6>(static_cast<Eigen::Index>(6 * p));
-        speed = std::max(speed,
-                         change.head<3>().squaredNorm() + port_reach_[p] * port_reach_[p] * change.tail<3>().squaredNorm());
-    }
+    double impulse = 0;  // squared
     for (size_t k = 0; k < near_joints_.size(); ++k)
         for (int end : {0, 1})
             if (const int port = mechanism.joints[near_joints_[k]].frame(end); port < ports_)
                 impulse = std::max(impulse, (near_blocks_[k].at[end][end].topRows<3>() *
                                              port_change_.segment<6>(static_cast<Eigen::Index>(6 * port)))
                                                 .squaredNorm());
-    return {std::sqrt(speed), std::sqrt(impulse), stretch_by_ports(mechanism)};
+    return {speed_of_port_change(), std::sqrt(impulse)};
 }
 
-/// Of the impulse of a joint, what the linear answer to the change of the ports strains in second order [N s]: where frames
-/// turn by δ, ½ EA δ² of a beam.
-double Interior::stretch_by_ports(const Mechanism& mechanism) const {
-    const double h = mechanism.scheme.step_size();
-    const auto stretch = [&](double speed) { return 0.5 * h * axial_stiffness_ * (h * speed) * (h * speed); };
-    double fastest = 0;
-    for (size_t p = 0; p < port_u_.size(); ++p)
-        fastest = std::max(fastest, port_change_.segment<3>(static_cast<Eigen::Index>(6 * p + 3)).norm());
-    const double bound = stretch(std::max(fastest, turn_responses_.dot(port_change_.cwiseAbs())));
-    if (bound <= kStretched * anchor_.share * anchor_.impulse) return bound;
-    double squared = fastest * fastest;
-    for (const auto& response : responses_)
-        squared = std::max(squared, (response.bottomRows<3>() * port_change_).squaredNorm());
-    return stretch(std::sqrt(squared));
-}
+bool Interior::turns() const { return has_free_parts_ || books_.port_turn > kTurnedPorts; }
 
 /// Whether the linear answer to port_change_ leaves no more over than is good enough.
 bool Interior::linear_answer_serves(const Mechanism& mechanism) const {
     if (!is_solved_) return false;
     if (port_change_.isZero(0)) return true;
-    if (has_free_parts_ || books_.port_turn > kTurnedPorts) return false;
+    if (anchor_.is_rough || turns()) return false;
     const PortChange change = size_of_port_change(mechanism);
-    return change.stretch <= kStretched * anchor_.share * anchor_.impulse &&
-           is_good_enough(kLinearShare * change.speed, kLinearShare * change.impulse, anchor_);
+    if (stays_linear_) return change.speed <= kFarther * kRumour * anchor_.scale;
+    return is_good_enough(change.speed, change.impulse, anchor_);
 }
 
 /// Sets port_change_: what leads the ports from the anchor to where they are to go.
@@ -432,49 +398,85 @@ void Interior::take_port_change(const Mechanism& mechanism, std::span<const Fram
     }
 }
 
-/// Solves for ports port_change_ away from the anchor, from the linear answer on. `solution` may be the anchor itself.
-void Interior::solve_beside_anchor(const Mechanism& mechanism, std::span<const FrameView> ports, Solution& solution) const {
-    solution.motion = anchor_.motion;
-    solution.momentum = anchor_.momentum;
-    solution.scale = anchor_.scale;
+/// The largest of a point of the ports' bodies [m/s].
+double Interior::speed_of_port_change() const {
+    double squared = 0;
+    for (size_t p = 0; p < port_u_.size(); ++p) {
+        const auto change = port_change_.segment<6>(static_cast<Eigen::Index>(6 * p));
+        squared = std::max(
+            squared, change.head<3>().squaredNorm() + port_reach_[p] * port_reach_[p] * change.tail<3>().squaredNorm());
+    }
+    return std::sqrt(squared);
+}
+
+/// Begins a solution for ports port_change_ away from the anchor by the linear answer. `solution` may be the anchor itself.
+void Interior::step_aside(const Mechanism& mechanism, std::span<const FrameView> ports, Solution& solution) const {
     for (size_t p = 0; p < port_u_.size(); ++p) solution.ports[p] = ports[p].copy();
-    for (size_t i = 0; i < state_.size(); ++i) solution.u[i] = motion_of(i, anchor_);
+    find_motion(anchor_, solution.u);
     rigid_change_.noalias() = rigid_responses_ * port_change_;
     for (size_t i = 0; i < solution.q.size(); ++i)
         solution.q[i] = anchor_.q[i] +
                         (anchor_.q_change[i] + rigid_change_(static_cast<Eigen::Index>(i))) / mechanism.scheme.step_size();
     take_measures(mechanism, solution);
-    solve(mechanism, solution);
     port_change_.setZero();
 }
 
-void Interior::expect(const Mechanism& mechanism, std::span<const FrameView> ports) {
+bool Interior::expect(const Mechanism& mechanism, std::span<const FrameView> ports) {
+    // Where parts turn, or trials do not come to rest, all answers are worked out from one point: smooth, as the host wants
+    if (is_solved_ && !anchor_.is_rough && turns()) return false;
     take_port_change(mechanism, ports);
-    if (linear_answer_serves(mechanism)) return;
+    if (is_solved_ && !anchor_.is_rough && moves_ >= kMostMoves) {
+        stays_linear_ = stays_linear_ || speed_of_port_change() <= kRumour * anchor_.scale;
+        return false;
+    }
+    const bool is_first = !is_solved_;
+    if (is_first) {
+        // Where they were foreseen but for rounding there is nothing to answer
+        if (speed_of_port_change() <= kRounding * size_ / mechanism.scheme.step_size()) port_change_.setZero();
+    } else {
+        if (!anchor_.is_rough && linear_answer_serves(mechanism)) return false;
+        anchor_.correction += speed_of_port_change();
+        ++moves_;
+    }
     is_solved_ = false;
-    solve_beside_anchor(mechanism, ports, anchor_);
+    step_aside(mechanism, ports, anchor_);
+    solve(mechanism, anchor_, is_first && !turns());
     is_solved_ = true;
+    return anchor_.is_rough;
 }
 
 /// The solution for a motion of the ports: the anchored one, to which port_change_ is to be added linearly, if that is good
 /// enough, else one of its own.
-const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::span<const FrameView> ports) const {
+const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::span<const FrameView> ports,
+                                            bool finally) const {
     take_port_change(mechanism, ports);
-    if (linear_answer_serves(mechanism)) return anchor_;
-    solve_beside_anchor(mechanism, ports, other_);
+    if (linear_answer_serves(mechanism) && !(finally && anchor_.is_rough)) return anchor_;
+    other_.motion = anchor_.motion;
+    other_.momentum = anchor_.momentum;
+    other_.scale = anchor_.scale;
+    other_.correction = other_.residual = 0;
+    other_.slowest_rate = 0;
+    other_.has_own_matrix = false;
+    step_aside(mechanism, ports, other_);
+    solve(mechanism, other_, false);
     return other_;
+}
+
+void Interior::find_motion(const Solution& solution, std::span<Vector6> motion) const {
+    const auto change = static_cast<size_t>(port_change_.isZero(0) ? 0 : port_change_.size());
+    add_changes(solution.u, solution.change, responses_, {port_change_.data(), change}, motion);
 }
 
 /// The motion of an inner frame over the step, with the linear answer to the ports.
 Vector6 Interior::motion_of(size_t frame, const Solution& solution) const {
-    return solution.u[frame] + solution.change[frame] + responses_[frame] * port_change_;
+    return solution.u[frame] + solution.change[frame] + response(frame) * port_change_;
 }
 
 /// What a massless frame leaves over the step of its massless halves, at its origin.
 Vector6 Interior::estate(const Mechanism& mechanism, size_t i, FrameView end) const {
     const Vector6 left = wrench_[static_cast<size_t>(driven_) + i] +
                          load_over_step(mechanism.scheme, static_cast<size_t>(burden_of_[i]), end) +
-                         state_[i].momentum / mechanism.scheme.step_size();
+                         momenta_[i] / mechanism.scheme.step_size();
     return massless_part(i, left);
 }
 
@@ -494,7 +496,7 @@ void Interior::find_rigid_forces(const Mechanism& mechanism, const Solution& sol
 
 /// What leads a frame from where the forces were worked out to the end of the step, over h, in its axes.
 Vector6 Interior::change_of(int frame, const Solution& solution) const {
-    if (is_inner(frame)) return solution.change[at(frame)] + responses_[at(frame)] * port_change_;
+    if (is_inner(frame)) return solution.change[at(frame)] + response(at(frame)) * port_change_;
     if (frame < ports_) return port_change_.segment<6>(6 * frame);
     return Vector6::Zero();
 }
@@ -520,7 +522,7 @@ JointForce Interior::near_force(const Mechanism& mechanism, size_t k, const Solu
 }
 
 void Interior::evaluate(const Mechanism& mechanism, std::span<const FrameView> ports, double* wrench) const {
-    const Solution& solution = respond(mechanism, ports);
+    const Solution& solution = respond(mechanism, ports, false);
     find_rigid_forces(mechanism, solution);
     for (int frame : port_frames_) wrench_[static_cast<size_t>(frame)].setZero();
     for (size_t k = 0; k < near_joints_.size(); ++k) {
@@ -531,14 +533,14 @@ void Interior::evaluate(const Mechanism& mechanism, std::span<const FrameView> p
     for (int frame : port_frames_) {
         if (!is_inner(frame)) continue;
         place(mechanism, at(frame), motion_of(at(frame), solution));
-        wrench_[static_cast<size_t>(inertias_[at(frame)].heir)] +=
+        wrench_[static_cast<size_t>(heirs_[at(frame)])] +=
             bequest(mechanism.frames, at(frame), estate(mechanism, at(frame), trial_[static_cast<size_t>(frame)]));
     }
     for (int p = 0; p < ports_; ++p) Eigen::Map<Vector6>{wrench + 6 * p} = wrench_[static_cast<size_t>(p)];
 }
 
 void Interior::commit(Mechanism& mechanism, std::span<const FrameView> ports) {
-    const Solution& solution = respond(mechanism, ports);
+    const Solution& solution = respond(mechanism, ports, true);
     find_rigid_forces(mechanism, solution);
     find_end(mechanism, solution);
     rigid_ = q_;
@@ -548,12 +550,12 @@ void Interior::commit(Mechanism& mechanism, std::span<const FrameView> ports) {
     books_.momentum = is_like_the_next ? solution.momentum : Convergence{};
     is_fresh_ = false;
     books_.scale = 0.98 * solution.scale;
+    books_.first_correction = anchor_.first_correction;
     const bool is_slow = solution.slowest_rate > kSlowestContraction;
-    take_velocities(mechanism);
     for (size_t p = 0; p < port_u_.size(); ++p) trial_[p] = ports[p].copy();
     take_forces(mechanism, solution);
     set_elastic(mechanism);
-    take_momentum(mechanism);
+    take_momenta(mechanism);
     take_loads(mechanism);
     take_motion(mechanism);
     books_.port_turn = turn_at_ports(mechanism);
@@ -594,11 +596,9 @@ double Interior::turn_at_ports(const Mechanism& mechanism) const {
 /// The frames where the step ends and what moves them there. Changes no state: here a step may still be refused.
 void Interior::find_end(const Mechanism& mechanism, const Solution& solution) const {
     const double fastest_turning = std::min(kFastest, M_PI / mechanism.scheme.step_size());
-    const bool is_solved = port_change_.isZero(0);
-    for (size_t i = 0; i < state_.size(); ++i)
-        motion_[i] = is_solved ? Vector6(solution.u[i] + solution.change[i]) : motion_of(i, solution);
+    find_motion(solution, motion_);
     place(mechanism, motion_);
-    for (size_t i = 0; i < state_.size(); ++i) {
+    for (size_t i = 0; i < past_.size(); ++i) {
         const size_t f = static_cast<size_t>(driven_) + i;
         const Vector6& u = motion_[i];
         if (mechanism.steps % kStepsBetweenNormalisations == 0) {  // by one step of Newton
@@ -624,23 +624,6 @@ void Interior::refuse_divergence(const Mechanism& mechanism, size_t i) const {
                 frame.element);
 }
 
-/// Velocities over the step, and their memory.
-void Interior::take_velocities(const Mechanism& mechanism) {
-    for (size_t i = 0; i < state_.size(); ++i) {
-        State& state = state_[i];
-        const RowMajor3 R = mechanism.frame(driven_ + static_cast<int>(i)).axes();
-        const Vector6& u = motion_[i];
-        state.velocity_before = state.velocity;
-        state.velocity = {R * head(u), R * tail(u)};
-        if (mechanism.steps == 0) {  // the initial velocities are the mean of both
-            state.velocity_before.linear = 2 * state.velocity_before.linear - state.velocity.linear;
-            state.velocity_before.angular = 2 * state.velocity_before.angular - state.velocity.angular;
-        }
-        state.u_before = mechanism.steps == 0 ? u : state.u;
-        state.u = u;
-    }
-}
-
 /// The forces over the step, those of each joint a pair that balances exactly. The joints' memory moves on.
 void Interior::take_forces(Mechanism& mechanism, const Solution& solution) {
     std::fill(wrench_.begin(), wrench_.end(), Vector6::Zero());
@@ -664,39 +647,42 @@ void Interior::take_forces(Mechanism& mechanism, const Solution& solution) {
     }
 }
 
-/// Moves the momentum on by the forces over the step and gives to the heirs what massless frames leave.
-void Interior::take_momentum(const Mechanism& mechanism) {
+/// Moves the momenta on by the forces over the step and gives to the heirs what massless frames leave; the motion with its
+/// memory likewise.
+void Interior::take_momenta(const Mechanism& mechanism) {
     const double h = mechanism.scheme.step_size();
-    const auto add = [&](size_t i, const Vector6& force) {
-        Vector6& momentum = state_[i].momentum;
-        for (int half : {0, 1})
-            if (!massless_.is_massless(i, half)) momentum.segment<3>(3 * half) += h * force.segment<3>(3 * half);
-    };
+    const auto first = static_cast<size_t>(driven_);
     for (size_t i : massless_.frames()) {
-        if (const int heir = inertias_[i].heir; is_inner(heir)) {
-            // Elastic forces over the lever arms of their own instants, the rest over those of t_n
-            Vector6 left = estate(mechanism, i, trial_[static_cast<size_t>(driven_) + i]), elastic = Vector6::Zero();
-            const std::vector<Frame>* const frames[3] = {&trial_, &mechanism.frames, &mechanism.before};
-            for (int back : {0, 1, 2}) {
-                const Vector6 then = mechanism.scheme.elastic_weight(back) * massless_part(i, burden(i).elastic[back]);
-                left -= then;
-                elastic += bequest(*frames[back], i, then);
-            }
-            add(at(heir), bequest(mechanism.frames, i, left) + elastic);
+        const int heir = heirs_[i];
+        if (!is_inner(heir)) continue;
+        // Elastic forces over the lever arms of their own instants, the rest over those of t_n
+        Vector6 left = estate(mechanism, i, trial_[first + i]), elastic = Vector6::Zero();
+        const std::vector<Frame>* const frames[3] = {&trial_, &mechanism.frames, &mechanism.before};
+        for (int back : {0, 1, 2}) {
+            const Vector6 then = mechanism.scheme.elastic_weight(back) * massless_part(i, burden(i).elastic[back]);
+            left -= then;
+            elastic += bequest(*frames[back], i, then);
         }
+        Vector6 force = bequest(mechanism.frames, i, left) + elastic;
         for (int half : {0, 1})
-            if (massless_.is_massless(i, half)) state_[i].momentum.segment<3>(3 * half).setZero();
+            if (massless_.is_massless(at(heir), half)) force.segment<3>(3 * half).setZero();
+        momenta_[at(heir)] += h * force;
     }
-    for (size_t i = 0; i < state_.size(); ++i) {
-        Vector6 force = wrench_[static_cast<size_t>(driven_) + i];
-        force.head<3>() += inertias_[i].mass * gravity_;
-        if (burden_of_[i] >= 0)
-            force += load_over_step(mechanism.scheme, static_cast<size_t>(burden_of_[i]),
-                                    trial_[static_cast<size_t>(driven_) + i]);
-        add(i, force);
-        // The motion follows the momentum up to what the passes have left over; angular momentum does not mind
-        Vector6& momentum = state_[i].momentum;
-        momentum.tail<3>() -= h * state_[i].velocity.linear.cross(head(momentum));
+    for (size_t k = 0; k < burdened_.size(); ++k)
+        wrench_[first + burdened_[k]] += load_over_step(mechanism.scheme, k, trial_[first + burdened_[k]]);
+    for (size_t i : massless_.frames())
+        for (int half : {0, 1})
+            if (massless_.is_massless(i, half)) {
+                momenta_[i].segment<3>(3 * half).setZero();
+                wrench_[first + i].segment<3>(3 * half).setZero();
+            }
+    take_step(h, gravity_, inertias_, std::span(mechanism.frames).subspan(first), std::span(wrench_).subspan(first), motion_,
+              momenta_, past_);
+    if (mechanism.steps > 0) return;
+    for (PastMotion& past : past_) {  // the initial velocities are the mean of both
+        past.u_before = past.u;
+        past.velocity_before.linear = 2 * past.velocity_before.linear - past.velocity.linear;
+        past.velocity_before.angular = 2 * past.velocity_before.angular - past.velocity.angular;
     }
 }
 
@@ -715,9 +701,9 @@ void Interior::take_loads(const Mechanism& mechanism) {
     }
     double power = 0;
     for (size_t k = 0; k < burdened_.size(); ++k) {
-        const State& state = state_[burdened_[k]];
+        const PastMotion& past = past_[burdened_[k]];
         Burden& own = burdens_[k];
-        power += 0.5 * own.load[1].dot(joined(state.velocity) + joined(state.velocity_before));
+        power += 0.5 * own.load[1].dot(joined(past.velocity) + joined(past.velocity_before));
         own.load[2] = own.load[1];
         own.load[1] = load_at_end(k, trial_[static_cast<size_t>(driven_) + burdened_[k]]);
     }
@@ -731,7 +717,7 @@ void Interior::take_motion(Mechanism& mechanism) {
     for (size_t p = 0; p < port_u_.size(); ++p) {
         const FrameView now = mechanism.frames[p], next = trial_[p];
         Vector6 u;
-        u << now.axes().transpose() * (next.origin() - now.origin()), rotation_vector(now.axes().transpose() * next.axes());
+        u << next.origin() - now.origin(), rotation_vector(next.axes() * now.axes().transpose());
         port_u_before_[p] = mechanism.steps == 0 ? Vector6(u / h) : port_u_[p];
         port_u_[p] = u / h;
     }

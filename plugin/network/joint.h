@@ -14,11 +14,6 @@ struct Ends {
     FrameView from, to;
 };
 
-/// Velocities [m/s, rad/s] or accelerations of a frame, world axes.
-struct Twist {
-    Vector3 linear = Vector3::Zero(), angular = Vector3::Zero();
-};
-
 /// What unit forces in the rigid directions of a joint do over a step.
 struct RigidMap {
     Matrix3 force = Matrix3::Zero(), arm = Matrix3::Zero(), lever = Matrix3::Zero(), moment = Matrix3::Zero();

@@ -235,11 +235,11 @@ void Network::begin_step(const dttmm_step& step, const double* loads) {
     open_ = true;
 }
 
-void Network::expect(const dttmm_motion* nodes) {
+bool Network::expect(const dttmm_motion* nodes) {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "expect: no step is open");
-    if (!interior_) return;
+    if (!interior_) return false;
     look(nodes);
-    interior_->expect(mechanism_, trial_ports());
+    return interior_->expect(mechanism_, trial_ports());
 }
 
 void Network::evaluate(const dttmm_motion* nodes, double* wrench, double* stiffness) const {

@@ -35,7 +35,7 @@ public:
     void linearise(const dttmm_motion* ports, double* wrench, double* stiffness, double* damping) const;
     void start(const dttmm_step& step, const dttmm_motion* ports, const double* accelerations, const double* loads);
     void begin_step(const dttmm_step& step, const double* loads);
-    void expect(const dttmm_motion* nodes);
+    bool expect(const dttmm_motion* nodes);
     void evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const;
     void commit_step(const dttmm_motion* accepted);
     void discard_step();

@@ -1010,7 +1010,7 @@ TEST(Interior, PortsThatAreExpectedAreAnsweredAsIfSolvedFor) {
         return bridge.motions(bridge.n + 1, (1e-4 + off) * Vector6::Ones());
     };
     const auto before = told.wrench(told.motions(11));
-    told.network.expect(far(told, 0).data());
+    while (told.network.expect(far(told, 0).data())) continue;
     const auto there = told.wrench(far(told, 0)), solved = twin.wrench(twin.motions(11, 1e-4 * Vector6::Ones()));
     for (size_t i = 0; i < there.size(); ++i) EXPECT_NEAR(there[i], solved[i], 1e-6 * std::abs(solved[i])) << i;
     const auto beside = told.wrench(far(told, 1e-12));
@@ -1028,7 +1028,7 @@ TEST(Interior, ThePortsFeelWhatTheInsideLosesWhetherToldOrNot) {
         Bridge bridge;
         for (int n = 0; n < 60; ++n) {
             const auto trial = bridge.motions(bridge.n + 1, 1e-6 * std::sin(0.7 * n) * Vector6::Ones());
-            if (n % every == 0) bridge.network.expect(trial.data());
+            while (n % every == 0 && bridge.network.expect(trial.data())) continue;
             const Twist before = bridge.network.interior()->momentum(bridge.network.mechanism());
             const auto w = bridge.wrench(trial);
             bridge.network.commit_step(trial.data());

@@ -269,7 +269,7 @@ void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches) {
     is_rough_ = false;
     for (size_t n = 0; n < instances_.size(); ++n) {
         tell_time(time_, [&] {
-            is_rough_ |= instances_[n].expect(motions_.data() + slots_[n].port);
+            if (is_implicit_) is_rough_ |= instances_[n].expect(motions_.data() + slots_[n].port);
             instances_[n].evaluate(motions_.data() + slots_[n].port, &wrenches_[slots_[n].wrench], nullptr);
         });
         scatter(n, wrenches);

@@ -4,8 +4,9 @@
 #include <Eigen/Core>
 #include <cstddef>
 
-/// Compiles a function and what it inlines a second time, for processors with AVX2, chosen when the library is loaded. Both
-/// give the same bits: AVX2 alone has no fused products, and the build forbids contraction.
+/// Compiles a function and what it inlines twice more, for processors with AVX2 and with AVX-512, whose 32 registers hold
+/// what others must put aside; chosen when the library is loaded. All give the same bits: the build forbids contraction, so
+/// that no product is fused.
 #if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__)
 #define DTTMM_WIDE [[gnu::flatten, gnu::target_clones("arch=x86-64-v4", "avx2", "default")]]
 #else

@@ -167,5 +167,14 @@ TEST(Plugin, InOrderRunsToTheEnd) {
     EXPECT_EQ(read_history(folder / "out/history.csv").size(), 401u);
 }
 
+// The body falls as it is expected to, so that one trial a step would be enough for the host.
+TEST(Plugin, ThatWantsToBeToldAgainIsToldAgain) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", faulty_model());
+    const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--plugin", faulty_plugin("rough")});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_EQ(read_history(folder / "out/history.csv").size(), 401u);
+}
+
 }  // namespace
 }  // namespace dttmm

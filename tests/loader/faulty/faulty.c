@@ -43,7 +43,8 @@ enum fault {
     huge,
     overrun,
     error_at_step_1000,
-    silent_error
+    silent_error,
+    rough /* no fault: it wants every step's end to be expected twice */
 };
 
 enum { FAILING_STEP = 1000 };
@@ -51,6 +52,7 @@ enum { FAILING_STEP = 1000 };
 struct dttmm_instance {
     size_t wrench_count;
     uint64_t step;
+    int expected; /* so often in the open step */
 };
 
 __attribute__((constructor)) static void make_marker(void) {
@@ -103,6 +105,7 @@ static dttmm_status start(dttmm_instance *instance, const dttmm_step *step, cons
 static dttmm_status begin_step(dttmm_instance *instance, const dttmm_step *step, const double *loads, dttmm_error *error) {
     (void)loads, (void)error;
     instance->step = step->index;
+    instance->expected = 0;
     return DTTMM_OK;
 }
 
@@ -120,7 +123,9 @@ static dttmm_status evaluate(const dttmm_instance *instance, const dttmm_motion 
 }
 
 static dttmm_status commit_step(dttmm_instance *instance, const dttmm_motion *accepted, dttmm_error *error) {
-    (void)instance, (void)accepted, (void)error;
+    (void)accepted;
+    if (FAULT == rough && instance->expected < 2)
+        return fail(error, DTTMM_ERROR_INTERNAL, 0, "it was told only once where the step ends");
     return DTTMM_OK;
 }
 
@@ -129,9 +134,14 @@ static dttmm_status discard_step(dttmm_instance *instance, dttmm_error *error) {
     return DTTMM_OK;
 }
 
+static dttmm_status expect(dttmm_instance *instance, const dttmm_motion *trial, dttmm_error *error) {
+    (void)trial, (void)error;
+    return ++instance->expected == 1 ? DTTMM_AGAIN : DTTMM_OK;
+}
+
 static int32_t is_implicit(const dttmm_instance *instance) {
     (void)instance;
-    return 0;
+    return FAULT == rough;
 }
 
 static void load_weights(const dttmm_instance *instance, double weights[3]) {
@@ -209,14 +219,14 @@ static const dttmm_plugin table = {
     channel_count,
     channels,
     outputs,
-    NULL, /* no modes, nothing to expect */
+    NULL, /* no modes */
     NULL,
     NULL,
     NULL,
     NULL,
     NULL,
     NULL,
-    NULL,
+    FAULT == rough ? expect : NULL,
 };
 
 const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major) {

@@ -455,9 +455,6 @@ inertia = {{ xx = {}, yy = {}, zz = {} }})",
                        mass, 1e-4 * mass, 0.0075 * mass, 0.0075 * mass);
 }
 
-// Oracle: the same with ideal hinges, and 6 % for what rings as the undamped ones are let go under 981 N and 9.81 N/kg.
-// k h²/m = 1e4 and 2.5e5 at 0.01 rad per step: with the matrix of t_n, and the linear answer to the port, the lower hinge
-// came out 3.5 times too large, or the step was not found.
 /// Largest axial force at the root of a tube whose tip carries a body of 5 kg and is struck across with F [N], for 0.4 s.
 double largest_axial_force(int segments, double h, double F, const std::string& nodes, const std::string& body) {
     return largest_of("tube.force.x", fmt::format(R"(
@@ -498,6 +495,50 @@ TEST(BeamAndBody, ABodyStruckAcrossPullsAlongItsBeamAsOneInsideTheNetwork) {
     }
 }
 
+/// Largest axial force of a thin tube whose tip carries a body of a gram, kicked by a moment, for 540 steps.
+double largest_axial_force_of_a_kicked_tube(int segments, const std::string& nodes, const std::string& seat,
+                                            const std::string& body) {
+    return largest_of("tube.force.x", fmt::format(R"(
+simulation = {{ duration = 0.1431, step = 0.000265 }}
+[nodes]
+root = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+{}
+{}
+[[load]]
+on = "body"
+direction = [0.4, -0.8, -0.45]
+moment = {{ type = "haversine", peak = 0.004, start = 0.0105, width = 0.00186 }}
+[[element]]
+name = "tube"
+type = "beam"
+from = "root"
+to = "{}"
+segments = {}
+section = {{ tube = ["1.5 mm", "0.624 mm"] }}
+material = {{ E = "210 GPa", poisson = 0.3, density = "755 kg/m^3" }}
+)",
+                                                  nodes, body, seat, segments));
+}
+
+// Oracle: likewise. What a trial left over of the motion inside, and a linear answer of a change of the ports, was small
+// beside the bending, and yet fed the axial vibration, which nothing damps and the step does not follow: 1.2 % too much.
+TEST(BeamAndBody, AKickedBodyRingsAlongItsBeamAsOneInsideTheNetwork) {
+    const std::string inertia = "mass = 0.00104\ninertia = { xx = 4.0785e-9, yy = 5.6801e-9, zz = 7.6353e-9 }\n";
+    for (const int segments : {10, 30}) {
+        const double by_ode = largest_axial_force_of_a_kicked_tube(
+            segments, "", "body.seat",
+            "[[body]]\nname = \"body\"\nposition = [0.073, 0.001, -0.0015]\nmarkers.seat = [0, -0.001, 0.0015]\n" + inertia);
+        const double inside = largest_axial_force_of_a_kicked_tube(
+            segments, "body = [0.073, 0, 0]", "body",
+            "[[element]]\nname = \"mass\"\ntype = \"rigid_body\"\nat = \"body\"\ncenter_of_mass = [0, 0.001, -0.0015]\n" +
+                inertia);
+        EXPECT_NEAR(by_ode, inside, 0.005 * inside) << segments << " segments";
+    }
+}
+
+// Oracle: the same with ideal hinges, and 6 % for what rings as the undamped ones are let go under 981 N and 9.81 N/kg.
+// k h²/m = 1e4 and 2.5e5 at 0.01 rad per step: with the matrix of t_n, and the linear answer to the port, the lower hinge
+// came out 3.5 times too large, or the step was not found.
 TEST(BeamAndBody, ALightBodyOnAStiffHingeThatTurnsIsPulledAsByAnIdealOne) {
     for (const auto& [mass, step] : {std::pair{1., 1e-3}, {1., 0.5e-3}, {0.01, 0.5e-3}}) {
         const double ideal = DoublePendulum{100, mass}.largest_force(0.5);

@@ -30,17 +30,18 @@ namespace dttmm {
 ///
 /// Passes start from the extrapolated motion; the solution is accepted when θ/(1 − θ) × (last correction), θ the rate of
 /// convergence, is below kShare of the first one, which measures what the step itself leaves out, and of the motion; and, in
-/// the same way, what is left of the momentum is below kShare of the largest impulse of a joint: a stiff joint makes much of
-/// a small motion, and would feed its own vibration with what is left, step after step. The forces where it ends then move
-/// the momentum, in pairs that balance exactly, so that it is kept however few passes were taken; what the motion lacks to
-/// it is made up for in the next step.
+/// the same way, what is left of the momentum is below kShare of the largest impulse of a joint, or what stiff joints make
+/// of the rounding of places: a stiff joint makes much of a small motion, and would feed its own vibration with what is
+/// left, step after step. The forces where it ends then move the momentum, in pairs that balance exactly, so that it is kept
+/// however few passes were taken; what the motion lacks to it is made up for in the next step.
 ///
 /// Where the host expects the ports to end the step it is solved for them (the anchor), and solved on wherever it expects
 /// them next: one iteration with the host's own. The answer to another motion of the ports is the linear one from there, as
-/// long as that is good enough by a like measure; not where joints at ports turn (the error of the force they tell grows
-/// with their stiffness) or parts are free to turn: there the anchor stays, and every motion is solved for from it. At the
-/// first motion that is expected one pass may do, where passes are known to converge: the host is told to come again. A step
-/// of small vibrations takes two passes or three, whatever the number of frames.
+/// long as that is good enough, by what it left over when the anchor moved there in this step; not where joints at ports
+/// turn (the error of the force they tell grows with their stiffness) or parts are free to turn: there the anchor stays, and
+/// every motion is solved for from it. At the first motion that is expected one pass may do, where passes are known to
+/// converge: the host is told to come again. A step of small vibrations takes two passes or three, whatever the number of
+/// frames.
 ///
 /// What a massless frame leaves unbalanced over a step by its own rule (MasslessFrames) its heir takes over, a frame nearby
 /// with a mass, so that no momentum is lost.
@@ -126,10 +127,12 @@ private:
         void measure(double rate, double previous) { *this = {rate < 1 ? rate / (1 - rate) : 1e3, previous}; }
         void forget(double factor) { contraction = std::min(factor * contraction, 1.0); }
     };
-    /// Size of what leads the ports from the anchor to where they go, over the step.
-    struct PortChange {
-        double speed = 0;    ///< the largest of a point [m/s]
-        double impulse = 0;  ///< of the joints at ports, by the motion of the ports alone, at most [N s]
+    /// What the linear answer left over when the ports moved last within a step; the same share, or less, of a smaller move.
+    struct LinearAnswer {
+        double speed = 0;     ///< of the move, the largest of a point [m/s]; 0: there was none
+        double motion = 0;    ///< still to be corrected [m/s]
+        double momentum = 0;  ///< lacking [N s]
+        bool is_known_for(double change) const { return change <= speed; }
     };
     struct Books {
         double port_turn =
@@ -153,12 +156,14 @@ private:
         double correction = 0;         ///< size of the last one [m/s]
         double first_correction = 0;   ///< largest of those with which solutions of the step began [m/s]
         double residual = 0;           ///< of the momentum before it [N s]
+        LinearAnswer answer;           ///< that it began with
         bool is_rough = false;         ///< not good enough yet
         double impulse = 0;            ///< of a joint over the step, at most [N s]
         bool has_own_matrix = false;   ///< the one kept did not serve
         double slowest_rate = 0;       ///< largest θ in this step; 0: not measured
         double tolerance = 0;          ///< of what remains to be corrected [m/s]
         double floor = 0;              ///< corrections below are rounding [m/s]
+        double momentum_floor = 0;     ///< and momentum lacking below [N s]
     };
 
     size_t at(int frame) const { return static_cast<size_t>(frame - driven_); }
@@ -200,11 +205,11 @@ private:
     double correct(const Elimination& matrix, Solution& solution) const;
     bool may_be_rough(double correction, const Solution& solution) const;
     bool is_good_enough(double correction, double residual, const Solution& solution) const;
+    double allowed_residual(const Solution& solution) const;
     double speed_of_port_change() const;
-    PortChange size_of_port_change(const Mechanism& mechanism) const;
     /// Whether no answer is linear.
     bool turns() const;
-    bool linear_answer_serves(const Mechanism& mechanism) const;
+    bool linear_answer_serves() const;
     Vector3 mean_velocity(const Mechanism& mechanism, const Solution& solution) const;
     void take_measures(const Mechanism& mechanism, Solution& solution) const;
     void solve(const Mechanism& mechanism, Solution& solution, bool roughly) const;
@@ -290,6 +295,7 @@ private:
     Eigen::MatrixXd rigid_responses_;  ///< the same of the forces of rigid directions, times h
     MasslessFrames massless_;
 
+    double stiffest_ = 0;    ///< what the matrix has most of against the shift of a frame [kg]
     bool is_stale_ = false;  ///< the factor no longer serves
     bool is_fresh_ = false;  ///< it was formed for the open step
 

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
 #include "core/rotation.h"
@@ -32,12 +33,16 @@ constexpr double kRoughly = 0.1, kSudden = 10;
 /// After so many passes a correction that has not halved, and is so small a share of the motion, is rounding.
 constexpr int kPassesToFall = 4;
 constexpr double kRumour = 1e-7;
+/// A linear answer may lack so much of the momentum that may be lacking: it errs in the same sense step after step.
+constexpr double kLinearly = 0.1;
 /// So often in a step the anchor moves; changes of the ports that are then so small a share of the motion are rounding.
 constexpr int kMostMoves = 4;
 /// So much farther they are still answered linearly, lest answers flip.
 constexpr double kFarther = 100;
 /// Of a frame's place, in the corrections: nothing finer can be asked for.
 constexpr double kRounding = 1e-14;
+/// Of the place itself: stiff joints make forces of it.
+constexpr double kRoundingOfPlace = 2 * std::numeric_limits<double>::epsilon();
 /// Smallest size of a network [m], for that.
 constexpr double kSmallestSize = 1e-6;
 /// Of the motion: no more digits are asked for.
@@ -100,6 +105,7 @@ void Interior::open_anchor(const Mechanism& mechanism) {
     is_solved_ = false;
     moves_ = 0;
     stays_linear_ = false;
+    anchor_.answer = {};
     anchor_.correction = anchor_.residual = anchor_.first_correction = 0;
     anchor_.slowest_rate = 0;
     anchor_.has_own_matrix = false;
@@ -290,6 +296,7 @@ void Interior::take_measures(const Mechanism& mechanism, Solution& solution) con
     }
     solution.scale = std::max(solution.scale, std::sqrt(speed));
     solution.floor = std::max(kRounding * size_ / h, kFinest * solution.scale);
+    solution.momentum_floor = kRoundingOfPlace * size_ / h * stiffest_;
 }
 
 /// Passes from the motion in `solution` on until the last change is good enough, or one if `roughly`; contraction and
@@ -320,12 +327,15 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution, bool roughl
             rate = correction / solution.correction;
             solution.slowest_rate = std::max(solution.slowest_rate, rate);
             solution.motion.measure(rate, solution.correction);
-            if (solution.residual > 0) solution.momentum.measure(residual / solution.residual, solution.residual);
+            if (solution.residual > 0 && residual > solution.momentum_floor)
+                solution.momentum.measure(residual / solution.residual, solution.residual);
         }
         if (pass == 0) {
             const double first = solution.correction > 0 ? solution.correction : correction;
             solution.first_correction = std::max(solution.first_correction, first);
             solution.tolerance = std::max(floor, kShare * std::min(first, solution.scale));
+            solution.answer.motion = correction;
+            solution.answer.momentum = residual;
         }
         solution.correction = correction;
         solution.residual = residual;
@@ -357,34 +367,32 @@ bool Interior::may_be_rough(double correction, const Solution& solution) const {
            correction <= kSudden * books_.first_correction;
 }
 
-bool Interior::is_good_enough(double correction, double residual, const Solution& solution) const {
-    if (correction <= solution.floor) return true;
-    const double allowed = kShare * solution.impulse;
-    return solution.motion.left(correction) <= solution.tolerance && solution.momentum.left(residual) <= allowed &&
-           (!has_free_parts_ || residual <= kTrusted * allowed);
+/// Of the momentum that may be lacking [N s].
+double Interior::allowed_residual(const Solution& solution) const {
+    return std::max(kShare * solution.impulse, solution.momentum_floor);
 }
 
-Interior::PortChange Interior::size_of_port_change(const Mechanism& mechanism) const {
-    double impulse = 0;  // squared
-    for (size_t k = 0; k < near_joints_.size(); ++k)
-        for (int end : {0, 1})
-            if (const int port = mechanism.joints[near_joints_[k]].frame(end); port < ports_)
-                impulse = std::max(impulse, (near_blocks_[k].at[end][end].topRows<3>() *
-                                             port_change_.segment<6>(static_cast<Eigen::Index>(6 * port)))
-                                                .squaredNorm());
-    return {speed_of_port_change(), std::sqrt(impulse)};
+bool Interior::is_good_enough(double correction, double residual, const Solution& solution) const {
+    if (correction <= solution.floor) return true;
+    const double allowed = allowed_residual(solution);
+    return solution.motion.left(correction) <= solution.tolerance && solution.momentum.left(residual) <= allowed &&
+           (!has_free_parts_ || residual <= kTrusted * allowed);
 }
 
 bool Interior::turns() const { return has_free_parts_ || books_.port_turn > kTurnedPorts; }
 
 /// Whether the linear answer to port_change_ leaves no more over than is good enough.
-bool Interior::linear_answer_serves(const Mechanism& mechanism) const {
+bool Interior::linear_answer_serves() const {
     if (!is_solved_) return false;
     if (port_change_.isZero(0)) return true;
     if (anchor_.is_rough || turns()) return false;
-    const PortChange change = size_of_port_change(mechanism);
-    if (stays_linear_) return change.speed <= kFarther * kRumour * anchor_.scale;
-    return is_good_enough(change.speed, change.impulse, anchor_);
+    const double change = speed_of_port_change();
+    if (stays_linear_) return change <= kFarther * kRumour * anchor_.scale;
+    if (change <= anchor_.floor) return true;
+    if (!anchor_.answer.is_known_for(change)) return false;
+    const double share = change / anchor_.answer.speed;
+    return share * anchor_.answer.motion <= anchor_.tolerance &&
+           share * anchor_.answer.momentum <= kLinearly * allowed_residual(anchor_);
 }
 
 /// Sets port_change_: what leads the ports from the anchor to where they are to go.
@@ -434,8 +442,9 @@ bool Interior::expect(const Mechanism& mechanism, std::span<const FrameView> por
         // Where they were foreseen but for rounding there is nothing to answer
         if (speed_of_port_change() <= kRounding * size_ / mechanism.scheme.step_size()) port_change_.setZero();
     } else {
-        if (!anchor_.is_rough && linear_answer_serves(mechanism)) return false;
-        anchor_.correction += speed_of_port_change();
+        if (!anchor_.is_rough && linear_answer_serves()) return false;
+        anchor_.answer.speed = speed_of_port_change();
+        anchor_.correction += anchor_.answer.speed;
         ++moves_;
     }
     is_solved_ = false;
@@ -450,7 +459,7 @@ bool Interior::expect(const Mechanism& mechanism, std::span<const FrameView> por
 const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::span<const FrameView> ports,
                                             bool finally) const {
     take_port_change(mechanism, ports);
-    if (linear_answer_serves(mechanism) && !(finally && anchor_.is_rough)) return anchor_;
+    if (linear_answer_serves() && !(finally && anchor_.is_rough)) return anchor_;
     other_.motion = anchor_.motion;
     other_.momentum = anchor_.momentum;
     other_.scale = anchor_.scale;

@@ -1254,18 +1254,18 @@ TEST(Interior, AVelocityInAFixedDirectionIsRefused) {
     }
 }
 
-// The stiffness of a joint at a port grows with the number of segments, and with it what the way from trial to trial would
-// be feared to do; the trials themselves come no nearer.
-TEST(Interior, ABeamIsSolvedTwicePerStepAtMostHoweverFinelyDivided) {
+// With the number of segments grows the stiffness of a joint, and with it the force by the way from trial to trial and by
+// the rounding of places; what the linear answer leaves over does not.
+TEST(Interior, ABeamIsSolvedTwicePerStepHoweverFinelyDivided) {
     constexpr double h = 0.25e-3, amplitude = 4e-5, omega = 490;
     constexpr uint64_t steps = 200;
-    for (const int segments : {10, 1000}) {
+    for (const int segments : {10, 200, 3000}) {
         NetworkModel model;
         model.node("wall", kGround, vec(0, 0, 0));
         model.node("body", kPort, vec(1.2, 0, 0));
         model.element("beam", "beam", {"wall", "body"}, tube(segments));
         Network network(model.description());
-        // Where the body is expected, where it is found, and there again but for rounding
+        // Where the body is expected, as a host comes to find it
         const auto body = [&](uint64_t n, double off) {
             const double phase = omega * static_cast<double>(n) * h;
             dttmm_motion motion{};
@@ -1281,7 +1281,7 @@ TEST(Interior, ABeamIsSolvedTwicePerStepAtMostHoweverFinelyDivided) {
         for (uint64_t n = 0; n < steps; ++n) {
             network.begin_step({n, static_cast<double>(n) * h, h}, nullptr);
             Vector6 wrench;
-            for (double off : {1e-7, 0.0, 1e-13}) {
+            for (double off : {1e-7, 2e-10, 1e-13}) {
                 const dttmm_motion trial = body(n + 1, off);
                 network.expect(&trial);
                 network.evaluate(&trial, wrench.data(), nullptr);
@@ -1289,7 +1289,7 @@ TEST(Interior, ABeamIsSolvedTwicePerStepAtMostHoweverFinelyDivided) {
             const dttmm_motion end = body(n + 1, 0);
             network.commit_step(&end);
         }
-        EXPECT_LT(network.interior()->passes(), 3 * steps) << segments;
+        EXPECT_LT(static_cast<double>(network.interior()->passes()), 2.5 * steps) << segments;
     }
 }
 

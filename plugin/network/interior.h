@@ -163,7 +163,6 @@ private:
         double slowest_rate = 0;       ///< largest θ in this step; 0: not measured
         double tolerance = 0;          ///< of what remains to be corrected [m/s]
         double floor = 0;              ///< corrections below are rounding [m/s]
-        double momentum_floor = 0;     ///< and momentum lacking below [N s]
     };
 
     size_t at(int frame) const { return static_cast<size_t>(frame - driven_); }
@@ -205,7 +204,6 @@ private:
     double correct(const Elimination& matrix, Solution& solution) const;
     bool may_be_rough(double correction, const Solution& solution) const;
     bool is_good_enough(double correction, double residual, const Solution& solution) const;
-    double allowed_residual(const Solution& solution) const;
     double speed_of_port_change() const;
     /// Whether no answer is linear.
     bool turns() const;
@@ -295,7 +293,6 @@ private:
     Eigen::MatrixXd rigid_responses_;  ///< the same of the forces of rigid directions, times h
     MasslessFrames massless_;
 
-    double stiffest_ = 0;    ///< what the matrix has most of against the shift of a frame [kg]
     bool is_stale_ = false;  ///< the factor no longer serves
     bool is_fresh_ = false;  ///< it was formed for the open step
 

@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/error.h"
 #include "core/rotation.h"
@@ -41,8 +40,6 @@ constexpr int kMostMoves = 4;
 constexpr double kFarther = 100;
 /// Of a frame's place, in the corrections: nothing finer can be asked for.
 constexpr double kRounding = 1e-14;
-/// Of the place itself: stiff joints make forces of it.
-constexpr double kRoundingOfPlace = 2 * std::numeric_limits<double>::epsilon();
 /// Smallest size of a network [m], for that.
 constexpr double kSmallestSize = 1e-6;
 /// Of the motion: no more digits are asked for.
@@ -296,7 +293,6 @@ void Interior::take_measures(const Mechanism& mechanism, Solution& solution) con
     }
     solution.scale = std::max(solution.scale, std::sqrt(speed));
     solution.floor = std::max(kRounding * size_ / h, kFinest * solution.scale);
-    solution.momentum_floor = kRoundingOfPlace * size_ / h * stiffest_;
 }
 
 /// Passes from the motion in `solution` on until the last change is good enough, or one if `roughly`; contraction and
@@ -327,8 +323,7 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution, bool roughl
             rate = correction / solution.correction;
             solution.slowest_rate = std::max(solution.slowest_rate, rate);
             solution.motion.measure(rate, solution.correction);
-            if (solution.residual > 0 && residual > solution.momentum_floor)
-                solution.momentum.measure(residual / solution.residual, solution.residual);
+            if (solution.residual > 0) solution.momentum.measure(residual / solution.residual, solution.residual);
         }
         if (pass == 0) {
             const double first = solution.correction > 0 ? solution.correction : correction;
@@ -367,14 +362,9 @@ bool Interior::may_be_rough(double correction, const Solution& solution) const {
            correction <= kSudden * books_.first_correction;
 }
 
-/// Of the momentum that may be lacking [N s].
-double Interior::allowed_residual(const Solution& solution) const {
-    return std::max(kShare * solution.impulse, solution.momentum_floor);
-}
-
 bool Interior::is_good_enough(double correction, double residual, const Solution& solution) const {
     if (correction <= solution.floor) return true;
-    const double allowed = allowed_residual(solution);
+    const double allowed = kShare * solution.impulse;
     return solution.motion.left(correction) <= solution.tolerance && solution.momentum.left(residual) <= allowed &&
            (!has_free_parts_ || residual <= kTrusted * allowed);
 }
@@ -392,7 +382,7 @@ bool Interior::linear_answer_serves() const {
     if (!anchor_.answer.is_known_for(change)) return false;
     const double share = change / anchor_.answer.speed;
     return share * anchor_.answer.motion <= anchor_.tolerance &&
-           share * anchor_.answer.momentum <= kLinearly * allowed_residual(anchor_);
+           share * anchor_.answer.momentum <= kLinearly * kShare * anchor_.impulse;
 }
 
 /// Sets port_change_: what leads the ports from the anchor to where they are to go.

@@ -105,7 +105,8 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     std::sort(others_.begin(), others_.end());
     has_free_parts_ = has_free_parts(mechanism);
     rigid_known_.resize(rigid_joints_.size());
-    past_.resize(n);
+    for (auto* list : {&past_.u, &past_.u_before}) list->assign(n, Vector6::Zero());
+    for (auto* list : {&past_.velocity, &past_.velocity_before}) list->resize(n);
     momenta_.resize(n);
     choose_burdened(mechanism);
     const auto rigid = static_cast<size_t>(elimination_.rigid_count()), ports = static_cast<size_t>(ports_);
@@ -392,7 +393,7 @@ void Interior::refuse(const Mechanism& mechanism, const Elimination::Fault& faul
 void Interior::refactor(const Mechanism& mechanism) {
     predict(mechanism);
     std::copy(anchor_.ports.begin(), anchor_.ports.end(), trial_.begin());
-    for (size_t i = 0; i < past_.size(); ++i) place(mechanism, i, anchor_.u[i]);
+    for (size_t i = 0; i < inertias_.size(); ++i) place(mechanism, i, anchor_.u[i]);
     form_matrix(mechanism, trial_);
     is_fresh_ = true;
 }
@@ -481,23 +482,23 @@ void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) co
 // ---- Results ------------------------------------------------------------------------------------------------------------
 
 Twist Interior::velocity(const Mechanism& mechanism, int frame, const Vector3& offset) const {
-    const Twist mean = past_[at(frame)].mean();
+    const Twist mean = past_.mean(at(frame));
     const Vector3 arm = mechanism.frame_before(frame).axes() * offset;
     return {mean.linear + mean.angular.cross(arm), mean.angular};
 }
 
 Twist Interior::acceleration(const Mechanism& mechanism, int frame, const Vector3& offset) const {
-    const PastMotion& past = past_[at(frame)];
+    const Twist &later = past_.velocity[at(frame)], &earlier = past_.velocity_before[at(frame)];
     const double h = mechanism.scheme.step_size();
-    const Vector3 arm = mechanism.frame_before(frame).axes() * offset, w = past.mean().angular;
-    const Vector3 alpha = (past.velocity.angular - past.velocity_before.angular) / h;
-    return {(past.velocity.linear - past.velocity_before.linear) / h + alpha.cross(arm) + w.cross(w.cross(arm)), alpha};
+    const Vector3 arm = mechanism.frame_before(frame).axes() * offset, w = past_.mean(at(frame)).angular;
+    const Vector3 alpha = (later.angular - earlier.angular) / h;
+    return {(later.linear - earlier.linear) / h + alpha.cross(arm) + w.cross(w.cross(arm)), alpha};
 }
 
 double Interior::kinetic_energy(const Mechanism& mechanism) const {
     double twice = 0;
-    for (size_t i = 0; i < past_.size(); ++i) {
-        const Twist mean = past_[i].mean();
+    for (size_t i = 0; i < inertias_.size(); ++i) {
+        const Twist mean = past_.mean(i);
         const Vector3 w = mechanism.frame_before(driven_ + static_cast<int>(i)).axes().transpose() * mean.angular;
         twice += inertias_[i].mass * mean.linear.squaredNorm() + w.dot(inertias_[i].moment * w);
     }
@@ -506,7 +507,7 @@ double Interior::kinetic_energy(const Mechanism& mechanism) const {
 
 double Interior::work(const Mechanism& mechanism) const {
     double work = books_.load_work;
-    for (size_t i = 0; i < past_.size(); ++i) {
+    for (size_t i = 0; i < inertias_.size(); ++i) {
         const Vector3& start = mechanism.assembly.frames[static_cast<size_t>(driven_) + i].pose.position;
         work += inertias_[i].mass * gravity_.dot(mechanism.frame_before(driven_ + static_cast<int>(i)).origin() - start);
     }
@@ -516,7 +517,7 @@ double Interior::work(const Mechanism& mechanism) const {
 Twist Interior::momentum(const Mechanism& mechanism) const {
     // x_n × p = x_{n−1} × p, for p is along what leads from one to the other
     Twist total;
-    for (size_t i = 0; i < past_.size(); ++i) {
+    for (size_t i = 0; i < inertias_.size(); ++i) {
         const Vector3 p = head(momenta_[i]);
         total.linear += p;
         total.angular += mechanism.frame(driven_ + static_cast<int>(i)).origin().cross(p) + tail(momenta_[i]);
@@ -546,7 +547,7 @@ Twist Interior::newmark_momentum(const Mechanism& mechanism) const {
     }
     const double h = mechanism.scheme.step_size(), beta = mechanism.scheme.elastic_weight(0);
     Twist total;
-    for (size_t i = 0; i < past_.size(); ++i) {
+    for (size_t i = 0; i < inertias_.size(); ++i) {
         if (massless_.is_massless(i, 0)) continue;
         const auto f = static_cast<size_t>(driven_) + i;
         Vector6 P = momenta_[i] - beta * h * (now[f] - before[f]);
@@ -572,7 +573,9 @@ Vector6 Interior::rigid_force(const Mechanism& mechanism, size_t j) const {
 }
 
 void Interior::add_state_parts(std::vector<std::pair<void*, size_t>>& parts) {
-    parts.emplace_back(past_.data(), past_.size() * sizeof(PastMotion));
+    for (auto* list : {&past_.u, &past_.u_before}) parts.emplace_back(list->data(), list->size() * sizeof(Vector6));
+    for (auto* list : {&past_.velocity, &past_.velocity_before})
+        parts.emplace_back(list->data(), list->size() * sizeof(Twist));
     parts.emplace_back(momenta_.data(), momenta_.size() * sizeof(Vector6));
     parts.emplace_back(burdens_.data(), burdens_.size() * sizeof(Burden));
     parts.emplace_back(rigid_.data(), rigid_.size() * sizeof(double));

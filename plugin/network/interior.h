@@ -296,7 +296,7 @@ private:
     bool is_stale_ = false;  ///< the factor no longer serves
     bool is_fresh_ = false;  ///< it was formed for the open step
 
-    std::vector<PastMotion> past_;
+    PastMotion past_;
     std::vector<Vector6> momenta_;  ///< over the step before t_n, world
     std::vector<Burden> burdens_;
     std::vector<size_t> burdened_;  ///< the frame of each

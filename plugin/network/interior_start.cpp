@@ -54,7 +54,7 @@ void Interior::linearise(const Mechanism& mechanism, const dttmm_motion* ports, 
 }
 
 Twist Interior::start_velocity(int frame, const dttmm_motion* ports) const {
-    if (is_inner(frame)) return past_[at(frame)].velocity;
+    if (is_inner(frame)) return past_.velocity[at(frame)];
     return frame < ports_ ? twist(ports[frame]) : Twist{};
 }
 
@@ -76,7 +76,7 @@ void Interior::settle_at_start(Mechanism& mechanism, const dttmm_motion* ports) 
         const Twist velocity = twist(ports[p]);
         moves = moves || !velocity.linear.isZero(0) || !velocity.angular.isZero(0);
     }
-    for (PastMotion& past : past_) past.velocity = Twist{};
+    std::fill(past_.velocity.begin(), past_.velocity.end(), Twist{});
     std::fill(rigid_.begin(), rigid_.end(), 0.0);
     for (const Given& given : given_) moves = moves || given.moves;
     if (moves) find_start_velocities(mechanism, ports);
@@ -84,7 +84,7 @@ void Interior::settle_at_start(Mechanism& mechanism, const dttmm_motion* ports) 
 
 void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_motion* ports) {
     const Mechanism slow = at_rest(mechanism, kLongStep);
-    std::vector<Vector6> pull(past_.size(), Vector6::Zero()), r;
+    std::vector<Vector6> pull(inertias_.size(), Vector6::Zero()), r;
     std::vector<double> g(rigid_.size(), 0);
     for (size_t j : port_joints_) {
         const Joint& joint = slow.joints[j];
@@ -105,8 +105,7 @@ void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_mot
     elimination_.solve(r, g);
     for (int i = 0; i < count_; ++i) {
         const RowMajor3 R = slow.frame(driven_ + i).axes();
-        PastMotion& past = past_[static_cast<size_t>(i)];
-        past.velocity = {R * head(r[static_cast<size_t>(i)]), R * tail(r[static_cast<size_t>(i)])};
+        past_.velocity[static_cast<size_t>(i)] = {R * head(r[static_cast<size_t>(i)]), R * tail(r[static_cast<size_t>(i)])};
     }
 }
 
@@ -137,7 +136,7 @@ void Interior::refuse_forbidden_velocities(const Mechanism& mechanism, const dtt
     double largest = 0;
     const auto look_at = [&](const Twist& v) { largest = std::max({largest, v.linear.norm(), v.angular.norm()}); };
     for (int p = 0; p < ports_; ++p) look_at(twist(ports[p]));
-    for (const PastMotion& past : past_) look_at(past.velocity);
+    for (const Twist& velocity : past_.velocity) look_at(velocity);
     for (const Given& given : given_)
         if (given.moves) look_at(given.velocity);
     const double least = kTolerated * largest;
@@ -145,7 +144,7 @@ void Interior::refuse_forbidden_velocities(const Mechanism& mechanism, const dtt
         const NodeSpec& spec = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])];
         if (!given_[i].moves || !is_inner(spec.frame)) continue;
         const Twist& given = given_[i].velocity;
-        Twist left = past_[at(spec.frame)].velocity;
+        Twist left = past_.velocity[at(spec.frame)];
         left.linear += left.angular.cross(mechanism.frame(spec.frame).axes() * spec.offset);
         if ((left.linear - given.linear).norm() <= least && (left.angular - given.angular).norm() <= least) continue;
         throw Error(DTTMM_ERROR_MODEL,
@@ -174,9 +173,9 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
     for (const Joint& joint : mechanism.joints)
         Joint::add_wrench(start_force(mechanism, joint, ports), wrench[static_cast<size_t>(joint.from())].data(),
                           wrench[static_cast<size_t>(joint.to())].data());
-    std::vector<Twist> acceleration(past_.size());
-    for (size_t i = 0; i < past_.size(); ++i) {
-        PastMotion& past = past_[i];
+    std::vector<Twist> acceleration(inertias_.size());
+    for (size_t i = 0; i < inertias_.size(); ++i) {
+        const Twist& velocity = past_.velocity[i];
         const Inertia& inertia = inertias_[i];
         const Frame& frame = mechanism.frames[static_cast<size_t>(driven_) + i];
         const FrameView view = frame;
@@ -184,17 +183,17 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
         Vector6 force = wrench[static_cast<size_t>(driven_) + i];
         if (burden_of_[i] >= 0) force += burden(i).load[1];
         force.head<3>() += inertia.mass * gravity_;
-        const Vector3 spin = R.transpose() * past.velocity.angular;
-        momenta_[i] << inertia.mass * past.velocity.linear, R * (inertia.moment * spin);
+        const Vector3 spin = R.transpose() * velocity.angular;
+        momenta_[i] << inertia.mass * velocity.linear, R * (inertia.moment * spin);
         momenta_[i] -= 0.5 * h * force;
-        past.u << R.transpose() * past.velocity.linear, spin;
-        past.u_before = past.u;
-        past.velocity_before = past.velocity;
+        past_.u[i] << R.transpose() * velocity.linear, spin;
         if (inertia.mass > 0) acceleration[i].linear = head(force) / inertia.mass;
         const Vector3 moment = R.transpose() * tail(force) - spin.cross(inertia.moment * spin);
         if (!massless_.is_massless(i, 1)) acceleration[i].angular = R * inertia.moment.fullPivLu().solve(moment);
-        if (burden_of_[i] >= 0) books_.load_power += burden(i).load[1].dot(joined(past.velocity));
+        if (burden_of_[i] >= 0) books_.load_power += burden(i).load[1].dot(joined(velocity));
     }
+    past_.u_before = past_.u;
+    past_.velocity_before = past_.velocity;
     const auto acceleration_of = [&](int frame) {
         if (is_inner(frame)) return acceleration[at(frame)];
         if (frame >= ports_) return Twist{};

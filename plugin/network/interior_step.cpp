@@ -86,10 +86,10 @@ void Interior::predict(const Mechanism& mechanism) {
         Map3{anchor_.ports[p].position} = now.origin() + h * head(u);
         MapR{anchor_.ports[p].rotation} = rotation_from_vector(h * tail(u)) * now.axes();
     }
-    for (size_t i = 0; i < past_.size(); ++i) anchor_.u[i] = 2 * past_[i].u - past_[i].u_before;
+    for (size_t i = 0; i < inertias_.size(); ++i) anchor_.u[i] = 2 * past_.u[i] - past_.u_before[i];
     if (mechanism.steps == 0) {  // velocities of an instant: over the step what turns has turned half of it on the mean
         const Vector3 mean = mean_velocity(mechanism, anchor_);
-        for (size_t i = 0; i < past_.size(); ++i) {
+        for (size_t i = 0; i < inertias_.size(); ++i) {
             const Vector3 drift = mechanism.frame(driven_ + static_cast<int>(i)).axes().transpose() * mean;
             Vector6& u = anchor_.u[i];
             u.head<3>() = (drift + turned(0.5 * h * u.tail<3>(), u.head<3>() - drift)).eval();
@@ -114,7 +114,7 @@ void Interior::open_anchor(const Mechanism& mechanism) {
     for (Convergence* convergence : {&anchor_.motion, &anchor_.momentum}) convergence->forget(kForget);
     anchor_.scale = books_.scale;
     size_ = kSmallestSize;
-    for (size_t i = 0; i < past_.size(); ++i) {
+    for (size_t i = 0; i < inertias_.size(); ++i) {
         const FrameView frame = mechanism.frames[static_cast<size_t>(driven_) + i];
         size_ = std::max(size_, frame.origin().cwiseAbs().sum() + reach_[i]);
     }
@@ -276,9 +276,9 @@ double Interior::correct(const Elimination& matrix, Solution& solution) const {
 Vector3 Interior::mean_velocity(const Mechanism& mechanism, const Solution& solution) const {
     Vector3 mean = Vector3::Zero();
     if (driven_ > ports_) return mean;
-    for (size_t i = 0; i < past_.size(); ++i)
+    for (size_t i = 0; i < inertias_.size(); ++i)
         mean += mechanism.frame(driven_ + static_cast<int>(i)).axes() * solution.u[i].head<3>();
-    return mean / static_cast<double>(past_.size());
+    return mean / static_cast<double>(inertias_.size());
 }
 
 /// What the motion from which passes start says of what is good enough.
@@ -286,7 +286,7 @@ void Interior::take_measures(const Mechanism& mechanism, Solution& solution) con
     const double h = mechanism.scheme.step_size();
     const Vector3 mean = mean_velocity(mechanism, solution);
     double speed = 0;
-    for (size_t i = 0; i < past_.size(); ++i) {
+    for (size_t i = 0; i < inertias_.size(); ++i) {
         Vector3 velocity = solution.u[i].head<3>();
         if (driven_ == ports_) velocity -= mechanism.frame(driven_ + static_cast<int>(i)).axes().transpose() * mean;
         speed = std::max(speed, velocity.squaredNorm() + turn_weight_[i] * solution.u[i].tail<3>().squaredNorm());
@@ -304,7 +304,7 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution, bool roughl
     for (int pass = 0; pass < kMostPasses; ++pass) {
         ++passes_;
         if (pass > 0) {
-            for (size_t i = 0; i < past_.size(); ++i) solution.u[i] += solution.change[i];
+            for (size_t i = 0; i < inertias_.size(); ++i) solution.u[i] += solution.change[i];
             for (size_t i = 0; i < solution.q.size(); ++i) solution.q[i] += solution.q_change[i] / h;
         }
         std::copy(solution.ports.begin(), solution.ports.end(), trial_.begin());
@@ -345,7 +345,7 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution, bool roughl
         return solution.change[i].head<3>().squaredNorm() + turn_weight_[i] * solution.change[i].tail<3>().squaredNorm();
     };
     size_t worst = 0;
-    for (size_t i = 1; i < past_.size(); ++i)
+    for (size_t i = 1; i < inertias_.size(); ++i)
         if (!(left(i) <= left(worst))) worst = i;
     const FrameSpec& frame = mechanism.assembly.frames[static_cast<size_t>(driven_) + worst];
     throw Error(DTTMM_ERROR_NUMERIC,
@@ -410,7 +410,8 @@ double Interior::speed_of_port_change() const {
 /// Begins a solution for ports port_change_ away from the anchor by the linear answer. `solution` may be the anchor itself.
 void Interior::step_aside(const Mechanism& mechanism, std::span<const FrameView> ports, Solution& solution) const {
     for (size_t p = 0; p < port_u_.size(); ++p) solution.ports[p] = ports[p].copy();
-    find_motion(anchor_, solution.u);
+    const bool is_there = &solution == &anchor_ && moves_ == 0 && port_change_.isZero(0);  // where it was foreseen
+    if (!is_there) find_motion(anchor_, solution.u);
     rigid_change_.noalias() = rigid_responses_ * port_change_;
     for (size_t i = 0; i < solution.q.size(); ++i)
         solution.q[i] = anchor_.q[i] +
@@ -597,7 +598,7 @@ void Interior::find_end(const Mechanism& mechanism, const Solution& solution) co
     const double fastest_turning = std::min(kFastest, M_PI / mechanism.scheme.step_size());
     find_motion(solution, motion_);
     place(mechanism, motion_);
-    for (size_t i = 0; i < past_.size(); ++i) {
+    for (size_t i = 0; i < inertias_.size(); ++i) {
         const size_t f = static_cast<size_t>(driven_) + i;
         const Vector6& u = motion_[i];
         if (mechanism.steps % kStepsBetweenNormalisations == 0) {  // by one step of Newton
@@ -675,13 +676,17 @@ void Interior::take_momenta(const Mechanism& mechanism) {
                 momenta_[i].segment<3>(3 * half).setZero();
                 wrench_[first + i].segment<3>(3 * half).setZero();
             }
+    past_.velocity.swap(past_.velocity_before);
     take_step(h, gravity_, inertias_, std::span(mechanism.frames).subspan(first), std::span(wrench_).subspan(first), motion_,
-              momenta_, past_);
+              momenta_, past_.velocity);
+    past_.u.swap(past_.u_before);
+    past_.u.swap(motion_);
     if (mechanism.steps > 0) return;
-    for (PastMotion& past : past_) {  // the initial velocities are the mean of both
-        past.u_before = past.u;
-        past.velocity_before.linear = 2 * past.velocity_before.linear - past.velocity.linear;
-        past.velocity_before.angular = 2 * past.velocity_before.angular - past.velocity.angular;
+    past_.u_before = past_.u;
+    for (size_t i = 0; i < inertias_.size(); ++i) {  // the initial velocities are the mean of both
+        Twist &before = past_.velocity_before[i], &now = past_.velocity[i];
+        before.linear = 2 * before.linear - now.linear;
+        before.angular = 2 * before.angular - now.angular;
     }
 }
 
@@ -700,9 +705,8 @@ void Interior::take_loads(const Mechanism& mechanism) {
     }
     double power = 0;
     for (size_t k = 0; k < burdened_.size(); ++k) {
-        const PastMotion& past = past_[burdened_[k]];
         Burden& own = burdens_[k];
-        power += 0.5 * own.load[1].dot(joined(past.velocity) + joined(past.velocity_before));
+        power += own.load[1].dot(joined(past_.mean(burdened_[k])));
         own.load[2] = own.load[1];
         own.load[1] = load_at_end(k, trial_[static_cast<size_t>(driven_) + burdened_[k]]);
     }

@@ -73,16 +73,10 @@ DTTMM_WIDE void find_imbalance(double h, const Vector3& gravity, std::span<const
 
 DTTMM_WIDE void take_step(double h, const Vector3& gravity, std::span<const Inertia> inertias, std::span<const Frame> now,
                           std::span<const Vector6> wrenches, std::span<const Vector6> u, std::span<Vector6> momenta,
-                          std::span<PastMotion> past) {
+                          std::span<Twist> velocities) {
     const size_t n = inertias.size();
-    assert(now.size() == n && wrenches.size() == n && u.size() == n && momenta.size() == n && past.size() == n);
-    for (size_t i = 0; i < n; ++i) {
-        const double* const velocity = past[i].velocity.linear.data();
-        Six(past[i].u.data()).store(past[i].u_before.data());
-        Six(velocity).store(past[i].velocity_before.linear.data());
-        Six(u[i].data()).store(past[i].u.data());
-    }
-    const auto velocity = [&](size_t i) { return past[i].velocity.linear.data(); };
+    assert(now.size() == n && wrenches.size() == n && u.size() == n && momenta.size() == n && velocities.size() == n);
+    const auto velocity = [&](size_t i) { return velocities[i].linear.data(); };
     size_t i = 0;
     for (; i + Lanes::kCount <= n; i += Lanes::kCount) {
         const Lanes mass(Lanes::Values{inertias[i].mass, inertias[i + 1].mass, inertias[i + 2].mass, inertias[i + 3].mass});

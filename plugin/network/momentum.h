@@ -17,13 +17,14 @@ struct InertiaOf {
 };
 using Inertia = InertiaOf<double>;
 
-/// How a frame moved over the two steps before t_n.
+/// How frames moved over the two steps before t_n, the later and the earlier one.
 struct PastMotion {
-    Vector6 u, u_before;              ///< over the later and the earlier one, each in the axes at its start [m/s, rad/s]
-    Twist velocity, velocity_before;  ///< the same, world
+    std::vector<Vector6> u, u_before;              ///< each in the axes at its start [m/s, rad/s]
+    std::vector<Twist> velocity, velocity_before;  ///< the same, world
     /// Velocity at the start of the later one.
-    Twist mean() const {
-        return {0.5 * (velocity.linear + velocity_before.linear), 0.5 * (velocity.angular + velocity_before.angular)};
+    Twist mean(size_t frame) const {
+        const Twist &later = velocity[frame], &earlier = velocity_before[frame];
+        return {0.5 * (later.linear + earlier.linear), 0.5 * (later.angular + earlier.angular)};
     }
 };
 
@@ -48,9 +49,9 @@ void add_changes(std::span<const Vector6> u, std::span<const Vector6> correction
                  std::span<const double> change, std::span<Vector6> sum);
 
 /// Takes a step with the motions u: the momenta about the frames' origins move on by the wrenches W over it and by weight,
-/// the angular ones also by what the origins move meanwhile, and the motion becomes the past one.
+/// the angular ones also by what the origins move meanwhile. velocities: takes the motions in world axes.
 void take_step(double h, const Vector3& gravity, std::span<const Inertia> inertias, std::span<const Frame> now,
                std::span<const Vector6> wrenches, std::span<const Vector6> u, std::span<Vector6> momenta,
-               std::span<PastMotion> past);
+               std::span<Twist> velocities);
 
 }  // namespace dttmm

@@ -29,7 +29,6 @@ protected:
             momenta.push_back(six(2, 0.01));
             wrenches.push_back(six(3e3, 40));
             u.push_back(six(3, 20));
-            past.push_back({six(3, 20), six(3, 20), {any(3), any(20)}, {any(3), any(20)}});
         }
         u[2].tail<3>() *= 300;
     }
@@ -48,7 +47,6 @@ protected:
     std::vector<Inertia> inertias;
     std::vector<Frame> frames;
     std::vector<Vector6> momenta, wrenches, u;
-    std::vector<PastMotion> past;
 
 private:
     std::mt19937 random_{17};
@@ -85,9 +83,9 @@ TEST_F(SomeFrames, LackWhatTheirMomentumDoesNotGive) {
 TEST_F(SomeFrames, TakeAStep) {
     for (size_t count = 0; count <= kCount; ++count) {
         std::vector<Vector6> moved(momenta.begin(), momenta.begin() + static_cast<long>(count));
-        std::vector<PastMotion> after(past.begin(), past.begin() + static_cast<long>(count));
-        take_step(kStepOfMomentum, kSomeGravity, first(inertias, count), first(frames, count), first(wrenches, count), first(u, count),
-                  moved, after);
+        std::vector<Twist> velocities(count);
+        take_step(kStepOfMomentum, kSomeGravity, first(inertias, count), first(frames, count), first(wrenches, count),
+                  first(u, count), moved, velocities);
         for (size_t i = 0; i < count; ++i) {
             const Matrix3 R = frames[i].axes();
             const Vector3 x = frames[i].origin(), next = x + kStepOfMomentum * R * u[i].head<3>();
@@ -98,12 +96,8 @@ TEST_F(SomeFrames, TakeAStep) {
             const Vector3 now = next.cross(p) + moved[i].tail<3>();
             const Vector3 change = kStepOfMomentum * (wrenches[i].tail<3>() + x.cross(force));
             EXPECT_LT((now - before - change).norm(), 1e-13 * (now.norm() + change.norm())) << i;
-            EXPECT_EQ(after[i].u, u[i]);
-            EXPECT_EQ(after[i].u_before, past[i].u);
-            EXPECT_EQ(after[i].velocity_before.linear, past[i].velocity.linear);
-            EXPECT_EQ(after[i].velocity_before.angular, past[i].velocity.angular);
-            EXPECT_LT((after[i].velocity.linear - R * u[i].head<3>()).norm(), 1e-14 * u[i].head<3>().norm());
-            EXPECT_LT((after[i].velocity.angular - R * u[i].tail<3>()).norm(), 1e-14 * u[i].tail<3>().norm());
+            EXPECT_LT((velocities[i].linear - R * u[i].head<3>()).norm(), 1e-14 * u[i].head<3>().norm());
+            EXPECT_LT((velocities[i].angular - R * u[i].tail<3>()).norm(), 1e-14 * u[i].tail<3>().norm());
         }
     }
 }

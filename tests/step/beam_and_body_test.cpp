@@ -455,28 +455,35 @@ inertia = {{ xx = {}, yy = {}, zz = {} }})",
                        mass, 1e-4 * mass, 0.0075 * mass, 0.0075 * mass);
 }
 
-/// Largest axial force at the root of a tube whose tip carries a body of 5 kg and is struck across with F [N], for 0.4 s.
-double largest_axial_force(int segments, double h, double F, const std::string& nodes, const std::string& body) {
-    return largest_of("tube.force.x", fmt::format(R"(
-simulation = {{ duration = 0.4, step = {} }}
+/// A tube, one end fixed, that carries a body: what differs from one to the other.
+struct LoadedTube {
+    std::string simulation, load, section, density;
+    int segments;
+};
+
+/// Largest axial force at the root of a tube. nodes, body: the rest of the model; seat: what the tube ends on.
+double largest_axial_force(const LoadedTube& tube, const std::string& nodes, const std::string& seat,
+                           const std::string& body) {
+    return largest_of("tube.force.x",
+                      fmt::format(R"(
+simulation = {{ {} }}
 [nodes]
 root = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
 {}
 {}
 [[load]]
 on = "body"
-direction = [0, 0.2, 1]
-force = {}
+{}
 [[element]]
 name = "tube"
 type = "beam"
 from = "root"
-to = "body"
+to = "{}"
 segments = {}
-section = {{ tube = ["50 mm", "30 mm"] }}
-material = {{ E = "210 GPa", poisson = 0.3, density = "7850 kg/m^3" }}
+section = {{ tube = {} }}
+material = {{ E = "210 GPa", poisson = 0.3, density = "{}" }}
 )",
-                                                  h, nodes, body, F, segments));
+                                  tube.simulation, nodes, body, tube.load, seat, tube.segments, tube.section, tube.density));
 }
 
 // Oracle: the same body as an element inside the network, which has no ports: nothing is answered linearly there. Bending
@@ -486,38 +493,16 @@ TEST(BeamAndBody, ABodyStruckAcrossPullsAlongItsBeamAsOneInsideTheNetwork) {
     const std::string inertia = "mass = 5\ninertia = { xx = 0.008, yy = 0.008, zz = 0.008 }\n";
     for (const auto& [segments, h, F] :
          {std::tuple{60, 0.5e-3, 1000.0}, {20, 1e-3, 150.0}, {40, 1e-3, 150.0}, {120, 1e-3, 100.0}}) {
+        const LoadedTube tube = {fmt::format("duration = 0.4, step = {}", h),
+                                 fmt::format("direction = [0, 0.2, 1]\nforce = {}", F), R"(["50 mm", "30 mm"])",
+                                 "7850 kg/m^3", segments};
         const double by_ode =
-            largest_axial_force(segments, h, F, "", "[[body]]\nname = \"body\"\nposition = [1.2, 0, 0]\n" + inertia);
+            largest_axial_force(tube, "", "body", "[[body]]\nname = \"body\"\nposition = [1.2, 0, 0]\n" + inertia);
         const double inside =
-            largest_axial_force(segments, h, F, "body = [1.2, 0, 0]",
+            largest_axial_force(tube, "body = [1.2, 0, 0]", "body",
                                 "[[element]]\nname = \"mass\"\ntype = \"rigid_body\"\nat = \"body\"\n" + inertia);
         EXPECT_NEAR(by_ode, inside, 0.05 * inside) << segments << " segments";
     }
-}
-
-/// Largest axial force of a thin tube whose tip carries a body of a gram, kicked by a moment, for 540 steps.
-double largest_axial_force_of_a_kicked_tube(int segments, const std::string& nodes, const std::string& seat,
-                                            const std::string& body) {
-    return largest_of("tube.force.x", fmt::format(R"(
-simulation = {{ duration = 0.1431, step = 0.000265 }}
-[nodes]
-root = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
-{}
-{}
-[[load]]
-on = "body"
-direction = [0.4, -0.8, -0.45]
-moment = {{ type = "haversine", peak = 0.004, start = 0.0105, width = 0.00186 }}
-[[element]]
-name = "tube"
-type = "beam"
-from = "root"
-to = "{}"
-segments = {}
-section = {{ tube = ["1.5 mm", "0.624 mm"] }}
-material = {{ E = "210 GPa", poisson = 0.3, density = "755 kg/m^3" }}
-)",
-                                                  nodes, body, seat, segments));
 }
 
 // Oracle: likewise. What a trial left over of the motion inside, and a linear answer of a change of the ports, was small
@@ -525,11 +510,15 @@ material = {{ E = "210 GPa", poisson = 0.3, density = "755 kg/m^3" }}
 TEST(BeamAndBody, AKickedBodyRingsAlongItsBeamAsOneInsideTheNetwork) {
     const std::string inertia = "mass = 0.00104\ninertia = { xx = 4.0785e-9, yy = 5.6801e-9, zz = 7.6353e-9 }\n";
     for (const int segments : {10, 30}) {
-        const double by_ode = largest_axial_force_of_a_kicked_tube(
-            segments, "", "body.seat",
+        const LoadedTube tube = {"duration = 0.1431, step = 0.000265",
+                                 "direction = [0.4, -0.8, -0.45]\nmoment = { type = \"haversine\", peak = 0.004, start = "
+                                 "0.0105, width = 0.00186 }",
+                                 R"(["1.5 mm", "0.624 mm"])", "755 kg/m^3", segments};
+        const double by_ode = largest_axial_force(
+            tube, "", "body.seat",
             "[[body]]\nname = \"body\"\nposition = [0.073, 0.001, -0.0015]\nmarkers.seat = [0, -0.001, 0.0015]\n" + inertia);
-        const double inside = largest_axial_force_of_a_kicked_tube(
-            segments, "body = [0.073, 0, 0]", "body",
+        const double inside = largest_axial_force(
+            tube, "body = [0.073, 0, 0]", "body",
             "[[element]]\nname = \"mass\"\ntype = \"rigid_body\"\nat = \"body\"\ncenter_of_mass = [0, 0.001, -0.0015]\n" +
                 inertia);
         EXPECT_NEAR(by_ode, inside, 0.005 * inside) << segments << " segments";

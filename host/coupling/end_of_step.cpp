@@ -356,13 +356,17 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
         if (pass == 0 || networks.is_implicit() || stiffness_wanted_) evaluate(now, networks);
         correct(now);
         if (has_joints) raise_floors();
-        if (!judge(pass) || pass < first_trusted || networks.is_rough()) continue;
+        if (!judge(pass) || pass < first_trusted || networks.rough() != Networks::kNone) continue;
         if (!revise_stops(now)) {
             form_feedback(now);
             return feedback_;
         }
         first_trusted = pass + 2;
     }
+    if (networks.rough() != Networks::kNone)
+        throw Error(ExitCode::plugin_failure,
+                    fmt::format("t = {:.9g} s: element \"{}\": its plugin calls its answers rough after {} passes still",
+                                time_, networks.instances()[networks.rough()].element_name(0), kMostPasses));
     fail(kMostPasses);
 }
 

@@ -266,10 +266,10 @@ const double* Networks::gather_loads(size_t network, const double* node_loads) {
 
 void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches) {
     if (is_implicit_) gather(trial, step_size_);
-    is_rough_ = false;
+    rough_ = kNone;
     for (size_t n = 0; n < instances_.size(); ++n) {
         tell_time(time_, [&] {
-            if (is_implicit_) is_rough_ |= instances_[n].expect(motions_.data() + slots_[n].port);
+            if (is_implicit_ && instances_[n].expect(motions_.data() + slots_[n].port)) rough_ = std::min(rough_, n);
             instances_[n].evaluate(motions_.data() + slots_[n].port, &wrenches_[slots_[n].wrench], nullptr);
         });
         scatter(n, wrenches);
@@ -278,12 +278,12 @@ void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches) {
 
 void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches, const StiffnessSink& stiffness) {
     gather(trial, step_size_);
-    is_rough_ = false;
+    rough_ = kNone;
     for (size_t n = 0; n < instances_.size(); ++n) {
         const auto size = 6 * static_cast<size_t>(instances_[n].port_count());
         stiffness_.resize(size * size);
         tell_time(time_, [&] {
-            is_rough_ |= instances_[n].expect(motions_.data() + slots_[n].port);
+            if (is_implicit_ && instances_[n].expect(motions_.data() + slots_[n].port)) rough_ = std::min(rough_, n);
             instances_[n].evaluate(motions_.data() + slots_[n].port, &wrenches_[slots_[n].wrench], stiffness_.data());
         });
         scatter(n, wrenches);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "loader/network_instance.h"
@@ -48,12 +49,14 @@ public:
     /// node_loads: 6 per node of the model, at the end of the step.
     void begin_step(const dttmm_step& step, const double* node_loads);
     /// Adds the wrenches that act over the open step if the bodies end it as in `trial`. Throws Error(numerical_failure)
-    /// naming element and body when one is not finite or beyond 1e15 N. Unless is_implicit(), `trial` is not looked at.
+    /// naming element and body when one is not finite or beyond 1e15 N. Unless is_implicit(), `trial` is not looked at;
+    /// otherwise the networks are told to expect it first.
     void evaluate(const std::vector<BodyState>& trial, double* wrenches);
     /// The same, and hands out the stiffness of that wrench.
     void evaluate(const std::vector<BodyState>& trial, double* wrenches, const StiffnessSink& stiffness);
-    /// Whether the last answers want another trial before the step is committed.
-    bool is_rough() const { return is_rough_; }
+    /// The first network whose last answer wants another trial before the step is committed; kNone: none does.
+    static constexpr size_t kNone = std::numeric_limits<size_t>::max();
+    size_t rough() const { return rough_; }
     void commit_step(const std::vector<BodyState>& accepted);
 
     const std::vector<NetworkInstance>& instances() const { return instances_; }
@@ -100,7 +103,7 @@ private:
     std::vector<std::pair<int, int>> neighbours_;
     double weights_[3] = {0, 1, 0};
     bool is_implicit_ = false;
-    bool is_rough_ = false;
+    size_t rough_ = kNone;
 
     double step_size_ = 0;
     double time_ = 0;

@@ -17,8 +17,9 @@ namespace dttmm {
 
 namespace {
 
-/// Up to the members that minor version 1 appended.
-constexpr size_t kSizeOfMinor0 = offsetof(dttmm_plugin, create_modal), kSizeOfMinor1 = offsetof(dttmm_plugin, expect);
+/// Of the table of a minor version: up to the members that the next one appended.
+constexpr size_t kSizeOfMinor0 = offsetof(dttmm_plugin, create_modal), kSizeOfMinor1 = offsetof(dttmm_plugin, expect),
+                 kSizeOfMinor2 = offsetof(dttmm_plugin, expect) + sizeof(dttmm_plugin::expect);
 
 [[noreturn]] void fail(const std::string& name, const std::string& fault) {
     throw Error(ExitCode::plugin_failure, fmt::format("plugin {}: {}", name, fault));
@@ -111,7 +112,7 @@ PluginLibrary::PluginLibrary(std::string name, const dttmm_plugin* table, std::s
     : name_(std::move(name)), table_(checked(name_, table)), handle_(std::move(handle)) {}
 
 decltype(dttmm_plugin::expect) PluginLibrary::expect() const {
-    return table_->size >= sizeof(dttmm_plugin) ? table_->expect : nullptr;
+    return table_->size >= kSizeOfMinor2 ? table_->expect : nullptr;
 }
 
 bool PluginLibrary::has_modes() const {

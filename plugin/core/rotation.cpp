@@ -49,6 +49,12 @@ Matrix3Of<Lanes> large_rotation_from_vector(const Vector3Of<Lanes>& theta) {
     return lane_by_lane<Matrix3Of<Lanes>>([](const Vector3& one) { return rotation_from_vector(one); }, theta);
 }
 
+Vector3 large_turned(const Vector3& theta, const Vector3& v) { return large_rotation_from_vector(theta) * v; }
+
+Vector3Of<Lanes> large_turned(const Vector3Of<Lanes>& theta, const Vector3Of<Lanes>& v) {
+    return lane_by_lane<Vector3Of<Lanes>>([](const Vector3& one, const Vector3& of) { return turned(one, of); }, theta, v);
+}
+
 Vector3Of<Lanes> large_rotation_vector(const Matrix3Of<Lanes>& R) {
     return lane_by_lane<Vector3Of<Lanes>>([](const Matrix3& one) { return rotation_vector(one); }, R);
 }

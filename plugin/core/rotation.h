@@ -74,6 +74,8 @@ template <class Real>
 /// Where one angle is not small; of four: one after the other.
 Matrix3 large_rotation_from_vector(const Vector3& theta);
 Matrix3Of<Lanes> large_rotation_from_vector(const Vector3Of<Lanes>& theta);
+Vector3 large_turned(const Vector3& theta, const Vector3& v);
+Vector3Of<Lanes> large_turned(const Vector3Of<Lanes>& theta, const Vector3Of<Lanes>& v);
 Vector3 large_rotation_vector(const Matrix3& R);
 Vector3Of<Lanes> large_rotation_vector(const Matrix3Of<Lanes>& R);
 Vector3 large_moment_of_gradient(const Vector3& theta, const Vector3& v);
@@ -102,7 +104,7 @@ template <class Real>
                                                      const std::type_identity_t<Vector3Of<Real>>& v) {
     const Real squared = squared_norm<Real>(theta);
     if (!all_below(squared, detail::kSmall)) [[unlikely]]
-        return detail::large_rotation_from_vector(theta) * v;
+        return detail::large_turned(theta, v);
     const Vector3Of<Real> once = cross<Real>(theta, v);
     return v + detail::sinc(squared) * once + detail::versine(squared) * cross<Real>(theta, once);
 }

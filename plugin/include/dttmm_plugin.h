@@ -6,20 +6,21 @@
  *
  * Conventions, valid for every declaration below
  * ----------------------------------------------
- * Units     SI: m, kg, s, rad, N, N m.
- * Frame     world axes, right-handed, unless a comment says otherwise. Matrices are row-major.
- * Order     a pose change is [translation x y z; rotation x y z], a wrench [force x y z; moment x y z].
- * Wrench    of a port: acts on the host's body, at the port's position at t_n, the start of the step (linearise: at the
- * given instant). Where the forces of one instant make it up, those on all ports must balance there, or angular momentum is
- * lost; where those of several do, each must balance at its own. Memory    whoever calls owns every buffer it passes; what a
- * plugin returns by pointer lives as long as the instance or, for the table and what it points to, as long as the library
- * stays loaded. No allocated memory crosses. Errors    every function that can fail returns a dttmm_status; on anything but
- * DTTMM_OK (and DTTMM_AGAIN) it has filled *error (which the caller owns and which is never NULL) and the instance is as before the call. No
- * exception crosses. Threads   one thread at a time per instance; different instances may be used by different threads. No
- * statics. Phases    create -> [linearise] -> start -> { begin_step -> evaluate* -> commit_step | discard_step }* ->
- * destroy. A comment in [brackets] names the phases in which a function may be called. Versions  the table starts with its
- * size and version. Minor versions append members to it; a host reads only what `size` covers. The other structures stay as
- * they are within a major version.
+ * - Units: SI: m, kg, s, rad, N, N m.
+ * - Frame: world axes, right-handed, unless a comment says otherwise. Matrices are row-major.
+ * - Order: a pose change is [translation x y z; rotation x y z], a wrench [force x y z; moment x y z].
+ * - Wrench of a port: acts on the host's body, at the port's position at t_n, the start of the step (linearise: at the given
+ *   instant). Where the forces of one instant make it up, those on all ports must balance there, or angular momentum is
+ *   lost; where those of several do, each must balance at its own.
+ * - Memory: whoever calls owns every buffer it passes; what a plugin returns by pointer lives as long as the instance or,
+ *   for the table and what it points to, as long as the library stays loaded. No allocated memory crosses.
+ * - Errors: every function that can fail returns a dttmm_status; on anything but DTTMM_OK (and DTTMM_AGAIN) it has filled
+ *   *error (which the caller owns and which is never NULL) and the instance is as before the call. No exception crosses.
+ * - Threads: one thread at a time per instance; different instances may be used by different threads. No statics.
+ * - Phases: create -> [linearise] -> start -> { begin_step -> { [expect ->] evaluate }* -> commit_step | discard_step }* ->
+ *   destroy. A comment in [brackets] names the phases in which a function may be called.
+ * - Versions: the table starts with its size and version. Minor versions append members to it; a host reads only what `size`
+ *   covers. The other structures stay as they are within a major version.
  */
 #ifndef DTTMM_PLUGIN_H
 #define DTTMM_PLUGIN_H
@@ -335,8 +336,8 @@ typedef struct dttmm_plugin {
 
     /* The overall transfer equation, and how it is laid out as a zero-terminated text of at most `size` bytes (NULL: not
      * wanted). */
-    dttmm_status (*overall)(dttmm_modal *modal, double frequency, dttmm_overall *overall, char *layout, uint32_t size,
-                            dttmm_error *error);
+    dttmm_status (*overall)(dttmm_modal* modal, double frequency, dttmm_overall* overall, char* layout, uint32_t size,
+                            dttmm_error* error);
 
     /* Steady motion under unit harmonic wrenches, damping as the elements have it: `force` (6: force and moment, world) at
      * a point of body `on_body`, or of node `on_node` of the network (the other is -1); response: displacement per newton as
@@ -344,10 +345,12 @@ typedef struct dttmm_plugin {
     dttmm_status (*respond)(dttmm_modal* modal, double frequency, int32_t on_body, int32_t on_node, const double* point,
                             const double* force, double* bodies, double* nodes, dttmm_error* error);
 
-    /* Since minor 2; NULL: nothing comes of it. The ports will end the open step near `trial`; told before every evaluate, as
-     * the host comes to know it. The plugin may move there the point from which it works out its answers, which then differ by
-     * what it takes for good enough; evaluate stays pure from one such call to the next. Returns DTTMM_AGAIN where the answers
-     * are still rough: good enough for a trial, but to be expected once more before the step is committed. [step open] */
+    /* Since minor 2; NULL: the plugin need not know. The ports will end the open step near `trial`; told before every
+     * evaluate of an implicit network, as the host comes to know it. The plugin may move there the point from which it works
+     * out its answers, which then differ by what it takes for good enough; evaluate stays pure from one such call to the
+     * next. On an error its answers are again those of a step of which it has been told nothing. Returns DTTMM_AGAIN where
+     * they are still rough: good enough for a trial, but to be told once more before the step is committed. Who always says
+     * so ends the run. [step open] */
     dttmm_status (*expect)(dttmm_instance* instance, const dttmm_motion* trial, dttmm_error* error);
 } dttmm_plugin;
 

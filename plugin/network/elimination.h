@@ -100,6 +100,7 @@ private:
         int index = -1;          ///< into the array of plain pivots, or of the general ones
         int passed = -1;         ///< index into the array of rows passed on; −1: there never are any
     };
+    /// All that a solution wants to know of a plain pivot, close together; neighbour: −1: none.
     struct Plain {
         int frame, neighbour;
     };
@@ -154,7 +155,7 @@ private:
     int rigid_total_ = 0;
     std::vector<int> order_;        ///< position of every frame in the elimination
     std::vector<Pivot> pivots_;     ///< in that order
-    std::vector<int> plain_index_;  ///< of each; −1: it is not plain
+    std::vector<int> plain_index_;  ///< of each, out of it and close together; −1: it is not plain
     std::vector<Plain> plain_;
     std::vector<Matrix6> inverses_, gains_;  ///< of plain pivots: of the block, and that times the coupling
     std::vector<General> general_;

@@ -47,6 +47,7 @@ struct FrameView {
 struct Twist {
     Vector3 linear = Vector3::Zero(), angular = Vector3::Zero();
 };
+static_assert(sizeof(Twist) == 6 * sizeof(double));
 
 /// The frame of a pose.
 Frame make_frame(const Pose& pose);

@@ -107,7 +107,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     rigid_known_.resize(rigid_joints_.size());
     for (auto* list : {&past_.u, &past_.u_before}) list->assign(n, Vector6::Zero());
     for (auto* list : {&past_.velocity, &past_.velocity_before}) list->resize(n);
-    momenta_.resize(n);
+    momenta_.assign(n, Vector6::Zero());
     choose_burdened(mechanism);
     const auto rigid = static_cast<size_t>(elimination_.rigid_count()), ports = static_cast<size_t>(ports_);
     rigid_.assign(rigid, 0);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <span>
 #include <vector>
@@ -23,31 +24,33 @@ namespace dttmm {
 ///
 /// Newton's iteration with the matrix M + h² S, in the frames' axes, in which it changes with the deformations only, not
 /// with the motion of the whole: it is factored once per step size and kept until it converges slowly, or joints at ports
-/// or rigid directions have turned. Elastic directions enter it where the step is expected to end, for only their forces
+/// or rigid directions have turned. Elastic directions enter it where the step ends if all goes on, for only their forces
 /// there hang on the motion: by those of t_n, k h²/m times what a hinge turns in a step would be missing across it, and k
 /// h²/m is in the thousands where it is stiff. Rigid directions enter it where they are at t_n, in the middle of the three
 /// instants.
 ///
-/// Passes start from the extrapolated motion; the solution is accepted when θ/(1 − θ) × (last correction), θ the rate of
-/// convergence, is below kShare of the first one, which measures what the step itself leaves out, and of the motion; and, in
-/// the same way, what is left of the momentum is below kShare of the largest impulse of a joint, or what stiff joints make
-/// of the rounding of places: a stiff joint makes much of a small motion, and would feed its own vibration with what is
-/// left, step after step. The forces where it ends then move the momentum, in pairs that balance exactly, so that it is kept
-/// however few passes were taken; what the motion lacks to it is made up for in the next step.
+/// Passes start from the extrapolated motion; a solution is accepted when θ/(1 − θ) × (last correction), θ the rate of
+/// convergence, is below kShare of its first correction and of the motion, and, in the same way, what is left of the
+/// momentum is below kShare of the largest impulse of a joint: a stiff joint makes much of a small motion, and would feed
+/// its own vibration with what is left, step after step. (Where parts are free to turn, what is lacking before the last
+/// correction may not be much more either.) What is below the rounding of places, or no longer falls, is accepted too. The
+/// forces where it ends then move the momentum, in pairs that balance exactly, so that it is kept however few passes were
+/// taken; what the motion lacks to it is made up for in the next step.
 ///
 /// Where the host expects the ports to end the step it is solved for them (the anchor), and solved on wherever it expects
 /// them next: one iteration with the host's own. The answer to another motion of the ports is the linear one from there, as
 /// long as that is good enough, by what it left over when the anchor moved there in this step; not where joints at ports
 /// turn (the error of the force they tell grows with their stiffness) or parts are free to turn: there the anchor stays, and
-/// every motion is solved for from it. At the first motion that is expected one pass may do, where passes are known to
-/// converge: the host is told to come again. A step of small vibrations takes two passes or three, whatever the number of
+/// every motion is solved for from it. It stays too where the host does not come to rest in a few moves, and what is then
+/// rounding of the motion is answered linearly. At the first motion that is expected one pass may do, where passes are known
+/// to converge: the host is told to come again. A step of small vibrations takes two passes or three, whatever the number of
 /// frames.
 ///
 /// What a massless frame leaves unbalanced over a step by its own rule (MasslessFrames) its heir takes over, a frame nearby
 /// with a mass, so that no momentum is lost.
 class Interior {
 public:
-    static constexpr double kShare = 1e-6;  ///< of what may be left over
+    static constexpr double kShare = 1e-6;  ///< that may be left over, of the measures named above
     static constexpr int kMostPasses = 30;
 
     /// Throws Error(DTTMM_ERROR_MODEL) naming what cannot move as described: a massless node that nothing holds in some
@@ -105,6 +108,10 @@ private:
         Vector6 load[3];     ///< at the frame's origin, world, at t_{n+1} (forces off the origin left out), t_n, t_{n−1}
         Vector6 elastic[3];  ///< elastic forces on a massless frame, the same; at t_{n+1} once the step is taken
         Vector6 settled[2];  ///< ψ of MasslessFrames at t_n and t_{n−1}, axes of the frame
+        Burden() {
+            for (Vector6* list : {load, elastic}) std::fill_n(list, 3, Vector6::Zero());
+            std::fill_n(settled, 2, Vector6::Zero());
+        }
     };
     /// A load on a node that is not at its frame's origin.
     struct Lever {

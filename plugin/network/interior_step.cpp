@@ -26,17 +26,19 @@ constexpr double kTooSlow = 0.3;
 constexpr double kTurnedRows = 0.02;
 /// The same of joints at ports: as k h²/m of a stiff hinge is in the thousands, so is the error of the force they are told.
 constexpr double kTurnedPorts = 1e-4;
-/// A first pass at a step may be rough where passes contract by so much, and its correction is less than so many times that
-/// of the step before.
-constexpr double kRoughly = 0.1, kSudden = 10;
-/// After so many passes a correction that has not halved, and is so small a share of the motion, is rounding.
+/// A first pass at a step may be rough where passes contract by so much,
+constexpr double kRoughly = 0.1;
+/// and its correction is less than so many times that of the step before.
+constexpr double kSudden = 10;
+/// After so many passes a correction that has not halved is rounding,
 constexpr int kPassesToFall = 4;
+/// if it is so small a share of the motion, and the momentum is found.
 constexpr double kRumour = 1e-7;
 /// A linear answer may lack so much of the momentum that may be lacking: it errs in the same sense step after step.
-constexpr double kLinearly = 0.1;
-/// So often in a step the anchor moves; changes of the ports that are then so small a share of the motion are rounding.
+constexpr double kLinearly = 0.01;
+/// So often in a step the anchor moves. A change of the ports that is then below kRumour of the motion is rounding,
 constexpr int kMostMoves = 4;
-/// So much farther they are still answered linearly, lest answers flip.
+/// and up to so many times that they are answered linearly from then on, lest answers flip.
 constexpr double kFarther = 100;
 /// Of a frame's place, in the corrections: nothing finer can be asked for.
 constexpr double kRounding = 1e-14;
@@ -301,6 +303,7 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution, bool roughl
     const double h = mechanism.scheme.step_size(), floor = solution.floor;
     const Elimination* matrix = &elimination_;
     double rate = 0;
+    if (solution.has_own_matrix) solution.motion = solution.momentum = {};  // rates of a matrix that is no more
     for (int pass = 0; pass < kMostPasses; ++pass) {
         ++passes_;
         if (pass > 0) {
@@ -396,22 +399,24 @@ void Interior::take_port_change(const Mechanism& mechanism, std::span<const Fram
     }
 }
 
-/// The largest of a point of the ports' bodies [m/s].
+/// The largest of a point of the ports' bodies [m/s]; NaN if a port's motion is.
 double Interior::speed_of_port_change() const {
-    double squared = 0;
+    double largest = 0, poison = 0;  // the latter 0, or not a number
     for (size_t p = 0; p < port_u_.size(); ++p) {
         const auto change = port_change_.segment<6>(static_cast<Eigen::Index>(6 * p));
-        squared = std::max(
-            squared, change.head<3>().squaredNorm() + port_reach_[p] * port_reach_[p] * change.tail<3>().squaredNorm());
+        const double size =
+            change.head<3>().squaredNorm() + port_reach_[p] * port_reach_[p] * change.tail<3>().squaredNorm();
+        largest = std::max(largest, size);
+        poison += 0 * size;
     }
-    return std::sqrt(squared);
+    return std::sqrt(largest + poison);
 }
 
 /// Begins a solution for ports port_change_ away from the anchor by the linear answer. `solution` may be the anchor itself.
 void Interior::step_aside(const Mechanism& mechanism, std::span<const FrameView> ports, Solution& solution) const {
     for (size_t p = 0; p < port_u_.size(); ++p) solution.ports[p] = ports[p].copy();
-    const bool is_there = &solution == &anchor_ && moves_ == 0 && port_change_.isZero(0);  // where it was foreseen
-    if (!is_there) find_motion(anchor_, solution.u);
+    const bool is_as_foreseen = &solution == &anchor_ && moves_ == 0 && port_change_.isZero(0);
+    if (!is_as_foreseen) find_motion(anchor_, solution.u);
     rigid_change_.noalias() = rigid_responses_ * port_change_;
     for (size_t i = 0; i < solution.q.size(); ++i)
         solution.q[i] = anchor_.q[i] +
@@ -435,12 +440,18 @@ bool Interior::expect(const Mechanism& mechanism, std::span<const FrameView> por
     } else {
         if (!anchor_.is_rough && linear_answer_serves()) return false;
         anchor_.answer.speed = speed_of_port_change();
-        anchor_.correction += anchor_.answer.speed;
+        anchor_.correction += anchor_.answer.speed;  // of this and the linear answer, the first pass tells what is left
         ++moves_;
     }
     is_solved_ = false;
     step_aside(mechanism, ports, anchor_);
-    solve(mechanism, anchor_, is_first && !turns());
+    try {
+        solve(mechanism, anchor_, is_first && !turns());
+    } catch (...) {
+        predict(mechanism);
+        open_anchor(mechanism);
+        throw;
+    }
     is_solved_ = true;
     return anchor_.is_rough;
 }
@@ -455,8 +466,8 @@ const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::spa
     other_.momentum = anchor_.momentum;
     other_.scale = anchor_.scale;
     other_.correction = other_.residual = 0;
-    other_.slowest_rate = 0;
-    other_.has_own_matrix = false;
+    other_.slowest_rate = anchor_.slowest_rate;
+    other_.has_own_matrix = anchor_.has_own_matrix;
     step_aside(mechanism, ports, other_);
     solve(mechanism, other_, false);
     return other_;

@@ -76,7 +76,7 @@ DTTMM_WIDE void take_step(double h, const Vector3& gravity, std::span<const Iner
                           std::span<Twist> velocities) {
     const size_t n = inertias.size();
     assert(now.size() == n && wrenches.size() == n && u.size() == n && momenta.size() == n && velocities.size() == n);
-    const auto velocity = [&](size_t i) { return velocities[i].linear.data(); };
+    const auto velocity = [&](size_t i) { return reinterpret_cast<double*>(&velocities[i]); };
     size_t i = 0;
     for (; i + Lanes::kCount <= n; i += Lanes::kCount) {
         const Lanes mass(Lanes::Values{inertias[i].mass, inertias[i + 1].mass, inertias[i + 2].mass, inertias[i + 3].mass});

@@ -28,8 +28,6 @@ struct PastMotion {
     }
 };
 
-static_assert(sizeof(Twist) == 6 * sizeof(double));
-
 // Of all frames inside a network at once; the lists have one length.
 
 /// What momenta P− (world, over the step before) and wrenches W over a step of h (world) leave over of the momenta that a
@@ -43,8 +41,9 @@ void find_imbalance(double h, const Vector3& gravity, std::span<const Inertia> i
 /// numbers is.
 double largest_size(std::span<const Vector6> vectors, std::span<const double> weights);
 
-/// The motions u over a step and what is to be added to them: their corrections, and their responses to a change of the
-/// ports, each a matrix of 6 rows and a column for every number in `change`, one after the other; an empty `change`: none.
+/// The motions u over a step (`sum` may be the same) and what is to be added to them: their corrections, and their responses
+/// to a change of the ports, each a matrix of 6 rows and a column for every number in `change`, one after the other; an
+/// empty `change`: none.
 void add_changes(std::span<const Vector6> u, std::span<const Vector6> corrections, std::span<const double> responses,
                  std::span<const double> change, std::span<Vector6> sum);
 

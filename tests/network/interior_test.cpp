@@ -936,6 +936,10 @@ struct Bridge {
         ++n;
         begin();
     }
+    /// Until its answers there are no longer rough.
+    void expect(const std::vector<dttmm_motion>& trial) {
+        for (int times = 0; network.expect(trial.data()); ++times) ASSERT_LT(times, 2);
+    }
     std::vector<double> wrench(const std::vector<dttmm_motion>& trial) const {
         std::vector<double> out(12);
         network.evaluate(trial.data(), out.data(), nullptr);
@@ -1010,7 +1014,7 @@ TEST(Interior, PortsThatAreExpectedAreAnsweredAsIfSolvedFor) {
         return bridge.motions(bridge.n + 1, (1e-4 + off) * Vector6::Ones());
     };
     const auto before = told.wrench(told.motions(11));
-    while (told.network.expect(far(told, 0).data())) continue;
+    told.expect(far(told, 0));
     const auto there = told.wrench(far(told, 0)), solved = twin.wrench(twin.motions(11, 1e-4 * Vector6::Ones()));
     for (size_t i = 0; i < there.size(); ++i) EXPECT_NEAR(there[i], solved[i], 1e-6 * std::abs(solved[i])) << i;
     const auto beside = told.wrench(far(told, 1e-12));
@@ -1021,14 +1025,30 @@ TEST(Interior, PortsThatAreExpectedAreAnsweredAsIfSolvedFor) {
     EXPECT_NE(beside, there);
 }
 
-// Oracle: as in ThePortsFeelWhatTheInsideLoses, whether the host tells in every step where it expects the ports, in none or
-// in some.
+// Oracle: an instance that was told nothing.
+TEST(Interior, PortsThatAreNoNumbersAreRefusedAndForgotten) {
+    Bridge told, twin;
+    for (int n = 0; n < 10; ++n) told.step(), twin.step();
+    for (const bool knows_better : {false, true})
+        for (const size_t port : {0, 1})
+            for (const int at : {0, 1, 2}) {
+                if (knows_better) told.expect(told.motions(11, 1e-5 * Vector6::Ones()));
+                std::vector<dttmm_motion> bad = told.motions(11);
+                bad[port].position[at] = std::numeric_limits<double>::quiet_NaN();
+                EXPECT_THROW(told.network.expect(bad.data()), Error);
+                EXPECT_THROW(told.wrench(bad), Error);
+                EXPECT_EQ(told.wrench(told.motions(11)), twin.wrench(twin.motions(11)));
+            }
+}
+
+// Oracle: as in ThePortsFeelWhatTheInsideLoses, whether the host tells in every step where it expects the ports, in some or
+// in none.
 TEST(Interior, ThePortsFeelWhatTheInsideLosesWhetherToldOrNot) {
-    for (const int every : {1, 2, 3}) {
+    for (const int every : {1, 2, 3, 1000}) {
         Bridge bridge;
-        for (int n = 0; n < 60; ++n) {
+        for (int n = 1; n <= 60; ++n) {
             const auto trial = bridge.motions(bridge.n + 1, 1e-6 * std::sin(0.7 * n) * Vector6::Ones());
-            while (n % every == 0 && bridge.network.expect(trial.data())) continue;
+            if (n % every == 0) bridge.expect(trial);
             const Twist before = bridge.network.interior()->momentum(bridge.network.mechanism());
             const auto w = bridge.wrench(trial);
             bridge.network.commit_step(trial.data());
@@ -1254,12 +1274,13 @@ TEST(Interior, AVelocityInAFixedDirectionIsRefused) {
     }
 }
 
-// With the number of segments grows the stiffness of a joint, and with it the force by the way from trial to trial and by
-// the rounding of places; what the linear answer leaves over does not.
+// A pass where the body is expected first, and one where the host comes to find it; from there on the linear answer serves.
+// The stiffness of a joint grows with the number of segments, and with it the force by the body's way from trial to trial;
+// what the linear answer leaves over does not. Some steps more for the first of all.
 TEST(Interior, ABeamIsSolvedTwicePerStepHoweverFinelyDivided) {
     constexpr double h = 0.25e-3, amplitude = 4e-5, omega = 490;
     constexpr uint64_t steps = 200;
-    for (const int segments : {10, 200, 3000}) {
+    for (const int segments : {200, 3000}) {
         NetworkModel model;
         model.node("wall", kGround, vec(0, 0, 0));
         model.node("body", kPort, vec(1.2, 0, 0));
@@ -1281,15 +1302,17 @@ TEST(Interior, ABeamIsSolvedTwicePerStepHoweverFinelyDivided) {
         for (uint64_t n = 0; n < steps; ++n) {
             network.begin_step({n, static_cast<double>(n) * h, h}, nullptr);
             Vector6 wrench;
-            for (double off : {1e-7, 2e-10, 1e-13}) {
+            bool is_rough = true;
+            for (double off : {1e-7, 3e-11, 1e-13}) {
                 const dttmm_motion trial = body(n + 1, off);
-                network.expect(&trial);
+                is_rough = network.expect(&trial);
                 network.evaluate(&trial, wrench.data(), nullptr);
             }
+            ASSERT_FALSE(is_rough);
             const dttmm_motion end = body(n + 1, 0);
             network.commit_step(&end);
         }
-        EXPECT_LT(static_cast<double>(network.interior()->passes()), 2.5 * steps) << segments;
+        EXPECT_LE(network.interior()->passes(), 2 * steps + 10) << segments;
     }
 }
 

@@ -19,7 +19,8 @@ const Vector3 kSomeGravity(0.3, -1.2, -9.7);
 /// Frames with everything about them, all different; one turns far.
 class SomeFrames : public testing::Test {
 protected:
-    static constexpr size_t kCount = 7;  // a four and every remainder, taken in turn
+    static constexpr size_t kCount =
+        11;  // two fours and every remainder, taken in turn; the one that turns far in the first
 
     SomeFrames() {
         for (size_t i = 0; i < kCount; ++i) {

@@ -44,7 +44,9 @@ enum fault {
     overrun,
     error_at_step_1000,
     silent_error,
-    rough /* no fault: it wants every step's end to be expected twice */
+    rough, /* no fault: it wants to be told twice where a step ends */
+    always_rough,
+    minor_1 /* no fault: a table that ends before `expect` */
 };
 
 enum { FAILING_STEP = 1000 };
@@ -135,13 +137,14 @@ static dttmm_status discard_step(dttmm_instance *instance, dttmm_error *error) {
 }
 
 static dttmm_status expect(dttmm_instance *instance, const dttmm_motion *trial, dttmm_error *error) {
-    (void)trial, (void)error;
-    return ++instance->expected == 1 ? DTTMM_AGAIN : DTTMM_OK;
+    (void)trial;
+    if (FAULT == minor_1) return fail(error, DTTMM_ERROR_INTERNAL, 0, "the host reads beyond the table");
+    return ++instance->expected == 1 || FAULT == always_rough ? DTTMM_AGAIN : DTTMM_OK;
 }
 
 static int32_t is_implicit(const dttmm_instance *instance) {
     (void)instance;
-    return FAULT == rough;
+    return FAULT == rough || FAULT == always_rough || FAULT == minor_1;
 }
 
 static void load_weights(const dttmm_instance *instance, double weights[3]) {
@@ -196,7 +199,9 @@ static const dttmm_element_type types[] = {
 };
 
 static const dttmm_plugin table = {
-    FAULT == small_table ? offsetof(dttmm_plugin, outputs) : sizeof(dttmm_plugin),
+    FAULT == small_table ? offsetof(dttmm_plugin, outputs)
+    : FAULT == minor_1   ? offsetof(dttmm_plugin, expect)
+                         : sizeof(dttmm_plugin),
     FAULT == other_major ? DTTMM_PLUGIN_MAJOR + 1 : DTTMM_PLUGIN_MAJOR,
     DTTMM_PLUGIN_MINOR,
     "faulty",
@@ -226,7 +231,7 @@ static const dttmm_plugin table = {
     NULL,
     NULL,
     NULL,
-    FAULT == rough ? expect : NULL,
+    FAULT == rough || FAULT == always_rough || FAULT == minor_1 ? expect : NULL,
 };
 
 const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major) {

@@ -1070,18 +1070,21 @@ TEST(Interior, ARestoredNetworkRepeatsItsFutureToTheBit) {
     std::vector<unsigned char> state(bridge.network.state_size());
     bridge.network.save_state(state.data(), state.size());
     const uint64_t saved_at = bridge.n;
+    const auto outputs = [&] {
+        std::vector<double> values(bridge.network.channels().size());
+        bridge.network.outputs(values.data());
+        return values;
+    };
     const auto future = [&] {
-        std::vector<std::vector<double>> wrenches;
+        std::vector<std::vector<double>> seen = {outputs()};
         bridge.begin();
         for (int n = 0; n < 20; ++n) {
-            wrenches.push_back(bridge.wrench(bridge.motions(bridge.n + 1)));
+            seen.push_back(bridge.wrench(bridge.motions(bridge.n + 1)));
             bridge.step();
         }
         bridge.network.discard_step();
-        std::vector<double> values(bridge.network.channels().size());
-        bridge.network.outputs(values.data());
-        wrenches.push_back(values);
-        return wrenches;
+        seen.push_back(outputs());
+        return seen;
     };
     const auto first = future();
     bridge.network.restore_state(state.data(), state.size());

@@ -318,6 +318,9 @@ void Interior::assemble(const Mechanism& mechanism, const std::vector<Frame>& at
         for (int end : {0, 1}) near_columns_[k].at[end] = local_columns(mechanism, j, end);
     }
     for (size_t j : rigid_joints_) set_rigid_rows(mechanism, j, mechanism.pose(j), mechanism.theta(j), elimination_);
+    stiffest_ = 0;
+    for (int i = 0; i < count_; ++i)
+        stiffest_ = std::max(stiffest_, elimination_.diagonal(i).diagonal().head<3>().maxCoeff());
 }
 
 /// Adds to every inertia so much that it shows beside the stiffness that holds its frame: over a long step it may otherwise

@@ -138,7 +138,7 @@ private:
     struct LinearAnswer {
         double speed = 0;     ///< of the move, the largest of a point [m/s]; 0: there was none
         double motion = 0;    ///< still to be corrected [m/s]
-        double momentum = 0;  ///< lacking [N s]
+        double momentum = 0;  ///< lacking, but for what rounding feigns [N s]
         bool is_known_for(double change) const { return change <= speed; }
     };
     struct Books {
@@ -300,6 +300,7 @@ private:
     Eigen::MatrixXd rigid_responses_;  ///< the same of the forces of rigid directions, times h
     MasslessFrames massless_;
 
+    double stiffest_ = 0;    ///< what the matrix has most of against the shift of a frame [kg]
     bool is_stale_ = false;  ///< the factor no longer serves
     bool is_fresh_ = false;  ///< it was formed for the open step
 

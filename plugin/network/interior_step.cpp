@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
 #include "core/rotation.h"
@@ -42,7 +43,9 @@ constexpr int kMostMoves = 4;
 constexpr double kFarther = 100;
 /// Of a frame's place, in the corrections: nothing finer can be asked for.
 constexpr double kRounding = 1e-14;
-/// Smallest size of a network [m], for that.
+/// Of the place itself, of which stiff joints make forces.
+constexpr double kRoundingOfPlace = 2 * std::numeric_limits<double>::epsilon();
+/// Smallest size of a network [m], for both.
 constexpr double kSmallestSize = 1e-6;
 /// Of the motion: no more digits are asked for.
 constexpr double kFinest = 1e-13;
@@ -333,7 +336,7 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution, bool roughl
             solution.first_correction = std::max(solution.first_correction, first);
             solution.tolerance = std::max(floor, kShare * std::min(first, solution.scale));
             solution.answer.motion = correction;
-            solution.answer.momentum = residual;
+            solution.answer.momentum = std::max(residual - kRoundingOfPlace * size_ / h * stiffest_, 0.0);
         }
         solution.correction = correction;
         solution.residual = residual;

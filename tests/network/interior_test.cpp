@@ -1278,12 +1278,12 @@ TEST(Interior, AVelocityInAFixedDirectionIsRefused) {
 }
 
 // A pass where the body is expected first, and one where the host comes to find it; from there on the linear answer serves.
-// The stiffness of a joint grows with the number of segments, and with it the force by the body's way from trial to trial;
-// what the linear answer leaves over does not. Some steps more for the first of all.
+// The stiffness of a joint grows with the number of segments, and with it the force by the body's way from trial to trial
+// and by the rounding of places; what the linear answer leaves over does not. Some passes more for the first step.
 TEST(Interior, ABeamIsSolvedTwicePerStepHoweverFinelyDivided) {
     constexpr double h = 0.25e-3, amplitude = 4e-5, omega = 490;
-    constexpr uint64_t steps = 200;
-    for (const int segments : {200, 3000}) {
+    constexpr uint64_t steps = 60;
+    for (const int segments : {200, 20000}) {
         NetworkModel model;
         model.node("wall", kGround, vec(0, 0, 0));
         model.node("body", kPort, vec(1.2, 0, 0));

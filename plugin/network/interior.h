@@ -212,12 +212,13 @@ private:
     bool may_be_rough(double correction, const Solution& solution) const;
     bool is_good_enough(double correction, double residual, const Solution& solution) const;
     double speed_of_port_change() const;
-    /// Whether no answer is linear.
-    bool turns() const;
+    /// Whether every motion of the ports is solved for.
+    bool is_never_linear() const;
     bool linear_answer_serves() const;
     Vector3 mean_velocity(const Mechanism& mechanism, const Solution& solution) const;
     void take_measures(const Mechanism& mechanism, Solution& solution) const;
     void solve(const Mechanism& mechanism, Solution& solution, bool roughly) const;
+    [[noreturn]] void refuse_lack_of_convergence(const Mechanism& mechanism, const Solution& solution) const;
     void look_at_joints(const Mechanism& mechanism);
     void form_matrix(const Mechanism& mechanism, const std::vector<Frame>& at);
     void factor_static(const Mechanism& slow, const std::function<void()>& hold);
@@ -225,7 +226,7 @@ private:
     void predict(const Mechanism& mechanism);
     void open_anchor(const Mechanism& mechanism);
     void take_port_change(const Mechanism& mechanism, std::span<const FrameView> ports) const;
-    void step_aside(const Mechanism& mechanism, std::span<const FrameView> ports, Solution& solution) const;
+    void begin_solution(const Mechanism& mechanism, std::span<const FrameView> ports, Solution& solution) const;
     const Solution& respond(const Mechanism& mechanism, std::span<const FrameView> ports, bool finally) const;
     /// The motion of all inner frames over the step, with the linear answer to the ports.
     void find_motion(const Solution& solution, std::span<Vector6> motion) const;

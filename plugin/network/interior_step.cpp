@@ -34,13 +34,13 @@ constexpr double kSudden = 10;
 /// After so many passes a correction that has not halved is rounding,
 constexpr int kPassesToFall = 4;
 /// if it is so small a share of the motion, and the momentum is found.
-constexpr double kRumour = 1e-7;
+constexpr double kLargestRounding = 1e-7;
 /// A linear answer may lack so much of the momentum that may be lacking: it errs in the same sense step after step.
 constexpr double kLinearly = 0.01;
-/// So often in a step the anchor moves. A change of the ports that is then below kRumour of the motion is rounding,
+/// So often in a step the anchor moves. A change of the ports that is then below kLargestRounding of the motion is rounding,
 constexpr int kMostMoves = 4;
 /// and up to so many times that they are answered linearly from then on, lest answers flip.
-constexpr double kFarther = 100;
+constexpr double kStillLinear = 100;
 /// Of a frame's place, in the corrections: nothing finer can be asked for.
 constexpr double kRounding = 1e-14;
 /// Of the place itself, of which stiff joints make forces.
@@ -342,11 +342,15 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution, bool roughl
         solution.residual = residual;
         solution.is_rough = !is_good_enough(correction, residual, solution);
         // What no longer falls is rounding, if it is small
-        if (pass >= kPassesToFall && rate > 0.5 && correction <= kRumour * solution.scale &&
+        if (pass >= kPassesToFall && rate > 0.5 && correction <= kLargestRounding * solution.scale &&
             residual <= kShare * solution.impulse)
             solution.is_rough = false;
         if (!solution.is_rough || (roughly && may_be_rough(correction, solution))) return;
     }
+    refuse_lack_of_convergence(mechanism, solution);
+}
+
+void Interior::refuse_lack_of_convergence(const Mechanism& mechanism, const Solution& solution) const {
     const auto left = [&](size_t i) {
         return solution.change[i].head<3>().squaredNorm() + turn_weight_[i] * solution.change[i].tail<3>().squaredNorm();
     };
@@ -375,15 +379,15 @@ bool Interior::is_good_enough(double correction, double residual, const Solution
            (!has_free_parts_ || residual <= kTrusted * allowed);
 }
 
-bool Interior::turns() const { return has_free_parts_ || books_.port_turn > kTurnedPorts; }
+bool Interior::is_never_linear() const { return has_free_parts_ || books_.port_turn > kTurnedPorts; }
 
 /// Whether the linear answer to port_change_ leaves no more over than is good enough.
 bool Interior::linear_answer_serves() const {
     if (!is_solved_) return false;
     if (port_change_.isZero(0)) return true;
-    if (anchor_.is_rough || turns()) return false;
+    if (anchor_.is_rough || is_never_linear()) return false;
     const double change = speed_of_port_change();
-    if (stays_linear_) return change <= kFarther * kRumour * anchor_.scale;
+    if (stays_linear_) return change <= kStillLinear * kLargestRounding * anchor_.scale;
     if (change <= anchor_.floor) return true;
     if (!anchor_.answer.is_known_for(change)) return false;
     const double share = change / anchor_.answer.speed;
@@ -416,7 +420,7 @@ double Interior::speed_of_port_change() const {
 }
 
 /// Begins a solution for ports port_change_ away from the anchor by the linear answer. `solution` may be the anchor itself.
-void Interior::step_aside(const Mechanism& mechanism, std::span<const FrameView> ports, Solution& solution) const {
+void Interior::begin_solution(const Mechanism& mechanism, std::span<const FrameView> ports, Solution& solution) const {
     for (size_t p = 0; p < port_u_.size(); ++p) solution.ports[p] = ports[p].copy();
     const bool is_as_foreseen = &solution == &anchor_ && moves_ == 0 && port_change_.isZero(0);
     if (!is_as_foreseen) find_motion(anchor_, solution.u);
@@ -430,10 +434,10 @@ void Interior::step_aside(const Mechanism& mechanism, std::span<const FrameView>
 
 bool Interior::expect(const Mechanism& mechanism, std::span<const FrameView> ports) {
     // Where parts turn, or trials do not come to rest, all answers are worked out from one point: smooth, as the host wants
-    if (is_solved_ && !anchor_.is_rough && turns()) return false;
+    if (is_solved_ && !anchor_.is_rough && is_never_linear()) return false;
     take_port_change(mechanism, ports);
     if (is_solved_ && !anchor_.is_rough && moves_ >= kMostMoves) {
-        stays_linear_ = stays_linear_ || speed_of_port_change() <= kRumour * anchor_.scale;
+        stays_linear_ = stays_linear_ || speed_of_port_change() <= kLargestRounding * anchor_.scale;
         return false;
     }
     const bool is_first = !is_solved_;
@@ -447,9 +451,9 @@ bool Interior::expect(const Mechanism& mechanism, std::span<const FrameView> por
         ++moves_;
     }
     is_solved_ = false;
-    step_aside(mechanism, ports, anchor_);
+    begin_solution(mechanism, ports, anchor_);
     try {
-        solve(mechanism, anchor_, is_first && !turns());
+        solve(mechanism, anchor_, is_first && !is_never_linear());
     } catch (...) {
         predict(mechanism);
         open_anchor(mechanism);
@@ -471,7 +475,7 @@ const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::spa
     other_.correction = other_.residual = 0;
     other_.slowest_rate = anchor_.slowest_rate;
     other_.has_own_matrix = anchor_.has_own_matrix;
-    step_aside(mechanism, ports, other_);
+    begin_solution(mechanism, ports, other_);
     solve(mechanism, other_, false);
     return other_;
 }

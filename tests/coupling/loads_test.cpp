@@ -8,6 +8,7 @@
 
 #include "model/error.h"
 #include "support/models.h"
+#include "support/states.h"
 
 namespace dttmm {
 namespace {
@@ -34,13 +35,6 @@ Model loaded_bodies() {
     return model;
 }
 
-std::vector<BodyState> states_of(const Model& model) {
-    const World world(model.bodies);
-    std::vector<BodyState> at(model.bodies.size());
-    world.read_states(at);
-    return at;
-}
-
 // Oracle: by hand: m g on every body; the force at the marker with its moment about the centre of mass; the moment alone.
 TEST(Loads, AddUpToTheWrenchOnEachBody) {
     const Model model = loaded_bodies();
@@ -50,7 +44,7 @@ TEST(Loads, AddUpToTheWrenchOnEachBody) {
     loads.begin_step({0, 0, h});
     loads.begin_step({1, h, h});
     std::vector<double> wrenches(12, 0.0);
-    loads.add_over_step(states_of(model), wrenches.data());
+    loads.add_over_step(test::start_states(model), wrenches.data());
 
     const auto f = [](double t) { return 100 + 30 * t + 7 * t * t; };
     const Eigen::Vector3d force = (f(0) + 2 * f(h) + f(2 * h)) / 4 * Eigen::Vector3d(1, 2, -2) / 3;
@@ -73,7 +67,7 @@ TEST(Loads, BeforeTheStartALoadCountsAsAtTheStart) {
     loads.start(0.2);
     loads.begin_step({0, 0.2, h});
     std::vector<double> wrenches(12, 0.0);
-    loads.add_over_step(states_of(model), wrenches.data());
+    loads.add_over_step(test::start_states(model), wrenches.data());
     const auto f = [](double t) { return 100 + 30 * t + 7 * t * t; };
     EXPECT_NEAR(wrenches[6], (0.75 * f(0.2) + 0.25 * f(0.5)) / 3, 1e-12);
 }
@@ -88,7 +82,7 @@ TEST(Loads, PowerIsForceTimesTheVelocityOfItsPoint) {
     Loads loads(model, weights);
     loads.start(0);
     loads.begin_step({0, 0, 0.01});
-    const std::vector<BodyState> at = states_of(model);
+    const std::vector<BodyState> at = test::start_states(model);
     const Eigen::Vector3d arm = model.bodies[1].rotation * Eigen::Vector3d(0.4, -0.1, 0.2);
     const Eigen::Vector3d velocity = model.bodies[1].velocity + model.bodies[1].angular_velocity.cross(arm);
     EXPECT_NEAR(loads.power_at_start(at, at), 100 * Eigen::Vector3d(1, 2, -2).dot(velocity) / 3 + 4 * 7, 1e-11);

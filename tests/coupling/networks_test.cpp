@@ -6,16 +6,10 @@
 #include <cmath>
 
 #include "support/models.h"
+#include "support/states.h"
 
 namespace dttmm {
 namespace {
-
-std::vector<BodyState> states(const Model& model) {
-    const World world(model.bodies);
-    std::vector<BodyState> at(model.bodies.size());
-    world.read_states(at);
-    return at;
-}
 
 /// Two turned bodies with centres of mass off their origins; a spring to the ground, and one between turned markers.
 Model two_bodies(const Plugins& plugins) {
@@ -46,7 +40,7 @@ TEST(Networks, BodyWrenchesAreThoseOfTheirSprings) {
     const Plugins plugins;
     const Model model = two_bodies(plugins);
     Networks networks(model, plugins);
-    const std::vector<BodyState> rest = states(model);
+    const std::vector<BodyState> rest = test::start_states(model);
     std::vector<BodyState> moved = rest;
     moved[0].position += Eigen::Vector3d(0.01, -0.02, 0.03);
     moved[1].position += Eigen::Vector3d(-0.05, 0.01, 0.02);
@@ -77,7 +71,7 @@ TEST(Networks, BodyStiffnessIsTheDerivativeOfTheBodyWrenches) {
     const Plugins plugins;
     const Model model = two_bodies(plugins);
     Networks networks(model, plugins);
-    const std::vector<BodyState> rest = states(model);
+    const std::vector<BodyState> rest = test::start_states(model);
     Eigen::Matrix<double, 12, 12> S = Eigen::Matrix<double, 12, 12>::Zero();
     const Networks::LinearSink add = [&](size_t, int row, int column, const Networks::Block& block, const Networks::Block&) {
         S.block<6, 6>(6 * row, 6 * column) += block;
@@ -117,7 +111,7 @@ TEST(Networks, DampingIsHandedOutElementByElement) {
         EXPECT_LT((C - (network == 0 ? 3.0 / 700 : 2.0 / 400) * K).norm(), 1e-14 * K.norm());
     };
     std::vector<double> wrenches(12);
-    networks.linearise(states(model), wrenches.data(), &compare);
+    networks.linearise(test::start_states(model), wrenches.data(), &compare);
     EXPECT_EQ(blocks[0], 1);
     EXPECT_EQ(blocks[1], 4);
     EXPECT_EQ(networks.name(0), "leg");

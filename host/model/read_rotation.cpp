@@ -10,6 +10,8 @@ namespace dttmm {
 namespace {
 
 constexpr double kNormTolerance = 1e-6;
+/// More is meant in degrees [rad].
+constexpr double kLargestAngle = 2 * M_PI * (1 + 1e-9);
 
 std::optional<Eigen::Matrix3d> read_axis_and_angle(const TableReader& outer, const TomlMember& member) {
     const TableReader table(outer.context(), member.value, outer.what("rotation"), {"axis", "angle"});
@@ -17,6 +19,11 @@ std::optional<Eigen::Matrix3d> read_axis_and_angle(const TableReader& outer, con
     const auto axis = read_direction(table, "axis");
     const auto angle = table.number("angle", "rad");
     if (!axis || !angle) return std::nullopt;
+    if (std::abs(*angle) > kLargestAngle) {
+        table.error(table.find("angle")->value.place,
+                    fmt::format("angle must be within a turn, got {:g} rad; degrees stand in quotes: \"30 deg\"", *angle));
+        return std::nullopt;
+    }
     return Eigen::AngleAxisd(*angle, *axis).toRotationMatrix();
 }
 

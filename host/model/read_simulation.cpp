@@ -175,7 +175,8 @@ OutputSettings read_output(const TableReader& file, const SimulationSettings& si
     const Place place = table.find("step")->value.place;
     const double every = *step / simulation.step;
     if (!is_whole(every) || every < 0.5) {
-        table.error(place, fmt::format("step must be a whole multiple of the time step ({}), got {}",
+        table.error(place, fmt::format("step must be a whole multiple of the time step ({}), got {}; leave it out to record "
+                                       "every step",
                                        seconds(simulation.step), seconds(*step)));
     } else if (every > 1e9) {
         table.error(place, fmt::format("step is {:.3g} time steps; at most 1e9 are allowed", every));

@@ -169,6 +169,8 @@ void report(const toml::parse_error& error, std::string_view text, Diagnostics& 
         message += "; a number has a decimal point: 2.5";
     } else if ((says("whitespace, saw '") || says("expected digit, saw '")) && is_digit_before(line.content, place.column)) {
         message += "; a value with a unit stands in quotes: \"800 mm\"";
+    } else if (says("could not determine value type")) {
+        message += "; a text stands in quotes: \"hinge\"";
     }
     diagnostics.error(place, message);
 }

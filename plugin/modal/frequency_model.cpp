@@ -7,6 +7,7 @@
 #include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "core/error.h"
@@ -23,6 +24,8 @@ using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 constexpr int kMostPieces = 20000;
 /// Of the eigenvalues of a pivot when all that moves is held: smaller ones, as share of the largest, stem from rounding.
 constexpr double kSingular = 1e-14;
+/// Of the entries of a piece's stiffness.
+constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
 /// Cosine of an angle that is rounding.
 constexpr double kAligned = 1e-9;
 
@@ -63,6 +66,21 @@ std::vector<double> key_of(const Line& line, double length, Directions active) {
 bool is_same(const std::vector<double>& a, const std::vector<double>& b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                       [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); });
+}
+
+/// The strain energy V of a piece by the motion of its ends, local axes: uᵀ D u = 2 (V − λ T') and uᵀ (−∂D/∂λ) u = 2 T'.
+/// A short piece's ends move almost as one rigid body, which strains it by what rounding makes of D and, of order λ², by
+/// its own mass: that motion is taken out where it makes no more than rounding would.
+FrequencyModel::Strain strain_of(const Matrix12& D, const Matrix12& lambda_M, const Vector12& ends, double length) {
+    Vector12 deformed;
+    deformed << Vector6::Zero(), ends.segment<3>(6) - ends.head<3>() - length * Vector3(0, ends(5), -ends(4)),
+        ends.tail<3>() - ends.segment<3>(3);
+    const Matrix12 B = D + lambda_M;
+    const double of_ends = 0.5 * ends.dot(B * ends), of_deformed = 0.5 * deformed.dot(B * deformed);
+    const double rounding = kRounding * ends.cwiseAbs().dot(D.cwiseAbs() * ends.cwiseAbs());
+    const double difference = std::abs(of_ends - of_deformed);
+    return difference <= rounding ? FrequencyModel::Strain{of_deformed, difference}
+                                  : FrequencyModel::Strain{of_ends, rounding};
 }
 
 }  // namespace
@@ -520,31 +538,36 @@ Matrix6 FrequencyModel::by_node(size_t node) const {
     return masked(at_point(position_of_node(node), positions_[static_cast<size_t>(frame_of_node(node))]));
 }
 
-std::vector<double> FrequencyModel::strain_energies(const Motion& u, size_t elements) const {
-    std::vector<double> energies(elements);
-    const auto add = [&](int element, double energy) {
-        if (element >= 0) energies[static_cast<size_t>(element)] += energy;
+std::vector<FrequencyModel::Strain> FrequencyModel::strain_energies(const Motion& u, size_t elements) const {
+    std::vector<Strain> energies(elements);
+    const auto add = [&](int element, const Strain& strain) {
+        if (element < 0) return;
+        Strain& own = energies[static_cast<size_t>(element)];
+        own.energy += strain.energy;
+        own.unsure += strain.unsure;
     };
     for (const Bond& bond : bonds_) {
         const Vector6 d = relative(bond, u);
-        add(bond.element, 0.5 * d.dot(bond.stiffness * d));
+        add(bond.element, {0.5 * d.dot(bond.stiffness * d), 0});
     }
     for_each_piece([&](int, const Piece& piece, const LineModel& line) {
-        // uᵀ D u = 2 (V − λ T') and uᵀ (−∂D/∂λ) u = 2 T'
         const auto& [D, M] = kinds_[line.kind].at_lambda.at(line.count);
-        const Vector12 ends = ends_of(piece, u);
-        add(line.element, 0.5 * ends.dot(D * ends + lambda_ * (M * ends)));
+        add(line.element, strain_of(D, lambda_ * M, ends_of(piece, u), line.length() / line.count));
     });
     return energies;
 }
 
-double FrequencyModel::strain_quotient(const Motion& u) const {
+FrequencyModel::Quotient FrequencyModel::strain_quotient(const Motion& u) const {
     const size_t elements = assembly_.first_joint.size() - 1;  // after them come the fixed nodes
-    double twice = 0, mass = 0;
-    for (double energy : strain_energies(u, elements)) twice += 2 * energy;
+    Strain all;
+    for (const Strain& strain : strain_energies(u, elements)) {
+        all.energy += strain.energy;
+        all.unsure += strain.unsure;
+    }
     const Motion momenta = mass_times(u);
+    double mass = 0;
     for (size_t f = 0; f < u.size(); ++f) mass += u[f].dot(momenta[f]);
-    return std::max(twice, 0.0) / mass;
+    return {2 * std::max(all.energy, 0.0) / mass, 2 * all.unsure / mass};
 }
 
 double FrequencyModel::along(size_t element, const Motion& u, size_t count, double* shape) const {

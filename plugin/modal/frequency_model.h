@@ -62,8 +62,12 @@ public:
     Whole move_whole(int direction) const;
     bool is_elastic() const;
     bool has_lines() const { return !lines_.empty(); }
-    /// ω² of a motion by its strain and kinetic energy, as far as the elements tell them [1/s²].
-    double strain_quotient(const Motion& u) const;
+    /// ω² of a motion by its strain and kinetic energy, as far as the elements tell them, and what of it may be rounding
+    /// [1/s²].
+    struct Quotient {
+        double lambda, unsure;
+    };
+    Quotient strain_quotient(const Motion& u) const;
     int frame_count() const { return static_cast<int>(positions_.size()); }
     int body_count() const { return body_count_; }
     Directions directions() const { return directions_; }
@@ -73,8 +77,11 @@ public:
     Matrix6 by_centre(int body) const;   ///< displacement of a body's centre of mass by the motion of its frame
     Matrix6 by_node(size_t node) const;  ///< by the motion of its frame, which there is
     size_t node_count() const { return assembly_.nodes.size(); }
-    /// Strain energy of every element [J] for a motion of amplitude u.
-    std::vector<double> strain_energies(const Motion& u, size_t elements) const;
+    /// Strain energy of every element for a motion of amplitude u, and what of it may be rounding [J].
+    struct Strain {
+        double energy = 0, unsure = 0;
+    };
+    std::vector<Strain> strain_energies(const Motion& u, size_t elements) const;
     /// Displacement along an element at stations, ends included; its length, 0 if it is no line.
     double along(size_t element, const Motion& u, size_t count, double* shape) const;
     /// Largest displacement [m] and rotation [rad] of frames and nodes, and of stations along the lines.

@@ -123,7 +123,8 @@ LineWaves::LineWaves(const Line& line, double length, Directions active) : lengt
     }
 }
 
-/// U of a group over s in its units, where a deflection counts in lengths of s and forces as what bends by a radian on s.
+/// U of a group over s in its units, where a deflection counts in lengths of s and forces as what bends, or shears, by a
+/// radian on s.
 template <class Scalar>
 LineWaves::Waves<Scalar> LineWaves::waves(const Group& group, double s, Scalar lambda, Scalar stiffening,
                                           bool with_derivative) const {
@@ -135,7 +136,7 @@ LineWaves::Waves<Scalar> LineWaves::waves(const Group& group, double s, Scalar l
         const int d = group.directions[static_cast<size_t>(k)];
         if (d < 3) waves.unit_d(k) = s;
         if (d >= 3) waves.unit_n(k) /= s;
-        if (d == 1 || d == 2) waves.unit_n(k) /= s * s;
+        if (d == 1 || d == 2) waves.unit_n(k) = 1 / (s * s / group.unit_n(k) + group.C(k));
     }
     const auto &ud = waves.unit_d, &un = waves.unit_n;
     const Matrix A = s * (ud.cwiseInverse().asDiagonal() * group.A * ud.asDiagonal());

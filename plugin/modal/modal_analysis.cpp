@@ -57,12 +57,12 @@ void ModalAnalysis::mode(uint32_t index, dttmm_mode* out, double* bodies, double
     for (size_t n = 0; nodes && n < model_.node_count(); ++n)
         Eigen::Map<Vector6>{nodes + 6 * n} = model_.node_motion(n, mode.shape);
     if (!shares) return;
-    const std::vector<double> energies = model_.strain_energies(mode.shape, element_count_);
+    const std::vector<FrequencyModel::Strain> strains = model_.strain_energies(mode.shape, element_count_);
     double total = 0;
-    for (double energy : energies) total += energy;
+    for (const FrequencyModel::Strain& strain : strains) total += strain.energy;
     // Of a rigid-body mode rounding is all there is
     const bool is_rigid = mode.omega == 0 || !(total > 0);
-    for (size_t e = 0; e < element_count_; ++e) shares[e] = is_rigid ? 0 : energies[e] / total;
+    for (size_t e = 0; e < element_count_; ++e) shares[e] = is_rigid ? 0 : strains[e].energy / total;
 }
 
 OverallTransfer::Check ModalAnalysis::overall(double frequency) {

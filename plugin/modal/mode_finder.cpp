@@ -110,6 +110,12 @@ std::vector<Mode> ModeFinder::find_first(int count) {
             low = middle;
     }
     std::vector<Mode> modes = find_below(below);
+    if (static_cast<int>(modes.size()) < std::min(count, most))
+        throw Error(
+            DTTMM_ERROR_NUMERIC,
+            fmt::format("below {:.4g} Hz {} natural frequencies were counted first and {} then: rounding of the stiffest "
+                        "parts hides them; join short ones, or make them rigid",
+                        below / (2 * M_PI), std::min(count, most), modes.size()));
     const auto is_equal = [](const Mode& a, const Mode& b) { return std::abs(a.omega - b.omega) <= kEqual * a.omega; };
     size_t keep = std::min(modes.size(), static_cast<size_t>(count));
     while (keep > 0 && keep < modes.size() && is_equal(modes[keep - 1], modes[keep])) ++keep;
@@ -189,7 +195,7 @@ void ModeFinder::find_rigid(int count) {
         if (iterate(shapes, shift, 4).empty())
             throw Error(DTTMM_ERROR_NUMERIC, "the shapes of the rigid-body modes were not found");
         double strained = 0;
-        for (const Motion& shape : shapes) strained = std::max(strained, model_.strain_quotient(shape));
+        for (const Motion& shape : shapes) strained = std::max(strained, model_.strain_quotient(shape).lambda);
         const bool stands = strained > 0.5 * lambda;
         lambda = std::min(lambda, strained);
         if (stands) break;
@@ -253,7 +259,7 @@ bool ModeFinder::refine(const Interval& interval) {
             return false;
         }
         model_.factor(cluster.lambdas.front());
-        add(cluster, bracket);
+        add(cluster, std::max(bracket, lost_in_rounding(cluster)));
         before += static_cast<int>(cluster.shapes.size());
     }
     return true;
@@ -297,6 +303,24 @@ bool ModeFinder::confirm(const Cluster& cluster, int before, double& bracket) {
         if (model_.factor(low * low, false) == before && model_.factor(high * high, false) == until) return true;
     }
     return false;
+}
+
+/// What the strain energies of the shapes make of the frequencies, as share of these. The dynamic stiffness of a long chain
+/// of short stiff parts loses small frequencies in its last digits, and count and iteration agree on what is left; energies
+/// of deformations do not. Throws Error(DTTMM_ERROR_NUMERIC) if that is too much. The model stands at the cluster.
+double ModeFinder::lost_in_rounding(const Cluster& cluster) const {
+    double lost = 0;  // of λ; of ω it is half
+    for (size_t k = 0; k < cluster.shapes.size(); ++k) {
+        const FrequencyModel::Quotient quotient = model_.strain_quotient(cluster.shapes[k]);
+        lost = std::max(lost, (std::abs(quotient.lambda - cluster.lambdas[k]) + quotient.unsure) / cluster.lambdas[k]);
+    }
+    if (lost > kWidestBracket)
+        throw Error(
+            DTTMM_ERROR_NUMERIC,
+            fmt::format("a natural frequency at {:.6g} Hz is told to {:.1e} of itself only: rounding of the stiffest "
+                        "parts hides it; join short ones, or make them rigid",
+                        std::sqrt(cluster.lambdas.front()) / (2 * M_PI), lost));
+    return lost;
 }
 
 /// Takes shapes of equal frequencies into the list; the model stands at them.

@@ -9,8 +9,10 @@ namespace dttmm {
 
 /// A natural frequency and its shape.
 struct Mode {
-    double omega = 0;    ///< [rad/s]; 0: a rigid-body mode
-    double bracket = 0;  ///< relative: the count changes by the multiplicity between ω (1 − bracket) and ω (1 + bracket)
+    double omega = 0;  ///< [rad/s]; 0: a rigid-body mode
+    /// Relative: the count changes by the multiplicity between ω (1 − bracket) and ω (1 + bracket), and the strain energy of
+    /// the shape makes no more of ω² than that much more or less.
+    double bracket = 0;
     int multiplicity = 1;
     double residual = 0;  ///< |uᵀ D(ω²) u| over ω² × modal mass, twice the kinetic energy
     /// Modal, of the shape as scaled: largest displacement 1 m [kg]; of one that only turns, rotation 1 rad [kg m²].
@@ -61,6 +63,7 @@ private:
     bool converge(Cluster& cluster, double tolerance);
     bool settle(Cluster& cluster);
     bool confirm(const Cluster& cluster, int before, double& bracket);
+    double lost_in_rounding(const Cluster& cluster) const;
     std::vector<double> iterate(std::vector<Motion>& shapes, double lambda, int rounds);
     void add(const Cluster& cluster, double bracket);
     Motion random_motion();

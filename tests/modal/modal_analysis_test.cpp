@@ -458,6 +458,57 @@ TEST(ModalAnalysis, AWideRangeHidesNothing) {
     }
 }
 
+/// The clamped Timoshenko beam in `count` uneven parts.
+NetworkModel chain_of_beams(int count) {
+    NetworkModel network;
+    for (int n = 0; n <= count; ++n) {
+        const double part = static_cast<double>(n) / count, x = kBeamLength * (part + 0.1 * part * (1 - part));
+        network.node(fmt::format("n{}", n), DTTMM_NODE_INNER, {0.3 + x, 0, 0}).fixed = n == 0 ? kHeld : 0;
+    }
+    for (int n = 0; n < count; ++n)
+        network.element(fmt::format("e{}", n), "beam", {fmt::format("n{}", n), fmt::format("n{}", n + 1)}, bar(true));
+    return network;
+}
+
+// Oracle: the same beam in one piece.
+TEST(ModalAnalysis, TheRoundingOfShortPartsIsTold) {
+    const NetworkModel whole = beam(kHeld, 0, true);
+    const std::vector<dttmm_mode> exact = Machine(whole).find(2);
+    for (const int count : {7, 60, 1000}) {
+        const NetworkModel network = chain_of_beams(count);
+        const std::vector<dttmm_mode> modes = Machine(network).find(2);
+        ASSERT_EQ(modes.size(), exact.size());
+        for (size_t m = 0; m < modes.size(); ++m) {
+            const double error = std::abs(modes[m].frequency / exact[m].frequency - 1);
+            EXPECT_LT(error, modes[m].bracket + exact[m].bracket) << count << " parts, mode " << m;
+            EXPECT_LT(modes[m].bracket, 1e-6) << count << " parts, mode " << m;
+        }
+    }
+}
+
+// Oracle: the beam without the stub at its tip. The shorter the stub, the stiffer: told, until it hides everything.
+TEST(ModalAnalysis, AStubHidesFrequenciesOnlyWhereItSaysSo) {
+    const NetworkModel whole = beam(kHeld, 0, true);
+    const double exact = Machine(whole).find(1).front().frequency;
+    bool was_refused = false;
+    for (const double length : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
+        NetworkModel network = beam(kHeld, 0, true);
+        network.node("tip", DTTMM_NODE_INNER, {0.3 + kBeamLength + length, 0, 0});
+        network.element("stub", "beam", {"b", "tip"}, bar());
+        try {
+            const dttmm_mode mode = Machine(network).find(1).at(0);
+            EXPECT_FALSE(was_refused) << length;
+            const double by_its_mass = 4 * length / kBeamLength;  // a tip mass counts fourfold, by ω to the power 2 once
+            EXPECT_NEAR(mode.frequency, exact, (by_its_mass + mode.bracket) * exact) << length;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.status(), DTTMM_ERROR_NUMERIC);
+            EXPECT_THAT(error.what(), HasSubstr("rounding"));
+            was_refused = true;
+        }
+    }
+    EXPECT_TRUE(was_refused);
+}
+
 // ---- Loops --------------------------------------------------------------------------------------------------------------
 
 // Oracle: a square frame of four equal beams, closed, in its plane, free: the same as twice as many beams of half the

@@ -127,6 +127,11 @@ TEST(ReadBody, PlaceFaults) {
     EXPECT_THAT(fault_beside_mass("rotation = { axis = [0, 0, 0], angle = 1 }\n"), HasSubstr("axis must not be zero"));
     EXPECT_THAT(fault_beside_mass("rotation = { axis = [0, 0, 1], angle = \"3 m\" }\n"),
                 HasSubstr("expected a value in rad"));
+    EXPECT_THAT(
+        fault_beside_mass("rotation = { axis = [0, 0, 1], angle = 30 }\n"),
+        HasSubstr("m.toml:11:40: body \"plate\": rotation: angle must be within a turn, got 30 rad; degrees stand in "
+                  "quotes"));
+    EXPECT_THAT(fault_beside_mass("rotation = { axis = [0, 0, 1], angle = \"-361 deg\" }\n"), HasSubstr("within a turn"));
     EXPECT_THAT(fault_beside_mass("rotation = 3\n"),
                 HasSubstr("body \"plate\": rotation: expected a table such as { axis = ... }, got a number"));
     EXPECT_THAT(fault_beside_mass("rotation = { axis = [0, 0, 1], angle = 1 }\nquaternion = [1, 0, 0, 0]\n"),

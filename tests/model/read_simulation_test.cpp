@@ -158,8 +158,11 @@ TEST(ReadOutput, RowsFallOnStepsAndOnTheEnd) {
     EXPECT_EQ(parse(output("step = \"20 ms\"\nchannels = [\"bolt*.force\", \"plate.position\"]\n")).output.every, 20);
     EXPECT_THAT(parse(output("channels = [\"bolt*.force\", \"q\"]\n")).output.channels,
                 testing::ElementsAre("bolt*.force", "q"));
-    EXPECT_THAT(errors_of(output("step = \"1.5 ms\"\n")),
-                HasSubstr("m.toml:13:8: output: step must be a whole multiple of the time step (0.001 s), got 0.0015 s"));
+    EXPECT_THAT(
+        errors_of(output("step = \"1.5 ms\"\n")),
+        HasSubstr(
+            "m.toml:13:8: output: step must be a whole multiple of the time step (0.001 s), got 0.0015 s; leave it out to "
+            "record every step"));
     EXPECT_THAT(errors_of(output("step = \"0.1 us\"\n")), HasSubstr("must be a whole multiple of the time step"));
     EXPECT_THAT(errors_of(output("step = \"30 ms\"\n")),
                 HasSubstr("the duration (1 s) must be a whole multiple of the output step (0.03 s): the end is a row"));

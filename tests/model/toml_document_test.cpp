@@ -59,6 +59,8 @@ TEST(TomlDocument, SyntaxFaultsHaveTheirPlace) {
     EXPECT_THAT(document_fault("a = {x = 1,}\n"), HasSubstr("m.toml:1:12: expected key-value pair"));
     EXPECT_THAT(document_fault("a = 1\r\nb = 2 c\r\n"), HasSubstr("m.toml:2:7: expected a comment"));
     EXPECT_THAT(document_fault("a = \"abc"), HasSubstr("m.toml:1:5: the string that begins here"));
+    EXPECT_THAT(document_fault("a = hinge"),
+                HasSubstr("m.toml:1:5: could not determine value type; a text stands in quotes"));
 }
 
 TEST(TomlDocument, DecimalCommasAndBareUnitsAreNamed) {

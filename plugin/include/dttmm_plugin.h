@@ -237,7 +237,8 @@ typedef struct dttmm_modal dttmm_modal;
 /* A natural frequency. Equal ones are listed once each, rigid-body modes first. */
 typedef struct dttmm_mode {
     double frequency; /* [Hz]; 0 for a rigid-body mode */
-    double bracket;   /* the count of frequencies changes by the multiplicity within this relative distance */
+    double bracket; /* the count of frequencies changes by the multiplicity within this relative distance, and what rounding
+                       of stiff parts may have moved lies within it too */
     uint32_t multiplicity;
     double residual;         /* smallest singular value of the overall transfer matrix as share of what it is 0.1 % beside;
                                 where the machine is too large for that, what the quotient leaves by which the frequency was

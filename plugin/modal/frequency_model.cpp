@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/SparseLU>
+#include <Eigen/SparseQR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -190,7 +191,11 @@ void FrequencyModel::add_rigid(std::vector<Rigid>& rows, const Rigid& row) const
 
 void FrequencyModel::add_joint(int element, int from, int to, const JointLaw& law, const Pose& pose) {
     if (from < 0 && to < 0) return;
-    Bond bond{element, from, to, pose.position, Matrix6::Zero(), Matrix6::Zero(), Matrix6::Zero(), Matrix6::Zero(), {}, {}};
+    Bond bond;
+    bond.element = element;
+    bond.from = from;
+    bond.to = to;
+    bond.point = pose.position;
     const auto by = [&](int frame) { return masked(at_point(pose.position, positions_[static_cast<size_t>(frame)])); };
     if (from >= 0) bond.by_from = by(from);
     if (to >= 0) bond.by_to = by(to);
@@ -204,6 +209,8 @@ void FrequencyModel::add_joint(int element, int from, int to, const JointLaw& la
         bond.held.push_back(mask_ * axes.col(i));
         add_rigid(bond.rigid, {-(row * bond.by_from).transpose(), (row * bond.by_to).transpose()});
     }
+    bond.axes = axes;
+    bond.springs = stiffness;
     bond.stiffness = axes * stiffness.asDiagonal() * axes.transpose();
     bond.damping = axes * damping.asDiagonal() * axes.transpose();
     bonds_.push_back(std::move(bond));
@@ -349,10 +356,53 @@ void FrequencyModel::build() {
         }
         if (fault->link < 0 || fault->too_many) refuse(*fault);
         // Of rigid directions that say the same one is enough, in small motions
-        const auto l = static_cast<size_t>(fault->link);
-        auto& rows = l < bonds_.size() ? bonds_[l].rigid : pieces_[l - bonds_.size()].rigid;
+        if (!is_redundant(fault->link, fault->rigid))
+            throw Error(
+                DTTMM_ERROR_NUMERIC,
+                fmt::format("{}: the rigid directions that meet there cannot be told apart from rounding; give some of "
+                            "them a stiffness",
+                            names_[static_cast<size_t>(fault->frame)]),
+                elements_[static_cast<size_t>(fault->frame)]);
+        std::vector<Rigid>& rows = rigid_of(fault->link);
         rows.erase(rows.begin() + fault->rigid);
     }
+}
+
+std::vector<FrequencyModel::Rigid>& FrequencyModel::rigid_of(int link) {
+    const auto l = static_cast<size_t>(link);
+    return l < bonds_.size() ? bonds_[l].rigid : pieces_[l - bonds_.size()].rigid;
+}
+
+/// Whether rigid direction number i of a link says what the others, of all links together, say.
+bool FrequencyModel::is_redundant(int link, int i) {
+    const int links = static_cast<int>(bonds_.size() + pieces_.size());
+    const Eigen::Index frames = frame_count();
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::VectorXd own = Eigen::VectorXd::Zero(6 * frames);
+    Eigen::Index count = 0;
+    for (int l = 0; l < links; ++l) {
+        const auto at = static_cast<size_t>(l);
+        const bool is_bond = at < bonds_.size();
+        const int from = is_bond ? bonds_[at].from : pieces_[at - bonds_.size()].from;
+        const int to = is_bond ? bonds_[at].to : pieces_[at - bonds_.size()].to;
+        const std::vector<Rigid>& rows = rigid_of(l);
+        for (size_t k = 0; k < rows.size(); ++k) {
+            const bool is_own = l == link && static_cast<int>(k) == i;
+            for (const auto& [frame, by] : {std::pair(from, &rows[k].by_from), std::pair(to, &rows[k].by_to)})
+                for (int d = 0; frame >= 0 && d < 6; ++d) {
+                    if (is_own)
+                        own(6 * frame + d) += (*by)(d);
+                    else if ((*by)(d) != 0)
+                        entries.emplace_back(6 * frame + d, count, (*by)(d));
+                }
+            if (!is_own) ++count;
+        }
+    }
+    if (count == 0) return false;
+    Eigen::SparseMatrix<double> others(6 * frames, count);
+    others.setFromTriplets(entries.begin(), entries.end());
+    const Eigen::SparseQR<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> qr(others);
+    return qr.info() == Eigen::Success && (others * qr.solve(own) - own).norm() <= kAligned * own.norm();
 }
 
 void FrequencyModel::refuse(const Elimination::Fault& fault) const {
@@ -547,8 +597,9 @@ std::vector<FrequencyModel::Strain> FrequencyModel::strain_energies(const Motion
         own.unsure += strain.unsure;
     };
     for (const Bond& bond : bonds_) {
-        const Vector6 d = relative(bond, u);
-        add(bond.element, {0.5 * d.dot(bond.stiffness * d), 0});
+        const Vector6 d =
+            bond.axes.transpose() * relative(bond, u);  // where nothing holds there is no strain, not rounding of it
+        add(bond.element, {0.5 * d.dot(bond.springs.cwiseProduct(d)), 0});
     }
     for_each_piece([&](int, const Piece& piece, const LineModel& line) {
         const auto& [D, M] = kinds_[line.kind].at_lambda.at(line.count);

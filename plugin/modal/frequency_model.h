@@ -106,9 +106,11 @@ public:
     /// A coupling of two frames (−1: the ground) by constant stiffness and damping of their relative displacement.
     struct Bond {
         int element, from, to;
-        Vector3 point;               ///< where its ends meet
-        Matrix6 by_from, by_to;      ///< relative displacement = by_to u_to − by_from u_from
-        Matrix6 stiffness, damping;  ///< world axes
+        Vector3 point;                                               ///< where its ends meet
+        Matrix6 by_from = Matrix6::Zero(), by_to = Matrix6::Zero();  ///< relative displacement = by_to u_to − by_from u_from
+        Matrix6 stiffness, damping;                                  ///< world axes
+        Matrix6 axes;                                                ///< its own, as columns in world
+        Vector6 springs;                                             ///< stiffness in these
         std::vector<Rigid> rigid;
         std::vector<Vector6> held;  ///< directions that do not give, world axes
     };
@@ -160,6 +162,8 @@ private:
     static Vector12 ends_of(const Piece& piece, const Motion& u);
     static void add_piece(const Piece& piece, const Matrix12& D, const Motion& u, Motion& out);
     [[noreturn]] void refuse(const Elimination::Fault& fault) const;
+    std::vector<Rigid>& rigid_of(int link);
+    bool is_redundant(int link, int i);
     template <class Body>
     void for_each_piece(const Body& body) const;
 

@@ -63,7 +63,7 @@ int ModeFinder::count_at(double& omega) {
     cut_for(omega);
     for (const double shift : {0.0, 1e-10, 3e-10, 1e-9, 3e-9, 1e-8}) {
         const double beside = omega * (1 + shift);
-        if (const auto count = model_.factor(beside * beside, false)) {
+        if (const auto count = model_.factor(beside * beside, false); count && *count >= 0) {
             omega = beside;
             return *count;
         }

@@ -267,17 +267,21 @@ bool Elimination::gather(const Pivot& pivot, OpenRows& open) const {
 
 /// Units of a pivot's motions: what stood on the diagonal before anything was eliminated. What is left of a motion that
 /// nothing holds is small beside that. A direction without anything of its own is measured by what it got from others,
-/// or, if that is next to nothing, by the other directions of its kind.
+/// or, if that is next to nothing, by the other directions of its kind; and if these have no more than rounding (a node that
+/// rigid directions alone keep from turning), by those of the other kind on a lever of a metre.
 Vector6 Elimination::motion_scale(const Pivot& pivot) const {
-    constexpr double kNothing = 1e-6, kRounding = 1e-14;
+    constexpr double kNothing = 1e-6, kRounding = 1e-14, kRoundingOfOther = 1e-16;
     const auto f = static_cast<size_t>(pivot.frame);
     const Vector6 own = (diagonal_[f].diagonal() - acting_[f]).cwiseAbs();
     const Vector6 size = own.cwiseMax((work_[f].diagonal() - acting_[f]).cwiseAbs());
+    const auto largest = [](const Vector6& of, Eigen::Index half) { return of.segment<3>(half).maxCoeff(); };
     Vector6 scale;
     for (Eigen::Index i = 0; i < 6; ++i) {
-        const double kind = size.segment<3>(3 * (i / 3)).maxCoeff();
-        const bool has_own = own(i) > kRounding * own.segment<3>(3 * (i / 3)).maxCoeff();
-        const double measure = !has_own && size(i) < kNothing * kind ? kind : size(i);
+        const Eigen::Index half = 3 * (i / 3);
+        const double own_kind = largest(own, half), kind = largest(size, half), other = largest(size, 3 - half);
+        const bool is_rounding = own_kind == 0 && kind <= kRoundingOfOther * other;
+        const bool has_own = own(i) > kRounding * own_kind;
+        const double measure = is_rounding ? other : !has_own && size(i) < kNothing * kind ? kind : size(i);
         scale(i) = measure > 0 ? 1 / std::sqrt(measure) : 1;
     }
     return scale;

@@ -287,9 +287,10 @@ Vector6 Elimination::motion_scale(const Pivot& pivot) const {
     return scale;
 }
 
-/// Full-pivot elimination of a pivot's block in the units of `scale`; rows: those of J in it.
+/// Full-pivot elimination of a pivot's block in the units of `scale`; rows: those of J in it. smallest: of its eigenvalues,
+/// where they are counted, as share of the largest; less is at fault.
 bool Elimination::decompose(const Pivot& pivot, const Block& block, const Column& scale, std::span<const int> rows,
-                            Fault& fault) {
+                            double smallest, Fault& fault) {
     constexpr double kSmallestCondition = 1e-13;
     const Eigen::Index n = block.rows();
     scale_ = scale;
@@ -299,7 +300,7 @@ bool Elimination::decompose(const Pivot& pivot, const Block& block, const Column
     if (counts_ && scaled.allFinite()) {
         const Column eigenvalues = Eigen::SelfAdjointEigenSolver<Block>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
         const Column sizes = eigenvalues.cwiseAbs();
-        if (sizes.minCoeff() > smallest_ratio_ * sizes.maxCoeff()) {
+        if (sizes.minCoeff() > smallest * sizes.maxCoeff()) {
             negatives_ += static_cast<int>((eigenvalues.array() < 0).count());
             inverse_ = lu_.inverse();
             return true;
@@ -336,7 +337,8 @@ Columns Elimination::solve_block(const Columns& B) const {
 }
 
 bool Elimination::factor_plain(const Pivot& pivot, Fault& fault) {
-    if (!decompose(pivot, work_[static_cast<size_t>(pivot.frame)], motion_scale(pivot), {}, fault)) return false;
+    if (!decompose(pivot, work_[static_cast<size_t>(pivot.frame)], motion_scale(pivot), {}, smallest_ratio_, fault))
+        return false;
     const auto index = static_cast<size_t>(pivot.index);
     inverses_[index] = inverse();
     if (plain_[index].neighbour < 0) return true;
@@ -347,6 +349,7 @@ bool Elimination::factor_plain(const Pivot& pivot, Fault& fault) {
 }
 
 bool Elimination::factor_general(size_t index, Fault& fault) {
+    constexpr double kPoor = 1e-9;  // of eigenvalues: what a frame that rows hold too little would leave
     const Pivot& pivot = pivots_[index];
     General& general = general_[static_cast<size_t>(pivot.index)];
     if (!gather(pivot, open_)) {
@@ -366,7 +369,7 @@ bool Elimination::factor_general(size_t index, Fault& fault) {
 
     // Its own block with the rows that are independent of each other by this frame's motion; all of them where there is no
     // other. Few to begin with; all that can be told apart if that leaves the frame free.
-    const auto take = [&](const std::vector<int>& choice) {
+    const auto take = [&](const std::vector<int>& choice, double smallest) {
         const auto n = static_cast<Eigen::Index>(6 + choice.size());
         Block block = Block::Zero(n, n);
         Column scale(n);
@@ -381,7 +384,7 @@ bool Elimination::factor_general(size_t index, Fault& fault) {
             scale(i) = row_scale(k);
             general.kept.push_back(open_.rows[static_cast<size_t>(k)]);
         }
-        return decompose(pivot, block, scale, general.kept, fault);
+        return decompose(pivot, block, scale, general.kept, smallest, fault);
     };
     choice_.clear();
     rest_.clear();
@@ -392,13 +395,13 @@ bool Elimination::factor_general(size_t index, Fault& fault) {
         rows.leftCols<6>() = row_scale.asDiagonal() * open_.by[0] * motions.asDiagonal();
         rows.rightCols(count) = row_scale.asDiagonal() * open_.among * row_scale.asDiagonal();
         choose_independent(rows, 1e-2, choice_, rest_);
-        if (!take(choice_)) {
+        if (!take(choice_, std::max(smallest_ratio_, kPoor))) {
             choose_independent(rows, 1e-8, choice_, rest_);
-            if (!take(choice_)) return false;
+            if (!take(choice_, smallest_ratio_)) return false;
         }
     } else {
         for (int k = 0; k < count; ++k) choice_.push_back(k);
-        if (!take(choice_)) return false;
+        if (!take(choice_, smallest_ratio_)) return false;
     }
 
     general.inverse = inverse();

@@ -125,7 +125,8 @@ private:
 
     bool gather(const Pivot& pivot, OpenRows& open) const;
     Vector6 motion_scale(const Pivot& pivot) const;
-    bool decompose(const Pivot& pivot, const Block& block, const Column& scale, std::span<const int> rows, Fault& fault);
+    bool decompose(const Pivot& pivot, const Block& block, const Column& scale, std::span<const int> rows, double smallest,
+                   Fault& fault);
     Block inverse() const;
     template <class Columns>
     Columns solve_block(const Columns& B) const;

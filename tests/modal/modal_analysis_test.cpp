@@ -541,6 +541,52 @@ TEST(ModalAnalysis, AClosedFrameIsTheSameInMorePieces) {
     EXPECT_GT(one[6], 0);
 }
 
+/// A loop that hangs on a beam: two beams and an oblique rod, in parts of its length that each begin at either end.
+struct RodPart {
+    double until;  ///< of the length
+    bool is_turned;
+};
+std::vector<dttmm_mode> modes_of_loop(const std::vector<RodPart>& parts) {
+    const NetworkModel::Values rod = {{"section.EA", {7e7}}, {"section.mass", {2.65}}};
+    const NetworkModel::Values arm = {{"theory", {1}},          {"up", {0.1, 0.2, 0.97}}, {"section.EA", {5e8}},
+                                      {"section.EIy", {4e5}},   {"section.EIz", {3e5}},   {"section.GJ", {4e5}},
+                                      {"section.GAy", {1.8e8}}, {"section.GAz", {1.8e8}}, {"section.mass", {21.0}}};
+    const Eigen::Vector3d start(0.31, -0.52, 0.77), end(-0.64, 0.83, 0.29);
+    NetworkModel network;
+    network.node("F", DTTMM_NODE_INNER, {0.9, 0.4, -0.3}).fixed = kHeld;
+    network.node("B", DTTMM_NODE_INNER, {-0.45, -0.71, -0.58});
+    network.node("r0", DTTMM_NODE_INNER, start);
+    for (size_t n = 0; n < parts.size(); ++n) {
+        const std::string names[] = {fmt::format("r{}", n), fmt::format("r{}", n + 1)};
+        network.node(names[1], DTTMM_NODE_INNER, start + parts[n].until * (end - start));
+        const bool is_turned = parts[n].is_turned;
+        network.element(fmt::format("rod{}", n), "rod", {names[is_turned], names[!is_turned]}, rod);
+    }
+    network.element("c", "beam", {"F", "r0"}, arm);
+    network.element("d", "beam", {"r0", "B"}, arm);
+    network.element("e", "beam", {"B", fmt::format("r{}", parts.size())}, arm);
+    return Machine(network).find(4);
+}
+
+// Oracle: the rod in one piece. Nodes along it have no stiffness against turning, and no mass where no rod begins: all of
+// that is in rigid directions, of which some are passed on.
+TEST(ModalAnalysis, ARodInALoopIsTheSameInMoreParts) {
+    const std::vector<dttmm_mode> whole = modes_of_loop({{1, false}});
+    ASSERT_EQ(whole.size(), 4u);
+    for (int count = 2; count <= 7; ++count)
+        for (unsigned turned = 0; turned < 1u << count; turned += 3) {
+            std::vector<RodPart> parts;
+            for (int n = 1; n <= count; ++n) {
+                const double part = static_cast<double>(n) / count;
+                parts.push_back({part + 0.4 * part * (1 - part), (turned >> n & 1u) != 0});
+            }
+            const std::vector<dttmm_mode> divided = modes_of_loop(parts);
+            ASSERT_EQ(divided.size(), 4u);
+            for (size_t m = 0; m < 4; ++m)
+                EXPECT_NEAR(divided[m].frequency, whole[m].frequency, 1e-9 * whole[m].frequency) << count << ' ' << turned;
+        }
+}
+
 // Oracle: the loop with its oblique rod in one piece. In three, r1 has no mass, as the rods begin elsewhere, nor stiffness
 // against turning: all of it is in rigid directions. (In this order rounding once passed for stiffness there, and a rigid
 // direction for redundant.)

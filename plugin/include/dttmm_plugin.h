@@ -139,8 +139,9 @@ typedef struct dttmm_element {
  *     x'' = (x+ - 2x + x-)/h^2,   x' = (gamma x+ + (1 - 2 gamma) x + (gamma - 1) x-)/h,
  *     elastic forces weighted  beta (.)+ + (1/2 + gamma - 2 beta) (.) + (1/2 - gamma + beta) (.)-,
  * and of these weights the even part, 1/4 + beta - gamma/2 at either side, goes with the directions that each force had at
- * its instant and its lever arm about the centre of mass then; the odd part, (gamma - 1/2)/2, with those of t_n, like
- * dampers. Its first step after start is Newmark's from x, x', x'': the elastic force before the start counts as that at the
+ * its instant and its lever arm about the centre of mass then. Dampers, and the odd part, (gamma - 1/2)/2, act by the
+ * increments of the deformation over the two steps around t_n: gamma (x+ - x)/h with the directions and lever arms of
+ * t_(n+1), (1 - gamma) (x - x-)/h with those of t_(n-1). The derivative by the end of the step is then symmetric. Its first step after start is Newmark's from x, x', x'': the elastic force before the start counts as that at the
  * start, and x' = gamma (x+ - x)/h + (1 - gamma) x'(0) + (beta - gamma/2) h x''(0). The others are explicit: the wrench over
  * the step is the force law at t_n, the velocity in it from the named formula; the past before the start is the parabola
  * x(0) + t x'(0) + t^2/2 x''(0). Where a formula wants the previous velocity (Fox-Euler), it is the host's, the mean of

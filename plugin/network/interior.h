@@ -208,7 +208,6 @@ private:
     void balance_massless(const Mechanism& mechanism, Solution& solution) const;
     Vector6 settled(const Mechanism& mechanism, size_t massless, const Vector6& load) const;
     Vector6 bequest(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const;
-    Vector6 lever_part(const Mechanism& mechanism, size_t frame, const Vector6& elastic) const;
     double correct(const Elimination& matrix, Solution& solution) const;
     bool may_be_rough(double correction, const Solution& solution) const;
     bool is_good_enough(double correction, double residual, const Solution& solution) const;

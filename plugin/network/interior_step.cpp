@@ -149,7 +149,7 @@ JointForce Interior::rigid_action(const Mechanism& mechanism, size_t j, const Jo
 JointForce Interior::force_over_step(const Mechanism& mechanism, size_t j, const JointPose& at_end,
                                      const Joint::Strained& end) const {
     const Joint& joint = mechanism.joints[j];
-    JointForce force = joint.weigh(mechanism.scheme, end, mechanism.ends(j), mechanism.states[j], mechanism.damper(j));
+    JointForce force = joint.weigh(mechanism.scheme, end, at_end, mechanism.states[j], mechanism.damper(j));
     if (joint.rigid().any()) force.add(1, rigid_action(mechanism, j, at_end, end.theta, rigid_values(mechanism, j, q_)));
     return force;
 }
@@ -249,8 +249,7 @@ void Interior::balance_massless(const Mechanism& mechanism, Solution& solution) 
         const RowMajor3 R = mechanism.frame(driven_ + static_cast<int>(i)).axes();
         Vector6 world;
         world << R * head(left), R * tail(left);
-        world = bequest(mechanism.frames, i, world) + h * lever_part(mechanism, i, end_wrench_[static_cast<size_t>(driven_) + i]);
-        solution.change[at(heir)] += in_axes(mechanism.frame(heir), world);
+        solution.change[at(heir)] += in_axes(mechanism.frame(heir), bequest(mechanism.frames, i, world));
     }
 }
 
@@ -270,19 +269,6 @@ Vector6 Interior::bequest(const std::vector<Frame>& frames, size_t frame, const 
     Vector6 wrench = left;
     wrench.tail<3>() += Vector3(origin(driven_ + static_cast<int>(frame)) - origin(heirs_[frame])).cross(head(left));
     return wrench;
-}
-
-/// What bequest() of a massless frame's forces over the step lacks because the elastic forces and loads of other instants have
-/// the lever arms of their own, not those of t_n. elastic: at the end of the step, world.
-Vector6 Interior::lever_part(const Mechanism& mechanism, size_t i, const Vector6& elastic) const {
-    const Burden& own = burden(i);
-    const auto end = load_at_end(static_cast<size_t>(burden_of_[i]), trial_[static_cast<size_t>(driven_) + i]);
-    const auto moved = [&](const std::vector<Frame>& frames, const Vector6& wrench) -> Vector6 {
-        const Vector6 then = massless_part(i, wrench);
-        return bequest(frames, i, then) - bequest(mechanism.frames, i, then);
-    };
-    return mechanism.scheme.elastic_weight(0) *
-           (moved(trial_, elastic + end) + moved(mechanism.before, own.elastic[2] + own.load[2]));
 }
 
 /// Solves for the correction and returns its size: the largest speed of a point.
@@ -687,8 +673,7 @@ void Interior::take_momenta(const Mechanism& mechanism) {
     for (size_t i : massless_.frames()) {
         const int heir = heirs_[i];
         if (!is_inner(heir)) continue;
-        Vector6 force =
-            bequest(mechanism.frames, i, estate(mechanism, i, trial_[first + i])) + lever_part(mechanism, i, burden(i).elastic[0]);
+        Vector6 force = bequest(mechanism.frames, i, estate(mechanism, i, trial_[first + i]));
         for (int half : {0, 1})
             if (massless_.is_massless(at(heir), half)) force.segment<3>(3 * half).setZero();
         momenta_[at(heir)] += h * force;

@@ -190,8 +190,9 @@ void Joint::advance(const Scheme& scheme, uint64_t steps, Ends next, Ends now, J
                     JointForce* force) const {
     const JointPose at_end = pose(next);
     const Strained end = strain(next, at_end);
-    if (force) *force = weigh(scheme, end, now, state, damper);
-    springs_.advance(scheme, steps, end, at_end, state, damper);
+    if (force) *force = weigh(scheme, end, at_end, state, damper);
+    springs_.advance(
+        scheme, steps, end, at_end, [&] { return pose(now); }, state, damper);
 }
 
 void Joint::refuse_large_rotation(FrameView from, FrameView to) const {

@@ -104,15 +104,14 @@ public:
 
     void start(const Scheme& scheme, FrameView from, FrameView to, const Vector6& rate, const Vector6& acceleration,
                JointState& state, DamperState* damper) const;
-    /// The force over the open step at a trial end of it; without rigid directions. now: its frames at t_n.
-    JointForce weigh(const Scheme& scheme, const Strained& end, Ends now, const JointState& state,
+    /// The force over the open step at a trial end of it, where the joint is at `at_end`; without rigid directions.
+    JointForce weigh(const Scheme& scheme, const Strained& end, const JointPose& at_end, const JointState& state,
                      const DamperState* damper) const {
-        return springs_.weigh(
-            scheme, end, [&] { return pose(now); }, state, damper);
+        return springs_.weigh(scheme, end, at_end, state, damper);
     }
-    JointForce over_step(const Scheme& scheme, Ends trial, Ends now, const JointState& state,
-                         const DamperState* damper) const {
-        return weigh(scheme, strain(trial, pose(trial)), now, state, damper);
+    JointForce over_step(const Scheme& scheme, Ends trial, const JointState& state, const DamperState* damper) const {
+        const JointPose at_end = pose(trial);
+        return weigh(scheme, strain(trial, at_end), at_end, state, damper);
     }
     /// The damping force from the start of the open step to a trial end of it: the mean rate in the mean of the axes.
     JointForce damping_half_way(Ends trial, Ends now, double h, const JointState& state, const DamperState& damper) const;

@@ -70,18 +70,16 @@ DTTMM_WIDE double JointsByFour::add_forces(const Mechanism& mechanism, const std
     double largest = 0;
     for (const Four& four : fours_) {
         const FrameOf<Lanes> from = gather_frames(trial, four.from), to = gather_frames(trial, four.to);
-        const StrainedOf<Lanes> end = four.springs.strain(four.seat.pose(from, to), four.seat.axes_at_to(to));
+        const JointPoseOf<Lanes> pose = four.seat.pose(from, to);
+        const StrainedOf<Lanes> end = four.springs.strain(pose, four.seat.axes_at_to(to));
         const auto state = gather_records<JointStateOf>([&](size_t k) -> auto& { return mechanism.states[four.joint[k]]; });
-        const auto pose_now = [&] {
-            return four.seat.pose(gather_frames(mechanism.frames, four.from), gather_frames(mechanism.frames, four.to));
-        };
         JointForceOf<Lanes> force;
         if (four.keeps_rates) {
             const auto damper =
                 gather_records<DamperStateOf>([&](size_t k) -> auto& { return *mechanism.damper(four.joint[k]); });
-            force = four.springs.weigh(mechanism.scheme, end, pose_now, state, &damper);
+            force = four.springs.weigh(mechanism.scheme, end, pose, state, &damper);
         } else {
-            force = four.springs.weigh(mechanism.scheme, end, pose_now, state, nullptr);
+            force = four.springs.weigh(mechanism.scheme, end, pose, state, nullptr);
         }
         largest = std::max(largest, add_wrenches(force, four.from, four.to, wrench));
     }
@@ -100,8 +98,8 @@ DTTMM_WIDE void JointsByFour::advance(Mechanism& mechanism, const std::vector<Fr
             return four.seat.pose(gather_frames(mechanism.frames, four.from), gather_frames(mechanism.frames, four.to));
         };
         const auto move_on = [&](DamperStateOf<Lanes>* damper) {
-            const JointForceOf<Lanes> force = four.springs.weigh(mechanism.scheme, end, pose_now, state, damper);
-            four.springs.advance(mechanism.scheme, mechanism.steps, end, pose, state, damper);
+            const JointForceOf<Lanes> force = four.springs.weigh(mechanism.scheme, end, pose, state, damper);
+            four.springs.advance(mechanism.scheme, mechanism.steps, end, pose, pose_now, state, damper);
             add_wrenches(force, four.from, four.to, wrench);
         };
         if (four.keeps_rates) {

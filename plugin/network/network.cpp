@@ -269,7 +269,7 @@ void Network::evaluate_joints(double* wrench, double* stiffness) const {
             continue;
         }
         const Ends at = {trial(joint.from()), trial(joint.to())};
-        add_wrench(joint, joint.over_step(mechanism_.scheme, at, mechanism_.ends(j), state, mechanism_.damper(j)), wrench);
+        add_wrench(joint, joint.over_step(mechanism_.scheme, at, state, mechanism_.damper(j)), wrench);
         if (stiffness) {
             const JointPose end = joint.pose(at);
             const Joint::Strained strained = joint.strain(at, end);

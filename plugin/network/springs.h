@@ -59,8 +59,11 @@ struct StrainedOf {
 ///
 /// Over a step of the centred scheme the elastic forces at t_{n+1}, t_n and t_{n−1} are weighted, each with the axes and
 /// lever arms of its own instant: Newmark's rule for the whole wrench, so that a lasting force turns with the parts
-/// implicitly too. Rates, numerical damping, and increments δ of rotations as the rotation vectors that lead from one
-/// instant to the next, have the axes of t_n.
+/// implicitly too. Dampers and numerical damping act by the increments of the deformation over the two steps around t_n, the
+/// later with the axes and lever arms of t_{n+1}, the earlier with those of t_{n−1}: second order like those of t_n for
+/// both, and the derivative by the end of the step is symmetric, as Newton's matrix is. (With those of t_n it is not: where a
+/// damper is stiffer than what it is in series with, by more than the turn per step makes up for, passes then diverge.)
+/// Increments of rotations are the rotation vectors that lead from one instant to the next.
 template <class Real>
 struct SpringsOf {
     using Force = JointForceOf<Real>;
@@ -74,17 +77,17 @@ struct SpringsOf {
 
     /// to_axes: those that are the joint's at rest and go with the `to` frame.
     Strained strain(const JointPoseOf<Real>& pose, const Matrix3Of<Real>& to_axes) const;
-    /// The force over the open step at a trial end of it. pose_now(): the joint at t_n, asked for only where rates count;
-    /// damper: NULL where they do not.
-    Force weigh(const Scheme& scheme, const Strained& end, const auto& pose_now, const State& state,
+    /// The force over the open step at a trial end of it, when the joint is at `at_end`; damper: NULL where rates do not
+    /// count.
+    Force weigh(const Scheme& scheme, const Strained& end, const JointPoseOf<Real>& at_end, const State& state,
                 const Damper* damper) const;
-    /// Moves the memory on to the accepted end of the step, when the joint is at `next`. steps: committed before it since
-    /// the start.
-    void advance(const Scheme& scheme, uint64_t steps, const Strained& end, const JointPoseOf<Real>& next, State& state,
-                 Damper* damper) const;
+    /// Moves the memory on to the accepted end of the step, when the joint is at `next`. pose_now(): the joint at t_n, asked
+    /// for only where rates count; steps: committed before it since the start.
+    void advance(const Scheme& scheme, uint64_t steps, const Strained& end, const JointPoseOf<Real>& next,
+                 const auto& pose_now, State& state, Damper* damper) const;
     /// What of the force over the coming step is known before its end is: for an explicit scheme all of it. before: the
-    /// elastic force at t_{n−1}.
-    void recall(const Scheme& scheme, const JointPoseOf<Real>& now, const Force& before, State& state,
+    /// elastic force at t_{n−1}; at: the joint when the forces of rates act, t_{n−1}, or t_n of an explicit scheme.
+    void recall(const Scheme& scheme, const JointPoseOf<Real>& at, const Force& before, State& state,
                 const Damper* damper) const;
 };
 
@@ -110,26 +113,25 @@ template <class Real>
 
 template <class Real>
 [[gnu::always_inline]] inline JointForceOf<Real> SpringsOf<Real>::weigh(const Scheme& scheme, const Strained& end,
-                                                                        const auto& pose_now, const State& state,
-                                                                        const Damper* damper) const {
+                                                                        const JointPoseOf<Real>& at_end,
+                                                                        const State& state, const Damper* damper) const {
     Force force = state.known;
     if (!scheme.is_implicit()) return force;
     force.add(scheme.elastic_weight(0), end.elastic);
     if (!damper) return force;
-    const JointPoseOf<Real> now = pose_now();
     const auto act = [&](const JointHalfOf<Real>& half, const Vector3Of<Real>& delta) {
         const Real rate = scheme.rate(0), lag = scheme.lag();
-        return Vector3Of<Real>(now.axes * (rate * half.damping + lag * half.stiffness).cwiseProduct(delta));
+        return Vector3Of<Real>(at_end.axes * (rate * half.damping + lag * half.stiffness).cwiseProduct(delta));
     };
     const Vector3Of<Real> slide = act(halves[0], end.d - state.d);
     Vector3Of<Real> moment = Vector3Of<Real>::Zero();
     if (turns) moment = act(halves[1], rotation_vector<Real>(end.attitude * damper->attitude.transpose()));
-    force.add(1, now.act(slide, moment));
+    force.add(1, at_end.act(slide, moment));
     return force;
 }
 
 template <class Real>
-[[gnu::always_inline]] inline void SpringsOf<Real>::recall(const Scheme& scheme, const JointPoseOf<Real>& now,
+[[gnu::always_inline]] inline void SpringsOf<Real>::recall(const Scheme& scheme, const JointPoseOf<Real>& at,
                                                            const Force& before, State& state, const Damper* damper) const {
     state.known = {};
     state.known.add(scheme.elastic_weight(1), state.elastic);
@@ -139,18 +141,18 @@ template <class Real>
         const JointHalfOf<Real>& half = halves[i];
         const typename Damper::Half& s = damper->halves[i];
         const Real r1 = scheme.rate(1), r2 = scheme.rate(2), r3 = scheme.rate(3), lag = scheme.lag();
-        return Vector3Of<Real>(now.axes * (half.damping.cwiseProduct(r1 * s.delta[0] + r2 * s.delta[1] + r3 * s.delta[2]) +
+        return Vector3Of<Real>(at.axes * (half.damping.cwiseProduct(r1 * s.delta[0] + r2 * s.delta[1] + r3 * s.delta[2]) +
                                            lag * half.stiffness.cwiseProduct(s.delta[0])));
     };
     Vector3Of<Real> moment = Vector3Of<Real>::Zero();
     if (turns) moment = act(1);
-    state.known.add(1, now.act(act(0), moment));
+    state.known.add(1, at.act(act(0), moment));
 }
 
 template <class Real>
 [[gnu::always_inline]] inline void SpringsOf<Real>::advance(const Scheme& scheme, uint64_t steps, const Strained& end,
-                                                            const JointPoseOf<Real>& next, State& state,
-                                                            Damper* damper) const {
+                                                            const JointPoseOf<Real>& next, const auto& pose_now,
+                                                            State& state, Damper* damper) const {
     if (damper) {
         const Vector3Of<Real> slide = end.d - state.d;
         Vector3Of<Real> turn = Vector3Of<Real>::Zero();
@@ -176,7 +178,7 @@ template <class Real>
     state.d = end.d;
     state.theta_before = state.theta;
     state.theta = end.theta;
-    recall(scheme, next, before, state, damper);
+    recall(scheme, damper && scheme.is_implicit() ? pose_now() : next, before, state, damper);
 }
 
 }  // namespace dttmm

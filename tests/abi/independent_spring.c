@@ -7,7 +7,8 @@
  *
  * -f acts on the `to` end, +f on the `from` end together with the moment arm x f, so that the two balance about any point.
  * The centred scheme weighs the spring's forces at three instants: the even part of the weights with the directions and the
- * arm of each instant, the odd part, which is its numerical damping, with those of t_n, as it does the damper's.
+ * arm of each instant; the odd part, which is its numerical damping, and the damper, by increments of d over the two steps
+ * around t_n, with those of t_{n+1} and t_{n-1}.
  * Only constants are static: what changes lives in the instance, so that two springs, or a step tried twice, never mix.
  */
 #include <math.h>
@@ -63,7 +64,7 @@ struct memory {
     double h;                 /* step size */
     double past[4][3];        /* d at t_n, t_{n-1}, t_{n-2}, t_{n-3} */
     struct push elastic[2];   /* of the spring at t_n and t_{n-1} */
-    double known[3];          /* what of the rest over the coming step does not depend on its end, axes at t_n */
+    struct push known;        /* of the damper and the odd part, what does not depend on the end of the coming step */
     struct view now;          /* at t_n */
     double rate[3];           /* d' at t_{n-1}: centred, at the start the initial one */
     double power, dissipated; /* lost to damping at and up to t_{n-1} */
@@ -345,13 +346,19 @@ static struct push elastic_push(const dttmm_instance *s, const struct view *v) {
 /* t_n is now: what the coming step needs of it. */
 static void settle(dttmm_instance *s, const struct view *now) {
     struct memory *m = &s->memory;
+    double f[3] = {0};
+    if (is_implicit(s)) { /* of the step that ends now, with the axes and levers of its start */
+        for (int i = 0; i < 3; ++i)
+            f[i] = (s->c[i] * (1 - s->rate[0]) / m->h + s->odd * s->k[i]) * (m->past[0][i] - m->past[1][i]);
+        m->known = push_of(&m->now, f);
+    } else {
+        for (int back = 0; back < 4; ++back)
+            for (int i = 0; i < 3; ++i) f[i] += s->c[i] * s->rate[1 + back] / m->h * m->past[back][i];
+        m->known = push_of(now, f);
+    }
     m->now = *now;
     m->elastic[1] = m->elastic[0];
     m->elastic[0] = elastic_push(s, now);
-    memset(m->known, 0, sizeof m->known);
-    for (int back = 0; back < 4; ++back)
-        for (int i = 0; i < 3; ++i) m->known[i] += s->c[i] * s->rate[1 + back] / m->h * m->past[back][i];
-    for (int i = 0; i < 3; ++i) m->known[i] -= s->odd * s->k[i] * m->past[1][i];
     s->phase = BETWEEN_STEPS;
 }
 
@@ -372,8 +379,11 @@ static dttmm_status start(dttmm_instance *s, const dttmm_step *step, const dttmm
             s->memory.past[back][i] = v.d[i] - back * h * rate[i] + 0.5 * back * back * h * h * acceleration[i];
     settle(s, &v);
     s->memory.elastic[1] = s->memory.elastic[0];
-    for (int i = 0; i < 3 && is_implicit(s); ++i) /* the first centred step is Newmark's from d, d', d'' */
-        s->memory.known[i] = -s->odd * s->k[i] * v.d[i] + s->c[i] * ((1 - g) * rate[i] + (b - 0.5 * g) * h * acceleration[i] - g / h * v.d[i]);
+    if (is_implicit(s)) { /* the first centred step is Newmark's from d, d', d'' */
+        double f[3];
+        for (int i = 0; i < 3; ++i) f[i] = s->c[i] * ((1 - g) * rate[i] + (b - 0.5 * g) * h * acceleration[i]);
+        s->memory.known = push_of(&v, f);
+    }
     return DTTMM_OK;
 }
 
@@ -389,25 +399,23 @@ static dttmm_status evaluate(const dttmm_instance *s, const dttmm_motion *trial,
                              dttmm_error *error) {
     if (s->phase != IN_STEP) return fail(error, DTTMM_ERROR_PHASE, -1, "evaluate: no step is open");
     const struct memory *m = &s->memory;
-    struct push push = {{0}, {{0}}};
-    double f[3];
-    memcpy(f, m->known, sizeof f);
+    struct push push = m->known;
     if (is_implicit(s)) {
         const struct view next = look(s, trial);
         const struct push end = elastic_push(s, &next);
-        double gain[3], acting[3];
+        double f[3], gain[3], acting[3];
         for (int i = 0; i < 3; ++i) {
-            f[i] += (s->c[i] * s->rate[0] / m->h + s->odd * s->k[i]) * next.d[i];
+            f[i] = (s->c[i] * s->rate[0] / m->h + s->odd * s->k[i]) * (next.d[i] - m->past[0][i]);
             gain[i] = s->k[i] * s->elastic[0] + s->c[i] * s->rate[0] / m->h;
             acting[i] = s->even[0] * m->elastic[0].force[i];
         }
+        const struct push rates = push_of(&next, f);
+        add_push(&push, 1, &rates);
         add_push(&push, s->even[0], &end);
         if (stiffness) write_stiffness(s, &next, m->now.arms, gain, acting, stiffness);
     } else if (stiffness) { /* the trial is not looked at */
         memset(stiffness, 0, wrench_size(s) * wrench_size(s) * sizeof *stiffness);
     }
-    const struct push rest = push_of(&m->now, f);
-    add_push(&push, 1, &rest);
     add_push(&push, s->even[1], &m->elastic[0]);
     add_push(&push, s->even[2], &m->elastic[1]);
     memset(wrench, 0, wrench_size(s) * sizeof *wrench);

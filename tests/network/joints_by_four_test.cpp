@@ -125,7 +125,7 @@ Answer one_by_one(const SomeJoints& model, std::span<const size_t> joints) {
         const Joint& joint = m.joints[j];
         const auto a = static_cast<size_t>(joint.from()), b = static_cast<size_t>(joint.to());
         const Ends trial = {model.trial()[a], model.trial()[b]};
-        const JointForce force = joint.over_step(m.scheme, trial, m.ends(j), m.states[j], m.damper(j));
+        const JointForce force = joint.over_step(m.scheme, trial, m.states[j], m.damper(j));
         answer.largest = std::max(answer.largest, force.force.squaredNorm());
         Joint::add_wrench(force, answer.forces[a].data(), answer.forces[b].data());
         JointForce committed;

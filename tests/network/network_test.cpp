@@ -210,7 +210,7 @@ Push push_at(const Frame& left, const Frame& right) {
 
 // Oracle: the centred formula of the design written out for one joint, β and γ odd: the even part of the weights with the
 // elastic wrenches of three instants, each in the axes and over the arm of its own; the odd part and the damper by the
-// increments of the deformation, at t_n.
+// increments of the deformation over the two steps, in the axes and over the arm of t_{n+1} and of t_{n−1}.
 TEST(Network, CentredWrenchIsTheWeightedForceLaw) {
     const Centred centred{0.31, 0.56};
     Network network = make_network(DTTMM_SCHEME_CENTRED, false, kUgly, centred);
@@ -226,12 +226,17 @@ TEST(Network, CentredWrenchIsTheWeightedForceLaw) {
                   turn_before = turn_between(attitude_of(before_left, before_right), Q);
     const Vector6 c = damping_of(kUgly), k = stiffness_of(kUgly);
     const double odd = 0.5 * (0.56 - 0.5), even = 0.31 - odd;
-    const Vector3 slide =
-                      left.rotation * c.head<3>().cwiseProduct(0.56 * (d_after - d_now) + 0.44 * (d_now - d_before)) / kStep,
-                  turn = left.rotation * c.tail<3>().cwiseProduct(0.56 * turn_after + 0.44 * turn_before) / kStep;
-    const Vector3 slide_lag = left.rotation * (odd * k.head<3>()).cwiseProduct(d_after - d_before),
-                  turn_lag = left.rotation * (odd * k.tail<3>()).cwiseProduct(turn_after + turn_before);
-    Vector3 F = slide + slide_lag, M = turn + turn_lag, on_from = M + (right.position - left.position).cross(F);
+    Vector3 F = Vector3::Zero(), M = F, on_from = F;
+    const auto add_rates = [&](double weight, const Frame& from, const Frame& to, const Vector3& slide, const Vector3& turn) {
+        const Vector6 per_increment = weight / kStep * c + odd * k;
+        const Vector3 force = from.rotation * per_increment.head<3>().cwiseProduct(slide),
+                      moment = from.rotation * per_increment.tail<3>().cwiseProduct(turn);
+        F += force;
+        M += moment;
+        on_from += moment + (to.position - from.position).cross(force);
+    };
+    add_rates(0.56, next_left, next_right, d_after - d_now, turn_after);
+    add_rates(0.44, before_left, before_right, d_now - d_before, turn_before);
     const auto add = [&](double weight, const Push& push) {
         F += weight * push.force;
         M += weight * push.moment;

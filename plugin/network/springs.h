@@ -61,8 +61,8 @@ struct StrainedOf {
 /// lever arms of its own instant: Newmark's rule for the whole wrench, so that a lasting force turns with the parts
 /// implicitly too. Dampers and numerical damping act by the increments of the deformation over the two steps around t_n, the
 /// later with the axes and lever arms of t_{n+1}, the earlier with those of t_{n−1}: second order like those of t_n for
-/// both, and the derivative by the end of the step is symmetric, as Newton's matrix is. (With those of t_n it is not: where a
-/// damper is stiffer than what it is in series with, by more than the turn per step makes up for, passes then diverge.)
+/// both, and the derivative by the end of the step is symmetric, as Newton's matrix is. (With those of t_n it is not: where
+/// a damper is stiffer than what it is in series with, by more than the turn per step makes up for, passes then diverge.)
 /// Increments of rotations are the rotation vectors that lead from one instant to the next.
 template <class Real>
 struct SpringsOf {
@@ -113,8 +113,8 @@ template <class Real>
 
 template <class Real>
 [[gnu::always_inline]] inline JointForceOf<Real> SpringsOf<Real>::weigh(const Scheme& scheme, const Strained& end,
-                                                                        const JointPoseOf<Real>& at_end,
-                                                                        const State& state, const Damper* damper) const {
+                                                                        const JointPoseOf<Real>& at_end, const State& state,
+                                                                        const Damper* damper) const {
     Force force = state.known;
     if (!scheme.is_implicit()) return force;
     force.add(scheme.elastic_weight(0), end.elastic);
@@ -142,7 +142,7 @@ template <class Real>
         const typename Damper::Half& s = damper->halves[i];
         const Real r1 = scheme.rate(1), r2 = scheme.rate(2), r3 = scheme.rate(3), lag = scheme.lag();
         return Vector3Of<Real>(at.axes * (half.damping.cwiseProduct(r1 * s.delta[0] + r2 * s.delta[1] + r3 * s.delta[2]) +
-                                           lag * half.stiffness.cwiseProduct(s.delta[0])));
+                                          lag * half.stiffness.cwiseProduct(s.delta[0])));
     };
     Vector3Of<Real> moment = Vector3Of<Real>::Zero();
     if (turns) moment = act(1);

@@ -227,7 +227,8 @@ TEST(Network, CentredWrenchIsTheWeightedForceLaw) {
     const Vector6 c = damping_of(kUgly), k = stiffness_of(kUgly);
     const double odd = 0.5 * (0.56 - 0.5), even = 0.31 - odd;
     Vector3 F = Vector3::Zero(), M = F, on_from = F;
-    const auto add_rates = [&](double weight, const Frame& from, const Frame& to, const Vector3& slide, const Vector3& turn) {
+    const auto add_rates = [&](double weight, const Frame& from, const Frame& to, const Vector3& slide,
+                               const Vector3& turn) {
         const Vector6 per_increment = weight / kStep * c + odd * k;
         const Vector3 force = from.rotation * per_increment.head<3>().cwiseProduct(slide),
                       moment = from.rotation * per_increment.tail<3>().cwiseProduct(turn);

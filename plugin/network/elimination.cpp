@@ -86,7 +86,9 @@ void choose_independent(Matrix rows, double threshold, std::vector<int>& choice,
 
 }  // namespace
 
-Elimination::Elimination(int frame_count, const std::vector<Link>& links) {
+Elimination::Elimination(int frame_count, const std::vector<Link>& links, double size) {
+    constexpr double kRoundingOfPlaces = 1e-14;  // 45 epsilon: sums and turns of a handful of places
+    least_turning_ = kRoundingOfPlaces * size * kRoundingOfPlaces * size;
     const auto n = static_cast<size_t>(frame_count);
     diagonal_.assign(n, Matrix6::Zero());
     acting_.assign(n, Vector6::Zero());
@@ -272,8 +274,13 @@ bool Elimination::gather(const Pivot& pivot, OpenRows& open) const {
 Vector6 Elimination::motion_scale(const Pivot& pivot) const {
     constexpr double kNothing = 1e-6, kRounding = 1e-14, kRoundingOfOther = 1e-16;
     const auto f = static_cast<size_t>(pivot.frame);
-    const Vector6 own = (diagonal_[f].diagonal() - acting_[f]).cwiseAbs();
-    const Vector6 size = own.cwiseMax((work_[f].diagonal() - acting_[f]).cwiseAbs());
+    Vector6 own = (diagonal_[f].diagonal() - acting_[f]).cwiseAbs();
+    Vector6 size = own.cwiseMax((work_[f].diagonal() - acting_[f]).cwiseAbs());
+    for (Vector6* entries : {&own, &size}) {
+        const double least = least_turning_ * size.head<3>().maxCoeff();
+        for (double& entry : entries->tail<3>())
+            if (entry <= least) entry = 0;
+    }
     const auto largest = [](const Vector6& of, Eigen::Index half) { return of.segment<3>(half).maxCoeff(); };
     Vector6 scale;
     for (Eigen::Index i = 0; i < 6; ++i) {

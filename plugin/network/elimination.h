@@ -29,8 +29,9 @@ struct Link {
 /// Source of passing on: Duff and Reid (1983), multifrontal solution, ACM Trans. Math. Software 9, 302–325.
 class Elimination {
 public:
-    /// Fixes order and storage; nothing is allocated later.
-    Elimination(int frame_count, const std::vector<Link>& links);
+    /// Fixes order and storage; nothing is allocated later. size: of the machine and its way from the world's origin [m], of
+    /// which levers have rounding: a rotational stiffness that such a lever would make counts as none.
+    Elimination(int frame_count, const std::vector<Link>& links, double size = 1);
 
     void set_zero();
     void add_diagonal(int frame, const Matrix6& block) { diagonal_[static_cast<size_t>(frame)] += block; }
@@ -146,6 +147,7 @@ private:
         Vector6 by[2];
     };
 
+    double least_turning_;  ///< share of the translations' largest below which a rotation's entry is rounding [m²]
     std::vector<Matrix6> diagonal_, work_;
     std::vector<Vector6> acting_;  ///< part of the diagonals by add_acting
     std::vector<Coupling> couplings_;

@@ -32,6 +32,13 @@ std::vector<Link> links_of(const Mechanism& mechanism) {
     return links;
 }
 
+/// The largest distance of a frame from the world's origin, at least a metre [m].
+double size_of(const Mechanism& mechanism) {
+    double size = 1;
+    for (const FrameSpec& frame : mechanism.assembly.frames) size = std::max(size, frame.pose.position.norm());
+    return size;
+}
+
 /// Translation and rotation of every inner frame: whether it has no mass, no inertia.
 std::vector<std::array<bool, 2>> massless_halves(const Mechanism& mechanism) {
     std::vector<std::array<bool, 2>> halves;
@@ -65,7 +72,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
       driven_(mechanism.assembly.driven_count),
       count_(mechanism.assembly.inner_count()),
       gravity_(Eigen::Map<const Vector3>(description.gravity)),
-      elimination_(count_, links_of(mechanism)),
+      elimination_(count_, links_of(mechanism), size_of(mechanism)),
       at_trial_(elimination_),
       massless_(mechanism, massless_halves(mechanism)) {
     if (!mechanism.scheme.is_implicit())

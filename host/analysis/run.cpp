@@ -18,21 +18,21 @@
 #include "record/recorder.h"
 #include "record/results_folder.h"
 #include "record/tell.h"
+#include "record/warnings.h"
 #include "step/simulation.h"
 
 namespace dttmm {
 
 namespace {
 
-void print_warnings(const Model& model) {
-    for (const std::string& warning : model.warnings) tell(fmt::format("warning: {}", warning));
+void warn_loads(const Model& model, Warnings& warnings) {
     // A load is looked at once per step: of what is shorter than a few steps little is left.
     for (const Load& load : model.loads)
         if (load.signal.shortest_time() < 5 * model.simulation.step)
-            tell(fmt::format(
-                "warning: {}: the load has a wave or pulse of {:.3g} s, shorter than 5 steps of {:g} s: it is poorly "
-                "resolved or lost between them",
-                load.place, load.signal.shortest_time(), model.simulation.step));
+            warnings.add("load-too-fast",
+                         fmt::format("{}: the load has a wave or pulse of {:.3g} s, shorter than 5 steps of {:g} s: it is "
+                                     "poorly resolved or lost between them",
+                                     load.place, load.signal.shortest_time(), model.simulation.step));
 }
 
 /// The largest step up to `longest` [s] that divides `step` into 1, 2, 4, 5, 8, 10, 20, ... parts: it then divides duration
@@ -53,7 +53,7 @@ std::vector<int> selected_channels(const Model& model, const Simulation& simulat
 }
 
 /// An explicit coupling beyond the limit of its scheme would throw the machine apart.
-void refuse_unstable(const Simulation& simulation, bool force) {
+void refuse_unstable(const Simulation& simulation, bool force, Warnings& warnings) {
     if (!simulation.explicit_limit()) return;
     const ExplicitLimit& limit = *simulation.explicit_limit();
     if (limit.load >= kExplicitLimit && !force)
@@ -63,20 +63,22 @@ void refuse_unstable(const Simulation& simulation, bool force) {
                                 simulation.step_size(), simulation.describe_speed(),
                                 divide_step(simulation.step_size(), 0.9 * limit.longest_step)));
     if (limit.load > 0.8 * kExplicitLimit)
-        tell(fmt::format("warning: {}: {} the limit of the explicit coupling", simulation.describe_speed(),
-                         limit.load < kExplicitLimit ? "near" : "beyond"));
+        warnings.add("near-explicit-limit",
+                     fmt::format("{}: {} the limit of the explicit coupling", simulation.describe_speed(),
+                                 limit.load < kExplicitLimit ? "near" : "beyond"));
 }
 
 /// A run to a tolerance need not be told a stable step: it starts from one, its rows where they were.
-Model start_stable(Model model, const Plugins& plugins) {
+Model start_stable(Model model, const Plugins& plugins, Warnings& warnings) {
     if (model.simulation.coupling != Coupling::explicit_) return model;
     const auto limit = Simulation(model, plugins).explicit_limit();
     if (!limit || limit->load < kExplicitLimit) return model;
     const double step = divide_step(model.simulation.step, 0.9 * limit->longest_step);
     const double every = model.output.every * std::round(model.simulation.step / step);
     if (step < kShortestStep || every > std::numeric_limits<int>::max()) return model;
-    tell(fmt::format("the explicit coupling would diverge at a step of {:g} s; beginning with {:.12g} s",
-                     model.simulation.step, step));
+    warnings.note("stable-first-step",
+                  fmt::format("the explicit coupling would diverge at a step of {:g} s; beginning with {:.12g} s",
+                              model.simulation.step, step));
     model.simulation.step = step;
     model.output.every = static_cast<int>(every);
     return model;
@@ -177,28 +179,30 @@ std::string describe_energy_fault(const Simulation& simulation, bool has_network
 }
 
 /// What the ledger cannot account for was made or lost by the integration itself. Numerical damping loses it on request.
-void warn_energy(const Recorder& recorder, const Model& model, const Simulation& simulation) {
+void warn_energy(const Recorder& recorder, const Model& model, const Simulation& simulation, Warnings& warnings) {
     const Ledger ledger = read_ledger(recorder, model, simulation.step_size());
     const bool is_damped = model.simulation.coupling == Coupling::implicit && model.simulation.spectral_radius < 1;
     if (is_damped && ledger.residual_at_the_end < 0 && ledger.most <= 0.1 * ledger.turned_over) {
         const double taken = -ledger.residual_at_the_end;
         if (taken > 0.01 * ledger.turned_over)
-            tell(fmt::format(
-                "note: numerical damping (spectral_radius = {:g}) took {:.3g} J, {:.2g} % of the {:.3g} J turned over",
-                model.simulation.spectral_radius, taken, 100 * taken / ledger.turned_over, ledger.turned_over));
+            warnings.note(
+                "numerical-damping",
+                fmt::format("numerical damping (spectral_radius = {:g}) took {:.3g} J, {:.2g} % of the {:.3g} J turned over",
+                            model.simulation.spectral_radius, taken, 100 * taken / ledger.turned_over, ledger.turned_over));
         return;
     }
     // In the row of an impact on a stop the ledger stands between before and after, up to a quarter of what was lost below
     const bool has_stops = std::ranges::any_of(model.joints, [](const Joint& joint) { return joint.limits.has_value(); });
     const double residual = has_stops ? std::max(ledger.most, std::abs(ledger.residual_at_the_end)) : ledger.residual;
     if (residual > 0.1 * ledger.turned_over && residual > ledger.rounding)
-        tell(fmt::format("warning: the energy balance leaves {:.3g} J unaccounted for, of {:.3g} J at most: {}", residual,
-                         ledger.turned_over, describe_energy_fault(simulation, !model.nodes.empty())));
+        warnings.add("energy-balance",
+                     fmt::format("the energy balance leaves {:.3g} J unaccounted for, of {:.3g} J at most: {}", residual,
+                                 ledger.turned_over, describe_energy_fault(simulation, !model.nodes.empty())));
 }
 
 /// The force of an element that goes up and down from step to step: a vibration faster than the step. Only rows of every
 /// step show it. The energy balance does not: a stiff element holds next to no energy.
-void warn_ripple(const Recorder& recorder, const Model& model) {
+void warn_ripple(const Recorder& recorder, const Model& model, Warnings& warnings) {
     if (model.output.every != 1) return;
     constexpr double kTolerated = 0.1;  // of the element's largest force
     double worst = kTolerated;
@@ -214,14 +218,14 @@ void warn_ripple(const Recorder& recorder, const Model& model) {
         if (ripple <= worst * peak) continue;
         worst = ripple / peak;
         warning = fmt::format(
-            "warning: the force of element \"{}\" alternates from step to step by {:.3g} N and is {:.3g} N at most: a "
+            "the force of element \"{}\" alternates from step to step by {:.3g} N and is {:.3g} N at most: a "
             "vibration that the step of {:g} s does not follow. It rings for ever unless something damps it, and its peaks "
             "are not those of the machine; try a shorter step{}",
             element.name, ripple, peak, model.simulation.step,
             model.simulation.coupling == Coupling::implicit ? ", damping of the element, or a spectral_radius of 0.9"
                                                             : " or damping of the element");
     }
-    if (!warning.empty()) tell(warning);
+    if (!warning.empty()) warnings.add("alternating-force", warning);
 }
 
 /// How the step was found, in one line.
@@ -235,21 +239,22 @@ void print_halving(const Halving& halving) {
 }
 
 /// A run to a tolerance that could not begin where it was told to.
-void warn_skipped(const Halving& halving) {
+void warn_skipped(const Halving& halving, Warnings& warnings) {
     if (halving.first_step() != halving.asked_step())
-        tell(fmt::format("the motion was not found at a step of {:g} s; it begins with {:g} s", halving.asked_step(),
-                         halving.first_step()));
+        warnings.note("shorter-first-step",
+                      fmt::format("the motion was not found at a step of {:g} s; it begins with {:g} s",
+                                  halving.asked_step(), halving.first_step()));
 }
 
 /// A tolerance reached at a step that misses the fastest vibrations holds for what the step sees.
-void warn_unresolved(const Halving& halving) {
+void warn_unresolved(const Halving& halving, Warnings& warnings) {
     const Simulation& simulation = halving.simulation();
     const double omega_h = simulation.fastest_mode().omega * simulation.step_size();
     if (halving.reached() && omega_h > kUnresolved)
-        tell(
-            fmt::format("warning: omega*h = {:.3g} at the step used: vibrations near {:.4g} Hz are not followed, and their "
-                        "part in the error is only allowed for",
-                        omega_h, simulation.fastest_mode().omega / (2 * M_PI)));
+        warnings.add("unresolved-vibration",
+                     fmt::format("omega*h = {:.3g} at the step used: vibrations near {:.4g} Hz are not followed, and their "
+                                 "part in the error is only allowed for",
+                                 omega_h, simulation.fastest_mode().omega / (2 * M_PI)));
 }
 
 void print_report(const Recorder& recorder, const Model& model, const Simulation& simulation, const ResultsFolder& folder,
@@ -271,17 +276,19 @@ void print_report(const Recorder& recorder, const Model& model, const Simulation
 struct Bench {
     explicit Bench(const RunRequest& request)
         : plugins(request.plugins),
-          model(prepare(request, plugins)),
+          model(prepare(request, plugins, warnings)),
           simulation(model, plugins),
           selection(selected_channels(model, simulation)) {
         if (model.simulation.tolerance) halving.emplace(model, plugins, selection);
     }
-    static Model prepare(const RunRequest& request, const Plugins& plugins) {
+    static Model prepare(const RunRequest& request, const Plugins& plugins, Warnings& warnings) {
         Model model = read_model(request.model, plugins.catalogue(), request.overrides);
-        if (model.simulation.tolerance && !request.force) model = start_stable(std::move(model), plugins);
-        print_warnings(model);
+        if (model.simulation.tolerance && !request.force) model = start_stable(std::move(model), plugins, warnings);
+        warnings.add(model.warnings);
+        warn_loads(model, warnings);
         return model;
     }
+    Warnings warnings;
     const Plugins plugins;
     const Model model;
     Simulation simulation;  ///< at the model's step
@@ -290,20 +297,21 @@ struct Bench {
 };
 
 /// Closes the files, writes the summary, and tells how it went.
-ExitCode conclude(const RunRequest& request, const Bench& bench, const Simulation& simulation, const ResultsFolder& folder,
+ExitCode conclude(const RunRequest& request, Bench& bench, const Simulation& simulation, const ResultsFolder& folder,
                   Recorder& recorder, const Ending& ending) {
     const Halving* halving = bench.halving ? &*bench.halving : nullptr;
     recorder.finish();
-    const Json summary = describe_run(bench.model, request, bench.plugins, simulation, recorder, ending.outcome, halving);
-    write_atomically(folder.file("summary.json"), summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
-
-    warn_energy(recorder, bench.model, simulation);
+    warn_energy(recorder, bench.model, simulation, bench.warnings);
     if (halving) {
-        warn_skipped(*halving);
-        warn_unresolved(*halving);
+        warn_skipped(*halving, bench.warnings);
+        warn_unresolved(*halving, bench.warnings);
     } else {
-        warn_ripple(recorder, bench.model);
+        warn_ripple(recorder, bench.model, bench.warnings);
     }
+    bench.warnings.print_rest("; summary.json has all of them");
+    const Json summary =
+        describe_run(bench.model, request, bench.plugins, simulation, recorder, ending.outcome, halving, bench.warnings);
+    write_atomically(folder.file("summary.json"), summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
     if (ending.outcome.status == "failed") {
         throw Error(ending.code, fmt::format("{} ({} rows recorded in {})", ending.outcome.reason, recorder.rows(),
                                              folder.path().string()));
@@ -319,7 +327,7 @@ ExitCode conclude(const RunRequest& request, const Bench& bench, const Simulatio
 ExitCode run(const RunRequest& request) {
     const StopSignals signals;
     Bench bench(request);
-    refuse_unstable(bench.simulation, request.force);
+    refuse_unstable(bench.simulation, request.force, bench.warnings);
 
     const ResultsFolder folder(request.output.value_or(default_results_path(request.model)));
     const Attributes attributes = {{"title", bench.model.title}, {"version", DTTMM_VERSION}, {"model", bench.model.source}};
@@ -344,7 +352,7 @@ std::string counted(size_t count, const char* one, const char* many) {
 }
 
 void check(const RunRequest& request) {
-    const Bench bench(request);
+    Bench bench(request);
     const Model& model = bench.model;
     const Simulation& simulation = bench.simulation;
     const FastestMode& fastest = simulation.fastest_mode();
@@ -373,7 +381,8 @@ void check(const RunRequest& request) {
     if (simulation.explicit_limit() && simulation.explicit_limit()->load > 0)
         fmt::print("  the explicit coupling is stable up to a step of {:.4g} s; at {:g} s: {}\n",
                    simulation.explicit_limit()->longest_step, simulation.step_size(), simulation.describe_speed());
-    refuse_unstable(simulation, request.force);
+    refuse_unstable(simulation, request.force, bench.warnings);
+    bench.warnings.print_rest("");
 }
 
 namespace {

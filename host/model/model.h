@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "model/signal.h"
+#include "model/warning.h"
 
 namespace dttmm {
 
@@ -139,7 +140,7 @@ struct Model {
     std::vector<Load> loads;
     std::vector<Element> elements;
     std::vector<std::filesystem::path> files;  ///< beside the model file that were read: tables of loads
-    std::vector<std::string> warnings;         ///< each with its place, ready to print
+    std::vector<Warning> warnings;             ///< of the model file, each text with its place
 };
 
 }  // namespace dttmm

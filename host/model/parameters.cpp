@@ -40,7 +40,8 @@ void Parameters::read_entry(const TomlMember& member) {
             member.place, fmt::format("parameter {} exists already, {}", quote(name), diagnostics_.line_text(other->place)));
     if (name.find('-') != name.npos)
         diagnostics_.warning(
-            member.place, fmt::format("parameter {} cannot be used: '-' is minus in an expression; use '_'", quote(name)));
+            member.place, "unusable-parameter",
+            fmt::format("parameter {} cannot be used: '-' is minus in an expression; use '_'", quote(name)));
     Entry entry;
     entry.parameter.name = name;
     entry.place = member.place;

@@ -117,7 +117,7 @@ Eigen::Vector3d read_gravity(const TableReader& table) {
     const Eigen::Vector3d gravity = table.vector("gravity", "m/s^2", zero).value_or(zero);
     if (gravity.cwiseAbs().maxCoeff() > kLargestGravity)
         table.warning(
-            table.find("gravity")->value.place,
+            table.find("gravity")->value.place, "gravity-unit",
             fmt::format("gravity of {} m/s² looks like mm/s²; write \"9.81 m/s^2\"", gravity.cwiseAbs().maxCoeff()));
     return gravity;
 }

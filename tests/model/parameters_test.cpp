@@ -105,9 +105,10 @@ TEST(Parameters, ADimensionIsCheckedWhereABareNameIsUsed) {
 }
 
 TEST(Parameters, AMinusInANameIsWarnedOf) {
-    EXPECT_THAT(
-        parse(with_parameters("k-1 = 1\n")).warnings,
-        testing::Contains(HasSubstr("m.toml:13:1: parameter \"k-1\" cannot be used: '-' is minus in an expression")));
+    EXPECT_THAT(parse(with_parameters("k-1 = 1\n")).warnings,
+                testing::Contains(
+                    WarningIs("unusable-parameter",
+                              HasSubstr("m.toml:13:1: parameter \"k-1\" cannot be used: '-' is minus in an expression"))));
 }
 
 }  // namespace

@@ -146,7 +146,7 @@ TEST(ReadBody, PlaceFaults) {
     EXPECT_THAT(fault_beside_mass("positon = [0, 0, 0]\n"),
                 HasSubstr("unknown key \"positon\" in [[body]] number 1; did you mean \"position\"?"));
     EXPECT_THAT(parse(body_with("mass = 2\ninertia = [2, 3, 4]\nposition = [0, 2e4, 0]\n")).warnings,
-                testing::Contains(HasSubstr("position is 20000 m from the origin")));
+                testing::Contains(WarningIs("far-from-origin", HasSubstr("position is 20000 m from the origin"))));
 }
 
 TEST(ReadBody, MarkerFaults) {

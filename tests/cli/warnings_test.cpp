@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Warnings are results: on the standard error, in summary.json, and counted in the table of a sweep.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "cli/process.h"
+#include "cli/small_model.h"
+
+namespace dttmm {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+/// The codes of the warnings in a summary, in order.
+std::vector<std::string> codes_in(const fs::path& summary) {
+    std::vector<std::string> codes;
+    const nlohmann::json json = read_json(summary);
+    for (const auto& warning : json.at("warnings")) {
+        codes.push_back(warning.at("code"));
+        EXPECT_FALSE(warning.at("text").get<std::string>().empty());
+    }
+    return codes;
+}
+
+/// The small model whose second spring has no stiffness; k is a number of the file.
+std::string model_with_a_free_element() { return small_model_with("\"6e4 N/m\"", "0"); }
+
+const std::string kSpareBody = "\n[[body]]\nname = \"spare\"\nmass = 1\ninertia = [1, 1, 1]\n";
+
+TEST(WarningsOf, ARunStandInItsSummary) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", model_with_a_free_element() + kSpareBody);
+    const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out"});
+    EXPECT_EQ(ended.code, 0);
+    EXPECT_THAT(codes_in(folder / "out/summary.json"), ElementsAre("free-element", "free-body"));
+    const nlohmann::json summary = read_json(folder / "out/summary.json");
+    for (const auto& warning : summary.at("warnings"))
+        EXPECT_THAT(ended.err, HasSubstr("warning: " + warning.at("text").get<std::string>() + "\n"));
+    EXPECT_EQ(run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out", "--tolerance", "1 %"}).code, 0);
+    EXPECT_THAT(codes_in(folder / "out/summary.json"), ElementsAre("free-element", "free-body"));
+
+    write_text(folder / "model.toml", kSmallModel);
+    EXPECT_EQ(run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out"}).err, "");
+    EXPECT_THAT(codes_in(folder / "out/summary.json"), ElementsAre());
+}
+
+TEST(WarningsOf, ModesAndFrfReadAsThoseOfARunAndStandInTheirSummaries) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", model_with_a_free_element());
+    const std::string text =
+        "warning: model.toml:33:1: element \"two\": free: every parameter is zero, it carries nothing\n";
+    EXPECT_EQ(run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "run"}).err, text);
+    const Ended modes = run_dttmm(folder.path(), {"modes", "model.toml", "-q", "-o", "modes"});
+    EXPECT_EQ(modes.code, 0);
+    EXPECT_EQ(modes.err, text);
+    EXPECT_THAT(codes_in(folder / "modes/summary.json"), ElementsAre("free-element"));
+
+    const Ended frf = run_dttmm(folder.path(), {"frf", "model.toml", "-q", "-o", "frf", "--in", "plate.x", "--out",
+                                                "plate.y", "--from", "1 Hz", "--to", "2 Hz", "--points", "3"});
+    EXPECT_EQ(frf.code, 0);
+    EXPECT_THAT(frf.err, AllOf(HasSubstr(text), HasSubstr("warning: plate.y does not move under plate.x")));
+    EXPECT_THAT(codes_in(folder / "frf/summary.json"), ElementsAre("free-element", "no-response"));
+    EXPECT_EQ(read_json(folder / "frf/summary.json").at("largest"), 0);
+}
+
+// Oracle: the numbers of cases with a stiffness of zero.
+TEST(WarningsOf, ASweepAreCountedPerCaseAndInItsLastLine) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", small_model_with("mass = \"2 kg\"", "mass = \"2 kg\"\nk = 7"));
+    std::string text = read_text(folder / "model.toml");
+    write_text(folder / "model.toml", text.replace(text.find("\"6e4 N/m\""), 9, "\"=k\""));
+    const std::vector<std::string> words = {"run", "model.toml", "-o", "out", "--sweep", "k=0,5,6e4"};
+    const Ended ended = run_dttmm(folder.path(), words);
+    EXPECT_EQ(ended.code, 0);
+    EXPECT_THAT(ended.out, HasSubstr("3 of 3 cases completed (0 of them reused), 0 failed, 0 not run, 1 with warnings "
+                                     "(free-element)\n"));
+    std::istringstream table(read_text(folder / "out/sweep.csv"));
+    std::string heading, first, second;
+    std::getline(table, heading);
+    std::getline(table, first);
+    std::getline(table, second);
+    EXPECT_THAT(heading, StartsWith("case,k,status,reason,warnings,"));
+    EXPECT_THAT(first, StartsWith("case-000001,0,completed,,1,"));
+    EXPECT_THAT(second, StartsWith("case-000002,5,completed,,0,"));
+    EXPECT_THAT(run_dttmm(folder.path(), words).out, HasSubstr("(3 of them reused), 0 failed, 0 not run, 1 with warnings"));
+}
+
+TEST(WarningsOf, ManyBodiesDoNotFillTheTerminal) {
+    const TemporaryFolder folder;
+    std::string text = kSmallModel;
+    for (int i = 0; i < 60; ++i)
+        text += "\n[[body]]\nname = \"spare" + std::to_string(i) + "\"\nmass = 1\ninertia = [1, 1, 1]\n";
+    write_text(folder / "model.toml", text);
+    const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out"});
+    EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 51);
+    EXPECT_THAT(ended.err, HasSubstr("and 10 more warnings (10 free-body); summary.json has all of them\n"));
+    EXPECT_EQ(codes_in(folder / "out/summary.json").size(), 60u);
+    EXPECT_THAT(run_dttmm(folder.path(), {"check", "model.toml"}).err, HasSubstr("and 10 more warnings (10 free-body)\n"));
+}
+
+}  // namespace
+}  // namespace dttmm

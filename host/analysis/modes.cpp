@@ -241,15 +241,7 @@ ExitCode sweep_modes(const ModesRequest& request, const std::vector<SweepAxis>& 
     const Plugins plugins(request.plugins);
     const std::vector<SweepCase> cases = make_grid(axes);
     Warnings warnings;
-    {
-        std::vector<std::string> known;
-        const Model model = read(request, plugins, warnings);
-        for (const Parameter& parameter : model.parameters) known.push_back(parameter.name);
-        for (const SweepAxis& axis : axes)
-            if (std::ranges::find(known, axis.name) == known.end())
-                throw Error(ExitCode::usage,
-                            fmt::format("--sweep {}: no such parameter{}", quote(axis.name), suggestion(axis.name, known)));
-    }
+    check_axes(axes, read(request, plugins, warnings).parameters);
     std::string table = "case";
     for (const SweepAxis& axis : axes) table += "," + csv_field(axis.name);
     Json list = Json::array();

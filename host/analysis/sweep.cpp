@@ -301,15 +301,6 @@ void print_failures(const std::vector<Case>& cases) {
 
 namespace {
 
-void refuse_unknown(const std::vector<SweepAxis>& axes, const Model& model) {
-    std::vector<std::string> known;
-    for (const Parameter& parameter : model.parameters) known.push_back(parameter.name);
-    for (const SweepAxis& axis : axes)
-        if (std::find(known.begin(), known.end(), axis.name) == known.end())
-            throw Error(ExitCode::usage,
-                        fmt::format("--sweep {}: no such parameter{}", quote(axis.name), suggestion(axis.name, known)));
-}
-
 /// A single case may be at fault; if all are, the fault of the first is the sweep's.
 void refuse_if_none_reads(const std::vector<Case>& cases, const RunRequest& request, const Plugins& plugins) {
     std::exception_ptr first;
@@ -332,7 +323,7 @@ ExitCode run_sweep(const RunRequest& request, const std::vector<SweepAxis>& axes
     std::vector<Case> cases;
     for (SweepCase& parameters : make_grid(axes)) cases.push_back({std::move(parameters), {}, "missing", {}, {}});
     const Model model = read_model(request.model, plugins.catalogue(), request.overrides);
-    refuse_unknown(axes, model);
+    check_axes(axes, model.parameters);
     refuse_if_none_reads(cases, request, plugins);
 
     const ResultsFolder folder(request.output.value_or(default_results_path(request.model)), Claim::keep);

@@ -177,7 +177,8 @@ TEST_F(Tolerance, ASweepPassesItOn) {
     };
     ASSERT_EQ(sweep("0.1 %").code, 0);
     ASSERT_EQ(
-        run_dttmm(folder_.path(), {"run", "model.toml", "-o", "alone", "--set", "mass=3", "--tolerance", "0.1 %"}).code, 0);
+        run_dttmm(folder_.path(), {"run", "model.toml", "-o", "alone", "--set", "mass=3 kg", "--tolerance", "0.1 %"}).code,
+        0);
     EXPECT_EQ(read_text(folder_ / "out/case-000002/history.csv"), read_text(folder_ / "alone/history.csv"));
     EXPECT_THAT(sweep("0.1 %").out, HasSubstr("(3 of them reused)"));
     EXPECT_THAT(sweep("1 %").out, HasSubstr("(0 of them reused)"));

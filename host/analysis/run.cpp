@@ -10,6 +10,7 @@
 
 #include "analysis/advance.h"
 #include "analysis/halving.h"
+#include "analysis/load_speed.h"
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
 #include "coupling/stability.h"
@@ -25,22 +26,12 @@ namespace dttmm {
 
 namespace {
 
-void warn_loads(const Model& model, Warnings& warnings) {
-    // A load is looked at once per step: of what is shorter than a few steps little is left.
-    for (const Load& load : model.loads)
-        if (load.signal.shortest_time() < 5 * model.simulation.step)
-            warnings.add("load-too-fast",
-                         fmt::format("{}: the load has a wave or pulse of {:.3g} s, shorter than 5 steps of {:g} s: it is "
-                                     "poorly resolved or lost between them",
-                                     load.place, load.signal.shortest_time(), model.simulation.step));
-}
-
-/// The largest step up to `longest` [s] that divides `step` into 1, 2, 4, 5, 8, 10, 20, ... parts: it then divides duration
-/// and output step as well, and is short to write.
-double divide_step(double step, double longest) {
-    for (double decade = 1;; decade *= 10)
-        for (double parts : {1, 2, 4, 5, 8})
-            if (!(step / (decade * parts) > longest)) return step / (decade * parts);
+/// Loads that the step does not resolve; also for the sake of what is said about the energy later.
+std::vector<FastLoad> warn_loads(const Model& model, const Simulation& simulation, Warnings& warnings) {
+    const double tolerable = model.simulation.tolerance ? kTolerableExtrapolatedError : kTolerableLoadError;
+    std::vector<FastLoad> fast = find_fast_loads(model, simulation, tolerable);
+    for (const FastLoad& load : fast) warnings.add("load-too-fast", describe(load, model, simulation.step_size()));
+    return fast;
 }
 
 /// The channels the model asks for. Throws Error(model_invalid) with the place of the list.
@@ -154,9 +145,12 @@ Ledger read_ledger(const Recorder& recorder, const Model& model, double step) {
 
 /// Why a run made or lost energy. A vibration that the step does not resolve appears as one of about pi − 4/(omega h) rad
 /// per step; a body that turns by 4/(omega h) per step, give or take, can feed it, however slow that is.
-std::string describe_energy_fault(const Simulation& simulation, bool has_networks) {
+std::string describe_energy_fault(const Model& model, const Simulation& simulation, const std::vector<FastLoad>& fast) {
     if (simulation.explicit_limit() && simulation.explicit_limit()->load > 0.8 * kExplicitLimit)
         return fmt::format("near the limit of the explicit coupling or beyond it, {}", simulation.describe_speed());
+    if (!fast.empty())
+        return fmt::format("the load at {} is too fast for the step of {:g} s; use --step \"{:.12g} s\"",
+                           model.loads[fast.front().index].place, simulation.step_size(), fast.front().step);
     const double step = simulation.step_size(), omega_h = simulation.fastest_mode().omega * step;
     if (omega_h == 0)
         return fmt::format(
@@ -170,7 +164,7 @@ std::string describe_energy_fault(const Simulation& simulation, bool has_network
                            turning.body, turning.per_step, simulation.describe_speed(), divide_step(step, longest),
                            simulation.explicit_limit() ? "" : ", or a spectral_radius of 0.9");
     }
-    if (has_networks)
+    if (!model.nodes.empty())
         return fmt::format(
             "the step of {:g} s is too long for the fastest vibration, of the bodies ({}) or inside the "
             "networks; try a shorter one, or a spectral_radius of 0.9",
@@ -179,7 +173,8 @@ std::string describe_energy_fault(const Simulation& simulation, bool has_network
 }
 
 /// What the ledger cannot account for was made or lost by the integration itself. Numerical damping loses it on request.
-void warn_energy(const Recorder& recorder, const Model& model, const Simulation& simulation, Warnings& warnings) {
+void warn_energy(const Recorder& recorder, const Model& model, const Simulation& simulation,
+                 const std::vector<FastLoad>& fast, Warnings& warnings) {
     const Ledger ledger = read_ledger(recorder, model, simulation.step_size());
     const bool is_damped = model.simulation.coupling == Coupling::implicit && model.simulation.spectral_radius < 1;
     if (is_damped && ledger.residual_at_the_end < 0 && ledger.most <= 0.1 * ledger.turned_over) {
@@ -197,7 +192,7 @@ void warn_energy(const Recorder& recorder, const Model& model, const Simulation&
     if (residual > 0.1 * ledger.turned_over && residual > ledger.rounding)
         warnings.add("energy-balance",
                      fmt::format("the energy balance leaves {:.3g} J unaccounted for, of {:.3g} J at most: {}", residual,
-                                 ledger.turned_over, describe_energy_fault(simulation, !model.nodes.empty())));
+                                 ledger.turned_over, describe_energy_fault(model, simulation, fast)));
 }
 
 /// The force of an element that goes up and down from step to step: a vibration faster than the step. Only rows of every
@@ -279,13 +274,15 @@ struct Bench {
           model(prepare(request, plugins, warnings)),
           simulation(model, plugins),
           selection(selected_channels(model, simulation)) {
-        if (model.simulation.tolerance) halving.emplace(model, plugins, selection);
+        if (model.simulation.tolerance)
+            halving.emplace(model, plugins, selection);
+        else
+            fast_loads = warn_loads(model, simulation, warnings);
     }
     static Model prepare(const RunRequest& request, const Plugins& plugins, Warnings& warnings) {
         Model model = read_model(request.model, plugins.catalogue(), request.overrides);
         if (model.simulation.tolerance && !request.force) model = start_stable(std::move(model), plugins, warnings);
         warnings.add(model.warnings);
-        warn_loads(model, warnings);
         return model;
     }
     Warnings warnings;
@@ -293,7 +290,8 @@ struct Bench {
     const Model model;
     Simulation simulation;  ///< at the model's step
     const std::vector<int> selection;
-    std::optional<Halving> halving;  ///< of a run to a tolerance
+    std::optional<Halving> halving;    ///< of a run to a tolerance
+    std::vector<FastLoad> fast_loads;  ///< at the step of the results
 };
 
 /// Closes the files, writes the summary, and tells how it went.
@@ -301,7 +299,8 @@ ExitCode conclude(const RunRequest& request, Bench& bench, const Simulation& sim
                   Recorder& recorder, const Ending& ending) {
     const Halving* halving = bench.halving ? &*bench.halving : nullptr;
     recorder.finish();
-    warn_energy(recorder, bench.model, simulation, bench.warnings);
+    if (halving) bench.fast_loads = warn_loads(bench.model, simulation, bench.warnings);
+    warn_energy(recorder, bench.model, simulation, bench.fast_loads, bench.warnings);
     if (halving) {
         warn_skipped(*halving, bench.warnings);
         warn_unresolved(*halving, bench.warnings);

@@ -85,17 +85,19 @@ std::vector<SignalPart> find_parts(const Signal& signal, double duration, double
     return parts;
 }
 
+double compute_largest_error(const std::vector<SignalPart>& parts, const double weights[3], double step) {
+    double largest = 0;
+    for (const SignalPart& part : parts) largest = std::max(largest, std::abs(error_of(part, weights, step)));
+    return largest;
+}
+
 std::vector<FastLoad> find_fast_loads(const Model& model, const Simulation& simulation, double tolerable) {
     const double* weights = simulation.load_weights();
     const double step = simulation.step_size();
     std::vector<FastLoad> found;
     for (size_t i = 0; i < model.loads.size(); ++i) {
         const std::vector<SignalPart> parts = find_parts(model.loads[i].signal, model.simulation.duration, step);
-        const auto largest_error = [&](double h) {
-            double largest = 0;
-            for (const SignalPart& part : parts) largest = std::max(largest, std::abs(error_of(part, weights, h)));
-            return largest;
-        };
+        const auto largest_error = [&](double h) { return compute_largest_error(parts, weights, h); };
         if (!(largest_error(step) > tolerable)) continue;
         const auto worst = std::ranges::max_element(
             parts, {}, [&](const SignalPart& part) { return std::abs(error_of(part, weights, step)); });

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "analysis/advance.h"
+#include "analysis/first_step.h"
 #include "analysis/halving.h"
 #include "analysis/load_speed.h"
 #include "analysis/stop_signals.h"
@@ -271,7 +272,7 @@ void print_report(const Recorder& recorder, const Model& model, const Simulation
 struct Bench {
     explicit Bench(const RunRequest& request)
         : plugins(request.plugins),
-          model(prepare(request, plugins, warnings)),
+          model(prepare(request)),
           simulation(model, plugins),
           selection(selected_channels(model, simulation)) {
         if (model.simulation.tolerance)
@@ -279,14 +280,17 @@ struct Bench {
         else
             fast_loads = warn_loads(model, simulation, warnings);
     }
-    static Model prepare(const RunRequest& request, const Plugins& plugins, Warnings& warnings) {
-        Model model = read_model(request.model, plugins.catalogue(), request.overrides);
-        if (model.simulation.tolerance && !request.force) model = start_stable(std::move(model), plugins, warnings);
-        warnings.add(model.warnings);
-        return model;
+    Model prepare(const RunRequest& request) {
+        Model read = read_model(request.model, plugins.catalogue(), request.overrides);
+        has_chosen_step = read.simulation.step == 0;
+        read = choose_step(std::move(read), plugins);
+        if (read.simulation.tolerance && !request.force) read = start_stable(std::move(read), plugins, warnings);
+        warnings.add(read.warnings);
+        return read;
     }
     Warnings warnings;
     const Plugins plugins;
+    bool has_chosen_step = false;  ///< neither file nor options give one
     const Model model;
     Simulation simulation;  ///< at the model's step
     const std::vector<int> selection;
@@ -368,8 +372,10 @@ void check(const RunRequest& request) {
         implicit && model.simulation.spectral_radius < 1
             ? fmt::format(" with numerical damping (spectral_radius = {:g})", model.simulation.spectral_radius)
             : "";
-    fmt::print("  {} coupling{}, {} steps of {:g} s, a row every {} steps\n", implicit ? "implicit" : "explicit", damping,
-               simulation.step_count() - 1, model.simulation.step, model.output.every);
+    fmt::print("  {} coupling{}, {} of {:g} s{}, a row every {}\n", implicit ? "implicit" : "explicit", damping,
+               counted(simulation.step_count() - 1, "step", "steps"), model.simulation.step,
+               bench.has_chosen_step ? " (chosen, as no step is given)" : "",
+               model.output.every == 1 ? "step" : fmt::format("{} steps", model.output.every));
     if (model.simulation.tolerance)
         fmt::print("  repeated at half the step until the results are within {:g} %\n", 100 * *model.simulation.tolerance);
     if (fastest.omega > 0)

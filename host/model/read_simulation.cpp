@@ -11,10 +11,10 @@
 namespace dttmm {
 namespace {
 
-constexpr Bounds kStepBounds = {kShortestStep, 1};  // [s]
-constexpr Bounds kToleranceBounds = {1e-9, 0.5};    // beyond 50 % nothing is known of a history
-constexpr double kWholeTolerance = 1e-6;            // of a step
-constexpr double kLargestGravity = 100;             // [m/s²] more looks like another unit
+constexpr Bounds kStepBounds = {kShortestStep, kLongestStep};  // [s]
+constexpr Bounds kToleranceBounds = {1e-9, 0.5};               // beyond 50 % nothing is known of a history
+constexpr double kWholeTolerance = 1e-6;                       // of a step
+constexpr double kLargestGravity = 100;                        // [m/s²] more looks like another unit
 
 const std::vector<std::string> kCouplings = {"implicit", "explicit"};
 const std::vector<std::string> kSchemes = {"fox-euler", "bdf1", "bdf2", "houbolt",
@@ -135,15 +135,16 @@ SimulationSettings read_simulation(const TableReader& file, const SimulationOver
             std::vector<std::string>{"duration", "step", "tolerance", "coupling", "scheme", "spectral_radius", "gravity"});
     const bool is_valid = table && table->is_valid();
     const SettingsReader reader(file, is_valid ? &*table : nullptr);
-    if (!member && !(overrides.step && overrides.duration))
-        file.error(file.place(), "missing table [simulation] with duration and step (dttmm modes and dttmm frf want none)");
+    if (!member && !overrides.duration)
+        file.error(file.place(), "missing table [simulation] with a duration (dttmm modes and dttmm frf want none)");
 
     SimulationSettings settings;
-    const auto step_setting = reader.require("step", overrides.step);
+    const auto step_setting = reader.find("step", overrides.step);
     const auto duration_setting = reader.require("duration", overrides.duration);
     const auto step = reader.read(step_setting, "s", kStepBounds);
     const auto duration = reader.read(duration_setting, "s", kPositive);
     settings.tolerance = reader.read(reader.find("tolerance", overrides.tolerance), "1", kToleranceBounds);
+    if (!step_setting && !settings.tolerance) settings.tolerance = kDefaultTolerance;
     settings.step = step.value_or(0);
     settings.duration = duration.value_or(0);
     if (step && duration) check_duration(file.context().diagnostics, *duration_setting, *duration, *step);
@@ -171,23 +172,31 @@ OutputSettings read_output(const TableReader& file, const SimulationSettings& si
         settings.channels_place = file.context().diagnostics.place_text(channels->value.place);
     }
     const auto step = table.find("step") ? table.number("step", "s", kPositive) : std::nullopt;
-    if (!step || !(simulation.step > 0)) return settings;
+    if (!step) return settings;
+    settings.step = *step;
     const Place place = table.find("step")->value.place;
-    const double every = *step / simulation.step;
-    if (!is_whole(every) || every < 0.5) {
-        table.error(place, fmt::format("step must be a whole multiple of the time step ({}), got {}; leave it out to record "
-                                       "every step",
-                                       seconds(simulation.step), seconds(*step)));
-    } else if (every > 1e9) {
-        table.error(place, fmt::format("step is {:.3g} time steps; at most 1e9 are allowed", every));
-    } else {
+    if (simulation.step > 0) {
+        const double every = *step / simulation.step;
+        if (!is_whole(every) || every < 0.5) {
+            const double below = std::max(std::floor(every), 1.0) * simulation.step;
+            table.error(
+                place,
+                fmt::format("step must be a whole multiple of the time step ({}), got {}; {} or {} would fit, "
+                            "or leave it out to record every step",
+                            seconds(simulation.step), seconds(*step), seconds(below), seconds(below + simulation.step)));
+            return settings;
+        }
+        if (every > 1e9) {
+            table.error(place, fmt::format("step is {:.3g} time steps; at most 1e9 are allowed", every));
+            return settings;
+        }
         settings.every = static_cast<int>(std::lround(every));
-        const double rows = simulation.duration / *step;
-        if (simulation.duration > 0 && (!is_whole(rows) || rows < 0.5))
-            table.error(place,
-                        fmt::format("the duration ({}) must be a whole multiple of the output step ({}): the end is a row",
-                                    seconds(simulation.duration), seconds(*step)));
     }
+    const double rows = simulation.duration / *step;
+    if (simulation.duration > 0 && (!is_whole(rows) || rows < 0.5))
+        table.error(place,
+                    fmt::format("the duration ({}) must be a whole multiple of the output step ({}): the end is a row",
+                                seconds(simulation.duration), seconds(*step)));
     return settings;
 }
 

@@ -36,11 +36,49 @@ std::filesystem::path modes_folder(const ModesRequest& request) {
     return folder;
 }
 
+/// Whether a load pulls all the time: its mean over the second half of the run is more than a tenth of its largest value
+/// there. A vibration and a blow have a small mean. Without a duration the load at the start counts.
+bool is_lasting(const Signal& signal, double duration) {
+    if (!(duration > 0)) return signal.value(0) != 0;
+    constexpr int kSamples = 1000;
+    double sum = 0, largest = 0;
+    for (int i = 0; i <= kSamples; ++i) {
+        const double value = signal.value(duration * (0.5 + 0.5 * i / kSamples));
+        sum += value;
+        largest = std::max(largest, std::abs(value));
+    }
+    return std::abs(sum) / (kSamples + 1) > 0.1 * largest;
+}
+
+/// Gravity and lasting loads change the frequencies of what they tension or press: an inverted pendulum on a spring may have
+/// 41 % less.
+void warn_preload(const Model& model, Warnings& warnings) {
+    if (!model.simulation.gravity.isZero(0))
+        warnings.note("gravity-not-in-modes",
+                      "the frequencies are those without gravity: its stiffness, as of a pendulum, is not in them");
+    std::string place;
+    size_t others = 0;
+    for (const Load& load : model.loads) {
+        if (!is_lasting(load.signal, model.simulation.duration)) continue;
+        if (place.empty())
+            place = load.place;
+        else
+            ++others;
+    }
+    if (!place.empty())
+        warnings.note(
+            "load-not-in-modes",
+            fmt::format("{}: the frequencies are those without this lasting load{}: the stiffness of its tension or "
+                        "pressure is not in them",
+                        place, others > 0 ? fmt::format(" and {} more", others) : ""));
+}
+
 Model read(const RunRequest& request, const Plugins& plugins, Warnings& warnings) {
     ModelOverrides overrides = request.overrides;
     overrides.purpose = Purpose::modes;
     Model model = read_model(request.model, plugins.catalogue(), overrides);
     warnings.add(model.warnings);
+    warn_preload(model, warnings);
     return model;
 }
 
@@ -74,10 +112,14 @@ std::string who_strains(const Model& model, const Mode& mode) {
     const auto rank = [&](size_t e) { return std::round(1e6 * mode.shares[e]); };  // equal to rounding: as in the model
     std::ranges::stable_sort(order, std::ranges::greater{}, rank);
     std::string text;
-    for (size_t k = 0; k < std::min(order.size(), kMostShares); ++k)
-        if (mode.shares[order[k]] >= kSmallestShare)
+    size_t others = 0;
+    for (size_t k = 0; k < order.size() && mode.shares[order[k]] >= kSmallestShare; ++k)
+        if (k >= kMostShares)
+            ++others;
+        else
             text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ", model.elements[order[k]].name,
                                 100 * mode.shares[order[k]]);
+    if (others > 0) text += fmt::format(" and {} more", others);
     return text.empty() ? (mode.numbers.frequency > 0 ? "spread" : "none") : text;
 }
 

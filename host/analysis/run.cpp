@@ -12,10 +12,13 @@
 #include "analysis/first_step.h"
 #include "analysis/halving.h"
 #include "analysis/load_speed.h"
+#include "analysis/machine_table.h"
+#include "analysis/modal_machine.h"
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
 #include "coupling/stability.h"
 #include "model/diagnostics.h"
+#include "model/read_simulation.h"
 #include "record/atomic_file.h"
 #include "record/recorder.h"
 #include "record/results_folder.h"
@@ -350,17 +353,57 @@ ExitCode run(const RunRequest& request) {
     return conclude(request, bench, bench.simulation, folder, recorder, ending);
 }
 
+namespace {
+
+/// Frequencies of a larger model take `dttmm modes` longer than a check should.
+constexpr size_t kMostChecked = 1000;
+
+/// A file without [simulation], with dofs, or with elements that only the modes can have is no fault: it is not for a run.
+bool is_for_modes_only(const RunRequest& request, const Plugins& plugins) {
+    ModelOverrides overrides = request.overrides;
+    overrides.purpose = Purpose::modes;
+    read_model(request.model, plugins.catalogue(), overrides);
+    try {
+        Model model = read_model(request.model, plugins.catalogue(), request.overrides);
+        if (model.simulation.step == 0) model.simulation.step = kShortestStep;  // networks want one, whichever
+        const Networks networks(model, plugins);
+    } catch (const Error&) {
+        return true;
+    }
+    return false;
+}
+
+/// The lowest natural frequency above zero, in words. Throws Error where there are no modes.
+std::string describe_lowest(const Model& model, const Plugins& plugins) {
+    if (model.bodies.size() + model.nodes.size() > kMostChecked)
+        return fmt::format("natural frequencies not looked for, as there are more than {} bodies and nodes", kMostChecked);
+    ModalMachine machine(model, plugins);
+    const std::vector<ModalInstance::Mode> modes = machine.find_modes();
+    for (const ModalInstance::Mode& mode : modes)
+        if (mode.numbers.frequency > 0) return fmt::format("lowest natural frequency {:.6g} Hz", mode.numbers.frequency);
+    return fmt::format("no natural frequency above 0 Hz among the first {}", modes.size());
+}
+
 std::string counted(size_t count, const char* one, const char* many) {
     return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
-void check(const RunRequest& request) {
-    Bench bench(request);
+std::string indented(std::string text) {
+    for (size_t at = text.find('\n'); at != std::string::npos; at = text.find('\n', at + 1)) text.insert(at + 1, "    ");
+    return text;
+}
+
+void print_parts(const Model& model) {
+    fmt::print("  {}, {}, {}, {}, {}\n", counted(model.bodies.size(), "body", "bodies"),
+               counted(model.nodes.size(), "node", "nodes"), counted(model.elements.size(), "element", "elements"),
+               counted(model.joints.size(), "joint", "joints"), counted(model.loads.size(), "load", "loads"));
+}
+
+void print_run(const Bench& bench) {
     const Model& model = bench.model;
     const Simulation& simulation = bench.simulation;
     const FastestMode& fastest = simulation.fastest_mode();
     const bool implicit = model.simulation.coupling == Coupling::implicit;
-    fmt::print("{}: valid\n", request.model.string());
     int equations = 0;
     for (const JointEquations& joint : simulation.end_of_step().joints()) equations += joint.lasting();
     fmt::print(
@@ -386,8 +429,50 @@ void check(const RunRequest& request) {
     if (simulation.explicit_limit() && simulation.explicit_limit()->load > 0)
         fmt::print("  the explicit coupling is stable up to a step of {:.4g} s; at {:g} s: {}\n",
                    simulation.explicit_limit()->longest_step, simulation.step_size(), simulation.describe_speed());
-    refuse_unstable(simulation, request.force, bench.warnings);
-    bench.warnings.print_rest("");
+}
+
+}  // namespace
+
+void check(const RunRequest& request) {
+    const Plugins plugins(request.plugins);
+    std::optional<Bench> bench;
+    std::string no_run, no_modes, lowest;
+    std::exception_ptr run_fault;
+    try {
+        bench.emplace(request);
+    } catch (const Error& error) {
+        if (!is_for_modes_only(request, plugins)) throw;
+        no_run = error.what();
+        run_fault = std::current_exception();
+    }
+    ModelOverrides overrides = request.overrides;
+    overrides.purpose = Purpose::modes;
+    const Model for_modes = read_model(request.model, plugins.catalogue(), overrides);
+    try {
+        lowest = describe_lowest(for_modes, plugins);
+    } catch (const Error& error) {
+        if (!bench) std::rethrow_exception(run_fault);
+        no_modes = error.what();
+    }
+    const Model& model = bench ? bench->model : for_modes;
+    Warnings own;
+    Warnings& warnings = bench ? bench->warnings : own;
+    warnings.add(model.warnings);
+
+    fmt::print("{}: valid\n  good for {}\n", request.model.string(),
+               !bench             ? "modes and frf"
+               : no_modes.empty() ? "run, modes and frf"
+                                  : "run");
+    if (!bench) fmt::print("  not for run: {}\n", indented(no_run));
+    if (!no_modes.empty()) fmt::print("  not for modes and frf: {}\n", indented(no_modes));
+    if (bench)
+        print_run(*bench);
+    else
+        print_parts(model);
+    if (!lowest.empty()) fmt::print("  {}\n", lowest);
+    fmt::print("{}", describe_machine(model, plugins.catalogue()));
+    if (bench) refuse_unstable(bench->simulation, request.force, warnings);
+    warnings.print_rest("");
 }
 
 namespace {

@@ -59,15 +59,38 @@ TEST(WarningsOf, ModesAndFrfReadAsThoseOfARunAndStandInTheirSummaries) {
     EXPECT_EQ(run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "run"}).err, text);
     const Ended modes = run_dttmm(folder.path(), {"modes", "model.toml", "-q", "-o", "modes"});
     EXPECT_EQ(modes.code, 0);
-    EXPECT_EQ(modes.err, text);
-    EXPECT_THAT(codes_in(folder / "modes/summary.json"), ElementsAre("free-element"));
+    EXPECT_EQ(modes.err, text +
+                             "note: model.toml:24:1: the frequencies are those without this lasting load: the stiffness "
+                             "of its tension or pressure is not in them\n");
+    EXPECT_THAT(codes_in(folder / "modes/summary.json"), ElementsAre("free-element", "load-not-in-modes"));
 
     const Ended frf = run_dttmm(folder.path(), {"frf", "model.toml", "-q", "-o", "frf", "--in", "plate.x", "--out",
                                                 "plate.y", "--from", "1 Hz", "--to", "2 Hz", "--points", "3"});
     EXPECT_EQ(frf.code, 0);
     EXPECT_THAT(frf.err, AllOf(HasSubstr(text), HasSubstr("warning: plate.y does not move under plate.x")));
-    EXPECT_THAT(codes_in(folder / "frf/summary.json"), ElementsAre("free-element", "no-response"));
+    EXPECT_THAT(codes_in(folder / "frf/summary.json"), ElementsAre("free-element", "load-not-in-modes", "no-response"));
     EXPECT_EQ(read_json(folder / "frf/summary.json").at("largest"), 0);
+}
+
+TEST(WarningsOf, ModesWithoutGravityAndLastingLoads) {
+    const TemporaryFolder folder;
+    const auto codes = [&](const std::string& force, const std::string& simulation) {
+        std::string text = small_model_with("\"100 N\"", force);
+        if (simulation.empty())
+            text.erase(text.find("[simulation]"), text.find("[[body]]") - text.find("[simulation]"));
+        else
+            text.replace(text.find("step = \"1 ms\""), 13, "step = \"1 ms\"\n" + simulation);
+        write_text(folder / "model.toml", text);
+        EXPECT_EQ(run_dttmm(folder.path(), {"modes", "model.toml", "-q", "-o", "out"}).code, 0);
+        return codes_in(folder / "out/summary.json");
+    };
+    EXPECT_THAT(codes("0", "gravity = [0, 0, -9.81]"), ElementsAre("gravity-not-in-modes"));
+    EXPECT_THAT(codes("{ type = \"haversine\", peak = 9, start = \"20 ms\", width = \"2 ms\" }", "gravity = [0, 0, 0]"),
+                ElementsAre());
+    EXPECT_THAT(codes("{ type = \"sine\", amplitude = 9, frequency = 331 }", "gravity = [0, 0, 0]"), ElementsAre());
+    EXPECT_THAT(codes("{ type = \"sine\", amplitude = 9, offset = 4, frequency = 331 }", "gravity = [0, 0, 0]"),
+                ElementsAre("load-not-in-modes"));
+    EXPECT_THAT(codes("7", ""), ElementsAre("load-not-in-modes"));
 }
 
 // Oracle: the numbers of cases with a stiffness of zero.

@@ -211,7 +211,7 @@ TEST(ReadJoint, SuspiciousJointsAreWarnedOf) {
 TEST(ReadJoint, MassesThatODEsJointsCannotHoldAreToldOf) {
     const auto model = [](const std::string& mass, const std::string& ends) {
         return model_with("[[body]]\nname = \"dust\"\nmass = " + mass +
-                          "\ninertia = [1, 1, 1]\n[[joint]]\nname = \"pin\"\ntype = " +
+                          "\ninertia = [1e-6, 1e-6, 1e-6]\n[[joint]]\nname = \"pin\"\ntype = " +
                           "\"fixed\"\nbetween = [\"plate\", \"" + ends + "\"]\n");
     };
     EXPECT_TRUE(parse(model("2.1e-6", "dust")).warnings.empty());

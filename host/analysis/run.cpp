@@ -123,6 +123,15 @@ struct Ledger {
     double rounding = 0;                                     ///< below this the ledger tells nothing [J]
 };
 
+/// Largest force of the elements and joints recorded [N].
+double find_largest_force(const Recorder& recorder) {
+    double largest = 0;
+    for (size_t c = 1; c < recorder.channels().size(); ++c)
+        if (recorder.channels()[c].name.find(".force.") != std::string::npos)
+            largest = std::max(largest, recorder.statistics(static_cast<int>(c)).peak);
+    return largest;
+}
+
 Ledger read_ledger(const Recorder& recorder, const Model& model, double step) {
     Ledger ledger;
     for (const Body& body : model.bodies) {
@@ -133,6 +142,8 @@ Ledger read_ledger(const Recorder& recorder, const Model& model, double step) {
         const double size = 1 + node.position.norm(), speed = 1e-11 * size / step;
         ledger.rounding += 1e-12 * model.simulation.gravity.norm() * size + speed * speed;
     }
+    // What a joint holds moves by rounding alone: 1e-12 m
+    ledger.rounding += 1e-12 * find_largest_force(recorder);
     for (size_t c = 0; c < recorder.channels().size(); ++c) {
         const std::string& name = recorder.channels()[c].name;
         const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
@@ -204,6 +215,8 @@ void warn_energy(const Recorder& recorder, const Model& model, const Simulation&
 void warn_ripple(const Recorder& recorder, const Model& model, Warnings& warnings) {
     if (model.output.every != 1) return;
     constexpr double kTolerated = 0.1;  // of the element's largest force
+    // Beside the largest force of the machine this is rounding: it moves what is held by 1e-16 of its size
+    const double rounding = 1e-8 * find_largest_force(recorder);
     double worst = kTolerated;
     std::string warning;
     for (const Element& element : model.elements) {
@@ -214,7 +227,7 @@ void warn_ripple(const Recorder& recorder, const Model& model, Warnings& warning
             peak = std::max(peak, statistics.peak);
             ripple = std::max(ripple, statistics.ripple);
         }
-        if (ripple <= worst * peak) continue;
+        if (ripple <= worst * peak || ripple <= rounding) continue;
         worst = ripple / peak;
         warning = fmt::format(
             "the force of element \"{}\" alternates from step to step by {:.3g} N and is {:.3g} N at most: a "

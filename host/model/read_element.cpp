@@ -15,7 +15,7 @@
 namespace dttmm {
 namespace {
 
-constexpr double kFarApart = 1000;  // [m]
+constexpr double kFarApart = 100;  // [m] a bolt of a part whose millimetres were read as metres
 
 std::vector<std::string> keys_of(const dttmm_element_type& type) {
     std::vector<std::string> keys = {"name", "type"};

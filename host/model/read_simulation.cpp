@@ -15,6 +15,7 @@ constexpr Bounds kStepBounds = {kShortestStep, kLongestStep};  // [s]
 constexpr Bounds kToleranceBounds = {1e-9, 0.5};               // beyond 50 % nothing is known of a history
 constexpr double kWholeTolerance = 1e-6;                       // of a step
 constexpr double kLargestGravity = 100;                        // [m/s²] more looks like another unit
+constexpr double kMostGravity = 1e7;                           // [m/s²] that of an ultracentrifuge, a million g
 
 const std::vector<std::string> kCouplings = {"implicit", "explicit"};
 const std::vector<std::string> kSchemes = {"fox-euler", "bdf1", "bdf2", "houbolt",
@@ -115,7 +116,10 @@ double read_spectral_radius(const TableReader& table, Coupling coupling, bool is
 Eigen::Vector3d read_gravity(const TableReader& table) {
     const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
     const Eigen::Vector3d gravity = table.vector("gravity", "m/s^2", zero).value_or(zero);
-    if (gravity.cwiseAbs().maxCoeff() > kLargestGravity)
+    if (gravity.cwiseAbs().maxCoeff() > kMostGravity)
+        table.error(table.find("gravity")->value.place, fmt::format("gravity must be {:g} m/s² at most, got {:g} m/s²",
+                                                                    kMostGravity, gravity.cwiseAbs().maxCoeff()));
+    else if (gravity.cwiseAbs().maxCoeff() > kLargestGravity)
         table.warning(
             table.find("gravity")->value.place, "gravity-unit",
             fmt::format("gravity of {} m/s² looks like mm/s²; write \"9.81 m/s^2\"", gravity.cwiseAbs().maxCoeff()));

@@ -177,6 +177,17 @@ TEST(WarningsOf, ALoadThatIsTooFastIsCountedInASweep) {
                 HasSubstr(", 2 with warnings (alternating-force, energy-balance, load-too-fast)"));
 }
 
+// A body that a fixed joint holds does not move: 1e-15 J and 5e-8 N beside 100 N are rounding.
+TEST(WarningsOf, NothingIsSaidOfWhatOnlyRoundingMoves) {
+    const TemporaryFolder folder;
+    std::string text = kSmallModel;
+    text += "\n[[joint]]\nname = \"clamp\"\ntype = \"fixed\"\nbetween = [\"ground\", \"plate\"]\n";
+    write_text(folder / "model.toml", text);
+    const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out", "--duration", "2 s"});
+    EXPECT_EQ(ended.code, 0);
+    EXPECT_EQ(ended.err, "");
+}
+
 TEST(WarningsOf, ManyBodiesDoNotFillTheTerminal) {
     const TemporaryFolder folder;
     std::string text = kSmallModel;

@@ -149,6 +149,8 @@ TEST(ReadSimulation, GravityInMillimetresIsWarnedOf) {
     EXPECT_THAT(with("duration = 1\nstep = 0.1\ngravity = [0, 0, -9810]\n").warnings,
                 testing::Contains(
                     WarningIs("gravity-unit", HasSubstr("m.toml:7:11: simulation: gravity of 9810 m/s² looks like mm/s²"))));
+    EXPECT_THAT(simulation_fault("duration = 1\nstep = 0.1\ngravity = [0, 0, 1e300]\n"),
+                HasSubstr("m.toml:7:11: simulation: gravity must be 1e+07 m/s² at most, got 1e+300 m/s²"));
     EXPECT_THAT(simulation_fault("duration = 1\nstep = 0.1\ngravity = 9.81\n"),
                 HasSubstr("gravity wants 3 numbers, got a number"));
 }

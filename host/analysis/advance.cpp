@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "analysis/advance.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "analysis/stop_signals.h"
@@ -24,7 +25,7 @@ Ending advance_to_end(Simulation& simulation, bool quiet) {
         ending = {{"failed", error.what()}, error.code()};
     }
     ending.outcome.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    ending.outcome.steps = simulation.index();
+    ending.outcome.steps = std::max<uint64_t>(simulation.index(), 1) - 1;
     ending.time = simulation.time();
     return ending;
 }

@@ -14,7 +14,7 @@ struct Outcome {
     std::string status = "completed";  ///< "completed", "stopped", "failed"
     std::string reason;                ///< of a stop or failure
     double wall_time = 0;              ///< [s]
-    uint64_t steps = 0;                ///< taken in that time
+    uint64_t steps = 0;                ///< of the motion recorded, taken in that time; one more closes the last row
 };
 
 struct Ending {

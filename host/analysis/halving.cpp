@@ -125,7 +125,7 @@ void Halving::keep(std::unique_ptr<Run> run) {
 void Halving::judge() {
     Level level;
     level.step = kept_->simulation.step_size();
-    level.steps = kept_->simulation.index();
+    level.steps = std::max<uint64_t>(kept_->simulation.index(), 1) - 1;
     if (convergence_.histories() > 1) {
         const std::vector<double> scales =
             error_scales(model_, kept_->simulation.fastest_mode(), kept_->statistics, level.step);

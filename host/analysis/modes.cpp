@@ -15,7 +15,7 @@
 #include "record/atomic_file.h"
 #include "record/csv_writer.h"
 #include "record/results_folder.h"
-#include "record/tell.h"
+#include "record/warnings.h"
 
 namespace dttmm {
 
@@ -36,11 +36,49 @@ std::filesystem::path modes_folder(const ModesRequest& request) {
     return folder;
 }
 
-Model read(const RunRequest& request, const Plugins& plugins) {
+/// Whether a load pulls all the time: its mean over the second half of the run is more than a tenth of its largest value
+/// there. A vibration and a blow have a small mean. Without a duration the load at the start counts.
+bool is_lasting(const Signal& signal, double duration) {
+    if (!(duration > 0)) return signal.value(0) != 0;
+    constexpr int kSamples = 1000;
+    double sum = 0, largest = 0;
+    for (int i = 0; i <= kSamples; ++i) {
+        const double value = signal.value(duration * (0.5 + 0.5 * i / kSamples));
+        sum += value;
+        largest = std::max(largest, std::abs(value));
+    }
+    return std::abs(sum) / (kSamples + 1) > 0.1 * largest;
+}
+
+/// Gravity and lasting loads change the frequencies of what they tension or press: an inverted pendulum on a spring may have
+/// 41 % less.
+void warn_preload(const Model& model, Warnings& warnings) {
+    if (!model.simulation.gravity.isZero(0))
+        warnings.note("gravity-not-in-modes",
+                      "the frequencies are those without gravity: its stiffness, as of a pendulum, is not in them");
+    std::string place;
+    size_t others = 0;
+    for (const Load& load : model.loads) {
+        if (!is_lasting(load.signal, model.simulation.duration)) continue;
+        if (place.empty())
+            place = load.place;
+        else
+            ++others;
+    }
+    if (!place.empty())
+        warnings.note(
+            "load-not-in-modes",
+            fmt::format("{}: the frequencies are those without this lasting load{}: the stiffness of its tension or "
+                        "pressure is not in them",
+                        place, others > 0 ? fmt::format(" and {} more", others) : ""));
+}
+
+Model read(const RunRequest& request, const Plugins& plugins, Warnings& warnings) {
     ModelOverrides overrides = request.overrides;
     overrides.purpose = Purpose::modes;
     Model model = read_model(request.model, plugins.catalogue(), overrides);
-    for (const std::string& warning : model.warnings) tell(warning);
+    warnings.add(model.warnings);
+    warn_preload(model, warnings);
     return model;
 }
 
@@ -74,14 +112,18 @@ std::string who_strains(const Model& model, const Mode& mode) {
     const auto rank = [&](size_t e) { return std::round(1e6 * mode.shares[e]); };  // equal to rounding: as in the model
     std::ranges::stable_sort(order, std::ranges::greater{}, rank);
     std::string text;
-    for (size_t k = 0; k < std::min(order.size(), kMostShares); ++k)
-        if (mode.shares[order[k]] >= kSmallestShare)
+    size_t others = 0;
+    for (size_t k = 0; k < order.size() && mode.shares[order[k]] >= kSmallestShare; ++k)
+        if (k >= kMostShares)
+            ++others;
+        else
             text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ", model.elements[order[k]].name,
                                 100 * mode.shares[order[k]]);
+    if (others > 0) text += fmt::format(" and {} more", others);
     return text.empty() ? (mode.numbers.frequency > 0 ? "spread" : "none") : text;
 }
 
-Json describe(const Model& model, const ModalMachine& machine, const std::vector<Mode>& modes) {
+Json describe(const Model& model, const ModalMachine& machine, const std::vector<Mode>& modes, const Warnings& warnings) {
     Json frequencies = Json::array(), list = Json::array();
     for (const Mode& mode : modes) {
         const dttmm_mode& numbers = mode.numbers;
@@ -105,6 +147,7 @@ Json describe(const Model& model, const ModalMachine& machine, const std::vector
     }
     return {{"format", "dttmm-modes/1"},
             {"title", model.title},
+            {"warnings", describe_warnings(warnings)},
             {"beams", model.modes.are_beams_lumped ? "lumped" : "exact"},
             {"frequencies_hz", frequencies},
             {"modes", list}};
@@ -165,16 +208,18 @@ std::string to_text(const Json& json) { return json.dump(2, ' ', false, Json::er
 
 ExitCode find_modes(const ModesRequest& request) {
     const Plugins plugins(request.plugins);
-    const Model model = read(request, plugins);
+    Warnings warnings;
+    const Model model = read(request, plugins, warnings);
     ModalMachine machine(model, plugins);
     if (request.is_verbose) fmt::print(request.as_json ? stderr : stdout, "{}", machine.layout());
     const std::vector<Mode> modes = machine.find_modes();
     refuse_empty(model, modes);
 
     const ResultsFolder folder(modes_folder(request));
-    const Json json = describe(model, machine, modes);
+    const Json json = describe(model, machine, modes, warnings);
     write_atomically(folder.file("modes.csv"), modes_table(machine, modes));
     write_atomically(folder.file("shapes.csv"), shapes_table(model, machine, modes));
+    warnings.print_rest("; summary.json has all of them");
     Json summary = json;
     summary["command_line"] = request.command_line;
     summary["model"] = model.source;
@@ -237,15 +282,8 @@ std::vector<size_t> follow(const Eigen::MatrixXd& before, const Eigen::MatrixXd&
 ExitCode sweep_modes(const ModesRequest& request, const std::vector<SweepAxis>& axes) {
     const Plugins plugins(request.plugins);
     const std::vector<SweepCase> cases = make_grid(axes);
-    {
-        std::vector<std::string> known;
-        const Model model = read(request, plugins);
-        for (const Parameter& parameter : model.parameters) known.push_back(parameter.name);
-        for (const SweepAxis& axis : axes)
-            if (std::ranges::find(known, axis.name) == known.end())
-                throw Error(ExitCode::usage,
-                            fmt::format("--sweep {}: no such parameter{}", quote(axis.name), suggestion(axis.name, known)));
-    }
+    Warnings warnings;
+    check_axes(axes, read(request, plugins, warnings).parameters);
     std::string table = "case";
     for (const SweepAxis& axis : axes) table += "," + csv_field(axis.name);
     Json list = Json::array();
@@ -255,7 +293,7 @@ ExitCode sweep_modes(const ModesRequest& request, const std::vector<SweepAxis>& 
     for (size_t c = 0; c < cases.size(); ++c) {
         RunRequest own = request;
         for (const auto& parameter : cases[c]) own.overrides.parameters.push_back(parameter);
-        const Model model = read(own, plugins);
+        const Model model = read(own, plugins, warnings);
         ModalMachine machine(model, plugins);
         const std::vector<Mode> modes = machine.find_modes();
         refuse_empty(model, modes);
@@ -300,6 +338,7 @@ ExitCode sweep_modes(const ModesRequest& request, const std::vector<SweepAxis>& 
         const auto have = static_cast<size_t>(std::ranges::count(line, ','));
         table += line + std::string(axes.size() + widest - have, ',') + "\n";
     }
+    warnings.print_rest("");
     const ResultsFolder folder(modes_folder(request), Claim::keep);
     write_atomically(folder.file("sweep.csv"), table);
     if (request.as_json) {
@@ -364,7 +403,8 @@ ExitCode find_response(const FrfRequest& request) {
     const double from = frequency("--from", request.from), to = frequency("--to", request.to);
     if (!(to > from)) throw Error(ExitCode::usage, "--to must be more than --from");
     if (request.is_logarithmic && from == 0) throw Error(ExitCode::usage, "--log: --from must be more than zero");
-    const Model model = read(request, plugins);
+    Warnings warnings;
+    const Model model = read(request, plugins, warnings);
     ModalMachine machine(model, plugins);
     const auto [in, in_direction] = place_and_direction(model, machine, "--in", request.input);
     const auto [out, out_direction] = place_and_direction(model, machine, "--out", request.output_place);
@@ -395,10 +435,17 @@ ExitCode find_response(const FrfRequest& request) {
     const ResultsFolder folder(request.output.value_or(path));
     write_atomically(folder.file("frf.csv"), text);
     if (largest == 0)
-        tell(
-            fmt::format("warning: {} does not move under {}: one of them is held there, or nothing leads from one to the "
-                        "other",
-                        request.output_place, request.input));
+        warnings.add("no-response",
+                     fmt::format("{} does not move under {}: one of them is held there, or nothing leads from one to the "
+                                 "other",
+                                 request.output_place, request.input));
+    warnings.print_rest("; summary.json has all of them");
+    const Json summary = {
+        {"format", "dttmm-frf/1"}, {"title", model.title},        {"warnings", describe_warnings(warnings)},
+        {"in", request.input},     {"out", request.output_place}, {"points", request.points},
+        {"largest", largest},      {"largest_at_hz", at},         {"command_line", request.command_line},
+        {"model", model.source}};
+    write_atomically(folder.file("summary.json"), to_text(summary));
     if (!request.quiet)
         fmt::print("{} points from {:g} to {:g} Hz, {} per {}; largest {:.6g} {}/{} at {:.6g} Hz\nresults in {}\n",
                    request.points, from, to, request.output_place, request.input, largest, unit, input, at,

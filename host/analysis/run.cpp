@@ -9,38 +9,33 @@
 #include <optional>
 
 #include "analysis/advance.h"
+#include "analysis/first_step.h"
 #include "analysis/halving.h"
+#include "analysis/load_speed.h"
+#include "analysis/machine_table.h"
+#include "analysis/modal_machine.h"
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
 #include "coupling/stability.h"
 #include "model/diagnostics.h"
+#include "model/read_simulation.h"
 #include "record/atomic_file.h"
 #include "record/recorder.h"
 #include "record/results_folder.h"
 #include "record/tell.h"
+#include "record/warnings.h"
 #include "step/simulation.h"
 
 namespace dttmm {
 
 namespace {
 
-void print_warnings(const Model& model) {
-    for (const std::string& warning : model.warnings) tell(fmt::format("warning: {}", warning));
-    // A load is looked at once per step: of what is shorter than a few steps little is left.
-    for (const Load& load : model.loads)
-        if (load.signal.shortest_time() < 5 * model.simulation.step)
-            tell(fmt::format(
-                "warning: {}: the load has a wave or pulse of {:.3g} s, shorter than 5 steps of {:g} s: it is poorly "
-                "resolved or lost between them",
-                load.place, load.signal.shortest_time(), model.simulation.step));
-}
-
-/// The largest step up to `longest` [s] that divides `step` into 1, 2, 4, 5, 8, 10, 20, ... parts: it then divides duration
-/// and output step as well, and is short to write.
-double divide_step(double step, double longest) {
-    for (double decade = 1;; decade *= 10)
-        for (double parts : {1, 2, 4, 5, 8})
-            if (!(step / (decade * parts) > longest)) return step / (decade * parts);
+/// Loads that the step does not resolve; also for the sake of what is said about the energy later.
+std::vector<FastLoad> warn_loads(const Model& model, const Simulation& simulation, Warnings& warnings) {
+    const double tolerable = model.simulation.tolerance ? kTolerableExtrapolatedError : kTolerableLoadError;
+    std::vector<FastLoad> fast = find_fast_loads(model, simulation, tolerable);
+    for (const FastLoad& load : fast) warnings.add("load-too-fast", describe(load, model, simulation.step_size()));
+    return fast;
 }
 
 /// The channels the model asks for. Throws Error(model_invalid) with the place of the list.
@@ -53,7 +48,7 @@ std::vector<int> selected_channels(const Model& model, const Simulation& simulat
 }
 
 /// An explicit coupling beyond the limit of its scheme would throw the machine apart.
-void refuse_unstable(const Simulation& simulation, bool force) {
+void refuse_unstable(const Simulation& simulation, bool force, Warnings& warnings) {
     if (!simulation.explicit_limit()) return;
     const ExplicitLimit& limit = *simulation.explicit_limit();
     if (limit.load >= kExplicitLimit && !force)
@@ -63,20 +58,22 @@ void refuse_unstable(const Simulation& simulation, bool force) {
                                 simulation.step_size(), simulation.describe_speed(),
                                 divide_step(simulation.step_size(), 0.9 * limit.longest_step)));
     if (limit.load > 0.8 * kExplicitLimit)
-        tell(fmt::format("warning: {}: {} the limit of the explicit coupling", simulation.describe_speed(),
-                         limit.load < kExplicitLimit ? "near" : "beyond"));
+        warnings.add("near-explicit-limit",
+                     fmt::format("{}: {} the limit of the explicit coupling", simulation.describe_speed(),
+                                 limit.load < kExplicitLimit ? "near" : "beyond"));
 }
 
 /// A run to a tolerance need not be told a stable step: it starts from one, its rows where they were.
-Model start_stable(Model model, const Plugins& plugins) {
+Model start_stable(Model model, const Plugins& plugins, Warnings& warnings) {
     if (model.simulation.coupling != Coupling::explicit_) return model;
     const auto limit = Simulation(model, plugins).explicit_limit();
     if (!limit || limit->load < kExplicitLimit) return model;
     const double step = divide_step(model.simulation.step, 0.9 * limit->longest_step);
     const double every = model.output.every * std::round(model.simulation.step / step);
     if (step < kShortestStep || every > std::numeric_limits<int>::max()) return model;
-    tell(fmt::format("the explicit coupling would diverge at a step of {:g} s; beginning with {:.12g} s",
-                     model.simulation.step, step));
+    warnings.note("stable-first-step",
+                  fmt::format("the explicit coupling would diverge at a step of {:g} s; beginning with {:.12g} s",
+                              model.simulation.step, step));
     model.simulation.step = step;
     model.output.every = static_cast<int>(every);
     return model;
@@ -126,6 +123,15 @@ struct Ledger {
     double rounding = 0;                                     ///< below this the ledger tells nothing [J]
 };
 
+/// Largest force of the elements and joints recorded [N].
+double find_largest_force(const Recorder& recorder) {
+    double largest = 0;
+    for (size_t c = 1; c < recorder.channels().size(); ++c)
+        if (recorder.channels()[c].name.find(".force.") != std::string::npos)
+            largest = std::max(largest, recorder.statistics(static_cast<int>(c)).peak);
+    return largest;
+}
+
 Ledger read_ledger(const Recorder& recorder, const Model& model, double step) {
     Ledger ledger;
     for (const Body& body : model.bodies) {
@@ -136,6 +142,8 @@ Ledger read_ledger(const Recorder& recorder, const Model& model, double step) {
         const double size = 1 + node.position.norm(), speed = 1e-11 * size / step;
         ledger.rounding += 1e-12 * model.simulation.gravity.norm() * size + speed * speed;
     }
+    // What a joint holds moves by rounding alone: 1e-12 m
+    ledger.rounding += 1e-12 * find_largest_force(recorder);
     for (size_t c = 0; c < recorder.channels().size(); ++c) {
         const std::string& name = recorder.channels()[c].name;
         const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
@@ -152,9 +160,12 @@ Ledger read_ledger(const Recorder& recorder, const Model& model, double step) {
 
 /// Why a run made or lost energy. A vibration that the step does not resolve appears as one of about pi − 4/(omega h) rad
 /// per step; a body that turns by 4/(omega h) per step, give or take, can feed it, however slow that is.
-std::string describe_energy_fault(const Simulation& simulation, bool has_networks) {
+std::string describe_energy_fault(const Model& model, const Simulation& simulation, const std::vector<FastLoad>& fast) {
     if (simulation.explicit_limit() && simulation.explicit_limit()->load > 0.8 * kExplicitLimit)
         return fmt::format("near the limit of the explicit coupling or beyond it, {}", simulation.describe_speed());
+    if (!fast.empty())
+        return fmt::format("the load at {} is too fast for the step of {:g} s; use --step \"{:.12g} s\"",
+                           model.loads[fast.front().index].place, simulation.step_size(), fast.front().step);
     const double step = simulation.step_size(), omega_h = simulation.fastest_mode().omega * step;
     if (omega_h == 0)
         return fmt::format(
@@ -168,7 +179,7 @@ std::string describe_energy_fault(const Simulation& simulation, bool has_network
                            turning.body, turning.per_step, simulation.describe_speed(), divide_step(step, longest),
                            simulation.explicit_limit() ? "" : ", or a spectral_radius of 0.9");
     }
-    if (has_networks)
+    if (!model.nodes.empty())
         return fmt::format(
             "the step of {:g} s is too long for the fastest vibration, of the bodies ({}) or inside the "
             "networks; try a shorter one, or a spectral_radius of 0.9",
@@ -177,30 +188,35 @@ std::string describe_energy_fault(const Simulation& simulation, bool has_network
 }
 
 /// What the ledger cannot account for was made or lost by the integration itself. Numerical damping loses it on request.
-void warn_energy(const Recorder& recorder, const Model& model, const Simulation& simulation) {
+void warn_energy(const Recorder& recorder, const Model& model, const Simulation& simulation,
+                 const std::vector<FastLoad>& fast, Warnings& warnings) {
     const Ledger ledger = read_ledger(recorder, model, simulation.step_size());
     const bool is_damped = model.simulation.coupling == Coupling::implicit && model.simulation.spectral_radius < 1;
     if (is_damped && ledger.residual_at_the_end < 0 && ledger.most <= 0.1 * ledger.turned_over) {
         const double taken = -ledger.residual_at_the_end;
         if (taken > 0.01 * ledger.turned_over)
-            tell(fmt::format(
-                "note: numerical damping (spectral_radius = {:g}) took {:.3g} J, {:.2g} % of the {:.3g} J turned over",
-                model.simulation.spectral_radius, taken, 100 * taken / ledger.turned_over, ledger.turned_over));
+            warnings.note(
+                "numerical-damping",
+                fmt::format("numerical damping (spectral_radius = {:g}) took {:.3g} J, {:.2g} % of the {:.3g} J turned over",
+                            model.simulation.spectral_radius, taken, 100 * taken / ledger.turned_over, ledger.turned_over));
         return;
     }
     // In the row of an impact on a stop the ledger stands between before and after, up to a quarter of what was lost below
     const bool has_stops = std::ranges::any_of(model.joints, [](const Joint& joint) { return joint.limits.has_value(); });
     const double residual = has_stops ? std::max(ledger.most, std::abs(ledger.residual_at_the_end)) : ledger.residual;
     if (residual > 0.1 * ledger.turned_over && residual > ledger.rounding)
-        tell(fmt::format("warning: the energy balance leaves {:.3g} J unaccounted for, of {:.3g} J at most: {}", residual,
-                         ledger.turned_over, describe_energy_fault(simulation, !model.nodes.empty())));
+        warnings.add("energy-balance",
+                     fmt::format("the energy balance leaves {:.3g} J unaccounted for, of {:.3g} J at most: {}", residual,
+                                 ledger.turned_over, describe_energy_fault(model, simulation, fast)));
 }
 
 /// The force of an element that goes up and down from step to step: a vibration faster than the step. Only rows of every
 /// step show it. The energy balance does not: a stiff element holds next to no energy.
-void warn_ripple(const Recorder& recorder, const Model& model) {
+void warn_ripple(const Recorder& recorder, const Model& model, Warnings& warnings) {
     if (model.output.every != 1) return;
     constexpr double kTolerated = 0.1;  // of the element's largest force
+    // Beside the largest force of the machine this is rounding: it moves what is held by 1e-16 of its size
+    const double rounding = 1e-8 * find_largest_force(recorder);
     double worst = kTolerated;
     std::string warning;
     for (const Element& element : model.elements) {
@@ -211,17 +227,17 @@ void warn_ripple(const Recorder& recorder, const Model& model) {
             peak = std::max(peak, statistics.peak);
             ripple = std::max(ripple, statistics.ripple);
         }
-        if (ripple <= worst * peak) continue;
+        if (ripple <= worst * peak || ripple <= rounding) continue;
         worst = ripple / peak;
         warning = fmt::format(
-            "warning: the force of element \"{}\" alternates from step to step by {:.3g} N and is {:.3g} N at most: a "
+            "the force of element \"{}\" alternates from step to step by {:.3g} N and is {:.3g} N at most: a "
             "vibration that the step of {:g} s does not follow. It rings for ever unless something damps it, and its peaks "
             "are not those of the machine; try a shorter step{}",
             element.name, ripple, peak, model.simulation.step,
             model.simulation.coupling == Coupling::implicit ? ", damping of the element, or a spectral_radius of 0.9"
                                                             : " or damping of the element");
     }
-    if (!warning.empty()) tell(warning);
+    if (!warning.empty()) warnings.add("alternating-force", warning);
 }
 
 /// How the step was found, in one line.
@@ -235,21 +251,22 @@ void print_halving(const Halving& halving) {
 }
 
 /// A run to a tolerance that could not begin where it was told to.
-void warn_skipped(const Halving& halving) {
+void warn_skipped(const Halving& halving, Warnings& warnings) {
     if (halving.first_step() != halving.asked_step())
-        tell(fmt::format("the motion was not found at a step of {:g} s; it begins with {:g} s", halving.asked_step(),
-                         halving.first_step()));
+        warnings.note("shorter-first-step",
+                      fmt::format("the motion was not found at a step of {:g} s; it begins with {:g} s",
+                                  halving.asked_step(), halving.first_step()));
 }
 
 /// A tolerance reached at a step that misses the fastest vibrations holds for what the step sees.
-void warn_unresolved(const Halving& halving) {
+void warn_unresolved(const Halving& halving, Warnings& warnings) {
     const Simulation& simulation = halving.simulation();
     const double omega_h = simulation.fastest_mode().omega * simulation.step_size();
     if (halving.reached() && omega_h > kUnresolved)
-        tell(
-            fmt::format("warning: omega*h = {:.3g} at the step used: vibrations near {:.4g} Hz are not followed, and their "
-                        "part in the error is only allowed for",
-                        omega_h, simulation.fastest_mode().omega / (2 * M_PI)));
+        warnings.add("unresolved-vibration",
+                     fmt::format("omega*h = {:.3g} at the step used: vibrations near {:.4g} Hz are not followed, and their "
+                                 "part in the error is only allowed for",
+                                 omega_h, simulation.fastest_mode().omega / (2 * M_PI)));
 }
 
 void print_report(const Recorder& recorder, const Model& model, const Simulation& simulation, const ResultsFolder& folder,
@@ -271,39 +288,49 @@ void print_report(const Recorder& recorder, const Model& model, const Simulation
 struct Bench {
     explicit Bench(const RunRequest& request)
         : plugins(request.plugins),
-          model(prepare(request, plugins)),
+          model(prepare(request)),
           simulation(model, plugins),
           selection(selected_channels(model, simulation)) {
-        if (model.simulation.tolerance) halving.emplace(model, plugins, selection);
+        if (model.simulation.tolerance)
+            halving.emplace(model, plugins, selection);
+        else
+            fast_loads = warn_loads(model, simulation, warnings);
     }
-    static Model prepare(const RunRequest& request, const Plugins& plugins) {
-        Model model = read_model(request.model, plugins.catalogue(), request.overrides);
-        if (model.simulation.tolerance && !request.force) model = start_stable(std::move(model), plugins);
-        print_warnings(model);
-        return model;
+    Model prepare(const RunRequest& request) {
+        Model read = read_model(request.model, plugins.catalogue(), request.overrides);
+        has_chosen_step = read.simulation.step == 0;
+        read = choose_step(std::move(read), plugins);
+        if (read.simulation.tolerance && !request.force) read = start_stable(std::move(read), plugins, warnings);
+        warnings.add(read.warnings);
+        return read;
     }
+    Warnings warnings;
     const Plugins plugins;
+    bool has_chosen_step = false;  ///< neither file nor options give one
     const Model model;
     Simulation simulation;  ///< at the model's step
     const std::vector<int> selection;
-    std::optional<Halving> halving;  ///< of a run to a tolerance
+    std::optional<Halving> halving;    ///< of a run to a tolerance
+    std::vector<FastLoad> fast_loads;  ///< at the step of the results
 };
 
 /// Closes the files, writes the summary, and tells how it went.
-ExitCode conclude(const RunRequest& request, const Bench& bench, const Simulation& simulation, const ResultsFolder& folder,
+ExitCode conclude(const RunRequest& request, Bench& bench, const Simulation& simulation, const ResultsFolder& folder,
                   Recorder& recorder, const Ending& ending) {
     const Halving* halving = bench.halving ? &*bench.halving : nullptr;
     recorder.finish();
-    const Json summary = describe_run(bench.model, request, bench.plugins, simulation, recorder, ending.outcome, halving);
-    write_atomically(folder.file("summary.json"), summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
-
-    warn_energy(recorder, bench.model, simulation);
+    if (halving) bench.fast_loads = warn_loads(bench.model, simulation, bench.warnings);
+    warn_energy(recorder, bench.model, simulation, bench.fast_loads, bench.warnings);
     if (halving) {
-        warn_skipped(*halving);
-        warn_unresolved(*halving);
+        warn_skipped(*halving, bench.warnings);
+        warn_unresolved(*halving, bench.warnings);
     } else {
-        warn_ripple(recorder, bench.model);
+        warn_ripple(recorder, bench.model, bench.warnings);
     }
+    bench.warnings.print_rest("; summary.json has all of them");
+    const Json summary =
+        describe_run(bench.model, request, bench.plugins, simulation, recorder, ending.outcome, halving, bench.warnings);
+    write_atomically(folder.file("summary.json"), summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
     if (ending.outcome.status == "failed") {
         throw Error(ending.code, fmt::format("{} ({} rows recorded in {})", ending.outcome.reason, recorder.rows(),
                                              folder.path().string()));
@@ -319,7 +346,7 @@ ExitCode conclude(const RunRequest& request, const Bench& bench, const Simulatio
 ExitCode run(const RunRequest& request) {
     const StopSignals signals;
     Bench bench(request);
-    refuse_unstable(bench.simulation, request.force);
+    refuse_unstable(bench.simulation, request.force, bench.warnings);
 
     const ResultsFolder folder(request.output.value_or(default_results_path(request.model)));
     const Attributes attributes = {{"title", bench.model.title}, {"version", DTTMM_VERSION}, {"model", bench.model.source}};
@@ -339,17 +366,57 @@ ExitCode run(const RunRequest& request) {
     return conclude(request, bench, bench.simulation, folder, recorder, ending);
 }
 
+namespace {
+
+/// Frequencies of a larger model take `dttmm modes` longer than a check should.
+constexpr size_t kMostChecked = 1000;
+
+/// A file without [simulation], with dofs, or with elements that only the modes can have is no fault: it is not for a run.
+bool is_for_modes_only(const RunRequest& request, const Plugins& plugins) {
+    ModelOverrides overrides = request.overrides;
+    overrides.purpose = Purpose::modes;
+    read_model(request.model, plugins.catalogue(), overrides);
+    try {
+        Model model = read_model(request.model, plugins.catalogue(), request.overrides);
+        if (model.simulation.step == 0) model.simulation.step = kShortestStep;  // networks want one, whichever
+        const Networks networks(model, plugins);
+    } catch (const Error&) {
+        return true;
+    }
+    return false;
+}
+
+/// The lowest natural frequency above zero, in words. Throws Error where there are no modes.
+std::string describe_lowest(const Model& model, const Plugins& plugins) {
+    if (model.bodies.size() + model.nodes.size() > kMostChecked)
+        return fmt::format("natural frequencies not looked for, as there are more than {} bodies and nodes", kMostChecked);
+    ModalMachine machine(model, plugins);
+    const std::vector<ModalInstance::Mode> modes = machine.find_modes();
+    for (const ModalInstance::Mode& mode : modes)
+        if (mode.numbers.frequency > 0) return fmt::format("lowest natural frequency {:.6g} Hz", mode.numbers.frequency);
+    return fmt::format("no natural frequency above 0 Hz among the first {}", modes.size());
+}
+
 std::string counted(size_t count, const char* one, const char* many) {
     return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
-void check(const RunRequest& request) {
-    const Bench bench(request);
+std::string indented(std::string text) {
+    for (size_t at = text.find('\n'); at != std::string::npos; at = text.find('\n', at + 1)) text.insert(at + 1, "    ");
+    return text;
+}
+
+void print_parts(const Model& model) {
+    fmt::print("  {}, {}, {}, {}, {}\n", counted(model.bodies.size(), "body", "bodies"),
+               counted(model.nodes.size(), "node", "nodes"), counted(model.elements.size(), "element", "elements"),
+               counted(model.joints.size(), "joint", "joints"), counted(model.loads.size(), "load", "loads"));
+}
+
+void print_run(const Bench& bench) {
     const Model& model = bench.model;
     const Simulation& simulation = bench.simulation;
     const FastestMode& fastest = simulation.fastest_mode();
     const bool implicit = model.simulation.coupling == Coupling::implicit;
-    fmt::print("{}: valid\n", request.model.string());
     int equations = 0;
     for (const JointEquations& joint : simulation.end_of_step().joints()) equations += joint.lasting();
     fmt::print(
@@ -361,8 +428,10 @@ void check(const RunRequest& request) {
         implicit && model.simulation.spectral_radius < 1
             ? fmt::format(" with numerical damping (spectral_radius = {:g})", model.simulation.spectral_radius)
             : "";
-    fmt::print("  {} coupling{}, {} steps of {:g} s, a row every {} steps\n", implicit ? "implicit" : "explicit", damping,
-               simulation.step_count() - 1, model.simulation.step, model.output.every);
+    fmt::print("  {} coupling{}, {} of {:g} s{}, a row every {}\n", implicit ? "implicit" : "explicit", damping,
+               counted(simulation.step_count() - 1, "step", "steps"), model.simulation.step,
+               bench.has_chosen_step ? " (chosen, as no step is given)" : "",
+               model.output.every == 1 ? "step" : fmt::format("{} steps", model.output.every));
     if (model.simulation.tolerance)
         fmt::print("  repeated at half the step until the results are within {:g} %\n", 100 * *model.simulation.tolerance);
     if (fastest.omega > 0)
@@ -373,7 +442,50 @@ void check(const RunRequest& request) {
     if (simulation.explicit_limit() && simulation.explicit_limit()->load > 0)
         fmt::print("  the explicit coupling is stable up to a step of {:.4g} s; at {:g} s: {}\n",
                    simulation.explicit_limit()->longest_step, simulation.step_size(), simulation.describe_speed());
-    refuse_unstable(simulation, request.force);
+}
+
+}  // namespace
+
+void check(const RunRequest& request) {
+    const Plugins plugins(request.plugins);
+    std::optional<Bench> bench;
+    std::string no_run, no_modes, lowest;
+    std::exception_ptr run_fault;
+    try {
+        bench.emplace(request);
+    } catch (const Error& error) {
+        if (!is_for_modes_only(request, plugins)) throw;
+        no_run = error.what();
+        run_fault = std::current_exception();
+    }
+    ModelOverrides overrides = request.overrides;
+    overrides.purpose = Purpose::modes;
+    const Model for_modes = read_model(request.model, plugins.catalogue(), overrides);
+    try {
+        lowest = describe_lowest(for_modes, plugins);
+    } catch (const Error& error) {
+        if (!bench) std::rethrow_exception(run_fault);
+        no_modes = error.what();
+    }
+    const Model& model = bench ? bench->model : for_modes;
+    Warnings own;
+    Warnings& warnings = bench ? bench->warnings : own;
+    warnings.add(model.warnings);
+
+    fmt::print("{}: valid\n  good for {}\n", request.model.string(),
+               !bench             ? "modes and frf"
+               : no_modes.empty() ? "run, modes and frf"
+                                  : "run");
+    if (!bench) fmt::print("  not for run: {}\n", indented(no_run));
+    if (!no_modes.empty()) fmt::print("  not for modes and frf: {}\n", indented(no_modes));
+    if (bench)
+        print_run(*bench);
+    else
+        print_parts(model);
+    if (!lowest.empty()) fmt::print("  {}\n", lowest);
+    fmt::print("{}", describe_machine(model, plugins.catalogue()));
+    if (bench) refuse_unstable(bench->simulation, request.force, warnings);
+    warnings.print_rest("");
 }
 
 namespace {

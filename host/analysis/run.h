@@ -29,7 +29,10 @@ struct RunRequest {
 /// stable step), or when the tolerance is out of reach.
 ExitCode run(const RunRequest& request);
 
-/// Reads and builds everything without a step; prints what would be solved, the step count and omega*h. Throws Error.
+/// Reads and builds everything without a step. Prints what the file is good for (run, modes, frf) and why not for the
+/// others, what would be solved, the step count, omega*h, the lowest natural frequency, bodies and elements
+/// (machine_table.h). Throws Error where the file is good for nothing, or an explicit coupling would be unstable and force
+/// is not set.
 void check(const RunRequest& request);
 
 /// Prints the element types of the built-in and the given plugins, from the plugins' own tables. Throws Error.

@@ -248,8 +248,14 @@ Json describe_inputs(const Model& model, const RunRequest& request) {
             {"version", DTTMM_VERSION}};
 }
 
+Json describe_warnings(const Warnings& warnings) {
+    Json list = Json::array();
+    for (const Warning& warning : warnings.all()) list.push_back({{"code", warning.code}, {"text", warning.text}});
+    return list;
+}
+
 Json describe_run(const Model& model, const RunRequest& request, const Plugins& plugins, const Simulation& simulation,
-                  const Recorder& recorder, const Outcome& outcome, const Halving* halving) {
+                  const Recorder& recorder, const Outcome& outcome, const Halving* halving, const Warnings& warnings) {
     const auto steps = static_cast<double>(std::max<uint64_t>(simulation.index(), 1));
     Json versions = {{"dttmm", DTTMM_VERSION}, {"ode", World::engine_version()}};
     for (const PluginLibrary& library : plugins.libraries())
@@ -258,6 +264,7 @@ Json describe_run(const Model& model, const RunRequest& request, const Plugins& 
         {"format", "dttmm-summary/1"},
         {"status", outcome.status},
         {"reason", outcome.reason},
+        {"warnings", describe_warnings(warnings)},
         {"title", model.title},
         {"command_line", request.command_line},
         {"versions", versions},

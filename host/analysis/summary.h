@@ -9,6 +9,7 @@
 #include "analysis/run.h"
 #include "model/model.h"
 #include "record/recorder.h"
+#include "record/warnings.h"
 #include "step/simulation.h"
 
 namespace dttmm {
@@ -21,10 +22,13 @@ using Json = nlohmann::ordered_json;
 /// inputs are equal.
 Json describe_inputs(const Model& model, const RunRequest& request);
 
-/// summary.json: status, inputs, versions, step count and time per step, coupling, omega*h, energy, peak and final values of
-/// every element, joint and marker, the resolved model. `simulation` is the run whose results are kept; `halving`, of a run
-/// to a tolerance, says what stands behind them, else null.
+/// [{"code", "text"}, ...]
+Json describe_warnings(const Warnings& warnings);
+
+/// summary.json: status, warnings, inputs, versions, step count and time per step, coupling, omega*h, energy, peak and final
+/// values of every element, joint and marker, the resolved model. `simulation` is the run whose results are kept; `halving`,
+/// of a run to a tolerance, says what stands behind them, else null.
 Json describe_run(const Model& model, const RunRequest& request, const Plugins& plugins, const Simulation& simulation,
-                  const Recorder& recorder, const Outcome& outcome, const Halving* halving);
+                  const Recorder& recorder, const Outcome& outcome, const Halving* halving, const Warnings& warnings);
 
 }  // namespace dttmm

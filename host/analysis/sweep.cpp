@@ -142,7 +142,8 @@ bool reuse(Case& one, const Model& model, const RunRequest& request) {
         return summary.contains(key) && (summary[key].*is)();
     };
     const bool whole = summary.is_object() && has("status", &Json::is_string) && has("elements", &Json::is_object) &&
-                       has("accelerations", &Json::is_object) && std::filesystem::exists(one.folder / "history.csv") &&
+                       has("accelerations", &Json::is_object) && has("warnings", &Json::is_array) &&
+                       std::filesystem::exists(one.folder / "history.csv") &&
                        std::filesystem::exists(one.folder / "history.h5");
     if (!whole || summary["status"] != "completed" || !summary.contains("inputs") ||
         summary["inputs"] != describe_inputs(model, request_of(request, one)))
@@ -215,7 +216,7 @@ private:
     ProgressBar progress_;
 };
 
-/// Columns of sweep.csv behind case, parameters, status and reason: owner, quantity, axis and statistic.
+/// Columns of sweep.csv behind case, parameters, status, reason and warnings: owner, quantity, axis and statistic.
 struct Column {
     const char* section;
     std::string owner, quantity, axis, statistic;
@@ -246,18 +247,35 @@ std::vector<Column> result_columns(const std::vector<Case>& cases, const Model& 
     return columns;
 }
 
+/// Number of warnings of a case as text; empty where it left no summary.
+std::string count_warnings(const Case& one) {
+    return one.summary.is_object() && one.summary.contains("warnings") ? std::to_string(one.summary["warnings"].size()) : "";
+}
+
+/// The codes of all warnings of the cases, and how many cases have any: ", 2 with warnings (energy-balance)".
+std::string describe_warnings_of(const std::vector<Case>& cases) {
+    size_t count = 0;
+    std::set<std::string> codes;
+    for (const Case& one : cases) {
+        if (!one.summary.is_object() || !one.summary.contains("warnings") || one.summary["warnings"].empty()) continue;
+        ++count;
+        for (const Json& warning : one.summary["warnings"]) codes.insert(warning.value("code", ""));
+    }
+    return count == 0 ? "" : fmt::format(", {} with warnings ({})", count, fmt::join(codes, ", "));
+}
+
 std::string sweep_table(const std::vector<Case>& cases, const Model& model) {
     const std::vector<Column> columns = result_columns(cases, model);
     std::string text = "case";
     for (const auto& [name, value] : cases.front().parameters) text += "," + csv_field(name);
-    text += ",status,reason";
+    text += ",status,reason,warnings";
     for (const Column& c : columns)
         text += "," + csv_field(fmt::format("{}.{}.{}.{}", c.owner, c.quantity, c.axis, c.statistic));
     text += "\n";
     for (const Case& one : cases) {
         text += one.folder.filename().string();
         for (const auto& [name, value] : one.parameters) text += "," + number_text(parse_quantity(value).value);
-        text += fmt::format(",{},{}", one.status, csv_field(one.reason));
+        text += fmt::format(",{},{},{}", one.status, csv_field(one.reason), count_warnings(one));
         for (const Column& c : columns)
             text +=
                 one.status == "completed"
@@ -283,15 +301,6 @@ void print_failures(const std::vector<Case>& cases) {
 
 namespace {
 
-void refuse_unknown(const std::vector<SweepAxis>& axes, const Model& model) {
-    std::vector<std::string> known;
-    for (const Parameter& parameter : model.parameters) known.push_back(parameter.name);
-    for (const SweepAxis& axis : axes)
-        if (std::find(known.begin(), known.end(), axis.name) == known.end())
-            throw Error(ExitCode::usage,
-                        fmt::format("--sweep {}: no such parameter{}", quote(axis.name), suggestion(axis.name, known)));
-}
-
 /// A single case may be at fault; if all are, the fault of the first is the sweep's.
 void refuse_if_none_reads(const std::vector<Case>& cases, const RunRequest& request, const Plugins& plugins) {
     std::exception_ptr first;
@@ -314,7 +323,7 @@ ExitCode run_sweep(const RunRequest& request, const std::vector<SweepAxis>& axes
     std::vector<Case> cases;
     for (SweepCase& parameters : make_grid(axes)) cases.push_back({std::move(parameters), {}, "missing", {}, {}});
     const Model model = read_model(request.model, plugins.catalogue(), request.overrides);
-    refuse_unknown(axes, model);
+    check_axes(axes, model.parameters);
     refuse_if_none_reads(cases, request, plugins);
 
     const ResultsFolder folder(request.output.value_or(default_results_path(request.model)), Claim::keep);
@@ -333,8 +342,8 @@ ExitCode run_sweep(const RunRequest& request, const std::vector<SweepAxis>& axes
         return std::count_if(cases.begin(), cases.end(), [&](const Case& one) { return one.status == status; });
     };
     if (!request.quiet)
-        fmt::print("{} of {} cases completed ({} of them reused), {} failed, {} not run\nresults in {}\n",
-                   count("completed"), cases.size(), reused, count("failed"), count("missing"),
+        fmt::print("{} of {} cases completed ({} of them reused), {} failed, {} not run{}\nresults in {}\n",
+                   count("completed"), cases.size(), reused, count("failed"), count("missing"), describe_warnings_of(cases),
                    folder.file("sweep.csv").string());
     if (StopSignals::requested()) return StopSignals::exit_code();
     return count("failed") > 0 ? ExitCode::cases_failed : ExitCode::ok;

@@ -3,9 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 
 #include "model/error.h"
+#include "model/parameters.h"
 #include "model/units.h"
 #include "model/wording.h"
 
@@ -70,6 +72,22 @@ SweepAxis parse_sweep_axis(const std::string& text) {
         throw Error(ExitCode::usage, fmt::format("--sweep {}: write name=from..to:count or name=value,value", quote(text)));
     const std::string name = text.substr(0, equals), rest = text.substr(equals + 1);
     return {name, rest.find("..") != std::string::npos ? range_values(text, rest) : list_values(text, rest)};
+}
+
+void check_axes(const std::vector<SweepAxis>& axes, const std::vector<Parameter>& parameters) {
+    std::vector<std::string> known;
+    for (const Parameter& parameter : parameters) known.push_back(parameter.name);
+    for (const SweepAxis& axis : axes) {
+        const auto found = std::ranges::find(parameters, axis.name, &Parameter::name);
+        if (found == parameters.end())
+            throw Error(ExitCode::usage,
+                        fmt::format("--sweep {}: no such parameter{}", quote(axis.name), suggestion(axis.name, known)));
+        for (const std::string& value : axis.values)
+            if (const auto unit = find_missing_unit(*found, value))
+                throw Error(ExitCode::usage, fmt::format("--sweep {}: of which unit? the file gives {}; write it with every "
+                                                         "value, e.g. \"{} {}\"",
+                                                         quote(axis.name), *unit, value, *unit));
+    }
 }
 
 std::vector<SweepCase> make_grid(const std::vector<SweepAxis>& axes) {

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "model/model.h"
+
 namespace dttmm {
 
 /// One --sweep: a parameter and the values it takes, as texts for --set.
@@ -22,6 +24,10 @@ inline constexpr long kMostCases = 100000;
 /// dimension. Throws Error(usage) for the wrong form, Error(model_invalid) for a count below 1 or beyond kMostCases, an
 /// empty list, or a value that is no quantity.
 SweepAxis parse_sweep_axis(const std::string& text);
+
+/// Every axis must name one of the parameters of the model, and give a unit where the parameter has one. Throws
+/// Error(usage).
+void check_axes(const std::vector<SweepAxis>& axes, const std::vector<Parameter>& parameters);
 
 /// All combinations, the last axis fastest. Throws Error(model_invalid) beyond kMostCases, Error(usage) if two axes have one
 /// name.

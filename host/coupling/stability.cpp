@@ -18,8 +18,8 @@ namespace dttmm {
 namespace {
 
 constexpr int kMostIterations = 500;
-constexpr double kChange = 1e-7;  // of the eigenvalue in one iteration
-constexpr size_t kMostElements = 3;
+constexpr double kChange = 1e-7;     // of the eigenvalue in one iteration
+constexpr size_t kMostElements = 3;  // that a message names
 constexpr double kSmallestShare = 0.01;
 
 using Matrix = Eigen::SparseMatrix<double>;
@@ -154,10 +154,6 @@ public:
         std::stable_sort(mode.elements.begin(), mode.elements.end(), [](const ElementShare& x, const ElementShare& y) {
             return std::round(1000 * x.share) > std::round(1000 * y.share);
         });
-        size_t count = std::min<size_t>(mode.elements.size(), 1);  // the largest of many small shares is named too
-        while (count < std::min(mode.elements.size(), kMostElements) && mode.elements[count].share >= kSmallestShare)
-            ++count;
-        mode.elements.resize(count);
         return mode;
     }
 
@@ -184,10 +180,19 @@ private:
 
 std::string describe(const FastestMode& mode) {
     std::string made_by;
-    for (const ElementShare& element : mode.elements)
+    size_t named = 0, others = 0;
+    for (const ElementShare& element : mode.elements) {
+        if (named > 0 && element.share < kSmallestShare) break;  // the largest of many small shares is named too
+        if (named == kMostElements) {
+            ++others;
+            continue;
+        }
+        ++named;
         made_by += fmt::format("{}{} ({} %)", made_by.empty() ? ", made by " : ", ", element.element,
                                element.share >= kSmallestShare ? fmt::format("{:.0f}", 100 * element.share)
                                                                : fmt::format("{:.1g}", 100 * element.share));
+    }
+    if (others > 0) made_by += fmt::format(" and {} more", others);
     return fmt::format("{:.5g} Hz at body \"{}\"{}", mode.omega / (2 * M_PI), mode.body, made_by);
 }
 

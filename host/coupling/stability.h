@@ -21,10 +21,11 @@ struct ElementShare {
 struct FastestMode {
     double omega = 0;                    ///< [rad/s]; 0 where nothing is elastic
     std::string body;                    ///< the body that moves most in it (by kinetic energy)
-    std::vector<ElementShare> elements;  ///< that hold most of it, largest first: one, and up to two more of 1 %
+    std::vector<ElementShare> elements;  ///< all of them, with their parts in it, largest first
 };
 
-/// "10.5 Hz at body "plate", made by bolt1 (62 %), bolt2 (35 %)".
+/// "10.5 Hz at body "plate", made by bolt1 (62 %), bolt2 (31 %), bolt3 (3 %) and 1 more": the largest share, up to two more
+/// of 1 %, and how many others have 1 %.
 std::string describe(const FastestMode& mode);
 
 /// The fastest undamped vibration: largest ω of K u = ω² M u from the networks' stiffness and the bodies' inertia, among

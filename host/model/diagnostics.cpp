@@ -23,21 +23,21 @@ std::string Diagnostics::line_text(Place place) const {
 
 void Diagnostics::throw_if_errors() const {
     if (errors_.empty()) return;
-    const std::vector<std::string> lines = texts(errors_);
+    const std::vector<Warning> lines = in_order(errors_);
     const std::size_t shown = std::min<std::size_t>(lines.size(), kMostShown);
     std::string text;
-    for (std::size_t i = 0; i < shown; ++i) text += (i ? "\n" : "") + lines[i];
+    for (std::size_t i = 0; i < shown; ++i) text += (i ? "\n" : "") + lines[i].text;
     if (lines.size() > shown)
         text += fmt::format("\nand {} more error{}", lines.size() - shown, lines.size() - shown == 1 ? "" : "s");
     throw ModelError(text);
 }
 
-std::vector<std::string> Diagnostics::warning_texts() const { return texts(warnings_); }
+std::vector<Warning> Diagnostics::warnings() const { return in_order(warnings_); }
 
-std::vector<std::string> Diagnostics::texts(std::vector<Diagnostic> diagnostics) const {
+std::vector<Warning> Diagnostics::in_order(std::vector<Diagnostic> diagnostics) const {
     std::stable_sort(diagnostics.begin(), diagnostics.end(), [](const auto& a, const auto& b) { return a.place < b.place; });
-    std::vector<std::string> result;
-    for (const Diagnostic& d : diagnostics) result.push_back(place_text(d.place) + ": " + d.text);
+    std::vector<Warning> result;
+    for (const Diagnostic& d : diagnostics) result.push_back({d.code, place_text(d.place) + ": " + d.text});
     return result;
 }
 

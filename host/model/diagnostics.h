@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "model/error.h"
+#include "model/warning.h"
 
 namespace dttmm {
 
@@ -29,8 +30,10 @@ public:
 
     explicit Diagnostics(std::string file) : file_(std::move(file)) {}
 
-    void error(Place place, std::string text) { errors_.push_back({place, std::move(text)}); }
-    void warning(Place place, std::string text) { warnings_.push_back({place, std::move(text)}); }
+    void error(Place place, std::string text) { errors_.push_back({place, {}, std::move(text)}); }
+    void warning(Place place, std::string code, std::string text) {
+        warnings_.push_back({place, std::move(code), std::move(text)});
+    }
 
     /// A place that reads `option`, e.g. "--step", instead of a line of the file.
     Place option_place(std::string option);
@@ -46,15 +49,16 @@ public:
     /// Throws ModelError if there was an error; at most kMostShown are spelt out.
     void throw_if_errors() const;
 
-    /// The warnings in the order of the file, each with its place.
-    std::vector<std::string> warning_texts() const;
+    /// The warnings in the order of the file, each text with its place.
+    std::vector<Warning> warnings() const;
 
 private:
     struct Diagnostic {
         Place place;
+        std::string code;  ///< of a warning
         std::string text;
     };
-    std::vector<std::string> texts(std::vector<Diagnostic> diagnostics) const;
+    std::vector<Warning> in_order(std::vector<Diagnostic> diagnostics) const;
 
     std::string file_;
     std::vector<std::string> options_;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "model/signal.h"
+#include "model/warning.h"
 
 namespace dttmm {
 
@@ -95,7 +96,7 @@ enum class ExplicitScheme { fox_euler, bdf1, bdf2, houbolt, park };
 
 struct SimulationSettings {
     double duration = 0;  ///< [s]
-    double step = 0;      ///< [s]
+    double step = 0;      ///< [s]; 0: not given, the run chooses the first step of its tolerance
     Coupling coupling = Coupling::implicit;
     ExplicitScheme scheme = ExplicitScheme::fox_euler;
     Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  ///< [m/s²]
@@ -104,7 +105,8 @@ struct SimulationSettings {
 };
 
 struct OutputSettings {
-    int every = 1;                      ///< one row per so many steps
+    double step = 0;                    ///< [s]; 0: not given
+    int every = 1;                      ///< one row per so many steps; without a time step not known yet
     std::vector<std::string> channels;  ///< glob patterns; empty: the default channels
     std::string channels_place;         ///< "file:line:column" of the list
 };
@@ -139,7 +141,7 @@ struct Model {
     std::vector<Load> loads;
     std::vector<Element> elements;
     std::vector<std::filesystem::path> files;  ///< beside the model file that were read: tables of loads
-    std::vector<std::string> warnings;         ///< each with its place, ready to print
+    std::vector<Warning> warnings;             ///< of the model file, each text with its place
 };
 
 }  // namespace dttmm

@@ -39,6 +39,7 @@ std::string normalise_name(std::string_view name) {
 
 std::optional<std::string> find_name_fault(std::string_view name) {
     if (name.empty()) return "is empty";
+    if (name.starts_with("-")) return "begins with '-', which a spreadsheet takes for a formula; begin with a letter";
     int characters = 0;
     while (!name.empty()) {
         utf8proc_int32_t character = 0;

@@ -8,7 +8,7 @@
 namespace dttmm {
 
 /// Names of bodies, markers, elements and parameters: letters of any script, combining marks, digits, `_` and `-`, at most
-/// 100 characters, compared in Unicode normal form C. The dot is kept for `body.marker`.
+/// 100 characters, `-` not the first, compared in Unicode normal form C. The dot is kept for `body.marker`.
 
 /// `name` in normal form C; as it is if it is not UTF-8.
 std::string normalise_name(std::string_view name);

@@ -12,6 +12,13 @@
 
 namespace dttmm {
 
+std::optional<std::string> find_missing_unit(const Parameter& in_file, const std::string& text) {
+    if (in_file.unit.empty() || in_file.unit == "1" || text.starts_with("=")) return std::nullopt;
+    const Quantity quantity = parse_quantity(text);
+    if (quantity.unit != "1" || quantity.value == 0) return std::nullopt;
+    return in_file.text.starts_with("=") ? in_file.unit : unit_text(in_file.text);
+}
+
 Parameters::Parameters(const TomlValue* table, const Overrides& overrides, Diagnostics& diagnostics)
     : diagnostics_(diagnostics) {
     if (table && !table->is_table()) {
@@ -40,7 +47,8 @@ void Parameters::read_entry(const TomlMember& member) {
             member.place, fmt::format("parameter {} exists already, {}", quote(name), diagnostics_.line_text(other->place)));
     if (name.find('-') != name.npos)
         diagnostics_.warning(
-            member.place, fmt::format("parameter {} cannot be used: '-' is minus in an expression; use '_'", quote(name)));
+            member.place, "unusable-parameter",
+            fmt::format("parameter {} cannot be used: '-' is minus in an expression; use '_'", quote(name)));
     Entry entry;
     entry.parameter.name = name;
     entry.place = member.place;
@@ -58,9 +66,15 @@ void Parameters::override_entry(const std::string& given_name, const std::string
     if (text.empty()) throw Error(ExitCode::usage, fmt::format("--set {0}: no value; write --set {0}=VALUE", name));
     Entry& entry = entries_[found->second];
     entry.place = diagnostics_.option_place("--set " + name);
+    const Parameter in_file = named_by(entry).parameter;
     entry.expression.clear();
     entry.is_faulty = false;
     read_text(entry, text);
+    if (entry.is_faulty) return;
+    if (const auto unit = find_missing_unit(in_file, text))
+        throw Error(
+            ExitCode::usage,
+            fmt::format("--set {0}={1}: of which unit? the file gives {2}; write --set {0}=\"{1} {2}\"", name, text, *unit));
 }
 
 void Parameters::read_value(Entry& entry, const TomlValue& value) {
@@ -196,6 +210,16 @@ std::vector<Parameter> Parameters::all() const {
     std::vector<Parameter> result;
     for (const Entry& entry : entries_) result.push_back(entry.parameter);
     return result;
+}
+
+const Parameters::Entry& Parameters::named_by(const Entry& entry) const {
+    const Entry* at = &entry;
+    for (std::size_t hops = 0; hops < entries_.size(); ++hops) {  // names may go in a circle
+        const Entry* next = at->expression.empty() ? nullptr : find(bare_name(at->expression));
+        if (!next) break;
+        at = next;
+    }
+    return *at;
 }
 
 const Parameters::Entry* Parameters::find(std::string_view name) const {

@@ -15,14 +15,19 @@
 
 namespace dttmm {
 
+/// The unit of `in_file` as the file gives it, "N/mm", where `text` is a plain number that is to replace it. Nothing where
+/// the file gives no unit, or where `text` has a unit, is an expression or is zero, which is the same in every unit. Throws
+/// Error(model_invalid) where `text` is no quantity.
+std::optional<std::string> find_missing_unit(const Parameter& in_file, const std::string& text);
+
 /// The [parameters] of a model file after --set: each a number, a quantity or an expression over others, resolved in the
 /// order of their dependence.
 class Parameters {
 public:
     using Overrides = std::vector<std::pair<std::string, std::string>>;
 
-    /// `table` may be null. Faults of the file go to `diagnostics`; an override without value or of an unknown name throws
-    /// Error(usage).
+    /// `table` may be null. Faults of the file go to `diagnostics`; an override without value, without the unit that the
+    /// file gives, or of an unknown name throws Error(usage).
     Parameters(const TomlValue* table, const Overrides& overrides, Diagnostics& diagnostics);
 
     /// The SI value of an expression (without its "=") that must measure what the SI unit `wanted` measures. The name of a
@@ -59,6 +64,7 @@ private:
     void resolve(Entry& entry);
     void report_circles();
     void fail(Entry& entry, const std::string& text);
+    const Entry& named_by(const Entry& entry) const;  ///< the entry whose value it takes over: itself, or of "=name"
     const Entry* find(std::string_view name) const;
     std::vector<std::string> names() const;
 

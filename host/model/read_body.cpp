@@ -45,6 +45,17 @@ std::optional<MassProperties> read_shape(const TableReader& table, const TomlMem
     return make_sphere(density, (*sizes)[0]);
 }
 
+/// Foam has 10 kg/m³, osmium 22 600. Of ships and machines of micrometres the density is the same.
+constexpr double kLeastDensity = 10, kMostDensity = 25000;
+
+void warn_density(const TableReader& table, Place place, double density) {
+    if (density >= kLeastDensity && density <= kMostDensity) return;
+    table.warning(place, "density",
+                  fmt::format("the density is {:.4g} kg/m³, outside {:g} to {:g}: check the units of density, mass and "
+                              "lengths",
+                              density, kLeastDensity, kMostDensity));
+}
+
 /// A shape of a given density, or of a given mass spread evenly through it.
 std::optional<MassProperties> read_shape_and_density(const TableReader& table) {
     if (const TomlMember* member = table.find("inertia"))
@@ -60,6 +71,7 @@ std::optional<MassProperties> read_shape_and_density(const TableReader& table) {
     const double value = table.number(amount->key, by_mass ? "kg" : "kg/m^3", kPositive).value_or(0);
     if (value == 0) return std::nullopt;
     const double density = by_mass ? value / unit->mass : value;
+    warn_density(table, amount->value.place, density);
     return MassProperties{density * unit->mass, density * unit->inertia};
 }
 
@@ -136,6 +148,31 @@ void read_markers(const TableReader& table, Body& body) {
     for (const TomlMember& member : markers->value.members) body.markers.push_back(read_marker(table, member, names));
 }
 
+/// Longer than all but ships and towers. A millimetre read as a metre makes a part of 0.1 m as long.
+constexpr double kLongBody = 100;  // [m]
+/// Of the reach of the markers.
+constexpr double kLargestGyration = 30;
+
+/// The largest radius of gyration, in a bar sqrt(1/12) of its length, says how large a body is.
+void warn_size(const TableReader& table, const Body& body) {
+    if (!(body.mass > 0)) return;
+    const double gyration = std::sqrt(body.inertia.trace() / 2 / body.mass);  // >= the largest, = for a bar
+    double reach = 0;
+    for (const Marker& marker : body.markers) reach = std::max(reach, (marker.position - body.center_of_mass).norm());
+    const double size = gyration * std::sqrt(12.0);
+    if (size > kLongBody)
+        table.warning(table.place(), "size",
+                      fmt::format("by its inertia the body is about {:.3g} m large: check the units of lengths, or of mass "
+                                  "and inertia",
+                                  size));
+    // A flywheel may be some ten times as large as the reach of its bearings
+    else if (table.find("inertia") && reach > 0 && gyration > kLargestGyration * reach)
+        table.warning(table.find("inertia")->value.place, "inertia",
+                      fmt::format("the radius of gyration is {:.3g} m, but no marker is further than {:.3g} m from the "
+                                  "centre of mass: check the unit of the inertia",
+                                  gyration, reach));
+}
+
 Body read_body(const ReadContext& context, const TomlValue& entry, std::size_t index, NameRegistry& names) {
     const TableReader table(
         context, entry, entry_label("body", entry, index),
@@ -154,6 +191,7 @@ Body read_body(const ReadContext& context, const TomlValue& entry, std::size_t i
     body.velocity = table.vector("velocity", "m/s", zero).value_or(zero);
     body.angular_velocity = table.vector("angular_velocity", "rad/s", zero).value_or(zero);
     read_markers(table, body);
+    warn_size(table, body);
     if (const TomlMember* position = table.find("position"))
         check_position(context, position->value.place, entry_label("body", entry, index), body.position);
     return body;

@@ -15,7 +15,7 @@
 namespace dttmm {
 namespace {
 
-constexpr double kFarApart = 1000;  // [m]
+constexpr double kFarApart = 100;  // [m] a bolt of a part whose millimetres were read as metres
 
 std::vector<std::string> keys_of(const dttmm_element_type& type) {
     std::vector<std::string> keys = {"name", "type"};
@@ -70,7 +70,7 @@ std::optional<Ends> read_from_to(const TableReader& table, const Attachments& at
     if (from->is_ground() || to->is_ground()) return Ends{*from, *to};  // the ground end coincides with the other
     const double distance = (attachments.position(*to) - attachments.position(*from)).norm();
     if (distance > kFarApart)
-        table.warning(place, fmt::format("the ends are {} m apart at the start", number_text(distance)));
+        table.warning(place, "ends-apart", fmt::format("the ends are {} m apart at the start", number_text(distance)));
     return Ends{*from, *to};
 }
 
@@ -151,11 +151,11 @@ private:
     void warn(const TableReader& table, const Element& element) {
         const auto is_zero = [](double value) { return value == 0; };
         if (!element.values.empty() && std::all_of(element.values.begin(), element.values.end(), is_zero))
-            table.warning(table.place(), "free: every parameter is zero, it carries nothing");
+            table.warning(table.place(), "free-element", "free: every parameter is zero, it carries nothing");
         const auto [twin, is_new] =
             seen_.emplace(std::tuple(element.type, element.ends, bits_of(element.values)), element.name);
         if (!is_new)
-            table.warning(table.place(),
+            table.warning(table.place(), "duplicate-element",
                           fmt::format("identical to element {}: same ends, type and values", quote(twin->second)));
     }
 

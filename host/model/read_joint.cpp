@@ -229,7 +229,7 @@ private:
             table.error(place,
                         fmt::format("{}; at most {:g} is allowed, as the joint would give way", text, kLargestMassRatio));
         else
-            table.warning(place, text + "; digits are lost: see that the energy balance closes");
+            table.warning(place, "mass-ratio", text + "; digits are lost: see that the energy balance closes");
     }
 
     void warn_twin(const TableReader& table, const Joint& joint) {
@@ -238,7 +238,7 @@ private:
         const auto [twin, is_new] = seen_.emplace(
             std::tuple(joint.type, first, second, list(joint.anchor), list(joint.axis), list(joint.axis2)), joint.name);
         if (!is_new)
-            table.warning(table.place(),
+            table.warning(table.place(), "duplicate-joint",
                           fmt::format("identical to joint {}: same bodies, type, anchor and axes", quote(twin->second)));
     }
 

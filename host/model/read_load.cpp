@@ -11,6 +11,18 @@
 namespace dttmm {
 namespace {
 
+/// Only `[1, 1, 0]` and the like need another length than one. Along one axis a length looks like a part of the force.
+void warn_length(const TableReader& table) {
+    const auto direction = table.vector("direction", "1");
+    const bool is_along_axis = direction && (direction->array() != 0).count() == 1;
+    if (is_along_axis && direction->cwiseAbs().maxCoeff() != 1)
+        table.warning(
+            table.find("direction")->value.place, "direction-length",
+            fmt::format("the length of direction, {:g}, does not count: force or moment alone gives the magnitude; "
+                        "write 1 or -1",
+                        direction->cwiseAbs().maxCoeff()));
+}
+
 std::optional<Load> read_load(const ReadContext& context, const TomlValue& entry, std::size_t index,
                               const Attachments& attachments) {
     const TableReader table(context, entry, entry_label("load", entry, index), {"on", "direction", "force", "moment"},
@@ -18,6 +30,7 @@ std::optional<Load> read_load(const ReadContext& context, const TomlValue& entry
     if (!table.is_valid()) return std::nullopt;
     const auto on = attachments.read(table, "on");
     const auto direction = read_direction(table, "direction");
+    if (direction) warn_length(table);
     const TomlMember* magnitude = table.require_one({"force", "moment"});
     if (on && on->is_ground()) table.error(table.find("on")->value.place, "a load on the ground moves nothing");
     if (!magnitude) return std::nullopt;

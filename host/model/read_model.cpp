@@ -115,8 +115,9 @@ void warn_free_bodies(const TableReader& file, const Model& model) {
     const std::vector<TomlValue>& entries = read_entries(file, "body");
     for (std::size_t i = 0; i < is_touched.size(); ++i)
         if (!is_touched[i])
-            file.warning(entries[i].place, fmt::format("body {}: free body: no element, joint, load or gravity acts on it",
-                                                       quote(model.bodies[i].name)));
+            file.warning(entries[i].place, "free-body",
+                         fmt::format("body {}: free body: no element, joint, load or gravity acts on it",
+                                     quote(model.bodies[i].name)));
 }
 
 void read_contents(const TableReader& file, const ElementCatalogue& catalogue, const ModelOverrides& overrides,
@@ -166,7 +167,7 @@ Model parse_model(std::string_view text, const fs::path& file, const ElementCata
     read_contents(root, catalogue, overrides, model);
     diagnostics.throw_if_errors();
     if (overrides.purpose == Purpose::histories) warn_free_bodies(root, model);
-    model.warnings = diagnostics.warning_texts();
+    model.warnings = diagnostics.warnings();
     return model;
 }
 

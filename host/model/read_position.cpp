@@ -18,7 +18,7 @@ void check_position(const ReadContext& context, Place place, const std::string& 
             place, fmt::format("{}: position must be within {} m of the origin in every direction, got {} m", label,
                                kFarthest, distance));
     context.diagnostics.warning(
-        place,
+        place, "far-from-origin",
         fmt::format("{}: position is {} m from the origin: small motions lose digits; move the origin", label, distance));
 }
 

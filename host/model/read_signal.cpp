@@ -134,14 +134,14 @@ std::optional<Signal> read_inline_table(const TableReader& table, std::string_vi
     return make_signal<TableSignal>(*times, *values);
 }
 
-std::optional<Signal> read_file_table(const TableReader& table) {
+std::optional<Signal> read_file_table(const TableReader& table, std::string_view unit) {
     const auto name = table.text("file");
     if (!name) return std::nullopt;
     for (const char* key : {"times", "values"})
         if (const TomlMember* member = table.find(key))
             table.error(member->place, fmt::format("{} and file exclude each other", key));
     try {
-        TimeTable columns = read_table_file(table.context().folder, *name);
+        TimeTable columns = read_table_file(table.context().folder, *name, unit);
         table.context().files.push_back(table.context().folder / *name);
         return make_signal<TableSignal>(std::move(columns.times), std::move(columns.values));
     } catch (const Error& error) {
@@ -151,7 +151,7 @@ std::optional<Signal> read_file_table(const TableReader& table) {
 }
 
 std::optional<Signal> read_table(const TableReader& table, std::string_view unit) {
-    return table.find("file") ? read_file_table(table) : read_inline_table(table, unit);
+    return table.find("file") ? read_file_table(table, unit) : read_inline_table(table, unit);
 }
 
 std::optional<Signal> read_constant_table(const TableReader& table, std::string_view unit) {

@@ -11,10 +11,11 @@
 namespace dttmm {
 namespace {
 
-constexpr Bounds kStepBounds = {kShortestStep, 1};  // [s]
-constexpr Bounds kToleranceBounds = {1e-9, 0.5};    // beyond 50 % nothing is known of a history
-constexpr double kWholeTolerance = 1e-6;            // of a step
-constexpr double kLargestGravity = 100;             // [m/s²] more looks like another unit
+constexpr Bounds kStepBounds = {kShortestStep, kLongestStep};  // [s]
+constexpr Bounds kToleranceBounds = {1e-9, 0.5};               // beyond 50 % nothing is known of a history
+constexpr double kWholeTolerance = 1e-6;                       // of a step
+constexpr double kLargestGravity = 100;                        // [m/s²] more looks like another unit
+constexpr double kMostGravity = 1e7;                           // [m/s²] that of an ultracentrifuge, a million g
 
 const std::vector<std::string> kCouplings = {"implicit", "explicit"};
 const std::vector<std::string> kSchemes = {"fox-euler", "bdf1", "bdf2", "houbolt",
@@ -115,9 +116,12 @@ double read_spectral_radius(const TableReader& table, Coupling coupling, bool is
 Eigen::Vector3d read_gravity(const TableReader& table) {
     const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
     const Eigen::Vector3d gravity = table.vector("gravity", "m/s^2", zero).value_or(zero);
-    if (gravity.cwiseAbs().maxCoeff() > kLargestGravity)
+    if (gravity.cwiseAbs().maxCoeff() > kMostGravity)
+        table.error(table.find("gravity")->value.place, fmt::format("gravity must be {:g} m/s² at most, got {:g} m/s²",
+                                                                    kMostGravity, gravity.cwiseAbs().maxCoeff()));
+    else if (gravity.cwiseAbs().maxCoeff() > kLargestGravity)
         table.warning(
-            table.find("gravity")->value.place,
+            table.find("gravity")->value.place, "gravity-unit",
             fmt::format("gravity of {} m/s² looks like mm/s²; write \"9.81 m/s^2\"", gravity.cwiseAbs().maxCoeff()));
     return gravity;
 }
@@ -135,15 +139,16 @@ SimulationSettings read_simulation(const TableReader& file, const SimulationOver
             std::vector<std::string>{"duration", "step", "tolerance", "coupling", "scheme", "spectral_radius", "gravity"});
     const bool is_valid = table && table->is_valid();
     const SettingsReader reader(file, is_valid ? &*table : nullptr);
-    if (!member && !(overrides.step && overrides.duration))
-        file.error(file.place(), "missing table [simulation] with duration and step (dttmm modes and dttmm frf want none)");
+    if (!member && !overrides.duration)
+        file.error(file.place(), "missing table [simulation] with a duration (dttmm modes and dttmm frf want none)");
 
     SimulationSettings settings;
-    const auto step_setting = reader.require("step", overrides.step);
+    const auto step_setting = reader.find("step", overrides.step);
     const auto duration_setting = reader.require("duration", overrides.duration);
     const auto step = reader.read(step_setting, "s", kStepBounds);
     const auto duration = reader.read(duration_setting, "s", kPositive);
     settings.tolerance = reader.read(reader.find("tolerance", overrides.tolerance), "1", kToleranceBounds);
+    if (!step_setting && !settings.tolerance) settings.tolerance = kDefaultTolerance;
     settings.step = step.value_or(0);
     settings.duration = duration.value_or(0);
     if (step && duration) check_duration(file.context().diagnostics, *duration_setting, *duration, *step);
@@ -171,23 +176,31 @@ OutputSettings read_output(const TableReader& file, const SimulationSettings& si
         settings.channels_place = file.context().diagnostics.place_text(channels->value.place);
     }
     const auto step = table.find("step") ? table.number("step", "s", kPositive) : std::nullopt;
-    if (!step || !(simulation.step > 0)) return settings;
+    if (!step) return settings;
+    settings.step = *step;
     const Place place = table.find("step")->value.place;
-    const double every = *step / simulation.step;
-    if (!is_whole(every) || every < 0.5) {
-        table.error(place, fmt::format("step must be a whole multiple of the time step ({}), got {}; leave it out to record "
-                                       "every step",
-                                       seconds(simulation.step), seconds(*step)));
-    } else if (every > 1e9) {
-        table.error(place, fmt::format("step is {:.3g} time steps; at most 1e9 are allowed", every));
-    } else {
+    if (simulation.step > 0) {
+        const double every = *step / simulation.step;
+        if (!is_whole(every) || every < 0.5) {
+            const double below = std::max(std::floor(every), 1.0) * simulation.step;
+            table.error(
+                place,
+                fmt::format("step must be a whole multiple of the time step ({}), got {}; {} or {} would fit, "
+                            "or leave it out to record every step",
+                            seconds(simulation.step), seconds(*step), seconds(below), seconds(below + simulation.step)));
+            return settings;
+        }
+        if (every > 1e9) {
+            table.error(place, fmt::format("step is {:.3g} time steps; at most 1e9 are allowed", every));
+            return settings;
+        }
         settings.every = static_cast<int>(std::lround(every));
-        const double rows = simulation.duration / *step;
-        if (simulation.duration > 0 && (!is_whole(rows) || rows < 0.5))
-            table.error(place,
-                        fmt::format("the duration ({}) must be a whole multiple of the output step ({}): the end is a row",
-                                    seconds(simulation.duration), seconds(*step)));
     }
+    const double rows = simulation.duration / *step;
+    if (simulation.duration > 0 && (!is_whole(rows) || rows < 0.5))
+        table.error(place,
+                    fmt::format("the duration ({}) must be a whole multiple of the output step ({}): the end is a row",
+                                seconds(simulation.duration), seconds(*step)));
     return settings;
 }
 

@@ -14,18 +14,21 @@ struct SimulationOverrides {
     std::optional<std::string> step, duration, coupling, tolerance;
 };
 
-/// Shortest and most steps of a run [s, 1].
-inline constexpr double kShortestStep = 1e-9, kMostSteps = 1e10;
+/// Shortest, longest and most steps of a run [s, s, 1].
+inline constexpr double kShortestStep = 1e-9, kLongestStep = 1, kMostSteps = 1e10;
+
+/// Tolerance of a run that is given neither step nor tolerance. Loads and stiffness are seldom known better.
+inline constexpr double kDefaultTolerance = 0.01;
 
 /// The name of a velocity formula in the model file, e.g. "fox-euler".
 const std::string& scheme_name(ExplicitScheme scheme);
 
 /// [simulation]: step 1e-9 s to 1 s, a duration that is a whole number of steps, at most 1e10, and a tolerance of 1e-9 to
-/// 0.5. Faults are reported.
+/// 0.5. Without a step the run is one to a tolerance, kDefaultTolerance unless given. Faults are reported.
 SimulationSettings read_simulation(const TableReader& file, const SimulationOverrides& overrides);
 
-/// [output]: its step is a whole number of time steps and divides the duration, so that the end is a row. Faults are
-/// reported.
+/// [output]: its step is a whole number of time steps, where these are given, and divides the duration, so that the end is a
+/// row. Faults are reported.
 OutputSettings read_output(const TableReader& file, const SimulationSettings& simulation);
 
 }  // namespace dttmm

@@ -12,7 +12,8 @@ namespace {
 constexpr double kSmallestMass = 1e-12;  // [kg]
 constexpr double kLargestMass = 1e12;    // [kg]
 constexpr double kTriangleTolerance = 1e-9;
-constexpr double kLeastGyration = 1e-7;  // radius [m]
+constexpr double kLeastGyration = 1e-7;   // radius [m]
+constexpr double kLargestInertia = 1e24;  // of kLargestMass at 1000 km, the farthest a body may be [kg m²]
 }  // namespace
 
 MassProperties make_box(double density, const Eigen::Vector3d& lengths) {
@@ -49,6 +50,7 @@ std::optional<std::string> find_inertia_fault(const Eigen::Matrix3d& inertia, do
     if (p[0] < kLeastGyration * kLeastGyration * mass)
         return fmt::format("inertia is too small beside the mass of {:g} kg (radius of gyration below {:g} m): {}", mass,
                            kLeastGyration, moments);
+    if (p[2] > kLargestInertia) return fmt::format("inertia must be {:g} kg m² at most: {}", kLargestInertia, moments);
     if (p[2] - p[1] - p[0] > kTriangleTolerance * p[2])  // p[0] <= p[1] <= p[2]
         return "inertia breaks the triangle inequality, the largest principal moment exceeds the sum of the others: " +
                moments;

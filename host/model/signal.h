@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <limits>
 #include <memory>
+#include <optional>
+#include <vector>
 
 namespace dttmm {
+
+/// A vibration that a signal contains, or that stands for its fastest change.
+struct SignalPart {
+    double frequency = 0;  ///< [Hz]
+    double share = 0;      ///< its amplitude over the largest amplitude, or over the peak, of the signal
+};
 
 /// A scalar against time, e.g. the magnitude of a load [N or N m] against t [s]. Immutable and cheap to copy.
 class Signal {
@@ -13,8 +20,8 @@ public:
     public:
         virtual ~Shape() = default;
         virtual double value(double time) const = 0;
-        /// The shortest wave or pulse in it [s]; infinite where nothing repeats or returns.
-        virtual double shortest_time() const { return std::numeric_limits<double>::infinity(); }
+        /// Its parts, where they are known in closed form: none of a signal that does not change.
+        virtual std::optional<std::vector<SignalPart>> parts() const { return std::nullopt; }
     };
 
     explicit Signal(std::shared_ptr<const Shape> shape = nullptr) : shape_(std::move(shape)) {}
@@ -22,7 +29,7 @@ public:
     /// Value at `time` [s]; zero where no shape was given. Never allocates. May be non-finite only for an expression.
     double value(double time) const { return shape_ ? shape_->value(time) : 0.0; }
 
-    double shortest_time() const { return shape_ ? shape_->shortest_time() : std::numeric_limits<double>::infinity(); }
+    std::optional<std::vector<SignalPart>> parts() const { return shape_ ? shape_->parts() : std::vector<SignalPart>(); }
 
 private:
     std::shared_ptr<const Shape> shape_;

@@ -19,6 +19,11 @@ double StepSignal::value(double time) const {
     return from_ + (to_ - from_) * s * s * (3 - 2 * s);
 }
 
+std::optional<std::vector<SignalPart>> StepSignal::parts() const {
+    if (end_ == start_ || from_ == to_) return std::vector<SignalPart>();
+    return std::vector<SignalPart>{{0.5 / (end_ - start_), 6 / (std::numbers::pi * std::numbers::pi)}};
+}
+
 double PulseSignal::value(double time) const {
     const double since_start = time - start_;
     if (since_start < 0) return 0;
@@ -27,9 +32,19 @@ double PulseSignal::value(double time) const {
     return u < width_ ? 0.5 * peak_ * (1 - std::cos(kTwoPi * u / width_)) : 0;
 }
 
+std::optional<std::vector<SignalPart>> PulseSignal::parts() const {
+    if (peak_ == 0) return std::vector<SignalPart>();
+    return std::vector<SignalPart>{{1 / width_, 0.5}};
+}
+
 double SineSignal::value(double time) const {
     if (time < start_) return offset_;
     return offset_ + amplitude_ * std::sin(kTwoPi * frequency_ * (time - start_) + phase_);
+}
+
+std::optional<std::vector<SignalPart>> SineSignal::parts() const {
+    if (amplitude_ == 0 || frequency_ == 0) return std::vector<SignalPart>();
+    return std::vector<SignalPart>{{frequency_, 1}};
 }
 
 double TableSignal::value(double time) const {

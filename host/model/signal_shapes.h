@@ -15,6 +15,7 @@ class ConstantSignal : public Signal::Shape {
 public:
     explicit ConstantSignal(double value) : value_(value) {}
     double value(double time) const override;
+    std::optional<std::vector<SignalPart>> parts() const override { return std::vector<SignalPart>(); }
 
 private:
     double value_;
@@ -26,6 +27,9 @@ class StepSignal : public Signal::Shape {
 public:
     StepSignal(double from, double to, double start, double end) : from_(from), to_(to), start_(start), end_(end) {}
     double value(double time) const override;
+    /// Its largest curvature, 6 (to - from)/T² over the rise time T, is that of a cosine of the frequency 1/(2T), half a
+    /// period in T, with the amplitude 6/pi² (to - from). A jump (T = 0) has no time that a step could resolve: no part.
+    std::optional<std::vector<SignalPart>> parts() const override;
 
 private:
     double from_, to_, start_, end_;
@@ -38,7 +42,8 @@ public:
     PulseSignal(double peak, double start, double width, double period = 0, double count = 1)
         : peak_(peak), start_(start), width_(width), period_(period), count_(count) {}
     double value(double time) const override;
-    double shortest_time() const override { return width_; }
+    /// A haversine is a constant and a cosine of the frequency 1/width with half the peak as amplitude.
+    std::optional<std::vector<SignalPart>> parts() const override;
 
 private:
     double peak_, start_, width_, period_, count_;
@@ -51,7 +56,7 @@ public:
     SineSignal(double amplitude, double frequency, double phase, double offset, double start)
         : amplitude_(amplitude), frequency_(frequency), phase_(phase), offset_(offset), start_(start) {}
     double value(double time) const override;
-    double shortest_time() const override { return 1 / frequency_; }
+    std::optional<std::vector<SignalPart>> parts() const override;
 
 private:
     double amplitude_, frequency_, phase_, offset_, start_;

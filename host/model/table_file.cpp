@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "model/error.h"
+#include "model/units.h"
 #include "model/wording.h"
 
 namespace dttmm {
@@ -79,26 +80,69 @@ std::optional<Row> parse_row(std::string_view line) {
     return time && value ? std::optional(Row{*time, *value}) : std::nullopt;
 }
 
+/// Whether a field of the line begins like a number: it is no heading and no unit then, but a row with a fault.
+bool holds_number(std::string_view line) {
+    while (true) {
+        const std::size_t comma = std::min(line.find(','), line.size());
+        const std::string_view field = trimmed(line.substr(0, comma));
+        double number = 0;
+        const std::size_t sign = field.starts_with('+') ? 1 : 0;
+        const auto result = std::from_chars(field.data() + sign, field.data() + field.size(), number);
+        // "info" begins like inf: of words only a whole one is a number
+        const bool is_word = !std::isfinite(number) && result.ptr != field.data() + field.size();
+        if (result.ec != std::errc::invalid_argument && !is_word) return true;
+        if (comma == line.size()) return false;
+        line.remove_prefix(comma + 1);
+    }
+}
+
+/// What a line of units makes of a time of one and a value of one [s, `unit`]; nothing if it is none.
+std::optional<Row> parse_units(std::string_view line, std::string_view unit) {
+    const std::size_t comma = line.find(',');
+    if (comma == line.npos) return std::nullopt;
+    const auto in_si = [](std::string_view text, std::string_view wanted) {
+        return parse_quantity("1 " + std::string(trimmed(text)), wanted);
+    };
+    const std::string_view time = trimmed(line.substr(0, comma)), value = trimmed(line.substr(comma + 1));
+    if (time.empty() || value.empty() || !measures(time, "s") || !measures(value, unit)) return std::nullopt;
+    return Row{in_si(time, "s"), in_si(value, unit)};
+}
+
 }  // namespace
 
-TimeTable read_table_file(const fs::path& folder, const std::string& name) {
+TimeTable read_table_file(const fs::path& folder, const std::string& name, std::string_view unit) {
     std::ifstream stream(resolve(folder, name), std::ios::binary);
     if (!stream) fail(name, "cannot be read");
     TimeTable table;
+    Row scale = {1, 1};
     std::string line;
-    bool may_be_heading = true;
+    bool may_be_heading = true, may_be_units = true;
     for (int number = 1; std::getline(stream, line); ++number) {
         const std::string_view content = trimmed(line);
         if (content.empty() || content.starts_with('#')) continue;
         const auto row = parse_row(content);
-        if (!row && !may_be_heading)
-            fail(name, fmt::format("line {}: expected two finite numbers, time and value, and a comma", number));
-        may_be_heading = false;
-        if (!row) continue;
-        if (!table.times.empty() && row->time <= table.times.back())
+        if (!row && may_be_units && !holds_number(content)) {
+            if (const auto units = parse_units(content, unit)) {
+                scale = *units;
+                may_be_units = false;
+            } else if (!may_be_heading) {
+                fail(name,
+                     fmt::format("line {}: expected numbers, or the units of time and value in s and {}, e.g. \"s,{}\"",
+                                 number, unit, unit));
+            }
+            may_be_heading = false;
+            continue;
+        }
+        if (!row)
+            fail(name, fmt::format("line {}: expected two finite numbers, time and value, and a comma; a heading holds no "
+                                   "number",
+                                   number));
+        may_be_heading = may_be_units = false;
+        const double time = row->time * scale.time;
+        if (!table.times.empty() && time <= table.times.back())
             fail(name, fmt::format("line {}: the times must increase from row to row", number));
-        table.times.push_back(row->time);
-        table.values.push_back(row->value);
+        table.times.push_back(time);
+        table.values.push_back(row->value * scale.value);
     }
     if (stream.bad()) fail(name, "cannot be read to its end");
     if (table.times.empty()) fail(name, "has no rows of time and value");

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace dttmm {
@@ -12,10 +13,11 @@ struct TimeTable {
     std::vector<double> values;  ///< SI
 };
 
-/// A file of two columns, time and value, separated by a comma: plain SI numbers. Empty lines, lines that begin with '#' and
-/// a first line of headings are passed over. `name` is relative to `folder`, the model's, and must not lead out of it, not
-/// even by a link; the file must be a regular one of at most 64 MiB.
-/// Throws Error(model_invalid) that names the rule and the row, never what stands in the file.
-TimeTable read_table_file(const std::filesystem::path& folder, const std::string& name);
+/// A file of two columns, time and value, separated by a comma: plain numbers. Empty lines and lines that begin with '#' are
+/// passed over. A line of headings may come first, and a line of units, e.g. "ms,kN", after it or alone; both hold no
+/// number. Without units the numbers are SI. `unit` is the SI unit of the values. `name` is relative to `folder`, the
+/// model's, and must not lead out of it, not even by a link; the file must be a regular one of at most 64 MiB. Throws
+/// Error(model_invalid) that names the rule and the row, never what stands in the file.
+TimeTable read_table_file(const std::filesystem::path& folder, const std::string& name, std::string_view unit);
 
 }  // namespace dttmm

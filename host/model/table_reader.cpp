@@ -168,8 +168,8 @@ std::string TableReader::what(std::string_view key) const { return labelled(std:
 
 void TableReader::error(Place place, const std::string& text) const { context_.diagnostics.error(place, labelled(text)); }
 
-void TableReader::warning(Place place, const std::string& text) const {
-    context_.diagnostics.warning(place, labelled(text));
+void TableReader::warning(Place place, const std::string& code, const std::string& text) const {
+    context_.diagnostics.warning(place, code, labelled(text));
 }
 
 std::string TableReader::labelled(const std::string& text) const { return label_.empty() ? text : label_ + ": " + text; }

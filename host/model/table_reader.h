@@ -83,7 +83,7 @@ public:
     std::string what(std::string_view key) const;
 
     void error(Place place, const std::string& text) const;
-    void warning(Place place, const std::string& text) const;
+    void warning(Place place, const std::string& code, const std::string& text) const;
 
 private:
     std::string labelled(const std::string& text) const;

@@ -234,6 +234,8 @@ double parse_quantity(std::string_view text, std::string_view wanted) {
     return checked_value(number, unit, text);
 }
 
+std::string unit_text(std::string_view text) { return std::string(split_quantity(text).unit); }
+
 bool measures(std::string_view unit, std::string_view wanted) {
     const auto given = parse_unit(unit);
     const auto asked = parse_unit(wanted);

@@ -23,6 +23,9 @@ Quantity parse_quantity(std::string_view text);
 /// The SI value of `text`, which must measure what the SI unit `wanted` measures.
 double parse_quantity(std::string_view text, std::string_view wanted);
 
+/// The unit of a quantity as it is written: "N/mm" of "500 N/mm"; empty for a plain number.
+std::string unit_text(std::string_view text);
+
 /// Whether a value in `unit` may stand where `wanted` is asked for. The radian counts: "N*m" may stand for "N*m/rad" and
 /// "1/s" for "rad/s", but "rad/s" not for "Hz", nor "Hz" for "rad/s", between which 2 pi would be lost.
 bool measures(std::string_view unit, std::string_view wanted);

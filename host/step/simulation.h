@@ -53,6 +53,8 @@ public:
     /// Bodies at time(), velocities over the step before.
     const std::vector<BodyState>& bodies() const { return now_; }
     const EndOfStep& end_of_step() const { return end_of_step_; }
+    /// Of the loads over a step: at its end, its start and one step earlier.
+    const double* load_weights() const { return networks_.load_weights(); }
     const FastestMode& fastest_mode() const { return fastest_; }
     /// The fastest turning of a body that elements hold.
     Turning fastest_turning() const;

@@ -19,7 +19,7 @@ inline nlohmann::json modes_of_file(const std::string& model, std::vector<std::s
     words.insert(words.begin(), {"modes", model, "--json", "-o", "out"});
     const Ended ended = run_dttmm(folder.path(), words);
     EXPECT_EQ(ended.code, 0) << ended.err;
-    EXPECT_EQ(ended.err, "");
+    EXPECT_EQ(ended.err.find("warning"), std::string::npos) << ended.err;  // notes about gravity and loads are welcome
     return ended.code == 0 ? nlohmann::json::parse(ended.out) : nlohmann::json::object();
 }
 

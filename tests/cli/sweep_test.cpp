@@ -44,9 +44,9 @@ TEST_F(Sweep, ACaseIsTheRunWithItsValues) {
     ASSERT_EQ(run_dttmm(folder_.path(), {"run", "model.toml", "-o", "alone", "--set", "mass=3 kg"}).code, 0);
     EXPECT_EQ(read_text(case_file(2, "history.csv")), read_text(folder_ / "alone/history.csv"));
     ASSERT_EQ(table().size(), 4u);
-    EXPECT_THAT(table()[0], StartsWith("case,mass,status,reason,one.force.x.peak,"));
-    EXPECT_THAT(table()[2], StartsWith("case-000002,3,completed,,"));
-    EXPECT_THAT(table()[3], StartsWith("case-000003,5,completed,,"));
+    EXPECT_THAT(table()[0], StartsWith("case,mass,status,reason,warnings,one.force.x.peak,"));
+    EXPECT_THAT(table()[2], StartsWith("case-000002,3,completed,,0,"));
+    EXPECT_THAT(table()[3], StartsWith("case-000003,5,completed,,0,"));
 }
 
 TEST_F(Sweep, TwoAxesSpanAGridTheLastFastest) {

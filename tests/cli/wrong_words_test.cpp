@@ -54,6 +54,8 @@ const WrongWord kWrongWords[] = {
     {"SetWithoutValue", run_with("--set", "mass="), 2, "write --set mass=VALUE"},
     {"SetWithoutEquals", run_with("--set", "mass"), 2, "write name=value"},
     {"SetWrongDimension", run_with("--set", "mass=3 mm"), 3, "(--set mass)"},
+    {"SetWithoutUnit", run_with("--set", "mass=3"), 2, "--set mass=3: of which unit? the file gives kg; write --set mass="},
+    {"SweepWithoutUnit", run_with("--sweep", "mass=1..3:3"), 2, "--sweep \"mass\": of which unit? the file gives kg; write"},
     {"StepWrongDimension", run_with("--step", "1 kg"), 3, "--step: "},
     {"StepNotDividing", run_with("--step", "3 ms"), 3, "whole number of steps"},
     {"DurationNegative", run_with("--duration", "-1 s"), 3, "--duration: "},

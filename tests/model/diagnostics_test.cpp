@@ -29,9 +29,9 @@ TEST(Diagnostics, FiftyErrorsAreShownAndTheRestCounted) {
 
 TEST(Diagnostics, WarningsDoNotThrow) {
     Diagnostics diagnostics("m.toml");
-    diagnostics.warning({4, 2}, "hm");
+    diagnostics.warning({4, 2}, "odd", "hm");
     EXPECT_NO_THROW(diagnostics.throw_if_errors());
-    EXPECT_THAT(diagnostics.warning_texts(), testing::ElementsAre("m.toml:4:2: hm"));
+    EXPECT_THAT(diagnostics.warnings(), testing::ElementsAre(Warning{"odd", "m.toml:4:2: hm"}));
 }
 
 }  // namespace

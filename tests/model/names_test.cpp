@@ -13,6 +13,7 @@ TEST(Names, LettersOfAnyScriptDigitsUnderscoreAndMinusMakeAName) {
 
 TEST(Names, WhatIsNoNameIsTold) {
     EXPECT_EQ(find_name_fault(""), "is empty");
+    EXPECT_THAT(*find_name_fault("-1"), testing::HasSubstr("begins with '-', which a spreadsheet takes for a formula"));
     EXPECT_THAT(*find_name_fault("../../x"), testing::HasSubstr("dot"));
     EXPECT_THAT(*find_name_fault("<script>"), testing::HasSubstr("'<'"));
     EXPECT_THAT(*find_name_fault("a\"b"), testing::HasSubstr("'\"'"));

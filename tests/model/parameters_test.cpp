@@ -63,6 +63,23 @@ TEST(Parameters, WrongOverridesAreWrongUsage) {
                 HasSubstr("--set k1: parameter \"k1\": unknown unit \"N/mM\""));
 }
 
+// 400 stands for 400 N/m in SI and, beside "500 N/mm", for 400 N/mm: a thousandfold difference.
+TEST(Parameters, APlainNumberDoesNotReplaceAValueWithAUnit) {
+    EXPECT_EQ(override_fault({{"k1", "400"}}, ExitCode::usage),
+              "--set k1=400: of which unit? the file gives N/mm; write --set k1=\"400 N/mm\"");
+    EXPECT_THAT(override_fault({{"k1", "40 %"}}, ExitCode::usage), HasSubstr("of which unit?"));
+    EXPECT_THAT(error_of(
+                    [] {
+                        parameters_of("k = \"500 N/mm\"\nj = \"=k\"\n", {{"j", "400"}});
+                    },
+                    ExitCode::usage),
+                HasSubstr("--set j=400: of which unit? the file gives N/mm"));
+    EXPECT_EQ(parameters_of("k = \"500 N/mm\"\n", {{"k", "0"}})[0].value, 0);       // the same in every unit
+    EXPECT_EQ(parameters_of("k = \"500 N/mm\"\n", {{"k", "=4e5"}})[0].value, 4e5);  // expressions are in SI
+    EXPECT_EQ(parameters_of("k = \"50 %\"\n", {{"k", "0.4"}})[0].value, 0.4);
+    EXPECT_EQ(parameters_of("k = \"500 N/mm\"\nj = \"=2*k\"\n", {{"j", "4"}})[1].value, 4);
+}
+
 TEST(Parameters, CirclesAreNamedOnce) {
     const std::string text = parameter_fault("x = \"=a\"\na = \"=b\"\nb = \"=c + 1\"\nc = \"=2*a\"\ns = \"=s\"\n");
     EXPECT_EQ(text,
@@ -105,9 +122,10 @@ TEST(Parameters, ADimensionIsCheckedWhereABareNameIsUsed) {
 }
 
 TEST(Parameters, AMinusInANameIsWarnedOf) {
-    EXPECT_THAT(
-        parse(with_parameters("k-1 = 1\n")).warnings,
-        testing::Contains(HasSubstr("m.toml:13:1: parameter \"k-1\" cannot be used: '-' is minus in an expression")));
+    EXPECT_THAT(parse(with_parameters("k-1 = 1\n")).warnings,
+                testing::Contains(
+                    WarningIs("unusable-parameter",
+                              HasSubstr("m.toml:13:1: parameter \"k-1\" cannot be used: '-' is minus in an expression"))));
 }
 
 }  // namespace

@@ -146,7 +146,7 @@ TEST(ReadBody, PlaceFaults) {
     EXPECT_THAT(fault_beside_mass("positon = [0, 0, 0]\n"),
                 HasSubstr("unknown key \"positon\" in [[body]] number 1; did you mean \"position\"?"));
     EXPECT_THAT(parse(body_with("mass = 2\ninertia = [2, 3, 4]\nposition = [0, 2e4, 0]\n")).warnings,
-                testing::Contains(HasSubstr("position is 20000 m from the origin")));
+                testing::Contains(WarningIs("far-from-origin", HasSubstr("position is 20000 m from the origin"))));
 }
 
 TEST(ReadBody, MarkerFaults) {
@@ -178,6 +178,29 @@ TEST(ReadBody, NamesAreUniqueInNormalForm) {
                 HasSubstr("body must be a list of tables; write [[body]]"));
     EXPECT_THAT(errors_of("body = [1]\n" + std::string(kStart) + kSimulation),
                 HasSubstr("m.toml:1:9: body number 1: expected a table such as { name = ... }, got a number"));
+}
+
+// Steel is 7850 kg/m³; the others are what a wrong unit makes of it.
+TEST(ReadBody, DensitiesAndSizesThatNoBodyHasAreToldOf) {
+    const auto codes = [](const std::string& body) {
+        std::vector<std::string> result;
+        for (const Warning& warning : parse(body_with(body)).warnings)
+            if (warning.code != "free-body") result.push_back(warning.code);
+        return result;
+    };
+    using testing::ElementsAre;
+    const std::string plate = "box = [\"300 mm\", \"200 mm\", \"20 mm\"]\n";
+    EXPECT_THAT(codes(plate + "density = 7850\n"), ElementsAre());
+    EXPECT_THAT(codes(plate + "density = 7.85\n"), ElementsAre("density"));
+    EXPECT_THAT(codes(plate + "density = 7.85e-5\n"), ElementsAre("density"));
+    EXPECT_THAT(codes(plate + "density = 7.85e6\n"), ElementsAre("density"));
+    EXPECT_THAT(codes(plate + "mass = \"94.2 t\"\n"), ElementsAre("density"));
+    EXPECT_THAT(codes("box = [300, 200, 20]\ndensity = 7850\n"), ElementsAre("size"));
+    EXPECT_THAT(codes("box = [\"3 um\", \"2 um\", \"0.5 mm\"]\ndensity = 2300\n"), ElementsAre());
+    EXPECT_THAT(codes("mass = 9.42\ninertia = [31720, 70960, 102060]\nmarkers.a = [0.13, 0.08, 0]\n"), ElementsAre("size"));
+    EXPECT_THAT(codes("mass = 9.42\ninertia = [317.2, 709.6, 1020.6]\nmarkers.a = [0.13, 0.08, 0]\n"),
+                ElementsAre("inertia"));
+    EXPECT_THAT(codes("mass = 9.42\ninertia = [0.03172, 0.07096, 0.10206]\nmarkers.a = [0.13, 0.08, 0]\n"), ElementsAre());
 }
 
 }  // namespace

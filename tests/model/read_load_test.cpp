@@ -21,6 +21,17 @@ TEST(ReadLoad, ActsOnABodyOrAMarker) {
     EXPECT_EQ(parse(with_load("on = \"plate.a\"\ndirection = [1e-200, 0, 0]\nmoment = 7\n")).loads.at(0).on.marker, 0);
 }
 
+// [0, 0, 2] is one newton as [0, 0, 1] is; of [3, 0, 4] nobody expects five.
+TEST(ReadLoad, ALengthAlongOneAxisIsToldOf) {
+    const auto warnings = [](const std::string& direction) {
+        return parse(with_load("on = \"plate\"\ndirection = " + direction + "\nforce = 7\n")).warnings;
+    };
+    EXPECT_THAT(warnings("[0, 0, 2]"), testing::ElementsAre(WarningIs(
+                                           "direction-length", HasSubstr("the length of direction, 2, does not count"))));
+    for (const char* direction : {"[0, 0, 1]", "[0, -1, 0]", "[3, 0, 4]", "[1, 1, 0]"})
+        EXPECT_THAT(warnings(direction), testing::IsEmpty()) << direction;
+}
+
 TEST(ReadLoad, ALoadMayActOnANode) {
     const Load load =
         parse(model_with("[nodes]\ntip = [0, 0, 1]\n[[load]]\non = \"tip\"\ndirection = [0, 0, 1]\nmoment = 7\n"

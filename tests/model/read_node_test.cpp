@@ -58,8 +58,9 @@ TEST(ReadNode, FaultsNameTheNode) {
     EXPECT_EQ(
         node_fault("[0, 2e6, 0]"),
         "m.toml:13:7: node \"tip\": position must be within 1000000 m of the origin in every direction, got 2000000 m");
-    EXPECT_THAT(parse(with_node("tip = [0, 2e4, 0]")).warnings,
-                testing::Contains(HasSubstr("node \"tip\": position is 20000 m from the origin")));
+    EXPECT_THAT(
+        parse(with_node("tip = [0, 2e4, 0]")).warnings,
+        testing::Contains(WarningIs("far-from-origin", HasSubstr("node \"tip\": position is 20000 m from the origin"))));
 }
 
 TEST(ReadNode, NamesFollowTheRulesOfBodies) {

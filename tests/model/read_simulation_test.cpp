@@ -48,8 +48,8 @@ TEST(ReadSimulation, StepMustBeReasonable) {
         EXPECT_THAT(simulation_fault("duration = 1\nstep = " + std::string(step) + "\n"), HasSubstr("step must be finite"))
             << step;
     EXPECT_THAT(simulation_fault("duration = 1\nstep = 1e-10\n"), HasSubstr("must be ≥ 1e-09 s"));
-    EXPECT_THAT(simulation_fault("duration = 1\n"), HasSubstr("m.toml:4:1: simulation: missing key \"step\""));
-    EXPECT_THAT(errors_of(std::string(kStart) + kBody), HasSubstr("missing table [simulation] with duration and step"));
+    EXPECT_THAT(simulation_fault("step = 1\n"), HasSubstr("m.toml:4:1: simulation: missing key \"duration\""));
+    EXPECT_THAT(errors_of(std::string(kStart) + kBody), HasSubstr("missing table [simulation] with a duration"));
 }
 
 TEST(ReadSimulation, DurationIsAWholeNumberOfSteps) {
@@ -147,9 +147,25 @@ TEST(ReadSimulation, SpectralRadiusBelongsToTheImplicitCoupling) {
 
 TEST(ReadSimulation, GravityInMillimetresIsWarnedOf) {
     EXPECT_THAT(with("duration = 1\nstep = 0.1\ngravity = [0, 0, -9810]\n").warnings,
-                Contains(HasSubstr("m.toml:7:11: simulation: gravity of 9810 m/s² looks like mm/s²")));
+                testing::Contains(
+                    WarningIs("gravity-unit", HasSubstr("m.toml:7:11: simulation: gravity of 9810 m/s² looks like mm/s²"))));
+    EXPECT_THAT(simulation_fault("duration = 1\nstep = 0.1\ngravity = [0, 0, 1e300]\n"),
+                HasSubstr("m.toml:7:11: simulation: gravity must be 1e+07 m/s² at most, got 1e+300 m/s²"));
     EXPECT_THAT(simulation_fault("duration = 1\nstep = 0.1\ngravity = 9.81\n"),
                 HasSubstr("gravity wants 3 numbers, got a number"));
+}
+
+// A model without a step is one to a tolerance, whose first step is found later.
+TEST(ReadSimulation, WithoutAStepThereIsATolerance) {
+    EXPECT_EQ(with("duration = 1\n").simulation.step, 0);
+    EXPECT_EQ(with("duration = 1\n").simulation.tolerance, kDefaultTolerance);
+    EXPECT_EQ(with("duration = 1\ntolerance = \"0.2 %\"\n").simulation.tolerance, 0.002);
+    EXPECT_EQ(with("duration = 1\nstep = 0.25\n").simulation.tolerance, std::nullopt);
+    EXPECT_EQ(with("duration = 1\n", with_options("0.25 s")).simulation.tolerance, std::nullopt);
+    const std::string rows = "duration = 1\n[output]\nstep = ";
+    EXPECT_EQ(with(rows + "0.125\n").output.step, 0.125);
+    EXPECT_THAT(simulation_fault(rows + "0.3\n"),
+                HasSubstr("the duration (1 s) must be a whole multiple of the output step (0.3 s): the end is a row"));
 }
 
 TEST(ReadOutput, RowsFallOnStepsAndOnTheEnd) {
@@ -158,12 +174,11 @@ TEST(ReadOutput, RowsFallOnStepsAndOnTheEnd) {
     EXPECT_EQ(parse(output("step = \"20 ms\"\nchannels = [\"bolt*.force\", \"plate.position\"]\n")).output.every, 20);
     EXPECT_THAT(parse(output("channels = [\"bolt*.force\", \"q\"]\n")).output.channels,
                 testing::ElementsAre("bolt*.force", "q"));
-    EXPECT_THAT(
-        errors_of(output("step = \"1.5 ms\"\n")),
-        HasSubstr(
-            "m.toml:13:8: output: step must be a whole multiple of the time step (0.001 s), got 0.0015 s; leave it out to "
-            "record every step"));
-    EXPECT_THAT(errors_of(output("step = \"0.1 us\"\n")), HasSubstr("must be a whole multiple of the time step"));
+    EXPECT_THAT(errors_of(output("step = \"1.5 ms\"\n")),
+                HasSubstr("m.toml:13:8: output: step must be a whole multiple of the time step (0.001 s), got 0.0015 s; "
+                          "0.001 s or 0.002 s "
+                          "would fit, or leave it out to record every step"));
+    EXPECT_THAT(errors_of(output("step = \"0.1 us\"\n")), HasSubstr("got 1e-07 s; 0.001 s or 0.002 s would fit"));
     EXPECT_THAT(errors_of(output("step = \"30 ms\"\n")),
                 HasSubstr("the duration (1 s) must be a whole multiple of the output step (0.03 s): the end is a row"));
     EXPECT_THAT(errors_of(output("channels = \"bolt\"\n")), HasSubstr("channels must be a list of texts"));

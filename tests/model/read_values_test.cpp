@@ -83,7 +83,7 @@ TEST(ReadValues, ElementsAlikeAreToldApartByWhatIsGiven) {
         const std::string start = "[[element]]\nname = \"twin\"\ntype = \"beam\"\nfrom = \"ground\"\nto = \"plate\"\n";
         return parse(with_beam("") + start + second + "material.E = 2e9\n").warnings;
     };
-    EXPECT_THAT(twins(""), ElementsAre(HasSubstr("identical to element \"rod\"")));
+    EXPECT_THAT(twins(""), ElementsAre(WarningIs("duplicate-element", HasSubstr("identical to element \"rod\""))));
     EXPECT_THAT(twins("section.mass = 1\n"), ElementsAre());
 }
 

@@ -78,6 +78,8 @@ TEST(RigidBody, InertiaMustBelongToADistributionOfMass) {
     };
     EXPECT_FALSE(find_inertia_fault(diagonal(1, 2, 3), 1));  // a flat body: equality
     EXPECT_FALSE(find_inertia_fault(diagonal(1, 2, 3 * (1 + 3e-10)), 1));
+    EXPECT_FALSE(find_inertia_fault(diagonal(1e24, 1e24, 1e24), 1e12));
+    EXPECT_THAT(*find_inertia_fault(diagonal(1e308, 1e308, 1e308), 1), HasSubstr("inertia must be 1e+24 kg m² at most"));
     EXPECT_THAT(*find_inertia_fault(diagonal(1, 1, 100), 1), HasSubstr("triangle inequality"));
     EXPECT_THAT(*find_inertia_fault(diagonal(1, 1, 100), 1), HasSubstr("principal moments 1, 1, 100 kg m²"));
     EXPECT_THAT(*find_inertia_fault(diagonal(1, 2, 3.00001), 1), HasSubstr("3.0000100000000001"));

@@ -28,7 +28,7 @@ protected:
 
     static void write(const fs::path& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
     void write_load(const std::string& text) { write(folder_ / "load.csv", text); }
-    TimeTable read(const std::string& name = "load.csv") { return read_table_file(folder_, name); }
+    TimeTable read(const std::string& name = "load.csv") { return read_table_file(folder_, name, "N"); }
     std::string fault(const std::string& name = "load.csv") {
         return error_of([&] { read(name); });
     }
@@ -57,6 +57,30 @@ TEST_F(TableFile, FaultsNameTheLineAndNeverQuoteTheFile) {
         write_load(text);
         EXPECT_THAT(fault(), HasSubstr("has no rows"));
     }
+}
+
+TEST_F(TableFile, AHeadingHoldsNoNumber) {
+    for (const char* row : {"0,1O00", "0,0x10", "0,1x", "0,1e999", "0,nan", "inf,force", "1st,force"}) {
+        write_load(std::string(row) + "\n0.01,500\n0.02,500\n");
+        EXPECT_THAT(fault(), HasSubstr("line 1: expected two finite numbers, time and value, and a comma")) << row;
+    }
+    write_load("information,Newton's force\n0,1\n");
+    EXPECT_THAT(read().values, ElementsAre(1));
+}
+
+TEST_F(TableFile, ALineOfUnitsConverts) {
+    for (const char* head : {"time,force\nms,kN\n", "# a comment\ntime,force\n ms , kN \n", "ms,kN\n"}) {
+        write_load(std::string(head) + "0,1\n500,2\n");
+        EXPECT_THAT(read().times, ElementsAre(0, 0.5)) << head;
+        EXPECT_THAT(read().values, ElementsAre(1000, 2000)) << head;
+    }
+    for (const char* units : {"s,mm", "kg,N", "s,furl", "s", "s,N,m", "[s],[N]"}) {
+        write_load("time,force\n" + std::string(units) + "\n0,1\n");
+        EXPECT_THAT(fault(), HasSubstr("line 2: expected numbers, or the units of time and value in s and N, e.g. \"s,N\""))
+            << units;
+    }
+    write_load("s,N\nms,kN\n0,1\n");
+    EXPECT_THAT(fault(), HasSubstr("line 2"));
 }
 
 TEST_F(TableFile, StaysInsideTheModelFolder) {

@@ -57,6 +57,12 @@ inline Model parse(std::string_view text, const ModelOverrides& overrides = {}) 
     return parse_model(text, "m.toml", test_catalogue(), overrides);
 }
 
+/// A warning with this code whose text matches.
+inline testing::Matcher<const Warning&> WarningIs(const testing::Matcher<std::string>& code,
+                                                  const testing::Matcher<std::string>& text) {
+    return testing::AllOf(testing::Field(&Warning::code, code), testing::Field(&Warning::text, text));
+}
+
 /// The text of the error that `action` must throw with `code`; a test failure if it does not.
 template <class Action>
 std::string error_of(Action action, ExitCode code = ExitCode::model_invalid) {

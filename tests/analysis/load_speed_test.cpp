@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/load_speed.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "model/signal_shapes.h"
+#include "support/models.h"
+
+namespace dttmm {
+namespace {
+
+using std::numbers::pi;
+
+template <class Shape, class... Arguments>
+Signal signal_of(Arguments... arguments) {
+    return Signal(std::make_shared<const Shape>(arguments...));
+}
+
+Signal expression(const std::string& text) {
+    return Signal(std::make_shared<const ExpressionSignal>(Expression(text, {}, true)));
+}
+
+constexpr double kImplicit[3] = {0.25, 0.5, 0.25}, kExplicit[3] = {0, 1, 0};
+
+/// The part that costs most at the step, with its cost.
+std::pair<double, double> worst(const std::vector<SignalPart>& parts, double step) {
+    std::pair<double, double> result = {0, 0};
+    for (const SignalPart& part : parts) {
+        const double error = part.share * compute_load_error(kImplicit, 2 * pi * part.frequency * step);
+        if (std::abs(error) > std::abs(result.second)) result = {part.frequency, error};
+    }
+    return result;
+}
+
+// Oracle: the recurrence of a free mass, x+ − 2x + x− = h² (w+ f+ + w0 f + w− f−)/m, has for f = cos(ωt) the solution
+// x = −W cos(ωt) (h/2)²/(m sin²a), and its second difference is W cos(ωt)/m.
+TEST(LoadSpeed, TheErrorIsThatOfTheRecurrence) {
+    for (double omega_h : {0.01, 0.3, 1.2566, 2.5}) {
+        const double a = omega_h / 2;
+        EXPECT_NEAR(compute_load_error(kImplicit, omega_h), -std::sin(a) * std::sin(a), 1e-14) << omega_h;
+        EXPECT_NEAR(compute_load_error(kExplicit, omega_h), std::pow(a / std::sin(a), 2) - 1, 1e-14) << omega_h;
+    }
+    EXPECT_EQ(compute_load_error(kImplicit, 0), 0);
+    EXPECT_EQ(compute_load_error(kImplicit, pi), -1);  // two steps per period
+    EXPECT_EQ(compute_load_error(kExplicit, 7), -1);
+}
+
+// Oracle: the weights applied to the signal itself, (f+ + 2f + f−)/4, at its peak or at its fastest bend.
+TEST(LoadSpeed, TheClosedFormsLoseWhatTheWeightsTakeOff) {
+    const double h = 1e-3;
+    const auto loss_at = [&](const Signal& signal, double t, double scale) {
+        return (signal.value(t) - (signal.value(t + h) + 2 * signal.value(t) + signal.value(t - h)) / 4) / scale;
+    };
+    const Signal sine = signal_of<SineSignal>(7.0, 90.0, 0.0, 100.0, 0.0);
+    EXPECT_NEAR(-worst(find_parts(sine, 1, h), h).second, loss_at(sine, 0.25 / 90 + 1. / 90, 7), 1e-12);
+    const Signal pulse = signal_of<PulseSignal>(9.0, 0.1, 0.011);
+    EXPECT_NEAR(-worst(find_parts(pulse, 1, h), h).second, loss_at(pulse, 0.1055, 9), 1e-12);
+    const Signal ramp = signal_of<StepSignal>(3.0, 8.0, 0.2, 0.23);
+    const double bend = std::abs(loss_at(ramp, 0.2 + h, 5)) / (1 - 2 * h / 0.03);  // of its start, where it bends most
+    EXPECT_NEAR(-worst(find_parts(ramp, 1, h), h).second, bend, 0.01 * bend);
+}
+
+TEST(LoadSpeed, WhatDoesNotChangeOrJumpsHasNoPart) {
+    for (const Signal& signal : {Signal(), signal_of<ConstantSignal>(5.0), signal_of<StepSignal>(0.0, 3.0, 0.1, 0.1),
+                                 signal_of<StepSignal>(3.0, 3.0, 0.1, 0.2), signal_of<SineSignal>(0.0, 90.0, 0.0, 1.0, 0.0),
+                                 signal_of<PulseSignal>(0.0, 0.1, 0.2), expression("t-t+5"), expression("1/(t-0.5)")})
+        EXPECT_TRUE(find_parts(signal, 1, 1e-3).empty());
+}
+
+// Oracle: the closed form of the same shape. A spectrum has its lines 1/(2 duration) apart.
+TEST(LoadSpeed, ASampledSignalHasThePartsOfItsShape) {
+    const double h = 1e-3, duration = 0.7;
+    const auto [frequency, error] = worst(find_parts(expression("40 + 7*sin(2*pi*90*t)"), duration, h), h);
+    EXPECT_NEAR(frequency, 90, 1 / duration);
+    EXPECT_NEAR(error, compute_load_error(kImplicit, 2 * pi * 90 * h), 0.03 * std::abs(error));
+
+    std::vector<double> times, values;
+    const Signal pulse = signal_of<PulseSignal>(9.0, 0.1, 0.011);
+    for (int i = 0; i <= 700; ++i) {
+        times.push_back(i * 1e-3);
+        values.push_back(pulse.value(times.back()));
+    }
+    const double as_pulse = worst(find_parts(pulse, duration, h), h).second;
+    EXPECT_NEAR(worst(find_parts(signal_of<TableSignal>(times, values), duration, h), h).second, as_pulse,
+                0.1 * std::abs(as_pulse));
+}
+
+// The part of 200 Hz decides, a fifth of the other as it is; the jump of a square wave of two periods does not.
+TEST(LoadSpeed, ASmallFastPartDecidesAndAJumpDoesNot) {
+    const double h = 1e-3;
+    const auto [frequency, error] = worst(find_parts(expression("1000*cos(2*pi*10*t) + 200*cos(2*pi*200*t)"), 1, h), h);
+    EXPECT_NEAR(frequency, 200, 1);
+    EXPECT_NEAR(error, -0.2 * std::pow(std::sin(pi * 200 * h), 2), 2e-3);
+    EXPECT_LT(std::abs(worst(find_parts(expression("t < 0.5 ? 0 : 100"), 1, h), h).second), kTolerableLoadError);
+}
+
+// Oracle: at the step that is proposed, the error is 1 % at most, and more at the next longer one of the series.
+TEST(LoadSpeed, TheStepThatIsProposedIsShortEnough) {
+    const Plugins plugins;
+    Model model = test::plate_stack(plugins, 1, 5e5, 100, 1e-3, Coupling::implicit);
+    model.loads[0].signal = signal_of<SineSignal>(10.0, 200.0, 0.0, 0.0, 0.0);
+    const Simulation simulation(model, plugins);
+    const std::vector<FastLoad> fast = find_fast_loads(model, simulation, kTolerableLoadError);
+    ASSERT_EQ(fast.size(), 1u);
+    EXPECT_EQ(fast[0].frequency, 200);
+    EXPECT_NEAR(fast[0].error, -std::pow(std::sin(pi * 0.2), 2), 1e-12);
+    EXPECT_EQ(fast[0].step, 1e-3 / 8);  // 2 asin(0.1)/omega = 0.159 ms
+    EXPECT_TRUE(find_fast_loads(model, simulation, 0.35).empty());
+}
+
+}  // namespace
+}  // namespace dttmm

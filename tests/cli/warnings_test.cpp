@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Warnings are results: on the standard error, in summary.json, and counted in the table of a sweep.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "cli/process.h"
+#include "cli/small_model.h"
+
+namespace dttmm {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+/// The codes of the warnings in a summary, in order.
+std::vector<std::string> codes_in(const fs::path& summary) {
+    std::vector<std::string> codes;
+    const nlohmann::json json = read_json(summary);
+    for (const auto& warning : json.at("warnings")) {
+        codes.push_back(warning.at("code"));
+        EXPECT_FALSE(warning.at("text").get<std::string>().empty());
+    }
+    return codes;
+}
+
+/// The small model whose second spring has no stiffness; k is a number of the file.
+std::string model_with_a_free_element() { return small_model_with("\"6e4 N/m\"", "0"); }
+
+const std::string kSpareBody = "\n[[body]]\nname = \"spare\"\nmass = 1\ninertia = [1, 1, 1]\n";
+
+TEST(WarningsOf, ARunStandInItsSummary) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", model_with_a_free_element() + kSpareBody);
+    const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out"});
+    EXPECT_EQ(ended.code, 0);
+    EXPECT_THAT(codes_in(folder / "out/summary.json"), ElementsAre("free-element", "free-body"));
+    const nlohmann::json summary = read_json(folder / "out/summary.json");
+    for (const auto& warning : summary.at("warnings"))
+        EXPECT_THAT(ended.err, HasSubstr("warning: " + warning.at("text").get<std::string>() + "\n"));
+    EXPECT_EQ(run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out", "--tolerance", "1 %"}).code, 0);
+    EXPECT_THAT(codes_in(folder / "out/summary.json"), ElementsAre("free-element", "free-body"));
+
+    write_text(folder / "model.toml", kSmallModel);
+    EXPECT_EQ(run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out"}).err, "");
+    EXPECT_THAT(codes_in(folder / "out/summary.json"), ElementsAre());
+}
+
+TEST(WarningsOf, ModesAndFrfReadAsThoseOfARunAndStandInTheirSummaries) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", model_with_a_free_element());
+    const std::string text =
+        "warning: model.toml:33:1: element \"two\": free: every parameter is zero, it carries nothing\n";
+    EXPECT_EQ(run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "run"}).err, text);
+    const Ended modes = run_dttmm(folder.path(), {"modes", "model.toml", "-q", "-o", "modes"});
+    EXPECT_EQ(modes.code, 0);
+    EXPECT_EQ(modes.err, text +
+                             "note: model.toml:24:1: the frequencies are those without this lasting load: the stiffness "
+                             "of its tension or pressure is not in them\n");
+    EXPECT_THAT(codes_in(folder / "modes/summary.json"), ElementsAre("free-element", "load-not-in-modes"));
+
+    const Ended frf = run_dttmm(folder.path(), {"frf", "model.toml", "-q", "-o", "frf", "--in", "plate.x", "--out",
+                                                "plate.y", "--from", "1 Hz", "--to", "2 Hz", "--points", "3"});
+    EXPECT_EQ(frf.code, 0);
+    EXPECT_THAT(frf.err, AllOf(HasSubstr(text), HasSubstr("warning: plate.y does not move under plate.x")));
+    EXPECT_THAT(codes_in(folder / "frf/summary.json"), ElementsAre("free-element", "load-not-in-modes", "no-response"));
+    EXPECT_EQ(read_json(folder / "frf/summary.json").at("largest"), 0);
+}
+
+TEST(WarningsOf, ModesWithoutGravityAndLastingLoads) {
+    const TemporaryFolder folder;
+    const auto codes = [&](const std::string& force, const std::string& simulation) {
+        std::string text = small_model_with("\"100 N\"", force);
+        if (simulation.empty())
+            text.erase(text.find("[simulation]"), text.find("[[body]]") - text.find("[simulation]"));
+        else
+            text.replace(text.find("step = \"1 ms\""), 13, "step = \"1 ms\"\n" + simulation);
+        write_text(folder / "model.toml", text);
+        EXPECT_EQ(run_dttmm(folder.path(), {"modes", "model.toml", "-q", "-o", "out"}).code, 0);
+        return codes_in(folder / "out/summary.json");
+    };
+    EXPECT_THAT(codes("0", "gravity = [0, 0, -9.81]"), ElementsAre("gravity-not-in-modes"));
+    EXPECT_THAT(codes("{ type = \"haversine\", peak = 9, start = \"20 ms\", width = \"2 ms\" }", "gravity = [0, 0, 0]"),
+                ElementsAre());
+    EXPECT_THAT(codes("{ type = \"sine\", amplitude = 9, frequency = 331 }", "gravity = [0, 0, 0]"), ElementsAre());
+    EXPECT_THAT(codes("{ type = \"sine\", amplitude = 9, offset = 4, frequency = 331 }", "gravity = [0, 0, 0]"),
+                ElementsAre("load-not-in-modes"));
+    EXPECT_THAT(codes("7", ""), ElementsAre("load-not-in-modes"));
+}
+
+// Oracle: the numbers of cases with a stiffness of zero.
+TEST(WarningsOf, ASweepAreCountedPerCaseAndInItsLastLine) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", small_model_with("mass = \"2 kg\"", "mass = \"2 kg\"\nk = 7"));
+    std::string text = read_text(folder / "model.toml");
+    write_text(folder / "model.toml", text.replace(text.find("\"6e4 N/m\""), 9, "\"=k\""));
+    const std::vector<std::string> words = {"run", "model.toml", "-o", "out", "--sweep", "k=0,5,6e4"};
+    const Ended ended = run_dttmm(folder.path(), words);
+    EXPECT_EQ(ended.code, 0);
+    EXPECT_THAT(ended.out, HasSubstr("3 of 3 cases completed (0 of them reused), 0 failed, 0 not run, 1 with warnings "
+                                     "(free-element)\n"));
+    std::istringstream table(read_text(folder / "out/sweep.csv"));
+    std::string heading, first, second;
+    std::getline(table, heading);
+    std::getline(table, first);
+    std::getline(table, second);
+    EXPECT_THAT(heading, StartsWith("case,k,status,reason,warnings,"));
+    EXPECT_THAT(first, StartsWith("case-000001,0,completed,,1,"));
+    EXPECT_THAT(second, StartsWith("case-000002,5,completed,,0,"));
+    EXPECT_THAT(run_dttmm(folder.path(), words).out, HasSubstr("(3 of them reused), 0 failed, 0 not run, 1 with warnings"));
+}
+
+/// A mass that a force of 80 N and 125 Hz, 8 steps per period, moves along z from rest. The springs hold it next to not at
+/// all; with an element the loads have the weights of the coupling.
+std::string driven_mass(const std::string& force, const std::string& simulation = "step = \"1 ms\"") {
+    return "format = \"dttmm/1\"\n[parameters]\nf = \"125 Hz\"\n[simulation]\nduration = \"0.4 s\"\n" + simulation +
+           "\n[[body]]\nname = \"m\"\nmass = 2\ninertia = [1, 1, 1]\n[[load]]\non = \"m\"\ndirection = [0, 0, 1]\nforce = " +
+           force +
+           "\n[[element]]\nname = \"k\"\ntype = \"spring_damper\"\nfrom = \"ground\"\nto = \"m\"\nstiffness = 1e-3\n";
+}
+
+// Oracle: the acceleration of the run itself: 40 m/s² of a free mass, of which cos²(pi/8) is left.
+TEST(WarningsOf, ALoadThatIsTooFastForTheStepSayWhatTheRunLoses) {
+    const TemporaryFolder folder;
+    const double pi = 3.14159265358979;
+    for (const char* force : {"{ type = \"sine\", amplitude = 80, frequency = \"=f\" }", "\"=80*sin(2*pi*f*t)\""}) {
+        write_text(folder / "model.toml", driven_mass(force));
+        const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-o", "out"});
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        const double peak =
+            read_json(folder / "out/summary.json").at(nlohmann::json::json_pointer("/accelerations/m/acceleration/z/peak"));
+        EXPECT_NEAR(peak, 40 * std::pow(std::cos(pi / 8), 2), 0.01 * 40) << force;
+        EXPECT_THAT(ended.err, AllOf(StartsWith("warning: model.toml:14:1: load number 1 has a part at 125 Hz, 8 steps per "
+                                                "period: at a step of 0.001 s its effect is about 15 % too small"),
+                                     HasSubstr("use --step \"0.00025 s\" for 1 %")))
+            << force;
+        EXPECT_THAT(codes_in(folder / "out/summary.json"), ElementsAre("load-too-fast", "energy-balance"));
+        EXPECT_THAT(run_dttmm(folder.path(), {"check", "model.toml"}).err, HasSubstr("load number 1 has a part at 125 Hz"));
+        EXPECT_EQ(run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--step", "0.25 ms"}).err, "");
+        EXPECT_EQ(run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--tolerance", "1 %"}).err, "");
+    }
+}
+
+// Oracle: the position in the run itself: F/(m ω²) (1 − cos ωt), of which the explicit recurrence makes (a/sin a)² = 1.053.
+TEST(WarningsOf, ALoadThatIsTooFastForTheExplicitCouplingSayWhatTheRunGains) {
+    const TemporaryFolder folder;
+    const double pi = 3.14159265358979, omega = 2 * pi * 125;
+    write_text(folder / "model.toml",
+               driven_mass("{ type = \"sine\", amplitude = 80, frequency = \"=f\", phase = \"90 deg\" }",
+                           "step = \"1 ms\"\ncoupling = \"explicit\""));
+    const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-o", "out"});
+    const double peak =
+        read_json(folder / "out/summary.json").at(nlohmann::json::json_pointer("/positions/m/position/z/peak"));
+    EXPECT_NEAR(peak / (80 / (2 * omega * omega) * 2), std::pow((pi / 8) / std::sin(pi / 8), 2), 0.003);
+    EXPECT_THAT(ended.err, HasSubstr("its effect is about 5.3 % too large"));
+}
+
+// The ledger of a load that is lost in part does not close; the vibration of the machine, 0.004 Hz, is not to blame.
+TEST(WarningsOf, AnEnergyBalanceBlameTheLoad) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", driven_mass("\"=80*cos(2*pi*3*f*t)\""));
+    EXPECT_THAT(run_dttmm(folder.path(), {"run", "model.toml", "-o", "out"}).err,
+                AllOf(HasSubstr("unaccounted for"), HasSubstr("the load at model.toml:14:1 is too fast for the step"),
+                      Not(HasSubstr("too long for the fastest vibration"))));
+}
+
+TEST(WarningsOf, ALoadThatIsTooFastIsCountedInASweep) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml",
+               driven_mass("{ type = \"sine\", amplitude = 80, frequency = \"=f\", phase = \"90 deg\" }"));
+    EXPECT_THAT(run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--sweep", "f=5Hz,125Hz,250Hz"}).out,
+                HasSubstr(", 2 with warnings (alternating-force, energy-balance, load-too-fast)"));
+}
+
+// A body that a fixed joint holds does not move: 1e-15 J and 5e-8 N beside 100 N are rounding.
+TEST(WarningsOf, NothingIsSaidOfWhatOnlyRoundingMoves) {
+    const TemporaryFolder folder;
+    std::string text = kSmallModel;
+    text += "\n[[joint]]\nname = \"clamp\"\ntype = \"fixed\"\nbetween = [\"ground\", \"plate\"]\n";
+    write_text(folder / "model.toml", text);
+    const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out", "--duration", "2 s"});
+    EXPECT_EQ(ended.code, 0);
+    EXPECT_EQ(ended.err, "");
+}
+
+TEST(WarningsOf, ManyBodiesDoNotFillTheTerminal) {
+    const TemporaryFolder folder;
+    std::string text = kSmallModel;
+    for (int i = 0; i < 60; ++i)
+        text += "\n[[body]]\nname = \"spare" + std::to_string(i) + "\"\nmass = 1\ninertia = [1, 1, 1]\n";
+    write_text(folder / "model.toml", text);
+    const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out"});
+    EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 51);
+    EXPECT_THAT(ended.err, HasSubstr("and 10 more warnings (10 free-body); summary.json has all of them\n"));
+    EXPECT_EQ(codes_in(folder / "out/summary.json").size(), 60u);
+    EXPECT_THAT(run_dttmm(folder.path(), {"check", "model.toml"}).err, HasSubstr("and 10 more warnings (10 free-body)\n"));
+}
+
+}  // namespace
+}  // namespace dttmm

@@ -178,7 +178,7 @@ ExitCode find_modes(const ModesRequest& request) {
     Json summary = json;
     summary["command_line"] = request.command_line;
     summary["model"] = model.source;
-    write_atomically(folder.file("summary.json"), to_text(summary));
+    write_json(folder.file("summary.json"), summary);
     if (request.as_json) {
         fmt::print("{}", to_text(json));
     } else if (!request.quiet) {

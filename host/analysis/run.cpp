@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <unordered_map>
 
 #include "analysis/advance.h"
 #include "analysis/halving.h"
@@ -14,7 +15,6 @@
 #include "analysis/summary.h"
 #include "coupling/stability.h"
 #include "model/diagnostics.h"
-#include "record/atomic_file.h"
 #include "record/recorder.h"
 #include "record/results_folder.h"
 #include "record/tell.h"
@@ -201,16 +201,20 @@ void warn_energy(const Recorder& recorder, const Model& model, const Simulation&
 void warn_ripple(const Recorder& recorder, const Model& model) {
     if (model.output.every != 1) return;
     constexpr double kTolerated = 0.1;  // of the element's largest force
+    struct Force {
+        double peak = 0, ripple = 0;  // largest of its directions [N]
+    };
+    std::unordered_map<std::string, Force> forces;  // by "<element>.force"
+    for (size_t c = 1; c < recorder.channels().size(); ++c) {
+        const std::string& name = recorder.channels()[c].name;
+        Force& force = forces[name.substr(0, name.rfind('.'))];
+        const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
+        force = {std::max(force.peak, statistics.peak), std::max(force.ripple, statistics.ripple)};
+    }
     double worst = kTolerated;
     std::string warning;
     for (const Element& element : model.elements) {
-        double peak = 0, ripple = 0;
-        for (size_t c = 1; c < recorder.channels().size(); ++c) {
-            if (!recorder.channels()[c].name.starts_with(element.name + ".force.")) continue;
-            const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
-            peak = std::max(peak, statistics.peak);
-            ripple = std::max(ripple, statistics.ripple);
-        }
+        const auto [peak, ripple] = forces[element.name + ".force"];
         if (ripple <= worst * peak) continue;
         worst = ripple / peak;
         warning = fmt::format(
@@ -295,7 +299,7 @@ ExitCode conclude(const RunRequest& request, const Bench& bench, const Simulatio
     const Halving* halving = bench.halving ? &*bench.halving : nullptr;
     recorder.finish();
     const Json summary = describe_run(bench.model, request, bench.plugins, simulation, recorder, ending.outcome, halving);
-    write_atomically(folder.file("summary.json"), summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    write_json(folder.file("summary.json"), summary);
 
     warn_energy(recorder, bench.model, simulation);
     if (halving) {

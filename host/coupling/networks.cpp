@@ -36,7 +36,10 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& a) {
 
 Networks::Networks(const Model& model, const Plugins& plugins) {
     for (const Body& body : model.bodies) body_names_.push_back(body.name);
-    for (const std::vector<size_t>& elements : split_into_networks(model)) add_network(model, plugins, elements);
+    std::vector<bool> is_loaded(model.nodes.size());
+    for (const Load& load : model.loads)
+        if (load.on.node >= 0) is_loaded[static_cast<size_t>(load.on.node)] = true;
+    for (const std::vector<size_t>& elements : split_into_networks(model)) add_network(model, plugins, elements, is_loaded);
 
     is_implicit_ = model.simulation.coupling == Coupling::implicit;
     if (!instances_.empty()) {
@@ -65,7 +68,8 @@ Networks::Port Networks::port_at(const Model& model, const Attachment& at) const
     return {at.body, marker.position - body.center_of_mass, !marker.rotation.isIdentity(0), marker.rotation};
 }
 
-void Networks::add_network(const Model& model, const Plugins& plugins, const std::vector<size_t>& elements) {
+void Networks::add_network(const Model& model, const Plugins& plugins, const std::vector<size_t>& elements,
+                           const std::vector<bool>& is_loaded) {
     const NetworkDescription description(model, plugins, elements);
     const size_t first_port = ports_.size();
     places_.emplace_back();
@@ -76,7 +80,7 @@ void Networks::add_network(const Model& model, const Plugins& plugins, const std
     slots_.push_back({first_port, 6 * first_port + slots_.size(), inner_nodes_.size(), false});
     for (int node : description.inner_nodes()) {
         inner_nodes_.push_back(static_cast<size_t>(node));
-        for (const Load& load : model.loads) slots_.back().is_loaded = slots_.back().is_loaded || load.on.node == node;
+        slots_.back().is_loaded = slots_.back().is_loaded || is_loaded[static_cast<size_t>(node)];
     }
     for (size_t i = first_port; i < ports_.size(); ++i)
         for (size_t j = first_port; j < i; ++j)

@@ -79,7 +79,8 @@ private:
         bool is_loaded;  ///< on an inner node
     };
 
-    void add_network(const Model& model, const Plugins& plugins, const std::vector<size_t>& elements);
+    void add_network(const Model& model, const Plugins& plugins, const std::vector<size_t>& elements,
+                     const std::vector<bool>& is_loaded);
     template <class Action>
     void tell_place(size_t network, Action&& action) const;
     template <class Action>

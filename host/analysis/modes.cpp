@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "analysis/modal_machine.h"
+#include "analysis/stop_signals.h"
 #include "analysis/summary.h"
 #include "model/units.h"
 #include "model/wording.h"
@@ -207,6 +208,7 @@ std::string to_text(const Json& json) { return json.dump(2, ' ', false, Json::er
 }  // namespace
 
 ExitCode find_modes(const ModesRequest& request) {
+    const StopSignals signals(StopSignals::First::ends);
     const Plugins plugins(request.plugins);
     Warnings warnings;
     const Model model = read(request, plugins, warnings);
@@ -223,7 +225,7 @@ ExitCode find_modes(const ModesRequest& request) {
     Json summary = json;
     summary["command_line"] = request.command_line;
     summary["model"] = model.source;
-    write_atomically(folder.file("summary.json"), to_text(summary));
+    write_json(folder.file("summary.json"), summary);
     if (request.as_json) {
         fmt::print("{}", to_text(json));
     } else if (!request.quiet) {
@@ -280,6 +282,7 @@ std::vector<size_t> follow(const Eigen::MatrixXd& before, const Eigen::MatrixXd&
 }  // namespace
 
 ExitCode sweep_modes(const ModesRequest& request, const std::vector<SweepAxis>& axes) {
+    const StopSignals signals;
     const Plugins plugins(request.plugins);
     const std::vector<SweepCase> cases = make_grid(axes);
     Warnings warnings;
@@ -290,7 +293,7 @@ ExitCode sweep_modes(const ModesRequest& request, const std::vector<SweepAxis>& 
     Eigen::MatrixXd before;
     std::vector<std::string> lines;
     size_t widest = 0;
-    for (size_t c = 0; c < cases.size(); ++c) {
+    for (size_t c = 0; c < cases.size() && !StopSignals::requested(); ++c) {
         RunRequest own = request;
         for (const auto& parameter : cases[c]) own.overrides.parameters.push_back(parameter);
         const Model model = read(own, plugins, warnings);
@@ -352,7 +355,11 @@ ExitCode sweep_modes(const ModesRequest& request, const std::vector<SweepAxis>& 
                 text += f.is_null() ? fmt::format("{:>11}", "-") : fmt::format("{:>11.6g}", f.get<double>());
             fmt::print("{}\n", text);
         }
-        fmt::print("frequencies in Hz, a column per curve; {}\n", folder.file("sweep.csv").string());
+        fmt::print("frequencies in Hz, a column per curve; {}\n", (folder.path() / "sweep.csv").string());
+    }
+    if (list.size() < cases.size()) {
+        tell(fmt::format("{}; {} of {} cases are kept", StopSignals::reason(), list.size(), cases.size()));
+        return StopSignals::exit_code();
     }
     return ExitCode::ok;
 }
@@ -399,6 +406,7 @@ double frequency(const std::string& option, const std::string& text) {
 }  // namespace
 
 ExitCode find_response(const FrfRequest& request) {
+    const StopSignals signals;
     const Plugins plugins(request.plugins);
     const double from = frequency("--from", request.from), to = frequency("--to", request.to);
     if (!(to > from)) throw Error(ExitCode::usage, "--to must be more than --from");
@@ -411,29 +419,47 @@ ExitCode find_response(const FrfRequest& request) {
 
     const char* input = in_direction < 3 ? "N" : "(N*m)";
     const char* unit = out_direction < 3 ? "m" : "rad";
-    std::string text =
-        "frequency,receptance.re,receptance.im,receptance,phase,mobility.re,mobility.im,accelerance.re,accelerance.im\n";
-    text += fmt::format("Hz,{0}/{1},{0}/{1},{0}/{1},deg,{0}/s/{1},{0}/s/{1},{0}/s^2/{1},{0}/s^2/{1}\n", unit, input);
+    const auto frequency_at = [&](int i) {
+        const double part = static_cast<double>(i) / (request.points - 1);
+        return request.is_logarithmic ? from * std::pow(to / from, part) : from + part * (to - from);
+    };
+    const auto respond = [&](double f) { return machine.respond(f, *in, in_direction, *out, out_direction); };
+    std::complex<double> H = respond(frequency_at(0));  // before the folder is touched: it may be refused
+
+    std::filesystem::path path = default_results_path(request.model);
+    path += "-frf";
+    const ResultsFolder folder(request.output.value_or(path));
+    const std::string per_input = fmt::format("{}/{}", unit, input), velocity = fmt::format("{}/s/{}", unit, input),
+                      acceleration = fmt::format("{}/s^2/{}", unit, input);
+    CsvWriter rows(folder.file("frf.csv"), {{"frequency", "Hz"},
+                                            {"receptance.re", per_input},
+                                            {"receptance.im", per_input},
+                                            {"receptance", per_input},
+                                            {"phase", "deg"},
+                                            {"mobility.re", velocity},
+                                            {"mobility.im", velocity},
+                                            {"accelerance.re", acceleration},
+                                            {"accelerance.im", acceleration}});
     double largest = 0, at = 0;
-    for (int i = 0; i < request.points; ++i) {
-        const double part = request.points > 1 ? static_cast<double>(i) / (request.points - 1) : 0;
-        const double f = request.is_logarithmic ? from * std::pow(to / from, part) : from + part * (to - from);
-        const std::complex<double> H = machine.respond(f, *in, in_direction, *out, out_direction);
+    int done = 0;
+    for (; done < request.points && !StopSignals::requested(); ++done) {
+        const double f = frequency_at(done);
+        if (done > 0) H = respond(f);
         const std::complex<double> iw(0, 2 * std::numbers::pi * f), V = iw * H, A = iw * V;
-        text += number_text(f);
-        for (double value :
-             {H.real(), H.imag(), std::abs(H), std::arg(H) * 180 / std::numbers::pi, V.real(), V.imag(), A.real(), A.imag()})
-            text += "," + number_text(value);
-        text += "\n";
+        const double row[] = {f,        H.real(), H.imag(), std::abs(H), std::arg(H) * 180 / std::numbers::pi,
+                              V.real(), V.imag(), A.real(), A.imag()};
+        rows.write_row(row);
         if (std::abs(H) > largest) {
             largest = std::abs(H);
             at = f;
         }
     }
-    std::filesystem::path path = default_results_path(request.model);
-    path += "-frf";
-    const ResultsFolder folder(request.output.value_or(path));
-    write_atomically(folder.file("frf.csv"), text);
+    rows.finish();
+    if (done < request.points) {
+        tell(fmt::format("{} at {:g} Hz; {} of {} rows are kept", StopSignals::reason(), frequency_at(done), done,
+                         request.points));
+        return StopSignals::exit_code();
+    }
     if (largest == 0)
         warnings.add("no-response",
                      fmt::format("{} does not move under {}: one of them is held there, or nothing leads from one to the "
@@ -449,7 +475,7 @@ ExitCode find_response(const FrfRequest& request) {
     if (!request.quiet)
         fmt::print("{} points from {:g} to {:g} Hz, {} per {}; largest {:.6g} {}/{} at {:.6g} Hz\nresults in {}\n",
                    request.points, from, to, request.output_place, request.input, largest, unit, input, at,
-                   folder.file("frf.csv").string());
+                   (folder.path() / "frf.csv").string());
     return ExitCode::ok;
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <unordered_map>
 
 #include "analysis/advance.h"
 #include "analysis/first_step.h"
@@ -19,7 +20,6 @@
 #include "coupling/stability.h"
 #include "model/diagnostics.h"
 #include "model/read_simulation.h"
-#include "record/atomic_file.h"
 #include "record/recorder.h"
 #include "record/results_folder.h"
 #include "record/tell.h"
@@ -217,16 +217,20 @@ void warn_ripple(const Recorder& recorder, const Model& model, Warnings& warning
     constexpr double kTolerated = 0.1;  // of the element's largest force
     // Beside the largest force of the machine this is rounding: it moves what is held by 1e-16 of its size
     const double rounding = 1e-8 * find_largest_force(recorder);
+    struct Force {
+        double peak = 0, ripple = 0;  // largest of its directions [N]
+    };
+    std::unordered_map<std::string, Force> forces;  // by "<element>.force"
+    for (size_t c = 1; c < recorder.channels().size(); ++c) {
+        const std::string& name = recorder.channels()[c].name;
+        Force& force = forces[name.substr(0, name.rfind('.'))];
+        const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
+        force = {std::max(force.peak, statistics.peak), std::max(force.ripple, statistics.ripple)};
+    }
     double worst = kTolerated;
     std::string warning;
     for (const Element& element : model.elements) {
-        double peak = 0, ripple = 0;
-        for (size_t c = 1; c < recorder.channels().size(); ++c) {
-            if (!recorder.channels()[c].name.starts_with(element.name + ".force.")) continue;
-            const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
-            peak = std::max(peak, statistics.peak);
-            ripple = std::max(ripple, statistics.ripple);
-        }
+        const auto [peak, ripple] = forces[element.name + ".force"];
         if (ripple <= worst * peak || ripple <= rounding) continue;
         worst = ripple / peak;
         warning = fmt::format(
@@ -330,7 +334,7 @@ ExitCode conclude(const RunRequest& request, Bench& bench, const Simulation& sim
     bench.warnings.print_rest("; summary.json has all of them");
     const Json summary =
         describe_run(bench.model, request, bench.plugins, simulation, recorder, ending.outcome, halving, bench.warnings);
-    write_atomically(folder.file("summary.json"), summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    write_json(folder.file("summary.json"), summary);
     if (ending.outcome.status == "failed") {
         throw Error(ending.code, fmt::format("{} ({} rows recorded in {})", ending.outcome.reason, recorder.rows(),
                                              folder.path().string()));

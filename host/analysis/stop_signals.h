@@ -5,12 +5,18 @@
 
 namespace dttmm {
 
-/// Signals that end a run early but in order: what was recorded is kept. SIGINT, SIGTERM and SIGHUP are the user's (exit
-/// code 130), SIGXCPU is a resource limit (6). A second SIGINT ends the process at once. SIGXFSZ is ignored, so that a full
-/// file is an error of the call that meets it. The handlers live as long as this object; one at a time.
+/// Signals that end a command early but in order: what was recorded is kept. SIGINT, SIGTERM and SIGHUP are the user's (exit
+/// code 130), SIGXCPU is a resource limit (6). The first asks: requested() is true. The second ends the process at once,
+/// with one line: the command may be inside a plugin that does not return. Rows that wait in memory are written first.
+/// SIGXFSZ is ignored, so that a full file is an error of the call that meets it. The handlers live as long as this object;
+/// one at a time.
 class StopSignals {
 public:
-    StopSignals();
+    enum class First : unsigned char {
+        asks,
+        ends,  ///< the process at once: there is nothing to keep
+    };
+    explicit StopSignals(First first = First::asks);
     ~StopSignals();
     StopSignals(const StopSignals&) = delete;
     StopSignals& operator=(const StopSignals&) = delete;

@@ -110,11 +110,11 @@ Json describe_model(const Model& model, const ElementCatalogue& catalogue) {
               {"scheme", is_implicit ? "centred" : scheme_name(model.simulation.scheme)},
               {"spectral_radius", model.simulation.spectral_radius},
               {"gravity", vector_json(model.simulation.gravity)}}},
-            {"bodies", bodies},
-            {"nodes", nodes},
-            {"loads", loads},
-            {"joints", joints},
-            {"elements", elements}};
+            {"bodies", std::move(bodies)},
+            {"nodes", std::move(nodes)},
+            {"loads", std::move(loads)},
+            {"joints", std::move(joints)},
+            {"elements", std::move(elements)}};
 }
 
 /// Channels "<owner>.<quantity>.<axis>" as owner → quantity → peak, time of peak and final value, per axis.

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "analysis/advance.h"
 #include "analysis/halving.h"
+#include "analysis/json.h"
 #include "analysis/run.h"
 #include "model/model.h"
 #include "record/recorder.h"
@@ -13,9 +13,6 @@
 #include "step/simulation.h"
 
 namespace dttmm {
-
-/// Key order is as written.
-using Json = nlohmann::ordered_json;
 
 /// What determines a run's result: the text of the model, the files it names, the plugins and all that the command line
 /// changed. A sweep reuses a case whose

@@ -344,7 +344,7 @@ ExitCode run_sweep(const RunRequest& request, const std::vector<SweepAxis>& axes
     if (!request.quiet)
         fmt::print("{} of {} cases completed ({} of them reused), {} failed, {} not run{}\nresults in {}\n",
                    count("completed"), cases.size(), reused, count("failed"), count("missing"), describe_warnings_of(cases),
-                   folder.file("sweep.csv").string());
+                   (folder.path() / "sweep.csv").string());
     if (StopSignals::requested()) return StopSignals::exit_code();
     return count("failed") > 0 ? ExitCode::cases_failed : ExitCode::ok;
 }

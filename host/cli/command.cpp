@@ -2,12 +2,10 @@
 #include "cli/command.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <csignal>
-#include <cstdlib>
 #include <cstring>
 #include <new>
 #include <system_error>
@@ -15,6 +13,7 @@
 #include "analysis/modes.h"
 #include "analysis/run.h"
 #include "analysis/sweep.h"
+#include "cli/crash_report.h"
 #include "model/diagnostics.h"
 #include "model/wording.h"
 #include "record/tell.h"
@@ -199,23 +198,9 @@ ExitCode dispatch_and_flush(int argc, char** argv) {
 
 }  // namespace
 
-namespace {
-
-bool at_work = false;
-
-/// Nothing of ours calls exit() while a command is at work: a plugin did.
-void refuse_exit() {
-    if (!at_work) return;
-    tell("dttmm: a plugin ended the process; what was recorded up to then is in history.csv");
-    ::_exit(static_cast<int>(ExitCode::plugin_failure));
-}
-
-}  // namespace
-
 int run_command(int argc, char** argv) {
     std::signal(SIGPIPE, SIG_IGN);
-    std::atexit(refuse_exit);
-    at_work = true;
+    const CrashReport crash_report;
     ExitCode code = ExitCode::internal_error;
     try {
         code = dispatch_and_flush(argc, argv);
@@ -231,7 +216,6 @@ int run_command(int argc, char** argv) {
     } catch (const std::exception& error) {
         tell(fmt::format("dttmm: internal error: {}", error.what()));
     }
-    at_work = false;
     return static_cast<int>(code);
 }
 

@@ -5,19 +5,22 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cfenv>
 #include <cmath>
 #include <cstring>
 
 #include "coupling/network_description.h"
+#include "loader/plugin_call.h"
 #include "model/error.h"
 
 namespace dttmm {
 
 namespace {
 
-/// Follows each network's wrenches in memory; a plugin that writes past its array changes it. A quiet NaN with a pattern.
+/// Stands before and after what a plugin writes; one that writes past its array changes it. A quiet NaN with a pattern.
 constexpr uint64_t kGuardPattern = 0x7ffadadadadadadaULL;
+
+void set_guard(double* word) { std::memcpy(word, &kGuardPattern, sizeof kGuardPattern); }
+bool is_guard(const double* word) { return std::memcmp(word, &kGuardPattern, sizeof kGuardPattern) == 0; }
 
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using RowMajorX = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -36,16 +39,25 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& a) {
 
 Networks::Networks(const Model& model, const Plugins& plugins) {
     for (const Body& body : model.bodies) body_names_.push_back(body.name);
-    for (const std::vector<size_t>& elements : split_into_networks(model)) add_network(model, plugins, elements);
+    std::vector<bool> is_loaded(model.nodes.size());
+    for (const Load& load : model.loads)
+        if (load.on.node >= 0) is_loaded[static_cast<size_t>(load.on.node)] = true;
+    for (const std::vector<size_t>& elements : split_into_networks(model)) add_network(model, plugins, elements, is_loaded);
 
     is_implicit_ = model.simulation.coupling == Coupling::implicit;
     if (!instances_.empty()) {
         refuse_mixed_weights();
         instances_.front().load_weights(weights_);
-        if (!(std::abs(weights_[0] + weights_[1] + weights_[2] - 1) < 1e-12))
-            throw Error(ExitCode::plugin_failure,
-                        fmt::format("{}: its plugin weights loads by {}, {} and {}, which do not add up to one",
-                                    instances_.front().label(), weights_[0], weights_[1], weights_[2]));
+        // A sum of three weights is exact to a few roundings of one, 1e-16 each; the formulas of a scheme to some more
+        constexpr double kWeightRounding = 1e-12;
+        const bool is_share =
+            std::ranges::all_of(weights_, [](double w) { return w >= -kWeightRounding && w <= 1 + kWeightRounding; });
+        if (!is_share || !(std::abs(weights_[0] + weights_[1] + weights_[2] - 1) < kWeightRounding))
+            throw Error(
+                ExitCode::plugin_failure,
+                fmt::format("{}: its plugin weights loads by {}, {} and {}; weights lie within 0 and 1 and add up to "
+                            "one",
+                            instances_.front().label(), weights_[0], weights_[1], weights_[2]));
         is_implicit_ = false;
         for (const NetworkInstance& instance : instances_) is_implicit_ = is_implicit_ || instance.is_implicit();
     }
@@ -53,10 +65,12 @@ Networks::Networks(const Model& model, const Plugins& plugins) {
     loads_.resize(6 * inner_nodes_.size());
     arms_.resize(ports_.size());
     next_arms_.resize(ports_.size());
-    wrenches_.resize(6 * ports_.size() + instances_.size());
+    wrenches_.resize(1 + 6 * ports_.size() + instances_.size());
+    set_guard(&wrenches_[0]);
     for (size_t n = 0; n < instances_.size(); ++n)
-        std::memcpy(&wrenches_[slots_[n].wrench + 6 * static_cast<size_t>(instances_[n].port_count())], &kGuardPattern,
-                    sizeof(double));
+        set_guard(&wrenches_[slots_[n].wrench + 6 * static_cast<size_t>(instances_[n].port_count())]);
+    outputs_.resize(output_count() + 2);
+    refuse_changed_arithmetic();
 }
 
 Networks::Port Networks::port_at(const Model& model, const Attachment& at) const {
@@ -65,7 +79,8 @@ Networks::Port Networks::port_at(const Model& model, const Attachment& at) const
     return {at.body, marker.position - body.center_of_mass, !marker.rotation.isIdentity(0), marker.rotation};
 }
 
-void Networks::add_network(const Model& model, const Plugins& plugins, const std::vector<size_t>& elements) {
+void Networks::add_network(const Model& model, const Plugins& plugins, const std::vector<size_t>& elements,
+                           const std::vector<bool>& is_loaded) {
     const NetworkDescription description(model, plugins, elements);
     const size_t first_port = ports_.size();
     places_.emplace_back();
@@ -73,10 +88,10 @@ void Networks::add_network(const Model& model, const Plugins& plugins, const std
     tell_place(places_.size() - 1, [&] { instances_.emplace_back(description.plugin(), description.network()); });
 
     for (const Attachment& port : description.ports()) ports_.push_back(port_at(model, port));
-    slots_.push_back({first_port, 6 * first_port + slots_.size(), inner_nodes_.size(), false});
+    slots_.push_back({first_port, 1 + 6 * first_port + slots_.size(), inner_nodes_.size(), false});
     for (int node : description.inner_nodes()) {
         inner_nodes_.push_back(static_cast<size_t>(node));
-        for (const Load& load : model.loads) slots_.back().is_loaded = slots_.back().is_loaded || load.on.node == node;
+        slots_.back().is_loaded = slots_.back().is_loaded || is_loaded[static_cast<size_t>(node)];
     }
     for (size_t i = first_port; i < ports_.size(); ++i)
         for (size_t j = first_port; j < i; ++j)
@@ -94,13 +109,14 @@ void Networks::tell_place(size_t network, Action&& action) const {
     }
 }
 
-/// Puts the time before what a plugin says while a step is open.
+/// Puts the time before what a plugin says while a step is open. A model that could be started is not invalid any more.
 template <class Action>
 void Networks::tell_time(double time, Action&& action) {
     try {
         action();
     } catch (const NetworkError& error) {
-        throw Error(error.code(), fmt::format("t = {:.9g} s: {}", time, error.what()));
+        const ExitCode code = error.code() == ExitCode::model_invalid ? ExitCode::plugin_failure : error.code();
+        throw Error(code, fmt::format("t = {:.9g} s: {}", time, error.what()));
     }
 }
 
@@ -161,11 +177,36 @@ void Networks::scatter(size_t network, double* wrenches) const {
         vector(on_body) += force;
         vector(on_body + 3) += arms_[p].cross(force) + moment;
     }
-    uint64_t guard;
-    std::memcpy(&guard, wrench, sizeof guard);
-    if (guard != kGuardPattern) [[unlikely]]
-        throw Error(ExitCode::plugin_failure,
-                    fmt::format("{}: its plugin wrote past the end of the wrench array", instances_[network].label()));
+    check_guards(network, &wrenches_[slot.wrench], wrench, "wrench");
+}
+
+/// The words before `begin` and at `end` must be as they were.
+void Networks::check_guards(size_t network, const double* begin, const double* end, const char* array) const {
+    if (is_guard(begin - 1) && is_guard(end)) [[likely]]
+        return;
+    throw NetworkError(ExitCode::plugin_failure,
+                       fmt::format("{}: its plugin wrote past the {} of the {} array", instances_[network].label(),
+                                   is_guard(end) ? "start" : "end", array),
+                       -1);
+}
+
+/// A square matrix over the ports of a network, between two guards, to be written by its plugin.
+double* Networks::make_room(size_t network, std::vector<double>& matrix) const {
+    const auto size = 6 * static_cast<size_t>(instances_[network].port_count());
+    matrix.resize(size * size + 2);
+    set_guard(&matrix.front());
+    set_guard(&matrix.back());
+    return matrix.data() + 1;
+}
+
+void Networks::check_matrix(size_t network, const std::vector<double>& matrix, const char* name) const {
+    check_guards(network, matrix.data() + 1, &matrix.back(), name);
+    for (size_t i = 1; i + 1 < matrix.size(); ++i)
+        if (!std::isfinite(matrix[i]))
+            throw NetworkError(ExitCode::plugin_failure,
+                               fmt::format("{}: its plugin says that its {} at the start is {}; it must be finite",
+                                           instances_[network].label(), name, matrix[i]),
+                               -1);
 }
 
 void Networks::refuse_wrench(size_t network, size_t port) const {
@@ -185,7 +226,7 @@ Networks::Block Networks::seen_from_bodies(size_t network, const std::vector<dou
                                            int column) const {
     // Port pose by body pose: δp = δx − arm~ δθ; body wrench by port wrench: the transpose.
     const int count = instances_[network].port_count();
-    const Eigen::Map<const RowMajorX> S(port_matrix.data(), 6 * count, 6 * count);
+    const Eigen::Map<const RowMajorX> S(port_matrix.data() + 1, 6 * count, 6 * count);
     const auto lever = [&](int p) {
         Block G = Block::Identity();
         G.topRightCorner<3, 3>() = -skew(arms_[slots_[network].port + static_cast<size_t>(p)]);
@@ -208,14 +249,14 @@ void Networks::linearise(const std::vector<BodyState>& at, double* wrenches, con
     arms_ = next_arms_;
     for (size_t n = 0; n < instances_.size(); ++n) {
         const int count = instances_[n].port_count();
-        const size_t size = sink ? 36 * static_cast<size_t>(count * count) : 0;
-        stiffness_.resize(size);
-        damping_.resize(size);
+        double *stiffness = sink ? make_room(n, stiffness_) : nullptr, *damping = sink ? make_room(n, damping_) : nullptr;
         tell_place(n, [&] {
-            instances_[n].linearise(motions_.data() + slots_[n].port, &wrenches_[slots_[n].wrench],
-                                    sink ? stiffness_.data() : nullptr, sink ? damping_.data() : nullptr);
+            instances_[n].linearise(motions_.data() + slots_[n].port, &wrenches_[slots_[n].wrench], stiffness, damping);
+            scatter(n, wrenches);
+            if (!sink) return;
+            check_matrix(n, stiffness_, "stiffness");
+            check_matrix(n, damping_, "damping");
         });
-        scatter(n, wrenches);
         if (!sink) continue;
         for (int i = 0; i < count; ++i)
             for (int j = 0; j < count; ++j)
@@ -271,8 +312,8 @@ void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches) {
         tell_time(time_, [&] {
             if (is_implicit_ && instances_[n].expect(motions_.data() + slots_[n].port)) rough_ = std::min(rough_, n);
             instances_[n].evaluate(motions_.data() + slots_[n].port, &wrenches_[slots_[n].wrench], nullptr);
+            scatter(n, wrenches);
         });
-        scatter(n, wrenches);
     }
 }
 
@@ -280,13 +321,13 @@ void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches, c
     gather(trial, step_size_);
     rough_ = kNone;
     for (size_t n = 0; n < instances_.size(); ++n) {
-        const auto size = 6 * static_cast<size_t>(instances_[n].port_count());
-        stiffness_.resize(size * size);
+        double* port_stiffness = make_room(n, stiffness_);
         tell_time(time_, [&] {
             if (is_implicit_ && instances_[n].expect(motions_.data() + slots_[n].port)) rough_ = std::min(rough_, n);
-            instances_[n].evaluate(motions_.data() + slots_[n].port, &wrenches_[slots_[n].wrench], stiffness_.data());
+            instances_[n].evaluate(motions_.data() + slots_[n].port, &wrenches_[slots_[n].wrench], port_stiffness);
+            scatter(n, wrenches);
+            check_guards(n, port_stiffness, &stiffness_.back(), "stiffness");
         });
-        scatter(n, wrenches);
         hand_out(n, stiffness_, stiffness);
     }
 }
@@ -308,19 +349,29 @@ size_t Networks::output_count() const {
 }
 
 void Networks::outputs(double* values) const {
-    for (const NetworkInstance& instance : instances_) {
-        instance.outputs(values);
-        for (uint32_t c = 0; c < instance.channel_count(); ++c, ++values) {
-            if (std::isfinite(*values)) [[likely]]
+    double* own = outputs_.data() + 1;
+    for (size_t n = 0; n < instances_.size(); ++n) {
+        const NetworkInstance& instance = instances_[n];
+        const double before = own[-1];  // a guard, or the last value of the network before
+        double* end = own + instance.channel_count();
+        set_guard(own - 1);
+        set_guard(end);
+        tell_time(time_, [&] {
+            instance.outputs(own);
+            check_guards(n, own, end, "output");
+        });
+        own[-1] = before;
+        for (uint32_t c = 0; c < instance.channel_count(); ++c, ++own) {
+            if (std::isfinite(*own)) [[likely]]
                 continue;
             const dttmm_channel& channel = instance.channel(c);
             throw Error(ExitCode::plugin_failure, fmt::format("{} \"{}\" at t = {:.9g} s: its plugin says {} is {}",
                                                               channel.of == DTTMM_OF_NODE ? "node" : "element",
-                                                              instance.owner_of(channel), time_, channel.name, *values));
+                                                              instance.owner_of(channel), time_, channel.name, *own));
         }
     }
-    if (std::fegetround() != FE_TONEAREST)
-        throw Error(ExitCode::plugin_failure, "a plugin has changed the rounding mode of the processor");
+    std::copy(outputs_.begin() + 1, outputs_.end() - 1, values);
+    refuse_changed_arithmetic();
 }
 
 }  // namespace dttmm

@@ -61,7 +61,7 @@ public:
 
     const std::vector<NetworkInstance>& instances() const { return instances_; }
     /// Results of all networks, one after the other, at the start of the step last committed. Throws Error(plugin_failure)
-    /// for one that is not finite, and for a rounding mode that is no longer to nearest.
+    /// for one that is not finite, and as refuse_changed_arithmetic() does.
     void outputs(double* values) const;
     size_t output_count() const;
 
@@ -79,7 +79,8 @@ private:
         bool is_loaded;  ///< on an inner node
     };
 
-    void add_network(const Model& model, const Plugins& plugins, const std::vector<size_t>& elements);
+    void add_network(const Model& model, const Plugins& plugins, const std::vector<size_t>& elements,
+                     const std::vector<bool>& is_loaded);
     template <class Action>
     void tell_place(size_t network, Action&& action) const;
     template <class Action>
@@ -91,6 +92,9 @@ private:
     int body_of(size_t network, int port) const { return ports_[slots_[network].port + static_cast<size_t>(port)].body; }
     Block seen_from_bodies(size_t network, const std::vector<double>& port_matrix, int row, int column) const;
     void hand_out(size_t network, const std::vector<double>& port_stiffness, const StiffnessSink& sink) const;
+    void check_guards(size_t network, const double* begin, const double* end, const char* array) const;
+    double* make_room(size_t network, std::vector<double>& matrix) const;
+    void check_matrix(size_t network, const std::vector<double>& matrix, const char* name) const;
     [[noreturn]] void refuse_wrench(size_t network, size_t port) const;
     void refuse_mixed_weights() const;
 
@@ -110,8 +114,10 @@ private:
     std::vector<dttmm_motion> motions_;                ///< of every port, as last gathered
     std::vector<Eigen::Vector3d> arms_;                ///< of every port from the centre of mass, world axes, at t_n
     std::vector<Eigen::Vector3d> next_arms_;           ///< the same as last gathered
-    std::vector<double> wrenches_;                     ///< of every port; a guard word follows each network's part
-    std::vector<double> stiffness_, damping_, loads_;  ///< of the network at hand
+    std::vector<double> wrenches_;  ///< of every port; a guard word before the first network's part and after each
+    /// Of the network at hand, the matrices between two guard words.
+    std::vector<double> stiffness_, damping_, loads_;
+    mutable std::vector<double> outputs_;  ///< of all networks, between two guard words
 };
 
 }  // namespace dttmm

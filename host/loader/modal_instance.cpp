@@ -5,6 +5,9 @@
 
 #include <cstring>
 
+#include "loader/plugin_call.h"
+#include "model/wording.h"
+
 namespace dttmm {
 
 namespace {
@@ -20,6 +23,26 @@ void no_destroy(dttmm_modal*) {}
 
 }  // namespace
 
+template <class Action>
+void ModalInstance::ask(Action&& action) const {
+    const PluginCall at_work(plugin_.name(), element_names_.empty() ? nullptr : &element_names_.front(), true);
+    dttmm_error error = cleared();
+    dttmm_status status = DTTMM_OK;
+    try {
+        status = action(&error);
+    } catch (...) {
+        throw NetworkError(ExitCode::plugin_failure, fmt::format("plugin {}: {}", plugin_.name(), describe_exception()), -1);
+    }
+    check(status, error);
+    refuse_changed_arithmetic();
+}
+
+ModalInstance::~ModalInstance() {
+    if (!modal_) return;
+    const PluginCall at_work(plugin_.name());
+    modal_.reset();
+}
+
 ModalInstance::ModalInstance(const PluginLibrary& plugin, const dttmm_modal_model& model)
     : plugin_(plugin),
       table_(&plugin.table()),
@@ -30,58 +53,63 @@ ModalInstance::ModalInstance(const PluginLibrary& plugin, const dttmm_modal_mode
         throw Error(ExitCode::plugin_failure,
                     fmt::format("plugin {} knows histories only, no natural frequencies", plugin.name()));
     for (uint32_t e = 0; e < model.network->element_count; ++e) element_names_.emplace_back(model.network->elements[e].name);
-    dttmm_error error = cleared();
     dttmm_modal* modal = nullptr;
-    check(table_->create_modal(&model, &modal, &error), error);
+    ask([&](dttmm_error* error) { return table_->create_modal(&model, &modal, error); });
     modal_ = {modal, table_->destroy_modal};
 }
 
 uint32_t ModalInstance::find_modes(uint32_t count, double below) {
-    dttmm_error error = cleared();
     uint32_t found = 0;
-    check(table_->find_modes(modal_.get(), count, below, &found, &error), error);
+    ask([&](dttmm_error* error) { return table_->find_modes(modal_.get(), count, below, &found, error); });
     return found;
 }
 
 ModalInstance::Mode ModalInstance::mode(uint32_t index) {
-    dttmm_error error = cleared();
     Mode mode;
     mode.bodies.resize(body_count_);
     mode.nodes.resize(node_count_);
     mode.shares.resize(element_names_.size());
     const auto data = [](std::vector<Vector6>& list) { return list.empty() ? nullptr : list.front().data(); };
-    check(table_->mode(modal_.get(), index, &mode.numbers, data(mode.bodies), data(mode.nodes), mode.shares.data(), &error),
-          error);
+    ask([&](dttmm_error* error) {
+        return table_->mode(modal_.get(), index, &mode.numbers, data(mode.bodies), data(mode.nodes), mode.shares.data(),
+                            error);
+    });
     return mode;
 }
 
 std::vector<ModalInstance::Vector6> ModalInstance::along(uint32_t index, uint32_t element, uint32_t count, double& length) {
-    dttmm_error error = cleared();
     std::vector<Vector6> shape(count, Vector6::Zero());
-    check(table_->mode_along(modal_.get(), index, element, count, &length, shape.front().data(), &error), error);
+    ask([&](dttmm_error* error) {
+        return table_->mode_along(modal_.get(), index, element, count, &length, shape.front().data(), error);
+    });
     if (!(length > 0)) shape.clear();
     return shape;
 }
 
 std::string ModalInstance::layout() {
-    dttmm_error error = cleared();
     dttmm_overall overall{};
     std::string text(1 << 20, '\0');
-    table_->overall(modal_.get(), 0, &overall, text.data(), static_cast<uint32_t>(text.size()), &error);
+    ask([&](dttmm_error* error) {
+        table_->overall(modal_.get(), 0, &overall, text.data(), static_cast<uint32_t>(text.size()), error);
+        return DTTMM_OK;
+    });
     text.resize(::strnlen(text.data(), text.size()));
-    return text;
+    std::string lines;
+    for (size_t end; !text.empty(); text.erase(0, end == text.npos ? end : end + 1)) {
+        end = text.find('\n');
+        lines += printable(std::string_view(text).substr(0, end)) + '\n';
+    }
+    return lines;
 }
 
 dttmm_overall ModalInstance::overall(double frequency) {
-    dttmm_error error = cleared();
     dttmm_overall overall{};
-    check(table_->overall(modal_.get(), frequency, &overall, nullptr, 0, &error), error);
+    ask([&](dttmm_error* error) { return table_->overall(modal_.get(), frequency, &overall, nullptr, 0, error); });
     return overall;
 }
 
 ModalInstance::Response ModalInstance::respond(double frequency, int body, int node, const Eigen::Vector3d& point,
                                                const Vector6& wrench) {
-    dttmm_error error = cleared();
     Response response;
     response.bodies.resize(body_count_);
     response.nodes.resize(node_count_);
@@ -89,16 +117,17 @@ ModalInstance::Response ModalInstance::respond(double frequency, int body, int n
     const auto data = [](std::vector<Complex6>& list) {
         return list.empty() ? nullptr : reinterpret_cast<double*>(list.front().data());
     };
-    check(table_->respond(modal_.get(), frequency, body, node, point.data(), wrench.data(), data(response.bodies),
-                          data(response.nodes), &error),
-          error);
+    ask([&](dttmm_error* error) {
+        return table_->respond(modal_.get(), frequency, body, node, point.data(), wrench.data(), data(response.bodies),
+                               data(response.nodes), error);
+    });
     return response;
 }
 
 void ModalInstance::check(dttmm_status status, const dttmm_error& error) const {
     if (status == DTTMM_OK) return;
     const size_t length = ::strnlen(error.text, sizeof error.text);
-    const std::string text = length > 0 ? std::string(error.text, length) : fmt::format("status {} without a text", status);
+    const std::string text = length > 0 ? printable({error.text, length}) : fmt::format("status {} without a text", status);
     const bool is_named = error.element >= 0 && static_cast<size_t>(error.element) < element_names_.size();
     throw NetworkError(
         exit_code_of(status),

@@ -28,6 +28,8 @@ public:
 
     /// Throws Error(plugin_failure) if the plugin knows no modes.
     ModalInstance(const PluginLibrary& plugin, const dttmm_modal_model& model);
+    ModalInstance(ModalInstance&&) noexcept = default;
+    ~ModalInstance();
 
     /// All up to `below` [Hz], or if that is 0 the first `count`; how many there are.
     uint32_t find_modes(uint32_t count, double below);
@@ -41,6 +43,9 @@ public:
     Response respond(double frequency, int body, int node, const Eigen::Vector3d& point, const Vector6& wrench);
 
 private:
+    /// Calls the plugin. Throws what it says of a failure, or what it throws, or that it changed the arithmetic.
+    template <class Action>
+    void ask(Action&& action) const;
     void check(dttmm_status status, const dttmm_error& error) const;
 
     PluginLibrary plugin_;

@@ -4,10 +4,22 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <limits>
 #include <set>
+#include <string_view>
 #include <tuple>
 
+#include "model/wording.h"
+
 namespace dttmm {
+
+namespace {
+
+/// Of one network: 320 MB of declarations. A beam of 100 000 segments has a tenth of them.
+constexpr uint32_t kMostChannels = 10'000'000;
+constexpr const char* kBadChannel = "an output channel is not well declared";
+
+}  // namespace
 
 ExitCode exit_code_of(dttmm_status status) {
     switch (status) {
@@ -29,12 +41,19 @@ NetworkInstance::NetworkInstance(const PluginLibrary& plugin, const dttmm_networ
     for (uint32_t n = 0; n < network.node_count; ++n) port_count_ += network.nodes[n].kind == DTTMM_NODE_PORT;
     for (uint32_t n = 0; n < network.node_count; ++n) node_names_.emplace_back(network.nodes[n].name);
     for (uint32_t e = 0; e < network.element_count; ++e) element_names_.emplace_back(network.elements[e].name);
-    dttmm_error error;
+    PluginCall::set_time(std::numeric_limits<double>::quiet_NaN());
     dttmm_instance* instance = nullptr;
-    check(table_->create(&network, &instance, cleared(error)), error);
-    if (instance == nullptr) fail(DTTMM_ERROR_INTERNAL, {-1, "create returned no instance"});
+    ask([&](dttmm_error* error) { return table_->create(&network, &instance, error); });
+    if (instance == nullptr) fail(DTTMM_ERROR_INTERNAL, -1, "create returned no instance");
     instance_.reset(instance);
-    check_channels(network);
+    read_channels(network);
+}
+
+NetworkInstance::~NetworkInstance() {
+    if (!instance_) return;
+    const PluginCall at_work(plugin_.name(), element_names_.empty() ? nullptr : &element_names_.front(),
+                             element_names_.size() > 1);
+    instance_.reset();
 }
 
 bool NetworkInstance::is_declared(const dttmm_channel& channel, const dttmm_network& network) const {
@@ -54,35 +73,51 @@ bool NetworkInstance::is_declared(const dttmm_channel& channel, const dttmm_netw
            (is_energy || network.nodes[channel.index].kind == DTTMM_NODE_INNER);
 }
 
-void NetworkInstance::check_channels(const dttmm_network& network) const {
-    const dttmm_channel* channels = table_->channels(instance_.get());
-    std::set<std::tuple<uint32_t, uint32_t, std::string>> names;
-    for (uint32_t c = 0; c < channel_count(); ++c)
-        if (!channels || !is_declared(channels[c], network) ||
-            !names.emplace(channels[c].of, channels[c].index, channels[c].name).second)
-            fail(DTTMM_ERROR_INTERNAL, {-1, "an output channel is not well declared"});
+/// Asks once and keeps a copy: a plugin may say something else the next time.
+void NetworkInstance::read_channels(const dttmm_network& network) {
+    const uint32_t count = call([&] { return table_->channel_count(instance_.get()); });
+    if (count > kMostChannels)
+        fail(DTTMM_ERROR_INTERNAL, -1,
+             fmt::format("it declares {} output channels; at most {} are taken", count, kMostChannels));
+    const dttmm_channel* channels = call([&] { return table_->channels(instance_.get()); });
+    const PluginCall at_work(plugin_.name(), element_names_.empty() ? nullptr : &element_names_.front(),
+                             element_names_.size() > 1);  // its list may end too soon
+    std::vector<dttmm_channel> list;
+    std::set<std::tuple<uint32_t, uint32_t, std::string_view>> names;
+    for (uint32_t c = 0; c < count; ++c) {
+        if (!channels || !is_declared(channels[c], network)) fail(DTTMM_ERROR_INTERNAL, -1, kBadChannel);
+        list.push_back(channels[c]);
+        list.back().name = plugin_.keep(channels[c].name);
+        list.back().unit = plugin_.keep(channels[c].unit);
+        if (!names.emplace(list.back().of, list.back().index, list.back().name).second)
+            fail(DTTMM_ERROR_INTERNAL, -1, kBadChannel);
+    }
+    channels_ = plugin_.keep(std::move(list));
 }
 
 std::vector<unsigned char> NetworkInstance::save_state() const {
-    std::vector<unsigned char> state(table_->state_size(instance_.get()));
-    dttmm_error error;
-    check(table_->save_state(instance_.get(), state.data(), state.size(), cleared(error)), error);
+    std::vector<unsigned char> state(call([&] { return table_->state_size(instance_.get()); }));
+    ask([&](dttmm_error* error) { return table_->save_state(instance_.get(), state.data(), state.size(), error); });
     return state;
 }
 
 void NetworkInstance::restore_state(const std::vector<unsigned char>& state) {
-    dttmm_error error;
-    check(table_->restore_state(instance_.get(), state.data(), state.size(), cleared(error)), error);
+    ask([&](dttmm_error* error) { return table_->restore_state(instance_.get(), state.data(), state.size(), error); });
 }
 
+void NetworkInstance::fail_by_exception() const { fail(DTTMM_ERROR_INTERNAL, -1, describe_exception()); }
+
 void NetworkInstance::fail(dttmm_status status, const dttmm_error& error) const {
-    const size_t length = ::strnlen(error.text, sizeof error.text);
-    const std::string text = length > 0 ? std::string(error.text, length) : fmt::format("status {} without a text", status);
-    const bool is_named = error.element >= 0 && static_cast<size_t>(error.element) < element_names_.size();
+    const std::string text(error.text, ::strnlen(error.text, sizeof error.text));
+    fail(status, error.element, text.empty() ? fmt::format("status {} without a text", status) : printable(text));
+}
+
+void NetworkInstance::fail(dttmm_status status, int element, const std::string& text) const {
+    const bool is_named = element >= 0 && static_cast<size_t>(element) < element_names_.size();
     const std::string place =
-        is_named ? fmt::format("element \"{}\"", element_names_[static_cast<size_t>(error.element)]) : label();
+        is_named ? fmt::format("element \"{}\"", element_names_[static_cast<size_t>(element)]) : label();
     throw NetworkError(exit_code_of(status), fmt::format("{} (plugin {}): {}", place, plugin_.name(), text),
-                       is_named ? error.element : -1);
+                       is_named ? element : -1);
 }
 
 std::string NetworkInstance::label() const {

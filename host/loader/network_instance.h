@@ -3,8 +3,10 @@
 
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
+#include "loader/plugin_call.h"
 #include "loader/plugin_library.h"
 #include "model/error.h"
 
@@ -26,58 +28,62 @@ ExitCode exit_code_of(dttmm_status status);
 
 /// One network inside a plugin: the C interface as a C++ object. Arguments, units and phases are those of dttmm_plugin.h.
 /// A failure becomes NetworkError with its exit code. Its text begins with the plugin's and, where known, the element's
-/// name. The calls of a step are inline: one compare and one indirect call each.
+/// name. The calls of a step are inline: an indirect call, one compare and a handful of stores each. An exception that a
+/// plugin throws across the interface is a failure of the plugin.
 class NetworkInstance {
 public:
     NetworkInstance(const PluginLibrary& plugin, const dttmm_network& network);
     NetworkInstance(NetworkInstance&&) noexcept = default;  // no assignment: an instance must go before its library
+    ~NetworkInstance();
 
     int port_count() const { return port_count_; }
-    bool is_implicit() const { return table_->is_implicit(instance_.get()) != 0; }
-    void load_weights(double weights[3]) const { table_->load_weights(instance_.get(), weights); }
+    bool is_implicit() const {
+        return call([&] { return table_->is_implicit(instance_.get()); }) != 0;
+    }
+    void load_weights(double weights[3]) const {
+        call([&] { table_->load_weights(instance_.get(), weights); });
+    }
 
     void linearise(const dttmm_motion* ports, double* wrench, double* stiffness, double* damping) const {
-        dttmm_error error;
-        check(table_->linearise(instance_.get(), ports, wrench, stiffness, damping, cleared(error)), error);
+        ask([&](dttmm_error* error) {
+            return table_->linearise(instance_.get(), ports, wrench, stiffness, damping, error);
+        });
     }
     void start(const dttmm_step& step, const dttmm_motion* ports, const double* accelerations, const double* loads) {
-        dttmm_error error;
-        check(table_->start(instance_.get(), &step, ports, accelerations, loads, cleared(error)), error);
+        PluginCall::set_time(step.time);
+        ask([&](dttmm_error* error) { return table_->start(instance_.get(), &step, ports, accelerations, loads, error); });
     }
     void begin_step(const dttmm_step& step, const double* loads) {
-        dttmm_error error;
-        check(table_->begin_step(instance_.get(), &step, loads, cleared(error)), error);
+        PluginCall::set_time(step.time);
+        ask([&](dttmm_error* error) { return table_->begin_step(instance_.get(), &step, loads, error); });
     }
     /// Does nothing if the plugin does not want to know. Whether to expect once more before the step is committed.
     bool expect(const dttmm_motion* trial) {
         if (!expect_) return false;
         dttmm_error error;
-        const dttmm_status status = expect_(instance_.get(), trial, cleared(error));
+        const dttmm_status status = call([&] { return expect_(instance_.get(), trial, cleared(error)); });
         if (status == DTTMM_AGAIN) return true;
         check(status, error);
         return false;
     }
     void evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const {
-        dttmm_error error;
-        check(table_->evaluate(instance_.get(), trial, wrench, stiffness, cleared(error)), error);
+        ask([&](dttmm_error* error) { return table_->evaluate(instance_.get(), trial, wrench, stiffness, error); });
     }
     void commit_step(const dttmm_motion* accepted) {
-        dttmm_error error;
-        check(table_->commit_step(instance_.get(), accepted, cleared(error)), error);
+        ask([&](dttmm_error* error) { return table_->commit_step(instance_.get(), accepted, error); });
     }
     void discard_step() {
-        dttmm_error error;
-        check(table_->discard_step(instance_.get(), cleared(error)), error);
+        ask([&](dttmm_error* error) { return table_->discard_step(instance_.get(), error); });
     }
 
     std::vector<unsigned char> save_state() const;
     void restore_state(const std::vector<unsigned char>& state);
 
-    uint32_t channel_count() const { return table_->channel_count(instance_.get()); }
-    const dttmm_channel& channel(uint32_t index) const { return table_->channels(instance_.get())[index]; }
+    /// As they were when the instance was made: the plugin is not asked again.
+    uint32_t channel_count() const { return static_cast<uint32_t>(channels_->size()); }
+    const dttmm_channel& channel(uint32_t index) const { return (*channels_)[index]; }
     void outputs(double* values) const {
-        dttmm_error error;
-        check(table_->outputs(instance_.get(), values, cleared(error)), error);
+        ask([&](dttmm_error* error) { return table_->outputs(instance_.get(), values, error); });
     }
     size_t element_count() const { return element_names_.size(); }
     const std::string& element_name(uint32_t element) const { return element_names_[element]; }
@@ -98,8 +104,27 @@ private:
         if (status != DTTMM_OK) [[unlikely]]
             fail(status, error);
     }
+    /// What `action`, one call of the plugin, returns.
+    template <class Action>
+    std::invoke_result_t<Action> call(Action&& action) const {
+        const PluginCall at_work(plugin_.name(), element_names_.empty() ? nullptr : &element_names_.front(),
+                                 element_names_.size() > 1);
+        try {
+            return action();
+        } catch (...) {
+            fail_by_exception();
+        }
+    }
+    /// The same, and throws what the call says of a failure.
+    template <class Action>
+    void ask(Action&& action) const {
+        dttmm_error error;
+        check(call([&] { return action(cleared(error)); }), error);
+    }
+    [[noreturn]] void fail_by_exception() const;
     [[noreturn]] void fail(dttmm_status status, const dttmm_error& error) const;
-    void check_channels(const dttmm_network& network) const;
+    [[noreturn]] void fail(dttmm_status status, int element, const std::string& text) const;
+    void read_channels(const dttmm_network& network);
     bool is_declared(const dttmm_channel& channel, const dttmm_network& network) const;
 
     PluginLibrary plugin_;
@@ -108,6 +133,7 @@ private:
     std::unique_ptr<dttmm_instance, void (*)(dttmm_instance*)> instance_;
     int port_count_ = 0;
     std::vector<std::string> element_names_, node_names_;
+    std::shared_ptr<const std::vector<dttmm_channel>> channels_;
 };
 
 }  // namespace dttmm

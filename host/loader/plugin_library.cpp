@@ -5,13 +5,16 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <set>
 #include <span>
 
+#include "loader/plugin_call.h"
 #include "model/error.h"
+#include "model/wording.h"
 
 namespace dttmm {
 
@@ -22,7 +25,7 @@ constexpr size_t kSizeOfMinor0 = offsetof(dttmm_plugin, create_modal), kSizeOfMi
                  kSizeOfMinor2 = offsetof(dttmm_plugin, expect) + sizeof(dttmm_plugin::expect);
 
 [[noreturn]] void fail(const std::string& name, const std::string& fault) {
-    throw Error(ExitCode::plugin_failure, fmt::format("plugin {}: {}", name, fault));
+    throw Error(ExitCode::plugin_failure, fmt::format("plugin {}: {}", name, printable(fault)));
 }
 
 void check_file(const std::filesystem::path& file) {
@@ -120,18 +123,43 @@ bool PluginLibrary::has_modes() const {
            table_->mode && table_->mode_along && table_->overall && table_->respond;
 }
 
+const char* PluginLibrary::keep(const char* text) const {
+    const auto found = kept_->texts.find(std::string_view(text));
+    return (found != kept_->texts.end() ? found : kept_->texts.emplace(text).first)->c_str();
+}
+
+std::shared_ptr<const std::vector<dttmm_channel>> PluginLibrary::keep(std::vector<dttmm_channel> list) const {
+    const auto equal = [](const dttmm_channel& a, const dttmm_channel& b) {
+        return a.name == b.name && a.unit == b.unit && a.of == b.of && a.index == b.index && a.role == b.role;
+    };
+    if (!kept_->channels || !std::ranges::equal(list, *kept_->channels, equal))
+        kept_->channels = std::make_shared<const std::vector<dttmm_channel>>(std::move(list));
+    return kept_->channels;
+}
+
 PluginLibrary PluginLibrary::built_in() { return {"built in", dttmm_plugin_entry(DTTMM_PLUGIN_MAJOR), nullptr}; }
 
 PluginLibrary PluginLibrary::load(const std::filesystem::path& file) {
     check_file(file);
     const std::filesystem::path path = std::filesystem::absolute(file);  // a bare name would be searched on the library path
-    const std::shared_ptr<void> handle(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL), [](void* h) {
+    const std::string name = file;
+    const PluginCall at_work(name);
+    const auto close = [name](void* h) {
+        const PluginCall closing(name);
         if (h) dlclose(h);
-    });
-    if (!handle) fail(file, dlerror());
-    const auto entry = reinterpret_cast<dttmm_plugin_entry_function>(dlsym(handle.get(), DTTMM_PLUGIN_ENTRY));
-    if (!entry) fail(file, fmt::format("it exports no {}: not a dttmm plugin", DTTMM_PLUGIN_ENTRY));
-    return {file, entry(DTTMM_PLUGIN_MAJOR), handle};
+    };
+    std::shared_ptr<void> handle;  // outlives what the library throws
+    try {
+        handle.reset(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL), close);
+        if (!handle) fail(name, dlerror());
+        const auto entry = reinterpret_cast<dttmm_plugin_entry_function>(dlsym(handle.get(), DTTMM_PLUGIN_ENTRY));
+        if (!entry) fail(file, fmt::format("it exports no {}: not a dttmm plugin", DTTMM_PLUGIN_ENTRY));
+        return {file, entry(DTTMM_PLUGIN_MAJOR), handle};
+    } catch (const Error&) {
+        throw;
+    } catch (...) {
+        fail(file, describe_exception());
+    }
 }
 
 }  // namespace dttmm

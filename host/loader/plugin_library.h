@@ -3,7 +3,9 @@
 
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "dttmm_plugin.h"
 
@@ -27,11 +29,21 @@ public:
     /// Whether it can find natural frequencies.
     bool has_modes() const;
 
+    /// A text of the plugin, copied once for all of its instances; stays as long as this library.
+    const char* keep(const char* text) const;
+    /// A list of channels with such texts; equal to the one kept before, as those of like elements are, it is that one.
+    std::shared_ptr<const std::vector<dttmm_channel>> keep(std::vector<dttmm_channel> list) const;
+
 private:
+    struct Kept {
+        std::set<std::string, std::less<>> texts;
+        std::shared_ptr<const std::vector<dttmm_channel>> channels;
+    };
     PluginLibrary(std::string name, const dttmm_plugin* table, std::shared_ptr<void> handle);
     std::string name_;
     const dttmm_plugin* table_;
     std::shared_ptr<void> handle_;
+    std::shared_ptr<Kept> kept_ = std::make_shared<Kept>();
 };
 
 }  // namespace dttmm

@@ -10,7 +10,7 @@
 namespace dttmm {
 namespace {
 
-constexpr int kLongestQuote = 100;
+constexpr std::size_t kLongestQuote = 100;
 constexpr std::size_t kLongestName = 100;
 constexpr std::size_t kLongestList = 20;
 
@@ -29,13 +29,12 @@ bool is_visible(utf8proc_int32_t character) {
     }
 }
 
-}  // namespace
-
-std::string quote(std::string_view text) {
-    std::string result = "\"";
-    int characters = 0;
+/// `most`: characters.
+std::string make_visible(std::string_view text, std::size_t most) {
+    std::string result;
+    std::size_t characters = 0;
     while (!text.empty()) {
-        if (characters++ == kLongestQuote) return result + "…\"";
+        if (characters++ == most) return result + "…";
         utf8proc_int32_t character = 0;
         const auto* bytes = reinterpret_cast<const utf8proc_uint8_t*>(text.data());
         const auto length = utf8proc_iterate(bytes, static_cast<utf8proc_ssize_t>(text.size()), &character);
@@ -49,8 +48,14 @@ std::string quote(std::string_view text) {
         }
         text.remove_prefix(used);
     }
-    return result + "\"";
+    return result;
 }
+
+}  // namespace
+
+std::string quote(std::string_view text) { return "\"" + make_visible(text, kLongestQuote) + "\""; }
+
+std::string printable(std::string_view text) { return make_visible(text, text.size()); }
 
 std::string number_text(double value) { return fmt::format("{}", value); }
 

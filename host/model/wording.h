@@ -14,6 +14,9 @@ namespace dttmm {
 /// characters. Whatever bytes come in, valid UTF-8 comes out.
 std::string quote(std::string_view text);
 
+/// `text` as quote() makes it fit for a terminal, whole and without the quotes.
+std::string printable(std::string_view text);
+
 /// The shortest decimal text that reads back as `value`.
 std::string number_text(double value);
 

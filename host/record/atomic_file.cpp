@@ -6,6 +6,9 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <ostream>
+#include <streambuf>
+#include <string>
 #include <utility>
 
 #include "record/file.h"
@@ -24,6 +27,32 @@ void sync_folder_of(const std::filesystem::path& path) {
     ::fsync(descriptor);
     ::close(descriptor);
 }
+
+/// A stream into a file. What the file throws passes through the stream.
+class FileStream : private std::streambuf, public std::ostream {
+public:
+    explicit FileStream(File& file) : std::ostream(this), file_(file) { exceptions(std::ios::badbit); }
+
+private:
+    std::streamsize xsputn(const char* text, std::streamsize size) override {
+        waiting_.append(text, static_cast<std::size_t>(size));
+        if (waiting_.size() >= kMostWaiting) sync();
+        return size;
+    }
+    int overflow(int character) override {
+        waiting_ += static_cast<char>(character);
+        return character;
+    }
+    int sync() override {
+        file_.write(waiting_);
+        waiting_.clear();
+        return 0;
+    }
+
+    static constexpr std::size_t kMostWaiting = 64 * 1024;  // bytes: few calls of the system, little memory
+    File& file_;
+    std::string waiting_;
+};
 
 }  // namespace
 
@@ -45,9 +74,15 @@ void PartFile::publish() {
 }
 
 void write_atomically(const std::filesystem::path& path, std::string_view text) {
+    write_atomically(path, [&](std::ostream& stream) { stream << text; });
+}
+
+void write_atomically(const std::filesystem::path& path, const std::function<void(std::ostream&)>& write) {
     PartFile part(path);
     File file = File::create(part.path());
-    file.write(text);
+    FileStream stream(file);
+    write(stream);
+    stream.flush();
     file.close();
     part.publish();
 }

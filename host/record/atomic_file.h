@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <iosfwd>
 #include <string_view>
 
 namespace dttmm {
@@ -31,5 +33,7 @@ private:
 
 /// The file at `path` is `text` or what it was before, never a piece. Throws Error(input_output); then no part is left.
 void write_atomically(const std::filesystem::path& path, std::string_view text);
+/// The same for a text that is too large to stand in memory: `write` puts it into the stream piece by piece.
+void write_atomically(const std::filesystem::path& path, const std::function<void(std::ostream&)>& write);
 
 }  // namespace dttmm

@@ -106,14 +106,14 @@ std::vector<int> select_channels(const std::vector<Channel>& all, const std::vec
     if (!all.empty()) selected[0] = true;
     for (std::size_t i = 0; i < all.size() && patterns.empty(); ++i) selected[i] = selected[i] || all[i].by_default;
 
-    std::vector<std::vector<std::string>> parts;
-    for (const Channel& channel : all) parts.push_back(leading_parts(channel.name));
-    for (const std::string& pattern : patterns) {
-        bool any = false;
-        for (std::size_t i = 0; i < all.size(); ++i)
-            if (matches(pattern, parts[i])) selected[i] = any = true;
-        if (!any) throw no_match(all, pattern);
+    std::vector<bool> has_match(patterns.size(), false);
+    for (std::size_t i = 0; i < all.size() && !patterns.empty(); ++i) {
+        const std::vector<std::string> parts = leading_parts(all[i].name);
+        for (std::size_t p = 0; p < patterns.size(); ++p)
+            if (matches(patterns[p], parts)) selected[i] = has_match[p] = true;
     }
+    for (std::size_t p = 0; p < patterns.size(); ++p)
+        if (!has_match[p]) throw no_match(all, patterns[p]);
 
     std::vector<int> indices;
     for (std::size_t i = 0; i < all.size(); ++i)

@@ -2,7 +2,9 @@
 #include "record/csv_writer.h"
 
 #include <fmt/compile.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <cassert>
 #include <cerrno>
 #include <iterator>
@@ -15,6 +17,10 @@ constexpr std::size_t kMostWaiting = 64 * 1024;  // bytes
 constexpr std::size_t kPage = 4096;              // bytes: the kernel takes a write page by page
 constexpr std::chrono::milliseconds kLongestWait{100};
 constexpr std::size_t kLongestNumber = 25;  // "-2.2250738585072014e-308" and a comma
+
+/// The writer made last.
+std::atomic<CsvWriter*> last_made = nullptr;
+static_assert(std::atomic<CsvWriter*>::is_always_lock_free, "a signal handler reads it");
 
 std::string make_header(const std::vector<Channel>& channels, std::string Channel::*text) {
     std::string line;
@@ -35,14 +41,36 @@ std::string csv_field(const std::string& text) {
     return quoted + '"';
 }
 
+/// While this lives, a signal leaves the waiting rows alone.
+class CsvWriter::AtWork {
+public:
+    explicit AtWork(CsvWriter& writer) : writer_(writer) {
+        writer_.is_at_work_ = 1;
+        std::atomic_signal_fence(std::memory_order_seq_cst);
+    }
+    ~AtWork() {
+        std::atomic_signal_fence(std::memory_order_seq_cst);
+        writer_.is_at_work_ = 0;
+    }
+    AtWork(const AtWork&) = delete;
+    AtWork& operator=(const AtWork&) = delete;
+
+private:
+    CsvWriter& writer_;
+};
+
 CsvWriter::CsvWriter(const std::filesystem::path& path, const std::vector<Channel>& channels) : file_(File::create(path)) {
     assert(!channels.empty());
     waiting_ = make_header(channels, &Channel::name) + make_header(channels, &Channel::unit);
     write_waiting_rows();
     waiting_.reserve(kMostWaiting + kLongestNumber * channels.size());
+    last_made = this;
 }
 
 CsvWriter::~CsvWriter() {
+    CsvWriter* self = this;
+    last_made.compare_exchange_strong(self, nullptr);
+    const AtWork at_work(*this);
     try {
         write_waiting_rows();
     } catch (const Error&) {  // finish() is there for those who want to know
@@ -50,15 +78,28 @@ CsvWriter::~CsvWriter() {
 }
 
 void CsvWriter::write_row(std::span<const double> values) {
+    const AtWork at_work(*this);
     for (const double value : values) fmt::format_to(std::back_inserter(waiting_), FMT_COMPILE("{},"), value);
     waiting_.back() = '\n';
     if (waiting_.size() >= kMostWaiting || Clock::now() - last_write_ >= kLongestWait) write_waiting_rows();
 }
 
 void CsvWriter::finish() {
+    const AtWork at_work(*this);
     write_waiting_rows();
     file_.sync();
     file_.close();
+}
+
+void CsvWriter::rescue_rows() noexcept {
+    const CsvWriter* writer = last_made;
+    if (!writer || writer->is_at_work_) return;
+    std::string_view rest = writer->waiting_;
+    while (!rest.empty()) {
+        const ssize_t written = ::write(writer->file_.descriptor(), rest.data(), rest.size());
+        if (written <= 0) return;
+        rest.remove_prefix(static_cast<std::size_t>(written));
+    }
 }
 
 void CsvWriter::write_waiting_rows() {

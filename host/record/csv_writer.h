@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -39,8 +40,13 @@ public:
     /// Brings all rows to the disk and closes the file. Throws Error(input_output).
     void finish();
 
+    /// Writes the whole rows that wait, for a process that ends without its destructors: of the writer made last, if it is
+    /// still there. Does nothing while that writer is at work on them. Async-signal-safe.
+    static void rescue_rows() noexcept;
+
 private:
     using Clock = std::chrono::steady_clock;
+    class AtWork;
 
     void write_waiting_rows();
     std::size_t size_of_next_write(std::string_view rest) const;
@@ -50,6 +56,7 @@ private:
     std::string waiting_;           ///< whole rows not yet written
     std::uintmax_t file_size_ = 0;  ///< bytes written, all whole rows
     Clock::time_point last_write_;
+    volatile std::sig_atomic_t is_at_work_ = 0;  ///< on the waiting rows: a signal must leave them alone
 };
 
 }  // namespace dttmm

@@ -26,6 +26,12 @@ constexpr std::string_view kSweepTable = "sweep.csv";
 constexpr std::array<std::string_view, 7> kResults{"history.csv", "history.h5", "summary.json", "modes.csv",
                                                    "shapes.csv",  "frf.csv",    kSweepTable};
 
+/// Set before main: no plugin has been loaded.
+const fs::path kStartFolder = [] {
+    std::error_code failure;
+    return fs::current_path(failure);
+}();
+
 Error refusal(const fs::path& path, std::string_view fault) {
     return Error(ExitCode::input_output, fmt::format("{}: {}; choose another folder with -o", path.string(), fault));
 }
@@ -133,17 +139,20 @@ File claim_marker(const fs::path& path) {
 
 }  // namespace
 
-ResultsFolder::ResultsFolder(fs::path path, Claim claim) : path_(std::move(path)), marker_(claim_marker(path_)) {
-    check_ours(path_);  // once more: now nobody else writes here
-    if (claim == Claim::replace) clear(path_);
+ResultsFolder::ResultsFolder(fs::path path, Claim claim)
+    : path_(std::move(path)), absolute_(from_start(path_)), marker_(claim_marker(absolute_)) {
+    check_ours(absolute_);  // once more: now nobody else writes here
+    if (claim == Claim::replace) clear(absolute_);
     marker_.truncate(0);
     marker_.write(describe_this_process());
 }
 
+fs::path from_start(const fs::path& path) { return path.is_absolute() ? path : kStartFolder / path; }
+
 fs::path default_results_path(const fs::path& model_path) {
     const fs::path name = model_path.stem();
     if (name != "model") return fs::path("results") / name;
-    const fs::path folder = fs::absolute(model_path).lexically_normal().parent_path();
+    const fs::path folder = from_start(model_path).lexically_normal().parent_path();
     return fs::path("results") / (folder.has_filename() ? folder.filename() : name);
 }
 

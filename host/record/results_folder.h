@@ -24,14 +24,19 @@ public:
     /// A symbolic link in the folder is removed as a link, never followed.
     explicit ResultsFolder(std::filesystem::path path, Claim claim = Claim::replace);
 
+    /// As asked for.
     const std::filesystem::path& path() const { return path_; }
-    /// Where the file `name` of the results is.
-    std::filesystem::path file(std::string_view name) const { return path_ / name; }
+    /// Where the file `name` of the results is: absolute, seen from the folder in which the process started. A plugin may
+    /// have changed the current one since.
+    std::filesystem::path file(std::string_view name) const { return absolute_ / name; }
 
 private:
-    std::filesystem::path path_;
+    std::filesystem::path path_, absolute_;
     File marker_;  ///< open and locked
 };
+
+/// `path` seen from the folder in which the process started.
+std::filesystem::path from_start(const std::filesystem::path& path);
 
 /// results/<model name>, seen from the current folder. The model name is the file's, without its ending, or that of the
 /// file's folder when the file is called "model": examples/four_bolt_plate/model.toml -> results/four_bolt_plate.

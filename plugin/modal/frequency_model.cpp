@@ -643,6 +643,33 @@ double FrequencyModel::along(size_t element, const Motion& u, size_t count, doub
     return 0;
 }
 
+std::vector<FrequencyModel::Station> FrequencyModel::stations(const Motion& u) const {
+    constexpr int kStations = 8;  // of a piece, which is half a wave at most
+    std::vector<Station> list;
+    for (int b = 0; b < body_count_; ++b)
+        list.push_back({centres_[static_cast<size_t>(b)], by_centre(b) * u[static_cast<size_t>(b)]});
+    for (size_t n = 0; n < node_count(); ++n) list.push_back({position_of_node(n), node_motion(n, u)});
+    for (const LineModel& line : lines_) {
+        const double piece_length = line.length() / line.count;
+        const Matrix12& D = kinds_[line.kind].at_lambda.at(line.count).first;
+        const Vector3 along = line.axes.col(0);
+        std::vector<Matrix12> transfers;
+        for (int k = 1; k <= kStations; ++k)
+            transfers.push_back(line.waves->transfer(lambda_, k * piece_length / kStations));
+        for (int i = 0; i < line.count; ++i) {
+            const Vector12 ends = ends_of(pieces_[static_cast<size_t>(line.first_piece + i)], u);
+            Vector12 start;
+            start << ends.head<6>(), -(D.topRows<6>() * ends);
+            for (int k = 1; k <= kStations; ++k) {
+                const double s = (i + static_cast<double>(k) / kStations) * piece_length;
+                const Vector6 local = (transfers[static_cast<size_t>(k - 1)] * start).head<6>();
+                list.push_back({line.start + s * along, both(line.axes) * local});
+            }
+        }
+    }
+    return list;
+}
+
 std::pair<double, double> FrequencyModel::largest(const Motion& u) const {
     constexpr int kStations = 8;  // of a piece, which is half a wave at most
     double way = 0, turn = 0;

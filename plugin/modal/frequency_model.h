@@ -84,6 +84,13 @@ public:
     std::vector<Strain> strain_energies(const Motion& u, size_t elements) const;
     /// Displacement along an element at stations, ends included; its length, 0 if it is no line.
     double along(size_t element, const Motion& u, size_t count, double* shape) const;
+    /// Points of the machine and how they move [6, world]: centres of mass of the bodies, nodes, stations along the lines.
+    /// The points do not depend on the order in which the model lists its parts.
+    struct Station {
+        Vector3 position;  ///< at the start [m, world]
+        Vector6 motion;
+    };
+    std::vector<Station> stations(const Motion& u) const;
     /// Largest displacement [m] and rotation [rad] of frames and nodes, and of stations along the lines.
     std::pair<double, double> largest(const Motion& u) const;
 

@@ -42,6 +42,35 @@ double dot(const FrequencyModel::Motion& a, const FrequencyModel::Motion& b) {
     return sum;
 }
 
+/// A displacement (or another linear measure) of every shape of a group, and what decides between equal ones.
+struct Measure {
+    Eigen::VectorXd values;
+    int direction;
+    Vector3 position;
+};
+
+/// Whether `a` comes before `b` where both are as large: by direction, then by place, to `grain` [m].
+bool comes_first(const Measure& a, const Measure& b, double grain) {
+    if (a.direction != b.direction) return a.direction < b.direction;
+    for (Eigen::Index i = 0; i < 3; ++i)
+        if (std::abs(a.position(i) - b.position(i)) > grain) return a.position(i) < b.position(i);
+    return false;
+}
+
+/// The measure in which a shape of unit norm can be largest; of displacements if there are any, else of rotations.
+const Measure* find_largest(const std::vector<Measure>& measures, double grain) {
+    constexpr double kNone = 1e-6;  // displacement beside rotation, per metre: rounding of shapes is well below
+    constexpr double kTie = 1e-6;   // two that differ by less are equal: shapes are found to 1e-7 or better
+    double most[2] = {0, 0};
+    for (const Measure& m : measures) most[m.direction / 3] = std::max(most[m.direction / 3], m.values.norm());
+    const int kind = most[0] > kNone * most[1] ? 0 : 1;
+    const Measure* best = nullptr;
+    for (const Measure& m : measures)
+        if (m.direction / 3 == kind && m.values.norm() >= (1 - kTie) * most[kind] && m.values.norm() > 0)
+            if (!best || comes_first(m, *best, grain)) best = &m;
+    return best;
+}
+
 }  // namespace
 
 /// Cuts the lines for a frequency unless they are.
@@ -323,8 +352,60 @@ double ModeFinder::lost_in_rounding(const Cluster& cluster) const {
     return lost;
 }
 
+/// Mixes shapes of equal frequencies to the basis that the header describes; the model stands at them.
+void ModeFinder::fix_basis(std::vector<Motion>& shapes, bool is_rigid) const {
+    for (Motion& shape : shapes) {
+        const double unit = 1 / std::sqrt(dot(shape, model_.mass_times(shape)));
+        if (!std::isfinite(unit)) return;
+        for (Vector6& u : shape) u *= unit;
+    }
+    const auto n = static_cast<Eigen::Index>(shapes.size());
+    std::vector<Measure> measures, whole;
+    double size = 0;
+    for (Eigen::Index j = 0; j < n; ++j) {
+        const std::vector<FrequencyModel::Station> stations = model_.stations(shapes[static_cast<size_t>(j)]);
+        measures.resize(6 * stations.size());
+        for (size_t i = 0; i < measures.size(); ++i) {
+            const FrequencyModel::Station& station = stations[i / 6];
+            if (j == 0) measures[i] = {Eigen::VectorXd(n), static_cast<int>(i % 6), station.position};
+            measures[i].values(j) = station.motion(static_cast<Eigen::Index>(i % 6));
+            size = std::max(size, station.position.norm());
+        }
+    }
+    for (int d = 0; d < 6 && is_rigid; ++d) {  // momentum of the machine as a whole
+        const FrequencyModel::Whole moved = model_.move_whole(d);
+        Measure measure{Eigen::VectorXd(n), d, Vector3::Zero()};
+        for (Eigen::Index j = 0; j < n; ++j)
+            measure.values(j) =
+                moved.mass > 0 ? dot(shapes[static_cast<size_t>(j)], moved.momenta) / std::sqrt(moved.mass) : 0;
+        whole.push_back(measure);
+    }
+    // Each measure is largest for the shape along it; the rest of the measures is what shapes at right angles can do
+    Eigen::MatrixXd mix = Eigen::MatrixXd::Identity(n, n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+        constexpr double kLeft = 1e-4;  // share of the whole that is still free to move as one
+        const Measure* chosen = nullptr;
+        for (const Measure& m : whole)
+            if (!chosen && m.values.norm() > kLeft) chosen = &m;
+        if (!chosen) chosen = find_largest(measures, 1e-9 * size);
+        const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(n, n) - mix.leftCols(k) * mix.leftCols(k).transpose();
+        Eigen::Index any = 0;  // where no point moves: what is left the most
+        rest.diagonal().maxCoeff(&any);
+        mix.col(k) = (chosen ? Eigen::VectorXd(rest * chosen->values.normalized()) : rest.col(any)).normalized();
+        for (auto* list : {&measures, &whole})
+            for (Measure& m : *list) m.values -= m.values.dot(mix.col(k)) * mix.col(k);
+    }
+    std::vector<Motion> mixed(shapes.size(), Motion(shapes.front().size(), Vector6::Zero()));
+    for (Eigen::Index j = 0; j < n; ++j)
+        for (Eigen::Index i = 0; i < n; ++i)
+            for (size_t f = 0; f < shapes.front().size(); ++f)
+                mixed[static_cast<size_t>(j)][f] += mix(i, j) * shapes[static_cast<size_t>(i)][f];
+    shapes = std::move(mixed);
+}
+
 /// Takes shapes of equal frequencies into the list; the model stands at them.
-void ModeFinder::add(const Cluster& cluster, double bracket) {
+void ModeFinder::add(Cluster cluster, double bracket) {
+    fix_basis(cluster.shapes, cluster.lambdas.front() == 0);
     for (size_t k = 0; k < cluster.shapes.size(); ++k) {
         Mode mode;
         mode.omega = std::sqrt(cluster.lambdas[k]);

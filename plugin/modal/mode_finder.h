@@ -27,6 +27,12 @@ struct Mode {
 /// Source: Wittrick and Williams (1971), Q. J. Mech. Appl. Math. 24; inverse iteration with the derivative of the dynamic
 /// stiffness: Yuan, Ye, Williams and Kennedy (2003), Int. J. Numer. Meth. Eng. 56.
 ///
+/// Shapes of equal frequencies are a basis of what vibrates at that frequency, and any mixture would do. The one listed does
+/// not depend on how it was found: the first shape moves one point in one direction as far as a unit of modal mass can, that
+/// point and direction where this is farthest; the next does the same among the motions at right angles to the first by
+/// mass, and so on. Rigid-body modes begin with the translations in x, y, z and the turns about them. Where points tie, x
+/// comes before y before z, then the smaller coordinate. The sign is that of a positive displacement there.
+///
 /// Short pieces of a line are stiff, and their rounding stands beside ω²: every frequency is found with the lines cut for it
 /// alone. Where the machine itself is a long chain of short elements rounding keeps the bracket wide, which is then told.
 class ModeFinder {
@@ -65,7 +71,8 @@ private:
     bool confirm(const Cluster& cluster, int before, double& bracket);
     double lost_in_rounding(const Cluster& cluster) const;
     std::vector<double> iterate(std::vector<Motion>& shapes, double lambda, int rounds);
-    void add(const Cluster& cluster, double bracket);
+    void add(Cluster cluster, double bracket);
+    void fix_basis(std::vector<Motion>& shapes, bool is_rigid) const;
     Motion random_motion();
     std::vector<Mode> finish();
 

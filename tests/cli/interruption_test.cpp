@@ -119,6 +119,75 @@ TEST_F(Interruption, AKilledCaseIsNamed) {
     EXPECT_THAT(ended.out, HasSubstr("1 of 2 cases completed"));
 }
 
+// ---- Natural frequencies and frequency response --------------------------------------------------------------------------
+
+class StoppedModes : public Interruption, public testing::WithParamInterface<int> {};
+
+// Oracle: as many whole lines as the message says, the first those of a response of few points.
+TEST_P(StoppedModes, AResponseKeepsItsLines) {
+    const std::vector<std::string> words = {"frf",   "model.toml", "--in",     "plate.z", "--out", "plate.z", "--from",
+                                            "10 Hz", "--to",       "20000 Hz", "-o",      "out",   "--points"};
+    auto many = words;
+    many.push_back("5000000");
+    Process response(many, folder_.path());
+    ASSERT_TRUE(wait_until([&] { return has_rows("out/frf.csv"); }));
+    response.send(GetParam());
+    const Ended ended = response.wait();
+    EXPECT_EQ(ended.code, 130) << ended.err;
+    const auto rows = read_history(folder_ / "out/frf.csv");
+    EXPECT_THAT(ended.err, HasSubstr("stopped by the user at "));
+    EXPECT_THAT(ended.err, HasSubstr(std::to_string(rows.size()) + " of 5000000 rows are kept"));
+    auto few = words;
+    few.push_back("2");
+    ASSERT_EQ(run_dttmm(folder_.path(), few).code, 0);
+    EXPECT_EQ(read_history(folder_ / "out/frf.csv").front(), rows.front());
+}
+
+TEST_P(StoppedModes, ASweepKeepsItsCases) {
+    Process sweep({"modes", "model.toml", "--sweep", "mass=1..5:100000", "-o", "out"}, folder_.path());
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    sweep.send(GetParam());
+    const Ended ended = sweep.wait();
+    EXPECT_EQ(ended.code, 130) << ended.err;
+    EXPECT_THAT(ended.err, HasSubstr("stopped by the user; "));
+    int kept = -1;
+    ASSERT_EQ(std::sscanf(ended.err.c_str() + ended.err.find("; ") + 2, "%d of 100000 cases are kept", &kept), 1);
+    const std::string table = read_text(folder_ / "out/sweep.csv");
+    EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), kept + 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Command, StoppedModes, testing::Values(SIGINT, SIGTERM, SIGHUP),
+                         [](const auto& one) { return "Signal" + std::to_string(one.param); });
+
+// ---- A plugin that does not return ---------------------------------------------------------------------------------------
+
+// Oracle: the first signal waits for the plugin, the second ends the process; all 999 rows before the step are there.
+TEST_F(Interruption, TheSecondSignalEndsAPluginThatDoesNotReturn) {
+    std::string text = faulty_model();
+    write_text(folder_ / "model.toml", text.replace(text.find("step = \"5 ms\""), 13, "step = \"1 ms\""));
+    Process run({"run", "model.toml", "-o", "out", "--plugin", DTTMM_FAULTY_PLUGINS "/endless.so"}, folder_.path());
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    run.send(SIGINT);
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    int status = 0;
+    ASSERT_EQ(::waitpid(run.id(), &status, WNOHANG), 0);
+    run.send(SIGTERM);
+    const Ended ended = run.wait(10);
+    EXPECT_EQ(ended.code, 130);
+    EXPECT_THAT(ended.err, HasSubstr("dttmm: stopped at once by a second signal; the rows written stay\n"));
+    EXPECT_EQ(read_history(folder_ / "out/history.csv").size(), 1000u);
+}
+
+// Oracle: `timeout` sends its signal to the process and to its group: two at a time are one.
+TEST_F(Interruption, TwoSignalsAtATimeAreOne) {
+    Process run({"run", "model.toml", "-o", "out"}, folder_.path());
+    ASSERT_TRUE(wait_until([&] { return has_rows("out/history.csv"); }));
+    run.send(SIGTERM);
+    run.send(SIGINT);
+    EXPECT_EQ(run.wait().code, 130);
+    EXPECT_EQ(read_json(folder_ / "out/summary.json")["status"], "stopped");
+}
+
 // ---- Standard output ----------------------------------------------------------------------------------------------------
 
 // Oracle: as `dttmm run ... | true`: what is read is the reader's business, the results are whole.

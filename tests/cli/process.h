@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <spawn.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -32,6 +33,8 @@ struct Ended {
     int code = 0;  ///< exit code, or minus the signal that killed it
     std::string out, err;
     double seconds = 0;
+    double processor_seconds = 0;  ///< its own, not that of the system for it
+    double memory = 0;             ///< most it had [bytes]
 };
 
 /// The command `dttmm` in a process of its own, as a user starts it: words, current folder, standard output and error.
@@ -66,7 +69,8 @@ public:
     /// Its end; after `limit` seconds it is killed, and the test has failed.
     Ended wait(double limit = 120) {
         int status = 0;
-        while (::waitpid(id_, &status, WNOHANG) == 0) {
+        rusage used{};
+        while (::wait4(id_, &status, WNOHANG, &used) == 0) {
             if (std::chrono::duration<double>(Clock::now() - start_).count() > limit) {
                 ADD_FAILURE() << "not ended after " << limit << " s";
                 send(SIGKILL);
@@ -75,7 +79,14 @@ public:
         }
         has_ended_ = true;
         const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-        return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), text(out_), text(err_), seconds};
+        const double processor =
+            static_cast<double>(used.ru_utime.tv_sec) + 1e-6 * static_cast<double>(used.ru_utime.tv_usec);
+        return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status),
+                text(out_),
+                text(err_),
+                seconds,
+                processor,
+                1024.0 * static_cast<double>(used.ru_maxrss)};
     }
 
 private:

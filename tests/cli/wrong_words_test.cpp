@@ -136,6 +136,20 @@ const PluginFault kPluginFaults[] = {
     {"overrun", 7, "wrote past the end of the wrench array", 0},
     {"silent_error", 7, "status -99 without a text", 0},
     {"always_rough", 7, "calls its answers rough after 50 passes still", 0},
+    {"throw_create", 7, "it threw a C++ exception across the interface: the spring has been thrown", -1},
+    {"throw_linearise", 7, "it threw a C++ exception across the interface: the spring has been thrown", -1},
+    {"throw_at_step_1000", 7, "t = 1 s: element \"one\"", 200},
+    {"model_error_at_step_1000", 7, "the spring was never there", 200},
+    {"many_channels", 7, "it declares 4294967295 output channels; at most 10000000 are taken", -1},
+    {"underrun", 7, "wrote past the start of the wrench array", 0},
+    {"stiffness_overrun", 7, "wrote past the end of the stiffness array", -1},
+    {"stiffness_underrun", 7, "wrote past the start of the stiffness array", -1},
+    {"damping_overrun", 7, "wrote past the end of the damping array", -1},
+    {"output_overrun", 7, "wrote past the end of the output array", 0},
+    {"output_underrun", 7, "wrote past the start of the output array", 0},
+    {"nan_stiffness", 7, "its plugin says that its stiffness at the start is nan", -1},
+    {"infinite_damping", 7, "its plugin says that its damping at the start is inf", -1},
+    {"terminal_text", 7, R"(\u{1b}[2J\u{1b}]0;title\u{7}red\u{1b}[31m \u{9b}31m \xff\u{d}\u{a})", -1},
 };
 
 INSTANTIATE_TEST_SUITE_P(Command, FaultyPlugin, testing::ValuesIn(kPluginFaults),
@@ -146,11 +160,89 @@ TEST(Plugin, ThatBreaksTheHouseIsRefused) {
     const TemporaryFolder folder;
     write_text(folder / "model.toml", faulty_model());
     for (const auto& [fault, says] :
-         {std::pair{"heavy_weights", "do not add up to one"}, {"rounding_mode", "changed the rounding mode"}}) {
+         {std::pair{"heavy_weights", "by 0, 15 and 0; weights lie within 0 and 1 and add up to one"},
+          {"uneven_weights", "by 5, -9 and 5; weights lie within 0 and 1 and add up to one"},
+          {"throw_entry", "throw_entry.so: it threw a C++ exception across the interface: the spring has been thrown"},
+          {"rounding_mode", "changed the rounding mode"},
+#ifdef __SSE2__
+          {"flush_to_zero", "numbers below 2.2e-308 become zero"},
+#endif
+          {"decimal_comma", "the locale in which numbers are written"}}) {
         const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--plugin", faulty_plugin(fault)});
         EXPECT_EQ(ended.code, 7) << fault;
         EXPECT_THAT(ended.err, HasSubstr(says));
     }
+}
+
+// ---- Plugins that end the process ---------------------------------------------------------------------------------------
+
+class CrashingPlugin : public testing::TestWithParam<std::pair<const char*, const char*>> {};
+
+// Oracle: plugin, element and time as the file of the plugin has them; all rows before step 1000 are on the disk.
+TEST_P(CrashingPlugin, IsNamedAndItsRowsStay) {
+    const auto [fault, says] = GetParam();
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", faulty_model());
+    const std::string plugin = faulty_plugin(fault);
+    const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--plugin", plugin});
+    EXPECT_EQ(ended.code, 7) << ended.err;
+    EXPECT_EQ(ended.err, "dttmm: plugin " + plugin + ", element \"one\", t = 1 s: " + says + "; the rows written stay\n");
+    EXPECT_EQ(read_history(folder / "out/history.csv").size(), 200u);
+    EXPECT_FALSE(fs::exists(folder / "out/summary.json"));
+    EXPECT_EQ(run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--plugin", faulty_plugin("none")}).code, 0)
+        << "the folder is free";
+
+    const Ended sweep =
+        run_dttmm(folder.path(), {"run", "model.toml", "-o", "sweep", "--plugin", plugin, "--sweep", "mass=1,2", "-j", "1"});
+    EXPECT_EQ(sweep.code, 9);
+    EXPECT_THAT(sweep.err,
+                HasSubstr("case-000002 mass=2: exit code 7: dttmm: plugin " + plugin + ", element \"one\", t = 1 s"));
+}
+
+#ifdef __SANITIZE_ADDRESS__  // the sanitizer reports faults of the processor itself
+constexpr bool kHasFaults = false;
+#else
+constexpr bool kHasFaults = true;
+#endif
+std::vector<std::pair<const char*, const char*>> crashes() {
+    std::vector<std::pair<const char*, const char*>> list = {{"exit_at_step_1000", "it ended the process"},
+                                                             {"quick_exit_at_step_1000", "it ended the process"}};
+    if (!kHasFaults) return list;
+    const char* memory = "it touched memory that is not its own, or its stack ran over (SIGSEGV)";
+    list.insert(list.end(), {{"segmentation_at_step_1000", memory},
+                             {"stack_at_step_1000", memory},
+                             {"abort_at_step_1000", "it called abort (SIGABRT)"},
+                             {"division_at_step_1000", "arithmetic fault (SIGFPE)"},
+                             {"instruction_at_step_1000", "illegal instruction (SIGILL)"},
+                             {"bus_at_step_1000", "it touched memory that is not there (SIGBUS)"}});
+    return list;
+}
+
+INSTANTIATE_TEST_SUITE_P(Command, CrashingPlugin, testing::ValuesIn(crashes()),
+                         [](const auto& one) { return one.param.first; });
+
+// Oracle: a plugin in order, in the folder asked for; nothing in the folder that the plugin has changed to.
+TEST(Plugin, ThatChangesTheFolderLosesNothing) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", faulty_model());
+    const Ended ended =
+        run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--plugin", faulty_plugin("root_folder")});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_THAT(ended.out, HasSubstr("results in out\n"));
+    for (const char* name : {"history.csv", "history.h5", "summary.json"})
+        EXPECT_TRUE(fs::exists(folder / "out" / name)) << name;
+    EXPECT_FALSE(fs::exists("/out"));
+}
+
+// Oracle: asked once, it has one channel; asked again, none.
+TEST(Plugin, IsAskedForItsChannelsOnce) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", faulty_model().substr(0, faulty_model().rfind("[[element]]")));
+    const Ended ended =
+        run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--plugin", faulty_plugin("shrinking_channels")});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_THAT(read_text(folder / "out/history.csv"), HasSubstr("one.force.x"));
+    EXPECT_EQ(read_history(folder / "out/history.csv").size(), 401u);
 }
 
 TEST(Plugin, ThatFailsOnTheWaySaysWhen) {

@@ -74,6 +74,32 @@ TEST(Hdf5Writer, ValuesReadBackToTheBit) {
     }
 }
 
+// Oracle: the numbers given, of more channels than stay open; no row, and rows around those that wait together.
+TEST(Hdf5Writer, ManyChannelsReadBack) {
+    const TemporaryFolder folder;
+    std::vector<Channel> channels{{"time", "s"}};
+    while (channels.size() < 5000) channels.push_back({"c" + std::to_string(channels.size()), "N"});
+    for (const int rows : {0, 5, 900}) {
+        {
+            Hdf5Writer writer(folder / "many.h5", channels, kAttributes);
+            std::vector<double> row(channels.size());
+            for (int n = 0; n < rows; ++n) {
+                for (std::size_t i = 0; i < row.size(); ++i) row[i] = n + 1e-4 * static_cast<double>(i);
+                writer.write_row(row);
+            }
+            writer.publish();
+        }
+        const hid_t file = H5Fopen((folder / "many.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+        for (const std::size_t i : {std::size_t{0}, std::size_t{4095}, std::size_t{4096}, std::size_t{4999}}) {
+            const std::vector<double> values = read_values(file, channels[i].name);
+            ASSERT_EQ(values.size(), static_cast<std::size_t>(rows));
+            for (int n = 0; n < rows; ++n) ASSERT_EQ(values[static_cast<std::size_t>(n)], n + 1e-4 * static_cast<double>(i));
+            EXPECT_EQ(read_attribute(file, channels[i].name, "unit"), channels[i].unit);
+        }
+        H5Fclose(file);
+    }
+}
+
 TEST(Hdf5Writer, UnitsAndFileAttributesReadBack) {
     const TemporaryFolder folder;
     write_file(folder / "history.h5", 5);

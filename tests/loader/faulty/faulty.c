@@ -4,12 +4,19 @@
  * two ends and never pulls. To tell whether the library was run at all, it makes the file named by DTTMM_LOADED_MARKER when
  * it is loaded.
  */
+#define _POSIX_C_SOURCE 200809L
 #include <fenv.h>
+#include <locale.h>
 #include <math.h>
+#include <signal.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
+#ifdef __SSE2__
+#include <xmmintrin.h>
+#endif
 
 #include "dttmm_plugin.h"
 
@@ -46,10 +53,86 @@ enum fault {
     silent_error,
     rough, /* no fault: it wants to be told twice where a step ends */
     always_rough,
-    minor_1 /* no fault: a table that ends before `expect` */
+    minor_1, /* no fault: a table that ends before `expect` */
+    throw_entry,
+    throw_create,
+    throw_linearise,
+    throw_at_step_1000,
+    exit_at_step_1000,
+    quick_exit_at_step_1000,
+    segmentation_at_step_1000,
+    abort_at_step_1000,
+    stack_at_step_1000,
+    division_at_step_1000,
+    instruction_at_step_1000,
+    bus_at_step_1000,
+    endless, /* from step 1000 on */
+    many_channels,
+    shrinking_channels,
+    underrun,
+    stiffness_overrun,
+    stiffness_underrun,
+    damping_overrun,
+    output_overrun,
+    output_underrun,
+    flush_to_zero,
+    decimal_comma,
+    nan_stiffness,
+    infinite_damping,
+    uneven_weights,
+    root_folder,
+    terminal_text,
+    model_error_at_step_1000
 };
 
 enum { FAILING_STEP = 1000 };
+
+void throw_exception(void);
+
+/* Deeper than any stack. */
+static int descend(volatile int* above) {
+    volatile int here[1000];
+    here[0] = *above + 1;
+    return here[0] > 0 ? descend(here) + here[0] : 0;
+}
+
+/* What a crash at the failing step does. */
+static void crash(void) {
+    volatile int zero = 0;
+    volatile int* volatile nowhere = (volatile int*)8;
+    switch (FAULT) {
+        case throw_at_step_1000:
+            throw_exception();
+            break;
+        case exit_at_step_1000:
+            exit(0);
+        case quick_exit_at_step_1000:
+            quick_exit(0);
+        case segmentation_at_step_1000:
+            *nowhere = 1;
+            break;
+        case abort_at_step_1000:
+            abort();
+        case stack_at_step_1000:
+            zero = descend(&zero);
+            break;
+        case division_at_step_1000:
+            zero = 12345 / zero;
+            break;
+        case instruction_at_step_1000:
+            raise(SIGILL);
+            break;
+        case bus_at_step_1000:
+            raise(SIGBUS);
+            break;
+        case endless:
+            while (!zero) {
+            }
+            break;
+        default:
+            break;
+    }
+}
 
 struct dttmm_instance {
     size_t wrench_count;
@@ -71,6 +154,12 @@ static dttmm_status fail(dttmm_error *error, dttmm_status status, int32_t elemen
 
 static dttmm_status create(const dttmm_network *network, dttmm_instance **instance, dttmm_error *error) {
     *instance = NULL;
+    if (FAULT == throw_create) throw_exception();
+    if (FAULT == root_folder && chdir("/") != 0) return DTTMM_ERROR_INTERNAL;
+    if (FAULT == terminal_text)
+        return fail(error, DTTMM_ERROR_INTERNAL, 0,
+                    "\033[2J\033]0;title\007red\033[31m \xc2\x9b"
+                    "31m \xff\r\n");
     if (FAULT == create_error)
         return fail(error, (dttmm_status)network->elements[0].values[0], 0, "this spring is made of butter; take steel");
     if (FAULT == create_nothing) return DTTMM_OK;
@@ -93,8 +182,15 @@ static dttmm_status linearise(const dttmm_instance *instance, const dttmm_motion
                               double *damping, dttmm_error *error) {
     (void)ports;
     if (FAULT == linearise_error) return fail(error, DTTMM_ERROR_INTERNAL, 0, "the spring does not know its stiffness");
+    if (FAULT == throw_linearise) throw_exception();
     write_zeros(instance, wrench, stiffness);
     write_zeros(instance, NULL, damping);
+    const size_t last = instance->wrench_count * instance->wrench_count - 1;
+    if (FAULT == nan_stiffness && stiffness) stiffness[last] = NAN;
+    if (FAULT == infinite_damping && damping) damping[last] = INFINITY;
+    if (FAULT == stiffness_overrun && stiffness) stiffness[last + 1] = 0;
+    if (FAULT == stiffness_underrun && stiffness) stiffness[-1] = 0;
+    if (FAULT == damping_overrun && damping) damping[last + 1] = 0;
     return DTTMM_OK;
 }
 
@@ -118,6 +214,10 @@ static dttmm_status evaluate(const dttmm_instance *instance, const dttmm_motion 
     if (FAULT == silent_error) return -99;
     if (FAULT == huge) wrench[2] = 1e300;
     if (FAULT == overrun) wrench[instance->wrench_count] = 0;
+    if (FAULT == underrun) wrench[-1] = 0;
+    if (instance->step == FAILING_STEP) crash();
+    if (FAULT == model_error_at_step_1000 && instance->step == FAILING_STEP)
+        return fail(error, DTTMM_ERROR_MODEL, 0, "the spring was never there");
     if (FAULT == nan_at_step_1000 && instance->step == FAILING_STEP) wrench[1] = NAN;
     if (FAULT == error_at_step_1000 && instance->step == FAILING_STEP)
         return fail(error, DTTMM_ERROR_INTERNAL, 0, "the spring has melted");
@@ -149,8 +249,8 @@ static int32_t is_implicit(const dttmm_instance *instance) {
 
 static void load_weights(const dttmm_instance *instance, double weights[3]) {
     (void)instance;
-    weights[0] = weights[2] = 0;
-    weights[1] = FAULT == heavy_weights ? 15 : 1;
+    weights[0] = weights[2] = FAULT == uneven_weights ? 5 : 0;
+    weights[1] = FAULT == heavy_weights ? 15 : FAULT == uneven_weights ? -9 : 1;
 }
 
 static size_t state_size(const dttmm_instance *instance) {
@@ -169,7 +269,10 @@ static dttmm_status restore_state(dttmm_instance *instance, const void *buffer, 
 }
 
 static uint32_t channel_count(const dttmm_instance *instance) {
+    static uint32_t asked = 0;
     (void)instance;
+    if (FAULT == many_channels) return UINT32_MAX;
+    if (FAULT == shrinking_channels) return asked++ == 0 ? 1 : 0;
     return 1;
 }
 
@@ -187,6 +290,12 @@ static dttmm_status outputs(const dttmm_instance *instance, double *values, dttm
     (void)instance, (void)error;
     if (FAULT == rounding_mode) fesetround(FE_UPWARD);
     values[0] = FAULT == nan_output ? NAN : 0;
+    if (FAULT == output_overrun) values[1] = 0;
+    if (FAULT == output_underrun) values[-1] = 0;
+#ifdef __SSE2__
+    if (FAULT == flush_to_zero) _mm_setcsr(_mm_getcsr() | 0x8040);
+#endif
+    if (FAULT == decimal_comma && !setlocale(LC_ALL, "de_DE.UTF-8")) setlocale(LC_ALL, "C.UTF-8");
     return DTTMM_OK;
 }
 
@@ -235,5 +344,6 @@ static const dttmm_plugin table = {
 };
 
 const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major) {
+    if (FAULT == throw_entry) throw_exception();
     return FAULT == null_table || host_major != DTTMM_PLUGIN_MAJOR ? NULL : &table;
 }

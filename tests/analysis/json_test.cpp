@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/json.h"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+namespace dttmm {
+namespace {
+
+std::string key(int i) { return "member" + std::to_string(i * 7919 % 1000); }
+
+// Oracle: the order written, on both sides of the size at which members are found by hash.
+TEST(Json, MembersStayInTheOrderWritten) {
+    for (const int n : {3, 16, 17, 500}) {
+        Json json = Json::object();
+        for (int i = 0; i < n; ++i) json[key(i)] = i;
+        for (int i = 0; i < n; ++i) json[key(i)] = i + 1;  // there already
+        ASSERT_EQ(json.size(), static_cast<size_t>(n));
+        int i = 0;
+        for (const auto& [name, value] : json.items()) {
+            EXPECT_EQ(name, key(i));
+            EXPECT_EQ(value, ++i);
+        }
+        EXPECT_EQ(Json::parse(json.dump()), json);
+    }
+}
+
+TEST(Json, MembersAreFoundAfterOthersAreErased) {
+    Json json = Json::object();
+    for (int i = 0; i < 100; ++i) json[key(i)] = i;
+    for (int i = 0; i < 100; i += 3) json.erase(key(i));
+    for (int i = 0; i < 100; ++i) {
+        ASSERT_EQ(json.contains(key(i)), i % 3 != 0);
+        if (i % 3 != 0) {
+            EXPECT_EQ(json.at(key(i)), i);
+        }
+    }
+    EXPECT_THROW(json.at("no such member"), Json::out_of_range);
+    Json copy = json;
+    copy["new"] = 1;
+    EXPECT_FALSE(json.contains("new"));
+    EXPECT_TRUE(copy.contains("new"));
+}
+
+// A key that counts how often it is compared.
+struct CountedKey {
+    std::string text;
+    CountedKey(const char* name) : text(name) {}
+    CountedKey(std::string name) : text(std::move(name)) {}
+    operator std::string_view() const { return text; }
+    static inline long compared = 0;
+    bool operator==(std::string_view other) const {
+        ++compared;
+        return text == other;
+    }
+};
+
+// Oracle: a table that is half full at most has a free slot or the member after 1.5 to 2.5 slots on average.
+TEST(Json, AMemberIsFoundInAHandfulOfComparisons) {
+    OrderedMembers<CountedKey, int> members;
+    constexpr int kCount = 20000;
+    for (int i = 0; i < kCount; ++i) members.emplace("name" + std::to_string(i), int(i));
+    for (int i = 0; i < kCount; ++i) ASSERT_EQ(members.at("name" + std::to_string(i)), i);
+    EXPECT_LT(CountedKey::compared, 5L * kCount);
+}
+
+// Oracle: dump() of the same.
+TEST(Json, TheStreamIsTheDump) {
+    const Json json = {{"a", {1, 2.5, "\xff broken"}}, {"b", {{"c", nullptr}}}};
+    std::ostringstream stream;
+    write_json(stream, json);
+    EXPECT_EQ(stream.str(), json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace
+}  // namespace dttmm

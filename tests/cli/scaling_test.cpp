@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Machines of many parts: time and memory grow in proportion to the parts.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "cli/process.h"
+
+namespace dttmm {
+namespace {
+
+constexpr const char* kScalingHead = "format = \"dttmm/1\"\n[simulation]\nduration = \"3 ms\"\nstep = \"1 ms\"\n";
+constexpr const char* kScalingBody = "[[body]]\nname = \"plate\"\nmass = 10\ninertia = [1, 1.1, 1.2]\n";
+
+/// One plate on n springs from the ground, each of its own stiffness.
+std::string springs(int n) {
+    std::string text = std::string(kScalingHead) + "[output]\nchannels = [\"plate.position\"]\n" + kScalingBody;
+    for (int i = 0; i < n; ++i)
+        text += fmt::format(
+            "[[element]]\nname = \"s{}\"\ntype = \"spring_damper\"\nfrom = \"ground\"\nto = \"plate\"\nstiffness = {}\n", i,
+            100 + i);
+    return text;
+}
+
+std::string free_bodies(int n) {
+    std::string text = std::string(kScalingHead) + "gravity = [0, 0, -9.81]\n";
+    for (int i = 0; i < n; ++i)
+        text +=
+            fmt::format("[[body]]\nname = \"b{}\"\nmass = 1\ninertia = [1, 1.1, 1.2]\nposition = [{}, 0, 0]\n", i, 3 * i);
+    return text;
+}
+
+std::string many_parameters(int n) {
+    std::string text = std::string(kScalingHead) + "[parameters]\n";
+    for (int i = 0; i < n; ++i) text += fmt::format("p{} = {}\n", i, i);
+    return text + kScalingBody;
+}
+
+Ended run_text(const std::string& model) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", model);
+    const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out"});
+    EXPECT_EQ(ended.code, 0) << ended.err.substr(0, 500);
+    EXPECT_EQ(read_json(folder / "out/summary.json")["rows"], 4);
+    return ended;
+}
+
+// Oracle: four times the parts take four times the processor's time; 16 times if something looks at all pairs. 8 lies
+// between. The smaller run is long enough that what every run takes, some 10 ms, counts little.
+void expect_linear_time(std::string (*model)(int), int n) {
+    const double few = run_text(model(n)).processor_seconds, many = run_text(model(4 * n)).processor_seconds;
+    EXPECT_LT(many, 8 * (few + 0.01)) << few << " s for " << n;
+}
+
+TEST(Scaling, TimeInProportionToElements) { expect_linear_time(springs, 4000); }
+TEST(Scaling, TimeInProportionToParameters) { expect_linear_time(many_parameters, 20000); }
+TEST(Scaling, TimeInProportionToBodies) { expect_linear_time(free_bodies, 500); }
+
+// Oracle: 16 channels of a body, each one number per row, three rows: the model, the summary and the open datasets take
+// 45 kB per body, where datasets that all stay open take 300 kB.
+TEST(Scaling, ABodyTakesLittleMemory) {
+#ifdef __SANITIZE_ADDRESS__
+    GTEST_SKIP() << "the sanitizer's own memory counts";
+#endif
+    const double few = run_text(free_bodies(1000)).memory, many = run_text(free_bodies(3000)).memory;
+    EXPECT_LT((many - few) / 2000, 100e3);
+}
+
+}  // namespace
+}  // namespace dttmm

@@ -117,6 +117,22 @@ static dttmm_status discard_step(dttmm_instance *s, dttmm_error *error) {
     return DTTMM_OK;
 }
 
+/* For rows of results: the mean force over the step last committed, and that at its start. */
+static dttmm_status mean_wrench(dttmm_instance *s, double *wrench, dttmm_error *error) {
+    if (s->first) return fail(error, DTTMM_ERROR_PHASE, "mean_wrench: no step has been committed");
+    memset(wrench, 0, 6 * sizeof *wrench);
+    for (int i = 0; i < 3; ++i) wrench[i] = -0.5 * s->k[i] * (s->d[0][i] + s->d[1][i]);
+    return DTTMM_OK;
+}
+
+static dttmm_status stand(dttmm_instance *s, const dttmm_motion *port, double *wrench, dttmm_error *error) {
+    (void)port; /* of its velocity nothing hangs here */
+    if (s->first) return fail(error, DTTMM_ERROR_PHASE, "stand: no step has been committed");
+    memset(wrench, 0, 6 * sizeof *wrench);
+    for (int i = 0; i < 3; ++i) wrench[i] = -s->k[i] * s->d[1][i];
+    return DTTMM_OK;
+}
+
 /* The state is the instance itself: plain numbers, the constants among them. */
 static size_t state_size(const dttmm_instance *s) { return sizeof *s; }
 
@@ -149,6 +165,7 @@ static dttmm_status outputs(const dttmm_instance *s, double *values, dttmm_error
 static const dttmm_plugin plugin = {
     sizeof(dttmm_plugin), DTTMM_PLUGIN_MAJOR, DTTMM_PLUGIN_MINOR, "minimal plugin", "1.0", 1, types, create, destroy, linearise,
     start, begin_step, evaluate, commit_step, discard_step, is_implicit, load_weights, state_size, save_state, restore_state,
-    channel_count, channels, outputs, NULL, NULL, NULL, NULL, NULL, NULL, NULL, /* histories only, no modes */ NULL /* nothing to expect */};
+    channel_count, channels, outputs, NULL, NULL, NULL, NULL, NULL, NULL, NULL, /* histories only, no modes */ NULL, /* nothing to expect */
+    mean_wrench, stand};
 
 const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major) { return host_major == DTTMM_PLUGIN_MAJOR ? &plugin : NULL; }

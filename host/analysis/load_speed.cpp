@@ -63,8 +63,7 @@ double compute_load_error(const double weights[3], double omega_h) {
     if (a == 0) return 0;
     const std::complex<double> turn = std::polar(1.0, omega_h);
     const double effect = std::abs(weights[0] * turn + weights[1] + weights[2] / turn);
-    const double on_acceleration = effect - 1, on_displacement = effect * std::pow(a / std::sin(a), 2) - 1;
-    return std::abs(on_acceleration) >= std::abs(on_displacement) ? on_acceleration : on_displacement;
+    return effect * std::pow(a / std::sin(a), 2) - 1;
 }
 
 std::vector<SignalPart> find_parts(const Signal& signal, double duration, double step) {

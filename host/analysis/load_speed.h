@@ -10,13 +10,12 @@
 
 namespace dttmm {
 
-/// What a step does to a vibration of a load. A step weights a load by w+ at its end, w0 at its start, w− one step earlier.
-/// On a free mass a harmonic load of circular frequency ω then has the effect
-///     |w+ e^{iωh} + w0 + w− e^{−iωh}|                     on the acceleration,
-///     the same times (a/sin a)²,  a = ωh/2,               on the displacement,
-/// each over the exact effect. With the weights 1/4, 1/2, 1/4 of the implicit coupling the first is cos²a. The explicit
-/// coupling has 0, 1, 0: its acceleration is exact, its displacement too large.
-/// Returns the larger departure of the two from one: −sin²a implicit, positive explicit; −1 from two steps per period on.
+/// What a step does to the motion that a load makes. A step weights a load by w+ at its end, w0 at its start, w− one step
+/// earlier. The displacement of a free mass under a harmonic load of circular frequency ω is then the exact one times
+///     |w+ e^{iωh} + w0 + w− e^{−iωh}| (a/sin a)²,  a = ωh/2:
+/// with the weights 1/4, 1/2, 1/4 of the implicit coupling (a/tan a)², too small; with the 0, 1, 0 of the explicit one too
+/// large. (Accelerations are those of the instant: that of a free mass is exact.)
+/// Returns the departure from one, −1 from two steps per period on.
 double compute_load_error(const double weights[3], double omega_h);
 
 /// The parts of a signal over `duration` [s]: in closed form where its shape knows them, else by its spectrum. That is taken

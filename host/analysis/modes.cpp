@@ -16,6 +16,7 @@
 #include "record/atomic_file.h"
 #include "record/csv_writer.h"
 #include "record/results_folder.h"
+#include "record/tell.h"
 #include "record/warnings.h"
 
 namespace dttmm {

@@ -78,7 +78,9 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks)
     : descriptions_(model.joints),
       system_(model.bodies, model.joints),
       matrix_(static_cast<int>(model.bodies.size()), networks.neighbours(), system_.nodes()),
-      factor_(matrix_) {
+      factor_(matrix_),
+      instant_matrix_(static_cast<int>(model.bodies.size()), {}, system_.nodes()),
+      instant_factor_(instant_matrix_) {
     const size_t n = model.bodies.size();
     const std::vector<std::string> holders = find_holders(model);
     const std::vector<size_t> group = find_groups(n, find_neighbours(model, networks));
@@ -86,12 +88,21 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks)
         const Body& body = model.bodies[b];
         const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(body.inertia).eigenvalues()(0);
         const double reach = std::max(reach_of(body), system_.longest_arm(static_cast<int>(b)));
+        inverse_moments_.push_back(body.inertia.inverse());
         bodies_.push_back({Inertia(body), body.name, holders[b], least, reach, group[b]});
     }
     groups_.resize(n == 0 ? 0 : 1 + *std::max_element(group.begin(), group.end()));
     for (auto* list : {&u_, &previous_u_, &correction_, &free_momentum_, &feedback_}) list->assign(n, Vector6::Zero());
     wrenches_.resize(6 * n);
-    for (Eigen::VectorXd* list : {&right_hand_side_, &solution_, &multipliers_}) list->setZero(matrix_.size());
+    for (Eigen::VectorXd* list : {&right_hand_side_, &solution_, &multipliers_, &instant_multipliers_})
+        list->setZero(matrix_.size());
+    joints_turn_ = std::ranges::any_of(descriptions_, [](const Joint& joint) {
+        return joint.type != JointType::slider && joint.type != JointType::fixed;
+    });
+    for (Eigen::VectorXd* list : {&instant_rows_, &instant_solution_, &proximal_rows_})
+        list->setZero(instant_matrix_.size());
+    instant_.at.resize(n);
+    instant_.accelerations.resize(n);
 }
 
 std::vector<BodyState> EndOfStep::start(const dttmm_step& step, const std::vector<BodyState>& at, Networks& networks,
@@ -108,46 +119,137 @@ std::vector<BodyState> EndOfStep::start(const dttmm_step& step, const std::vecto
     networks.linearise(at, wrenches_.data(), nullptr);
     loads.add_at_start(at, wrenches_.data());
     refuse_opening_joints(at);
-    std::vector<double> accelerations(wrenches_.size());
-    find_accelerations(at, accelerations.data());
+    system_.linearise(at, std::vector<Stop>(descriptions_.size()));
+    factor_instant(at);
+    find_accelerations(at);
+    start_ = at;
     std::vector<BodyState> half_step_back = at;
     for (size_t b = 0; b < at.size(); ++b) {
-        const Eigen::Map<const Eigen::Vector3d> a(&accelerations[6 * b]), alpha(&accelerations[6 * b + 3]);
-        half_step_back[b].velocity -= 0.5 * h_ * a;
-        half_step_back[b].angular_velocity -= 0.5 * h_ * alpha;
-        previous_u_[b].head<3>() = half_step_back[b].velocity - h_ * a;
-        previous_u_[b].tail<3>() = half_step_back[b].angular_velocity - h_ * alpha;
+        const Vector6& a = instant_.accelerations[b];
+        half_step_back[b].velocity -= 0.5 * h_ * a.head<3>();
+        half_step_back[b].angular_velocity -= 0.5 * h_ * a.tail<3>();
+        previous_u_[b].head<3>() = half_step_back[b].velocity - h_ * a.head<3>();
+        previous_u_[b].tail<3>() = half_step_back[b].angular_velocity - h_ * a.tail<3>();
     }
-    networks.start(step, at, accelerations.data(), loads.on_nodes());
+    networks.start(step, at, instant_.accelerations.empty() ? nullptr : instant_.accelerations.front().data(),
+                   loads.on_nodes());
     return half_step_back;
 }
 
-/// Accelerations at an instant under wrenches_:  M a + Jᵀ q = f,  I α + … = m − ω × I ω,  J a = −C̈ at constant velocities.
-void EndOfStep::find_accelerations(const std::vector<BodyState>& at, double* accelerations) {
-    constexpr int kProximalPasses = 4;
-    system_.linearise(at, std::vector<Stop>(descriptions_.size()));
-    matrix_.set_zero();
-    factor(at);
-    Eigen::VectorXd rows(matrix_.size());
-    for (size_t b = 0; b < at.size(); ++b) {
-        const int start = matrix_.index(static_cast<int>(b));
-        rows.segment<6>(start) = Eigen::Map<const Vector6>(&wrenches_[6 * b]);
-        const Eigen::Vector3d& w = at[b].angular_velocity;
-        rows.segment<3>(start + 3) -= w.cross(bodies_[b].inertia.turned(at[b].rotation, w));
-    }
-    system_.write_curvatures(matrix_, at, rows);
-    Eigen::VectorXd x = Eigen::VectorXd::Zero(rows.size());
-    for (int pass = 0; pass < (system_.empty() ? 1 : kProximalPasses); ++pass) {
-        Eigen::VectorXd proximal = rows;
-        for (size_t j = 0; j < descriptions_.size(); ++j) {
-            const auto q = Eigen::seqN(matrix_.joint_index(static_cast<int>(j)), system_.joints()[j].count());
-            proximal(q) += matrix_.upper().diagonal()(q).cwiseProduct(x(q));
-        }
-        factor_.solve(proximal, x);
-    }
-    start_multipliers_ = h_ * x;
+// ---- What stands at an instant ------------------------------------------------------------------------------------------
+
+/// M and the joints as last linearised. Without joints there is nothing to factor.
+void EndOfStep::factor_instant(const std::vector<BodyState>& at) {
+    if (system_.empty()) return;
+    instant_matrix_.set_zero();
     for (size_t b = 0; b < at.size(); ++b)
-        Eigen::Map<Vector6>(accelerations + 6 * b) = x.segment<6>(matrix_.index(static_cast<int>(b)));
+        instant_matrix_.add(static_cast<int>(b), static_cast<int>(b), bodies_[b].inertia.block(at[b].rotation));
+    system_.write_to(instant_matrix_);
+    if (!instant_factor_.factor(instant_matrix_))
+        throw Error(ExitCode::numerical_failure,
+                    fmt::format("t = {:.9g} s: the equations of the joints at this instant are singular: very unequal masses "
+                                "on joints, or a singular position?",
+                                time_));
+}
+
+/// Solves with the proximal E of redundant joints taken out again.
+void EndOfStep::solve_instant(Eigen::VectorXd& rows, Eigen::VectorXd& x) const {
+    constexpr int kProximalPasses = 4;
+    x.setZero();
+    for (int pass = 0; pass < kProximalPasses; ++pass) {
+        proximal_rows_ = rows;
+        for (size_t j = 0; j < descriptions_.size(); ++j) {
+            const auto q = Eigen::seqN(instant_matrix_.joint_index(static_cast<int>(j)), system_.joints()[j].count());
+            proximal_rows_(q) += instant_matrix_.upper().diagonal()(q).cwiseProduct(x(q));
+        }
+        instant_factor_.solve(proximal_rows_, x);
+    }
+}
+
+/// Velocities of instant_ out of those over the step that begins there, under the mean wrenches_ over it.
+void EndOfStep::find_velocities(const std::vector<BodyState>& after) {
+    instant_rows_.setZero();
+    for (size_t b = 0; b < after.size(); ++b) {
+        BodyState& at = instant_.at[b];
+        const Eigen::Map<const Vector6> mean(&wrenches_[6 * b]);
+        const double mass = bodies_[b].inertia.mass;
+        const Eigen::Vector3d velocity = after[b].velocity - 0.5 * h_ / mass * mean.head<3>();
+        const Eigen::Vector3d L = momentum_over_step(b, at.rotation, after[b].angular_velocity) - 0.5 * h_ * mean.tail<3>();
+        if (system_.empty()) {
+            at.velocity = velocity;
+            at.angular_velocity = at.rotation * (inverse_moments_[b] * (at.rotation.transpose() * L));
+        } else {
+            instant_rows_.segment<6>(instant_matrix_.index(static_cast<int>(b))) << mass * velocity, L;
+        }
+    }
+    if (system_.empty()) return;
+    solve_instant(instant_rows_, instant_solution_);
+    for (size_t b = 0; b < after.size(); ++b) {
+        const auto u = instant_solution_.segment<6>(instant_matrix_.index(static_cast<int>(b)));
+        instant_.at[b].velocity = u.head<3>();
+        instant_.at[b].angular_velocity = u.tail<3>();
+    }
+}
+
+/// Accelerations at an instant under wrenches_:  M a + Jᵀ q = f,  I α + … = m − ω × I ω,  J a = −C̈ at constant velocities.
+void EndOfStep::find_accelerations(const std::vector<BodyState>& at) {
+    for (size_t b = 0; b < at.size(); ++b) {
+        const Eigen::Vector3d& w = at[b].angular_velocity;
+        const Eigen::Matrix3d& R = at[b].rotation;
+        Vector6 f = Eigen::Map<const Vector6>(&wrenches_[6 * b]);
+        f.tail<3>() -= w.cross(bodies_[b].inertia.turned(R, w));
+        if (system_.empty())
+            instant_.accelerations[b] << f.head<3>() / bodies_[b].inertia.mass,
+                R * (inverse_moments_[b] * (R.transpose() * f.tail<3>()));
+        else
+            instant_rows_.segment<6>(instant_matrix_.index(static_cast<int>(b))) = f;
+    }
+    if (system_.empty()) return;
+    system_.write_curvatures(instant_matrix_, at, instant_rows_);
+    solve_instant(instant_rows_, instant_solution_);
+    instant_multipliers_ = h_ * instant_solution_;
+    for (size_t b = 0; b < at.size(); ++b)
+        instant_.accelerations[b] = instant_solution_.segment<6>(instant_matrix_.index(static_cast<int>(b)));
+}
+
+/// Whether a stop changes the speed of its coordinate over the step: it has not been at rest on it.
+bool EndOfStep::has_impact(const std::vector<BodyState>& now, const std::vector<BodyState>& after) const {
+    for (size_t j = 0; j < stops_.size(); ++j) {
+        if (!stops_[j].acts) continue;
+        const double before = system_.coordinate_speed(j, now), then = system_.coordinate_speed(j, after);
+        if (std::abs(before) > 2 * Stop::kPlay / h_ || std::abs(then) > 2 * Stop::kPlay / h_) return true;
+    }
+    return false;
+}
+
+const Instant& EndOfStep::find_instant(const std::vector<BodyState>& now, const std::vector<BodyState>& after,
+                                       Networks& networks, const Loads& loads) {
+    const bool is_impact = has_impact(now, after);
+    const bool is_newmark = networks.stand() && networks.is_implicit() && !is_impact && !joints_turn_;
+    for (size_t b = 0; b < now.size(); ++b) {
+        BodyState& at = instant_.at[b] = now[b];
+        at.velocity = 0.5 * (now[b].velocity + after[b].velocity);
+        at.angular_velocity = 0.5 * (now[b].angular_velocity + after[b].angular_velocity);
+        instant_.accelerations[b] << (after[b].velocity - now[b].velocity) / h_,
+            (after[b].angular_velocity - now[b].angular_velocity) / h_;
+    }
+    instant_multipliers_ = multipliers_;
+    if (!networks.stand()) return instant_;
+    factor_instant(now);
+    std::fill(wrenches_.begin(), wrenches_.end(), 0.0);
+    if (networks.is_implicit()) networks.add_mean_wrenches(now, wrenches_.data());
+    if (steps_ == 1) {
+        instant_.at = start_;  // the initial conditions
+    } else if (is_newmark) {
+        loads.add_mean(now, wrenches_.data());
+        find_velocities(after);
+    }
+    std::fill(wrenches_.begin(), wrenches_.end(), 0.0);
+    networks.stand_at(instant_.at, wrenches_.data());
+    if (is_impact) return instant_;
+    loads.add_at_start(now, wrenches_.data());
+    find_accelerations(instant_.at);
+    return instant_;
 }
 
 void EndOfStep::refuse_opening_joints(const std::vector<BodyState>& at) const {
@@ -449,8 +551,7 @@ double EndOfStep::stop_work(const std::vector<BodyState>& now, const std::vector
 Eigen::Matrix<double, 6, 1> EndOfStep::joint_wrench(size_t joint, const std::vector<BodyState>& now) const {
     // What acts on the second body acts back on the first; both about the anchor
     const JointEquations& equations = system_.joints()[joint];
-    const bool at_start = steps_ == 1 && std::ranges::none_of(stops_, &Stop::acts);
-    const double* q = (at_start ? start_multipliers_ : multipliers_).data() + matrix_.joint_index(static_cast<int>(joint));
+    const double* q = instant_multipliers_.data() + instant_matrix_.joint_index(static_cast<int>(joint));
     const auto side = equations.bodies()[JointEquations::kFirst] >= 0 ? JointEquations::kFirst : JointEquations::kSecond;
     const auto body = static_cast<size_t>(equations.bodies()[side]);
     Vector6 wrench = (side == JointEquations::kFirst ? 1 : -1) / h_ * system_.impulse(joint, side, q);

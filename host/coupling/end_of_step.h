@@ -17,6 +17,12 @@ namespace dttmm {
 /// What acts on the bodies over a step, for ODE: [force; moment about the centre of mass] per body, world axes.
 using Feedback = std::vector<Eigen::Matrix<double, 6, 1>>;
 
+/// The bodies at t_n: what a row of results tells of them. Mass times acceleration is the sum of the forces recorded there.
+struct Instant {
+    std::vector<BodyState> at;                                 ///< poses and velocities
+    std::vector<Eigen::Matrix<double, 6, 1>> accelerations;  ///< of the centres of mass, linear and angular [m/s², rad/s²]
+};
+
 /// Finds the motion at the end of a step that agrees with the wrench the networks answer to it, for all coupled bodies at
 /// once.
 ///
@@ -66,7 +72,18 @@ public:
     /// kAgreement of their speeds.
     void confirm(const std::vector<BodyState>& after) const;
 
-    /// The wrench of a joint at t_n on its first body, [force; moment about the anchor], world axes.
+    /// What stands at t_n, the start of the step last committed: velocities as Newmark's rule has them,
+    ///     v_n = v_{n+1/2} − h/2 M⁻¹ (mean wrench over the step),   J v_n = 0,
+    /// accelerations and joint forces by the balance of that instant, M a + Jᵀ q = f, J a = −C̈. Then the networks stand
+    /// there too. now: poses at t_n, velocities over the step before; after: those over the step. Velocities are the means of
+    /// those over the two steps where joints turn (J at t_n would share the turning over half a step between a heavy body
+    /// and one that is stiffly held), in the row of an impact on a stop, with an explicit scheme, and where a plugin does not
+    /// tell what stands; in the row of an impact, and for such a plugin, accelerations and joint forces are the means over
+    /// these steps too, the impulse of the impact among them.
+    const Instant& find_instant(const std::vector<BodyState>& now, const std::vector<BodyState>& after, Networks& networks,
+                                const Loads& loads);
+
+    /// The wrench of a joint at the instant last found on its first body, [force; moment about the anchor], world axes.
     Eigen::Matrix<double, 6, 1> joint_wrench(size_t joint, const std::vector<BodyState>& now) const;
     const std::vector<JointEquations>& joints() const { return system_.joints(); }
     /// Work of the stops at t_n on the bodies [J], never positive but for rounding: a stop takes speed and gives none back.
@@ -104,7 +121,11 @@ private:
     void evaluate(const std::vector<BodyState>& now, Networks& networks);
     void factor(const std::vector<BodyState>& now);
     size_t least_held(const std::vector<BodyState>& now) const;
-    void find_accelerations(const std::vector<BodyState>& at, double* accelerations);
+    void factor_instant(const std::vector<BodyState>& at);
+    void solve_instant(Eigen::VectorXd& rows, Eigen::VectorXd& x) const;
+    void find_velocities(const std::vector<BodyState>& after);
+    void find_accelerations(const std::vector<BodyState>& at);
+    bool has_impact(const std::vector<BodyState>& now, const std::vector<BodyState>& after) const;
     void refuse_opening_joints(const std::vector<BodyState>& at) const;
     void correct(const std::vector<BodyState>& now);
     void open_groups(const std::vector<BodyState>& now);
@@ -135,7 +156,15 @@ private:
     BlockFactor factor_;
     Eigen::VectorXd right_hand_side_, solution_;
     std::vector<Stop> stops_;
-    Eigen::VectorXd start_multipliers_;  ///< q of the accelerations at the start, where the first step's is one order less
+    BlockMatrix instant_matrix_;  ///< M and the joints, of an instant
+    BlockFactor instant_factor_;
+    bool joints_turn_ = false;  ///< some leave a rotation free
+    Instant instant_;
+    std::vector<BodyState> start_;  ///< as given
+    Eigen::VectorXd instant_rows_, instant_solution_;
+    mutable Eigen::VectorXd proximal_rows_;
+    Eigen::VectorXd instant_multipliers_;  ///< h q of the instant last found
+    std::vector<Eigen::Matrix3d> inverse_moments_;  ///< of inertia, body axes
     std::vector<bool> foreseen_;         ///< stops that ODE does not see yet
     Eigen::VectorXd multipliers_;        ///< q in the joints' rows; the others are not looked at
     bool stiffness_wanted_ = true;       ///< by the next evaluation, which then factors the matrix anew

@@ -49,6 +49,7 @@ void Loads::begin_step(const dttmm_step& step) {
         m.before = m.now;
         m.now = m.after;
         m.after = magnitude(i, end);
+        m.mean = 0.5 * (m.now + m.after);
         m.over_step = weights_[0] * m.after + weights_[1] * m.now + weights_[2] * m.before;
     }
     gather_node_loads();
@@ -81,17 +82,18 @@ void Loads::add(const std::vector<BodyState>& now, double Magnitude::*magnitude,
     }
 }
 
-double Loads::power_at_start(const std::vector<BodyState>& before, const std::vector<BodyState>& after) const {
-    double power = 0;
+double Loads::work_over_step(const std::vector<BodyState>& now, const std::vector<BodyState>& after, double h) const {
+    double work = 0;
     for (size_t i = 0; i < loads_.size(); ++i) {
         const Load& load = loads_[i].load;
         if (load.on.body < 0) continue;  // its work is the network's
-        const BodyState &from = before[static_cast<size_t>(load.on.body)], &to = after[static_cast<size_t>(load.on.body)];
-        Eigen::Vector3d rate = 0.5 * (from.angular_velocity + to.angular_velocity);
-        if (!load.is_moment) rate = 0.5 * (from.velocity + to.velocity) + rate.cross(from.rotation * loads_[i].arm);
-        power += magnitudes_[i].now * load.direction.dot(rate);
+        const BodyState &from = now[static_cast<size_t>(load.on.body)], &to = after[static_cast<size_t>(load.on.body)];
+        const Eigen::Vector3d way = load.is_moment ? Eigen::Vector3d(h * to.angular_velocity)
+                                                   : Eigen::Vector3d(to.position + to.rotation * loads_[i].arm - from.position -
+                                                                     from.rotation * loads_[i].arm);
+        work += magnitudes_[i].mean * load.direction.dot(way);
     }
-    return power;
+    return work;
 }
 
 }  // namespace dttmm

@@ -37,14 +37,17 @@ public:
     /// Adds the wrench at the instant t_n that the step starts from.
     void add_at_start(const std::vector<BodyState>& now, double* wrenches) const { add(now, &Magnitude::now, wrenches); }
 
-    /// Power of the loads on bodies (without gravity) at t_n [W]; the velocities there are the means of those over the steps
-    /// `before` and `after`, the poses those of `before`.
-    double power_at_start(const std::vector<BodyState>& before, const std::vector<BodyState>& after) const;
+    /// Adds the mean of the wrenches at the two ends of the open step, with the lever arms of its start.
+    void add_mean(const std::vector<BodyState>& now, double* wrenches) const { add(now, &Magnitude::mean, wrenches); }
+
+    /// Work of the loads on bodies (without gravity) over the open step [J], the mean load over the way: exact for Newmark's
+    /// rule. `now`: poses at its start; `after`: at its end, with the velocities over it.
+    double work_over_step(const std::vector<BodyState>& now, const std::vector<BodyState>& after, double h) const;
 
 private:
-    /// Of one load: at t_{n−1}, t_n, t_{n+1}, and weighted [N or N m].
+    /// Of one load: at t_{n−1}, t_n, t_{n+1}, weighted, and the mean of the last two of these instants [N or N m].
     struct Magnitude {
-        double before = 0, now = 0, after = 0, over_step = 0;
+        double before = 0, now = 0, after = 0, over_step = 0, mean = 0;
     };
     struct Placed {
         Load load;

@@ -44,6 +44,7 @@ Networks::Networks(const Model& model, const Plugins& plugins) {
         if (load.on.node >= 0) is_loaded[static_cast<size_t>(load.on.node)] = true;
     for (const std::vector<size_t>& elements : split_into_networks(model)) add_network(model, plugins, elements, is_loaded);
 
+    for (const NetworkInstance& instance : instances_) stand_ = stand_ && instance.stands();
     is_implicit_ = model.simulation.coupling == Coupling::implicit;
     if (!instances_.empty()) {
         refuse_mixed_weights();
@@ -346,6 +347,28 @@ size_t Networks::output_count() const {
     size_t count = 0;
     for (const NetworkInstance& instance : instances_) count += instance.channel_count();
     return count;
+}
+
+void Networks::add_mean_wrenches(const std::vector<BodyState>& at, double* wrenches) {
+    gather(at, 0);
+    arms_.swap(next_arms_);  // those of the start of the step
+    for (size_t n = 0; n < instances_.size(); ++n)
+        tell_time(time_, [&] {
+            instances_[n].mean_wrench(&wrenches_[slots_[n].wrench]);
+            scatter(n, wrenches);
+        });
+    arms_.swap(next_arms_);
+}
+
+void Networks::stand_at(const std::vector<BodyState>& at, double* wrenches) {
+    gather(at, 0);
+    arms_.swap(next_arms_);
+    for (size_t n = 0; n < instances_.size(); ++n)
+        tell_time(time_, [&] {
+            instances_[n].stand(motions_.data() + slots_[n].port, &wrenches_[slots_[n].wrench]);
+            scatter(n, wrenches);
+        });
+    arms_.swap(next_arms_);
 }
 
 void Networks::outputs(double* values) const {

@@ -59,6 +59,14 @@ public:
     size_t rough() const { return rough_; }
     void commit_step(const std::vector<BodyState>& accepted);
 
+    /// Whether all plugins tell what stands at an instant.
+    bool stand() const { return stand_; }
+    /// Adds the mean wrenches over the step last committed, which began with the bodies at `at`. Only if stand().
+    void add_mean_wrenches(const std::vector<BodyState>& at, double* wrenches);
+    /// Adds the wrenches at the start of that step, when the bodies have the poses and velocities of `at` there; outputs are
+    /// then of that instant. Only if stand().
+    void stand_at(const std::vector<BodyState>& at, double* wrenches);
+
     const std::vector<NetworkInstance>& instances() const { return instances_; }
     /// Results of all networks, one after the other, at the start of the step last committed. Throws Error(plugin_failure)
     /// for one that is not finite, and as refuse_changed_arithmetic() does.
@@ -106,7 +114,7 @@ private:
     std::vector<std::string> body_names_;
     std::vector<std::pair<int, int>> neighbours_;
     double weights_[3] = {0, 1, 0};
-    bool is_implicit_ = false;
+    bool is_implicit_ = false, stand_ = true;
     size_t rough_ = kNone;
 
     double step_size_ = 0;

@@ -76,6 +76,15 @@ public:
         ask([&](dttmm_error* error) { return table_->discard_step(instance_.get(), error); });
     }
 
+    /// Whether the plugin has the two that follow.
+    bool stands() const { return plugin_.stands(); }
+    void mean_wrench(double* wrench) {
+        ask([&](dttmm_error* error) { return table_->mean_wrench(instance_.get(), wrench, error); });
+    }
+    void stand(const dttmm_motion* ports, double* wrench) {
+        ask([&](dttmm_error* error) { return table_->stand(instance_.get(), ports, wrench, error); });
+    }
+
     std::vector<unsigned char> save_state() const;
     void restore_state(const std::vector<unsigned char>& state);
 

@@ -22,7 +22,8 @@ namespace {
 
 /// Of the table of a minor version: up to the members that the next one appended.
 constexpr size_t kSizeOfMinor0 = offsetof(dttmm_plugin, create_modal), kSizeOfMinor1 = offsetof(dttmm_plugin, expect),
-                 kSizeOfMinor2 = offsetof(dttmm_plugin, expect) + sizeof(dttmm_plugin::expect);
+                 kSizeOfMinor2 = offsetof(dttmm_plugin, mean_wrench),
+                 kSizeOfMinor3 = offsetof(dttmm_plugin, stand) + sizeof(dttmm_plugin::stand);
 
 [[noreturn]] void fail(const std::string& name, const std::string& fault) {
     throw Error(ExitCode::plugin_failure, fmt::format("plugin {}: {}", name, printable(fault)));
@@ -116,6 +117,10 @@ PluginLibrary::PluginLibrary(std::string name, const dttmm_plugin* table, std::s
 
 decltype(dttmm_plugin::expect) PluginLibrary::expect() const {
     return table_->size >= kSizeOfMinor2 ? table_->expect : nullptr;
+}
+
+bool PluginLibrary::stands() const {
+    return table_->size >= kSizeOfMinor3 && table_->mean_wrench && table_->stand;
 }
 
 bool PluginLibrary::has_modes() const {

@@ -26,6 +26,8 @@ public:
     const std::string& name() const { return name_; }
     /// The function of that name, NULL if it has none.
     decltype(dttmm_plugin::expect) expect() const;
+    /// Whether it tells what stands at an instant (mean_wrench, stand).
+    bool stands() const;
     /// Whether it can find natural frequencies.
     bool has_modes() const;
 

@@ -21,17 +21,14 @@ double* write(double* out, const Eigen::Vector3d& v) {
 }
 
 /// Motion of a body at t_n, centre of mass.
-struct Centred {
-    Centred(const BodyState& before, const BodyState& after, double h)
-        : velocity(0.5 * (before.velocity + after.velocity)),
-          acceleration((after.velocity - before.velocity) / h),
-          angular_velocity(0.5 * (before.angular_velocity + after.angular_velocity)),
-          angular_acceleration((after.angular_velocity - before.angular_velocity) / h) {}
-    Eigen::Vector3d velocity_at(const Eigen::Vector3d& arm) const { return velocity + angular_velocity.cross(arm); }
+struct Moving {
+    const BodyState& at;
+    const Eigen::Matrix<double, 6, 1>& acceleration;
+    Eigen::Vector3d velocity_at(const Eigen::Vector3d& arm) const { return at.velocity + at.angular_velocity.cross(arm); }
     Eigen::Vector3d acceleration_at(const Eigen::Vector3d& arm) const {
-        return acceleration + angular_acceleration.cross(arm) + angular_velocity.cross(angular_velocity.cross(arm));
+        const Eigen::Vector3d& w = at.angular_velocity;
+        return acceleration.head<3>() + acceleration.tail<3>().cross(arm) + w.cross(w.cross(arm));
     }
-    Eigen::Vector3d velocity, acceleration, angular_velocity, angular_acceleration;
 };
 
 /// Markers that an element or a load is attached to, as (body, marker).
@@ -133,19 +130,17 @@ void Observer::advance(const Loads& loads, const EndOfStep& end_of_step, const s
     const double stop_loss = -end_of_step.stop_work(before, after);
     ledger_.stop_loss += 0.5 * (ledger_.stop_loss_now + stop_loss);
     ledger_.stop_loss_now = stop_loss;
-    const double power = loads.power_at_start(before, after);
-    if (ledger_.started) ledger_.load_work += 0.5 * h * (ledger_.load_power + power);
-    ledger_.load_power = power;
-    ledger_.started = true;
+    ledger_.load_work += ledger_.last_work;
+    ledger_.last_work = loads.work_over_step(before, after, h);
 }
 
 std::span<const double> Observer::row(double time, const Networks& networks, const EndOfStep& end_of_step,
-                                      const std::vector<BodyState>& before, const std::vector<BodyState>& after, double h) {
-    Energies energies{kinetic_energy(before, after), 0, ledger_.stop_loss, ledger_.load_work + gravity_work(before)};
+                                      const Instant& instant) {
+    Energies energies{kinetic_energy(instant.at), 0, ledger_.stop_loss, ledger_.load_work + gravity_work(instant.at)};
     row_.front() = time;
     double* out = write_networks(row_.data() + 1, networks, energies);
-    out = write_joints(out, end_of_step, before);
-    out = write_bodies(out, before, after, h);
+    out = write_joints(out, end_of_step, instant.at);
+    out = write_bodies(out, instant);
 
     const auto& [kinetic, strain, dissipated, work] = energies;
     const double balance = kinetic + strain + dissipated - work;
@@ -178,47 +173,45 @@ double* Observer::write_networks(double* out, const Networks& networks, Energies
     return out;
 }
 
-double* Observer::write_joints(double* out, const EndOfStep& end_of_step, const std::vector<BodyState>& before) const {
+double* Observer::write_joints(double* out, const EndOfStep& end_of_step, const std::vector<BodyState>& at) const {
     const std::vector<JointEquations>& joints = end_of_step.joints();
     for (size_t j = 0; j < joints.size(); ++j) {
-        const Eigen::Matrix<double, 6, 1> wrench = end_of_step.joint_wrench(j, before);
-        const Eigen::Matrix3d axes = joints[j].axes(before);
+        const Eigen::Matrix<double, 6, 1> wrench = end_of_step.joint_wrench(j, at);
+        const Eigen::Matrix3d axes = joints[j].axes(at);
         out = write(out, axes.transpose() * wrench.head<3>());
         out = write(out, axes.transpose() * wrench.tail<3>());
-        if (joints[j].has_coordinate()) *out++ = joints[j].coordinate(before);
+        if (joints[j].has_coordinate()) *out++ = joints[j].coordinate(at);
     }
     return out;
 }
 
-double* Observer::write_bodies(double* out, const std::vector<BodyState>& before, const std::vector<BodyState>& after,
-                               double h) const {
+double* Observer::write_bodies(double* out, const Instant& instant) const {
     auto marker = markers_.begin();
     for (size_t b = 0; b < bodies_.size(); ++b) {
-        const Centred motion(before[b], after[b], h);
-        const Eigen::Vector3d origin = -(before[b].rotation * bodies_[b].center_of_mass);
-        out = write(out, before[b].position + origin);
+        const BodyState& at = instant.at[b];
+        const Moving motion{at, instant.accelerations[b]};
+        const Eigen::Vector3d origin = -(at.rotation * bodies_[b].center_of_mass);
+        out = write(out, at.position + origin);
         out = write(out, motion.velocity_at(origin));
         out = write(out, motion.acceleration_at(origin));
-        out = write(out, motion.angular_velocity);
-        const Eigen::Quaterniond q(before[b].rotation);
+        out = write(out, at.angular_velocity);
+        const Eigen::Quaterniond q(at.rotation);
         for (double part : {q.w(), q.x(), q.y(), q.z()}) *out++ = part;
         for (; marker != markers_.end() && marker->body == b; ++marker) {
-            const Eigen::Vector3d arm = before[b].rotation * marker->arm;
+            const Eigen::Vector3d arm = at.rotation * marker->arm;
             out = write(out, motion.acceleration_at(arm));
-            out = write(out, before[b].position + arm);
+            out = write(out, at.position + arm);
             out = write(out, motion.velocity_at(arm));
         }
     }
     return out;
 }
 
-double Observer::kinetic_energy(const std::vector<BodyState>& before, const std::vector<BodyState>& after) const {
+double Observer::kinetic_energy(const std::vector<BodyState>& at) const {
     double twice = 0;
     for (size_t b = 0; b < bodies_.size(); ++b) {
-        const Eigen::Vector3d v = 0.5 * (before[b].velocity + after[b].velocity);
-        const Eigen::Vector3d w =
-            before[b].rotation.transpose() * (0.5 * (before[b].angular_velocity + after[b].angular_velocity));
-        twice += bodies_[b].mass * v.squaredNorm() + w.dot(bodies_[b].inertia * w);
+        const Eigen::Vector3d w = at[b].rotation.transpose() * at[b].angular_velocity;
+        twice += bodies_[b].mass * at[b].velocity.squaredNorm() + w.dot(bodies_[b].inertia * w);
     }
     return 0.5 * twice;
 }

@@ -13,12 +13,11 @@
 
 namespace dttmm {
 
-/// Turns the state around an instant t_n into one row of numbers. ODE's velocities stand half a step aside, so at t_n
-///     v = (v_{n−1/2} + v_{n+1/2})/2,   a = (v_{n+1/2} − v_{n−1/2})/h,
-/// second order both, and likewise for rotations. A joint's force and moment (about its anchor) act on its first body in the
-/// axes of that body: as an element's, they are positive in tension. A body's position, velocity and acceleration are those
-/// of its origin. Keeps the energy ledger  kinetic + strain + dissipated − work = initial + residual,  gravity counted as
-/// work; the networks' parts in each are their plugins'.
+/// Turns what stands at an instant t_n into one row of numbers. A joint's force and moment (about its anchor) act on its
+/// first body in the axes of that body: as an element's, they are positive in tension. A body's position, velocity and
+/// acceleration are those of its origin. Keeps the energy ledger  kinetic + strain + dissipated − work = initial + residual,
+/// gravity counted as work; the networks' parts in each are their plugins'. Loads work by their mean over a step, so that
+/// under Newmark's rule the ledger of a linear machine closes to rounding.
 class Observer {
 public:
     Observer(const Model& model, const Networks& networks, const EndOfStep& end_of_step);
@@ -26,14 +25,14 @@ public:
     /// One per number of a row; the first is "time".
     const std::vector<Channel>& channels() const { return channels_; }
 
-    /// Adds the work of loads and stops from t_{n−1} to t_n; every step. `before`: poses at t_n, velocities over the step
-    /// before; `after`: one step later.
+    /// Adds the work of loads over the step from t_n, which counts from the row at its end on, and that of stops; every step.
+    /// `before`: poses at t_n, velocities over the step before; `after`: one step later.
     void advance(const Loads& loads, const EndOfStep& end_of_step, const std::vector<BodyState>& before,
                  const std::vector<BodyState>& after, double h);
 
-    /// The row at t_n, after the step from t_n was committed and advance() was called. Valid until the next call.
-    std::span<const double> row(double time, const Networks& networks, const EndOfStep& end_of_step,
-                                const std::vector<BodyState>& before, const std::vector<BodyState>& after, double h);
+    /// The row at t_n, after the step from t_n was committed, advance() was called and the networks stand there. Valid until
+    /// the next call.
+    std::span<const double> row(double time, const Networks& networks, const EndOfStep& end_of_step, const Instant& instant);
 
 private:
     /// A point of a body that is recorded.
@@ -42,11 +41,10 @@ private:
         Eigen::Vector3d arm;  ///< from the centre of mass, body axes [m]
     };
     struct Ledger {
-        double load_work = 0, load_power = 0;  ///< up to and at the last instant [J, W]
+        double load_work = 0, last_work = 0;  ///< up to t_n, and over the step from there [J]
         double stop_loss = 0,
                stop_loss_now = 0;  ///< what the joints' stops have taken up to, and take around, the last instant
         double initial = 0;        ///< kinetic + strain − work of the first row [J]
-        bool started = false;      ///< a step has been added
         bool opened = false;       ///< the first row has been written
     };
 
@@ -62,10 +60,9 @@ private:
     void declare_bodies(const Model& model);
     void declare_energies();
     double* write_networks(double* out, const Networks& networks, Energies& energies);
-    double* write_joints(double* out, const EndOfStep& end_of_step, const std::vector<BodyState>& before) const;
-    double* write_bodies(double* out, const std::vector<BodyState>& before, const std::vector<BodyState>& after,
-                         double h) const;
-    double kinetic_energy(const std::vector<BodyState>& before, const std::vector<BodyState>& after) const;
+    double* write_joints(double* out, const EndOfStep& end_of_step, const std::vector<BodyState>& at) const;
+    double* write_bodies(double* out, const Instant& instant) const;
+    double kinetic_energy(const std::vector<BodyState>& at) const;
     double gravity_work(const std::vector<BodyState>& at) const;
 
     std::vector<Channel> channels_;

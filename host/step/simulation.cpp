@@ -86,11 +86,12 @@ void Simulation::move_bodies() {
 }
 
 void Simulation::observe() {
-    // At the start velocity and acceleration are the initial conditions, whatever the first step makes of them.
-    const std::vector<BodyState>& after = index_ == 0 ? first_after_ : after_;
-    observer_.advance(loads_, end_of_step_, now_, after, step_size_);
-    if (index_ % static_cast<uint64_t>(model_.output.every) == 0)
-        sink_(observer_.row(time(), networks_, end_of_step_, now_, after, step_size_));
+    observer_.advance(loads_, end_of_step_, now_, after_, step_size_);
+    if (index_ % static_cast<uint64_t>(model_.output.every) != 0) return;
+    // Where accelerations are the means over two steps, those at the start are by the initial conditions all the same
+    const bool is_start = index_ == 0 && !networks_.stand();
+    const Instant& instant = end_of_step_.find_instant(now_, is_start ? first_after_ : after_, networks_, loads_);
+    sink_(observer_.row(time(), networks_, end_of_step_, instant));
 }
 
 std::string Simulation::describe_speed() const {

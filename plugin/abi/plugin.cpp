@@ -122,6 +122,14 @@ dttmm_status expect(dttmm_instance* instance, const dttmm_motion* trial, dttmm_e
     return status == DTTMM_OK && is_rough ? DTTMM_AGAIN : status;
 }
 
+dttmm_status mean_wrench(dttmm_instance* instance, double* wrench, dttmm_error* error) {
+    return guard(error, [&] { instance->network.mean_wrench(wrench); });
+}
+
+dttmm_status stand(dttmm_instance* instance, const dttmm_motion* ports, double* wrench, dttmm_error* error) {
+    return guard(error, [&] { instance->network.stand(ports, wrench); });
+}
+
 dttmm_status create_modal(const dttmm_modal_model* model, dttmm_modal** modal, dttmm_error* error) {
     *modal = nullptr;
     return guard(error, [&] {
@@ -205,6 +213,8 @@ const dttmm_plugin& table() {
         overall,
         respond,
         expect,
+        mean_wrench,
+        stand,
     };
     return plugin;
 }

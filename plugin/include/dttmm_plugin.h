@@ -18,7 +18,7 @@
  *   *error (which the caller owns and which is never NULL) and the instance is as before the call. No exception crosses.
  * - Threads: one thread at a time per instance; different instances may be used by different threads. No statics.
  * - Phases: create -> [linearise] -> start -> { begin_step -> { [expect ->] evaluate }* -> commit_step | discard_step }* ->
- *   destroy. A comment in [brackets] names the phases in which a function may be called.
+ *   destroy; after a commit [mean_wrench, stand ->] outputs. A comment in [brackets] names the phases in which a function may be called.
  * - Versions: the table starts with its size and version. Minor versions append members to it; a host reads only what `size`
  *   covers. The other structures stay as they are within a major version.
  */
@@ -33,7 +33,7 @@ extern "C" {
 #endif
 
 #define DTTMM_PLUGIN_MAJOR 1u
-#define DTTMM_PLUGIN_MINOR 2u
+#define DTTMM_PLUGIN_MINOR 3u
 
 /* The one symbol a plugin exports; declared at the end. */
 #define DTTMM_PLUGIN_ENTRY "dttmm_plugin_entry"
@@ -354,6 +354,19 @@ typedef struct dttmm_plugin {
      * they are still rough: good enough for a trial, but to be told once more before the step is committed. Who always says
      * so ends the run. [step open] */
     dttmm_status (*expect)(dttmm_instance* instance, const dttmm_motion* trial, dttmm_error* error);
+
+    /* Since minor 3; NULL: the host takes the mean of the velocities over the two steps around an instant as the velocity
+     * there, and linearise for the wrench. They serve rows of results only, which are to be in balance: mass times
+     * acceleration equals loads plus the forces recorded at that instant.
+     *
+     * The mean wrench on the ports (6 per port) over the step last committed: the mean of the elastic forces at its two
+     * ends, dampers at the mean rate. From it the host finds the velocities at the start t_n of that step,
+     * v_n = (velocity over the step) - h/2 (mean wrench)/mass, which are Newmark's own. [after a commit] */
+    dttmm_status (*mean_wrench)(dttmm_instance* instance, double* wrench, dttmm_error* error);
+    /* What stands at t_n when the ports have the poses and the velocities of `ports` there; wrench: on the ports at that
+     * instant. outputs() are then of that instant. [after mean_wrench of the same step; of an explicit scheme after a
+     * commit] */
+    dttmm_status (*stand)(dttmm_instance* instance, const dttmm_motion* ports, double* wrench, dttmm_error* error);
 } dttmm_plugin;
 
 /* The entry, exported as DTTMM_PLUGIN_ENTRY: the table, or NULL if the plugin does not speak the host's major version. */

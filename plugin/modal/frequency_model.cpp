@@ -27,6 +27,8 @@ constexpr int kMostPieces = 20000;
 constexpr double kSingular = 1e-14;
 /// Of the entries of a piece's stiffness.
 constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
+/// Of a frame's largest stiffness: what is less in its rotations, or its translations, is rounding of levers [m²].
+constexpr double kIdleRounding = 1e-24;
 /// Cosine of an angle that is rounding.
 constexpr double kAligned = 1e-9;
 
@@ -458,8 +460,10 @@ void FrequencyModel::set_matrices(double lambda, bool with_mass) {
         for (const Mass& mass : *list) e.add_diagonal(mass.frame, -lambda * mask_ * mass.block * mask_);
     for (int f = 0; f < frame_count(); ++f) {
         Matrix6 idle = Matrix6::Zero();
+        const Vector6 sizes = e.diagonal(f).diagonal().cwiseAbs();
         for (Eigen::Index half : {0, 3}) {
-            const double size = e.diagonal(f).diagonal().segment<3>(half).cwiseAbs().maxCoeff();
+            double size = sizes.segment<3>(half).maxCoeff();
+            if (size <= kIdleRounding * sizes.maxCoeff()) size = sizes.maxCoeff();
             for (Eigen::Index d = half; d < half + 3; ++d)
                 if (!directions_[static_cast<size_t>(d)]) idle(d, d) = size > 0 ? size : 1;
         }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -115,9 +116,14 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     for (auto* list : {&past_.u, &past_.u_before}) list->assign(n, Vector6::Zero());
     for (auto* list : {&past_.velocity, &past_.velocity_before}) list->resize(n);
     momenta_.assign(n, Vector6::Zero());
+    for (auto* list : {&velocities_, &corrections_, &accelerations_}) list->resize(n);
+    for (size_t i = 0; i < n; ++i)
+        inverse_moments_.push_back(massless_.is_massless(i, 1) ? Matrix3(Matrix3::Zero())
+                                                               : Matrix3(inertias_[i].moment.inverse()));
     choose_burdened(mechanism);
     const auto rigid = static_cast<size_t>(elimination_.rigid_count()), ports = static_cast<size_t>(ports_);
     rigid_.assign(rigid, 0);
+    rigid_at_start_ = rigid_;
     q_ = rigid_;
     for (auto* list : {&port_u_, &port_u_before_}) list->assign(ports, Vector6::Zero());
     anchor_.ports.assign(mechanism.frames.begin(), mechanism.frames.begin() + ports_);
@@ -491,30 +497,6 @@ void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) co
 
 // ---- Results ------------------------------------------------------------------------------------------------------------
 
-Twist Interior::velocity(const Mechanism& mechanism, int frame, const Vector3& offset) const {
-    const Twist mean = past_.mean(at(frame));
-    const Vector3 arm = mechanism.frame_before(frame).axes() * offset;
-    return {mean.linear + mean.angular.cross(arm), mean.angular};
-}
-
-Twist Interior::acceleration(const Mechanism& mechanism, int frame, const Vector3& offset) const {
-    const Twist &later = past_.velocity[at(frame)], &earlier = past_.velocity_before[at(frame)];
-    const double h = mechanism.scheme.step_size();
-    const Vector3 arm = mechanism.frame_before(frame).axes() * offset, w = past_.mean(at(frame)).angular;
-    const Vector3 alpha = (later.angular - earlier.angular) / h;
-    return {(later.linear - earlier.linear) / h + alpha.cross(arm) + w.cross(w.cross(arm)), alpha};
-}
-
-double Interior::kinetic_energy(const Mechanism& mechanism) const {
-    double twice = 0;
-    for (size_t i = 0; i < inertias_.size(); ++i) {
-        const Twist mean = past_.mean(i);
-        const Vector3 w = mechanism.frame_before(driven_ + static_cast<int>(i)).axes().transpose() * mean.angular;
-        twice += inertias_[i].mass * mean.linear.squaredNorm() + w.dot(inertias_[i].moment * w);
-    }
-    return 0.5 * twice;
-}
-
 double Interior::work(const Mechanism& mechanism) const {
     double work = books_.load_work;
     for (size_t i = 0; i < inertias_.size(); ++i) {
@@ -573,12 +555,6 @@ Twist Interior::newmark_momentum(const Mechanism& mechanism) const {
 Vector6 Interior::rigid_values(const Mechanism& mechanism, size_t j, const std::vector<double>& q) const {
     Vector6 f = Vector6::Zero();
     for_each_rigid(mechanism.joints[j], [&](int i, int d) { f(d) = q[rigid_row(j, i)]; });
-    return f;
-}
-
-Vector6 Interior::rigid_force(const Mechanism& mechanism, size_t j) const {
-    Vector6 f = rigid_values(mechanism, j, rigid_);
-    if (mechanism.steps == 1) f *= 2;  // the first step carries half the weight of its start
     return f;
 }
 

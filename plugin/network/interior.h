@@ -79,12 +79,40 @@ public:
     /// bodies, or turns more than half a turn over the step.
     void commit(Mechanism& mechanism, std::span<const FrameView> ports);
 
-    /// At t_n, the start of the step last committed; a point of a frame in its axes.
+    // At t_n, the start of the step last committed, in this order:
+    /// Velocities of frames with mass: Newmark's, those over the step less half of what its mean wrenches (of the joints, on
+    /// all frames) add per step. The others have the mean of those over the two steps.
+    void find_velocities(const Mechanism& mechanism, std::span<const Vector6> mean_wrenches);
+    /// Velocities of massless frames where dampers act, and the forces of rigid directions on massless frames: by the
+    /// balance of the instant. rate(j): of the joints' deformations, as known.
+    template <class Rate>
+    void find_massless_velocities(const Mechanism& mechanism, const Rate& rate) {
+        std::fill(corrections_.begin(), corrections_.end(), Twist{});
+        if (!massless_.has_balances()) return;
+        massless_.find_instant(
+            mechanism, mechanism.before,
+            [&](size_t j) {
+                Vector6 deformation;
+                deformation << mechanism.states[j].d_before, mechanism.states[j].theta_before;
+                return deformation;
+            },
+            rate, [&](size_t i) { return burden(i).load[2]; }, velocities_, corrections_, rigid_at_start_);
+    }
+    /// What that has added to the velocity of a frame's origin, world.
+    Twist correction(int frame) const { return is_inner(frame) ? corrections_[at(frame)] : Twist{}; }
+    bool has_rigid_directions() const { return elimination_.rigid_count() > 0; }
+    /// Accelerations of frames with mass by the wrenches of the joints at that instant.
+    void find_accelerations(const Mechanism& mechanism, std::span<const Vector6> wrenches);
+    /// Force of a joint's rigid directions at that instant, its axes.
+    Vector6 rigid_force_at_start(const Mechanism& mechanism, size_t joint) const;
+    /// Of a frame's origin, world.
+    Twist velocity(int frame) const { return is_inner(frame) ? velocities_[at(frame)] : Twist{}; }
+    /// A point of a frame in its axes.
     Twist velocity(const Mechanism& mechanism, int frame, const Vector3& offset) const;
     Twist acceleration(const Mechanism& mechanism, int frame, const Vector3& offset) const;
     double kinetic_energy(const Mechanism& mechanism) const;
     double work(const Mechanism& mechanism) const;  ///< of gravity and loads since the start
-    /// Force of a joint's rigid directions over the step before t_n, its axes.
+    /// Force of a joint's rigid directions over the step last committed, its axes [force; moment].
     Vector6 rigid_force(const Mechanism& mechanism, size_t joint) const;
 
     /// Momentum and angular momentum about the world's origin of all that is inside, over the step before t_n.
@@ -148,7 +176,7 @@ private:
         double scale = 0;              ///< size of the motion, slowly forgetting [m/s]
         double first_correction = 0;   ///< the largest first one of the last step [m/s]
         double load_work = 0;          ///< of the loads up to t_{n−1} [J]
-        double load_power = 0;         ///< at t_{n−1} [W]
+        double last_work = 0;          ///< over the step from there to t_n [J]
     };
     /// The motion inside for one motion of the ports, linear about the last pass: u + change.
     struct Solution {
@@ -191,6 +219,7 @@ private:
     JointForce start_force(const Mechanism& mechanism, const Joint& joint, const dttmm_motion* ports) const;
     void settle_at_start(Mechanism& mechanism, const dttmm_motion* ports);
     void find_start_velocities(const Mechanism& mechanism, const dttmm_motion* ports);
+    void balance_at_start(const Mechanism& mechanism, const dttmm_motion* ports);
     void refuse_forbidden_velocities(const Mechanism& mechanism, const dttmm_motion* ports) const;
     void read_loads(const Mechanism& mechanism, const double* loads);
     void set_elastic(const Mechanism& mechanism);
@@ -304,6 +333,10 @@ private:
     double stiffest_ = 0;    ///< what the matrix has most of against the shift of a frame [kg]
     bool is_stale_ = false;  ///< the factor no longer serves
     bool is_fresh_ = false;  ///< it was formed for the open step
+
+    std::vector<Twist> velocities_, corrections_, accelerations_;  ///< at the start of the step last committed, world
+    std::vector<Matrix3> inverse_moments_;           ///< of inertia, axes of the frames; zero where there is none
+    std::vector<double> rigid_at_start_;             ///< forces of the rigid directions then
 
     PastMotion past_;
     std::vector<Vector6> momenta_;  ///< over the step before t_n, world

@@ -15,7 +15,8 @@ void Interior::find_velocities(const Mechanism& mechanism, std::span<const Vecto
         const size_t f = static_cast<size_t>(driven_) + i;
         Vector6 wrench = mean_wrenches[f];
         if (burden_of_[i] >= 0) wrench += 0.5 * (burden(i).load[1] + burden(i).load[2]);
-        Twist& v = velocities_[i] = past_.mean(i);
+        Twist& v = velocities_[i] = past_.mean(i);  // at the start the initial velocities
+        if (mechanism.steps == 1) continue;
         if (!massless_.is_massless(i, 0))
             v.linear = past_.velocity[i].linear - half_step * (head(wrench) / inertias_[i].mass + gravity_);
         if (massless_.is_massless(i, 1)) continue;

@@ -36,6 +36,7 @@ void Interior::linearise(const Mechanism& mechanism, const dttmm_motion* ports, 
     sample.scheme.set_step_size(kLongStep);
     Interior scratch = *this;
     scratch.settle_at_start(sample, ports);
+    scratch.balance_at_start(sample, ports);
     const auto size = 6 * static_cast<size_t>(ports_);
     std::fill_n(wrench, size, 0.0);
     for (size_t j : port_joints_) {
@@ -80,6 +81,35 @@ void Interior::settle_at_start(Mechanism& mechanism, const dttmm_motion* ports) 
     std::fill(rigid_.begin(), rigid_.end(), 0.0);
     for (const Given& given : given_) moves = moves || given.moves;
     if (moves) find_start_velocities(mechanism, ports);
+}
+
+/// Gives massless frames between dampers the velocities at which these balance, unless they are given.
+void Interior::balance_at_start(const Mechanism& mechanism, const dttmm_motion* ports) {
+    if (!massless_.has_balances()) return;
+    velocities_ = past_.velocity;
+    std::fill(rigid_at_start_.begin(), rigid_at_start_.end(), 0.0);
+    massless_.find_instant(
+        mechanism, mechanism.frames,
+        [&](size_t j) {
+            const Joint& joint = mechanism.joints[j];
+            const auto [from, to] = mechanism.ends(j);
+            Vector6 deformation;
+            deformation << joint.translation(from, joint.arm(from, to)), joint.rotation(from, to);
+            return deformation;
+        },
+        [&](size_t j) {
+            const Joint& joint = mechanism.joints[j];
+            const auto now = [&](int frame) {
+                return is_inner(frame) ? velocities_[at(frame)] : start_velocity(frame, ports);
+            };
+            return joint.rate(mechanism.frame(joint.from()), now(joint.from()), mechanism.frame(joint.to()), now(joint.to()));
+        },
+        [&](size_t i) { return burden(i).load[1]; }, velocities_, corrections_, rigid_at_start_);
+    for (size_t i = 0; i < given_.size(); ++i) {
+        const int frame = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])].frame;
+        if (given_[i].moves && is_inner(frame)) velocities_[at(frame)] = past_.velocity[at(frame)];
+    }
+    past_.velocity = velocities_;
 }
 
 void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_motion* ports) {
@@ -168,6 +198,8 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
         burden.load[1] = burden.load[2] = load_at_end(k, mechanism.frame(driven_ + static_cast<int>(burdened_[k])));
     }
 
+    balance_at_start(mechanism, ports);
+
     // Forces of the start, for the momentum half a step before it and the accelerations
     std::vector<Vector6> wrench(mechanism.frames.size(), Vector6::Zero());
     for (const Joint& joint : mechanism.joints)
@@ -190,7 +222,6 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
         if (inertia.mass > 0) acceleration[i].linear = head(force) / inertia.mass;
         const Vector3 moment = R.transpose() * tail(force) - spin.cross(inertia.moment * spin);
         if (!massless_.is_massless(i, 1)) acceleration[i].angular = R * inertia.moment.fullPivLu().solve(moment);
-        if (burden_of_[i] >= 0) books_.load_power += burden(i).load[1].dot(joined(velocity));
     }
     past_.u_before = past_.u;
     past_.velocity_before = past_.velocity;

@@ -655,7 +655,7 @@ void Interior::take_forces(Mechanism& mechanism, const Solution& solution) {
         if (near < 0 && joint.rigid().any())
             rigid = rigid_action(mechanism, j, joint.pose(next), joint.rotation(next.from, next.to),
                                  rigid_values(mechanism, j, rigid_));
-        joint.advance(mechanism.scheme, mechanism.steps, next, mechanism.ends(j), mechanism.states[j], mechanism.damper(j),
+        joint.advance(mechanism.scheme, next, mechanism.ends(j), mechanism.states[j], mechanism.damper(j),
                       near < 0 ? &force : nullptr);
         if (near >= 0)
             force = near_force(mechanism, static_cast<size_t>(near), solution);
@@ -713,15 +713,17 @@ void Interior::take_loads(const Mechanism& mechanism) {
         own.elastic[2] = own.elastic[1];
         own.elastic[1] = own.elastic[0];
     }
-    double power = 0;
+    // Mean force over the way: exact for Newmark's rule
+    books_.load_work += books_.last_work;
+    books_.last_work = 0;
+    const double h = mechanism.scheme.step_size();
     for (size_t k = 0; k < burdened_.size(); ++k) {
         Burden& own = burdens_[k];
-        power += own.load[1].dot(joined(past_.mean(burdened_[k])));
+        const Vector6 next = load_at_end(k, trial_[static_cast<size_t>(driven_) + burdened_[k]]);
+        books_.last_work += 0.5 * h * (own.load[1] + next).dot(joined(past_.velocity[burdened_[k]]));
         own.load[2] = own.load[1];
-        own.load[1] = load_at_end(k, trial_[static_cast<size_t>(driven_) + burdened_[k]]);
+        own.load[1] = next;
     }
-    if (mechanism.steps > 0) books_.load_work += 0.5 * mechanism.scheme.step_size() * (books_.load_power + power);
-    books_.load_power = power;
 }
 
 /// Moves the frames to the end of the step.

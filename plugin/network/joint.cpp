@@ -91,13 +91,7 @@ Matrix6 Joint::by_to(const JointPose& pose) const {
 // ---- The force law ------------------------------------------------------------------------------------------------------
 
 Vector6 Joint::force(FrameView from, FrameView to, const Vector6& rate) const {
-    const Vector3 theta = rotation(from, to);
-    Vector6 f;
-    f << springs_.halves[0].stiffness.cwiseProduct(translation(from, arm(from, to))) +
-             springs_.halves[0].damping.cwiseProduct(rate.head<3>()),
-        moment_of_gradient(theta, springs_.halves[1].stiffness.cwiseProduct(theta)) +
-            springs_.halves[1].damping.cwiseProduct(rate.tail<3>());
-    return f;
+    return elastic(translation(from, arm(from, to)), rotation(from, to)) + damping(rate);
 }
 
 Matrix3 Joint::turn_stiffness(const Vector3& theta) const {
@@ -157,12 +151,11 @@ void Joint::start(const Scheme& scheme, FrameView from, FrameView to, const Vect
     state.theta_before = turns() ? Vector3(state.theta - increment(0).tail<3>()) : Vector3(Vector3::Zero());
     if (damper) {
         for (int half : {0, 1}) {
-            damper->halves[half].rate = rate.segment<3>(3 * half);
             for (int back = 0; back < 3; ++back) damper->halves[half].delta[back] = increment(back).segment<3>(3 * half);
         }
         damper->attitude = turns() ? strained.attitude : Matrix3(Matrix3::Identity());
         damper->dissipated = 0;
-        damper->power = 0;
+        damper->last_loss = 0;
     }
     if (!scheme.is_implicit()) return springs_.recall(scheme, now, state.elastic, state, damper);
     // The rate of the first step is Newmark's from d, d', d'': γ δ₊/h + (1 − γ) d' + (β − γ/2) h d''
@@ -186,13 +179,13 @@ JointForce Joint::damping_half_way(Ends trial, Ends now, double h, const JointSt
     return at.act(mean * springs_.halves[0].damping.cwiseProduct(slide), moment);
 }
 
-void Joint::advance(const Scheme& scheme, uint64_t steps, Ends next, Ends now, JointState& state, DamperState* damper,
+void Joint::advance(const Scheme& scheme, Ends next, Ends now, JointState& state, DamperState* damper,
                     JointForce* force) const {
     const JointPose at_end = pose(next);
     const Strained end = strain(next, at_end);
     if (force) *force = weigh(scheme, end, at_end, state, damper);
     springs_.advance(
-        scheme, steps, end, at_end, [&] { return pose(now); }, state, damper);
+        scheme, end, at_end, [&] { return pose(now); }, state, damper);
 }
 
 void Joint::refuse_large_rotation(FrameView from, FrameView to) const {

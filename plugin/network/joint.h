@@ -87,6 +87,19 @@ public:
     /// Adds what a joint does to the wrenches on its frames, at their origins.
     static void add_wrench(const JointForce& force, double* on_from, double* on_to);
 
+    /// The elastic force of a deformation, [force; moment] on the `from` end in the joint's axes.
+    Vector6 elastic(const Vector3& d, const Vector3& theta) const {
+        Vector6 f;
+        f << springs_.halves[0].stiffness.cwiseProduct(d),
+            moment_of_gradient(theta, springs_.halves[1].stiffness.cwiseProduct(theta));
+        return f;
+    }
+    /// The dampers' of its rate [d; relative turn] likewise.
+    Vector6 damping(const Vector6& rate) const {
+        Vector6 f;
+        f << springs_.halves[0].damping.cwiseProduct(rate.head<3>()), springs_.halves[1].damping.cwiseProduct(rate.tail<3>());
+        return f;
+    }
     /// The force law at one instant: f [force; moment] on the `from` end in the joint's axes.
     Vector6 force(FrameView from, FrameView to, const Vector6& rate) const;
     using Strained = StrainedOf<double>;
@@ -115,9 +128,8 @@ public:
     }
     /// The damping force from the start of the open step to a trial end of it: the mean rate in the mean of the axes.
     JointForce damping_half_way(Ends trial, Ends now, double h, const JointState& state, const DamperState& damper) const;
-    /// Moves the memory on to the accepted end of the step. steps: committed before it since the start; force: if given,
-    /// takes the force over the step as over_step finds it.
-    void advance(const Scheme& scheme, uint64_t steps, Ends next, Ends now, JointState& state, DamperState* damper,
+    /// Moves the memory on to the accepted end of the step. force: if given, takes the force over the step as over_step finds it.
+    void advance(const Scheme& scheme, Ends next, Ends now, JointState& state, DamperState* damper,
                  JointForce* force) const;
 
     /// Throws Error(DTTMM_ERROR_NUMERIC) when a rotational stiffness has turned too far.

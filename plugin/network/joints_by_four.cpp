@@ -99,7 +99,7 @@ DTTMM_WIDE void JointsByFour::advance(Mechanism& mechanism, const std::vector<Fr
         };
         const auto move_on = [&](DamperStateOf<Lanes>* damper) {
             const JointForceOf<Lanes> force = four.springs.weigh(mechanism.scheme, end, pose, state, damper);
-            four.springs.advance(mechanism.scheme, mechanism.steps, end, pose, pose_now, state, damper);
+            four.springs.advance(mechanism.scheme, end, pose, pose_now, state, damper);
             add_wrenches(force, four.from, four.to, wrench);
         };
         if (four.keeps_rates) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/rotation.h"
 #include "network/interior_parts.h"
 
 namespace dttmm {
@@ -35,8 +36,25 @@ MasslessFrames::MasslessFrames(const Mechanism& mechanism, const std::vector<std
             std::vector<size_t>& list = joints_of[static_cast<size_t>(cluster_of_[static_cast<size_t>(i)])];
             if (list.empty() || list.back() != j) list.push_back(j);
         }
+    size_t rigid_count = 0;
+    for (const Joint& joint : mechanism.joints) {
+        rigid_begin_.push_back(rigid_count);
+        rigid_count += joint.rigid().count();
+    }
     for (Cluster& cluster : clusters_) {
-        find_rows(mechanism, joints_of[static_cast<size_t>(&cluster - clusters_.data())], cluster);
+        cluster.joints = joints_of[static_cast<size_t>(&cluster - clusters_.data())];
+        find_rows(mechanism, cluster.joints, cluster);
+        cluster.is_balanced = !cluster.rigid.empty() || std::ranges::any_of(cluster.joints, [&](size_t j) {
+            return mechanism.joints[j].is_damped();
+        });
+        if (cluster.is_balanced) {
+            const auto unknowns = static_cast<Eigen::Index>(6 * cluster.frames.size() + cluster.rigid.size());
+            cluster.matrix.setZero(unknowns, unknowns);
+            cluster.right_hand_side.setZero(unknowns);
+            cluster.solution.setZero(unknowns);
+            cluster.lu = Eigen::FullPivLU<Eigen::MatrixXd>(unknowns, unknowns);
+            has_balances_ = true;
+        }
         const auto size = static_cast<Eigen::Index>(6 * cluster.frames.size());
         cluster.basis.setZero(size, size);
         for (Eigen::VectorXd* v : {&cluster.end, &cluster.step, &cluster.half_way}) v->setZero(size);
@@ -79,19 +97,20 @@ void MasslessFrames::make_clusters(const Mechanism& mechanism) {
 }
 
 /// Rigid directions at the frames of a cluster, and its common ratio of damping to stiffness or else its damped directions.
-void MasslessFrames::find_rows(const Mechanism& mechanism, const std::vector<size_t>& joints, Cluster& cluster) {
+void MasslessFrames::find_rows(const Mechanism& mechanism, const std::vector<size_t>& joints, Cluster& cluster) const {
     double lowest = INFINITY, highest = 0;
     for (size_t j : joints) {
         const Joint& joint = mechanism.joints[j];
+        size_t index = rigid_begin_[j];
         for (int d = 0; d < 6; ++d) {
             const JointHalf& half = d < 3 ? joint.translation_half() : joint.rotation_half();
             const double k = half.stiffness(d % 3), c = half.damping(d % 3);
             if (joint.rigid()[static_cast<size_t>(d)]) {
-                cluster.rigid.push_back({j, d});
+                cluster.rigid.push_back({j, d, index++});
             } else if (k > 0 || c > 0) {
                 lowest = std::min(lowest, c / k);
                 highest = std::max(highest, c / k);
-                if (c > 0) cluster.damped.push_back({j, d});
+                if (c > 0) cluster.damped.push_back({j, d, 0});
             }
         }
     }
@@ -139,6 +158,100 @@ void MasslessFrames::add_to_basis(const Mechanism& mechanism, Cluster& cluster, 
     if (!(left > kDependent * size)) return;
     next /= left;
     ++cluster.rank;
+}
+
+/// Number of a frame of the mechanism in a cluster; −1: it is not there.
+int MasslessFrames::frame_in(const Mechanism& mechanism, const Cluster& cluster, int frame) const {
+    const int i = index_of(mechanism, frame);
+    if (i < 0 || &clusters_[static_cast<size_t>(cluster_of_[static_cast<size_t>(i)])] != &cluster) return -1;
+    return begin_[static_cast<size_t>(i)] / 6;
+}
+
+/// Of a joint with f = E + c r + q, r its rate: −Σ Gᵀ f + load = 0 on every frame, and no rate in rigid directions. The
+/// unknowns are what is to be added to the velocities and to q.
+void MasslessFrames::add_balance(const Mechanism& mechanism, const Cluster& cluster, size_t j, const JointPose& pose,
+                                 const Vector6& deformation, const Vector6& rate, const std::vector<double>& q) const {
+    const Joint& joint = mechanism.joints[j];
+    const Vector3 theta = tail(deformation);
+    const Vector6 force = joint.elastic(head(deformation), theta) + joint.damping(rate);
+    const Vector6 per_rate = joint.damping(Vector6::Ones());
+    const Matrix6 G[2] = {joint.by_from(pose), joint.by_to(pose)};
+    const int frames[2] = {frame_in(mechanism, cluster, joint.from()), frame_in(mechanism, cluster, joint.to())};
+    for (int row : {0, 1}) {
+        if (frames[row] < 0) continue;
+        cluster.right_hand_side.segment<6>(6 * frames[row]) -= G[row].transpose() * force;
+        for (int column : {0, 1})
+            if (frames[column] >= 0)
+                cluster.matrix.block<6, 6>(6 * frames[row], 6 * frames[column]) +=
+                    G[row].transpose() * per_rate.asDiagonal() * G[column];
+    }
+    if (joint.rigid().none()) return;
+    const Matrix6 rows[2] = {rigid_rows(theta, G[0]), rigid_rows(theta, G[1])};
+    Vector6 opening = rate;
+    opening.tail<3>() = (rotation_vector_rate(theta) * rate.tail<3>()).eval();
+    for (size_t k = 0; k < cluster.rigid.size(); ++k) {
+        const Row& row = cluster.rigid[k];
+        if (row.joint != j) continue;
+        const auto at = static_cast<Eigen::Index>(6 * cluster.frames.size() + k);
+        cluster.right_hand_side(at) = -opening(row.direction);
+        for (int end : {0, 1})
+            if (frames[end] >= 0) {
+                cluster.right_hand_side.segment<6>(6 * frames[end]) -= q[row.index] * rows[end].row(row.direction).transpose();
+                cluster.matrix.block<1, 6>(at, 6 * frames[end]) += rows[end].row(row.direction);
+                cluster.matrix.block<6, 1>(6 * frames[end], at) += rows[end].row(row.direction).transpose();
+            }
+    }
+}
+
+/// By full-pivot elimination, which leaves alone what nothing determines.
+void MasslessFrames::solve_balance(const Cluster& cluster, std::vector<Twist>& velocities, std::vector<Twist>& corrections,
+                                   std::vector<double>& q) const {
+    constexpr double kNothing = 1e-13;  // of the largest pivot: rounding
+    Eigen::MatrixXd& A = cluster.matrix;
+    Eigen::VectorXd &r = cluster.right_hand_side, &z = cluster.solution;
+    const auto count = static_cast<Eigen::Index>(6 * cluster.frames.size());
+    for (size_t k = 0; k < cluster.frames.size(); ++k)
+        for (int half : {0, 1}) {
+            if (massless_[cluster.frames[k]][static_cast<size_t>(half)]) continue;
+            const auto at = static_cast<Eigen::Index>(6 * k) + 3 * half;
+            A.middleRows<3>(at).setZero();
+            A.middleCols<3>(at).setZero();
+            r.segment<3>(at).setZero();
+        }
+    // Forces in units that make the rigid rows as large as the dampers
+    const double largest_damping = A.topLeftCorner(count, count).cwiseAbs().maxCoeff();
+    const double scale = largest_damping > 0 ? largest_damping : 1;
+    A.bottomRows(A.rows() - count) *= scale;
+    A.rightCols(A.cols() - count) *= scale;
+    r.tail(r.size() - count) *= scale;
+    cluster.lu.compute(A);
+    // P A Q = L U
+    const Eigen::MatrixXd& LU = cluster.lu.matrixLU();
+    const auto& rows = cluster.lu.permutationP().indices();
+    const auto& columns = cluster.lu.permutationQ().indices();
+    const Eigen::Index n = A.rows();
+    for (Eigen::Index i = 0; i < n; ++i) z(rows(i)) = r(i);
+    for (Eigen::Index i = 0; i < n; ++i)
+        for (Eigen::Index k = 0; k < i; ++k) z(i) -= LU(i, k) * z(k);
+    const double largest = std::abs(LU(0, 0));
+    Eigen::Index rank = 0;
+    while (rank < n && std::abs(LU(rank, rank)) > kNothing * largest) ++rank;
+    for (Eigen::Index i = rank; i-- > 0;) {
+        for (Eigen::Index k = i + 1; k < rank; ++k) z(i) -= LU(i, k) * z(k);
+        z(i) /= LU(i, i);
+    }
+    r.setZero();
+    for (Eigen::Index i = 0; i < rank; ++i) r(columns(i)) = z(i);
+    for (size_t k = 0; k < cluster.frames.size(); ++k) {
+        const size_t i = frames_[cluster.frames[k]];
+        corrections[i] = {r.segment<3>(static_cast<Eigen::Index>(6 * k)), r.segment<3>(static_cast<Eigen::Index>(6 * k + 3))};
+        velocities[i].linear += corrections[i].linear;
+        velocities[i].angular += corrections[i].angular;
+    }
+    for (size_t k = 0; k < cluster.rigid.size(); ++k) {
+        const Row& row = cluster.rigid[k];
+        q[row.index] += scale * r(count + static_cast<Eigen::Index>(k));
+    }
 }
 
 void MasslessFrames::combine(std::span<Residual> residuals) const {

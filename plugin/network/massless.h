@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/LU>
 #include <array>
 #include <span>
 #include <vector>
@@ -47,29 +48,68 @@ public:
     /// What must vanish of them, into `step`, in massless halves; the rest of `step` stays.
     void combine(std::span<Residual> residuals) const;
 
+    /// Whether a massless frame has dampers or rigid directions: then find_instant has something to find.
+    bool has_balances() const { return has_balances_; }
+    /// Finds for the instant at which the joints have the deformations deformation(j), [d; θ], and the frames are `frames`:
+    /// velocities of the massless halves, where dampers balance what else acts there, and forces of the rigid directions on
+    /// them. rate(j): of the joints' deformations, as known before; load(i): on an inner frame at its origin, world.
+    /// velocities: of the inner frames, and corrections: what is added to them; q: forces of all rigid directions, in the joints' order. Both as they
+    /// are but for what they lack: what no damper and no rigid direction holds keeps its velocity, and forces that a massless
+    /// frame only hands on between what has mass stay as they are.
+    template <class Deformation, class Rate, class Load>
+    void find_instant(const Mechanism& mechanism, const std::vector<Frame>& frames, const Deformation& deformation,
+                      const Rate& rate, const Load& load, std::vector<Twist>& velocities, std::vector<Twist>& corrections,
+                      std::vector<double>& q) const {
+        for (const Cluster& cluster : clusters_) {
+            if (!cluster.is_balanced) continue;
+            cluster.matrix.setZero();
+            cluster.right_hand_side.setZero();
+            for (size_t k = 0; k < cluster.frames.size(); ++k)
+                cluster.right_hand_side.segment<6>(static_cast<Eigen::Index>(6 * k)) = load(frames_[cluster.frames[k]]);
+            for (size_t j : cluster.joints) {
+                const Joint& joint = mechanism.joints[j];
+                const FrameView from = frames[static_cast<size_t>(joint.from())], to = frames[static_cast<size_t>(joint.to())];
+                add_balance(mechanism, cluster, j, joint.pose(from, to), deformation(j), rate(j), q);
+            }
+            solve_balance(cluster, velocities, corrections, q);
+        }
+    }
+
 private:
     /// A unit force on the frames of a cluster.
     struct Row {
         size_t joint;
         int direction;
+        size_t index;  ///< among the rigid directions of all joints; of damped directions unused
     };
     /// Massless frames that rigid directions join.
     struct Cluster {
         std::vector<size_t> frames;  ///< indices into frames_
+        std::vector<size_t> joints;  ///< of its frames
         std::vector<Row> rigid, damped;
+        bool is_balanced = false;  ///< has dampers or rigid directions
         double relaxation = 0;
         Eigen::MatrixXd basis;         ///< orthonormal: what is rigid, what is damped
         int rigid_rank = 0, rank = 0;  ///< of the former, of both
         bool is_rigid = false;         ///< altogether: nothing is left for another balance, wherever it goes
         mutable Eigen::VectorXd end, step, half_way;
+        // Of find_instant: what is to be added to velocities, 6 per frame, and to the forces of rigid directions
+        mutable Eigen::MatrixXd matrix;
+        mutable Eigen::VectorXd right_hand_side, solution;
+        mutable Eigen::FullPivLU<Eigen::MatrixXd> lu;
     };
+    int frame_in(const Mechanism& mechanism, const Cluster& cluster, int frame) const;
+    void add_balance(const Mechanism& mechanism, const Cluster& cluster, size_t joint, const JointPose& pose,
+                     const Vector6& deformation, const Vector6& rate, const std::vector<double>& q) const;
+    void solve_balance(const Cluster& cluster, std::vector<Twist>& velocities, std::vector<Twist>& corrections,
+                       std::vector<double>& q) const;
     /// Of a frame of the mechanism; −1: it is driven, or has none.
     int index_of(const Mechanism& mechanism, int frame) const {
         const int inner = frame - mechanism.assembly.driven_count;
         return inner < 0 ? -1 : index_[static_cast<size_t>(inner)];
     }
     void make_clusters(const Mechanism& mechanism);
-    static void find_rows(const Mechanism& mechanism, const std::vector<size_t>& joints, Cluster& cluster);
+    void find_rows(const Mechanism& mechanism, const std::vector<size_t>& joints, Cluster& cluster) const;
     void add_to_basis(const Mechanism& mechanism, Cluster& cluster, const Row& row, bool is_rigid) const;
 
     std::vector<size_t> frames_;
@@ -79,6 +119,8 @@ private:
     std::vector<int> begin_;       ///< its first unknown among those of its cluster, 6 each
     std::vector<Cluster> clusters_;
     std::vector<bool> settling_, half_way_;
+    std::vector<size_t> rigid_begin_;  ///< of every joint, its first rigid direction among those of all
+    bool has_balances_ = false;
 };
 
 }  // namespace dttmm

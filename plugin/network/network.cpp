@@ -30,6 +30,11 @@ Network::Network(const dttmm_network& description) : mechanism_(description) {
     if (mechanism_.assembly.inner_count() > 0) interior_ = std::make_unique<Interior>(mechanism_, description);
     declare_channels(description);
     for (const Vector3& arm : mechanism_.assembly.port_arms) ports_.push_back({arm, Vector3::Zero(), nullptr});
+    port_velocities_.resize(ports_.size());
+    start_velocities_.resize(ports_.size());
+    earlier_.assign(mechanism_.frames.begin(), mechanism_.frames.begin() + static_cast<std::ptrdiff_t>(ports_.size()));
+    forces_.assign(mechanism_.joints.size(), Vector6::Zero());
+    wrenches_.assign(mechanism_.frames.size(), Vector6::Zero());
     trial_ports_.reserve(ports_.size());
 }
 
@@ -213,7 +218,9 @@ void Network::start(const dttmm_step& step, const dttmm_motion* nodes, const dou
     } else {
         start_joints(ports, accelerations);
     }
+    for (size_t p = 0; p < ports_.size(); ++p) start_velocities_[p] = twist(ports[p]);
     started_ = true;
+    stands_ = false;
 }
 
 void Network::start_joints(const dttmm_motion* ports, const double* accelerations) {
@@ -284,23 +291,27 @@ void Network::evaluate_joints(double* wrench, double* stiffness) const {
 void Network::commit_step(const dttmm_motion* nodes) {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "commit_step: no step is open");
     look(nodes);
+    std::copy_n(mechanism_.before.begin(), earlier_.size(), earlier_.begin());
     if (interior_) {
         interior_->commit(mechanism_, trial_ports());
     } else {
         commit_joints();
     }
     ++mechanism_.steps;
-    open_ = false;
+    open_ = stands_ = false;
 }
 
 void Network::commit_joints() {
     for (const Joint& joint : mechanism_.joints) joint.refuse_large_rotation(trial(joint.from()), trial(joint.to()));
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
-        joint.advance(mechanism_.scheme, mechanism_.steps, {trial(joint.from()), trial(joint.to())}, mechanism_.ends(j),
+        joint.advance(mechanism_.scheme, {trial(joint.from()), trial(joint.to())}, mechanism_.ends(j),
                       mechanism_.states[j], mechanism_.damper(j), nullptr);
     }
-    for (size_t p = 0; p < ports_.size(); ++p) mechanism_.frames[p] = trial(static_cast<int>(p)).copy();
+    for (size_t p = 0; p < ports_.size(); ++p) {
+        mechanism_.before[p] = mechanism_.frames[p];
+        mechanism_.frames[p] = trial(static_cast<int>(p)).copy();
+    }
 }
 
 /// The ports where they were last seen.
@@ -313,6 +324,114 @@ std::span<const FrameView> Network::trial_ports() const {
 void Network::discard_step() {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "discard_step: no step is open");
     open_ = false;
+}
+
+// ---- What stands at t_n -------------------------------------------------------------------------------------------------
+
+Twist Network::velocity_at_start(int frame) const {
+    if (frame < port_count()) return port_velocities_[static_cast<size_t>(frame)];
+    return interior_ ? interior_->velocity(frame) : Twist{};
+}
+
+/// Of a joint's deformation. Where rigid directions act, whose forces are known over the step only, velocities of the instant
+/// differ from each other by what these lack, of which a stiff damper would make forces: there the increments tell the rate.
+Vector6 Network::rate_at_start(size_t j) const {
+    const Joint& joint = mechanism_.joints[j];
+    const FrameView from = mechanism_.frame_before(joint.from()), to = mechanism_.frame_before(joint.to());
+    const bool is_by_increments = by_increments_ || (interior_ && interior_->has_rigid_directions());
+    if (!is_by_increments || mechanism_.steps == 1)
+        return joint.rate(from, velocity_at_start(joint.from()), to, velocity_at_start(joint.to()));
+    const auto correction = [&](int frame) { return interior_ ? interior_->correction(frame) : Twist{}; };
+    Vector6 rate = joint.rate(from, correction(joint.from()), to, correction(joint.to()));
+    const double per_step = 0.5 / mechanism_.scheme.step_size();
+    if (const DamperState* damper = mechanism_.damper(j))
+        for (int half : {0, 1})
+            rate.segment<3>(3 * half) += per_step * (damper->halves[half].delta[0] + damper->halves[half].delta[1]);
+    return rate;
+}
+
+/// Of the ports, referred to where they are at t_n.
+void Network::write_wrenches(double* wrench) const {
+    for (size_t p = 0; p < ports_.size(); ++p) {
+        Eigen::Map<Vector6>{wrench + 6 * p} = wrenches_[p];
+        refer_wrench(p, mechanism_.before[p], wrench);
+    }
+}
+
+/// Newmark's rule has (a_n + a_{n+1})/2 as the acceleration over a step, so elastic forces are means of its two ends and
+/// dampers have the mean rate.
+void Network::find_mean_wrenches() const {
+    const double h = mechanism_.scheme.step_size();
+    std::fill(wrenches_.begin(), wrenches_.end(), Vector6::Zero());
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const Joint& joint = mechanism_.joints[j];
+        const JointState& state = mechanism_.states[j];  // d_before is that at t_n
+        Vector6 f = 0.5 * joint.elastic(state.d_before, state.theta_before);
+        if (const DamperState* damper = mechanism_.damper(j)) {
+            Vector6 rate;
+            rate << damper->halves[0].delta[0], damper->halves[1].delta[0];
+            f += joint.damping(rate / h);
+        }
+        if (joint.rigid().any()) f += interior_->rigid_force(mechanism_, j);
+        const auto from = static_cast<size_t>(joint.from()), to = static_cast<size_t>(joint.to());
+        JointForce force = joint.pose(mechanism_.before[from], mechanism_.before[to]).act(f);
+        force.add(0.5, state.elastic);
+        Joint::add_wrench(force, wrenches_[from].data(), wrenches_[to].data());
+    }
+    if (interior_) interior_->find_velocities(mechanism_, wrenches_);
+}
+
+void Network::mean_wrench(double* wrench) const {
+    if (mechanism_.steps == 0 || open_) throw Error(DTTMM_ERROR_PHASE, "mean_wrench: only after a commit");
+    find_mean_wrenches();
+    write_wrenches(wrench);
+}
+
+void Network::stand(const dttmm_motion* nodes, double* wrench) const {
+    if (mechanism_.steps == 0 || open_) throw Error(DTTMM_ERROR_PHASE, "stand: only after a commit");
+    for (size_t p = 0; p < ports_.size(); ++p) {
+        const Vector3 arm = FrameView(mechanism_.before[p]).axes() * ports_[p].arm;
+        port_velocities_[p] = twist(nodes[p]);
+        port_velocities_[p].linear -= port_velocities_[p].angular.cross(arm);
+    }
+    stand_by_port_velocities();
+    write_wrenches(wrench);
+}
+
+/// For a host that does not say how the ports move at t_n.
+void Network::stand_by_centred_velocities() const {
+    find_mean_wrenches();
+    const double per_step = 0.5 / mechanism_.scheme.step_size();
+    for (size_t p = 0; p < ports_.size(); ++p) {
+        if (mechanism_.steps == 1) {
+            port_velocities_[p] = start_velocities_[p];
+            continue;
+        }
+        const FrameView earlier = earlier_[p], at = mechanism_.before[p], later = mechanism_.frames[p];
+        port_velocities_[p] = {per_step * (later.origin() - earlier.origin()),
+                               per_step * (rotation_vector(later.axes() * at.axes().transpose()) +
+                                           rotation_vector(at.axes() * earlier.axes().transpose()))};
+    }
+    by_increments_ = true;
+    stand_by_port_velocities();
+    by_increments_ = false;
+}
+
+void Network::stand_by_port_velocities() const {
+    if (interior_) interior_->find_massless_velocities(mechanism_, [&](size_t j) { return rate_at_start(j); });
+    std::fill(wrenches_.begin(), wrenches_.end(), Vector6::Zero());
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const Joint& joint = mechanism_.joints[j];
+        const JointState& state = mechanism_.states[j];
+        const auto from = static_cast<size_t>(joint.from()), to = static_cast<size_t>(joint.to());
+        const FrameView at_from = mechanism_.before[from], at_to = mechanism_.before[to];
+        Vector6& f = forces_[j] = joint.elastic(state.d_before, state.theta_before);
+        if (mechanism_.damper(j)) f += joint.damping(rate_at_start(j));
+        if (joint.rigid().any()) f += interior_->rigid_force_at_start(mechanism_, j);
+        Joint::add_wrench(joint.pose(at_from, at_to).act(f), wrenches_[from].data(), wrenches_[to].data());
+    }
+    if (interior_) interior_->find_accelerations(mechanism_, wrenches_);
+    stands_ = true;
 }
 
 // ---- State --------------------------------------------------------------------------------------------------------------
@@ -329,6 +448,8 @@ std::vector<std::pair<void*, size_t>> Network::state_parts() const {
         parts.emplace_back(frames->data(), ports * sizeof(Frame));  // the ground behind them stays where it is
         parts.emplace_back(frames->data() + driven, (frames->size() - driven) * sizeof(Frame));
     }
+    parts.emplace_back(const_cast<Frame*>(earlier_.data()), earlier_.size() * sizeof(Frame));
+    parts.emplace_back(const_cast<Twist*>(start_velocities_.data()), start_velocities_.size() * sizeof(Twist));
     if (interior_) interior_->add_state_parts(parts);
     return parts;
 }
@@ -369,30 +490,13 @@ void Network::restore_state(const void* buffer, size_t size) {
         in += bytes;
     }
     if (interior_) interior_->refactor(mechanism_);
+    stands_ = false;
 }
 
 // ---- Results ------------------------------------------------------------------------------------------------------------
 
-/// Force and moment of a joint at t_n, its axes.
-Vector6 Network::joint_force(size_t j) const {
-    const Joint& joint = mechanism_.joints[j];
-    const JointState& state = mechanism_.states[j];  // d_before is that at t_n, the start of the last step
-    Vector6 f;
-    f << joint.translation_half().stiffness.cwiseProduct(state.d_before),
-        moment_of_gradient(state.theta_before, joint.rotation_half().stiffness.cwiseProduct(state.theta_before));
-    if (const DamperState* damper = mechanism_.damper(j)) {
-        f.head<3>() += joint.translation_half().damping.cwiseProduct(damper->halves[0].rate);
-        f.tail<3>() += joint.rotation_half().damping.cwiseProduct(damper->halves[1].rate);
-    }
-    if (joint.rigid().none()) return f;
-    const Vector6 q = interior_->rigid_force(mechanism_, j);
-    f.head<3>() += q.head<3>();
-    f.tail<3>() += moment_of_gradient(state.theta_before, q.tail<3>());
-    return f;
-}
-
 double* Network::write_joint(double* out, size_t j) const {
-    Eigen::Map<Vector6>{out} = joint_force(j);
+    Eigen::Map<Vector6>{out} = forces_[j];
     Map3{out + 6} = mechanism_.states[j].d_before;
     Map3{out + 9} = mechanism_.states[j].theta_before;
     return out + 12;
@@ -431,7 +535,7 @@ double* Network::write_chain(double* out, size_t element) const {
     // The joints of whole segments sit at the sections; those of the half segments at the ends, a quarter segment off
     const double quarter = chain.rest.norm() / (4 * (last - first - 1));
     for (int j = first; j < last; ++j) {
-        Vector6 f = joint_force(static_cast<size_t>(j));
+        Vector6 f = forces_[static_cast<size_t>(j)];
         const double way_to_joint = j == first ? quarter : j == last - 1 ? -quarter : 0;
         f.tail<3>() += Vector3(way_to_joint, 0, 0).cross(Vector3(f.head<3>()));
         Eigen::Map<Vector6>{out} = f;
@@ -458,6 +562,7 @@ double* Network::write_node(double* out, size_t node) const {
 
 void Network::outputs(double* values) const {
     if (mechanism_.steps == 0) throw Error(DTTMM_ERROR_PHASE, "outputs: no step has been committed");
+    if (!stands_) stand_by_centred_velocities();
     const std::vector<int>& first_joint = mechanism_.assembly.first_joint;
     double* out = values;
     for (size_t e = 0; e + 1 < first_joint.size(); ++e) {

@@ -39,6 +39,11 @@ public:
     void evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const;
     void commit_step(const dttmm_motion* accepted);
     void discard_step();
+    /// After a commit: the mean wrench on the ports over that step; and what stands at its start t_n when the ports have the
+    /// velocities of `ports` there, with the wrench on them at that instant. outputs() are of the latter;
+    /// without it, of ports that have the means of their velocities over the two steps around t_n.
+    void mean_wrench(double* wrench) const;
+    void stand(const dttmm_motion* ports, double* wrench) const;
 
     size_t state_size() const;
     void save_state(void* buffer, size_t size) const;
@@ -80,7 +85,12 @@ private:
     void declare(const std::string& name, const char* unit, uint32_t of, uint32_t index, uint32_t role);
     void declare_vectors(const std::string& prefix, std::initializer_list<std::pair<const char*, const char*>> vectors,
                          uint32_t of, uint32_t index, uint32_t role);
-    Vector6 joint_force(size_t joint) const;
+    Twist velocity_at_start(int frame) const;
+    Vector6 rate_at_start(size_t joint) const;
+    void find_mean_wrenches() const;
+    void stand_by_port_velocities() const;
+    void stand_by_centred_velocities() const;
+    void write_wrenches(double* wrench) const;
     double* write_joint(double* out, size_t joint) const;
     double* write_chain(double* out, size_t element) const;
     double* write_node(double* out, size_t node) const;
@@ -98,6 +108,14 @@ private:
     };
     mutable std::vector<Port> ports_;
     mutable std::vector<FrameView> trial_ports_;
+    // At t_n, the start of the step last committed:
+    mutable std::vector<Twist> port_velocities_;
+    mutable std::vector<Vector6> forces_;    ///< of the joints, their axes
+    mutable std::vector<Vector6> wrenches_;  ///< on the frames, at their origins, world
+    mutable bool stands_ = false;            ///< the above are those of that instant
+    mutable bool by_increments_ = false;     ///< the host has not said how the ports move then
+    std::vector<Frame> earlier_;             ///< of the ports, at t_{n−1}
+    std::vector<Twist> start_velocities_;    ///< of the ports
     bool started_ = false, open_ = false;
 
     /// A beam or rod as results show it: its joints, its ends and its axes.

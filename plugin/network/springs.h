@@ -34,15 +34,14 @@ using JointState = JointStateOf<double>;
 /// More of it where rates count: at dampers, and everywhere if the scheme has numerical damping.
 template <class Real>
 struct DamperStateOf {
-    static constexpr int kNumbers = 35;
+    static constexpr int kNumbers = 29;
     struct Half {
         Vector3Of<Real> delta[3];  ///< increments of the deformation over the steps that ended at t_n, t_{n−1}, t_{n−2}
-        Vector3Of<Real> rate;      ///< of the deformation at t_{n−1} [1/s]: centred, at the start the initial one
     };
     Half halves[2];
     Matrix3Of<Real> attitude;  ///< of the `to` end relative to the `from` end at t_n, joint axes; if it carries a moment
     Real dissipated;           ///< energy lost to damping up to t_{n−1} [J]
-    Real power;                ///< lost to damping at t_{n−1} [W]
+    Real last_loss;            ///< lost over the step from there to t_n [J]
 };
 using DamperState = DamperStateOf<double>;
 
@@ -82,8 +81,8 @@ struct SpringsOf {
     Force weigh(const Scheme& scheme, const Strained& end, const JointPoseOf<Real>& at_end, const State& state,
                 const Damper* damper) const;
     /// Moves the memory on to the accepted end of the step, when the joint is at `next`. pose_now(): the joint at t_n, asked
-    /// for only where rates count; steps: committed before it since the start.
-    void advance(const Scheme& scheme, uint64_t steps, const Strained& end, const JointPoseOf<Real>& next,
+    /// for only where rates count.
+    void advance(const Scheme& scheme, const Strained& end, const JointPoseOf<Real>& next,
                  const auto& pose_now, State& state, Damper* damper) const;
     /// What of the force over the coming step is known before its end is: for an explicit scheme all of it. before: the
     /// elastic force at t_{n−1}; at: the joint when the forces of rates act, t_{n−1}, or t_n of an explicit scheme.
@@ -150,7 +149,7 @@ template <class Real>
 }
 
 template <class Real>
-[[gnu::always_inline]] inline void SpringsOf<Real>::advance(const Scheme& scheme, uint64_t steps, const Strained& end,
+[[gnu::always_inline]] inline void SpringsOf<Real>::advance(const Scheme& scheme, const Strained& end,
                                                             const JointPoseOf<Real>& next, const auto& pose_now,
                                                             State& state, Damper* damper) const {
     if (damper) {
@@ -160,17 +159,16 @@ template <class Real>
             turn = rotation_vector<Real>(end.attitude * damper->attitude.transpose());
             damper->attitude = end.attitude;
         }
-        Real power = 0;
+        damper->dissipated += damper->last_loss;
+        damper->last_loss = 0;
         for (int i : {0, 1}) {
             typename Damper::Half& half = damper->halves[i];
             half.delta[2] = half.delta[1];
             half.delta[1] = half.delta[0];
             half.delta[0] = i == 0 ? slide : turn;
-            if (steps > 0) half.rate = Real(0.5 / scheme.step_size()) * (half.delta[0] + half.delta[1]);
-            power += half.rate.dot(halves[i].damping.cwiseProduct(half.rate));
+            // The mean force c δ/h over the way δ: exact for Newmark's rule
+            damper->last_loss += Real(1 / scheme.step_size()) * half.delta[0].dot(halves[i].damping.cwiseProduct(half.delta[0]));
         }
-        if (steps > 0) damper->dissipated += 0.5 * scheme.step_size() * (damper->power + power);
-        damper->power = power;
     }
     const Force before = state.elastic;
     state.elastic = end.elastic;

@@ -65,9 +65,11 @@ struct memory {
     double past[4][3];        /* d at t_n, t_{n-1}, t_{n-2}, t_{n-3} */
     struct push elastic[2];   /* of the spring at t_n and t_{n-1} */
     struct push known;        /* of the damper and the odd part, what does not depend on the end of the coming step */
-    struct view now;          /* at t_n */
+    struct view now, before;  /* at t_n and t_{n-1} */
     double rate[3];           /* d' at t_{n-1}: centred, at the start the initial one */
-    double power, dissipated; /* lost to damping at and up to t_{n-1} */
+    double dissipated;        /* lost to damping up to t_{n-1} */
+    double last_loss;         /* over the step from there; NAN before the first one */
+    int committed;
 };
 
 struct dttmm_instance {
@@ -356,6 +358,7 @@ static void settle(dttmm_instance *s, const struct view *now) {
             for (int i = 0; i < 3; ++i) f[i] += s->c[i] * s->rate[1 + back] / m->h * m->past[back][i];
         m->known = push_of(now, f);
     }
+    m->before = m->now;
     m->now = *now;
     m->elastic[1] = m->elastic[0];
     m->elastic[0] = elastic_push(s, now);
@@ -372,7 +375,7 @@ static dttmm_status start(dttmm_instance *s, const dttmm_step *step, const dttmm
     double rate[3], acceleration[3];
     to_local(v.axes, v.velocity, rate);
     deformation_acceleration(s, &v, ports, accelerations, acceleration);
-    s->memory = (struct memory){.h = h, .power = NAN}; /* no power before the first step */
+    s->memory = (struct memory){.h = h, .last_loss = NAN};
     memcpy(s->memory.rate, rate, sizeof rate);
     for (int back = 0; back < 4; ++back)               /* the past before the start is the parabola through it */
         for (int i = 0; i < 3; ++i)
@@ -433,13 +436,15 @@ static dttmm_status commit_step(dttmm_instance *s, const dttmm_motion *accepted,
     memmove(m->past[1], m->past[0], sizeof m->past - sizeof m->past[0]);
     memcpy(m->past[0], v.d, sizeof v.d);
     settle(s, &v);
-    double power = 0;
-    for (int i = 0; i < 3; ++i) {
-        if (!isnan(m->power)) m->rate[i] = centred_rate(m, i);
-        power += s->c[i] * m->rate[i] * m->rate[i];
+    if (isnan(m->last_loss)) m->last_loss = 0;
+    m->dissipated += m->last_loss;
+    m->last_loss = 0;
+    for (int i = 0; i < 3; ++i) { /* the mean force over the way */
+        const double way = m->past[0][i] - m->past[1][i];
+        if (m->committed > 0) m->rate[i] = centred_rate(m, i);
+        m->last_loss += s->c[i] * way * way / m->h;
     }
-    if (!isnan(m->power)) m->dissipated += 0.5 * m->h * (m->power + power);
-    m->power = power;
+    ++m->committed;
     return DTTMM_OK;
 }
 
@@ -472,6 +477,31 @@ static dttmm_status restore_state(dttmm_instance *s, const void *buffer, size_t 
     return DTTMM_OK;
 }
 
+static dttmm_status mean_wrench(dttmm_instance *s, double *wrench, dttmm_error *error) {
+    const struct memory *m = &s->memory;
+    if (isnan(m->last_loss)) return fail(error, DTTMM_ERROR_PHASE, -1, "mean_wrench: no step has been committed");
+    double f[3];
+    for (int i = 0; i < 3; ++i) f[i] = s->c[i] * (m->past[0][i] - m->past[1][i]) / m->h;
+    struct push push = push_of(&m->before, f);
+    add_push(&push, 0.5, &m->elastic[0]);
+    add_push(&push, 0.5, &m->elastic[1]);
+    memset(wrench, 0, wrench_size(s) * sizeof *wrench);
+    add_wrenches(s, &push, m->before.arms, wrench, 1);
+    return DTTMM_OK;
+}
+
+static dttmm_status stand(dttmm_instance *s, const dttmm_motion *ports, double *wrench, dttmm_error *error) {
+    if (isnan(s->memory.last_loss)) return fail(error, DTTMM_ERROR_PHASE, -1, "stand: no step has been committed");
+    const struct view v = look(s, ports);
+    to_local(v.axes, v.velocity, s->memory.rate);
+    double f[3];
+    for (int i = 0; i < 3; ++i) f[i] = s->k[i] * v.d[i] + s->c[i] * s->memory.rate[i];
+    const struct push push = push_of(&v, f);
+    memset(wrench, 0, wrench_size(s) * sizeof *wrench);
+    add_wrenches(s, &push, v.arms, wrench, 1);
+    return DTTMM_OK;
+}
+
 static uint32_t channel_count(const dttmm_instance *s) {
     (void)s;
     return CHANNELS;
@@ -483,7 +513,7 @@ static const dttmm_channel *channels(const dttmm_instance *s) {
 }
 
 static dttmm_status outputs(const dttmm_instance *s, double *values, dttmm_error *error) {
-    if (isnan(s->memory.power)) return fail(error, DTTMM_ERROR_PHASE, -1, "outputs: no step has been committed");
+    if (isnan(s->memory.last_loss)) return fail(error, DTTMM_ERROR_PHASE, -1, "outputs: no step has been committed");
     const double *d = s->memory.past[1];
     values[6] = 0;
     for (int i = 0; i < 3; ++i) {
@@ -509,6 +539,7 @@ static const dttmm_plugin table = {
     NULL,                 NULL,               NULL, /* no modes, nothing to expect */
     NULL,                 NULL,               NULL,
     NULL,                 NULL,
+    mean_wrench,          stand,
 };
 
 const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major) { return host_major == DTTMM_PLUGIN_MAJOR ? &table : NULL; }

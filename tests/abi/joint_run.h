@@ -57,6 +57,7 @@ struct Ends {
 struct Answer {
     std::vector<double> wrench, stiffness;
     std::map<std::string, double> outputs;
+    std::vector<double> mean, standing;  ///< mean wrench over the step, wrench at its start
     bool operator==(const Answer&) const = default;
 };
 
@@ -105,6 +106,16 @@ public:
         check(table_.begin_step(instance_, &step, nullptr, &error_));
         check(table_.evaluate(instance_, motions(n + 1).data(), answer.wrench.data(), answer.stiffness.data(), &error_));
         check(table_.commit_step(instance_, motions(n + 1).data(), &error_));
+        answer.mean.resize(answer.wrench.size());
+        answer.standing.resize(answer.wrench.size());
+        check(table_.mean_wrench(instance_, answer.mean.data(), &error_));
+        std::vector<dttmm_motion> standing = motions(n);  // with velocities of their own
+        for (size_t p = 0; p < standing.size(); ++p)
+            for (size_t i = 0; i < 3; ++i) {
+                standing[p].velocity[i] = 0.3 * static_cast<double>(i) - 0.2 + 0.1 * static_cast<double>(p);
+                standing[p].angular_velocity[i] = 0.5 - 0.4 * static_cast<double>(i * p);
+            }
+        check(table_.stand(instance_, standing.data(), answer.standing.data(), &error_));
         std::vector<double> values(table_.channel_count(instance_));
         check(table_.outputs(instance_, values.data(), &error_));
         for (size_t c = 0; c < values.size(); ++c) answer.outputs[table_.channels(instance_)[c].name] = values[c];
@@ -129,7 +140,7 @@ private:
     }
     Answer make_answer() const {
         const size_t n = 6 * ports_.size();
-        return {std::vector<double>(n), std::vector<double>(n * n), {}};
+        return {std::vector<double>(n), std::vector<double>(n * n), {}, {}, {}};
     }
     void check(dttmm_status status) { ASSERT_EQ(status, DTTMM_OK) << error_.text; }
 

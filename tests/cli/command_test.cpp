@@ -206,8 +206,8 @@ TEST(Command, AForceThatRingsFromStepToStepIsToldWithItsElement) {
     EXPECT_EQ(complaint(1e5), "");
 }
 
-// Oracle: the amplitude of the residual. Undamped, the scheme itself keeps energy; the ledger's is off by (omega h)²/4 or
-// so.
+// Oracle: under Newmark's rule the ledger of small vibrations closes at every step; the explicit scheme's is off by
+// (omega h)²/4 or so.
 TEST(Command, AnEnergyThatDoesNotCloseIsToldWithItsCause) {
     const TemporaryFolder folder;
     const auto complaint = [&](const std::string& text) {
@@ -217,10 +217,7 @@ TEST(Command, AnEnergyThatDoesNotCloseIsToldWithItsCause) {
         return ended.err;
     };
     EXPECT_EQ(complaint(kicked_model("step = \"1 ms\"")), "");
-    EXPECT_THAT(complaint(kicked_model("step = \"5 ms\"")),
-                AllOf(HasSubstr("unaccounted for"),
-                      HasSubstr("the step of 0.005 s is too long for the fastest vibration, omega*h = 1.1"),
-                      HasSubstr("made by two (5")));
+    EXPECT_EQ(complaint(kicked_model("step = \"5 ms\"")), "");
     std::string text = kicked_model("step = \"8 ms\"\ncoupling = \"explicit\"");
     text.replace(text.find("step = \"5 ms\""), 13, "step = \"8 ms\"");
     EXPECT_THAT(complaint(text),

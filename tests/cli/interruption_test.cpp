@@ -144,7 +144,7 @@ TEST_P(StoppedModes, AResponseKeepsItsLines) {
 }
 
 TEST_P(StoppedModes, ASweepKeepsItsCases) {
-    Process sweep({"modes", "model.toml", "--sweep", "mass=1..5:100000", "-o", "out"}, folder_.path());
+    Process sweep({"modes", "model.toml", "--sweep", "mass=1kg..5kg:100000", "-o", "out"}, folder_.path());
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     sweep.send(GetParam());
     const Ended ended = sweep.wait();

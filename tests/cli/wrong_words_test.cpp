@@ -193,10 +193,10 @@ TEST_P(CrashingPlugin, IsNamedAndItsRowsStay) {
         << "the folder is free";
 
     const Ended sweep =
-        run_dttmm(folder.path(), {"run", "model.toml", "-o", "sweep", "--plugin", plugin, "--sweep", "mass=1,2", "-j", "1"});
+        run_dttmm(folder.path(), {"run", "model.toml", "-o", "sweep", "--plugin", plugin, "--sweep", "mass=1kg,2kg", "-j", "1"});
     EXPECT_EQ(sweep.code, 9);
     EXPECT_THAT(sweep.err,
-                HasSubstr("case-000002 mass=2: exit code 7: dttmm: plugin " + plugin + ", element \"one\", t = 1 s"));
+                HasSubstr("case-000002 mass=2kg: exit code 7: dttmm: plugin " + plugin + ", element \"one\", t = 1 s"));
 }
 
 #ifdef __SANITIZE_ADDRESS__  // the sanitizer reports faults of the processor itself

@@ -72,8 +72,8 @@ TEST(Loads, BeforeTheStartALoadCountsAsAtTheStart) {
     EXPECT_NEAR(wrenches[6], (0.75 * f(0.2) + 0.25 * f(0.5)) / 3, 1e-12);
 }
 
-// Oracle: power = f · v of the marker, by hand from the mean velocities.
-TEST(Loads, PowerIsForceTimesTheVelocityOfItsPoint) {
+// Oracle: force times the way of its point, moment times the turn, by hand; the force is the mean of both ends of the step.
+TEST(Loads, WorkIsTheMeanForceTimesTheWayOfItsPoint) {
     Model model = loaded_bodies();
     model.bodies[1].velocity = {1, 2, 3};
     model.bodies[1].angular_velocity = {-3, 0.5, 2};
@@ -83,9 +83,14 @@ TEST(Loads, PowerIsForceTimesTheVelocityOfItsPoint) {
     loads.start(0);
     loads.begin_step({0, 0, 0.01});
     const std::vector<BodyState> at = test::start_states(model);
-    const Eigen::Vector3d arm = model.bodies[1].rotation * Eigen::Vector3d(0.4, -0.1, 0.2);
-    const Eigen::Vector3d velocity = model.bodies[1].velocity + model.bodies[1].angular_velocity.cross(arm);
-    EXPECT_NEAR(loads.power_at_start(at, at), 100 * Eigen::Vector3d(1, 2, -2).dot(velocity) / 3 + 4 * 7, 1e-11);
+    std::vector<BodyState> after = at;
+    const Eigen::Vector3d marker = Eigen::Vector3d(0.4, -0.1, 0.2) - model.bodies[1].center_of_mass;
+    after[1].position += Eigen::Vector3d(0.02, 0.01, -0.03);
+    after[1].rotation = Eigen::AngleAxisd(0.3, Eigen::Vector3d(0.6, 0, 0.8)) * at[1].rotation;
+    const Eigen::Vector3d way =
+        Eigen::Vector3d(0.02, 0.01, -0.03) + after[1].rotation * marker - at[1].rotation * marker;
+    const double f = 0.5 * (model.loads[0].signal.value(0) + model.loads[0].signal.value(0.01));
+    EXPECT_NEAR(loads.work_over_step(at, after, 0.01), f * Eigen::Vector3d(1, 2, -2).dot(way) / 3 + 0.01 * 4 * 7, 1e-11);
 }
 
 TEST(Loads, AValueThatIsNotFiniteIsRefused) {
@@ -124,7 +129,7 @@ TEST(Loads, LoadsOnNodesAreThoseAtTheEndOfTheStep) {
     const std::vector<BodyState> at(1);
     loads.add_over_step(at, wrench.data());
     EXPECT_EQ(wrench, std::vector<double>(6));
-    EXPECT_EQ(loads.power_at_start(at, at), 0);
+    EXPECT_EQ(loads.work_over_step(at, at, 0.1), 0);
 }
 
 }  // namespace

@@ -83,8 +83,9 @@ TEST(Observer, PositionVelocityAndAccelerationOfAThrownBody) {
 }
 
 // Oracle: energy of a damped mass on a spring in closed form at t = 0 and conservation: what is lost is in the damper. The
-// ledger closes to second order in the step.
-TEST(Observer, EnergyLedgerClosesToSecondOrder) {
+// ledger of a linear machine closes to rounding at every step size, with dampers, gravity and loads: Newmark's rule has
+// Δ(m v²/2 + k x²/2) = (mean load) Δx − c Δx²/h.
+TEST(Observer, EnergyLedgerOfALinearMachineClosesToRounding) {
     const Plugins plugins;
     const auto residual = [&](double step) {
         Model model = test::plate_stack(plugins, 1, 5e5, 100, step, Coupling::implicit);
@@ -94,14 +95,15 @@ TEST(Observer, EnergyLedgerClosesToSecondOrder) {
         const Rows rows(model, plugins);
         EXPECT_NEAR(rows(0, "energy.kinetic"), 0.5 * test::kPlateMass * 0.09, 1e-13);
         EXPECT_EQ(rows(0, "energy.residual"), 0);
-        double largest = 0;
-        for (size_t n = 0; n < rows.count(); ++n) largest = std::max(largest, std::abs(rows(n, "energy.residual")));
+        double largest = 0, items = 0;
+        for (size_t n = 0; n < rows.count(); ++n) {
+            largest = std::max(largest, std::abs(rows(n, "energy.residual")));
+            items = std::max({items, rows(n, "energy.kinetic"), rows(n, "energy.strain"), std::abs(rows(n, "energy.work"))});
+        }
         EXPECT_GT(rows(rows.count() - 1, "energy.dissipated"), 0.2);
-        return largest;
+        return largest / items;
     };
-    const double coarse = residual(4e-4), fine = residual(2e-4);
-    EXPECT_LT(coarse, 0.02);
-    EXPECT_NEAR(coarse / fine, 4, 0.5);
+    for (const double step : {4e-3, 4e-4, 2e-5}) EXPECT_LT(residual(step), 1e-11) << step;
 }
 
 // Oracle: the initial conditions themselves. At t = 0 the springs are slack and the body is given its velocity: a = g + f/m
@@ -124,8 +126,9 @@ TEST(Observer, TheFirstRowIsTheInitialConditions) {
     }
 }
 
-// Oracle: the schemes have no numerical damping and no growth: over a million steps what the ledger is off by oscillates
-// with (ωh)² and is in the last tenth what it was in the first.
+// Oracle: the schemes have no numerical damping and no growth: over a million steps what the ledger is off by is in the last
+// tenth what it was in the first; with the explicit scheme it oscillates with (ωh)², with Newmark's it stems from the plate's
+// turning alone.
 TEST(Observer, AnUndampedPlateKeepsItsEnergyOverAMillionSteps) {
     const Plugins plugins;
     for (Coupling coupling : {Coupling::implicit, Coupling::explicit_}) {
@@ -147,9 +150,11 @@ TEST(Observer, AnUndampedPlateKeepsItsEnergyOverAMillionSteps) {
             early_sum += first;
             late_sum += last;
         }
-        EXPECT_NEAR(late_sum / early_sum, 1, 0.02);
-        EXPECT_LT(late, 1.05 * early);
-        EXPECT_LT(late, 0.15 * energy);
+        if (coupling == Coupling::explicit_) {
+            EXPECT_NEAR(late_sum / early_sum, 1, 0.02);
+            EXPECT_LT(late, 1.05 * early);
+        }
+        EXPECT_LT(late, (coupling == Coupling::explicit_ ? 0.15 : 1e-4) * energy) << early;
     }
 }
 
@@ -178,7 +183,7 @@ TEST(Observer, TwoJoinedTumblingBodiesAccountForTheirEnergyToSecondOrder) {
             EXPECT_GT(rows(rows.count() - 1, "energy.dissipated"), 0.1);
             return std::abs(rows(rows.count() - 1, "energy.residual"));
         };
-        const double coarse = residual(5e-4), fine = residual(2.5e-4);
+        const double coarse = residual(1.25e-4), fine = residual(0.625e-4);
         EXPECT_NEAR(coarse / fine, 4, 0.2);
         EXPECT_LT(coarse, 0.05);  // J, of about 50
     }

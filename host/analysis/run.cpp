@@ -15,6 +15,7 @@
 #include "analysis/summary.h"
 #include "coupling/stability.h"
 #include "model/diagnostics.h"
+#include "model/wording.h"
 #include "record/recorder.h"
 #include "record/results_folder.h"
 #include "record/tell.h"
@@ -341,10 +342,6 @@ ExitCode run(const RunRequest& request) {
     bench.simulation.record_to([&](std::span<const double> row) { recorder.close_row(row); });
     const Ending ending = advance_to_end(bench.simulation, request.quiet);
     return conclude(request, bench, bench.simulation, folder, recorder, ending);
-}
-
-std::string counted(size_t count, const char* one, const char* many) {
-    return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
 void check(const RunRequest& request) {

@@ -47,10 +47,10 @@ Model read(const RunRequest& request, const Plugins& plugins) {
     return model;
 }
 
-void refuse_empty(const Model& model, const std::vector<Mode>& modes) {
-    if (!modes.empty() || !model.modes.below) return;
-    throw Error(ExitCode::model_invalid,
-                fmt::format("{}: no natural frequency lies below {:g} Hz", model.modes.below_place, *model.modes.below));
+/// An empty list is an answer: the count proves it.
+void tell_empty(const Model& model, const std::vector<Mode>& modes) {
+    if (modes.empty() && model.modes.below)
+        tell(fmt::format("{}: no natural frequency lies below {:g} Hz", model.modes.below_place, *model.modes.below));
 }
 
 /// The place and direction that move most; of a mode in which nothing is displaced, that turn most.
@@ -173,7 +173,7 @@ ExitCode find_modes(const ModesRequest& request) {
     ModalMachine machine(model, plugins);
     if (request.is_verbose) fmt::print(request.as_json ? stderr : stdout, "{}", machine.layout());
     const std::vector<Mode> modes = machine.find_modes();
-    refuse_empty(model, modes);
+    tell_empty(model, modes);
 
     const ResultsFolder folder(modes_folder(request));
     const Json json = describe(model, machine, modes);
@@ -190,7 +190,11 @@ ExitCode find_modes(const ModesRequest& request) {
         print_modes(model, machine, modes);
         double widest = 0;
         for (const Mode& mode : modes) widest = std::max(widest, mode.numbers.bracket);
-        fmt::print("counted and complete, each within {:.1e} of itself; results in {}\n", widest, folder.path().string());
+        if (modes.empty())
+            fmt::print("counted and complete; results in {}\n", folder.path().string());
+        else
+            fmt::print("counted and complete, each within {:.1e} of itself; results in {}\n", widest,
+                       folder.path().string());
     }
     return ExitCode::ok;
 }
@@ -338,7 +342,7 @@ ExitCode sweep_modes(const ModesRequest& request, const std::vector<SweepAxis>& 
         const Model model = read(own, plugins);
         ModalMachine machine(model, plugins);
         const std::vector<Mode> modes = machine.find_modes();
-        refuse_empty(model, modes);
+        tell_empty(model, modes);
         shapes.push_back(shapes_of(machine, modes));
         swept.emplace_back();
         for (const auto& [name, value] : grid[c]) swept.back().push_back(parse_quantity(value).value);
@@ -472,10 +476,8 @@ ExitCode find_response(const FrfRequest& request) {
         return StopSignals::exit_code();
     }
     if (largest == 0)
-        tell(
-            fmt::format("warning: {} does not move under {}: one of them is held there, or nothing leads from one to the "
-                        "other",
-                        request.output_place, request.input));
+        tell(fmt::format("warning: {} does not move under {}: {}", request.output_place, request.input,
+                         machine.why_still(*in, in_direction, *out, out_direction)));
     if (!request.quiet)
         fmt::print("{} points from {:g} to {:g} Hz, {} per {}; largest {:.6g} {}/{} at {:.6g} Hz\nresults in {}\n",
                    request.points, from, to, request.output_place, request.input, largest, unit, input, at,

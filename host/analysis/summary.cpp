@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "model/read_joint.h"
+#include "record/results_folder.h"
 
 namespace dttmm {
 
@@ -171,7 +172,7 @@ Json describe_limit(const Simulation& simulation) {
 
 /// A number that tells whether a file has changed.
 std::string digest_of(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
+    std::ifstream file(from_start(path), std::ios::binary);
     const std::string content((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
     return fmt::format("{:016x}-{}", std::hash<std::string>{}(content), content.size());
 }
@@ -230,6 +231,13 @@ Json describe_model(const Model& model, const ElementCatalogue& catalogue) {
     return out;
 }
 
+/// The program and the plugin that comes with it: another build may give other results under the same version.
+const std::string& digest_of_build() {
+    static const std::string digest =
+        fmt::format("{} {}", digest_of("/proc/self/exe"), digest_of(PluginLibrary::built_in_file()));
+    return digest;
+}
+
 Json describe_inputs(const Model& model, const RunRequest& request) {
     Json overrides = Json::object();
     for (const auto& [name, value] : request.overrides.parameters) overrides[name] = value;
@@ -245,7 +253,8 @@ Json describe_inputs(const Model& model, const RunRequest& request) {
             {"files", files},
             {"plugins", plugins},
             {"force", request.force},
-            {"version", DTTMM_VERSION}};
+            {"version", DTTMM_VERSION},
+            {"build", digest_of_build()}};
 }
 
 Json describe_run(const Model& model, const RunRequest& request, const Plugins& plugins, const Simulation& simulation,

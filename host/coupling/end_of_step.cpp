@@ -215,7 +215,8 @@ void EndOfStep::factor(const std::vector<BodyState>& now) {
                                 "\"{}\": {}",
                                 time_, bodies_[least_held(now)].name,
                                 system_.empty() ? "its elements push it over faster than the step follows; try a smaller one"
-                                                : "very unequal masses on joints?"));
+                                : system_.is_near_singular() ? kSingularCure
+                                                             : "very unequal masses on joints?"));
 }
 
 /// The body whose stiffness takes most from its inertia.
@@ -429,8 +430,10 @@ void EndOfStep::confirm(const std::vector<BodyState>& after) const {
             throw Error(
                 ExitCode::numerical_failure,
                 fmt::format("t = {:.9g} s: ODE's joints move body \"{}\" otherwise than foretold, by {:.1e} m/s (joint "
-                            "\"{}\"); a step too long for the turning, very unequal masses, or a singular position?",
-                            time_, bodies_[b].name, std::sqrt(off_squared), descriptions_[j].name));
+                            "\"{}\"); {}",
+                            time_, bodies_[b].name, std::sqrt(off_squared), descriptions_[j].name,
+                            system_.is_near_singular() ? kSingularCure
+                                                       : "a step too long for the turning, or very unequal masses?"));
         }
     }
 }
@@ -484,9 +487,10 @@ void EndOfStep::fail(int passes) const {
         ExitCode::numerical_failure,
         fmt::format(
             "t = {:.9g} s: the end of the step was not found in {} passes (last correction {:.1e} m/s), worst at body "
-            "\"{}\"{}; try a smaller step",
+            "\"{}\"{}; {}",
             time_, passes, correction_[worst].norm(), bodies_[worst].name,
-            bodies_[worst].holder.empty() ? "" : " on " + bodies_[worst].holder));
+            bodies_[worst].holder.empty() ? "" : " on " + bodies_[worst].holder,
+            system_.is_near_singular() ? kSingularCure : "try a smaller step"));
 }
 
 }  // namespace dttmm

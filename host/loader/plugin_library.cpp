@@ -139,6 +139,11 @@ std::shared_ptr<const std::vector<dttmm_channel>> PluginLibrary::keep(std::vecto
 
 PluginLibrary PluginLibrary::built_in() { return {"built in", dttmm_plugin_entry(DTTMM_PLUGIN_MAJOR), nullptr}; }
 
+std::filesystem::path PluginLibrary::built_in_file() {
+    Dl_info info{};
+    return ::dladdr(reinterpret_cast<void*>(&dttmm_plugin_entry), &info) && info.dli_fname ? info.dli_fname : "";
+}
+
 PluginLibrary PluginLibrary::load(const std::filesystem::path& file) {
     check_file(file);
     const std::filesystem::path path = std::filesystem::absolute(file);  // a bare name would be searched on the library path

@@ -139,6 +139,19 @@ TEST_F(Sweep, AChangedModelIsComputedAnew) {
     EXPECT_THAT(again.out, HasSubstr("(0 of them reused)"));
 }
 
+// Oracle: a case that says it was made by another build, or by one that did not say, is computed anew.
+TEST_F(Sweep, CasesOfAnotherBuildAreComputedAnew) {
+    ASSERT_EQ(sweep({"mass=1 kg..3 kg:3"}).code, 0);
+    nlohmann::ordered_json other = nlohmann::ordered_json::parse(read_text(case_file(1, "summary.json")));
+    EXPECT_EQ(other["inputs"]["version"], "0.1.0");
+    other["inputs"]["build"] = "0123456789abcdef-1 0123456789abcdef-2";
+    write_text(case_file(1, "summary.json"), other.dump());
+    other = nlohmann::ordered_json::parse(read_text(case_file(2, "summary.json")));
+    other["inputs"].erase("build");
+    write_text(case_file(2, "summary.json"), other.dump());
+    EXPECT_THAT(sweep({"mass=1 kg..3 kg:3"}).out, HasSubstr("3 of 3 cases completed (1 of them reused)"));
+}
+
 // Oracle: the order in which cases end does not matter: one at a time or four, the same table.
 TEST_F(Sweep, TheNumberOfJobsChangesNothing) {
     ASSERT_EQ(sweep({"mass=1 kg..7 kg:7"}, "1").code, 0);

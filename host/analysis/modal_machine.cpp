@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "model/error.h"
 #include "model/read_modes.h"
@@ -41,7 +42,8 @@ ModalMachine::ModalMachine(const Model& model, const Plugins& plugins)
     }
     for (size_t n = 0; n < model.nodes.size(); ++n)
         if (const auto index = description_.network().node_at({-1, -1, static_cast<int>(n)}))
-            places_.push_back({model.nodes[n].name, -1, static_cast<int>(*index), model.nodes[n].position});
+            places_.push_back({model.nodes[n].name, -1, static_cast<int>(*index), model.nodes[n].position,
+                               static_cast<unsigned>(model.nodes[n].fixed.to_ulong())});
 }
 
 std::vector<ModalInstance::Mode> ModalMachine::find_modes() {
@@ -77,6 +79,7 @@ std::vector<ModalMachine::Vector6> ModalMachine::along(uint32_t mode, uint32_t e
 
 std::complex<double> ModalMachine::respond(double frequency, const ModalPlace& in, int in_direction, const ModalPlace& out,
                                            int out_direction) {
+    if (in.is_held(in_direction) || out.is_held(out_direction)) return 0;
     return tell_place(model_, [&] {
         const Vector6 wrench = Vector6::Unit(in_direction);
         const ModalInstance::Response response = instance_.respond(frequency, in.body, in.node, in.position, wrench);
@@ -84,6 +87,40 @@ std::complex<double> ModalMachine::respond(double frequency, const ModalPlace& i
         const Eigen::Matrix<std::complex<double>, 6, 6> by = by_body(out).cast<std::complex<double>>();
         return std::complex<double>(by.row(out_direction) * response.bodies[static_cast<size_t>(out.body)]);
     });
+}
+
+std::string ModalMachine::why_still(const ModalPlace& in, int in_direction, const ModalPlace& out, int out_direction) const {
+    if (in.is_held(in_direction) || out.is_held(out_direction))
+        return fmt::format("{} is fixed in that direction", in.is_held(in_direction) ? in.name : out.name);
+    // Bodies, then nodes, each pointing to another that it is joined with, or to itself
+    std::vector<size_t> root(model_.bodies.size() + model_.nodes.size());
+    std::iota(root.begin(), root.end(), size_t{0});
+    const auto find_root = [&](size_t i) {
+        while (root[i] != i) i = root[i] = root[root[i]];
+        return i;
+    };
+    const auto index = [&](int body, int node) {
+        return body >= 0 ? static_cast<size_t>(body) : model_.bodies.size() + static_cast<size_t>(node);
+    };
+    for (const Element& element : model_.elements) {
+        const Attachment* first = nullptr;
+        for (const Attachment& end : element.ends) {
+            if (end.is_ground()) continue;
+            if (first) root[find_root(index(end.body, end.node))] = find_root(index(first->body, first->node));
+            first = &end;
+        }
+    }
+    for (const Joint& joint : model_.joints)
+        if (joint.first >= 0 && joint.second >= 0)
+            root[find_root(static_cast<size_t>(joint.first))] = find_root(static_cast<size_t>(joint.second));
+    const auto place_root = [&](const ModalPlace& place) {
+        if (place.body >= 0) return find_root(static_cast<size_t>(place.body));
+        const auto node = std::ranges::find(model_.nodes, place.name, &Node::name);
+        return find_root(model_.bodies.size() + static_cast<size_t>(node - model_.nodes.begin()));
+    };
+    return place_root(in) == place_root(out)
+               ? "they are joined, but the symmetry of the machine keeps these directions apart"
+               : "no element or joint leads from one to the other";
 }
 
 const ModalPlace* ModalMachine::find(const std::string& name) const {

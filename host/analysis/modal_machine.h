@@ -14,6 +14,8 @@ struct ModalPlace {
     std::string name;
     int body = -1, node = -1;  ///< index into Model::bodies, or the network's nodes; the other is −1
     Eigen::Vector3d position;  ///< world [m]
+    unsigned held = 0;         ///< bit d set: a node that does not move in direction d
+    bool is_held(int direction) const { return (held >> direction & 1u) != 0; }
 };
 
 /// A model in small vibrations and what its places do in them.
@@ -34,6 +36,9 @@ public:
     /// [Hz].
     std::complex<double> respond(double frequency, const ModalPlace& in, int in_direction, const ModalPlace& out,
                                  int out_direction);
+
+    /// Why one place does not move under a load at the other.
+    std::string why_still(const ModalPlace& in, int in_direction, const ModalPlace& out, int out_direction) const;
 
     std::string layout() { return instance_.layout(); }
     dttmm_overall overall(double frequency) { return instance_.overall(frequency); }

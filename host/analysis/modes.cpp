@@ -8,9 +8,11 @@
 #include <numbers>
 #include <numeric>
 
+#include "analysis/curves.h"
 #include "analysis/modal_machine.h"
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
+#include "analysis/sweep_table.h"
 #include "model/units.h"
 #include "model/wording.h"
 #include "record/atomic_file.h"
@@ -84,10 +86,10 @@ Model read(const RunRequest& request, const Plugins& plugins, Warnings& warnings
     return model;
 }
 
-void refuse_empty(const Model& model, const std::vector<Mode>& modes) {
-    if (!modes.empty() || !model.modes.below) return;
-    throw Error(ExitCode::model_invalid,
-                fmt::format("{}: no natural frequency lies below {:g} Hz", model.modes.below_place, *model.modes.below));
+/// An empty list is an answer: the count proves it.
+void tell_empty(const Model& model, const std::vector<Mode>& modes) {
+    if (modes.empty() && model.modes.below)
+        tell(fmt::format("{}: no natural frequency lies below {:g} Hz", model.modes.below_place, *model.modes.below));
 }
 
 /// The place and direction that move most; of a mode in which nothing is displaced, that turn most.
@@ -216,7 +218,7 @@ ExitCode find_modes(const ModesRequest& request) {
     ModalMachine machine(model, plugins);
     if (request.is_verbose) fmt::print(request.as_json ? stderr : stdout, "{}", machine.layout());
     const std::vector<Mode> modes = machine.find_modes();
-    refuse_empty(model, modes);
+    tell_empty(model, modes);
 
     const ResultsFolder folder(modes_folder(request));
     const Json json = describe(model, machine, modes, warnings);
@@ -225,7 +227,8 @@ ExitCode find_modes(const ModesRequest& request) {
     warnings.print_rest("; summary.json has all of them");
     Json summary = json;
     summary["command_line"] = request.command_line;
-    summary["model"] = model.source;
+    summary["inputs"] = describe_inputs(model, request);
+    summary["model"] = describe_model(model, plugins.catalogue());
     write_json(folder.file("summary.json"), summary);
     if (request.as_json) {
         fmt::print("{}", to_text(json));
@@ -233,7 +236,11 @@ ExitCode find_modes(const ModesRequest& request) {
         print_modes(model, machine, modes);
         double widest = 0;
         for (const Mode& mode : modes) widest = std::max(widest, mode.numbers.bracket);
-        fmt::print("counted and complete, each within {:.1e} of itself; results in {}\n", widest, folder.path().string());
+        if (modes.empty())
+            fmt::print("counted and complete; results in {}\n", folder.path().string());
+        else
+            fmt::print("counted and complete, each within {:.1e} of itself; results in {}\n", widest,
+                       folder.path().string());
     }
     return ExitCode::ok;
 }
@@ -253,31 +260,108 @@ Eigen::MatrixXd shapes_of(const ModalMachine& machine, const std::vector<Mode>& 
     return shapes;
 }
 
-/// Modal assurance criterion of two shapes.
-double likeness(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-    const double product = a.squaredNorm() * b.squaredNorm();
-    return product > 0 ? a.dot(b) * a.dot(b) / product : 0;
+/// Below this likeness two shapes may be those of different modes.
+constexpr double kAlike = 0.8;
+
+/// A case as the sweep keeps it.
+struct SweptCase {
+    std::vector<Parameter> parameters;
+    std::vector<double> swept;        ///< value of every axis [SI]
+    std::vector<double> frequencies;  ///< [Hz]
+};
+
+std::string cell(double value) { return std::isnan(value) ? std::string() : number_text(value); }
+
+double frequency_of(const SweptCase& one, const CaseCurves& curves, size_t curve) {
+    return curves.mode_of[curve] == CaseCurves::kNone ? std::nan("") : one.frequencies[curves.mode_of[curve]];
 }
 
-/// Which mode of the next case goes on with each curve, the likest first.
-std::vector<size_t> follow(const Eigen::MatrixXd& before, const Eigen::MatrixXd& next) {
-    const auto n = static_cast<size_t>(std::min(before.cols(), next.cols()));
-    std::vector<std::tuple<double, size_t, size_t>> pairs;
-    for (size_t i = 0; i < static_cast<size_t>(before.cols()); ++i)
-        for (size_t j = 0; j < static_cast<size_t>(next.cols()); ++j)
-            pairs.emplace_back(-likeness(before.col(static_cast<Eigen::Index>(i)), next.col(static_cast<Eigen::Index>(j))),
-                               i, j);
-    std::ranges::sort(pairs);
-    std::vector<size_t> next_of(static_cast<size_t>(before.cols()), static_cast<size_t>(next.cols()));
-    std::vector<bool> taken(static_cast<size_t>(next.cols()));
-    size_t found = 0;
-    for (const auto& [unlike, i, j] : pairs) {
-        if (found == n || next_of[i] < static_cast<size_t>(next.cols()) || taken[j]) continue;
-        next_of[i] = j;
-        taken[j] = true;
-        ++found;
+/// The least likeness of a case to the one it was compared with; NaN if nothing was compared.
+double least_likeness(const CaseCurves& curves) {
+    double least = std::nan("");
+    for (double likeness : curves.likeness)
+        if (!(likeness >= least)) least = std::isnan(likeness) ? least : likeness;
+    return least;
+}
+
+std::string modes_sweep_table(const std::vector<SweptCase>& cases, const std::vector<CaseCurves>& curves,
+                              const std::vector<Parameter>& parameters) {
+    const size_t count = curves.empty() ? 0 : curves.front().mode_of.size();
+    std::vector<Channel> columns;
+    for (size_t k = 0; k < count; ++k) columns.push_back({fmt::format("curve{}", k + 1), "Hz"});
+    for (size_t k = 0; k < count; ++k) columns.push_back({fmt::format("mac{}", k + 1), "1"});
+    std::vector<SweepRow> rows;
+    for (size_t c = 0; c < cases.size(); ++c) {
+        rows.push_back({cases[c].parameters, {}});
+        for (size_t k = 0; k < count; ++k) rows.back().cells.push_back(cell(frequency_of(cases[c], curves[c], k)));
+        for (double likeness : curves[c].likeness) rows.back().cells.push_back(cell(likeness));
     }
-    return next_of;
+    return make_sweep_table(parameters, columns, rows);
+}
+
+Json describe_sweep(const std::vector<SweptCase>& cases, const std::vector<CaseCurves>& curves) {
+    const auto or_null = [](double value) { return std::isnan(value) ? Json() : Json(value); };
+    Json list = Json::array();
+    for (size_t c = 0; c < cases.size(); ++c) {
+        Json row = {{"case", case_name(c)},
+                    {"parameters", Json::object()},
+                    {"frequencies_hz", Json::array()},
+                    {"likeness", Json::array()},
+                    {"nearest", curves[c].nearest == CaseCurves::kNone ? Json() : Json(case_name(curves[c].nearest))}};
+        for (const Parameter& parameter : cases[c].parameters) row["parameters"][parameter.name] = parameter.value;
+        for (size_t k = 0; k < curves[c].mode_of.size(); ++k) {
+            row["frequencies_hz"].push_back(or_null(frequency_of(cases[c], curves[c], k)));
+            row["likeness"].push_back(or_null(curves[c].likeness[k]));
+        }
+        list.push_back(std::move(row));
+    }
+    return {{"format", "dttmm-modes-sweep/1"}, {"cases", list}};
+}
+
+void print_sweep(const std::vector<SweptCase>& cases, const std::vector<CaseCurves>& curves,
+                 const std::vector<SweepAxis>& axes, const std::vector<Parameter>& parameters) {
+    std::string head = fmt::format("{:<11}", "case");
+    for (const SweepAxis& axis : axes) {
+        const auto parameter = std::ranges::find(parameters, axis.name, &Parameter::name);
+        const std::string unit = parameter == parameters.end() || parameter->unit == "1" ? "" : " [" + parameter->unit + "]";
+        head += fmt::format(" {:>13}", axis.name + unit);
+    }
+    const size_t count = curves.empty() ? 0 : curves.front().mode_of.size();
+    for (size_t k = 0; k < count; ++k) head += fmt::format(" {:>11}", fmt::format("curve{} [Hz]", k + 1));
+    fmt::print("{} {:>10}\n", head, "lowest mac");
+    for (size_t c = 0; c < cases.size(); ++c) {
+        std::string line = case_name(c);
+        for (double value : cases[c].swept) line += fmt::format(" {:>13.6g}", value);
+        for (size_t k = 0; k < count; ++k) {
+            const double f = frequency_of(cases[c], curves[c], k);
+            line += std::isnan(f) ? fmt::format(" {:>11}", "-") : fmt::format(" {:>11.6g}", f);
+        }
+        const double least = least_likeness(curves[c]);
+        fmt::print("{} {:>10}\n", line, std::isnan(least) ? "-" : fmt::format("{:.3f}", least));
+    }
+}
+
+/// Curves whose shapes change much from one case to the next may be joined wrongly.
+void warn_unlike(const std::vector<CaseCurves>& curves, Warnings& warnings) {
+    size_t count = 0, worst_case = 0, worst_curve = 0;
+    double least = 1;
+    for (size_t c = 0; c < curves.size(); ++c)
+        for (size_t k = 0; k < curves[c].likeness.size(); ++k) {
+            const double likeness = curves[c].likeness[k];
+            if (!(likeness < kAlike)) continue;
+            ++count;
+            if (likeness >= least) continue;
+            least = likeness;
+            worst_case = c;
+            worst_curve = k;
+        }
+    if (count > 0)
+        warnings.add(
+            "unlike-shapes",
+            fmt::format("in {} a curve goes on with a shape of a likeness (MAC) below {:g}, lowest {:.2g} of curve{} "
+                        "from {} to {}: there it may have changed to another mode; take more cases between",
+                        counted(count, "place", "places"), kAlike, least, worst_curve + 1,
+                        case_name(curves[worst_case].nearest), case_name(worst_case)));
 }
 
 }  // namespace
@@ -285,81 +369,42 @@ std::vector<size_t> follow(const Eigen::MatrixXd& before, const Eigen::MatrixXd&
 ExitCode sweep_modes(const ModesRequest& request, const std::vector<SweepAxis>& axes) {
     const StopSignals signals;
     const Plugins plugins(request.plugins);
-    const std::vector<SweepCase> cases = make_grid(axes);
+    const std::vector<SweepCase> grid = make_grid(axes);
     Warnings warnings;
-    check_axes(axes, read(request, plugins, warnings).parameters);
-    std::string table = "case";
-    for (const SweepAxis& axis : axes) table += "," + csv_field(axis.name);
-    Json list = Json::array();
-    Eigen::MatrixXd before;
-    std::vector<std::string> lines;
-    size_t widest = 0;
-    for (size_t c = 0; c < cases.size() && !StopSignals::requested(); ++c) {
+    const Model base = read(request, plugins, warnings);
+    refuse_column_names(base);
+    check_axes(axes, base.parameters);
+    std::vector<SweptCase> cases;
+    std::vector<std::vector<double>> swept;
+    std::vector<Eigen::MatrixXd> shapes;
+    for (size_t c = 0; c < grid.size() && !StopSignals::requested(); ++c) {
         RunRequest own = request;
-        for (const auto& parameter : cases[c]) own.overrides.parameters.push_back(parameter);
+        for (const auto& parameter : grid[c]) own.overrides.parameters.push_back(parameter);
         const Model model = read(own, plugins, warnings);
         ModalMachine machine(model, plugins);
         const std::vector<Mode> modes = machine.find_modes();
-        refuse_empty(model, modes);
-        const Eigen::MatrixXd shapes = shapes_of(machine, modes);
-        std::vector<size_t> order(modes.size());
-        std::iota(order.begin(), order.end(), size_t{0});
-        if (c > 0) {
-            // Curves that end leave a gap; modes that no curve leads to begin one
-            std::vector<size_t> next_of = follow(before, shapes);
-            std::vector<bool> is_followed(modes.size());
-            for (size_t j : next_of)
-                if (j < modes.size()) is_followed[j] = true;
-            for (size_t j = 0; j < modes.size(); ++j)
-                if (!is_followed[j]) next_of.push_back(j);
-            order = next_of;
-        }
-        std::string line = fmt::format("{}", c + 1);
-        for (const auto& [name, value] : cases[c]) line += "," + number_text(parse_quantity(value).value);
-        Json row = {{"parameters", Json::object()}, {"frequencies_hz", Json::array()}};
-        for (const auto& [name, value] : cases[c]) row["parameters"][name] = parse_quantity(value).value;
-        Eigen::MatrixXd followed = Eigen::MatrixXd::Zero(shapes.rows(), static_cast<Eigen::Index>(order.size()));
-        for (size_t k = 0; k < order.size(); ++k) {
-            const bool is_there = order[k] < modes.size();
-            line += "," + (is_there ? number_text(modes[order[k]].numbers.frequency) : std::string());
-            row["frequencies_hz"].push_back(is_there ? Json(modes[order[k]].numbers.frequency) : Json());
-            if (is_there)
-                followed.col(static_cast<Eigen::Index>(k)) = shapes.col(static_cast<Eigen::Index>(order[k]));
-            else if (static_cast<Eigen::Index>(k) < before.cols())
-                followed.col(static_cast<Eigen::Index>(k)) = before.col(static_cast<Eigen::Index>(k));
-        }
-        before = followed;
-        widest = std::max(widest, order.size());
-        lines.push_back(line);
-        list.push_back(row);
+        tell_empty(model, modes);
+        shapes.push_back(shapes_of(machine, modes));
+        swept.emplace_back();
+        for (const auto& [name, value] : grid[c]) swept.back().push_back(parse_quantity(value).value);
+        cases.push_back({model.parameters, swept.back(), {}});
+        for (const Mode& mode : modes) cases.back().frequencies.push_back(mode.numbers.frequency);
     }
-    for (size_t k = 0; k < widest; ++k) table += fmt::format(",curve{}", k + 1);
-    table += "\n1";
-    for (const auto& [name, value] : cases.front()) table += "," + csv_field(parse_quantity(value).unit);
-    for (size_t k = 0; k < widest; ++k) table += ",Hz";
-    table += "\n";
-    for (std::string& line : lines) {
-        const auto have = static_cast<size_t>(std::ranges::count(line, ','));
-        table += line + std::string(axes.size() + widest - have, ',') + "\n";
-    }
-    warnings.print_rest("");
+    const std::vector<CaseCurves> curves = follow_curves(swept, shapes);
+    const std::vector<Parameter> parameters = cases.empty() ? std::vector<Parameter>() : cases.front().parameters;
     const ResultsFolder folder(modes_folder(request), Claim::keep);
-    write_atomically(folder.file("sweep.csv"), table);
+    write_atomically(folder.file("sweep.csv"), modes_sweep_table(cases, curves, parameters));
     if (request.as_json) {
-        fmt::print("{}", to_text({{"format", "dttmm-modes-sweep/1"}, {"cases", list}}));
+        fmt::print("{}", to_text(describe_sweep(cases, curves)));
     } else if (!request.quiet) {
-        for (const Json& row : list) {
-            std::string text;
-            for (const auto& [name, value] : row["parameters"].items())
-                text += fmt::format("{}={:.6g} ", name, value.get<double>());
-            for (const Json& f : row["frequencies_hz"])
-                text += f.is_null() ? fmt::format("{:>11}", "-") : fmt::format("{:>11.6g}", f.get<double>());
-            fmt::print("{}\n", text);
-        }
-        fmt::print("frequencies in Hz, a column per curve; {}\n", (folder.path() / "sweep.csv").string());
+        print_sweep(cases, curves, axes, parameters);
+        fmt::print("mac: likeness of a shape to that of its curve in the nearest case; results in {}\n",
+                   (folder.path() / "sweep.csv").string());
     }
-    if (list.size() < cases.size()) {
-        tell(fmt::format("{}; {} of {} cases are kept", StopSignals::reason(), list.size(), cases.size()));
+    warn_unlike(curves, warnings);
+    warnings.print_rest("");
+    if (cases.size() < grid.size()) {
+        tell(fmt::format("{}; {} of {} cases are kept", StopSignals::reason(), cases.size(), grid.size()));
         return StopSignals::exit_code();
     }
     return ExitCode::ok;
@@ -456,23 +501,28 @@ ExitCode find_response(const FrfRequest& request) {
         }
     }
     rows.finish();
-    if (done < request.points) {
+    const bool is_stopped = done < request.points;
+    if (largest == 0 && !is_stopped)
+        warnings.add("no-response", fmt::format("{} does not move under {}: {}", request.output_place, request.input,
+                                                machine.why_still(*in, in_direction, *out, out_direction)));
+    warnings.print_rest("; summary.json has all of them");
+    write_json(folder.file("summary.json"), {{"format", "dttmm-frf/1"},
+                                             {"warnings", describe_warnings(warnings)},
+                                             {"title", model.title},
+                                             {"status", is_stopped ? "stopped" : "completed"},
+                                             {"in", request.input},
+                                             {"out", request.output_place},
+                                             {"rows", done},
+                                             {"largest_receptance", largest},
+                                             {"largest_at_hz", at},
+                                             {"command_line", request.command_line},
+                                             {"inputs", describe_inputs(model, request)},
+                                             {"model", describe_model(model, plugins.catalogue())}});
+    if (is_stopped) {
         tell(fmt::format("{} at {:g} Hz; {} of {} rows are kept", StopSignals::reason(), frequency_at(done), done,
                          request.points));
         return StopSignals::exit_code();
     }
-    if (largest == 0)
-        warnings.add("no-response",
-                     fmt::format("{} does not move under {}: one of them is held there, or nothing leads from one to the "
-                                 "other",
-                                 request.output_place, request.input));
-    warnings.print_rest("; summary.json has all of them");
-    const Json summary = {
-        {"format", "dttmm-frf/1"}, {"title", model.title},        {"warnings", describe_warnings(warnings)},
-        {"in", request.input},     {"out", request.output_place}, {"points", request.points},
-        {"largest", largest},      {"largest_at_hz", at},         {"command_line", request.command_line},
-        {"model", model.source}};
-    write_atomically(folder.file("summary.json"), to_text(summary));
     if (!request.quiet)
         fmt::print("{} points from {:g} to {:g} Hz, {} per {}; largest {:.6g} {}/{} at {:.6g} Hz\nresults in {}\n",
                    request.points, from, to, request.output_place, request.input, largest, unit, input, at,

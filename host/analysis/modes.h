@@ -14,9 +14,9 @@ struct ModesRequest : RunRequest {
 
 /// Finds the natural frequencies of a model, prints a table (frequency, multiplicity, modal mass, where it moves most, which
 /// elements hold the strain energy) or one JSON object, and writes modes.csv (the shape at every body, marker and node),
-/// shapes.csv (along beams) and summary.json into the results folder. Throws Error: model_invalid for a model in which
-/// nothing vibrates and for a range without a frequency, numerical_failure where the count cannot prove the list,
-/// resource_limit for frequencies too high to count.
+/// shapes.csv (along beams) and summary.json into the results folder. A range without a frequency gives an empty list.
+/// Throws Error: model_invalid for a model in which nothing vibrates, numerical_failure where the count cannot prove the
+/// list, resource_limit for frequencies too high to count.
 ExitCode find_modes(const ModesRequest& request);
 
 /// The same for every case of a sweep, into one table: frequencies against the parameters, each curve followed through

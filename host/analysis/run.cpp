@@ -20,6 +20,7 @@
 #include "coupling/stability.h"
 #include "model/diagnostics.h"
 #include "model/read_simulation.h"
+#include "model/wording.h"
 #include "record/recorder.h"
 #include "record/results_folder.h"
 #include "record/tell.h"
@@ -399,10 +400,6 @@ std::string describe_lowest(const Model& model, const Plugins& plugins) {
     for (const ModalInstance::Mode& mode : modes)
         if (mode.numbers.frequency > 0) return fmt::format("lowest natural frequency {:.6g} Hz", mode.numbers.frequency);
     return fmt::format("no natural frequency above 0 Hz among the first {}", modes.size());
-}
-
-std::string counted(size_t count, const char* one, const char* many) {
-    return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
 std::string indented(std::string text) {

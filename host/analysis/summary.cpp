@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "model/read_joint.h"
+#include "record/results_folder.h"
 
 namespace dttmm {
 
@@ -63,58 +64,6 @@ Json describe_node(const Node& node) {
         out["angular_velocity"] = vector_json(node.angular_velocity);
     }
     return out;
-}
-
-Json describe_model(const Model& model, const ElementCatalogue& catalogue) {
-    const bool is_implicit = model.simulation.coupling == Coupling::implicit;
-    Json bodies = Json::object(), nodes = Json::object(), elements = Json::object(), joints = Json::object(),
-         loads = Json::array();
-    for (const Joint& joint : model.joints) {
-        Json& out =
-            joints[joint.name] = {{"type", joint_type_name(joint.type)},
-                                  {"between", {name_of(model, {joint.first, -1}), name_of(model, {joint.second, -1})}},
-                                  {"anchor", vector_json(joint.anchor)},
-                                  {"axis", vector_json(joint.axis)}};
-        if (joint.type == JointType::universal) out["axis2"] = vector_json(joint.axis2);
-        if (joint.limits) out["limits"] = *joint.limits;
-    }
-    for (const Load& load : model.loads)
-        loads.push_back({{"on", name_of(model, load.on)},
-                         {"quantity", load.is_moment ? "moment" : "force"},
-                         {"direction", vector_json(load.direction)},
-                         {"at_start", load.signal.value(0)},
-                         {"at_end", load.signal.value(model.simulation.duration)}});
-    for (const Body& body : model.bodies) {
-        Json markers = Json::object();
-        for (const Marker& marker : body.markers) markers[marker.name] = vector_json(marker.position);
-        bodies[body.name] = {{"mass", body.mass},
-                             {"center_of_mass", vector_json(body.center_of_mass)},
-                             {"inertia", matrix_json(body.inertia)},
-                             {"position", vector_json(body.position)},
-                             {"rotation", matrix_json(body.rotation)},
-                             {"velocity", vector_json(body.velocity)},
-                             {"angular_velocity", vector_json(body.angular_velocity)},
-                             {"markers", markers}};
-    }
-    for (const Node& node : model.nodes) nodes[node.name] = describe_node(node);
-    for (const Element& element : model.elements)
-        elements[element.name] = describe_element(model, element, *catalogue.types[static_cast<size_t>(element.type)]);
-    Json parameters = Json::object();
-    for (const Parameter& parameter : model.parameters) parameters[parameter.name] = parameter.value;
-    return {{"title", model.title},
-            {"parameters", parameters},
-            {"simulation",
-             {{"duration", model.simulation.duration},
-              {"step", model.simulation.step},
-              {"coupling", is_implicit ? "implicit" : "explicit"},
-              {"scheme", is_implicit ? "centred" : scheme_name(model.simulation.scheme)},
-              {"spectral_radius", model.simulation.spectral_radius},
-              {"gravity", vector_json(model.simulation.gravity)}}},
-            {"bodies", std::move(bodies)},
-            {"nodes", std::move(nodes)},
-            {"loads", std::move(loads)},
-            {"joints", std::move(joints)},
-            {"elements", std::move(elements)}};
 }
 
 /// Channels "<owner>.<quantity>.<axis>" as owner → quantity → peak, time of peak and final value, per axis.
@@ -223,12 +172,71 @@ Json describe_limit(const Simulation& simulation) {
 
 /// A number that tells whether a file has changed.
 std::string digest_of(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
+    std::ifstream file(from_start(path), std::ios::binary);
     const std::string content((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
     return fmt::format("{:016x}-{}", std::hash<std::string>{}(content), content.size());
 }
 
 }  // namespace
+
+Json describe_model(const Model& model, const ElementCatalogue& catalogue) {
+    const bool is_implicit = model.simulation.coupling == Coupling::implicit;
+    Json bodies = Json::object(), nodes = Json::object(), elements = Json::object(), joints = Json::object(),
+         loads = Json::array();
+    for (const Joint& joint : model.joints) {
+        Json& out =
+            joints[joint.name] = {{"type", joint_type_name(joint.type)},
+                                  {"between", {name_of(model, {joint.first, -1}), name_of(model, {joint.second, -1})}},
+                                  {"anchor", vector_json(joint.anchor)},
+                                  {"axis", vector_json(joint.axis)}};
+        if (joint.type == JointType::universal) out["axis2"] = vector_json(joint.axis2);
+        if (joint.limits) out["limits"] = *joint.limits;
+    }
+    for (const Load& load : model.loads)
+        loads.push_back({{"on", name_of(model, load.on)},
+                         {"quantity", load.is_moment ? "moment" : "force"},
+                         {"direction", vector_json(load.direction)},
+                         {"at_start", load.signal.value(0)},
+                         {"at_end", load.signal.value(model.simulation.duration)}});
+    for (const Body& body : model.bodies) {
+        Json markers = Json::object();
+        for (const Marker& marker : body.markers) markers[marker.name] = vector_json(marker.position);
+        bodies[body.name] = {{"mass", body.mass},
+                             {"center_of_mass", vector_json(body.center_of_mass)},
+                             {"inertia", matrix_json(body.inertia)},
+                             {"position", vector_json(body.position)},
+                             {"rotation", matrix_json(body.rotation)},
+                             {"velocity", vector_json(body.velocity)},
+                             {"angular_velocity", vector_json(body.angular_velocity)},
+                             {"markers", markers}};
+    }
+    for (const Node& node : model.nodes) nodes[node.name] = describe_node(node);
+    for (const Element& element : model.elements)
+        elements[element.name] = describe_element(model, element, *catalogue.types[static_cast<size_t>(element.type)]);
+    Json parameters = Json::object();
+    for (const Parameter& parameter : model.parameters) parameters[parameter.name] = parameter.value;
+    Json out = {{"title", model.title}, {"parameters", std::move(parameters)}};
+    if (model.simulation.step > 0)  // natural frequencies need none
+        out["simulation"] = {{"duration", model.simulation.duration},
+                             {"step", model.simulation.step},
+                             {"coupling", is_implicit ? "implicit" : "explicit"},
+                             {"scheme", is_implicit ? "centred" : scheme_name(model.simulation.scheme)},
+                             {"spectral_radius", model.simulation.spectral_radius},
+                             {"gravity", vector_json(model.simulation.gravity)}};
+    out["bodies"] = std::move(bodies);
+    out["nodes"] = std::move(nodes);
+    out["loads"] = std::move(loads);
+    out["joints"] = std::move(joints);
+    out["elements"] = std::move(elements);
+    return out;
+}
+
+/// The program and the plugin that comes with it: another build may give other results under the same version.
+const std::string& digest_of_build() {
+    static const std::string digest =
+        fmt::format("{} {}", digest_of("/proc/self/exe"), digest_of(PluginLibrary::built_in_file()));
+    return digest;
+}
 
 Json describe_inputs(const Model& model, const RunRequest& request) {
     Json overrides = Json::object();
@@ -245,7 +253,8 @@ Json describe_inputs(const Model& model, const RunRequest& request) {
             {"files", files},
             {"plugins", plugins},
             {"force", request.force},
-            {"version", DTTMM_VERSION}};
+            {"version", DTTMM_VERSION},
+            {"build", digest_of_build()}};
 }
 
 Json describe_warnings(const Warnings& warnings) {

@@ -22,6 +22,10 @@ Json describe_inputs(const Model& model, const RunRequest& request);
 /// [{"code", "text"}, ...]
 Json describe_warnings(const Warnings& warnings);
 
+/// The model as it was solved: parameters, bodies, nodes, loads, joints, elements, all in SI; settings of a run if the file
+/// has them.
+Json describe_model(const Model& model, const ElementCatalogue& catalogue);
+
 /// summary.json: status, warnings, inputs, versions, step count and time per step, coupling, omega*h, energy, peak and final
 /// values of every element, joint and marker, the resolved model. `simulation` is the run whose results are kept; `halving`,
 /// of a run to a tolerance, says what stands behind them, else null.

@@ -20,6 +20,7 @@
 
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
+#include "analysis/sweep_table.h"
 #include "model/units.h"
 #include "model/wording.h"
 #include "record/atomic_file.h"
@@ -264,28 +265,31 @@ std::string describe_warnings_of(const std::vector<Case>& cases) {
     return count == 0 ? "" : fmt::format(", {} with warnings ({})", count, fmt::join(codes, ", "));
 }
 
-std::string sweep_table(const std::vector<Case>& cases, const Model& model) {
+/// What is known of the parameters of a case: of one that completed what it said, else what the sweep gave it.
+std::vector<Parameter> parameters_of(const Case& one) {
+    std::vector<Parameter> parameters;
+    if (one.status == "completed" && one.summary.contains("model"))
+        for (const auto& [name, value] : one.summary["model"]["parameters"].items())
+            parameters.push_back({name, value.get<double>(), "", ""});
+    for (const auto& [name, value] : one.parameters) parameters.push_back({name, parse_quantity(value).value, "", ""});
+    return parameters;
+}
+
+std::string sweep_table(const std::vector<Case>& cases, const Model& model, const std::vector<Parameter>& parameters) {
     const std::vector<Column> columns = result_columns(cases, model);
-    std::string text = "case";
-    for (const auto& [name, value] : cases.front().parameters) text += "," + csv_field(name);
-    text += ",status,reason,warnings";
+    std::vector<Channel> heads = {{"status", ""}, {"reason", ""}, {"warnings", ""}};
     for (const Column& c : columns)
-        text += "," + csv_field(fmt::format("{}.{}.{}.{}", c.owner, c.quantity, c.axis, c.statistic));
-    text += "\n";
+        heads.push_back({fmt::format("{}.{}.{}.{}", c.owner, c.quantity, c.axis, c.statistic),
+                         std::string_view(c.quantity) == "force" ? "N" : "m/s^2"});
+    std::vector<SweepRow> rows;
     for (const Case& one : cases) {
-        text += one.folder.filename().string();
-        for (const auto& [name, value] : one.parameters) text += "," + number_text(parse_quantity(value).value);
-        text += fmt::format(",{},{},{}", one.status, csv_field(one.reason), count_warnings(one));
+        rows.push_back({parameters_of(one), {one.status, one.reason, count_warnings(one)}});
+        if (one.status != "completed") continue;
         for (const Column& c : columns)
-            text +=
-                one.status == "completed"
-                    ? "," +
-                          number_text(
-                              one.summary.at(c.section).at(c.owner).at(c.quantity).at(c.axis).at(c.statistic).get<double>())
-                    : ",";
-        text += "\n";
+            rows.back().cells.push_back(
+                number_text(one.summary.at(c.section).at(c.owner).at(c.quantity).at(c.axis).at(c.statistic).get<double>()));
     }
-    return text;
+    return make_sweep_table(parameters, heads, rows);
 }
 
 void print_failures(const std::vector<Case>& cases) {
@@ -301,13 +305,13 @@ void print_failures(const std::vector<Case>& cases) {
 
 namespace {
 
-/// A single case may be at fault; if all are, the fault of the first is the sweep's.
-void refuse_if_none_reads(const std::vector<Case>& cases, const RunRequest& request, const Plugins& plugins) {
+/// The parameters of the first case that can be read. A single case may be at fault; if all are, the fault of the first is
+/// the sweep's.
+std::vector<Parameter> read_parameters(const std::vector<Case>& cases, const RunRequest& request, const Plugins& plugins) {
     std::exception_ptr first;
     for (const Case& one : cases) {
         try {
-            read_model(request.model, plugins.catalogue(), request_of(request, one).overrides);
-            return;
+            return read_model(request.model, plugins.catalogue(), request_of(request, one).overrides).parameters;
         } catch (const Error&) {
             if (!first) first = std::current_exception();
         }
@@ -324,19 +328,20 @@ ExitCode run_sweep(const RunRequest& request, const std::vector<SweepAxis>& axes
     for (SweepCase& parameters : make_grid(axes)) cases.push_back({std::move(parameters), {}, "missing", {}, {}});
     const Model model = read_model(request.model, plugins.catalogue(), request.overrides);
     check_axes(axes, model.parameters);
-    refuse_if_none_reads(cases, request, plugins);
+    refuse_column_names(model);
+    const std::vector<Parameter> parameters = read_parameters(cases, request, plugins);
 
     const ResultsFolder folder(request.output.value_or(default_results_path(request.model)), Claim::keep);
     std::vector<Case*> todo;
     for (size_t i = 0; i < cases.size(); ++i) {
-        cases[i].folder = folder.file(fmt::format("case-{:06}", i + 1));
+        cases[i].folder = folder.file(case_name(i));
         if (!reuse(cases[i], model, request)) todo.push_back(&cases[i]);
     }
     const size_t reused = cases.size() - todo.size();
     if (jobs <= 0) jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     Crew(request, std::move(todo), jobs, reused, cases.size()).work();
 
-    write_atomically(folder.file("sweep.csv"), sweep_table(cases, model));
+    write_atomically(folder.file("sweep.csv"), sweep_table(cases, model, parameters));
     print_failures(cases);
     const auto count = [&](const char* status) {
         return std::count_if(cases.begin(), cases.end(), [&](const Case& one) { return one.status == status; });

@@ -96,9 +96,8 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks)
     wrenches_.resize(6 * n);
     for (Eigen::VectorXd* list : {&right_hand_side_, &solution_, &multipliers_, &instant_multipliers_})
         list->setZero(matrix_.size());
-    joints_turn_ = std::ranges::any_of(descriptions_, [](const Joint& joint) {
-        return joint.type != JointType::slider && joint.type != JointType::fixed;
-    });
+    joints_turn_ = std::ranges::any_of(
+        descriptions_, [](const Joint& joint) { return joint.type != JointType::slider && joint.type != JointType::fixed; });
     for (Eigen::VectorXd* list : {&instant_rows_, &instant_solution_, &proximal_rows_})
         list->setZero(instant_matrix_.size());
     instant_.at.resize(n);
@@ -146,10 +145,11 @@ void EndOfStep::factor_instant(const std::vector<BodyState>& at) {
         instant_matrix_.add(static_cast<int>(b), static_cast<int>(b), bodies_[b].inertia.block(at[b].rotation));
     system_.write_to(instant_matrix_);
     if (!instant_factor_.factor(instant_matrix_))
-        throw Error(ExitCode::numerical_failure,
-                    fmt::format("t = {:.9g} s: the equations of the joints at this instant are singular: very unequal masses "
-                                "on joints, or a singular position?",
-                                time_));
+        throw Error(
+            ExitCode::numerical_failure,
+            fmt::format("t = {:.9g} s: the equations of the joints at this instant are singular: very unequal masses "
+                        "on joints, or a singular position?",
+                        time_));
 }
 
 /// Solves with the proximal E of redundant joints taken out again.
@@ -317,7 +317,8 @@ void EndOfStep::factor(const std::vector<BodyState>& now) {
                                 "\"{}\": {}",
                                 time_, bodies_[least_held(now)].name,
                                 system_.empty() ? "its elements push it over faster than the step follows; try a smaller one"
-                                                : "very unequal masses on joints?"));
+                                : system_.is_near_singular() ? kSingularCure
+                                                             : "very unequal masses on joints?"));
 }
 
 /// The body whose stiffness takes most from its inertia.
@@ -531,8 +532,10 @@ void EndOfStep::confirm(const std::vector<BodyState>& after) const {
             throw Error(
                 ExitCode::numerical_failure,
                 fmt::format("t = {:.9g} s: ODE's joints move body \"{}\" otherwise than foretold, by {:.1e} m/s (joint "
-                            "\"{}\"); a step too long for the turning, very unequal masses, or a singular position?",
-                            time_, bodies_[b].name, std::sqrt(off_squared), descriptions_[j].name));
+                            "\"{}\"); {}",
+                            time_, bodies_[b].name, std::sqrt(off_squared), descriptions_[j].name,
+                            system_.is_near_singular() ? kSingularCure
+                                                       : "a step too long for the turning, or very unequal masses?"));
         }
     }
 }
@@ -585,9 +588,10 @@ void EndOfStep::fail(int passes) const {
         ExitCode::numerical_failure,
         fmt::format(
             "t = {:.9g} s: the end of the step was not found in {} passes (last correction {:.1e} m/s), worst at body "
-            "\"{}\"{}; try a smaller step",
+            "\"{}\"{}; {}",
             time_, passes, correction_[worst].norm(), bodies_[worst].name,
-            bodies_[worst].holder.empty() ? "" : " on " + bodies_[worst].holder));
+            bodies_[worst].holder.empty() ? "" : " on " + bodies_[worst].holder,
+            system_.is_near_singular() ? kSingularCure : "try a smaller step"));
 }
 
 }  // namespace dttmm

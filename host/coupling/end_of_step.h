@@ -19,7 +19,7 @@ using Feedback = std::vector<Eigen::Matrix<double, 6, 1>>;
 
 /// The bodies at t_n: what a row of results tells of them. Mass times acceleration is the sum of the forces recorded there.
 struct Instant {
-    std::vector<BodyState> at;                                 ///< poses and velocities
+    std::vector<BodyState> at;                               ///< poses and velocities
     std::vector<Eigen::Matrix<double, 6, 1>> accelerations;  ///< of the centres of mass, linear and angular [m/s², rad/s²]
 };
 
@@ -75,11 +75,11 @@ public:
     /// What stands at t_n, the start of the step last committed: velocities as Newmark's rule has them,
     ///     v_n = v_{n+1/2} − h/2 M⁻¹ (mean wrench over the step),   J v_n = 0,
     /// accelerations and joint forces by the balance of that instant, M a + Jᵀ q = f, J a = −C̈. Then the networks stand
-    /// there too. now: poses at t_n, velocities over the step before; after: those over the step. Velocities are the means of
-    /// those over the two steps where joints turn (J at t_n would share the turning over half a step between a heavy body
-    /// and one that is stiffly held), in the row of an impact on a stop, with an explicit scheme, and where a plugin does not
-    /// tell what stands; in the row of an impact, and for such a plugin, accelerations and joint forces are the means over
-    /// these steps too, the impulse of the impact among them.
+    /// there too. now: poses at t_n, velocities over the step before; after: those over the step. Velocities are the means
+    /// of those over the two steps where joints turn (J at t_n would share the turning over half a step between a heavy body
+    /// and one that is stiffly held), in the row of an impact on a stop, with an explicit scheme, and where a plugin does
+    /// not tell what stands; in the row of an impact, and for such a plugin, accelerations and joint forces are the means
+    /// over these steps too, the impulse of the impact among them.
     const Instant& find_instant(const std::vector<BodyState>& now, const std::vector<BodyState>& after, Networks& networks,
                                 const Loads& loads);
 
@@ -163,11 +163,11 @@ private:
     std::vector<BodyState> start_;  ///< as given
     Eigen::VectorXd instant_rows_, instant_solution_;
     mutable Eigen::VectorXd proximal_rows_;
-    Eigen::VectorXd instant_multipliers_;  ///< h q of the instant last found
+    Eigen::VectorXd instant_multipliers_;           ///< h q of the instant last found
     std::vector<Eigen::Matrix3d> inverse_moments_;  ///< of inertia, body axes
-    std::vector<bool> foreseen_;         ///< stops that ODE does not see yet
-    Eigen::VectorXd multipliers_;        ///< q in the joints' rows; the others are not looked at
-    bool stiffness_wanted_ = true;       ///< by the next evaluation, which then factors the matrix anew
+    std::vector<bool> foreseen_;                    ///< stops that ODE does not see yet
+    Eigen::VectorXd multipliers_;                   ///< q in the joints' rows; the others are not looked at
+    bool stiffness_wanted_ = true;                  ///< by the next evaluation, which then factors the matrix anew
     std::vector<Group> groups_;
     long passes_ = 0, factorisations_ = 0;
 };

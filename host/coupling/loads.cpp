@@ -88,9 +88,10 @@ double Loads::work_over_step(const std::vector<BodyState>& now, const std::vecto
         const Load& load = loads_[i].load;
         if (load.on.body < 0) continue;  // its work is the network's
         const BodyState &from = now[static_cast<size_t>(load.on.body)], &to = after[static_cast<size_t>(load.on.body)];
-        const Eigen::Vector3d way = load.is_moment ? Eigen::Vector3d(h * to.angular_velocity)
-                                                   : Eigen::Vector3d(to.position + to.rotation * loads_[i].arm - from.position -
-                                                                     from.rotation * loads_[i].arm);
+        const Eigen::Vector3d way =
+            load.is_moment
+                ? Eigen::Vector3d(h * to.angular_velocity)
+                : Eigen::Vector3d(to.position + to.rotation * loads_[i].arm - from.position - from.rotation * loads_[i].arm);
         work += magnitudes_[i].mean * load.direction.dot(way);
     }
     return work;

@@ -119,10 +119,10 @@ private:
 
     double step_size_ = 0;
     double time_ = 0;
-    std::vector<dttmm_motion> motions_;                ///< of every port, as last gathered
-    std::vector<Eigen::Vector3d> arms_;                ///< of every port from the centre of mass, world axes, at t_n
-    std::vector<Eigen::Vector3d> next_arms_;           ///< the same as last gathered
-    std::vector<double> wrenches_;  ///< of every port; a guard word before the first network's part and after each
+    std::vector<dttmm_motion> motions_;       ///< of every port, as last gathered
+    std::vector<Eigen::Vector3d> arms_;       ///< of every port from the centre of mass, world axes, at t_n
+    std::vector<Eigen::Vector3d> next_arms_;  ///< the same as last gathered
+    std::vector<double> wrenches_;            ///< of every port; a guard word before the first network's part and after each
     /// Of the network at hand, the matrices between two guard words.
     std::vector<double> stiffness_, damping_, loads_;
     mutable std::vector<double> outputs_;  ///< of all networks, between two guard words

@@ -119,9 +119,7 @@ decltype(dttmm_plugin::expect) PluginLibrary::expect() const {
     return table_->size >= kSizeOfMinor2 ? table_->expect : nullptr;
 }
 
-bool PluginLibrary::stands() const {
-    return table_->size >= kSizeOfMinor3 && table_->mean_wrench && table_->stand;
-}
+bool PluginLibrary::stands() const { return table_->size >= kSizeOfMinor3 && table_->mean_wrench && table_->stand; }
 
 bool PluginLibrary::has_modes() const {
     return table_->size >= kSizeOfMinor1 && table_->create_modal && table_->destroy_modal && table_->find_modes &&
@@ -143,6 +141,11 @@ std::shared_ptr<const std::vector<dttmm_channel>> PluginLibrary::keep(std::vecto
 }
 
 PluginLibrary PluginLibrary::built_in() { return {"built in", dttmm_plugin_entry(DTTMM_PLUGIN_MAJOR), nullptr}; }
+
+std::filesystem::path PluginLibrary::built_in_file() {
+    Dl_info info{};
+    return ::dladdr(reinterpret_cast<void*>(&dttmm_plugin_entry), &info) && info.dli_fname ? info.dli_fname : "";
+}
 
 PluginLibrary PluginLibrary::load(const std::filesystem::path& file) {
     check_file(file);

@@ -17,6 +17,8 @@ class PluginLibrary {
 public:
     /// The plugin that comes with dttmm.
     static PluginLibrary built_in();
+    /// The file of its code; empty if that cannot be made out.
+    static std::filesystem::path built_in_file();
 
     /// Loads `file`. Throws Error(plugin_failure) when it is missing, no regular file, writable for everybody, no library of
     /// this machine, without the entry symbol, of another major version, or incomplete.

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "model/read_model.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 
 #include "model/attachments.h"
 #include "model/name_registry.h"
@@ -36,11 +37,21 @@ std::string read_text(const fs::path& file) {
     if (status.type() == fs::file_type::not_found) fail("there is no such file");
     if (!fs::status_known(status)) fail("cannot be read: " + error.message());
     if (!fs::is_regular_file(status)) fail("is not a regular file");
-    errno = 0;
-    std::ifstream stream(file, std::ios::binary);
-    std::string text(std::min<std::uintmax_t>(stream ? fs::file_size(file, error) : 0, kLargestFile + 1), '\0');
-    if (stream) stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-    if (!stream) fail(fmt::format("cannot be read: {}", errno ? std::strerror(errno) : "it changed while it was read"));
+    const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0) fail(fmt::format("cannot be read: {}", std::strerror(errno)));
+    // To its end, also where its size is said to be 0: what cannot be read is no empty file
+    std::string text;
+    char piece[64 * 1024];
+    ssize_t size = 1;
+    while (size != 0 && text.size() <= kLargestFile) {
+        size = ::read(descriptor, piece, sizeof piece);
+        if (size > 0) text.append(piece, static_cast<std::size_t>(size));
+        if (size < 0 && errno != EINTR) break;
+    }
+    const int reason = errno;
+    ::close(descriptor);
+    if (size < 0) fail(fmt::format("cannot be read: {}", std::strerror(reason)));
+    text.resize(std::min(text.size(), kLargestFile + 1));
     return text;
 }
 

@@ -59,6 +59,10 @@ std::string printable(std::string_view text) { return make_visible(text, text.si
 
 std::string number_text(double value) { return fmt::format("{}", value); }
 
+std::string counted(std::size_t count, const char* one, const char* many) {
+    return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
 int compute_edit_distance(std::string_view a, std::string_view b) {
     a = a.substr(0, kLongestName);
     b = b.substr(0, kLongestName);

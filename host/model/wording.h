@@ -20,6 +20,9 @@ std::string printable(std::string_view text);
 /// The shortest decimal text that reads back as `value`.
 std::string number_text(double value);
 
+/// "1 body", "2 bodies".
+std::string counted(std::size_t count, const char* one, const char* many);
+
 /// Fewest insertions, deletions, replacements and swaps of neighbours that turn `a` into `b` (Damerau 1964, no part edited
 /// twice), counted in bytes of the first 100.
 int compute_edit_distance(std::string_view a, std::string_view b);

@@ -22,7 +22,7 @@ constexpr std::size_t kLongestNumber = 25;  // "-2.2250738585072014e-308" and a 
 std::atomic<CsvWriter*> last_made = nullptr;
 static_assert(std::atomic<CsvWriter*>::is_always_lock_free, "a signal handler reads it");
 
-std::string make_header(const std::vector<Channel>& channels, std::string Channel::*text) {
+std::string make_row(const std::vector<Channel>& channels, std::string Channel::*text) {
     std::string line;
     for (const Channel& channel : channels) {
         line += csv_field(channel.*text);
@@ -39,6 +39,10 @@ std::string csv_field(const std::string& text) {
     std::string quoted = "\"";
     for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
     return quoted + '"';
+}
+
+std::string csv_header(const std::vector<Channel>& channels) {
+    return make_row(channels, &Channel::name) + make_row(channels, &Channel::unit);
 }
 
 /// While this lives, a signal leaves the waiting rows alone.
@@ -61,7 +65,7 @@ private:
 
 CsvWriter::CsvWriter(const std::filesystem::path& path, const std::vector<Channel>& channels) : file_(File::create(path)) {
     assert(!channels.empty());
-    waiting_ = make_header(channels, &Channel::name) + make_header(channels, &Channel::unit);
+    waiting_ = csv_header(channels);
     write_waiting_rows();
     waiting_.reserve(kMostWaiting + kLongestNumber * channels.size());
     last_made = this;

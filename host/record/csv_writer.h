@@ -18,6 +18,9 @@ namespace dttmm {
 /// `text` as a field of a CSV file: between quotes where it needs them (RFC 4180).
 std::string csv_field(const std::string& text);
 
+/// Two rows: the names of `channels`, then their units.
+std::string csv_header(const std::vector<Channel>& channels);
+
 /// history.csv: the names, the units, then one row per output time; commas, line feeds, quotes where a text needs them
 /// (RFC 4180). A number is the shortest text that reads back as the same double.
 ///

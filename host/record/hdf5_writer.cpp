@@ -126,7 +126,7 @@ private:
     Handle file_;
     std::vector<Handle> datasets_;  ///< of the first kMostOpen channels
     std::vector<Channel> closed_;   ///< the others: made with their first rows, opened for the next
-    hsize_t rows_per_chunk_;       ///< few for many channels, so that a short run of a large machine stays small
+    hsize_t rows_per_chunk_;        ///< few for many channels, so that a short run of a large machine stays small
     Settings settings_;
     std::vector<double> waiting_;  ///< channels x rows_per_chunk_: each channel's values stand together
     hsize_t rows_waiting_ = 0;

@@ -25,8 +25,8 @@ public:
     /// One per number of a row; the first is "time".
     const std::vector<Channel>& channels() const { return channels_; }
 
-    /// Adds the work of loads over the step from t_n, which counts from the row at its end on, and that of stops; every step.
-    /// `before`: poses at t_n, velocities over the step before; `after`: one step later.
+    /// Adds the work of loads over the step from t_n, which counts from the row at its end on, and that of stops; every
+    /// step. `before`: poses at t_n, velocities over the step before; `after`: one step later.
     void advance(const Loads& loads, const EndOfStep& end_of_step, const std::vector<BodyState>& before,
                  const std::vector<BodyState>& after, double h);
 

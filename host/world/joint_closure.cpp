@@ -120,8 +120,9 @@ void JointClosure::fail() const {
         if (const int start = matrix_.joint_index(static_cast<int>(j));
             worst >= start && worst < start + system_.joints()[j].count())
             joint = static_cast<int>(j);
-    throw Error(ExitCode::numerical_failure, fmt::format("joint \"{}\" does not close within a step; try a smaller step",
-                                                         names_[static_cast<size_t>(joint)]));
+    throw Error(ExitCode::numerical_failure,
+                fmt::format("joint \"{}\" does not close within a step; {}", names_[static_cast<size_t>(joint)],
+                            system_.is_near_singular() ? kSingularCure : "try a smaller step"));
 }
 
 }  // namespace dttmm

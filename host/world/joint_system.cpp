@@ -2,6 +2,9 @@
 #include "world/joint_system.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
 
 namespace dttmm {
 
@@ -51,6 +54,50 @@ void JointSystem::linearise(const std::vector<BodyState>& now, const std::vector
         if (!joints_[j].has_stops() || stops_[j].acts) continue;
         for (const auto side : kSides) jacobians_[j][side].row(joints_[j].lasting()).setZero();
     }
+    if (first_jacobians_.empty()) first_jacobians_ = jacobians_;
+}
+
+/// Of the equations that always hold, by velocities and angular velocities times the longest arm; the largest first.
+std::vector<double> JointSystem::singular_values(const std::vector<JointEquations::Jacobian>& jacobians) const {
+    Eigen::Index rows = 0;
+    int bodies = 0;
+    double arm = 0;
+    for (const JointEquations& joint : joints_) {
+        rows += joint.lasting();
+        for (const auto side : kSides) {
+            bodies = std::max(bodies, joint.bodies()[side] + 1);
+            if (joint.bodies()[side] >= 0) arm = std::max(arm, joint.arm(side));
+        }
+    }
+    Eigen::MatrixXd J = Eigen::MatrixXd::Zero(rows, 6 * bodies);
+    Eigen::Index row = 0;
+    for (size_t j = 0; j < joints_.size(); ++j) {
+        const int count = joints_[j].lasting();
+        for (const auto side : kSides) {
+            if (joints_[j].bodies()[side] < 0) continue;
+            auto block = J.block(row, 6 * joints_[j].bodies()[side], count, 6);
+            block = jacobians[j][side].topRows(count);
+            if (arm > 0) block.rightCols<3>() /= arm;
+        }
+        row += count;
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> squares(J * J.transpose(), Eigen::EigenvaluesOnly);
+    std::vector<double> values;
+    for (Eigen::Index i = rows; i-- > 0;) values.push_back(std::sqrt(std::max(squares.eigenvalues()(i), 0.0)));
+    return values;
+}
+
+bool JointSystem::is_near_singular() const {
+    constexpr Eigen::Index kMostEquations = 1000;  // a decomposition of them takes a second
+    constexpr double kNone = 1e-6;  // of the largest: squares of singular values are found to 1e-16 of its square, and some
+    constexpr double kNear = 0.2;   // of the value at the start: it falls in proportion to the angle that is left
+    Eigen::Index rows = 0;
+    for (const JointEquations& joint : joints_) rows += joint.lasting();
+    if (rows == 0 || rows > kMostEquations || first_jacobians_.empty()) return false;
+    const std::vector<double> first = singular_values(first_jacobians_), now = singular_values(jacobians_);
+    size_t rank = 0;
+    while (rank < first.size() && first[rank] > kNone * first[0]) ++rank;
+    return rank > 0 && now[rank - 1] < kNear * first[rank - 1];
 }
 
 void JointSystem::write_to(BlockMatrix& matrix) const {

@@ -22,6 +22,10 @@ struct Stop {
     int side = 0;  ///< 1: the lower stop, which pushes the coordinate up; −1: the upper
 };
 
+/// What a message says where is_near_singular().
+inline constexpr const char* kSingularCure =
+    "are the joints near a singular position? No step size passes one; an element in place of one joint of the loop does";
+
 /// All ideal joints of a model, linearised at t_n, as rows of a BlockMatrix. Over the step they act by impulses −Jᵀ q along
 /// the directions of t_n, such that the joints are closed at its end:
 ///     P(u) + Jᵀ q = (momentum without joints),     C(x_n + h u) = 0,     J u = speed for a stop that acts.
@@ -67,13 +71,21 @@ public:
     /// The impulse −Jᵀ q of one joint on its body on that side.
     Eigen::Matrix<double, 6, 1> impulse(size_t joint, JointEquations::Side side, const double* q) const;
 
+    /// Whether the bodies, as last linearised, stand near a singular position of the joints, where one more motion is free
+    /// to first order than at the first linearisation: there the joints decide too little about the step. Takes a
+    /// decomposition of all equations: for messages. Joints that are redundant throughout do not count. False beyond 1000
+    /// equations.
+    bool is_near_singular() const;
+
     /// Largest speed at which a joint opens at the instant `at` [m/s, rad/s].
     double opening_speed(size_t joint, const std::vector<BodyState>& at) const;
 
 private:
     double proximal_ = kProximal;
     std::vector<JointEquations> joints_;
-    std::vector<JointEquations::Jacobian> jacobians_;
+    std::vector<double> singular_values(const std::vector<JointEquations::Jacobian>& jacobians) const;
+
+    std::vector<JointEquations::Jacobian> jacobians_, first_jacobians_;
     std::vector<Stop> stops_;
 };
 

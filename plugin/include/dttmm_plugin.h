@@ -18,7 +18,8 @@
  *   *error (which the caller owns and which is never NULL) and the instance is as before the call. No exception crosses.
  * - Threads: one thread at a time per instance; different instances may be used by different threads. No statics.
  * - Phases: create -> [linearise] -> start -> { begin_step -> { [expect ->] evaluate }* -> commit_step | discard_step }* ->
- *   destroy; after a commit [mean_wrench, stand ->] outputs. A comment in [brackets] names the phases in which a function may be called.
+ *   destroy; after a commit [mean_wrench, stand ->] outputs. A comment in [brackets] names the phases in which a function
+ * may be called.
  * - Versions: the table starts with its size and version. Minor versions append members to it; a host reads only what `size`
  *   covers. The other structures stay as they are within a major version.
  */
@@ -141,11 +142,12 @@ typedef struct dttmm_element {
  * and of these weights the even part, 1/4 + beta - gamma/2 at either side, goes with the directions that each force had at
  * its instant and its lever arm about the centre of mass then. Dampers, and the odd part, (gamma - 1/2)/2, act by the
  * increments of the deformation over the two steps around t_n: gamma (x+ - x)/h with the directions and lever arms of
- * t_(n+1), (1 - gamma) (x - x-)/h with those of t_(n-1). The derivative by the end of the step is then symmetric. Its first step after start is Newmark's from x, x', x'': the elastic force before the start counts as that at the
- * start, and x' = gamma (x+ - x)/h + (1 - gamma) x'(0) + (beta - gamma/2) h x''(0). The others are explicit: the wrench over
- * the step is the force law at t_n, the velocity in it from the named formula; the past before the start is the parabola
- * x(0) + t x'(0) + t^2/2 x''(0). Where a formula wants the previous velocity (Fox-Euler), it is the host's, the mean of
- * those over the two steps around t_(n-1): never the formula's own last result, which a leap-frog host would drive unstable.
+ * t_(n+1), (1 - gamma) (x - x-)/h with those of t_(n-1). The derivative by the end of the step is then symmetric. Its first
+ * step after start is Newmark's from x, x', x'': the elastic force before the start counts as that at the start, and x' =
+ * gamma (x+ - x)/h + (1 - gamma) x'(0) + (beta - gamma/2) h x''(0). The others are explicit: the wrench over the step is the
+ * force law at t_n, the velocity in it from the named formula; the past before the start is the parabola x(0) + t x'(0) +
+ * t^2/2 x''(0). Where a formula wants the previous velocity (Fox-Euler), it is the host's, the mean of those over the two
+ * steps around t_(n-1): never the formula's own last result, which a leap-frog host would drive unstable.
  */
 enum {
     DTTMM_SCHEME_CENTRED = 0,

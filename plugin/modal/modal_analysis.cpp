@@ -77,25 +77,71 @@ double ModalAnalysis::along(uint32_t index, uint32_t element, uint32_t count, do
     return model_.along(element, stand_at(index).shape, count, shape);
 }
 
+/// A place and direction that a rigid-body mode moves, as the model file calls it.
+std::string ModalAnalysis::describe_motion(const Mode& mode) const {
+    constexpr const char* kNames[] = {"x", "y", "z", "rx", "ry", "rz"};
+    for (const Eigen::Index first : {0, 3})
+        for (int f = 0; f < model_.own_frame_count(); ++f) {
+            Eigen::Index d = 0;
+            if (mode.shape[static_cast<size_t>(f)].segment<3>(first).cwiseAbs().maxCoeff(&d) > 0.1)
+                return fmt::format("{} in {}", model_.name(f), kNames[first + d]);
+        }
+    return "inside";
+}
+
+/// At 0 Hz of a machine with `free` rigid-body modes. Low frequencies ω have the same response but for (ω/ω₁)² of it, ω₁ the
+/// first that is not zero; two of them leave (ω/ω₁)⁴ (Richardson). What rounding moves as a whole is taken out.
+ModalAnalysis::Response ModalAnalysis::respond_at_rest(int free, int frame, const Vector3& point, const Vector6& force) {
+    constexpr double kNoWork = 1e-7;    // of the force times the largest displacement: rounding of a shape is below 1e-8
+    constexpr double kLowShare = 1e-3;  // ω/ω₁: leaves 1e-12, and rounding grows as its inverse square
+    const std::vector<Mode> modes = ModeFinder(model_).find_first(free + 1);
+    const auto count = static_cast<size_t>(free);
+    for (size_t m = 0; m < count && frame >= 0; ++m) {
+        const Vector6 moved =
+            FrequencyModel::at_point(point, model_.position(frame)) * modes[m].shape[static_cast<size_t>(frame)];
+        if (std::abs(moved.dot(force)) > kNoWork * force.norm())
+            throw Error(DTTMM_ERROR_SINGULAR,
+                        fmt::format("0 Hz: the machine is free to move in {} direction{}, and the force moves it ({}): it "
+                                    "accelerates for ever; hold that direction by a joint, an element or fixed = [..], or "
+                                    "begin above 0 Hz",
+                                    free, free == 1 ? "" : "s", describe_motion(modes[m])));
+    }
+    cut_ = modes.front().cut;
+    model_.cut(cut_);
+    const double first = modes.size() > count ? modes[count].omega : 1;
+    model_.factor(-kLowShare * kLowShare * first * first);  // for the masses alone
+    std::vector<FrequencyModel::Motion> momenta;
+    for (size_t m = 0; m < count; ++m) momenta.push_back(model_.mass_times(modes[m].shape));
+    Response motion = model_.respond(kLowShare * first, frame, point, force);
+    const Response at_half = model_.respond(0.5 * kLowShare * first, frame, point, force);
+    for (size_t f = 0; f < motion.size(); ++f) motion[f] = (4 * at_half[f] - motion[f]) / 3;
+    for (size_t m = 0; m < count; ++m) {
+        std::complex<double> share = 0;
+        for (size_t f = 0; f < motion.size(); ++f) share += motion[f].dot(momenta[m][f].cast<std::complex<double>>());
+        share = std::conj(share) / modes[m].mass;
+        for (size_t f = 0; f < motion.size(); ++f) motion[f] -= share * modes[m].shape[f].cast<std::complex<double>>();
+    }
+    for (auto& u : motion) u = u.real().cast<std::complex<double>>();
+    cut_ = 0;
+    at_ = -1;
+    return motion;
+}
+
 void ModalAnalysis::respond(double frequency, int on_body, int on_node, const Vector3& point, const Vector6& force,
                             double* bodies, double* nodes) {
     if (!(frequency >= 0) || !std::isfinite(frequency)) throw Error(DTTMM_ERROR_ARGUMENT, "a frequency must be finite");
     if ((on_body < 0) == (on_node < 0)) throw Error(DTTMM_ERROR_ARGUMENT, "respond wants a body or a node");
     const double omega = 2 * M_PI * frequency;
-    if (frequency == 0) {
-        const int free = ModeFinder(model_).count_rigid();
-        cut_ = 0;
-        if (free > 0)
-            throw Error(DTTMM_ERROR_SINGULAR,
-                        fmt::format("0 Hz: the machine is free to move in {} ways, a lasting force takes it away", free));
-    }
+    const int frame = on_body >= 0 ? on_body : model_.frame_of_node(static_cast<size_t>(on_node));
+    const int free = frequency == 0 ? ModeFinder(model_).count_rigid() : 0;
+    if (frequency == 0) cut_ = 0;
     if (at_ >= 0 || !(omega <= cut_ && cut_ < 4 * omega)) {  // here pieces only keep numbers small
         cut_ = 2 * std::max(omega, 1.0);
         model_.cut(cut_);
         at_ = -1;
     }
-    const int frame = on_body >= 0 ? on_body : model_.frame_of_node(static_cast<size_t>(on_node));
-    const auto motion = model_.respond(omega, frame, point, force);
+    const Response motion =
+        free > 0 ? respond_at_rest(free, frame, point, force) : model_.respond(omega, frame, point, force);
     const auto write = [](const Eigen::Matrix<std::complex<double>, 6, 1>& u, double* out) {
         for (Eigen::Index d = 0; d < 6; ++d) {
             out[2 * d] = u(d).real();

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <complex>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "modal/frequency_model.h"
@@ -23,11 +25,16 @@ public:
     /// See dttmm_plugin.overall. Throws Error(DTTMM_ERROR_NUMERIC) where the paths are too long for it.
     OverallTransfer::Check overall(double frequency);
     const OverallTransfer& topology() const { return topology_; }
-    /// See dttmm_plugin.respond; frequency [Hz]. Throws Error(DTTMM_ERROR_SINGULAR) where nothing bounds the response.
+    /// See dttmm_plugin.respond; frequency [Hz]. Throws Error(DTTMM_ERROR_SINGULAR) where nothing bounds the response: at 0
+    /// Hz where a machine that is free to move is moved as a whole. Of one that is not moved, the response is the limit of
+    /// low frequencies, to 1e-9 of itself.
     void respond(double frequency, int on_body, int on_node, const Vector3& point, const Vector6& force, double* bodies,
                  double* nodes);
 
 private:
+    using Response = std::vector<Eigen::Matrix<std::complex<double>, 6, 1>>;
+    Response respond_at_rest(int free, int frame, const Vector3& point, const Vector6& force);
+    std::string describe_motion(const Mode& mode) const;
     const Mode& stand_at(uint32_t index);
     double overall_residual(double omega) const;
 

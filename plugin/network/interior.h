@@ -335,8 +335,8 @@ private:
     bool is_fresh_ = false;  ///< it was formed for the open step
 
     std::vector<Twist> velocities_, corrections_, accelerations_;  ///< at the start of the step last committed, world
-    std::vector<Matrix3> inverse_moments_;           ///< of inertia, axes of the frames; zero where there is none
-    std::vector<double> rigid_at_start_;             ///< forces of the rigid directions then
+    std::vector<Matrix3> inverse_moments_;  ///< of inertia, axes of the frames; zero where there is none
+    std::vector<double> rigid_at_start_;    ///< forces of the rigid directions then
 
     PastMotion past_;
     std::vector<Vector6> momenta_;  ///< over the step before t_n, world

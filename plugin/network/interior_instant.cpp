@@ -45,8 +45,7 @@ void Interior::find_accelerations(const Mechanism& mechanism, std::span<const Ve
         }
         const RowMajor3 R = FrameView(mechanism.before[f]).axes();
         const Vector3 spin = R.transpose() * velocities_[i].angular;
-        a.angular =
-            R * (inverse_moments_[i] * (R.transpose() * tail(wrench) - spin.cross(inertias_[i].moment * spin)));
+        a.angular = R * (inverse_moments_[i] * (R.transpose() * tail(wrench) - spin.cross(inertias_[i].moment * spin)));
     }
 }
 

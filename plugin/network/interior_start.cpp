@@ -102,7 +102,8 @@ void Interior::balance_at_start(const Mechanism& mechanism, const dttmm_motion* 
             const auto now = [&](int frame) {
                 return is_inner(frame) ? velocities_[at(frame)] : start_velocity(frame, ports);
             };
-            return joint.rate(mechanism.frame(joint.from()), now(joint.from()), mechanism.frame(joint.to()), now(joint.to()));
+            return joint.rate(mechanism.frame(joint.from()), now(joint.from()), mechanism.frame(joint.to()),
+                              now(joint.to()));
         },
         [&](size_t i) { return burden(i).load[1]; }, velocities_, corrections_, rigid_at_start_);
     for (size_t i = 0; i < given_.size(); ++i) {

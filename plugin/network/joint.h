@@ -97,7 +97,8 @@ public:
     /// The dampers' of its rate [d; relative turn] likewise.
     Vector6 damping(const Vector6& rate) const {
         Vector6 f;
-        f << springs_.halves[0].damping.cwiseProduct(rate.head<3>()), springs_.halves[1].damping.cwiseProduct(rate.tail<3>());
+        f << springs_.halves[0].damping.cwiseProduct(rate.head<3>()),
+            springs_.halves[1].damping.cwiseProduct(rate.tail<3>());
         return f;
     }
     /// The force law at one instant: f [force; moment] on the `from` end in the joint's axes.
@@ -128,9 +129,9 @@ public:
     }
     /// The damping force from the start of the open step to a trial end of it: the mean rate in the mean of the axes.
     JointForce damping_half_way(Ends trial, Ends now, double h, const JointState& state, const DamperState& damper) const;
-    /// Moves the memory on to the accepted end of the step. force: if given, takes the force over the step as over_step finds it.
-    void advance(const Scheme& scheme, Ends next, Ends now, JointState& state, DamperState* damper,
-                 JointForce* force) const;
+    /// Moves the memory on to the accepted end of the step. force: if given, takes the force over the step as over_step
+    /// finds it.
+    void advance(const Scheme& scheme, Ends next, Ends now, JointState& state, DamperState* damper, JointForce* force) const;
 
     /// Throws Error(DTTMM_ERROR_NUMERIC) when a rotational stiffness has turned too far.
     void refuse_large_rotation(FrameView from, FrameView to) const;

@@ -44,9 +44,8 @@ MasslessFrames::MasslessFrames(const Mechanism& mechanism, const std::vector<std
     for (Cluster& cluster : clusters_) {
         cluster.joints = joints_of[static_cast<size_t>(&cluster - clusters_.data())];
         find_rows(mechanism, cluster.joints, cluster);
-        cluster.is_balanced = !cluster.rigid.empty() || std::ranges::any_of(cluster.joints, [&](size_t j) {
-            return mechanism.joints[j].is_damped();
-        });
+        cluster.is_balanced = !cluster.rigid.empty() ||
+                              std::ranges::any_of(cluster.joints, [&](size_t j) { return mechanism.joints[j].is_damped(); });
         if (cluster.is_balanced) {
             const auto unknowns = static_cast<Eigen::Index>(6 * cluster.frames.size() + cluster.rigid.size());
             cluster.matrix.setZero(unknowns, unknowns);
@@ -196,7 +195,8 @@ void MasslessFrames::add_balance(const Mechanism& mechanism, const Cluster& clus
         cluster.right_hand_side(at) = -opening(row.direction);
         for (int end : {0, 1})
             if (frames[end] >= 0) {
-                cluster.right_hand_side.segment<6>(6 * frames[end]) -= q[row.index] * rows[end].row(row.direction).transpose();
+                cluster.right_hand_side.segment<6>(6 * frames[end]) -=
+                    q[row.index] * rows[end].row(row.direction).transpose();
                 cluster.matrix.block<1, 6>(at, 6 * frames[end]) += rows[end].row(row.direction);
                 cluster.matrix.block<6, 1>(6 * frames[end], at) += rows[end].row(row.direction).transpose();
             }
@@ -244,7 +244,8 @@ void MasslessFrames::solve_balance(const Cluster& cluster, std::vector<Twist>& v
     for (Eigen::Index i = 0; i < rank; ++i) r(columns(i)) = z(i);
     for (size_t k = 0; k < cluster.frames.size(); ++k) {
         const size_t i = frames_[cluster.frames[k]];
-        corrections[i] = {r.segment<3>(static_cast<Eigen::Index>(6 * k)), r.segment<3>(static_cast<Eigen::Index>(6 * k + 3))};
+        corrections[i] = {r.segment<3>(static_cast<Eigen::Index>(6 * k)),
+                          r.segment<3>(static_cast<Eigen::Index>(6 * k + 3))};
         velocities[i].linear += corrections[i].linear;
         velocities[i].angular += corrections[i].angular;
     }

@@ -53,9 +53,9 @@ public:
     /// Finds for the instant at which the joints have the deformations deformation(j), [d; θ], and the frames are `frames`:
     /// velocities of the massless halves, where dampers balance what else acts there, and forces of the rigid directions on
     /// them. rate(j): of the joints' deformations, as known before; load(i): on an inner frame at its origin, world.
-    /// velocities: of the inner frames, and corrections: what is added to them; q: forces of all rigid directions, in the joints' order. Both as they
-    /// are but for what they lack: what no damper and no rigid direction holds keeps its velocity, and forces that a massless
-    /// frame only hands on between what has mass stay as they are.
+    /// velocities: of the inner frames, and corrections: what is added to them; q: forces of all rigid directions, in the
+    /// joints' order. Both as they are but for what they lack: what no damper and no rigid direction holds keeps its
+    /// velocity, and forces that a massless frame only hands on between what has mass stay as they are.
     template <class Deformation, class Rate, class Load>
     void find_instant(const Mechanism& mechanism, const std::vector<Frame>& frames, const Deformation& deformation,
                       const Rate& rate, const Load& load, std::vector<Twist>& velocities, std::vector<Twist>& corrections,
@@ -68,7 +68,8 @@ public:
                 cluster.right_hand_side.segment<6>(static_cast<Eigen::Index>(6 * k)) = load(frames_[cluster.frames[k]]);
             for (size_t j : cluster.joints) {
                 const Joint& joint = mechanism.joints[j];
-                const FrameView from = frames[static_cast<size_t>(joint.from())], to = frames[static_cast<size_t>(joint.to())];
+                const FrameView from = frames[static_cast<size_t>(joint.from())],
+                                to = frames[static_cast<size_t>(joint.to())];
                 add_balance(mechanism, cluster, j, joint.pose(from, to), deformation(j), rate(j), q);
             }
             solve_balance(cluster, velocities, corrections, q);

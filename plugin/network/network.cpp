@@ -305,8 +305,8 @@ void Network::commit_joints() {
     for (const Joint& joint : mechanism_.joints) joint.refuse_large_rotation(trial(joint.from()), trial(joint.to()));
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
-        joint.advance(mechanism_.scheme, {trial(joint.from()), trial(joint.to())}, mechanism_.ends(j),
-                      mechanism_.states[j], mechanism_.damper(j), nullptr);
+        joint.advance(mechanism_.scheme, {trial(joint.from()), trial(joint.to())}, mechanism_.ends(j), mechanism_.states[j],
+                      mechanism_.damper(j), nullptr);
     }
     for (size_t p = 0; p < ports_.size(); ++p) {
         mechanism_.before[p] = mechanism_.frames[p];
@@ -333,8 +333,9 @@ Twist Network::velocity_at_start(int frame) const {
     return interior_ ? interior_->velocity(frame) : Twist{};
 }
 
-/// Of a joint's deformation. Where rigid directions act, whose forces are known over the step only, velocities of the instant
-/// differ from each other by what these lack, of which a stiff damper would make forces: there the increments tell the rate.
+/// Of a joint's deformation. Where rigid directions act, whose forces are known over the step only, velocities of the
+/// instant differ from each other by what these lack, of which a stiff damper would make forces: there the increments tell
+/// the rate.
 Vector6 Network::rate_at_start(size_t j) const {
     const Joint& joint = mechanism_.joints[j];
     const FrameView from = mechanism_.frame_before(joint.from()), to = mechanism_.frame_before(joint.to());

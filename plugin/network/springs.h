@@ -82,8 +82,8 @@ struct SpringsOf {
                 const Damper* damper) const;
     /// Moves the memory on to the accepted end of the step, when the joint is at `next`. pose_now(): the joint at t_n, asked
     /// for only where rates count.
-    void advance(const Scheme& scheme, const Strained& end, const JointPoseOf<Real>& next,
-                 const auto& pose_now, State& state, Damper* damper) const;
+    void advance(const Scheme& scheme, const Strained& end, const JointPoseOf<Real>& next, const auto& pose_now,
+                 State& state, Damper* damper) const;
     /// What of the force over the coming step is known before its end is: for an explicit scheme all of it. before: the
     /// elastic force at t_{n−1}; at: the joint when the forces of rates act, t_{n−1}, or t_n of an explicit scheme.
     void recall(const Scheme& scheme, const JointPoseOf<Real>& at, const Force& before, State& state,
@@ -167,7 +167,8 @@ template <class Real>
             half.delta[1] = half.delta[0];
             half.delta[0] = i == 0 ? slide : turn;
             // The mean force c δ/h over the way δ: exact for Newmark's rule
-            damper->last_loss += Real(1 / scheme.step_size()) * half.delta[0].dot(halves[i].damping.cwiseProduct(half.delta[0]));
+            damper->last_loss +=
+                Real(1 / scheme.step_size()) * half.delta[0].dot(halves[i].damping.cwiseProduct(half.delta[0]));
         }
     }
     const Force before = state.elastic;

@@ -61,12 +61,13 @@ TEST(LoadSpeed, TheClosedFormsLoseWhatTheWeightsTakeOff) {
         return (1 - std::pow(a / std::tan(a), 2)) / std::pow(std::sin(a), 2);
     };
     const Signal sine = signal_of<SineSignal>(7.0, 90.0, 0.0, 100.0, 0.0);
-    EXPECT_NEAR(-worst(find_parts(sine, 1, h), h).second, of_displacement(90) * loss_at(sine, 0.25 / 90 + 1. / 90, 7), 1e-12);
+    EXPECT_NEAR(-worst(find_parts(sine, 1, h), h).second, of_displacement(90) * loss_at(sine, 0.25 / 90 + 1. / 90, 7),
+                1e-12);
     const Signal pulse = signal_of<PulseSignal>(9.0, 0.1, 0.011);
     EXPECT_NEAR(-worst(find_parts(pulse, 1, h), h).second, of_displacement(1 / 0.011) * loss_at(pulse, 0.1055, 9), 1e-12);
     const Signal ramp = signal_of<StepSignal>(3.0, 8.0, 0.2, 0.23);
-    const double bend =
-        of_displacement(find_parts(ramp, 1, h).front().frequency) * std::abs(loss_at(ramp, 0.2 + h, 5)) / (1 - 2 * h / 0.03);  // of its start, where it bends most
+    const double bend = of_displacement(find_parts(ramp, 1, h).front().frequency) * std::abs(loss_at(ramp, 0.2 + h, 5)) /
+                        (1 - 2 * h / 0.03);  // of its start, where it bends most
     EXPECT_NEAR(-worst(find_parts(ramp, 1, h), h).second, bend, 0.01 * bend);
 }
 

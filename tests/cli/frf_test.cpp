@@ -264,6 +264,111 @@ TEST(Frf, AnUndampedFrequencyHasNoResponse) {
                                                   "--to", "9 Hz", "--points", "5"});
     EXPECT_EQ(ended.code, 4) << ended.err;
     EXPECT_THAT(ended.err, testing::HasSubstr("0 Hz: the machine is free to move in"));
+    EXPECT_THAT(ended.err, testing::HasSubstr("and the force moves it ("));
+}
+
+// ---- Free machines, held directions, symmetry ----------------------------------------------------------------------------
+
+/// A shaft on two bearings that nothing keeps from turning, unless `node` holds it.
+std::string spindle(const std::string& node = "") {
+    return "format = \"dttmm/1\"\n[nodes]\nrear = { position = [0, 0, 0]" + node + R"( }
+front = [0.3, 0, 0]
+tip = [0.5, 0, 0]
+[[element]]
+name = "shaft"
+type = "beam"
+from = "rear"
+to = "front"
+section = { circle = "60 mm" }
+material = { E = "210 GPa", poisson = 0.3, density = "7850 kg/m^3" }
+[[element]]
+name = "overhang"
+type = "beam"
+from = "front"
+to = "tip"
+section = { circle = "60 mm" }
+material = { E = "210 GPa", poisson = 0.3, density = "7850 kg/m^3" }
+[[element]]
+name = "bearing1"
+type = "spring_damper"
+from = "rear"
+to = "ground"
+stiffness = [1e8, 2e8, 2e8]
+[[element]]
+name = "bearing2"
+type = "spring_damper"
+from = "front"
+to = "ground"
+stiffness = [0, 3e8, 3e8]
+)";
+}
+
+Ended spindle_response(const fs::path& folder, const std::string& in, const std::string& out, const std::string& node = "") {
+    write_text(folder / "spindle.toml", spindle(node));
+    return run_dttmm(folder, {"frf", "spindle.toml", "--in", in, "--out", out, "--from", "0 Hz", "--to", "1 Hz", "--points",
+                              "2", "-o", "out"});
+}
+
+// Oracle: the same shaft held against turning, which a force through its axis does not ask for; refined twice, the response
+// stands to 1e-9.
+TEST(Frf, AFreeMachineThatTheForceDoesNotMoveHasAStaticResponse) {
+    const TemporaryFolder folder;
+    for (const char* direction : {"tip.x", "tip.y", "tip.z", "tip.ry"}) {
+        double compliance[2];
+        for (int held : {0, 1}) {
+            const Ended ended = spindle_response(folder.path(), "tip.z", direction, held ? ", fixed = [\"rx\"]" : "");
+            ASSERT_EQ(ended.code, 0) << ended.err;
+            compliance[held] = read_history(folder / "out/frf.csv")[0][1];
+        }
+        EXPECT_NEAR(compliance[0], compliance[1], 1e-9 * std::abs(compliance[1]) + 1e-20) << direction;
+    }
+}
+
+TEST(Frf, AFreeMachineThatTheForceMovesIsRefusedWithTheDirection) {
+    const TemporaryFolder folder;
+    const Ended ended = spindle_response(folder.path(), "tip.rx", "tip.rx");
+    EXPECT_EQ(ended.code, 4);
+    EXPECT_EQ(ended.err,
+              "dttmm: spindle.toml: 0 Hz: the machine is free to move in 1 direction, and the force moves it (node "
+              "\"rear\" in rx): it accelerates for ever; hold that direction by a joint, an element or fixed = "
+              "[..], or begin above 0 Hz\n");
+    EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+// Oracle: a held direction does not move at all.
+TEST(Frf, AHeldDirectionIsStill) {
+    const TemporaryFolder folder;
+    for (const auto& [in, out] : {std::pair{"tip.z", "rear.z"}, {"rear.z", "tip.z"}}) {
+        const Ended ended = spindle_response(folder.path(), in, out, ", fixed = [\"rx\", \"z\"]");
+        EXPECT_EQ(ended.code, 0);
+        for (const auto& row : read_history(folder / "out/frf.csv"))
+            for (size_t column = 1; column < row.size(); ++column) EXPECT_EQ(row[column], 0);
+        EXPECT_THAT(ended.err, testing::EndsWith(": rear is fixed in that direction\n"));
+    }
+}
+
+// Oracle: a round shaft along x does not turn about its axis under a force across it; a body beside it is joined to nothing.
+TEST(Frf, WhatDoesNotMoveSaysWhy) {
+    const TemporaryFolder folder;
+    Ended ended = spindle_response(folder.path(), "tip.x", "tip.rx", ", fixed = [\"rx\"]");
+    EXPECT_EQ(ended.err,
+              "warning: tip.rx does not move under tip.x: they are joined, but the symmetry of the machine keeps "
+              "these directions apart\n");
+    write_text(folder / "apart.toml", spindle(", fixed = [\"rx\"]") + R"([[body]]
+name = "stone"
+mass = 1
+inertia = [1, 1, 1]
+[[element]]
+name = "string"
+type = "spring_damper"
+from = "stone"
+to = "ground"
+stiffness = 100
+rotational_stiffness = 100
+)");
+    ended = run_dttmm(folder.path(), {"frf", "apart.toml", "--in", "tip.x", "--out", "stone.x", "--from", "1 Hz", "--to",
+                                      "2 Hz", "--points", "2", "-o", "out"});
+    EXPECT_EQ(ended.err, "warning: stone.x does not move under tip.x: no element or joint leads from one to the other\n");
 }
 
 }  // namespace

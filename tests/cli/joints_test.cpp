@@ -136,5 +136,76 @@ TEST_F(JointsOfAUser, NeitherRestNorImpactIsAFaultOfTheEnergyBalance) {
     EXPECT_EQ(impact.err, "");
 }
 
+// ---- Singular positions --------------------------------------------------------------------------------------------------
+
+/// A parallelogram on two cranks of 1 m that falls from upright; its bars lie in one line at 0.71 s, where it could go on in
+/// two ways.
+constexpr const char* kParallelogram = R"(format = "dttmm/1"
+[simulation]
+duration = "3 s"
+step = "1 ms"
+gravity = [0, -9.81, 0]
+[[body]]
+name = "left"
+mass = 1
+inertia = [0.1, 0.1, 0.1]
+position = [0, 0.5, 0]
+angular_velocity = [0, 0, -1]
+velocity = [0.5, 0, 0]
+[[body]]
+name = "right"
+mass = 1
+inertia = [0.1, 0.1, 0.1]
+position = [2, 0.5, 0]
+angular_velocity = [0, 0, -1]
+velocity = [0.5, 0, 0]
+[[body]]
+name = "coupler"
+mass = 1
+inertia = [0.1, 0.1, 0.1]
+position = [1, 1, 0]
+velocity = [1, 0, 0]
+[[joint]]
+name = "a"
+type = "hinge"
+between = ["ground", "left"]
+anchor = [0, 0, 0]
+axis = [0, 0, 1]
+[[joint]]
+name = "b"
+type = "hinge"
+between = ["left", "coupler"]
+anchor = [0, 1, 0]
+axis = [0, 0, 1]
+[[joint]]
+name = "c"
+type = "hinge"
+between = ["coupler", "right"]
+anchor = [2, 1, 0]
+axis = [0, 0, 1]
+[[joint]]
+name = "d"
+type = "hinge"
+between = ["ground", "right"]
+anchor = [2, 0, 0]
+axis = [0, 0, 1]
+)";
+
+// Oracle: each of these steps ends in another of the three places where the joints are found wanting; no step size helps.
+TEST(Joints, ASingularPositionIsNamed) {
+    const TemporaryFolder folder;
+    write_text(folder / "m.toml", kParallelogram);
+    for (const auto& [step, place] : {std::pair{"20 ms", "does not close within a step; "},
+                                      {"5 ms", "ODE's joints move body"},
+                                      {"2 ms", "the end of the step was not found"}}) {
+        const Ended ended = run_dttmm(folder.path(), {"run", "m.toml", "--step", step, "-q", "-o", "out"});
+        EXPECT_EQ(ended.code, 4) << ended.err;
+        EXPECT_THAT(ended.err, HasSubstr(place));
+        EXPECT_THAT(ended.err, HasSubstr("; are the joints near a singular position? No step size passes one; an element in "
+                                         "place of one joint of the loop does"));
+        EXPECT_THAT(ended.err, testing::Not(HasSubstr("smaller step")));
+    }
+}
+
 }  // namespace
 }  // namespace dttmm

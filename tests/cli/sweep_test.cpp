@@ -43,19 +43,65 @@ TEST_F(Sweep, ACaseIsTheRunWithItsValues) {
     EXPECT_THAT(ended.out, HasSubstr("3 of 3 cases completed (0 of them reused), 0 failed, 0 not run"));
     ASSERT_EQ(run_dttmm(folder_.path(), {"run", "model.toml", "-o", "alone", "--set", "mass=3 kg"}).code, 0);
     EXPECT_EQ(read_text(case_file(2, "history.csv")), read_text(folder_ / "alone/history.csv"));
-    ASSERT_EQ(table().size(), 4u);
+    ASSERT_EQ(table().size(), 5u);
     EXPECT_THAT(table()[0], StartsWith("case,mass,status,reason,warnings,one.force.x.peak,"));
-    EXPECT_THAT(table()[2], StartsWith("case-000002,3,completed,,0,"));
-    EXPECT_THAT(table()[3], StartsWith("case-000003,5,completed,,0,"));
+    EXPECT_THAT(table()[1], StartsWith(",kg,,,,N,N,"));
+    EXPECT_THAT(table()[1], testing::EndsWith(",m/s^2"));
+    EXPECT_THAT(table()[3], StartsWith("case-000002,3,completed,,0,"));
+    EXPECT_THAT(table()[4], StartsWith("case-000003,5,completed,,0,"));
 }
 
 TEST_F(Sweep, TwoAxesSpanAGridTheLastFastest) {
     write_text(folder_ / "model.toml", small_model_with("mass = \"2 kg\"", "mass = \"2 kg\"\nk = 7"));
     EXPECT_EQ(sweep({"mass=1 kg,2 kg", "k=3..5:3"}).code, 0);
-    ASSERT_EQ(table().size(), 7u);
-    EXPECT_THAT(table()[1], StartsWith("case-000001,1,3,"));
-    EXPECT_THAT(table()[3], StartsWith("case-000003,1,5,"));
-    EXPECT_THAT(table()[4], StartsWith("case-000004,2,3,"));
+    ASSERT_EQ(table().size(), 8u);
+    EXPECT_THAT(table()[2], StartsWith("case-000001,1,3,"));
+    EXPECT_THAT(table()[4], StartsWith("case-000003,1,5,"));
+    EXPECT_THAT(table()[5], StartsWith("case-000004,2,3,"));
+}
+
+// Oracle: 60 kN/m over 30, and what the model gives to the parameter that is not swept.
+TEST_F(Sweep, TheTableShowsAllParameters) {
+    write_text(folder_ / "model.toml",
+               small_model_with("mass = \"2 kg\"", "k = \"60 kN/m\"\nmass = \"2 kg\"\nderived = \"=k/30\""));
+    ASSERT_EQ(sweep({"mass=1 kg,0 kg"}).code, 9);
+    EXPECT_THAT(table()[0], StartsWith("case,k,mass,derived,status,reason,"));
+    EXPECT_THAT(table()[1], StartsWith(",N/m,kg,,,,,N,"));
+    EXPECT_THAT(table()[2], StartsWith("case-000001,60000,1,2000,completed,,"));
+    EXPECT_THAT(table()[3], StartsWith("case-000002,,0,,failed,"));
+    ASSERT_EQ(run_dttmm(folder_.path(), {"modes", "model.toml", "-o", "modes", "--sweep", "mass=1 kg,2 kg", "-q"}).code, 0);
+    EXPECT_THAT(read_text(folder_ / "modes/sweep.csv"), StartsWith("case,k,mass,derived,curve1,"));
+    EXPECT_THAT(read_text(folder_ / "modes/sweep.csv"), HasSubstr("\n,N/m,kg,,Hz,"));
+    EXPECT_THAT(read_text(folder_ / "modes/sweep.csv"), HasSubstr("\ncase-000002,60000,2,2000,"));
+}
+
+TEST_F(Sweep, AParameterCalledLikeAColumnIsRefused) {
+    for (const char* name : {"case", "status", "reason", "warnings", "curve3", "mac1"}) {
+        write_text(folder_ / "model.toml",
+                   small_model_with("mass = \"2 kg\"", "mass = \"2 kg\"\n" + std::string(name) + " = 7"));
+        for (const char* command : {"run", "modes"}) {
+            const Ended ended = run_dttmm(folder_.path(), {command, "model.toml", "-o", "out", "--sweep", "mass=1 kg,2 kg"});
+            EXPECT_EQ(ended.code, 3) << name;
+            EXPECT_THAT(ended.err, testing::EndsWith("dttmm: model.toml: the parameter \"" + std::string(name) +
+                                                     "\" is called like a column of sweep.csv; call it \"" + name +
+                                                     "_\", or anything else\n"));
+        }
+        EXPECT_EQ(run_dttmm(folder_.path(), {"run", "model.toml", "-o", "alone"}).code, 0) << "without a sweep it may";
+    }
+}
+
+// Oracle: the same keys in the summaries of all three commands, with the same numbers.
+TEST_F(Sweep, TheModelInASummaryHasOneForm) {
+    ASSERT_EQ(run_dttmm(folder_.path(), {"run", "model.toml", "-o", "run"}).code, 0);
+    ASSERT_EQ(run_dttmm(folder_.path(), {"modes", "model.toml", "-o", "modes"}).code, 0);
+    ASSERT_EQ(run_dttmm(folder_.path(), {"frf", "model.toml", "-o", "frf", "--in", "plate.z", "--out", "plate.z", "--from",
+                                         "1 Hz", "--to", "2 Hz", "--points", "2"})
+                  .code,
+              0);
+    const nlohmann::json model = read_json(folder_ / "run/summary.json")["model"];
+    EXPECT_EQ(model["bodies"]["plate"]["mass"], 2);
+    EXPECT_EQ(read_json(folder_ / "modes/summary.json")["model"], model);
+    EXPECT_EQ(read_json(folder_ / "frf/summary.json")["model"], model);
 }
 
 TEST_F(Sweep, AFailingCaseIsNamedAndTheOthersGoOn) {
@@ -63,7 +109,7 @@ TEST_F(Sweep, AFailingCaseIsNamedAndTheOthersGoOn) {
     EXPECT_EQ(ended.code, 9);
     EXPECT_THAT(ended.err, AllOf(StartsWith("case-000002 mass=0 kg: exit code 3: "), HasSubstr("mass must lie within")));
     EXPECT_THAT(ended.out, HasSubstr("2 of 3 cases completed (0 of them reused), 1 failed"));
-    EXPECT_THAT(table()[2], StartsWith("case-000002,0,failed,\"exit code 3: "));
+    EXPECT_THAT(table()[3], StartsWith("case-000002,0,failed,\"exit code 3: "));
     EXPECT_TRUE(fs::exists(case_file(3, "summary.json")));
     EXPECT_FALSE(fs::exists(case_file(2, "history.h5")));
 }
@@ -91,6 +137,19 @@ TEST_F(Sweep, AChangedModelIsComputedAnew) {
     const Ended again = sweep({"mass=1 kg,2 kg"});
     EXPECT_EQ(again.code, 0);
     EXPECT_THAT(again.out, HasSubstr("(0 of them reused)"));
+}
+
+// Oracle: a case that says it was made by another build, or by one that did not say, is computed anew.
+TEST_F(Sweep, CasesOfAnotherBuildAreComputedAnew) {
+    ASSERT_EQ(sweep({"mass=1 kg..3 kg:3"}).code, 0);
+    nlohmann::ordered_json other = nlohmann::ordered_json::parse(read_text(case_file(1, "summary.json")));
+    EXPECT_EQ(other["inputs"]["version"], "0.1.0");
+    other["inputs"]["build"] = "0123456789abcdef-1 0123456789abcdef-2";
+    write_text(case_file(1, "summary.json"), other.dump());
+    other = nlohmann::ordered_json::parse(read_text(case_file(2, "summary.json")));
+    other["inputs"].erase("build");
+    write_text(case_file(2, "summary.json"), other.dump());
+    EXPECT_THAT(sweep({"mass=1 kg..3 kg:3"}).out, HasSubstr("3 of 3 cases completed (1 of them reused)"));
 }
 
 // Oracle: the order in which cases end does not matter: one at a time or four, the same table.

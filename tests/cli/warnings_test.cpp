@@ -69,7 +69,7 @@ TEST(WarningsOf, ModesAndFrfReadAsThoseOfARunAndStandInTheirSummaries) {
     EXPECT_EQ(frf.code, 0);
     EXPECT_THAT(frf.err, AllOf(HasSubstr(text), HasSubstr("warning: plate.y does not move under plate.x")));
     EXPECT_THAT(codes_in(folder / "frf/summary.json"), ElementsAre("free-element", "load-not-in-modes", "no-response"));
-    EXPECT_EQ(read_json(folder / "frf/summary.json").at("largest"), 0);
+    EXPECT_EQ(read_json(folder / "frf/summary.json").at("largest_receptance"), 0);
 }
 
 TEST(WarningsOf, ModesWithoutGravityAndLastingLoads) {
@@ -105,13 +105,14 @@ TEST(WarningsOf, ASweepAreCountedPerCaseAndInItsLastLine) {
     EXPECT_THAT(ended.out, HasSubstr("3 of 3 cases completed (0 of them reused), 0 failed, 0 not run, 1 with warnings "
                                      "(free-element)\n"));
     std::istringstream table(read_text(folder / "out/sweep.csv"));
-    std::string heading, first, second;
+    std::string heading, units, first, second;
     std::getline(table, heading);
+    std::getline(table, units);
     std::getline(table, first);
     std::getline(table, second);
-    EXPECT_THAT(heading, StartsWith("case,k,status,reason,warnings,"));
-    EXPECT_THAT(first, StartsWith("case-000001,0,completed,,1,"));
-    EXPECT_THAT(second, StartsWith("case-000002,5,completed,,0,"));
+    EXPECT_THAT(heading, StartsWith("case,mass,k,status,reason,warnings,"));
+    EXPECT_THAT(first, StartsWith("case-000001,2,0,completed,,1,"));
+    EXPECT_THAT(second, StartsWith("case-000002,2,5,completed,,0,"));
     EXPECT_THAT(run_dttmm(folder.path(), words).out, HasSubstr("(3 of them reused), 0 failed, 0 not run, 1 with warnings"));
 }
 

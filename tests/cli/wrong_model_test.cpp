@@ -152,5 +152,15 @@ TEST(WrongModels, CarriageReturnsAreNoFault) {
     EXPECT_EQ(read_text(folder / "results/unix/history.csv"), read_text(folder / "results/dos/history.csv"));
 }
 
+// Oracle: reading this file at 0 fails with EIO on Linux, and its size is 0: no empty file.
+TEST(WrongFile, ThatCannotBeReadIsNoEmptyFile) {
+    const TemporaryFolder folder;
+    for (const char* command : {"check", "run", "modes"}) {
+        const Ended ended = run_dttmm(folder.path(), {command, "/proc/self/mem"});
+        EXPECT_EQ(ended.code, 5) << ended.err;
+        EXPECT_THAT(ended.err, testing::HasSubstr("/proc/self/mem: cannot be read: Input/output error"));
+    }
+}
+
 }  // namespace
 }  // namespace dttmm

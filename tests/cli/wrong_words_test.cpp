@@ -192,8 +192,8 @@ TEST_P(CrashingPlugin, IsNamedAndItsRowsStay) {
     EXPECT_EQ(run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--plugin", faulty_plugin("none")}).code, 0)
         << "the folder is free";
 
-    const Ended sweep =
-        run_dttmm(folder.path(), {"run", "model.toml", "-o", "sweep", "--plugin", plugin, "--sweep", "mass=1kg,2kg", "-j", "1"});
+    const Ended sweep = run_dttmm(
+        folder.path(), {"run", "model.toml", "-o", "sweep", "--plugin", plugin, "--sweep", "mass=1kg,2kg", "-j", "1"});
     EXPECT_EQ(sweep.code, 9);
     EXPECT_THAT(sweep.err,
                 HasSubstr("case-000002 mass=2kg: exit code 7: dttmm: plugin " + plugin + ", element \"one\", t = 1 s"));

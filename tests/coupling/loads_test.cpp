@@ -87,8 +87,7 @@ TEST(Loads, WorkIsTheMeanForceTimesTheWayOfItsPoint) {
     const Eigen::Vector3d marker = Eigen::Vector3d(0.4, -0.1, 0.2) - model.bodies[1].center_of_mass;
     after[1].position += Eigen::Vector3d(0.02, 0.01, -0.03);
     after[1].rotation = Eigen::AngleAxisd(0.3, Eigen::Vector3d(0.6, 0, 0.8)) * at[1].rotation;
-    const Eigen::Vector3d way =
-        Eigen::Vector3d(0.02, 0.01, -0.03) + after[1].rotation * marker - at[1].rotation * marker;
+    const Eigen::Vector3d way = Eigen::Vector3d(0.02, 0.01, -0.03) + after[1].rotation * marker - at[1].rotation * marker;
     const double f = 0.5 * (model.loads[0].signal.value(0) + model.loads[0].signal.value(0.01));
     EXPECT_NEAR(loads.work_over_step(at, after, 0.01), f * Eigen::Vector3d(1, 2, -2).dot(way) / 3 + 0.01 * 4 * 7, 1e-11);
 }

@@ -127,8 +127,8 @@ TEST(Observer, TheFirstRowIsTheInitialConditions) {
 }
 
 // Oracle: the schemes have no numerical damping and no growth: over a million steps what the ledger is off by is in the last
-// tenth what it was in the first; with the explicit scheme it oscillates with (ωh)², with Newmark's it stems from the plate's
-// turning alone.
+// tenth what it was in the first; with the explicit scheme it oscillates with (ωh)², with Newmark's it stems from the
+// plate's turning alone.
 TEST(Observer, AnUndampedPlateKeepsItsEnergyOverAMillionSteps) {
     const Plugins plugins;
     for (Coupling coupling : {Coupling::implicit, Coupling::explicit_}) {

@@ -106,6 +106,11 @@ void refuse_exit() {
     end_with(ExitCode::plugin_failure, line);
 }
 
+#ifdef __SANITIZE_ADDRESS__
+constexpr bool kHandlesFaults = false;  // its own report says more
+#else
+constexpr bool kHandlesFaults = true;
+#endif
 constexpr int kFaults[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 alignas(16) char handler_stack[64 * 1024];  // the handlers need 3 KiB of it; the system some 12 KiB for the registers
 
@@ -114,7 +119,7 @@ alignas(16) char handler_stack[64 * 1024];  // the handlers need 3 KiB of it; th
 CrashReport::CrashReport() {
     is_watching = true;
     [[maybe_unused]] static const int registered = std::atexit(refuse_exit) + std::at_quick_exit(refuse_exit);
-#ifndef __SANITIZE_ADDRESS__  // its own report says more
+    if (!kHandlesFaults) return;
     stack_t stack{};
     stack.ss_sp = handler_stack;
     stack.ss_size = sizeof handler_stack;
@@ -124,17 +129,15 @@ CrashReport::CrashReport() {
     action.sa_flags = SA_ONSTACK | static_cast<int>(SA_RESETHAND);
     sigemptyset(&action.sa_mask);
     for (int signal : kFaults) sigaction(signal, &action, nullptr);
-#endif
 }
 
 CrashReport::~CrashReport() {
     is_watching = false;
-#ifndef __SANITIZE_ADDRESS__
+    if (!kHandlesFaults) return;
     for (int signal : kFaults) std::signal(signal, SIG_DFL);
     stack_t stack{};
     stack.ss_flags = SS_DISABLE;
     ::sigaltstack(&stack, nullptr);
-#endif
 }
 
 }  // namespace dttmm

@@ -64,7 +64,8 @@ ModalDescription::ModalDescription(const Model& model, const Plugins& plugins)
         Eigen::Map<RowMajor3>{out.inertia} = body.rotation * body.inertia * body.rotation.transpose();
         bodies_.push_back(out);
     }
-    for (const Attachment& port : description_.ports()) port_bodies_.push_back(static_cast<uint32_t>(port.body));
+    for (const NetworkDescription::Port& port : description_.ports())
+        port_bodies_.push_back(static_cast<uint32_t>(port.at.body));
     for (const Joint& joint : model.joints) {
         dttmm_constraint out{joint.first, joint.second, {}, {}, static_cast<uint32_t>(rigid_of(joint.type).to_ulong())};
         Eigen::Map<Eigen::Vector3d>{out.position} = joint.anchor;

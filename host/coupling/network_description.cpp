@@ -107,27 +107,26 @@ NetworkDescription::NetworkDescription(const Model& model, const Plugins& plugin
 
 void NetworkDescription::add_element(const Element& element) {
     std::vector<uint32_t> ends;
-    for (const Attachment& end : element.ends)
-        ends.push_back(find_or_add_node(end, end.is_ground() ? element.ends[&end == &element.ends.front() ? 1 : 0] : end));
+    for (const Attachment& end : element.ends) {
+        const bool is_from = &end == &element.ends.front();
+        ends.push_back(find_or_add_node(end, end.is_ground() ? element.ends[is_from ? 1 : 0] : end,
+                                        is_from ? element.axes : std::nullopt));
+    }
     elements_.push_back({element.name.c_str(), 0, static_cast<uint32_t>(ends.size()), nullptr, element.values.data()});
     ends_.push_back(std::move(ends));
 }
 
-uint32_t NetworkDescription::find_or_add_node(const Attachment& end, const Attachment& other) {
+uint32_t NetworkDescription::find_or_add_node(const Attachment& end, const Attachment& other,
+                                              const std::optional<Eigen::Matrix3d>& axes) {
     if (end.is_ground()) {
-        return add_node("ground", DTTMM_NODE_GROUND, frame_at_start(model_, other).position, Eigen::Matrix3d::Identity());
+        const Frame frame = frame_at_start(model_, other);
+        return add_node("ground", DTTMM_NODE_GROUND, frame.position, axes.value_or(frame.rotation));
     }
+    if (end.body >= 0 && axes) return add_port(end, *axes);
     const auto [found, is_new] = nodes_at_.try_emplace(end, static_cast<uint32_t>(nodes_.size()));
     if (!is_new) return found->second;
     const Frame frame = frame_at_start(model_, end);
-    if (end.body >= 0) {
-        ports_.push_back(end);
-        const Body& body = model_.bodies[static_cast<size_t>(end.body)];
-        const uint32_t index = add_node(name_of(model_, end), DTTMM_NODE_PORT, frame.position, frame.rotation);
-        const Eigen::Vector3d centre = body.position + body.rotation * body.center_of_mass;
-        Eigen::Map<Eigen::Vector3d>{nodes_[index].arm} = frame.rotation.transpose() * (frame.position - centre);
-        return index;
-    }
+    if (end.body >= 0) return add_port(end, frame.rotation);
     inner_nodes_.push_back(end.node);
     const Node& node = model_.nodes[static_cast<size_t>(end.node)];
     const uint32_t index = add_node(node.name, DTTMM_NODE_INNER, frame.position, frame.rotation);
@@ -136,6 +135,17 @@ uint32_t NetworkDescription::find_or_add_node(const Attachment& end, const Attac
     inner.moves = node.moves;
     Eigen::Map<Eigen::Vector3d>{inner.velocity} = node.velocity;
     Eigen::Map<Eigen::Vector3d>{inner.angular_velocity} = node.angular_velocity;
+    return index;
+}
+
+/// axes: of the port, in the world at the start.
+uint32_t NetworkDescription::add_port(const Attachment& end, const Eigen::Matrix3d& axes) {
+    const Body& body = model_.bodies[static_cast<size_t>(end.body)];
+    ports_.push_back({end, body.rotation.transpose() * axes});
+    const Eigen::Vector3d position = frame_at_start(model_, end).position;
+    const uint32_t index = add_node(name_of(model_, end), DTTMM_NODE_PORT, position, axes);
+    const Eigen::Vector3d centre = body.position + body.rotation * body.center_of_mass;
+    Eigen::Map<Eigen::Vector3d>{nodes_[index].arm} = axes.transpose() * (position - centre);
     return index;
 }
 

@@ -20,7 +20,8 @@ namespace dttmm {
 std::vector<std::vector<size_t>> split_into_networks(const Model& model);
 
 /// One network of a model as a plugin is told of it. An end on the ground is a node of its own, where the element's other
-/// end is at the start, in the world's axes. Nodes stand in the order in which the elements name them.
+/// end is at the start, with its axes. The `from` end has the axes that the element is given. Nodes stand in the order in
+/// which the elements name them.
 class NetworkDescription {
 public:
     /// `elements`: indices into Model::elements. Throws Error(model_invalid) with the place in the model file when they
@@ -31,8 +32,13 @@ public:
     /// Valid as long as the model and this object.
     dttmm_network network() const;
 
-    /// The places on bodies in the order of the ports, each once.
-    const std::vector<Attachment>& ports() const { return ports_; }
+    /// A place on a body, and its axes in those of the body.
+    struct Port {
+        Attachment at;
+        Eigen::Matrix3d rotation;
+    };
+    /// In the order of the ports; each place once, and once more for every element with axes of its own there.
+    const std::vector<Port>& ports() const { return ports_; }
     /// Index of the node at a place among those of the network; none if it has no node there.
     std::optional<size_t> node_at(const Attachment& place) const;
     /// Indices into Model::nodes in the order of the inner nodes.
@@ -40,7 +46,8 @@ public:
 
 private:
     void add_element(const Element& element);
-    uint32_t find_or_add_node(const Attachment& end, const Attachment& other);
+    uint32_t find_or_add_node(const Attachment& end, const Attachment& other, const std::optional<Eigen::Matrix3d>& axes);
+    uint32_t add_port(const Attachment& end, const Eigen::Matrix3d& axes);
     uint32_t add_node(const std::string& name, uint32_t kind, const Eigen::Vector3d& position,
                       const Eigen::Matrix3d& rotation);
 
@@ -51,7 +58,7 @@ private:
     std::map<Attachment, uint32_t> nodes_at_;  ///< by place; the ground has one per element
     std::vector<std::vector<uint32_t>> ends_;  ///< of every element
     std::vector<dttmm_element> elements_;
-    std::vector<Attachment> ports_;
+    std::vector<Port> ports_;
     std::vector<int> inner_nodes_;
 };
 

@@ -74,10 +74,12 @@ Networks::Networks(const Model& model, const Plugins& plugins) {
     refuse_changed_arithmetic();
 }
 
-Networks::Port Networks::port_at(const Model& model, const Attachment& at) const {
-    const Body& body = model.bodies[static_cast<size_t>(at.body)];
-    const Marker marker = at.marker < 0 ? Marker{} : body.markers[static_cast<size_t>(at.marker)];
-    return {at.body, marker.position - body.center_of_mass, !marker.rotation.isIdentity(0), marker.rotation};
+Networks::Port Networks::port_at(const Model& model, const NetworkDescription::Port& port) const {
+    const Body& body = model.bodies[static_cast<size_t>(port.at.body)];
+    const Marker marker = port.at.marker < 0 ? Marker{} : body.markers[static_cast<size_t>(port.at.marker)];
+    // Rounding of the turn there and back is no turn
+    const bool is_turned = !port.rotation.isIdentity(1e-14);
+    return {port.at.body, marker.position - body.center_of_mass, is_turned, port.rotation};
 }
 
 void Networks::add_network(const Model& model, const Plugins& plugins, const std::vector<size_t>& elements,
@@ -88,7 +90,7 @@ void Networks::add_network(const Model& model, const Plugins& plugins, const std
     for (size_t e : elements) places_.back().push_back(model.elements[e].place);
     tell_place(places_.size() - 1, [&] { instances_.emplace_back(description.plugin(), description.network()); });
 
-    for (const Attachment& port : description.ports()) ports_.push_back(port_at(model, port));
+    for (const NetworkDescription::Port& port : description.ports()) ports_.push_back(port_at(model, port));
     slots_.push_back({first_port, 1 + 6 * first_port + slots_.size(), inner_nodes_.size(), false});
     for (int node : description.inner_nodes()) {
         inner_nodes_.push_back(static_cast<size_t>(node));

@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "coupling/network_description.h"
 #include "loader/network_instance.h"
 #include "loader/plugins.h"
 #include "model/model.h"
@@ -94,7 +95,7 @@ private:
     template <class Action>
     static void tell_time(double time, Action&& action);
     const double* gather_loads(size_t network, const double* node_loads);
-    Port port_at(const Model& model, const Attachment& at) const;
+    Port port_at(const Model& model, const NetworkDescription::Port& port) const;
     void gather(const std::vector<BodyState>& motion, double step_size);
     void scatter(size_t network, double* wrenches) const;
     int body_of(size_t network, int port) const { return ports_[slots_[network].port + static_cast<size_t>(port)].body; }

@@ -78,4 +78,16 @@ Eigen::Vector3d Attachments::position(const Attachment& attachment) const {
     return body.position + body.rotation * body.markers[static_cast<std::size_t>(attachment.marker)].position;
 }
 
+bool Attachments::is_off_centre(const Attachment& attachment) const {
+    return attachment.body >= 0 && attachment.marker < 0 &&
+           !bodies_[static_cast<std::size_t>(attachment.body)].center_of_mass.isZero(0);
+}
+
+Eigen::Matrix3d Attachments::axes(const Attachment& attachment) const {
+    if (attachment.node >= 0) return nodes_[static_cast<std::size_t>(attachment.node)].rotation;
+    const Body& body = bodies_[static_cast<std::size_t>(attachment.body)];
+    if (attachment.marker < 0) return body.rotation;
+    return body.rotation * body.markers[static_cast<std::size_t>(attachment.marker)].rotation;
+}
+
 }  // namespace dttmm

@@ -29,6 +29,12 @@ public:
     /// Where it is in the world at the start [m]; not for the ground.
     Eigen::Vector3d position(const Attachment& attachment) const;
 
+    /// Whether it is a body by its name alone, whose origin is not its centre of mass.
+    bool is_off_centre(const Attachment& attachment) const;
+
+    /// Its axes in the world at the start; not for the ground.
+    Eigen::Matrix3d axes(const Attachment& attachment) const;
+
 private:
     std::vector<std::string> known_names() const;
 

@@ -69,10 +69,12 @@ struct Load {
 
 struct Element {
     std::string name;
-    int type = -1;                 ///< index into the catalogue the model was read with
-    std::vector<Attachment> ends;  ///< from and to, or those of `at`, as the type declares
-    std::vector<double> values;    ///< numbers of all parameters of the type, in the order declared
-    std::string place;             ///< "file:line:column", for errors found later
+    int type = -1;                             ///< index into the catalogue the model was read with
+    std::vector<Attachment> ends;              ///< from and to, or those of `at`, as the type declares
+    std::vector<double> values;                ///< numbers of all parameters of the type, in the order declared
+    std::string place;                         ///< "file:line:column", for errors found later
+    std::optional<Eigen::Matrix3d> axes = {};  ///< in the world at the start; none: those of the `from` end, of the other
+                                               ///< end where that is the ground
 };
 
 enum class JointType { ball, hinge, slider, universal, fixed };

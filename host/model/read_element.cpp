@@ -9,6 +9,7 @@
 #include <map>
 #include <tuple>
 
+#include "model/read_rotation.h"
 #include "model/read_values.h"
 #include "model/wording.h"
 
@@ -19,7 +20,7 @@ constexpr double kFarApart = 100;  // [m] a bolt of a part whose millimetres wer
 
 std::vector<std::string> keys_of(const dttmm_element_type& type) {
     std::vector<std::string> keys = {"name", "type"};
-    for (const char* key : {"from", "to"})
+    for (const char* key : {"from", "to", "axes"})
         if (type.ends == DTTMM_ENDS_FROM_TO) keys.emplace_back(key);
     if (type.ends == DTTMM_ENDS_AT) keys.emplace_back("at");
     for (std::string& key : parameter_keys(type)) keys.push_back(std::move(key));
@@ -72,6 +73,42 @@ std::optional<Ends> read_from_to(const TableReader& table, const Attachments& at
     if (distance > kFarApart)
         table.warning(place, "ends-apart", fmt::format("the ends are {} m apart at the start", number_text(distance)));
     return Ends{*from, *to};
+}
+
+/// Elements that are divided lie along their ends and have axes of their own.
+bool has_own_axes(const dttmm_element_type& type) {
+    for (uint32_t p = 0; p < type.parameter_count; ++p)
+        if (std::string_view(type.parameters[p].name) == "segments") return true;
+    return false;
+}
+
+/// What the key `axes` says: "from", "to" or { axis, angle }, the turn from the world's axes at the start. None: those of
+/// the `from` end. Faults are reported.
+std::optional<Eigen::Matrix3d> read_axes(const TableReader& table, const dttmm_element_type& type, const Ends& ends,
+                                         const Attachments& attachments) {
+    const TomlMember* member = table.find("axes");
+    if (!member) return std::nullopt;
+    const TomlValue& value = member->value;
+    const auto fail = [&](const std::string& text) {
+        table.error(value.place, text);
+        return std::nullopt;
+    };
+    if (has_own_axes(type))
+        return fail(fmt::format("axes: a {} has axes of its own, x from end to end; leave the key out", type.name));
+    std::optional<Eigen::Matrix3d> axes;
+    if (value.is_table()) {
+        axes = read_axis_and_angle(table, *member, table.what("axes"));
+        if (!axes) return std::nullopt;
+    } else if (value.is_text() && (value.string == "from" || value.string == "to")) {
+        const Attachment& end = ends[value.string == "from" ? 0 : 1];
+        axes = attachments.axes(end.is_ground() ? ends[value.string == "from" ? 1 : 0] : end);
+    } else {
+        return fail("axes must be \"from\", \"to\" or { axis = [x, y, z], angle = \"30 deg\" }");
+    }
+    if (ends[0].node < 0) return axes;
+    if ((*axes - attachments.axes(ends[0])).norm() > 1e-12)
+        return fail("axes: its `from` end is a node, whose axes it has; give that node this `rotation`, or begin at a body");
+    return std::nullopt;
 }
 
 /// The nodes of `at`: one, or a list.
@@ -137,6 +174,8 @@ private:
         const auto values = read_values(table, *catalogue_.types[static_cast<std::size_t>(type)]);
         if (!ends || !values) return;
         element.ends = *ends;
+        if (!reads_at(table, type))
+            element.axes = read_axes(table, *catalogue_.types[static_cast<std::size_t>(type)], *ends, attachments_);
         element.values = *values;
         warn(table, element);
         elements_.push_back(std::move(element));
@@ -152,8 +191,9 @@ private:
         const auto is_zero = [](double value) { return value == 0; };
         if (!element.values.empty() && std::all_of(element.values.begin(), element.values.end(), is_zero))
             table.warning(table.place(), "free-element", "free: every parameter is zero, it carries nothing");
-        const auto [twin, is_new] =
-            seen_.emplace(std::tuple(element.type, element.ends, bits_of(element.values)), element.name);
+        std::vector<double> numbers = element.values;
+        if (element.axes) numbers.insert(numbers.end(), element.axes->data(), element.axes->data() + 9);
+        const auto [twin, is_new] = seen_.emplace(std::tuple(element.type, element.ends, bits_of(numbers)), element.name);
         if (!is_new)
             table.warning(table.place(), "duplicate-element",
                           fmt::format("identical to element {}: same ends, type and values", quote(twin->second)));

@@ -39,6 +39,12 @@ std::optional<Load> read_load(const ReadContext& context, const TomlValue& entry
         table.error(table.find("on")->value.place,
                     fmt::format("node {} is fixed in the direction of the {}, which moves nothing",
                                 quote(table.find("on")->value.string), magnitude->key));
+    if (on && !is_moment && attachments.is_off_centre(*on))
+        table.error(
+            table.find("on")->value.place,
+            fmt::format("{} is a body whose center_of_mass is not its origin: say where the force acts; give the body "
+                        "a marker there, as markers.centre at its center_of_mass, and name that",
+                        quote(table.find("on")->value.string)));
     const auto signal = read_signal(context, magnitude->value, table.what(magnitude->key), is_moment ? "N*m" : "N");
     if (!on || !direction || !signal) return std::nullopt;
     return Load{*on, *direction, is_moment, *signal, context.diagnostics.place_text(magnitude->place)};

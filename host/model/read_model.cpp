@@ -131,6 +131,33 @@ void warn_free_bodies(const TableReader& file, const Model& model) {
                                      quote(model.bodies[i].name)));
 }
 
+/// Markers with a rotation of their own that are the axes of no element: most likely the element has others than meant.
+void warn_turned_markers(const TableReader& file, const Model& model, const Attachments& attachments) {
+    const auto axes_of = [&](const Element& element) {
+        if (element.axes) return *element.axes;
+        return attachments.axes(element.ends[element.ends[0].is_ground() ? 1 : 0]);
+    };
+    const std::vector<TomlValue>& entries = read_entries(file, "body");
+    for (std::size_t b = 0; b < model.bodies.size() && b < entries.size(); ++b)
+        for (std::size_t m = 0; m < model.bodies[b].markers.size(); ++m) {
+            const Marker& marker = model.bodies[b].markers[m];
+            if (marker.rotation.isIdentity(0)) continue;
+            const Attachment at{static_cast<int>(b), static_cast<int>(m), -1};
+            bool is_attached = false, is_used = false;
+            for (const Element& element : model.elements) {
+                if (std::find(element.ends.begin(), element.ends.end(), at) == element.ends.end()) continue;
+                is_attached = true;
+                is_used = is_used || (axes_of(element) - attachments.axes(at)).norm() < 1e-12;
+            }
+            if (is_attached && !is_used)
+                file.warning(
+                    entries[b].place, "unused-rotation",
+                    fmt::format("body {}: the rotation of marker {} is used by no element: elements have the axes of "
+                                "their `from` end; write `axes = \"to\"` in the element, or begin it at this marker",
+                                quote(model.bodies[b].name), quote(marker.name)));
+        }
+}
+
 void read_contents(const TableReader& file, const ElementCatalogue& catalogue, const ModelOverrides& overrides,
                    Model& model) {
     NameRegistry body_names("body"), node_names("node"), element_names("element");
@@ -152,6 +179,7 @@ void read_contents(const TableReader& file, const ElementCatalogue& catalogue, c
     model.elements = read_elements(file, catalogue, attachments, {&body_names}, element_names);
     model.joints = read_joints(file, attachments, model.bodies, {&body_names, &node_names, &element_names});
     check_nodes(file, model);
+    if (!file.context().diagnostics.has_errors()) warn_turned_markers(file, model, attachments);
 }
 
 }  // namespace

@@ -13,20 +13,6 @@ constexpr double kNormTolerance = 1e-6;
 /// More is meant in degrees [rad].
 constexpr double kLargestAngle = 2 * M_PI * (1 + 1e-9);
 
-std::optional<Eigen::Matrix3d> read_axis_and_angle(const TableReader& outer, const TomlMember& member) {
-    const TableReader table(outer.context(), member.value, outer.what("rotation"), {"axis", "angle"});
-    if (!table.is_valid()) return std::nullopt;
-    const auto axis = read_direction(table, "axis");
-    const auto angle = table.number("angle", "rad");
-    if (!axis || !angle) return std::nullopt;
-    if (std::abs(*angle) > kLargestAngle) {
-        table.error(table.find("angle")->value.place,
-                    fmt::format("angle must be within a turn, got {:g} rad; degrees stand in quotes: \"30 deg\"", *angle));
-        return std::nullopt;
-    }
-    return Eigen::AngleAxisd(*angle, *axis).toRotationMatrix();
-}
-
 std::optional<Eigen::Matrix3d> read_quaternion(const TableReader& table, const TomlMember& member) {
     const auto q = read_numbers(table.context(), member.value, table.what("quaternion"), "1", 4);
     if (!q) return std::nullopt;
@@ -42,11 +28,26 @@ std::optional<Eigen::Matrix3d> read_quaternion(const TableReader& table, const T
 
 }  // namespace
 
+std::optional<Eigen::Matrix3d> read_axis_and_angle(const TableReader& outer, const TomlMember& member,
+                                                   const std::string& what) {
+    const TableReader table(outer.context(), member.value, what, {"axis", "angle"});
+    if (!table.is_valid()) return std::nullopt;
+    const auto axis = read_direction(table, "axis");
+    const auto angle = table.number("angle", "rad");
+    if (!axis || !angle) return std::nullopt;
+    if (std::abs(*angle) > kLargestAngle) {
+        table.error(table.find("angle")->value.place,
+                    fmt::format("angle must be within a turn, got {:g} rad; degrees stand in quotes: \"30 deg\"", *angle));
+        return std::nullopt;
+    }
+    return Eigen::AngleAxisd(*angle, *axis).toRotationMatrix();
+}
+
 std::optional<Eigen::Matrix3d> read_rotation(const TableReader& table) {
     const TomlMember* rotation = table.find("rotation");
     const TomlMember* quaternion = table.find("quaternion");
     if (rotation && quaternion) table.require_one(kRotationKeys);
-    if (rotation) return read_axis_and_angle(table, *rotation);
+    if (rotation) return read_axis_and_angle(table, *rotation, table.what("rotation"));
     if (quaternion) return read_quaternion(table, *quaternion);
     return Eigen::Matrix3d::Identity();
 }

@@ -18,6 +18,10 @@ inline const std::vector<std::string> kRotationKeys = {"rotation", "quaternion"}
 /// nothing.
 std::optional<Eigen::Matrix3d> read_rotation(const TableReader& table);
 
+/// The rotation matrix of a table { axis, angle }, which messages call `what`. Reports faults and then returns nothing.
+std::optional<Eigen::Matrix3d> read_axis_and_angle(const TableReader& outer, const TomlMember& member,
+                                                   const std::string& what);
+
 /// A vector that is not zero, scaled to length 1. Reports faults and then returns nothing.
 std::optional<Eigen::Vector3d> read_direction(const TableReader& table, const char* key);
 

@@ -55,8 +55,11 @@ void Network::declare_channels(const dttmm_network& description) {
         const int first = assembly.first_joint[e], count = assembly.first_joint[e + 1] - first;
         chains_.push_back({});
         if (count == 0) continue;
-        declare_vectors("", {{"force", "N"}, {"moment", "N*m"}, {"deflection", "m"}, {"rotation", "rad"}}, DTTMM_OF_ELEMENT,
-                        e, DTTMM_ROLE_RESULT);
+        declare_vectors("", {{"force", "N"}, {"moment", "N*m"}, {"deflection", "m"}}, DTTMM_OF_ELEMENT, e,
+                        DTTMM_ROLE_RESULT);
+        // Where nothing resists it a rotation may go on for ever, and its vector then jumps
+        const bool turns = count > 1 || mechanism_.joints[static_cast<size_t>(first)].turns();
+        declare_vectors("", {{"rotation", "rad"}}, DTTMM_OF_ELEMENT, e, turns ? DTTMM_ROLE_RESULT : DTTMM_ROLE_ON_REQUEST);
         declare("strain_energy", "J", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_STRAIN_ENERGY);
         declare("dissipated_energy", "J", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_DISSIPATED_ENERGY);
         if (count == 1) continue;
@@ -499,7 +502,9 @@ void Network::restore_state(const void* buffer, size_t size) {
 double* Network::write_joint(double* out, size_t j) const {
     Eigen::Map<Vector6>{out} = forces_[j];
     Map3{out + 6} = mechanism_.states[j].d_before;
-    Map3{out + 9} = mechanism_.states[j].theta_before;
+    const Joint& joint = mechanism_.joints[j];
+    const FrameView from = mechanism_.frame_before(joint.from()), to = mechanism_.frame_before(joint.to());
+    Map3{out + 9} = joint.turns() ? mechanism_.states[j].theta_before : rotation_vector(joint.attitude(from, to));
     return out + 12;
 }
 

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Rods in time: rigid directions across the axes, and trusses of them.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <random>
+
+#include "model/read_model.h"
+#include "step/simulation.h"
+
+namespace dttmm {
+namespace {
+
+using Eigen::Vector3d;
+
+Vector3d last_position(const std::string& text, const std::string& node) {
+    const Plugins plugins;
+    const Model model = parse_model("format = \"dttmm/1\"\n" + text, "model.toml", plugins.catalogue());
+    Simulation simulation(model, plugins);
+    const auto found = std::ranges::find(simulation.channels(), node + ".position.x", &Channel::name);
+    const auto column = static_cast<size_t>(found - simulation.channels().begin());
+    Vector3d last;
+    simulation.record_to([&](std::span<const double> row) { last = Vector3d(row.data() + column); });
+    while (simulation.index() < simulation.step_count()) simulation.step();
+    return last;
+}
+
+// Oracle: the same rod along x. In 100 random directions, near and far from the origin, divided or not, with turned nodes,
+// from either end, the same shock makes the same way along it.
+TEST(Rods, LieInAnyDirection) {
+    std::mt19937 dice(7);
+    std::normal_distribution<double> number;
+    const auto vector = [&] { return Vector3d(number(dice), number(dice), number(dice)); };
+    const auto text = [](const Vector3d& x) { return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", x.x(), x.y(), x.z()); };
+    const auto way = [&](const Vector3d& start, const Vector3d& direction, const Vector3d& turn, int segments, bool turned) {
+        const Vector3d end = start + direction;
+        const Vector3d last = last_position(fmt::format(R"(
+[simulation]
+duration = "2 ms"
+step = "0.1 ms"
+[nodes]
+root = {{ position = {}, fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+tip = {{ position = {}, rotation = {{ axis = {}, angle = "50 deg" }} }}
+[[load]]
+on = "tip"
+direction = {}
+force = {{ type = "haversine", peak = 1e5, start = 0, width = "1 ms" }}
+[[element]]
+name = "r"
+type = "rod"
+from = "{}"
+to = "{}"
+segments = {}
+section = {{ circle = "20 mm" }}
+material = {{ E = "200 GPa", poisson = 0.3, density = 7800 }}
+)",
+                                                        text(start), text(end), text(turn), text(direction.normalized()),
+                                                        turned ? "tip" : "root", turned ? "root" : "tip", segments),
+                                            "tip");
+        EXPECT_LT((last - end).cross(direction.normalized()).norm(), 1e-9);
+        return (last - end).dot(direction.normalized());
+    };
+    for (int segments : {1, 2, 10}) {
+        const double expected = way(Vector3d::Zero(), {1, 0, 0}, {0, 0, 1}, segments, false);
+        EXPECT_GT(std::abs(expected), 1e-5);
+        for (int i = 0; i < 34; ++i) {
+            const Vector3d direction = vector().normalized(), start = (i % 3 == 0 ? 50.0 : 1.0) * vector();
+            EXPECT_NEAR(way(start, direction, vector(), segments, i % 2 == 1), expected, 1e-6 * std::abs(expected))
+                << segments << " along " << direction.transpose();
+        }
+    }
+}
+
+// Oracle: statics, u = K⁻¹ f with K = Σ EA/l e eᵀ. Rods between pins that leave all rotations free, at an angle to the axes;
+// the load comes slowly.
+TEST(Rods, ATrussBetweenPinsCarriesByTheRods) {
+    const Vector3d tip(1.0, 1.3, 0), force(6000, -8000, 0);
+    const Vector3d feet[] = {{0, 0, 0}, {2.2, 0.1, 0}, {0.3, -0.9, 0}};
+    Eigen::Matrix2d K = Eigen::Matrix2d::Zero();
+    std::string elements, nodes = "tip = { position = [1.0, 1.3, 0], fixed = [\"z\", \"rx\", \"ry\", \"rz\"] }\n";
+    for (int i = 0; i < 3; ++i) {
+        const Vector3d bar = tip - feet[i];
+        const Eigen::Vector2d e = bar.head<2>() / bar.norm();
+        K += 200e9 * M_PI * 1e-4 / bar.norm() * e * e.transpose();
+        nodes += fmt::format(
+            "w{0} = {{ position = [{1}, {2}, 0], fixed = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"] }}\n"
+            "a{0} = [{1}, {2}, 0]\nb{0} = [1.0, 1.3, 0]\n",
+            i, feet[i].x(), feet[i].y());
+        elements += fmt::format(R"([[element]]
+name = "foot{0}"
+type = "elastic_hinge"
+from = "w{0}"
+to = "a{0}"
+stiffness = {{ rx = "free", ry = "free", rz = "free" }}
+[[element]]
+name = "head{0}"
+type = "elastic_hinge"
+from = "b{0}"
+to = "tip"
+stiffness = {{ rx = "free", ry = "free", rz = "free" }}
+[[element]]
+name = "bar{0}"
+type = "rod"
+from = "a{0}"
+to = "b{0}"
+segments = 3
+section = {{ circle = "20 mm" }}
+material = {{ E = "200 GPa", poisson = 0.3, density = 7800, stiffness_damping = 1e-4 }}
+)",
+                                i);
+    }
+    const Vector3d last =
+        last_position("[simulation]\nduration = 0.4\nstep = 1e-4\n[nodes]\n" + nodes + elements + R"([[element]]
+name = "m"
+type = "point_mass"
+at = "tip"
+mass = 50
+[[load]]
+on = "tip"
+direction = [0.6, -0.8, 0]
+force = { type = "step", from = 0, to = 10000, start = 0, end = 0.1 }
+)",
+                      "tip");
+    const Eigen::Vector2d expected = K.inverse() * force.head<2>();
+    EXPECT_LT(((last - tip).head<2>() - expected).norm(), 1e-3 * expected.norm());
+}
+
+}  // namespace
+}  // namespace dttmm

@@ -47,7 +47,14 @@ namespace dttmm {
 /// frames.
 ///
 /// What a massless frame leaves unbalanced over a step by its own rule (MasslessFrames) its heir takes over, a frame nearby
-/// with a mass, so that no momentum is lost.
+/// with a mass, so that no momentum is lost: force and moment about where the frame is at t_n, in the equations of the
+/// motion and in the momentum alike. (Once the momentum had, in place of that, the elastic force on the frame with the lever
+/// arms l of its own instants. Under a lasting load P on a node at the end of a beam that force is −P at every instant, so
+/// the moment on the last lump was l_n × P in the momentum and (l_{n+1} + 2 l_n + l_{n−1})/4 × P in the motion. With θ the
+/// turn of the lump and g = P l its stiffness by the load that is
+///     J (θ_{n+1} − 2θ_n + θ_{n−1})/h² = −g (θ_{n+1} + θ_n + 3θ_{n−1} − θ_{n−2})/4
+/// in place of (θ_{n+1} + 2θ_n + θ_{n−1})/4: not symmetric in time, a negative damping in proportion to P, and a bar at rest
+/// under a pull began to swing.)
 class Interior {
 public:
     static constexpr double kShare = 1e-6;  ///< that may be left over, of the measures named above

@@ -90,8 +90,9 @@ public:
     /// The elastic force of a deformation, [force; moment] on the `from` end in the joint's axes.
     Vector6 elastic(const Vector3& d, const Vector3& theta) const {
         Vector6 f;
-        f << springs_.halves[0].stiffness.cwiseProduct(d),
-            moment_of_gradient(theta, springs_.halves[1].stiffness.cwiseProduct(theta));
+        f.head<3>() = springs_.halves[0].stiffness.cwiseProduct(d);
+        f.tail<3>().setZero();
+        if (turns()) f.tail<3>() = moment_of_gradient(theta, springs_.halves[1].stiffness.cwiseProduct(theta));
         return f;
     }
     /// The dampers' of its rate [d; relative turn] likewise.

@@ -34,6 +34,7 @@ Network::Network(const dttmm_network& description) : mechanism_(description) {
     start_velocities_.resize(ports_.size());
     earlier_.assign(mechanism_.frames.begin(), mechanism_.frames.begin() + static_cast<std::ptrdiff_t>(ports_.size()));
     forces_.assign(mechanism_.joints.size(), Vector6::Zero());
+    poses_.resize(mechanism_.joints.size());
     wrenches_.assign(mechanism_.frames.size(), Vector6::Zero());
     trial_ports_.reserve(ports_.size());
 }
@@ -378,7 +379,8 @@ void Network::find_mean_wrenches() const {
         }
         if (joint.rigid().any()) f += interior_->rigid_force(mechanism_, j);
         const auto from = static_cast<size_t>(joint.from()), to = static_cast<size_t>(joint.to());
-        JointForce force = joint.pose(mechanism_.before[from], mechanism_.before[to]).act(f);
+        poses_[j] = joint.pose(mechanism_.before[from], mechanism_.before[to]);
+        JointForce force = poses_[j].act(f);
         force.add(0.5, state.elastic);
         Joint::add_wrench(force, wrenches_[from].data(), wrenches_[to].data());
     }
@@ -428,11 +430,11 @@ void Network::stand_by_port_velocities() const {
         const Joint& joint = mechanism_.joints[j];
         const JointState& state = mechanism_.states[j];
         const auto from = static_cast<size_t>(joint.from()), to = static_cast<size_t>(joint.to());
-        const FrameView at_from = mechanism_.before[from], at_to = mechanism_.before[to];
+        if (!is_implicit()) poses_[j] = joint.pose(mechanism_.before[from], mechanism_.before[to]);
         Vector6& f = forces_[j] = joint.elastic(state.d_before, state.theta_before);
         if (mechanism_.damper(j)) f += joint.damping(rate_at_start(j));
         if (joint.rigid().any()) f += interior_->rigid_force_at_start(mechanism_, j);
-        Joint::add_wrench(joint.pose(at_from, at_to).act(f), wrenches_[from].data(), wrenches_[to].data());
+        Joint::add_wrench(poses_[j].act(f), wrenches_[from].data(), wrenches_[to].data());
     }
     if (interior_) interior_->find_accelerations(mechanism_, wrenches_);
     stands_ = true;

@@ -110,7 +110,8 @@ private:
     mutable std::vector<FrameView> trial_ports_;
     // At t_n, the start of the step last committed:
     mutable std::vector<Twist> port_velocities_;
-    mutable std::vector<Vector6> forces_;    ///< of the joints, their axes
+    mutable std::vector<JointPose> poses_;   ///< of the joints
+    mutable std::vector<Vector6> forces_;    ///< of them, their axes
     mutable std::vector<Vector6> wrenches_;  ///< on the frames, at their origins, world
     mutable bool stands_ = false;            ///< the above are those of that instant
     mutable bool by_increments_ = false;     ///< the host has not said how the ports move then

@@ -261,6 +261,21 @@ void FrequencyModel::add_line(const LineSpec& spec) {
     line.waves = kinds_[line.kind].waves.get();
     total_mass_ += spec.line.section.mass * length;
     lines_.push_back(line);
+    if (line.waves->pinned().none()) return;
+    const auto ground = [&](int frame, const Vector3& point) -> Matrix6 {
+        if (frame >= 0) return Matrix6::Zero();
+        return both(line.axes.transpose()) * masked(at_point(point, Vector3::Zero()));
+    };
+    Pin pin{line.from,
+            line.to,
+            local_end(line.axes, line.start, line.from),
+            local_end(line.axes, line.finish, line.to),
+            Matrix6::Zero(),
+            ground(line.from, line.start),
+            ground(line.to, line.finish)};
+    for (Eigen::Index d : {1, 2})
+        if (line.waves->pinned()[static_cast<size_t>(d)]) pin.mass(d, d) = spec.line.section.mass * length;
+    pins_.push_back(pin);
 }
 
 void FrequencyModel::cut(double omega) {
@@ -306,8 +321,10 @@ void FrequencyModel::cut_line(LineModel& line, int count) {
         // A rod is a bar, its far end goes with its near one; in a restricted state it passes all but x as it is
         const bool is_bar = line.line.stretches_only && directions_.all();
         const Matrix6 carried = is_bar ? local_end(line.axes, point(i + 1), from) : piece.by_from;
+        // What lies between pins: points inside go across with the start, no piece feels them
+        const Directions held = i + 1 < count ? passed | line.waves->pinned() : passed;
         for (Eigen::Index d = 0; d < 6; ++d)
-            if (passed[static_cast<size_t>(d)])
+            if (held[static_cast<size_t>(d)])
                 add_rigid(piece.rigid, {-carried.row(d).transpose(), piece.by_to.row(d).transpose()});
         if (is_bar) {
             const Matrix6 bar = bar_mass(line.line.section, line.length() / count);
@@ -336,6 +353,7 @@ void FrequencyModel::build() {
         std::vector<Link> links;
         for (const Bond& bond : bonds_) links.push_back({bond.from, bond.to, static_cast<int>(bond.rigid.size())});
         for (const Piece& piece : pieces_) links.push_back({piece.from, piece.to, static_cast<int>(piece.rigid.size())});
+        for (const Pin& pin : pins_) links.push_back({pin.from, pin.to, 0});
         elimination_.emplace(frame_count(), links);
         elimination_->count_negatives(kSingular);
         int link = 0;
@@ -456,6 +474,10 @@ void FrequencyModel::set_matrices(double lambda, bool with_mass) {
         add(link, piece.from, piece.to, piece.by_from, piece.by_to, D.topLeftCorner<6, 6>(), D.topRightCorner<6, 6>(),
             D.bottomRightCorner<6, 6>());
     });
+    int link = static_cast<int>(bonds_.size() + pieces_.size());
+    for (const Pin& pin : pins_)
+        add(link++, pin.from, pin.to, pin.by_from, pin.by_to, -lambda / 3 * pin.mass, -lambda / 6 * pin.mass,
+            -lambda / 3 * pin.mass);
     for (const auto* list : {&masses_, &bar_masses_})
         for (const Mass& mass : *list) e.add_diagonal(mass.frame, -lambda * mask_ * mass.block * mask_);
     for (int f = 0; f < frame_count(); ++f) {
@@ -490,6 +512,7 @@ FrequencyModel::Motion FrequencyModel::mass_times(const Motion& u) const {
             const auto f = static_cast<size_t>(mass.frame);
             out[f] += mask_ * (mass.block * (mask_ * u[f]));
         }
+    add_pins(1, u, out);
     for_each_piece([&](int, const Piece& piece, const LineModel& line) {
         add_piece(piece, kinds_[line.kind].at_lambda.at(line.count).second, u, out);
     });
@@ -503,6 +526,7 @@ FrequencyModel::Motion FrequencyModel::stiffness_times(const Motion& u) const {
             const auto f = static_cast<size_t>(mass.frame);
             out[f] -= lambda_ * mask_ * (mass.block * (mask_ * u[f]));
         }
+    add_pins(-lambda_, u, out);
     for (const Bond& bond : bonds_) {
         const Vector6 force = bond.stiffness * relative(bond, u);
         if (bond.from >= 0) out[static_cast<size_t>(bond.from)] -= bond.by_from.transpose() * force;
@@ -512,6 +536,19 @@ FrequencyModel::Motion FrequencyModel::stiffness_times(const Motion& u) const {
         add_piece(piece, kinds_[line.kind].at_lambda.at(line.count).first, u, out);
     });
     return out;
+}
+
+/// Adds the momenta of pinned rods, times a factor.
+void FrequencyModel::add_pins(double factor, const Motion& u, Motion& out) const {
+    for (const Pin& pin : pins_) {
+        Vector6 start = Vector6::Zero(), finish = start;
+        if (pin.from >= 0) start = pin.by_from * u[static_cast<size_t>(pin.from)];
+        if (pin.to >= 0) finish = pin.by_to * u[static_cast<size_t>(pin.to)];
+        if (pin.from >= 0)
+            out[static_cast<size_t>(pin.from)] += factor * pin.by_from.transpose() * (pin.mass * (start / 3 + finish / 6));
+        if (pin.to >= 0)
+            out[static_cast<size_t>(pin.to)] += factor * pin.by_to.transpose() * (pin.mass * (start / 6 + finish / 3));
+    }
 }
 
 Vector6 FrequencyModel::relative(const Bond& bond, const Motion& u) {
@@ -572,6 +609,19 @@ FrequencyModel::Whole FrequencyModel::move_whole(int direction) const {
             if (frame < 0) continue;
             whole.forces[static_cast<size_t>(frame)] += by->transpose() * force.segment<6>(end);
             whole.momenta[static_cast<size_t>(frame)] += by->transpose() * momentum.segment<6>(end);
+        }
+    }
+    for (const Pin& pin : pins_) {
+        const Vector6 start = pin.start.col(direction), finish = pin.finish.col(direction);
+        const Vector6 at_start = pin.mass * (start / 3 + finish / 6), at_finish = pin.mass * (start / 6 + finish / 3);
+        whole.mass += start.dot(at_start) + finish.dot(at_finish);
+        for (const auto& [frame, by, momentum] :
+             {std::tuple(pin.from, &pin.by_from, &at_start), {pin.to, &pin.by_to, &at_finish}}) {
+            if (frame < 0) continue;
+            const auto f = static_cast<size_t>(frame);
+            whole.mass += 2 * (*by * whole.motion[f]).dot(*momentum);
+            whole.forces[f] -= lambda_ * by->transpose() * *momentum;
+            whole.momenta[f] += by->transpose() * *momentum;
         }
     }
     return whole;
@@ -640,6 +690,13 @@ double FrequencyModel::along(size_t element, const Motion& u, size_t count, doub
             Vector6 local = (line.waves->transfer(lambda_, s - i * piece_length) * start).head<6>();
             if (line.line.stretches_only && directions_.all())
                 local.segment<3>(1) += (s - i * piece_length) * Vector3(ends(5), -ends(4), 0);
+            for (Eigen::Index d : {1, 2}) {  // straight between pins
+                if (!line.waves->pinned()[static_cast<size_t>(d)]) continue;
+                const auto across = [&](int frame, const Vector3& point) {
+                    return frame < 0 ? 0.0 : (local_end(line.axes, point, frame) * u[static_cast<size_t>(frame)])(d);
+                };
+                local(d) = (1 - s / length) * across(line.from, line.start) + s / length * across(line.to, line.finish);
+            }
             Eigen::Map<Vector6>{shape + 6 * k} = both(line.axes) * local;
         }
         return length;
@@ -747,6 +804,10 @@ std::vector<Eigen::Matrix<FrequencyModel::Frequency, 6, 1>> FrequencyModel::resp
                D.bottomRightCorner<6, 6>());
         hold(piece.from, piece.to, piece.rigid);
     });
+    for (const Pin& pin : pins_) {
+        const Matrix6c own = (-omega * omega / 3 * pin.mass).cast<Frequency>(), across = 0.5 * own;
+        couple(pin.from, pin.to, pin.by_from, pin.by_to, own, across, own);
+    }
     for (const auto* list : {&masses_, &bar_masses_})
         for (const Mass& mass : *list)
             add(mass.frame, mass.frame, (-omega * omega * mask_ * mass.block * mask_).cast<Frequency>());

@@ -141,6 +141,14 @@ public:
         int first_piece = 0, count = 0;
         double length() const { return (finish - start).norm(); }
     };
+    /// A rod that lies straight between pins at its ends: its mass across itself as that of a bar, [1/3 1/6; 1/6 1/3] m.
+    struct Pin {
+        int from, to;            ///< frames; −1: the ground
+        Matrix6 by_from, by_to;  ///< displacement of its ends in local axes
+        Matrix6 mass;            ///< m in the pinned directions, local axes [kg]
+        Matrix6 start, finish;   ///< displacement of an end on the ground if that moved; zero of the other
+    };
+    bool has_pins() const { return !pins_.empty(); }
     const std::vector<Bond>& bonds() const { return bonds_; }
     const std::vector<LineModel>& lines() const { return lines_; }
     const std::vector<Mass>& masses() const { return masses_; }
@@ -167,6 +175,7 @@ private:
     void set_matrices(double lambda, bool with_mass = true);
     static Vector6 relative(const Bond& bond, const Motion& u);
     static Vector12 ends_of(const Piece& piece, const Motion& u);
+    void add_pins(double factor, const Motion& u, Motion& out) const;
     static void add_piece(const Piece& piece, const Matrix12& D, const Motion& u, Motion& out);
     [[noreturn]] void refuse(const Elimination::Fault& fault) const;
     std::vector<Rigid>& rigid_of(int link);
@@ -190,6 +199,7 @@ private:
     std::vector<LineModel> lines_;
     std::vector<Piece> pieces_;
     std::vector<HeldPiece> held_pieces_;
+    std::vector<Pin> pins_;
     struct Kind {
         std::vector<double> key;
         std::unique_ptr<LineWaves> waves;

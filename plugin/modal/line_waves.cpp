@@ -74,6 +74,11 @@ LineWaves::LineWaves(const Line& line, double length, Directions active) : lengt
     if (line.stretches_only) {
         passed_ = active;
         passed_[0] = false;
+        for (const auto& [deflection, rotation] : kPlanes)
+            if (active[deflection] && !active[rotation]) {
+                pinned_.set(deflection);
+                passed_.reset(deflection);
+            }
     } else {
         moving[3] = active[3];
         for (const auto& [deflection, rotation] : kPlanes) {

@@ -32,6 +32,9 @@ public:
     /// Directions that both ends share rigidly: rotations whose bending plane is not spanned; of a rod all but the axial
     /// (the ends of a bar, as it stands; with only some directions left each by itself, the paper's reduced state).
     Directions passed() const { return passed_; }
+    /// Deflections of a rod whose bending rotation the model leaves out: its ends are pins, and it lies straight between
+    /// them.
+    Directions pinned() const { return pinned_; }
 
     /// Pieces it must be cut into so that none vibrates below ω with its ends held, by a lower bound (Dunkerley): the
     /// frequencies of the whole below ω can then be counted at its nodes. At most `most` + 1.
@@ -62,7 +65,7 @@ private:
     double lowest_held(const Group& group, double length) const;
 
     double length_;
-    Directions passed_;
+    Directions passed_, pinned_;
     std::vector<Group> groups_;
 };
 

@@ -50,7 +50,7 @@ void ModalAnalysis::mode(uint32_t index, dttmm_mode* out, double* bodies, double
         *out = {mode.omega / (2 * M_PI), mode.bracket, static_cast<uint32_t>(mode.multiplicity),
                 mode.residual,           mode.mass,    {}};
         Eigen::Map<Vector6>{out->participation} = mode.participation;
-        if (topology_.is_short()) out->residual = overall_residual(mode.omega);
+        if (topology_.is_short() && !model_.has_pins()) out->residual = overall_residual(mode.omega);
     }
     for (int b = 0; bodies && b < model_.body_count(); ++b)
         Eigen::Map<Vector6>{bodies + 6 * b} = model_.by_centre(b) * mode.shape[static_cast<size_t>(b)];
@@ -66,7 +66,7 @@ void ModalAnalysis::mode(uint32_t index, dttmm_mode* out, double* bodies, double
 }
 
 OverallTransfer::Check ModalAnalysis::overall(double frequency) {
-    if (!topology_.is_short())
+    if (!topology_.is_short() || model_.has_pins())
         throw Error(DTTMM_ERROR_NUMERIC,
                     "the paths are too long for products of transfer matrices: they would have no digits left");
     const double omega = 2 * M_PI * frequency;

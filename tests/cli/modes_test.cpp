@@ -779,5 +779,53 @@ TEST(ModesSweep, CurvesEndAndBegin) {
     }
 }
 
+// Oracle: dynamic stiffness of a plane truss of bars with axial waves, straight between their pins,
+//     D = Σ EA κ cot(κ l) e eᵀ − ω² m l/3 (I − e eᵀ) − ω² m_tip I,   κ = ω √(m/EA):
+// it is singular at every frequency; at 0 Hz its inverse is the receptance. Rods of three lengths at angles to the axes.
+TEST(Modes, InclinedRodsAreATrussInItsPlane) {
+    std::string text = "format = \"dttmm/1\"\ndofs = [\"x\", \"y\"]\n[nodes]\ntip = [1.0, 1.3, 0]\n", elements;
+    const Eigen::Vector2d tip(1.0, 1.3), feet[] = {{0, 0}, {2.2, 0.1}, {0.3, -0.9}};
+    for (int i = 0; i < 3; ++i) {
+        text += fmt::format("w{} = {{ position = [{}, {}, 0], fixed = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"] }}\n", i,
+                            feet[i].x(), feet[i].y());
+        elements += fmt::format(R"([[element]]
+name = "bar{0}"
+type = "rod"
+from = "{1}"
+to = "{2}"
+section = {{ EA = 6e7, mass = 2.5 }}
+)",
+                                i, i == 1 ? "tip" : fmt::format("w{}", i), i == 1 ? "w1" : "tip");
+    }
+    text += elements + "[[element]]\nname = \"m\"\ntype = \"point_mass\"\nat = \"tip\"\nmass = 50\n";
+    const auto stiffness = [&](double omega) {
+        Eigen::Matrix2d D = -50 * omega * omega * Eigen::Matrix2d::Identity();
+        for (const Eigen::Vector2d& foot : feet) {
+            const double l = (tip - foot).norm(), wave = omega * std::sqrt(2.5 / 6e7);
+            const Eigen::Vector2d e = (tip - foot) / l;
+            const Eigen::Matrix2d along = e * e.transpose();
+            D += 6e7 * (omega > 0 ? wave / std::tan(wave * l) : 1 / l) * along -
+                 omega * omega * 2.5 * l / 3 * (Eigen::Matrix2d::Identity() - along);
+        }
+        return D;
+    };
+    const std::vector<double> found = frequencies_of(modes_of(text, {"--count", "5"}));
+    ASSERT_EQ(found.size(), 5u);
+    for (const double f : found) {
+        const auto sign_at = [&](double share) { return stiffness(2 * kPi * f * share).determinant() > 0; };
+        EXPECT_NE(sign_at(1 - 1e-8), sign_at(1 + 1e-8)) << f;
+    }
+    const TemporaryFolder folder;
+    write_text(folder / "m.toml", text);
+    for (const auto& [out, expected] :
+         {std::pair("tip.x", stiffness(0).inverse()(0, 0)), {"tip.y", stiffness(0).inverse()(1, 0)}}) {
+        ASSERT_EQ(run_dttmm(folder.path(), {"frf", "m.toml", "--in", "tip.x", "--out", out, "--from", "0 Hz", "--to", "9 Hz",
+                                            "--points", "2", "-o", out})
+                      .code,
+                  0);
+        EXPECT_NEAR(read_history(folder / out / "frf.csv").front()[1], expected, 1e-9 * std::abs(expected));
+    }
+}
+
 }  // namespace
 }  // namespace dttmm

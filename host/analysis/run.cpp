@@ -546,6 +546,14 @@ void print_elements(const std::vector<std::string>& files) {
         }
         fmt::print("\n");
     }
+    fmt::print(
+        "Ends: `from` and `to` name a body, a marker, a node or \"ground\"; `at` names a node or several. A ground end "
+        "coincides\n"
+        "with the other end in place and axes. Forces are positive when `to` is displaced in + against `from`. They act at "
+        "`to`\n"
+        "where the ends stand apart (a beam's at its ends). Axes are those of `from`, or as `axes` says: \"from\", \"to\" "
+        "or\n"
+        "{{ axis = [x, y, z], angle = \"30 deg\" }} from the world's axes at the start. A beam or rod has its own.\n");
 }
 
 }  // namespace dttmm

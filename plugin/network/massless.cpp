@@ -27,15 +27,11 @@ MasslessFrames::MasslessFrames(const Mechanism& mechanism, const std::vector<std
         frames_.push_back(i);
         massless_.push_back(massless[i]);
     }
-    make_clusters(mechanism);
-    std::vector<std::vector<size_t>> joints_of(clusters_.size());
-    for (size_t j = 0; j < mechanism.joints.size(); ++j)
-        for (int frame : {mechanism.joints[j].from(), mechanism.joints[j].to()}) {
-            const int i = index_of(mechanism, frame);
-            if (i < 0) continue;
-            std::vector<size_t>& list = joints_of[static_cast<size_t>(cluster_of_[static_cast<size_t>(i)])];
-            if (list.empty() || list.back() != j) list.push_back(j);
-        }
+    Grouping rigid = group(mechanism, [](const Joint& joint) { return joint.rigid().any(); });
+    const std::vector<std::vector<size_t>> joints_of = find_joints(mechanism, rigid);
+    clusters_ = std::move(rigid.clusters);
+    cluster_of_ = std::move(rigid.cluster_of);
+    begin_ = std::move(rigid.begin);
     size_t rigid_count = 0;
     for (const Joint& joint : mechanism.joints) {
         rigid_begin_.push_back(rigid_count);
@@ -44,16 +40,6 @@ MasslessFrames::MasslessFrames(const Mechanism& mechanism, const std::vector<std
     for (Cluster& cluster : clusters_) {
         cluster.joints = joints_of[static_cast<size_t>(&cluster - clusters_.data())];
         find_rows(mechanism, cluster.joints, cluster);
-        cluster.is_balanced = !cluster.rigid.empty() ||
-                              std::ranges::any_of(cluster.joints, [&](size_t j) { return mechanism.joints[j].is_damped(); });
-        if (cluster.is_balanced) {
-            const auto unknowns = static_cast<Eigen::Index>(6 * cluster.frames.size() + cluster.rigid.size());
-            cluster.matrix.setZero(unknowns, unknowns);
-            cluster.right_hand_side.setZero(unknowns);
-            cluster.solution.setZero(unknowns);
-            cluster.lu = Eigen::FullPivLU<Eigen::MatrixXd>(unknowns, unknowns);
-            has_balances_ = true;
-        }
         const auto size = static_cast<Eigen::Index>(6 * cluster.frames.size());
         cluster.basis.setZero(size, size);
         for (Eigen::VectorXd* v : {&cluster.end, &cluster.step, &cluster.half_way}) v->setZero(size);
@@ -66,10 +52,13 @@ MasslessFrames::MasslessFrames(const Mechanism& mechanism, const std::vector<std
             const bool has_damped = !clusters_[static_cast<size_t>(cluster_of_[static_cast<size_t>(i)])].damped.empty();
             half_way_[j] = half_way_[j] || (has_damped && mechanism.joints[j].is_damped());
         }
+    make_balances(mechanism);
 }
 
-/// The massless frames in clusters, by union and find over the joints that are rigid in some direction.
-void MasslessFrames::make_clusters(const Mechanism& mechanism) {
+/// By union and find.
+template <class Joins>
+MasslessFrames::Grouping MasslessFrames::group(const Mechanism& mechanism, const Joins& joins) const {
+    Grouping grouping;
     std::vector<int> root(frames_.size());
     std::iota(root.begin(), root.end(), 0);
     const auto find = [&](int i) {
@@ -78,20 +67,54 @@ void MasslessFrames::make_clusters(const Mechanism& mechanism) {
     };
     for (const Joint& joint : mechanism.joints) {
         const int a = index_of(mechanism, joint.from()), b = index_of(mechanism, joint.to());
-        if (joint.rigid().any() && a >= 0 && b >= 0) root[static_cast<size_t>(find(a))] = find(b);
+        if (a >= 0 && b >= 0 && joins(joint)) root[static_cast<size_t>(find(a))] = find(b);
     }
-    cluster_of_.assign(frames_.size(), -1);
-    begin_.assign(frames_.size(), 0);
+    grouping.cluster_of.assign(frames_.size(), -1);
+    grouping.begin.assign(frames_.size(), 0);
     for (int i = 0; i < static_cast<int>(frames_.size()); ++i) {
-        int& cluster = cluster_of_[static_cast<size_t>(find(i))];
+        int& cluster = grouping.cluster_of[static_cast<size_t>(find(i))];
         if (cluster < 0) {
-            cluster = static_cast<int>(clusters_.size());
-            clusters_.emplace_back();
+            cluster = static_cast<int>(grouping.clusters.size());
+            grouping.clusters.emplace_back();
         }
-        cluster_of_[static_cast<size_t>(i)] = cluster;
-        Cluster& own = clusters_[static_cast<size_t>(cluster)];
-        begin_[static_cast<size_t>(i)] = 6 * static_cast<int>(own.frames.size());
+        grouping.cluster_of[static_cast<size_t>(i)] = cluster;
+        Cluster& own = grouping.clusters[static_cast<size_t>(cluster)];
+        grouping.begin[static_cast<size_t>(i)] = 6 * static_cast<int>(own.frames.size());
         own.frames.push_back(static_cast<size_t>(i));
+    }
+    return grouping;
+}
+
+/// The joints of the frames of every cluster.
+std::vector<std::vector<size_t>> MasslessFrames::find_joints(const Mechanism& mechanism, const Grouping& grouping) const {
+    std::vector<std::vector<size_t>> joints_of(grouping.clusters.size());
+    for (size_t j = 0; j < mechanism.joints.size(); ++j)
+        for (int frame : {mechanism.joints[j].from(), mechanism.joints[j].to()}) {
+            const int i = index_of(mechanism, frame);
+            if (i < 0) continue;
+            std::vector<size_t>& list = joints_of[static_cast<size_t>(grouping.cluster_of[static_cast<size_t>(i)])];
+            if (list.empty() || list.back() != j) list.push_back(j);
+        }
+    return joints_of;
+}
+
+/// What find_instant solves for together.
+void MasslessFrames::make_balances(const Mechanism& mechanism) {
+    balances_ = group(mechanism, [](const Joint& joint) { return joint.rigid().any() || joint.is_damped(); });
+    const std::vector<std::vector<size_t>> joints_of = find_joints(mechanism, balances_);
+    for (size_t c = 0; c < balances_.clusters.size(); ++c) {
+        Cluster& cluster = balances_.clusters[c];
+        cluster.joints = joints_of[c];
+        find_rows(mechanism, cluster.joints, cluster);
+        cluster.is_balanced = !cluster.rigid.empty() ||
+                              std::ranges::any_of(cluster.joints, [&](size_t j) { return mechanism.joints[j].is_damped(); });
+        if (!cluster.is_balanced) continue;
+        const auto unknowns = static_cast<Eigen::Index>(6 * cluster.frames.size() + cluster.rigid.size());
+        cluster.matrix.setZero(unknowns, unknowns);
+        cluster.right_hand_side.setZero(unknowns);
+        cluster.solution.setZero(unknowns);
+        cluster.lu = Eigen::FullPivLU<Eigen::MatrixXd>(unknowns, unknowns);
+        has_balances_ = true;
     }
 }
 
@@ -162,8 +185,9 @@ void MasslessFrames::add_to_basis(const Mechanism& mechanism, Cluster& cluster, 
 /// Number of a frame of the mechanism in a cluster; −1: it is not there.
 int MasslessFrames::frame_in(const Mechanism& mechanism, const Cluster& cluster, int frame) const {
     const int i = index_of(mechanism, frame);
-    if (i < 0 || &clusters_[static_cast<size_t>(cluster_of_[static_cast<size_t>(i)])] != &cluster) return -1;
-    return begin_[static_cast<size_t>(i)] / 6;
+    if (i < 0 || &balances_.clusters[static_cast<size_t>(balances_.cluster_of[static_cast<size_t>(i)])] != &cluster)
+        return -1;
+    return balances_.begin[static_cast<size_t>(i)] / 6;
 }
 
 /// Of a joint with f = E + c r + q, r its rate: −Σ Gᵀ f + load = 0 on every frame, and no rate in rigid directions. The
@@ -174,7 +198,9 @@ void MasslessFrames::add_balance(const Mechanism& mechanism, const Cluster& clus
     const Vector3 theta = tail(deformation);
     const Vector6 force = joint.elastic(head(deformation), theta) + joint.damping(rate);
     const Vector6 per_rate = joint.damping(Vector6::Ones());
-    const Matrix6 G[2] = {joint.by_from(pose), joint.by_to(pose)};
+    Matrix6 G[2] = {joint.by_from(pose), joint.by_to(pose)};
+    // A lever that is deformation alone damps no rotation to speak of
+    if (joint.springs().rest.isZero(1e-9)) G[0].topRightCorner<3, 3>().setZero();
     const int frames[2] = {frame_in(mechanism, cluster, joint.from()), frame_in(mechanism, cluster, joint.to())};
     for (int row : {0, 1}) {
         if (frames[row] < 0) continue;

@@ -60,7 +60,7 @@ public:
     void find_instant(const Mechanism& mechanism, const std::vector<Frame>& frames, const Deformation& deformation,
                       const Rate& rate, const Load& load, std::vector<Twist>& velocities, std::vector<Twist>& corrections,
                       std::vector<double>& q) const {
-        for (const Cluster& cluster : clusters_) {
+        for (const Cluster& cluster : balances_.clusters) {
             if (!cluster.is_balanced) continue;
             cluster.matrix.setZero();
             cluster.right_hand_side.setZero();
@@ -109,7 +109,15 @@ private:
         const int inner = frame - mechanism.assembly.driven_count;
         return inner < 0 ? -1 : index_[static_cast<size_t>(inner)];
     }
-    void make_clusters(const Mechanism& mechanism);
+    /// Massless frames that joints of a kind join; a cluster of every massless frame, and its first unknown there.
+    struct Grouping {
+        std::vector<Cluster> clusters;
+        std::vector<int> cluster_of, begin;
+    };
+    template <class Joins>
+    Grouping group(const Mechanism& mechanism, const Joins& joins) const;
+    std::vector<std::vector<size_t>> find_joints(const Mechanism& mechanism, const Grouping& grouping) const;
+    void make_balances(const Mechanism& mechanism);
     void find_rows(const Mechanism& mechanism, const std::vector<size_t>& joints, Cluster& cluster) const;
     void add_to_basis(const Mechanism& mechanism, Cluster& cluster, const Row& row, bool is_rigid) const;
 
@@ -121,6 +129,7 @@ private:
     std::vector<Cluster> clusters_;
     std::vector<bool> settling_, half_way_;
     std::vector<size_t> rigid_begin_;  ///< of every joint, its first rigid direction among those of all
+    Grouping balances_;                ///< joined by rigid directions or dampers
     bool has_balances_ = false;
 };
 

@@ -201,6 +201,56 @@ TEST(Instant, AMasslessNodeStartsAsItsDampersBalance) {
     }
 }
 
+// Oracle: two massless nodes in a row: c1 v1 = c2 (v2 − v1) = c3 (0.3 − v2).
+TEST(Instant, MasslessNodesInARowStartAsTheirDampersBalance) {
+    const Rows rows(R"toml(
+[simulation]
+duration = 1e-3
+step = 1e-5
+[nodes]
+one = [0, 0, 0]
+two = [0, 0, 0]
+wall = { position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+[[body]]
+name = "b"
+mass = 2
+inertia = [0.01, 0.012, 0.015]
+velocity = [0, 0.3, 0]
+[[element]]
+name = "s1"
+type = "spring_damper"
+from = "wall"
+to = "one"
+stiffness = 20000
+damping = 5
+rotational_stiffness = 200
+[[element]]
+name = "s2"
+type = "spring_damper"
+from = "one"
+to = "two"
+stiffness = 7000
+damping = 2
+rotational_stiffness = 90
+[[element]]
+name = "s3"
+type = "spring_damper"
+from = "two"
+to = "b"
+stiffness = 10000
+damping = 9
+rotational_stiffness = 100
+)toml");
+    const double c = 1 / (1 / 5. + 1 / 2. + 1 / 9.);
+    EXPECT_NEAR(rows(0, "one.velocity.y"), 0.3 * c / 5, 1e-12);
+    EXPECT_NEAR(rows(0, "two.velocity.y"), 0.3 * (1 - c / 9), 1e-12);
+    for (size_t n = 0; n < rows.count(); ++n) {
+        EXPECT_NEAR(rows(n, "s1.force.y"), rows(n, "s2.force.y"), 1e-9 * 3) << n;
+        EXPECT_NEAR(rows(n, "s3.force.y"), rows(n, "s2.force.y"), 1e-9 * 3) << n;
+        EXPECT_LT(std::abs(rows(n, "one.angular_velocity.x")), 1e-6) << n;
+    }
+}
+
 // Oracle: the turn of a free body about the axis of its spin; a mount without rotational stiffness does not resist it.
 TEST(Instant, TheRotationOfAMountThatResistsNoneIsMeasured) {
     const Rows rows(R"toml(

@@ -713,7 +713,7 @@ void Interior::take_loads(const Mechanism& mechanism) {
         own.elastic[2] = own.elastic[1];
         own.elastic[1] = own.elastic[0];
     }
-    // Mean force over the way: exact for Newmark's rule
+    // Mean force times displacement: exact for Newmark's rule
     books_.load_work += books_.last_work;
     books_.last_work = 0;
     const double h = mechanism.scheme.step_size();

@@ -166,7 +166,7 @@ template <class Real>
             half.delta[2] = half.delta[1];
             half.delta[1] = half.delta[0];
             half.delta[0] = i == 0 ? slide : turn;
-            // The mean force c δ/h over the way δ: exact for Newmark's rule
+            // The mean force c δ/h times the displacement δ: exact for Newmark's rule
             damper->last_loss +=
                 Real(1 / scheme.step_size()) * half.delta[0].dot(halves[i].damping.cwiseProduct(half.delta[0]));
         }

@@ -439,7 +439,7 @@ static dttmm_status commit_step(dttmm_instance *s, const dttmm_motion *accepted,
     if (isnan(m->last_loss)) m->last_loss = 0;
     m->dissipated += m->last_loss;
     m->last_loss = 0;
-    for (int i = 0; i < 3; ++i) { /* the mean force over the way */
+    for (int i = 0; i < 3; ++i) { /* mean force times displacement */
         const double way = m->past[0][i] - m->past[1][i];
         if (m->committed > 0) m->rate[i] = centred_rate(m, i);
         m->last_loss += s->c[i] * way * way / m->h;

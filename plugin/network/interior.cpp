@@ -120,7 +120,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     for (size_t i = 0; i < n; ++i)
         inverse_moments_.push_back(massless_.is_massless(i, 1) ? Matrix3(Matrix3::Zero())
                                                                : Matrix3(inertias_[i].moment.inverse()));
-    choose_burdened(mechanism);
+    choose_loaded(mechanism);
     const auto rigid = static_cast<size_t>(elimination_.rigid_count()), ports = static_cast<size_t>(ports_);
     rigid_.assign(rigid, 0);
     rigid_at_start_ = rigid_;
@@ -185,23 +185,23 @@ bool Interior::has_free_parts(const Mechanism& mechanism) const {
     });
 }
 
-void Interior::choose_burdened(const Mechanism& mechanism) {
-    burden_of_.assign(inertias_.size(), -1);
+void Interior::choose_loaded(const Mechanism& mechanism) {
+    load_of_.assign(inertias_.size(), -1);
     const auto choose = [&](size_t frame) {
-        if (burden_of_[frame] >= 0) return;
-        burden_of_[frame] = static_cast<int>(burdened_.size());
-        burdened_.push_back(frame);
+        if (load_of_[frame] >= 0) return;
+        load_of_[frame] = static_cast<int>(loaded_.size());
+        loaded_.push_back(frame);
     };
     for (int node : inner_nodes_) {
         const int frame = mechanism.assembly.nodes[static_cast<size_t>(node)].frame;
         if (is_inner(frame)) choose(at(frame));
     }
     for (size_t i : massless_.frames()) choose(i);
-    burdens_.resize(burdened_.size());
+    frame_loads_.resize(loaded_.size());
     for (size_t n = 0; n < inner_nodes_.size(); ++n) {
         const NodeSpec& node = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[n])];
         if (is_inner(node.frame) && !node.offset.isZero(0))
-            levers_.push_back({static_cast<size_t>(burden_of_[at(node.frame)]), n, node.offset});
+            levers_.push_back({static_cast<size_t>(load_of_[at(node.frame)]), n, node.offset});
     }
 }
 
@@ -534,8 +534,8 @@ Twist Interior::newmark_momentum(const Mechanism& mechanism) const {
     for (size_t i : massless_.frames()) {
         if (!is_inner(heirs_[i])) continue;
         const auto f = static_cast<size_t>(driven_) + i, heir = static_cast<size_t>(heirs_[i]);
-        now[heir] += bequest(mechanism.frames, i, massless_part(i, now[f]));
-        before[heir] += bequest(mechanism.before, i, massless_part(i, before[f]));
+        now[heir] += passed_to_heir(mechanism.frames, i, massless_part(i, now[f]));
+        before[heir] += passed_to_heir(mechanism.before, i, massless_part(i, before[f]));
     }
     const double h = mechanism.scheme.step_size(), beta = mechanism.scheme.elastic_weight(0);
     Twist total;
@@ -563,7 +563,7 @@ void Interior::add_state_parts(std::vector<std::pair<void*, size_t>>& parts) {
     for (auto* list : {&past_.velocity, &past_.velocity_before})
         parts.emplace_back(list->data(), list->size() * sizeof(Twist));
     parts.emplace_back(momenta_.data(), momenta_.size() * sizeof(Vector6));
-    parts.emplace_back(burdens_.data(), burdens_.size() * sizeof(Burden));
+    parts.emplace_back(frame_loads_.data(), frame_loads_.size() * sizeof(FrameLoad));
     parts.emplace_back(rigid_.data(), rigid_.size() * sizeof(double));
     parts.emplace_back(port_u_.data(), port_u_.size() * sizeof(Vector6));
     parts.emplace_back(port_u_before_.data(), port_u_before_.size() * sizeof(Vector6));

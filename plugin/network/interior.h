@@ -103,7 +103,7 @@ public:
                 deformation << mechanism.states[j].d_before, mechanism.states[j].theta_before;
                 return deformation;
             },
-            rate, [&](size_t i) { return burden(i).load[2]; }, velocities_, corrections_, rigid_at_start_);
+            rate, [&](size_t i) { return frame_load(i).load[2]; }, velocities_, corrections_, rigid_at_start_);
     }
     /// What that has added to the velocity of a frame's origin, world.
     Twist correction(int frame) const { return is_inner(frame) ? corrections_[at(frame)] : Twist{}; }
@@ -139,18 +139,18 @@ public:
 
 private:
     /// What changes from step to step for a frame with a node on it, or with a massless half: the others take no load.
-    struct Burden {
+    struct FrameLoad {
         Vector6 load[3];     ///< at the frame's origin, world, at t_{n+1} (forces off the origin left out), t_n, t_{n−1}
         Vector6 elastic[3];  ///< elastic forces on a massless frame, the same; at t_{n+1} once the step is taken
         Vector6 settled[2];  ///< ψ of MasslessFrames at t_n and t_{n−1}, axes of the frame
-        Burden() {
+        FrameLoad() {
             for (Vector6* list : {load, elastic}) std::fill_n(list, 3, Vector6::Zero());
             std::fill_n(settled, 2, Vector6::Zero());
         }
     };
     /// A load on a node that is not at its frame's origin.
     struct Lever {
-        size_t burden, node;
+        size_t loaded, node;
         Vector3 offset;  ///< axes of the frame
     };
     /// How fast passes converge, in one measure. A larger correction than the one it was measured at turns the joints' axes
@@ -213,10 +213,10 @@ private:
     void set_reaches(const Mechanism& mechanism);
     void choose_heirs(const Mechanism& mechanism);
     void choose_near(const Mechanism& mechanism);
-    void choose_burdened(const Mechanism& mechanism);
+    void choose_loaded(const Mechanism& mechanism);
     bool has_free_parts(const Mechanism& mechanism) const;
-    Burden& burden(size_t frame) { return burdens_[static_cast<size_t>(burden_of_[frame])]; }
-    const Burden& burden(size_t frame) const { return burdens_[static_cast<size_t>(burden_of_[frame])]; }
+    FrameLoad& frame_load(size_t frame) { return frame_loads_[static_cast<size_t>(load_of_[frame])]; }
+    const FrameLoad& frame_load(size_t frame) const { return frame_loads_[static_cast<size_t>(load_of_[frame])]; }
     void assemble(const Mechanism& mechanism, const std::vector<Frame>& at);
     void make_heavier();
     void factor(const Mechanism& mechanism, dttmm_status status);
@@ -238,12 +238,12 @@ private:
     JointForce force_over_step(const Mechanism& mechanism, size_t joint, const JointPose& at_end,
                                const Joint::Strained& end) const;
     void find_forces(const Mechanism& mechanism, Solution& solution) const;
-    Vector6 load_at_end(size_t burden, FrameView frame) const;
-    Vector6 load_over_step(const Scheme& scheme, size_t burden, FrameView frame) const;
+    Vector6 load_at_end(size_t loaded, FrameView frame) const;
+    Vector6 load_over_step(const Scheme& scheme, size_t loaded, FrameView frame) const;
     void form_residuals(const Mechanism& mechanism, Solution& solution) const;
     void balance_massless(const Mechanism& mechanism, Solution& solution) const;
     Vector6 settled(const Mechanism& mechanism, size_t massless, const Vector6& load) const;
-    Vector6 bequest(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const;
+    Vector6 passed_to_heir(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const;
     double correct(const Elimination& matrix, Solution& solution) const;
     bool may_be_rough(double correction, const Solution& solution) const;
     bool is_good_enough(double correction, double residual, const Solution& solution) const;
@@ -347,9 +347,9 @@ private:
 
     PastMotion past_;
     std::vector<Vector6> momenta_;  ///< over the step before t_n, world
-    std::vector<Burden> burdens_;
-    std::vector<size_t> burdened_;  ///< the frame of each
-    std::vector<int> burden_of_;    ///< and the other way round; −1: none
+    std::vector<FrameLoad> frame_loads_;
+    std::vector<size_t> loaded_;  ///< the frame of each
+    std::vector<int> load_of_;    ///< and the other way round; −1: none
     std::vector<Lever> levers_;
     std::vector<double> rigid_;  ///< forces of the rigid directions over the step before t_n
     Books books_;

@@ -14,7 +14,7 @@ void Interior::find_velocities(const Mechanism& mechanism, std::span<const Vecto
     for (size_t i = 0; i < inertias_.size(); ++i) {
         const size_t f = static_cast<size_t>(driven_) + i;
         Vector6 wrench = mean_wrenches[f];
-        if (burden_of_[i] >= 0) wrench += 0.5 * (burden(i).load[1] + burden(i).load[2]);
+        if (load_of_[i] >= 0) wrench += 0.5 * (frame_load(i).load[1] + frame_load(i).load[2]);
         Twist& v = velocities_[i] = past_.mean(i);  // at the start the initial velocities
         if (mechanism.steps == 1) continue;
         if (!massless_.is_massless(i, 0))
@@ -34,7 +34,7 @@ void Interior::find_accelerations(const Mechanism& mechanism, std::span<const Ve
     for (size_t i = 0; i < inertias_.size(); ++i) {
         const size_t f = static_cast<size_t>(driven_) + i;
         Vector6 wrench = wrenches[f];
-        if (burden_of_[i] >= 0) wrench += burden(i).load[2];
+        if (load_of_[i] >= 0) wrench += frame_load(i).load[2];
         const Twist &later = past_.velocity[i], &earlier = past_.velocity_before[i];
         Twist& a = accelerations_[i];
         a.linear = massless_.is_massless(i, 0) ? Vector3((later.linear - earlier.linear) / h)

@@ -105,7 +105,7 @@ void Interior::balance_at_start(const Mechanism& mechanism, const dttmm_motion* 
             return joint.rate(mechanism.frame(joint.from()), now(joint.from()), mechanism.frame(joint.to()),
                               now(joint.to()));
         },
-        [&](size_t i) { return burden(i).load[1]; }, velocities_, corrections_, rigid_at_start_);
+        [&](size_t i) { return frame_load(i).load[1]; }, velocities_, corrections_, rigid_at_start_);
     for (size_t i = 0; i < given_.size(); ++i) {
         const int frame = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])].frame;
         if (given_[i].moves && is_inner(frame)) velocities_[at(frame)] = past_.velocity[at(frame)];
@@ -194,9 +194,9 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
     refuse_forbidden_velocities(mechanism, ports);
     books_ = {};
     read_loads(mechanism, loads);
-    for (size_t k = 0; k < burdens_.size(); ++k) {
-        Burden& burden = burdens_[k];
-        burden.load[1] = burden.load[2] = load_at_end(k, mechanism.frame(driven_ + static_cast<int>(burdened_[k])));
+    for (size_t k = 0; k < frame_loads_.size(); ++k) {
+        FrameLoad& loaded = frame_loads_[k];
+        loaded.load[1] = loaded.load[2] = load_at_end(k, mechanism.frame(driven_ + static_cast<int>(loaded_[k])));
     }
 
     balance_at_start(mechanism, ports);
@@ -214,7 +214,7 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
         const FrameView view = frame;
         const RowMajor3 R = view.axes();
         Vector6 force = wrench[static_cast<size_t>(driven_) + i];
-        if (burden_of_[i] >= 0) force += burden(i).load[1];
+        if (load_of_[i] >= 0) force += frame_load(i).load[1];
         force.head<3>() += inertia.mass * gravity_;
         const Vector3 spin = R.transpose() * velocity.angular;
         momenta_[i] << inertia.mass * velocity.linear, R * (inertia.moment * spin);
@@ -237,7 +237,7 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
     set_elastic(mechanism);
     for (size_t i = 0; i < massless_.frames().size(); ++i) {
         const size_t frame = massless_.frames()[i];
-        Burden& own = burden(frame);
+        FrameLoad& own = frame_load(frame);
         own.elastic[1] = own.elastic[2] = own.elastic[0];
         own.settled[0] = own.settled[1] = -in_axes(mechanism.frame(driven_ + static_cast<int>(frame)), own.elastic[0]);
     }
@@ -249,21 +249,21 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
 
 /// Loads on the inner nodes at the end of the step; none where `loads` is null.
 void Interior::read_loads(const Mechanism& mechanism, const double* loads) {
-    for (Burden& burden : burdens_) burden.load[0].setZero();
+    for (FrameLoad& loaded : frame_loads_) loaded.load[0].setZero();
     for (size_t i = 0; i < inner_nodes_.size(); ++i) {
         const NodeSpec& node = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])];
         node_loads_[i] = loads ? Vector6(Eigen::Map<const Vector6>(loads + 6 * i)) : Vector6(Vector6::Zero());
-        if (is_inner(node.frame)) burden(at(node.frame)).load[0] += node_loads_[i];
+        if (is_inner(node.frame)) frame_load(at(node.frame)).load[0] += node_loads_[i];
     }
 }
 
 /// Elastic forces on massless frames where the joints' memory is, as those at the end of the step.
 void Interior::set_elastic(const Mechanism& mechanism) {
-    for (size_t i : massless_.frames()) burden(i).elastic[0].setZero();
+    for (size_t i : massless_.frames()) frame_load(i).elastic[0].setZero();
     for (size_t j : settling_joints_) {
         const Joint& joint = mechanism.joints[j];
         const auto elastic_on = [&](int frame) {
-            return is_inner(frame) && massless_.index_of(at(frame)) >= 0 ? burden(at(frame)).elastic[0].data() : nullptr;
+            return is_inner(frame) && massless_.index_of(at(frame)) >= 0 ? frame_load(at(frame)).elastic[0].data() : nullptr;
         };
         Joint::add_wrench(mechanism.states[j].elastic, elastic_on(joint.from()), elastic_on(joint.to()));
     }

@@ -189,25 +189,25 @@ void Interior::find_forces(const Mechanism& mechanism, Solution& solution) const
     solution.impulse = mechanism.scheme.step_size() * std::sqrt(largest);
 }
 
-/// The load on a burdened frame at the end of the step, at its origin, when it is then at `frame`.
-Vector6 Interior::load_at_end(size_t burden, FrameView frame) const {
-    Vector6 load = burdens_[burden].load[0];
+/// The load on a loaded frame at the end of the step, at its origin, when it is then at `frame`.
+Vector6 Interior::load_at_end(size_t loaded, FrameView frame) const {
+    Vector6 load = frame_loads_[loaded].load[0];
     for (const Lever& lever : levers_)
-        if (lever.burden == burden) load.tail<3>() += (frame.axes() * lever.offset).cross(head(node_loads_[lever.node]));
+        if (lever.loaded == loaded) load.tail<3>() += (frame.axes() * lever.offset).cross(head(node_loads_[lever.node]));
     return load;
 }
 
-Vector6 Interior::load_over_step(const Scheme& scheme, size_t burden, FrameView frame) const {
-    const Burden& own = burdens_[burden];
-    return scheme.weight(0) * load_at_end(burden, frame) + scheme.weight(1) * own.load[1] + scheme.weight(2) * own.load[2];
+Vector6 Interior::load_over_step(const Scheme& scheme, size_t loaded, FrameView frame) const {
+    const FrameLoad& own = frame_loads_[loaded];
+    return scheme.weight(0) * load_at_end(loaded, frame) + scheme.weight(1) * own.load[1] + scheme.weight(2) * own.load[2];
 }
 
 /// What the equations lack at the trial motion, into `change` (in the frames' axes) and `q_change`.
 void Interior::form_residuals(const Mechanism& mechanism, Solution& solution) const {
     const double h = mechanism.scheme.step_size();
     const auto first = static_cast<size_t>(driven_);
-    for (size_t k = 0; k < burdened_.size(); ++k)
-        wrench_[first + burdened_[k]] += load_over_step(mechanism.scheme, k, trial_[first + burdened_[k]]);
+    for (size_t k = 0; k < loaded_.size(); ++k)
+        wrench_[first + loaded_[k]] += load_over_step(mechanism.scheme, k, trial_[first + loaded_[k]]);
     find_imbalance(h, gravity_, inertias_, momenta_, std::span(mechanism.frames).subspan(first),
                    std::span(wrench_).subspan(first), solution.u, solution.change);
     balance_massless(mechanism, solution);
@@ -227,9 +227,9 @@ void Interior::balance_massless(const Mechanism& mechanism, Solution& solution) 
     const std::vector<size_t>& frames = massless_.frames();
     for (size_t m = 0; m < frames.size(); ++m) {
         const size_t i = frames[m], f = static_cast<size_t>(driven_) + i;
-        const Burden& own = burden(i);
+        const FrameLoad& own = frame_load(i);
         const FrameView now = mechanism.frames[f], end = trial_[f];
-        const Vector6 load = load_at_end(static_cast<size_t>(burden_of_[i]), end);
+        const Vector6 load = load_at_end(static_cast<size_t>(load_of_[i]), end);
         const Vector6 elastic = in_axes(end, end_wrench_[f]), load_then = in_axes(end, load);
         MasslessFrames::Residual& residual = massless_residuals_[m];
         residual.step = solution.change[i];
@@ -249,7 +249,7 @@ void Interior::balance_massless(const Mechanism& mechanism, Solution& solution) 
         const RowMajor3 R = mechanism.frame(driven_ + static_cast<int>(i)).axes();
         Vector6 world;
         world << R * head(left), R * tail(left);
-        solution.change[at(heir)] += in_axes(mechanism.frame(heir), bequest(mechanism.frames, i, world));
+        solution.change[at(heir)] += in_axes(mechanism.frame(heir), passed_to_heir(mechanism.frames, i, world));
     }
 }
 
@@ -258,13 +258,13 @@ void Interior::balance_massless(const Mechanism& mechanism, Solution& solution) 
 Vector6 Interior::settled(const Mechanism& mechanism, size_t m, const Vector6& load) const {
     const double relaxation = massless_.relaxation(m) / mechanism.scheme.step_size();
     if (relaxation == 0) return load;
-    const Burden& own = burden(massless_.frames()[m]);
+    const FrameLoad& own = frame_load(massless_.frames()[m]);
     if (mechanism.steps == 0) return (load + relaxation * own.settled[0]) / (1 + relaxation);
     return (load + relaxation * (2 * own.settled[0] - 0.5 * own.settled[1])) / (1 + 1.5 * relaxation);
 }
 
 /// A wrench at a massless frame as its heir takes it, the frames being where they are given.
-Vector6 Interior::bequest(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const {
+Vector6 Interior::passed_to_heir(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const {
     const auto origin = [&](int f) { return FrameView(frames[static_cast<size_t>(f)]).origin(); };
     Vector6 wrench = left;
     wrench.tail<3>() += Vector3(origin(driven_ + static_cast<int>(frame)) - origin(heirs_[frame])).cross(head(left));
@@ -493,7 +493,7 @@ Vector6 Interior::motion_of(size_t frame, const Solution& solution) const {
 /// What a massless frame leaves over the step of its massless halves, at its origin.
 Vector6 Interior::estate(const Mechanism& mechanism, size_t i, FrameView end) const {
     const Vector6 left = wrench_[static_cast<size_t>(driven_) + i] +
-                         load_over_step(mechanism.scheme, static_cast<size_t>(burden_of_[i]), end) +
+                         load_over_step(mechanism.scheme, static_cast<size_t>(load_of_[i]), end) +
                          momenta_[i] / mechanism.scheme.step_size();
     return massless_part(i, left);
 }
@@ -552,7 +552,7 @@ void Interior::evaluate(const Mechanism& mechanism, std::span<const FrameView> p
         if (!is_inner(frame)) continue;
         place(mechanism, at(frame), motion_of(at(frame), solution));
         wrench_[static_cast<size_t>(heirs_[at(frame)])] +=
-            bequest(mechanism.frames, at(frame), estate(mechanism, at(frame), trial_[static_cast<size_t>(frame)]));
+            passed_to_heir(mechanism.frames, at(frame), estate(mechanism, at(frame), trial_[static_cast<size_t>(frame)]));
     }
     for (int p = 0; p < ports_; ++p) Eigen::Map<Vector6>{wrench + 6 * p} = wrench_[static_cast<size_t>(p)];
 }
@@ -673,13 +673,13 @@ void Interior::take_momenta(const Mechanism& mechanism) {
     for (size_t i : massless_.frames()) {
         const int heir = heirs_[i];
         if (!is_inner(heir)) continue;
-        Vector6 force = bequest(mechanism.frames, i, estate(mechanism, i, trial_[first + i]));
+        Vector6 force = passed_to_heir(mechanism.frames, i, estate(mechanism, i, trial_[first + i]));
         for (int half : {0, 1})
             if (massless_.is_massless(at(heir), half)) force.segment<3>(3 * half).setZero();
         momenta_[at(heir)] += h * force;
     }
-    for (size_t k = 0; k < burdened_.size(); ++k)
-        wrench_[first + burdened_[k]] += load_over_step(mechanism.scheme, k, trial_[first + burdened_[k]]);
+    for (size_t k = 0; k < loaded_.size(); ++k)
+        wrench_[first + loaded_[k]] += load_over_step(mechanism.scheme, k, trial_[first + loaded_[k]]);
     for (size_t i : massless_.frames())
         for (int half : {0, 1})
             if (massless_.is_massless(i, half)) {
@@ -705,8 +705,8 @@ void Interior::take_loads(const Mechanism& mechanism) {
     for (size_t m = 0; m < massless_.frames().size(); ++m) {
         const size_t i = massless_.frames()[m], f = static_cast<size_t>(driven_) + i;
         const FrameView end = trial_[f];
-        const Vector6 load = load_at_end(static_cast<size_t>(burden_of_[i]), end);
-        Burden& own = burden(i);
+        const Vector6 load = load_at_end(static_cast<size_t>(load_of_[i]), end);
+        FrameLoad& own = frame_load(i);
         const Vector6 next = settled(mechanism, m, in_axes(end, load));
         own.settled[1] = own.settled[0];
         own.settled[0] = next;
@@ -717,10 +717,10 @@ void Interior::take_loads(const Mechanism& mechanism) {
     books_.load_work += books_.last_work;
     books_.last_work = 0;
     const double h = mechanism.scheme.step_size();
-    for (size_t k = 0; k < burdened_.size(); ++k) {
-        Burden& own = burdens_[k];
-        const Vector6 next = load_at_end(k, trial_[static_cast<size_t>(driven_) + burdened_[k]]);
-        books_.last_work += 0.5 * h * (own.load[1] + next).dot(joined(past_.velocity[burdened_[k]]));
+    for (size_t k = 0; k < loaded_.size(); ++k) {
+        FrameLoad& own = frame_loads_[k];
+        const Vector6 next = load_at_end(k, trial_[static_cast<size_t>(driven_) + loaded_[k]]);
+        books_.last_work += 0.5 * h * (own.load[1] + next).dot(joined(past_.velocity[loaded_[k]]));
         own.load[2] = own.load[1];
         own.load[1] = next;
     }

@@ -145,9 +145,38 @@ private:
 /// Members stay in the order written.
 using Json = nlohmann::basic_json<OrderedMembers>;
 
+/// Writes an object member by member in the form of write_json(), for one that is too large to stand in memory.
+class JsonWriter {
+public:
+    explicit JsonWriter(std::ostream& stream) : stream_(stream) { open(); }
+
+    void member(std::string_view name, const Json& value);
+    /// Members that `write` gives, as an object.
+    template <class Write>
+    void object(std::string_view name, const Write& write) {
+        begin_member(name);
+        open();
+        write();
+        close();
+    }
+    /// The last call.
+    void finish();
+
+private:
+    void open();
+    void close();
+    void begin_member(std::string_view name);
+    void start_line();
+
+    std::ostream& stream_;
+    unsigned depth_ = 0;
+    bool is_empty_ = true;  ///< the innermost open object, so far
+};
+
 /// Writes `json` and a line feed, indented by two. What is not UTF-8 becomes a replacement character.
 void write_json(std::ostream& stream, const Json& json);
 /// The same into a file. Throws Error(input_output) as write_atomically does.
 void write_json(const std::filesystem::path& path, const Json& json);
+void write_json(const std::filesystem::path& path, const std::function<void(JsonWriter&)>& write_members);
 
 }  // namespace dttmm

@@ -225,11 +225,12 @@ ExitCode find_modes(const ModesRequest& request) {
     write_atomically(folder.file("modes.csv"), modes_table(machine, modes));
     write_atomically(folder.file("shapes.csv"), shapes_table(model, machine, modes));
     warnings.print_rest("; summary.json has all of them");
-    Json summary = json;
-    summary["command_line"] = request.command_line;
-    summary["inputs"] = describe_inputs(model, request);
-    summary["model"] = describe_model(model, plugins.catalogue());
-    write_json(folder.file("summary.json"), summary);
+    write_json(folder.file("summary.json"), [&](JsonWriter& out) {
+        for (const auto& [name, value] : json.items()) out.member(name, value);
+        out.member("command_line", request.command_line);
+        out.member("inputs", describe_inputs(model, request));
+        write_model(out, model, plugins.catalogue());
+    });
     if (request.as_json) {
         fmt::print("{}", to_text(json));
     } else if (!request.quiet) {
@@ -506,18 +507,20 @@ ExitCode find_response(const FrfRequest& request) {
         warnings.add("no-response", fmt::format("{} does not move under {}: {}", request.output_place, request.input,
                                                 machine.why_still(*in, in_direction, *out, out_direction)));
     warnings.print_rest("; summary.json has all of them");
-    write_json(folder.file("summary.json"), {{"format", "dttmm-frf/1"},
-                                             {"warnings", describe_warnings(warnings)},
-                                             {"title", model.title},
-                                             {"status", is_stopped ? "stopped" : "completed"},
-                                             {"in", request.input},
-                                             {"out", request.output_place},
-                                             {"rows", done},
-                                             {"largest_receptance", largest},
-                                             {"largest_at_hz", at},
-                                             {"command_line", request.command_line},
-                                             {"inputs", describe_inputs(model, request)},
-                                             {"model", describe_model(model, plugins.catalogue())}});
+    write_json(folder.file("summary.json"), [&](JsonWriter& json) {
+        json.member("format", "dttmm-frf/1");
+        json.member("warnings", describe_warnings(warnings));
+        json.member("title", model.title);
+        json.member("status", is_stopped ? "stopped" : "completed");
+        json.member("in", request.input);
+        json.member("out", request.output_place);
+        json.member("rows", done);
+        json.member("largest_receptance", largest);
+        json.member("largest_at_hz", at);
+        json.member("command_line", request.command_line);
+        json.member("inputs", describe_inputs(model, request));
+        write_model(json, model, plugins.catalogue());
+    });
     if (is_stopped) {
         tell(fmt::format("{} at {:g} Hz; {} of {} rows are kept", StopSignals::reason(), frequency_at(done), done,
                          request.points));

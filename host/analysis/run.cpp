@@ -221,17 +221,19 @@ void warn_ripple(const Recorder& recorder, const Model& model, Warnings& warning
     struct Force {
         double peak = 0, ripple = 0;  // largest of its directions [N]
     };
-    std::unordered_map<std::string, Force> forces;  // by "<element>.force"
+    std::unordered_map<std::string_view, Force> forces;  // by element
     for (size_t c = 1; c < recorder.channels().size(); ++c) {
-        const std::string& name = recorder.channels()[c].name;
-        Force& force = forces[name.substr(0, name.rfind('.'))];
+        const std::string_view name = recorder.channels()[c].name;
+        const size_t quantity = name.rfind(".force.");
+        if (quantity == name.npos) continue;
+        Force& force = forces[name.substr(0, quantity)];
         const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
         force = {std::max(force.peak, statistics.peak), std::max(force.ripple, statistics.ripple)};
     }
     double worst = kTolerated;
     std::string warning;
     for (const Element& element : model.elements) {
-        const auto [peak, ripple] = forces[element.name + ".force"];
+        const auto [peak, ripple] = forces[element.name];
         if (ripple <= worst * peak || ripple <= rounding) continue;
         worst = ripple / peak;
         warning = fmt::format(
@@ -333,9 +335,9 @@ ExitCode conclude(const RunRequest& request, Bench& bench, const Simulation& sim
         warn_ripple(recorder, bench.model, bench.warnings);
     }
     bench.warnings.print_rest("; summary.json has all of them");
-    const Json summary =
-        describe_run(bench.model, request, bench.plugins, simulation, recorder, ending.outcome, halving, bench.warnings);
-    write_json(folder.file("summary.json"), summary);
+    write_json(folder.file("summary.json"), [&](JsonWriter& out) {
+        write_run(out, bench.model, request, bench.plugins, simulation, recorder, ending.outcome, halving, bench.warnings);
+    });
     if (ending.outcome.status == "failed") {
         throw Error(ending.code, fmt::format("{} ({} rows recorded in {})", ending.outcome.reason, recorder.rows(),
                                              folder.path().string()));

@@ -6,8 +6,12 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
-#include <set>
+#include <optional>
 #include <string_view>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+#include <vector>
 
 #include "model/read_joint.h"
 #include "record/results_folder.h"
@@ -53,6 +57,19 @@ Json describe_element(const Model& model, const Element& element, const dttmm_el
     return out;
 }
 
+Json describe_body(const Body& body) {
+    Json markers = Json::object();
+    for (const Marker& marker : body.markers) markers[marker.name] = vector_json(marker.position);
+    return {{"mass", body.mass},
+            {"center_of_mass", vector_json(body.center_of_mass)},
+            {"inertia", matrix_json(body.inertia)},
+            {"position", vector_json(body.position)},
+            {"rotation", matrix_json(body.rotation)},
+            {"velocity", vector_json(body.velocity)},
+            {"angular_velocity", vector_json(body.angular_velocity)},
+            {"markers", markers}};
+}
+
 Json describe_node(const Node& node) {
     constexpr const char* kDirections[] = {"x", "y", "z", "rx", "ry", "rz"};
     Json fixed = Json::array();
@@ -66,48 +83,75 @@ Json describe_node(const Node& node) {
     return out;
 }
 
-/// Channels "<owner>.<quantity>.<axis>" as owner → quantity → peak, time of peak and final value, per axis.
-Json describe_channels(const Recorder& recorder,
-                       const std::function<bool(const std::string& owner, std::string_view quantity)>& wanted) {
-    Json owners = Json::object();
+Json describe_statistics(const ChannelStatistics& statistics) {
+    return {{"peak", statistics.peak}, {"peak_time", statistics.peak_time}, {"final", statistics.final}};
+}
+
+/// A channel "<owner>.<quantity>.<axis>" taken apart; views into its name.
+struct ChannelName {
+    std::string_view owner, quantity, axis;
+};
+
+std::optional<ChannelName> take_apart(std::string_view name) {
+    const size_t axis = name.rfind('.');
+    const size_t quantity = axis == name.npos || axis == 0 ? name.npos : name.rfind('.', axis - 1);
+    if (quantity == name.npos) return std::nullopt;
+    return ChannelName{name.substr(0, quantity), name.substr(quantity + 1, axis - quantity - 1), name.substr(axis + 1)};
+}
+
+using Wanted = std::function<bool(const ChannelName&)>;
+
+/// Peak, time of peak and final value of the channels wanted, as owner → quantity → axis. tell(owner, its quantities) is
+/// called for every owner: all of them together may be too large for the memory.
+template <class Tell>
+void describe_channels(const Recorder& recorder, const Wanted& wanted, const Tell& tell) {
+    std::vector<std::vector<size_t>> channels_of;  // by owner
+    std::unordered_map<std::string_view, size_t> index_of;
     for (size_t c = 1; c < recorder.channels().size(); ++c) {
-        const std::string& name = recorder.channels()[c].name;
-        const size_t axis = name.rfind('.');
-        const size_t quantity = axis == std::string::npos || axis == 0 ? std::string::npos : name.rfind('.', axis - 1);
-        if (quantity == std::string::npos) continue;
-        const std::string owner = name.substr(0, quantity), what = name.substr(quantity + 1, axis - quantity - 1);
-        if (!wanted(owner, what)) continue;
-        const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
-        owners[owner][what][name.substr(axis + 1)] = {
-            {"peak", statistics.peak}, {"peak_time", statistics.peak_time}, {"final", statistics.final}};
+        const auto name = take_apart(recorder.channels()[c].name);
+        if (!name || !wanted(*name)) continue;
+        const size_t index = index_of.try_emplace(name->owner, channels_of.size()).first->second;
+        if (index == channels_of.size()) channels_of.emplace_back();
+        channels_of[index].push_back(c);
     }
-    return owners;
+    for (const std::vector<size_t>& channels : channels_of) {
+        Json quantities;
+        for (size_t c : channels) {
+            const auto name = take_apart(recorder.channels()[c].name);
+            quantities[std::string(name->quantity)][std::string(name->axis)] =
+                describe_statistics(recorder.statistics(static_cast<int>(c)));
+        }
+        tell(take_apart(recorder.channels()[channels.front()].name)->owner, std::move(quantities));
+    }
 }
 
-std::set<std::string> names_of(const auto& things) {
-    std::set<std::string> names;
-    for (const auto& thing : things) names.insert(thing.name);
-    return names;
-}
-
-/// Forces and moments of the owners that `names` lists.
-Json describe_forces(const Recorder& recorder, const std::set<std::string>& names) {
-    return describe_channels(recorder, [&](const std::string& owner, std::string_view quantity) {
-        return (quantity == "force" || quantity == "moment") && names.contains(owner);
+void write_channels(JsonWriter& out, const char* section, const Recorder& recorder, const Wanted& wanted) {
+    out.object(section, [&] {
+        describe_channels(recorder, wanted, [&](std::string_view owner, const Json& quantities) { out.member(owner, quantities); });
     });
 }
 
-/// The same of the joints, with the angle or travel of each that has one.
+/// Whether a channel is a force or moment of one of `things`.
+Wanted is_force_of(const auto& things) {
+    std::unordered_set<std::string_view> names;
+    for (const auto& thing : things) names.insert(thing.name);
+    return [names = std::move(names)](const ChannelName& name) {
+        return (name.quantity == "force" || name.quantity == "moment") && names.contains(name.owner);
+    };
+}
+
+/// Forces and moments of the joints, with the angle or travel of each that has one.
 Json describe_joints(const Recorder& recorder, const Model& model) {
-    Json joints = describe_forces(recorder, names_of(model.joints));
+    Json joints = Json::object();
+    describe_channels(recorder, is_force_of(model.joints), [&](std::string_view owner, Json quantities) {
+        joints[std::string(owner)] = std::move(quantities);
+    });
     for (size_t c = 1; c < recorder.channels().size(); ++c) {
         const std::string& name = recorder.channels()[c].name;
         const size_t dot = name.rfind('.');
         const std::string owner = name.substr(0, dot), quantity = name.substr(std::min(dot, name.size() - 1) + 1);
         if (!joints.contains(owner) || (quantity != "angle" && quantity != "travel")) continue;
-        const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
-        joints[owner][quantity] = {
-            {"peak", statistics.peak}, {"peak_time", statistics.peak_time}, {"final", statistics.final}};
+        joints[owner][quantity] = describe_statistics(recorder.statistics(static_cast<int>(c)));
     }
     return joints;
 }
@@ -179,18 +223,17 @@ std::string digest_of(const std::filesystem::path& path) {
 
 }  // namespace
 
-Json describe_model(const Model& model, const ElementCatalogue& catalogue) {
+void write_model(JsonWriter& out, const Model& model, const ElementCatalogue& catalogue) {
     const bool is_implicit = model.simulation.coupling == Coupling::implicit;
-    Json bodies = Json::object(), nodes = Json::object(), elements = Json::object(), joints = Json::object(),
-         loads = Json::array();
+    Json joints = Json::object(), loads = Json::array(), parameters = Json::object();
     for (const Joint& joint : model.joints) {
-        Json& out =
+        Json& told =
             joints[joint.name] = {{"type", joint_type_name(joint.type)},
                                   {"between", {name_of(model, {joint.first, -1}), name_of(model, {joint.second, -1})}},
                                   {"anchor", vector_json(joint.anchor)},
                                   {"axis", vector_json(joint.axis)}};
-        if (joint.type == JointType::universal) out["axis2"] = vector_json(joint.axis2);
-        if (joint.limits) out["limits"] = *joint.limits;
+        if (joint.type == JointType::universal) told["axis2"] = vector_json(joint.axis2);
+        if (joint.limits) told["limits"] = *joint.limits;
     }
     for (const Load& load : model.loads)
         loads.push_back({{"on", name_of(model, load.on)},
@@ -198,37 +241,31 @@ Json describe_model(const Model& model, const ElementCatalogue& catalogue) {
                          {"direction", vector_json(load.direction)},
                          {"at_start", load.signal.value(0)},
                          {"at_end", load.signal.value(model.simulation.duration)}});
-    for (const Body& body : model.bodies) {
-        Json markers = Json::object();
-        for (const Marker& marker : body.markers) markers[marker.name] = vector_json(marker.position);
-        bodies[body.name] = {{"mass", body.mass},
-                             {"center_of_mass", vector_json(body.center_of_mass)},
-                             {"inertia", matrix_json(body.inertia)},
-                             {"position", vector_json(body.position)},
-                             {"rotation", matrix_json(body.rotation)},
-                             {"velocity", vector_json(body.velocity)},
-                             {"angular_velocity", vector_json(body.angular_velocity)},
-                             {"markers", markers}};
-    }
-    for (const Node& node : model.nodes) nodes[node.name] = describe_node(node);
-    for (const Element& element : model.elements)
-        elements[element.name] = describe_element(model, element, *catalogue.types[static_cast<size_t>(element.type)]);
-    Json parameters = Json::object();
     for (const Parameter& parameter : model.parameters) parameters[parameter.name] = parameter.value;
-    Json out = {{"title", model.title}, {"parameters", std::move(parameters)}};
-    if (model.simulation.step > 0)  // natural frequencies need none
-        out["simulation"] = {{"duration", model.simulation.duration},
-                             {"step", model.simulation.step},
-                             {"coupling", is_implicit ? "implicit" : "explicit"},
-                             {"scheme", is_implicit ? "centred" : scheme_name(model.simulation.scheme)},
-                             {"spectral_radius", model.simulation.spectral_radius},
-                             {"gravity", vector_json(model.simulation.gravity)}};
-    out["bodies"] = std::move(bodies);
-    out["nodes"] = std::move(nodes);
-    out["loads"] = std::move(loads);
-    out["joints"] = std::move(joints);
-    out["elements"] = std::move(elements);
-    return out;
+    out.object("model", [&] {
+        out.member("title", model.title);
+        out.member("parameters", parameters);
+        if (model.simulation.step > 0)  // natural frequencies need none
+            out.member("simulation", {{"duration", model.simulation.duration},
+                                      {"step", model.simulation.step},
+                                      {"coupling", is_implicit ? "implicit" : "explicit"},
+                                      {"scheme", is_implicit ? "centred" : scheme_name(model.simulation.scheme)},
+                                      {"spectral_radius", model.simulation.spectral_radius},
+                                      {"gravity", vector_json(model.simulation.gravity)}});
+        out.object("bodies", [&] {
+            for (const Body& body : model.bodies) out.member(body.name, describe_body(body));
+        });
+        out.object("nodes", [&] {
+            for (const Node& node : model.nodes) out.member(node.name, describe_node(node));
+        });
+        out.member("loads", loads);
+        out.member("joints", joints);
+        out.object("elements", [&] {
+            for (const Element& element : model.elements)
+                out.member(element.name,
+                           describe_element(model, element, *catalogue.types[static_cast<size_t>(element.type)]));
+        });
+    });
 }
 
 /// The program and the plugin that comes with it: another build may give other results under the same version.
@@ -263,46 +300,42 @@ Json describe_warnings(const Warnings& warnings) {
     return list;
 }
 
-Json describe_run(const Model& model, const RunRequest& request, const Plugins& plugins, const Simulation& simulation,
-                  const Recorder& recorder, const Outcome& outcome, const Halving* halving, const Warnings& warnings) {
+void write_run(JsonWriter& out, const Model& model, const RunRequest& request, const Plugins& plugins,
+               const Simulation& simulation, const Recorder& recorder, const Outcome& outcome, const Halving* halving,
+               const Warnings& warnings) {
     const auto steps = static_cast<double>(std::max<uint64_t>(simulation.index(), 1));
     Json versions = {{"dttmm", DTTMM_VERSION}, {"ode", World::engine_version()}};
     for (const PluginLibrary& library : plugins.libraries())
         versions["plugins"][library.name()] = fmt::format("{} {}", library.table().name, library.table().version);
-    Json summary = {
-        {"format", "dttmm-summary/1"},
-        {"status", outcome.status},
-        {"reason", outcome.reason},
-        {"warnings", describe_warnings(warnings)},
-        {"title", model.title},
-        {"command_line", request.command_line},
-        {"versions", versions},
-        {"steps", outcome.steps},
-        {"rows", recorder.rows()},
-        {"wall_time", outcome.wall_time},
-        {"wall_time_per_step", outcome.wall_time / static_cast<double>(std::max<uint64_t>(outcome.steps, 1))},
-        {"coupling",
-         {{"passes", simulation.end_of_step().passes()},
-          {"passes_per_step", static_cast<double>(simulation.end_of_step().passes()) / steps},
-          {"factorisations", simulation.end_of_step().factorisations()},
-          {"engine_steps", simulation.engine_steps()},
-          {"engine_steps_per_step", static_cast<double>(simulation.engine_steps()) / steps}}},
-        {"fastest_vibration",
-         {{"omega_h", simulation.fastest_mode().omega * simulation.step_size()},
-          {"frequency_hz", simulation.fastest_mode().omega / (2 * M_PI)},
-          {"body", simulation.fastest_mode().body},
-          {"elements", describe_shares(simulation.fastest_mode())},
-          {"explicit_limit", describe_limit(simulation)}}},
-        {"energy", describe_energy(recorder)},
-        {"elements", describe_forces(recorder, names_of(model.elements))},
-        {"joints", describe_joints(recorder, model)},
-        {"positions", describe_channels(recorder, [](const std::string&, std::string_view q) { return q == "position"; })},
-        {"accelerations",
-         describe_channels(recorder, [](const std::string&, std::string_view q) { return q == "acceleration"; })},
-        {"inputs", describe_inputs(model, request)},
-        {"model", describe_model(model, plugins.catalogue())}};
-    if (halving) summary["tolerance"] = describe_tolerance(*halving);
-    return summary;
+    out.member("format", "dttmm-summary/1");
+    out.member("status", outcome.status);
+    out.member("reason", outcome.reason);
+    out.member("warnings", describe_warnings(warnings));
+    out.member("title", model.title);
+    out.member("command_line", request.command_line);
+    out.member("versions", versions);
+    out.member("steps", outcome.steps);
+    out.member("rows", recorder.rows());
+    out.member("wall_time", outcome.wall_time);
+    out.member("wall_time_per_step", outcome.wall_time / static_cast<double>(std::max<uint64_t>(outcome.steps, 1)));
+    out.member("coupling", {{"passes", simulation.end_of_step().passes()},
+                            {"passes_per_step", static_cast<double>(simulation.end_of_step().passes()) / steps},
+                            {"factorisations", simulation.end_of_step().factorisations()},
+                            {"engine_steps", simulation.engine_steps()},
+                            {"engine_steps_per_step", static_cast<double>(simulation.engine_steps()) / steps}});
+    out.member("fastest_vibration", {{"omega_h", simulation.fastest_mode().omega * simulation.step_size()},
+                                     {"frequency_hz", simulation.fastest_mode().omega / (2 * M_PI)},
+                                     {"body", simulation.fastest_mode().body},
+                                     {"elements", describe_shares(simulation.fastest_mode())},
+                                     {"explicit_limit", describe_limit(simulation)}});
+    out.member("energy", describe_energy(recorder));
+    write_channels(out, "elements", recorder, is_force_of(model.elements));
+    out.member("joints", describe_joints(recorder, model));
+    write_channels(out, "positions", recorder, [](const ChannelName& name) { return name.quantity == "position"; });
+    write_channels(out, "accelerations", recorder, [](const ChannelName& name) { return name.quantity == "acceleration"; });
+    out.member("inputs", describe_inputs(model, request));
+    write_model(out, model, plugins.catalogue());
+    if (halving) out.member("tolerance", describe_tolerance(*halving));
 }
 
 }  // namespace dttmm

@@ -22,14 +22,15 @@ Json describe_inputs(const Model& model, const RunRequest& request);
 /// [{"code", "text"}, ...]
 Json describe_warnings(const Warnings& warnings);
 
-/// The model as it was solved: parameters, bodies, nodes, loads, joints, elements, all in SI; settings of a run if the file
-/// has them.
-Json describe_model(const Model& model, const ElementCatalogue& catalogue);
+/// Member "model", as it was solved: parameters, bodies, nodes, loads, joints, elements, all in SI; settings of a run if the
+/// file has them.
+void write_model(JsonWriter& out, const Model& model, const ElementCatalogue& catalogue);
 
-/// summary.json: status, warnings, inputs, versions, step count and time per step, coupling, omega*h, energy, peak and final
-/// values of every element, joint and marker, the resolved model. `simulation` is the run whose results are kept; `halving`,
-/// of a run to a tolerance, says what stands behind them, else null.
-Json describe_run(const Model& model, const RunRequest& request, const Plugins& plugins, const Simulation& simulation,
-                  const Recorder& recorder, const Outcome& outcome, const Halving* halving, const Warnings& warnings);
+/// Members of a run's summary.json: status, warnings, inputs, versions, step count and time per step, coupling, omega*h, energy,
+/// peak and final values of every element, joint and marker, the resolved model. `simulation` is the run whose results are
+/// kept; `halving`, of a run to a tolerance, says what stands behind them, else null.
+void write_run(JsonWriter& out, const Model& model, const RunRequest& request, const Plugins& plugins,
+               const Simulation& simulation, const Recorder& recorder, const Outcome& outcome, const Halving* halving,
+               const Warnings& warnings);
 
 }  // namespace dttmm

@@ -86,10 +86,11 @@ Error no_match(const std::vector<Channel>& all, const std::string& pattern) {
 
 }  // namespace
 
-void check_channels(const std::vector<Channel>& all) {
+void check_channels(std::span<const Channel> all) {
     if (all.empty() || all.front().name != "time")
         throw Error(ExitCode::internal_error, "channel 0 must be \"time\"; this is a fault of dttmm, please report it");
     std::unordered_set<std::string_view> names;
+    names.reserve(all.size());
     for (const Channel& channel : all) {
         const bool sound = !channel.name.empty() && channel.name != "." && channel.name.find('/') == std::string::npos &&
                            !has_control_character(channel.name) && !has_control_character(channel.unit);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,7 @@ struct Channel {
 
 /// What every writer relies on: channel 0 is "time", names differ and are not empty, no control character in a name or unit,
 /// no slash in a name (HDF5 would make a group of it). Throws Error(internal_error) otherwise.
-void check_channels(const std::vector<Channel>& all);
+void check_channels(std::span<const Channel> all);
 
 /// Indices into `all` of the channels to record, ascending; channel 0, the time, is always the first.
 /// No patterns: the channels recorded by default. A pattern is a glob (*, ?, [abc]) and selects a channel when it matches

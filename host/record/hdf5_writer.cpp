@@ -90,15 +90,17 @@ struct Settings {
     explicit Settings(hsize_t chunk)
         : link(H5Pcreate(H5P_LINK_CREATE), &H5Pclose),
           layout(H5Pcreate(H5P_DATASET_CREATE), &H5Pclose),
+          whole(H5Pcreate(H5P_DATASET_CREATE), &H5Pclose),
           access(H5Pcreate(H5P_DATASET_ACCESS), &H5Pclose),
           attribute(H5Pcreate(H5P_ATTRIBUTE_CREATE), &H5Pclose),
           text(make_text_type()) {
         H5Pset_char_encoding(link, H5T_CSET_UTF8);
         H5Pset_chunk(layout, 1, &chunk);
+        H5Pset_layout(whole, H5D_COMPACT);
         H5Pset_chunk_cache(access, 0, 0, 0);  // chunks are written whole: 1 MiB per channel would hold nothing of use
         H5Pset_char_encoding(attribute, H5T_CSET_UTF8);
     }
-    const Handle link, layout, access, attribute, text;
+    const Handle link, layout, whole, access, attribute, text;
 };
 
 }  // namespace
@@ -118,14 +120,15 @@ private:
 
     Handle create_file() const;
     Handle create_dataset(const Channel& channel) const;
+    void write_whole(const Channel& channel, const double* values) const;
     Handle open_dataset(const std::string& name) const;
     void write_attribute(hid_t owner, const std::string& name, const std::string& text) const;
     void append(hid_t dataset, const double* values) const;
 
     PartFile part_;  // declared first: removed last
     Handle file_;
-    std::vector<Handle> datasets_;  ///< of the first kMostOpen channels
-    std::vector<Channel> closed_;   ///< the others: made with their first rows, opened for the next
+    const std::vector<Channel> channels_;
+    std::vector<Handle> datasets_;  ///< of the first kMostOpen channels once rows were written; others are opened every time
     hsize_t rows_per_chunk_;        ///< few for many channels, so that a short run of a large machine stays small
     Settings settings_;
     std::vector<double> waiting_;  ///< channels x rows_per_chunk_: each channel's values stand together
@@ -144,13 +147,12 @@ Hdf5Writer::Implementation::Implementation(const std::filesystem::path& path, co
                                            const Attributes& attributes)
     : part_(path),
       file_(create_file()),
+      channels_(channels),
       rows_per_chunk_(std::clamp(kNumbersWaiting / channels.size(), kFewestRowsPerChunk, kMostRowsPerChunk)),
       settings_(rows_per_chunk_),
       waiting_(channels.size() * rows_per_chunk_) {
     for (const auto& [name, text] : attributes) write_attribute(file_, name, text);
-    const std::size_t open = std::min(channels.size(), kMostOpen);
-    for (std::size_t i = 0; i < open; ++i) datasets_.push_back(create_dataset(channels[i]));
-    closed_.assign(channels.begin() + static_cast<std::ptrdiff_t>(open), channels.end());
+    datasets_.reserve(std::min(channels.size(), kMostOpen));
 }
 
 Handle Hdf5Writer::Implementation::create_file() const {
@@ -174,6 +176,19 @@ Handle Hdf5Writer::Implementation::create_dataset(const Channel& channel) const 
     return dataset;
 }
 
+/// A dataset whose rows are all there: no index of chunks, which takes most of the time and space of a short one.
+void Hdf5Writer::Implementation::write_whole(const Channel& channel, const double* values) const {
+    const Handle space(H5Screate_simple(1, &rows_waiting_, nullptr), &H5Sclose);
+    Handle dataset(
+        check(H5Dcreate2(file_, channel.name.c_str(), H5T_NATIVE_DOUBLE, space, settings_.link, settings_.whole, H5P_DEFAULT),
+              "cannot write"),
+        &H5Dclose);
+    write_attribute(dataset, "unit", channel.unit);
+    if (rows_waiting_ > 0)
+        check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), "cannot write");
+    check(dataset.close(), "cannot write");
+}
+
 Handle Hdf5Writer::Implementation::open_dataset(const std::string& name) const {
     return Handle(check(H5Dopen2(file_, name.c_str(), settings_.access), "cannot write"), &H5Dclose);
 }
@@ -188,7 +203,7 @@ void Hdf5Writer::Implementation::write_attribute(hid_t owner, const std::string&
 }
 
 void Hdf5Writer::Implementation::write_row(std::span<const double> values) {
-    assert(values.size() == datasets_.size() + closed_.size());
+    assert(values.size() == channels_.size());
     if (rows_waiting_ == rows_per_chunk_) {
         const Hdf5Turn turn;
         write_waiting_rows();
@@ -200,15 +215,17 @@ void Hdf5Writer::Implementation::write_row(std::span<const double> values) {
 void Hdf5Writer::Implementation::write_waiting_rows() {
     if (rows_waiting_ == 0) return;
     const double* values = waiting_.data();
-    for (const Handle& dataset : datasets_) {
+    for (std::size_t i = 0; i < channels_.size(); ++i, values += rows_per_chunk_) {
+        if (i < datasets_.size()) {
+            append(datasets_[i], values);
+            continue;
+        }
+        Handle dataset = rows_written_ == 0 ? create_dataset(channels_[i]) : open_dataset(channels_[i].name);
         append(dataset, values);
-        values += rows_per_chunk_;
-    }
-    for (const Channel& channel : closed_) {
-        Handle dataset = rows_written_ == 0 ? create_dataset(channel) : open_dataset(channel.name);
-        append(dataset, values);
-        check(dataset.close(), "cannot write");
-        values += rows_per_chunk_;
+        if (i < kMostOpen)
+            datasets_.push_back(std::move(dataset));
+        else
+            check(dataset.close(), "cannot write");
     }
     rows_written_ += rows_waiting_;
     rows_waiting_ = 0;
@@ -225,7 +242,9 @@ void Hdf5Writer::Implementation::append(hid_t dataset, const double* values) con
 
 void Hdf5Writer::Implementation::close() {
     if (rows_written_ == 0)
-        for (const Channel& channel : closed_) check(create_dataset(channel).close(), "cannot write");
+        for (std::size_t i = 0; i < channels_.size(); ++i) write_whole(channels_[i], &waiting_[i * rows_per_chunk_]);
+    else
+        write_waiting_rows();
     for (Handle& dataset : datasets_) check(dataset.close(), "cannot write");
     check(file_.close(), "cannot write");
 }
@@ -246,7 +265,6 @@ void Hdf5Writer::write_row(std::span<const double> values) { implementation_->wr
 void Hdf5Writer::publish() {
     {
         const Hdf5Turn turn;
-        implementation_->write_waiting_rows();
         implementation_->close();
     }
     implementation_->publish();

@@ -14,22 +14,22 @@ namespace dttmm {
 
 namespace {
 
-std::vector<Channel> pick(const std::vector<Channel>& all, const std::vector<int>& selection) {
+std::vector<Channel> pick(std::span<const Channel> all, const std::vector<int>& selection) {
     std::vector<Channel> picked;
-    for (const int index : selection) picked.push_back(all.at(static_cast<std::size_t>(index)));
+    for (const int index : selection) picked.push_back(all[static_cast<std::size_t>(index)]);
     return picked;
 }
 
 }  // namespace
 
-Recorder::Recorder(std::vector<Channel> all)
-    : channels_(std::move(all)), statistics_(channels_.size()), alternations_(channels_.size()) {
+Recorder::Recorder(std::span<const Channel> all)
+    : channels_(all), statistics_(channels_.size()), alternations_(channels_.size()) {
     check_channels(channels_);
 }
 
-Recorder::Recorder(const ResultsFolder& folder, std::vector<Channel> all, std::vector<int> selection,
+Recorder::Recorder(const ResultsFolder& folder, std::span<const Channel> all, std::vector<int> selection,
                    const Attributes& attributes, Rows rows)
-    : Recorder(std::move(all)) {
+    : Recorder(all) {
     selection_ = std::move(selection);
     std::vector<Channel> picked = pick(channels_, selection_);
     csv_.emplace(folder.file("history.csv"), picked);

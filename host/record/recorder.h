@@ -33,12 +33,12 @@ class Recorder {
 public:
     enum class Rows : unsigned char { plain, estimated };
 
-    /// selection: indices into `all` as select_channels gives them; rows: which of the two ways they come. Throws
-    /// Error(input_output), or Error(internal_error) for channels that check_channels refuses.
-    Recorder(const ResultsFolder& folder, std::vector<Channel> all, std::vector<int> selection, const Attributes& attributes,
+    /// all: outlive the recorder; selection: indices into them as select_channels gives them; rows: which of the two ways they
+    /// come. Throws Error(input_output), or Error(internal_error) for channels that check_channels refuses.
+    Recorder(const ResultsFolder& folder, std::span<const Channel> all, std::vector<int> selection, const Attributes& attributes,
              Rows rows = Rows::plain);
     /// Statistics only: nothing is written.
-    explicit Recorder(std::vector<Channel> all);
+    explicit Recorder(std::span<const Channel> all);
 
     /// values: one per channel of `all`; the first is the time [s]. Throws Error(internal_error) that names a channel whose
     /// value is not finite; the row is then neither written nor counted. Throws Error(input_output) when it cannot be
@@ -52,7 +52,7 @@ public:
     /// Brings history.csv to the disk and publishes history.h5; the last call. Throws Error(input_output).
     void finish();
 
-    const std::vector<Channel>& channels() const { return channels_; }
+    std::span<const Channel> channels() const { return channels_; }
     /// channel: index into channels().
     const ChannelStatistics& statistics(int channel) const { return statistics_[static_cast<std::size_t>(channel)]; }
     /// Number of rows closed.
@@ -68,7 +68,7 @@ private:
     void count(int channel, double value, double time);
     void write_row(std::span<const double> values);
 
-    std::vector<Channel> channels_;
+    std::span<const Channel> channels_;
     std::vector<ChannelStatistics> statistics_;
     std::vector<Alternation> alternations_;
     long rows_ = 0;

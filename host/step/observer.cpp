@@ -6,6 +6,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <set>
+#include <string_view>
+#include <unordered_set>
 
 #include "model/error.h"
 
@@ -55,6 +57,8 @@ std::set<std::pair<int, int>> used_markers(const Model& model) {
 
 Observer::Observer(const Model& model, const Networks& networks, const EndOfStep& end_of_step)
     : bodies_(model.bodies), gravity_(model.simulation.gravity) {
+    // What markers and joints add is little; a machine of many elements has millions of channels
+    channels_.reserve(1 + networks.output_count() + 16 * bodies_.size());
     add_channel("time", "s");
     declare_networks(model, networks);
     declare_joints(model, end_of_step.joints());
@@ -64,8 +68,8 @@ Observer::Observer(const Model& model, const Networks& networks, const EndOfStep
     outputs_.resize(networks.output_count());
 }
 
-void Observer::add_channel(const std::string& name, const char* unit, bool by_default) {
-    channels_.push_back({name, unit, by_default});
+void Observer::add_channel(std::string name, const char* unit, bool by_default) {
+    channels_.push_back({std::move(name), unit, by_default});
 }
 
 void Observer::add_vector(const std::string& name, const char* unit, bool by_default) {
@@ -73,15 +77,17 @@ void Observer::add_vector(const std::string& name, const char* unit, bool by_def
 }
 
 void Observer::declare_networks(const Model& model, const Networks& networks) {
-    std::set<std::string> names;
+    std::unordered_set<std::string_view> names;  // into channels_, which has room for all of them
+    names.reserve(networks.output_count());
     for (const NetworkInstance& instance : networks.instances()) {
         for (uint32_t c = 0; c < instance.channel_count(); ++c) {
             const dttmm_channel& channel = instance.channel(c);
             roles_.push_back(channel.role);
             if (channel.role > DTTMM_ROLE_ON_REQUEST) continue;
-            const std::string name = fmt::format("{}.{}", instance.owner_of(channel), channel.name);
-            if (!names.insert(name).second) refuse_shared_name(model, instance.owner_of(channel), channel.name);
-            add_channel(name, channel.unit, channel.role == DTTMM_ROLE_RESULT);
+            add_channel(fmt::format("{}.{}", instance.owner_of(channel), channel.name), channel.unit,
+                        channel.role == DTTMM_ROLE_RESULT);
+            if (!names.insert(channels_.back().name).second)
+                refuse_shared_name(model, instance.owner_of(channel), channel.name);
         }
     }
 }

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <mutex>
+#include <unordered_set>
 
 #include "core/error.h"
 #include "core/rotation.h"
@@ -20,6 +22,14 @@ using Map3 = Eigen::Map<Vector3>;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 constexpr const char* kAxes[] = {"x", "y", "z"};
+
+/// One copy of every channel's name, for as long as the plugin is loaded: a machine may have 10^5 times "force.x".
+const char* keep(const std::string& name) {
+    static std::mutex mutex;
+    static std::unordered_set<std::string> names;
+    const std::lock_guard lock(mutex);
+    return names.insert(name).first->c_str();
+}
 
 }  // namespace
 
@@ -40,8 +50,7 @@ Network::Network(const dttmm_network& description) : mechanism_(description) {
 }
 
 void Network::declare(const std::string& name, const char* unit, uint32_t of, uint32_t index, uint32_t role) {
-    names_.push_back(name);
-    channels_.push_back({names_.back().c_str(), unit, of, index, role});
+    channels_.push_back({keep(name), unit, of, index, role});
 }
 
 void Network::declare_vectors(const std::string& prefix, std::initializer_list<std::pair<const char*, const char*>> vectors,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <deque>
 #include <memory>
 #include <span>
 #include <string>
@@ -128,7 +127,6 @@ private:
     };
     std::vector<ChainView> chains_;  ///< of every element; unused where it has one joint or none
     std::vector<int> shown_nodes_;   ///< nodes with channels
-    std::deque<std::string> names_;  ///< of channels
     std::vector<dttmm_channel> channels_;
 };
 

@@ -73,5 +73,23 @@ TEST(Json, TheStreamIsTheDump) {
     EXPECT_EQ(stream.str(), json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
+// Oracle: the dump of the same as a whole.
+TEST(Json, MembersWrittenOneByOneAreTheDump) {
+    std::ostringstream stream;
+    JsonWriter out(stream);
+    out.member("a", {{"x", 1}, {"y", {2, 3}}});
+    out.object("empty", [] {});
+    out.object("deep", [&] {
+        out.member("\"quoted\"\n", 0.1);
+        out.object("deeper", [&] { out.member("b", Json::array()); });
+    });
+    out.member("last", nullptr);
+    out.finish();
+    Json whole = {{"a", {{"x", 1}, {"y", {2, 3}}}}, {"empty", Json::object()}};
+    whole["deep"] = {{"\"quoted\"\n", 0.1}, {"deeper", {{"b", Json::array()}}}};
+    whole["last"] = nullptr;
+    EXPECT_EQ(stream.str(), whole.dump(2) + "\n");
+}
+
 }  // namespace
 }  // namespace dttmm

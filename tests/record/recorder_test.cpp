@@ -155,7 +155,8 @@ TEST(Recorder, WithoutAFolderWritesNothing) {
 }
 
 TEST(Recorder, RefusesChannelsNoFileCanStore) {
-    expect_error([] { Recorder({{"time", "s"}, {"a/b", "m"}}); }, ExitCode::internal_error, HasSubstr("a/b"));
+    const std::vector<Channel> channels = {{"time", "s"}, {"a/b", "m"}};
+    expect_error([&] { Recorder recorder(channels); }, ExitCode::internal_error, HasSubstr("a/b"));
 }
 
 // Oracle: a count of all calls of operator new in this program.

@@ -7,7 +7,6 @@
 #include <atomic>
 #include <cassert>
 #include <cerrno>
-#include <iterator>
 
 namespace dttmm {
 
@@ -83,8 +82,12 @@ CsvWriter::~CsvWriter() {
 
 void CsvWriter::write_row(std::span<const double> values) {
     const AtWork at_work(*this);
-    for (const double value : values) fmt::format_to(std::back_inserter(waiting_), FMT_COMPILE("{},"), value);
-    waiting_.back() = '\n';
+    const std::size_t size = waiting_.size();
+    waiting_.resize(size + kLongestNumber * values.size());  // writing into it is faster than appending to it
+    char* end = waiting_.data() + size;
+    for (const double value : values) end = fmt::format_to(end, FMT_COMPILE("{},"), value);
+    end[-1] = '\n';
+    waiting_.resize(static_cast<std::size_t>(end - waiting_.data()));
     if (waiting_.size() >= kMostWaiting || Clock::now() - last_write_ >= kLongestWait) write_waiting_rows();
 }
 

@@ -19,6 +19,7 @@ namespace dttmm {
 namespace {
 
 constexpr hsize_t kMostRowsPerChunk = 1024, kFewestRowsPerChunk = 32;
+constexpr std::size_t kTogether = 8;
 constexpr hsize_t kNumbersWaiting = hsize_t{1} << 21;  ///< at most, 16 MiB
 /// Half of the chunks that a node of a dataset's index holds. HDF5's own 32 takes 2 KiB for each dataset, however short.
 constexpr unsigned kHalfNode = 8;
@@ -124,6 +125,7 @@ private:
     Handle open_dataset(const std::string& name) const;
     void write_attribute(hid_t owner, const std::string& name, const std::string& text) const;
     void append(hid_t dataset, const double* values) const;
+    const double* take_column(std::size_t channel);
 
     PartFile part_;  // declared first: removed last
     Handle file_;
@@ -131,7 +133,9 @@ private:
     std::vector<Handle> datasets_;  ///< of the first kMostOpen channels once rows were written; others are opened every time
     hsize_t rows_per_chunk_;        ///< few for many channels, so that a short run of a large machine stays small
     Settings settings_;
-    std::vector<double> waiting_;  ///< channels x rows_per_chunk_: each channel's values stand together
+    std::vector<double> waiting_;  ///< rows that are not written, one behind the other
+    /// Values of kTogether channels, each channel's behind each other: as many as a line of the cache holds of a row.
+    std::vector<double> columns_;
     hsize_t rows_waiting_ = 0;
     hsize_t rows_written_ = 0;
 };
@@ -150,7 +154,8 @@ Hdf5Writer::Implementation::Implementation(const std::filesystem::path& path, co
       channels_(channels),
       rows_per_chunk_(std::clamp(kNumbersWaiting / channels.size(), kFewestRowsPerChunk, kMostRowsPerChunk)),
       settings_(rows_per_chunk_),
-      waiting_(channels.size() * rows_per_chunk_) {
+      waiting_(channels.size() * rows_per_chunk_),
+      columns_(kTogether * rows_per_chunk_) {
     for (const auto& [name, text] : attributes) write_attribute(file_, name, text);
     datasets_.reserve(std::min(channels.size(), kMostOpen));
 }
@@ -208,14 +213,14 @@ void Hdf5Writer::Implementation::write_row(std::span<const double> values) {
         const Hdf5Turn turn;
         write_waiting_rows();
     }
-    for (std::size_t i = 0; i < values.size(); ++i) waiting_[i * rows_per_chunk_ + rows_waiting_] = values[i];
+    std::copy(values.begin(), values.end(), &waiting_[rows_waiting_ * channels_.size()]);
     ++rows_waiting_;
 }
 
 void Hdf5Writer::Implementation::write_waiting_rows() {
     if (rows_waiting_ == 0) return;
-    const double* values = waiting_.data();
-    for (std::size_t i = 0; i < channels_.size(); ++i, values += rows_per_chunk_) {
+    for (std::size_t i = 0; i < channels_.size(); ++i) {
+        const double* const values = take_column(i);
         if (i < datasets_.size()) {
             append(datasets_[i], values);
             continue;
@@ -231,6 +236,15 @@ void Hdf5Writer::Implementation::write_waiting_rows() {
     rows_waiting_ = 0;
 }
 
+/// The waiting values of a channel. Channels are asked for in their order.
+const double* Hdf5Writer::Implementation::take_column(std::size_t channel) {
+    const std::size_t column = channel % kTogether, count = std::min(kTogether, channels_.size() - (channel - column));
+    for (hsize_t row = 0; column == 0 && row < rows_waiting_; ++row)
+        for (std::size_t k = 0; k < count; ++k)
+            columns_[k * rows_per_chunk_ + row] = waiting_[row * channels_.size() + channel + k];
+    return &columns_[column * rows_per_chunk_];
+}
+
 void Hdf5Writer::Implementation::append(hid_t dataset, const double* values) const {
     const hsize_t rows = rows_written_ + rows_waiting_;
     check(H5Dset_extent(dataset, &rows), "cannot write");
@@ -242,7 +256,7 @@ void Hdf5Writer::Implementation::append(hid_t dataset, const double* values) con
 
 void Hdf5Writer::Implementation::close() {
     if (rows_written_ == 0)
-        for (std::size_t i = 0; i < channels_.size(); ++i) write_whole(channels_[i], &waiting_[i * rows_per_chunk_]);
+        for (std::size_t i = 0; i < channels_.size(); ++i) write_whole(channels_[i], take_column(i));
     else
         write_waiting_rows();
     for (Handle& dataset : datasets_) check(dataset.close(), "cannot write");

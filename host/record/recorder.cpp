@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "model/error.h"
@@ -23,7 +24,7 @@ std::vector<Channel> pick(std::span<const Channel> all, const std::vector<int>& 
 }  // namespace
 
 Recorder::Recorder(std::span<const Channel> all)
-    : channels_(all), statistics_(channels_.size()), alternations_(channels_.size()) {
+    : channels_(all), statistics_(static_cast<Eigen::Index>(channels_.size())) {
     check_channels(channels_);
 }
 
@@ -46,14 +47,16 @@ void Recorder::close_row(std::span<const double> values) {
                     fmt::format("a row of {} values was closed for {} channels; this is a fault of "
                                 "dttmm, please report it",
                                 values.size(), channels_.size()));
-    for (std::size_t i = 0; i < values.size(); ++i) check_finite(static_cast<int>(i), values[i], values[0]);
+    bool is_finite = true;
+    for (const double value : values) is_finite &= std::abs(value) <= std::numeric_limits<double>::max();
+    for (std::size_t i = 0; !is_finite && i < values.size(); ++i) check_finite(static_cast<int>(i), values[i], values[0]);
     if (csv_) {
         for (std::size_t i = 0; i < selection_.size(); ++i)
             selected_values_[i] = values[static_cast<std::size_t>(selection_[i])];
         csv_->write_row(selected_values_);
         hdf5_->write_row(selected_values_);
     }
-    for (std::size_t i = 0; i < values.size(); ++i) count(static_cast<int>(i), values[i], values[0]);
+    count(0, values, values[0]);
     ++rows_;
 }
 
@@ -66,14 +69,17 @@ void Recorder::close_selected_row(std::span<const double> values, std::span<cons
     assert(selected_values_.size() == values.size() + (errors.empty() ? 0 : errors.size() - 1));
     csv_->write_row(values);
     hdf5_->write_row(selected_values_);
-    for (std::size_t i = 0; i < values.size(); ++i) count(selection_[i], values[i], values[0]);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        count(static_cast<std::size_t>(selection_[i]), values.subspan(i, 1), values[0]);
     ++rows_;
 }
 
 void Recorder::adopt_unselected(const Recorder& other) {
-    for (std::size_t i = 0; i < channels_.size(); ++i)
-        if (!std::binary_search(selection_.begin(), selection_.end(), static_cast<int>(i)))
-            statistics_[i] = other.statistics_[i];
+    for (int i = 0; i < static_cast<int>(channels_.size()); ++i)
+        if (!std::binary_search(selection_.begin(), selection_.end(), i))
+            for (const auto kind : {&Statistics::peak, &Statistics::peak_time, &Statistics::minimum, &Statistics::maximum,
+                                    &Statistics::final, &Statistics::ripple})
+                (statistics_.*kind)[i] = (other.statistics_.*kind)[i];
 }
 
 void Recorder::check_finite(int channel, double value, double time) const {
@@ -83,22 +89,40 @@ void Recorder::check_finite(int channel, double value, double time) const {
                                 channels_[static_cast<std::size_t>(channel)].name, value, time));
 }
 
-void Recorder::count(int channel, double value, double time) {
-    ChannelStatistics& s = statistics_[static_cast<std::size_t>(channel)];
-    if (rows_ == 0) s = {std::abs(value), time, value, value, value, 0};
-    if (std::abs(value) > s.peak) {
-        s.peak = std::abs(value);
-        s.peak_time = time;
+ChannelStatistics Recorder::statistics(int channel) const {
+    const Statistics& s = statistics_;
+    return {s.peak[channel],    s.peak_time[channel], s.minimum[channel],
+            s.maximum[channel], s.final[channel],     s.ripple[channel]};
+}
+
+/// What the values of channels from `first` on do to the statistics.
+void Recorder::count(std::size_t first, std::span<const double> row, double time) {
+    const auto size = static_cast<Eigen::Index>(row.size());
+    const Eigen::Map<const Eigen::ArrayXd> value(row.data(), size);
+    const auto of = [&](Eigen::ArrayXd& numbers) { return numbers.segment(static_cast<Eigen::Index>(first), size); };
+    auto peak = of(statistics_.peak), peak_time = of(statistics_.peak_time), minimum = of(statistics_.minimum),
+         maximum = of(statistics_.maximum), final = of(statistics_.final), ripple = of(statistics_.ripple),
+         change = of(statistics_.change), alternation = of(statistics_.alternation);
+    if (rows_ == 0) {
+        peak = value.abs();
+        peak_time = time;
+        minimum = maximum = final = value;
     }
-    s.minimum = std::min(s.minimum, value);
-    s.maximum = std::max(s.maximum, value);
+    for (Eigen::Index i = 0; i < size; ++i)
+        if (std::abs(value[i]) > peak[i]) {
+            peak[i] = std::abs(value[i]);
+            peak_time[i] = time;
+        }
+    minimum = minimum.min(value);
+    maximum = maximum.max(value);
     constexpr double kRows = 10;  // to look back
-    Alternation& a = alternations_[static_cast<std::size_t>(channel)];
-    const double change = value - s.final;
-    const double alternating = change * a.change < 0 ? 0.5 * std::min(std::abs(change), std::abs(a.change)) : 0;
-    a = {change, a.mean + (alternating - a.mean) / kRows};
-    s.ripple = std::max(s.ripple, a.mean);
-    s.final = value;
+    // The smaller of the last two changes where they are opposite, else 0
+    const auto now = value - final;
+    const auto opposite = now.min(-change).max((-now).min(change)).max(0);
+    alternation += (0.5 * opposite - alternation) * (1 / kRows);
+    ripple = ripple.max(alternation);
+    change = now;
+    final = value;
 }
 
 void Recorder::finish() {

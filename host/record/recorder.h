@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <span>
 #include <vector>
@@ -54,23 +55,27 @@ public:
 
     std::span<const Channel> channels() const { return channels_; }
     /// channel: index into channels().
-    const ChannelStatistics& statistics(int channel) const { return statistics_[static_cast<std::size_t>(channel)]; }
+    ChannelStatistics statistics(int channel) const;
     /// Number of rows closed.
     long rows() const { return rows_; }
 
 private:
-    /// Of a channel: its change in the last row [its unit], and the mean amplitude at which the last rows alternated.
-    struct Alternation {
-        double change = 0, mean = 0;
+    /// One kind of number of every channel stands together, so that a row is counted several channels at a time.
+    struct Statistics {
+        explicit Statistics(Eigen::Index count) {
+            for (Eigen::ArrayXd* numbers : {&peak, &peak_time, &minimum, &maximum, &final, &ripple, &change, &alternation})
+                numbers->setZero(count);
+        }
+        Eigen::ArrayXd peak, peak_time, minimum, maximum, final, ripple;
+        Eigen::ArrayXd change;       ///< in the last row
+        Eigen::ArrayXd alternation;  ///< mean amplitude at which the last rows alternated
     };
 
     void check_finite(int channel, double value, double time) const;
-    void count(int channel, double value, double time);
-    void write_row(std::span<const double> values);
+    void count(std::size_t first, std::span<const double> row, double time);
 
     std::span<const Channel> channels_;
-    std::vector<ChannelStatistics> statistics_;
-    std::vector<Alternation> alternations_;
+    Statistics statistics_;
     long rows_ = 0;
 
     std::vector<int> selection_;

@@ -40,9 +40,9 @@ Network::Network(const dttmm_network& description) : mechanism_(description) {
     if (mechanism_.assembly.inner_count() > 0) interior_ = std::make_unique<Interior>(mechanism_, description);
     declare_channels(description);
     for (const Vector3& arm : mechanism_.assembly.port_arms) ports_.push_back({arm, Vector3::Zero(), nullptr});
+    earlier_.assign(mechanism_.frames.begin(), mechanism_.frames.begin() + mechanism_.assembly.driven_count);
     port_velocities_.resize(ports_.size());
     start_velocities_.resize(ports_.size());
-    earlier_.assign(mechanism_.frames.begin(), mechanism_.frames.begin() + static_cast<std::ptrdiff_t>(ports_.size()));
     forces_.assign(mechanism_.joints.size(), Vector6::Zero());
     poses_.resize(mechanism_.joints.size());
     wrenches_.assign(mechanism_.frames.size(), Vector6::Zero());
@@ -277,7 +277,7 @@ void Network::evaluate(const dttmm_motion* nodes, double* wrench, double* stiffn
     }
 }
 
-void Network::evaluate_joints(double* wrench, double* stiffness) const {
+DTTMM_WIDE void Network::evaluate_joints(double* wrench, double* stiffness) const {
     const size_t n = 6 * static_cast<size_t>(port_count());
     std::fill_n(wrench, n, 0.0);
     if (stiffness) std::fill_n(stiffness, n * n, 0.0);
@@ -304,8 +304,8 @@ void Network::evaluate_joints(double* wrench, double* stiffness) const {
 void Network::commit_step(const dttmm_motion* nodes) {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "commit_step: no step is open");
     look(nodes);
-    std::copy_n(mechanism_.before.begin(), earlier_.size(), earlier_.begin());
     if (interior_) {
+        std::copy_n(mechanism_.before.begin(), ports_.size(), earlier_.begin());
         interior_->commit(mechanism_, trial_ports());
     } else {
         commit_joints();
@@ -321,10 +321,9 @@ void Network::commit_joints() {
         joint.advance(mechanism_.scheme, {trial(joint.from()), trial(joint.to())}, mechanism_.ends(j), mechanism_.states[j],
                       mechanism_.damper(j), nullptr);
     }
-    for (size_t p = 0; p < ports_.size(); ++p) {
-        mechanism_.before[p] = mechanism_.frames[p];
-        mechanism_.frames[p] = trial(static_cast<int>(p)).copy();
-    }
+    earlier_.swap(mechanism_.before);
+    mechanism_.before.swap(mechanism_.frames);
+    for (size_t p = 0; p < ports_.size(); ++p) mechanism_.frames[p] = trial(static_cast<int>(p)).copy();
 }
 
 /// The ports where they were last seen.
@@ -463,7 +462,7 @@ std::vector<std::pair<void*, size_t>> Network::state_parts() const {
         parts.emplace_back(frames->data(), ports * sizeof(Frame));  // the ground behind them stays where it is
         parts.emplace_back(frames->data() + driven, (frames->size() - driven) * sizeof(Frame));
     }
-    parts.emplace_back(const_cast<Frame*>(earlier_.data()), earlier_.size() * sizeof(Frame));
+    parts.emplace_back(const_cast<Frame*>(earlier_.data()), ports * sizeof(Frame));
     parts.emplace_back(const_cast<Twist*>(start_velocities_.data()), start_velocities_.size() * sizeof(Twist));
     if (interior_) interior_->add_state_parts(parts);
     return parts;

@@ -107,6 +107,7 @@ private:
     };
     mutable std::vector<Port> ports_;
     mutable std::vector<FrameView> trial_ports_;
+    bool started_ = false, open_ = false;
     // At t_n, the start of the step last committed:
     mutable std::vector<Twist> port_velocities_;
     mutable std::vector<JointPose> poses_;   ///< of the joints
@@ -114,9 +115,8 @@ private:
     mutable std::vector<Vector6> wrenches_;  ///< on the frames, at their origins, world
     mutable bool stands_ = false;            ///< the above are those of that instant
     mutable bool by_increments_ = false;     ///< the host has not said how the ports move then
-    std::vector<Frame> earlier_;             ///< of the ports, at t_{n−1}
+    std::vector<Frame> earlier_;             ///< the ports, and the ground behind them, at t_{n−1}
     std::vector<Twist> start_velocities_;    ///< of the ports
-    bool started_ = false, open_ = false;
 
     /// A beam or rod as results show it: its joints, its ends and its axes.
     struct ChainView {

@@ -179,7 +179,7 @@ JointForce Joint::damping_half_way(Ends trial, Ends now, double h, const JointSt
     return at.act(mean * springs_.halves[0].damping.cwiseProduct(slide), moment);
 }
 
-DTTMM_WIDE void Joint::advance(const Scheme& scheme, Ends next, Ends now, JointState& state, DamperState* damper,
+[[gnu::flatten]] void Joint::advance(const Scheme& scheme, Ends next, Ends now, JointState& state, DamperState* damper,
                     JointForce* force) const {
     const JointPose at_end = pose(next);
     const Strained end = strain(next, at_end);

@@ -123,7 +123,9 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     choose_loaded(mechanism);
     const auto rigid = static_cast<size_t>(elimination_.rigid_count()), ports = static_cast<size_t>(ports_);
     rigid_.assign(rigid, 0);
-    rigid_at_start_ = rigid_;
+    rigid_at_start_ = rigid_rates_ = rigid_;
+    wrench_rates_.resize(n);
+    start_accelerations_.resize(ports);
     q_ = rigid_;
     for (auto* list : {&port_u_, &port_u_before_}) list->assign(ports, Vector6::Zero());
     anchor_.ports.assign(mechanism.frames.begin(), mechanism.frames.begin() + ports_);
@@ -567,6 +569,7 @@ void Interior::add_state_parts(std::vector<std::pair<void*, size_t>>& parts) {
     parts.emplace_back(rigid_.data(), rigid_.size() * sizeof(double));
     parts.emplace_back(port_u_.data(), port_u_.size() * sizeof(Vector6));
     parts.emplace_back(port_u_before_.data(), port_u_before_.size() * sizeof(Vector6));
+    parts.emplace_back(start_accelerations_.data(), start_accelerations_.size() * sizeof(Twist));
     parts.emplace_back(&books_, sizeof books_);
 }
 

@@ -99,17 +99,39 @@ public:
         massless_.find_instant(
             mechanism, mechanism.before,
             [&](size_t j) {
-                Vector6 deformation;
-                deformation << mechanism.states[j].d_before, mechanism.states[j].theta_before;
-                return deformation;
+                const JointState& state = mechanism.states[j];
+                return MasslessFrames::Acting{state.theta_before, rate(j),
+                                              mechanism.joints[j].elastic(state.d_before, state.theta_before)};
             },
-            rate, [&](size_t i) { return frame_load(i).load[2]; }, velocities_, corrections_, rigid_at_start_);
+            [&](size_t i) { return frame_load(i).load[2]; }, velocities_, corrections_, rigid_at_start_);
     }
     /// What that has added to the velocity of a frame's origin, world.
     Twist correction(int frame) const { return is_inner(frame) ? corrections_[at(frame)] : Twist{}; }
     bool has_rigid_directions() const { return elimination_.rigid_count() > 0; }
-    /// Accelerations of frames with mass by the wrenches of the joints at that instant.
-    void find_accelerations(const Mechanism& mechanism, std::span<const Vector6> wrenches);
+    /// Accelerations: of frames with mass by the wrenches of the joints at that instant, of massless ones by the velocities
+    /// over the steps around it. At the start there is one step only: there those that dampers act on have the accelerations
+    /// that keep their forces in balance. velocity(frame), force(joint): at that instant, the force in the joint's axes.
+    template <class Velocity, class Force>
+    void find_accelerations(const Mechanism& mechanism, std::span<const Vector6> wrenches, const Velocity& velocity,
+                            const Force& force) {
+        find_accelerations(mechanism, wrenches);
+        if (mechanism.steps > 1 || !massless_.has_balances()) return;
+        take_load_rates(mechanism);
+        const auto ends = [&](size_t j) {
+            return std::pair{velocity(mechanism.joints[j].from()), velocity(mechanism.joints[j].to())};
+        };
+        for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+            const auto [from, to] = ends(j);
+            add_arm_rates(mechanism, j, from, to, force(j));
+        }
+        massless_.find_instant(
+            mechanism, mechanism.before,
+            [&](size_t j) {
+                const auto [from, to] = ends(j);
+                return rate_of_force(mechanism, j, from, to, force(j));
+            },
+            [&](size_t i) { return wrench_rates_[i]; }, accelerations_, corrections_, rigid_rates_);
+    }
     /// Force of a joint's rigid directions at that instant, its axes.
     Vector6 rigid_force_at_start(const Mechanism& mechanism, size_t joint) const;
     /// Of a frame's origin, world.
@@ -138,6 +160,11 @@ public:
     void refactor(const Mechanism& mechanism);
 
 private:
+    void find_accelerations(const Mechanism& mechanism, std::span<const Vector6> wrenches);
+    void take_load_rates(const Mechanism& mechanism);
+    void add_arm_rates(const Mechanism& mechanism, size_t joint, const Twist& from, const Twist& to, const Vector6& f);
+    MasslessFrames::Acting rate_of_force(const Mechanism& mechanism, size_t joint, const Twist& from_velocity,
+                                         const Twist& to_velocity, const Vector6& f) const;
     /// What changes from step to step for a frame with a node on it, or with a massless half: the others take no load.
     struct FrameLoad {
         Vector6 load[3];     ///< at the frame's origin, world, at t_{n+1} (forces off the origin left out), t_n, t_{n−1}
@@ -342,6 +369,10 @@ private:
     bool is_fresh_ = false;  ///< it was formed for the open step
 
     std::vector<Twist> velocities_, corrections_, accelerations_;  ///< at the start of the step last committed, world
+    // For accelerations at the start of a run:
+    std::vector<Twist> start_accelerations_;  ///< of the ports
+    std::vector<Vector6> wrench_rates_;       ///< on the inner frames, known ones
+    std::vector<double> rigid_rates_;         ///< of forces of rigid directions
     std::vector<Matrix3> inverse_moments_;  ///< of inertia, axes of the frames; zero where there is none
     std::vector<double> rigid_at_start_;    ///< forces of the rigid directions then
 

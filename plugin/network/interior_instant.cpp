@@ -49,6 +49,44 @@ void Interior::find_accelerations(const Mechanism& mechanism, std::span<const Ve
     }
 }
 
+/// Rates of the loads on massless frames.
+void Interior::take_load_rates(const Mechanism& mechanism) {
+    std::fill(wrench_rates_.begin(), wrench_rates_.end(), Vector6::Zero());
+    for (size_t i : massless_.frames())
+        wrench_rates_[i] = (frame_load(i).load[1] - frame_load(i).load[2]) / mechanism.scheme.step_size();
+    std::fill(rigid_rates_.begin(), rigid_rates_.end(), 0.0);
+}
+
+/// Adds the rates of the moments that a joint's force has on its frames, as far as its lever arms make them.
+void Interior::add_arm_rates(const Mechanism& mechanism, size_t j, const Twist& from, const Twist& to, const Vector6& f) {
+    const Joint& joint = mechanism.joints[j];
+    const JointPose pose = joint.pose(mechanism.frame_before(joint.from()), mechanism.frame_before(joint.to()));
+    const Vector3 force = pose.axes * head(f), lever_rate = to.angular.cross(pose.lever);
+    const Vector3 arm_rate = to.linear + lever_rate - from.linear;
+    const auto on = [&](int frame) { return is_inner(frame) ? wrench_rates_[at(frame)].data() : nullptr; };
+    Joint::add_wrench({Vector3::Zero(), arm_rate.cross(force), lever_rate.cross(force)}, on(joint.from()), on(joint.to()));
+}
+
+/// Rate of a joint's force at the start, where it is at rest but for its rate: f' + ω × f in its axes, and what makes it.
+MasslessFrames::Acting Interior::rate_of_force(const Mechanism& mechanism, size_t j, const Twist& from_velocity,
+                                               const Twist& to_velocity, const Vector6& f) const {
+    const Joint& joint = mechanism.joints[j];
+    const FrameView from = mechanism.frame_before(joint.from()), to = mechanism.frame_before(joint.to());
+    const auto acceleration_of = [&](int frame) {
+        if (is_inner(frame)) return accelerations_[at(frame)];
+        return frame < ports_ ? start_accelerations_[static_cast<size_t>(frame)] : Twist{};
+    };
+    const Vector6 rate = joint.rate(from, from_velocity, to, to_velocity);
+    const Vector3 w = joint.axes(from).transpose() * from_velocity.angular;
+    Vector6 other;
+    other << joint.translation_half().stiffness.cwiseProduct(head(rate)) + w.cross(head(f)),
+        joint.rotation_half().stiffness.cwiseProduct(tail(rate)) + w.cross(tail(f));
+    return {mechanism.states[j].theta_before,
+            joint.acceleration(from, from_velocity, acceleration_of(joint.from()), to, to_velocity,
+                               acceleration_of(joint.to())),
+            other};
+}
+
 Vector6 Interior::rigid_force(const Mechanism& mechanism, size_t j) const {
     Vector6 q = rigid_values(mechanism, j, rigid_);
     if (mechanism.steps == 1) q *= 2;

@@ -93,17 +93,12 @@ void Interior::balance_at_start(const Mechanism& mechanism, const dttmm_motion* 
         [&](size_t j) {
             const Joint& joint = mechanism.joints[j];
             const auto [from, to] = mechanism.ends(j);
-            Vector6 deformation;
-            deformation << joint.translation(from, joint.arm(from, to)), joint.rotation(from, to);
-            return deformation;
-        },
-        [&](size_t j) {
-            const Joint& joint = mechanism.joints[j];
             const auto now = [&](int frame) {
                 return is_inner(frame) ? velocities_[at(frame)] : start_velocity(frame, ports);
             };
-            return joint.rate(mechanism.frame(joint.from()), now(joint.from()), mechanism.frame(joint.to()),
-                              now(joint.to()));
+            const Vector3 theta = joint.rotation(from, to);
+            return MasslessFrames::Acting{theta, joint.rate(from, now(joint.from()), to, now(joint.to())),
+                                          joint.elastic(joint.translation(from, joint.arm(from, to)), theta)};
         },
         [&](size_t i) { return frame_load(i).load[1]; }, velocities_, corrections_, rigid_at_start_);
     for (size_t i = 0; i < given_.size(); ++i) {
@@ -233,6 +228,7 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
                      Eigen::Map<const Vector3>(accelerations + 6 * frame + 3)};
     };
     mechanism.start_joints([&](int frame) { return start_velocity(frame, ports); }, acceleration_of);
+    for (int p = 0; p < ports_; ++p) start_accelerations_[static_cast<size_t>(p)] = acceleration_of(p);
     mechanism.before = mechanism.frames;
     set_elastic(mechanism);
     for (size_t i = 0; i < massless_.frames().size(); ++i) {

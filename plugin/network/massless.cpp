@@ -190,13 +190,13 @@ int MasslessFrames::frame_in(const Mechanism& mechanism, const Cluster& cluster,
     return balances_.begin[static_cast<size_t>(i)] / 6;
 }
 
-/// Of a joint with f = E + c r + q, r its rate: −Σ Gᵀ f + load = 0 on every frame, and no rate in rigid directions. The
+/// Of a joint with f = E + c r + q, r its rate and E what else it does: −Σ Gᵀ f + load = 0 on every frame, and no rate in rigid directions. The
 /// unknowns are what is to be added to the velocities and to q.
 void MasslessFrames::add_balance(const Mechanism& mechanism, const Cluster& cluster, size_t j, const JointPose& pose,
-                                 const Vector6& deformation, const Vector6& rate, const std::vector<double>& q) const {
+                                 const Acting& acting, const std::vector<double>& q) const {
     const Joint& joint = mechanism.joints[j];
-    const Vector3 theta = tail(deformation);
-    const Vector6 force = joint.elastic(head(deformation), theta) + joint.damping(rate);
+    const auto& [theta, rate, other] = acting;
+    const Vector6 force = other + joint.damping(rate);
     const Vector6 per_rate = joint.damping(Vector6::Ones());
     Matrix6 G[2] = {joint.by_from(pose), joint.by_to(pose)};
     // A lever that is deformation alone damps no rotation to speak of

@@ -50,16 +50,22 @@ public:
 
     /// Whether a massless frame has dampers or rigid directions: then find_instant has something to find.
     bool has_balances() const { return has_balances_; }
-    /// Finds for the instant at which the joints have the deformations deformation(j), [d; θ], and the frames are `frames`:
-    /// velocities of the massless halves, where dampers balance what else acts there, and forces of the rigid directions on
-    /// them. rate(j): of the joints' deformations, as known before; load(i): on an inner frame at its origin, world.
+    /// A joint at an instant: its rotation, the rate of its deformation [d; relative turn] as known before, and what it does
+    /// besides damping that rate, [force; moment] on the `from` end; joint axes.
+    struct Acting {
+        Vector3 theta;
+        Vector6 rate, force;
+    };
+    /// Finds for the instant at which the joints act as acting(j) says and the frames are `frames`: velocities of the
+    /// massless halves, where dampers balance what else acts there, and forces of the rigid directions on them.
+    /// load(i): on an inner frame at its origin, world.
     /// velocities: of the inner frames, and corrections: what is added to them; q: forces of all rigid directions, in the
     /// joints' order. Both as they are but for what they lack: what no damper and no rigid direction holds keeps its
     /// velocity, and forces that a massless frame only hands on between what has mass stay as they are.
-    template <class Deformation, class Rate, class Load>
-    void find_instant(const Mechanism& mechanism, const std::vector<Frame>& frames, const Deformation& deformation,
-                      const Rate& rate, const Load& load, std::vector<Twist>& velocities, std::vector<Twist>& corrections,
-                      std::vector<double>& q) const {
+    /// The same finds accelerations, of rates of rates, forces and loads.
+    template <class Acts, class Load>
+    void find_instant(const Mechanism& mechanism, const std::vector<Frame>& frames, const Acts& acting, const Load& load,
+                      std::vector<Twist>& velocities, std::vector<Twist>& corrections, std::vector<double>& q) const {
         for (const Cluster& cluster : balances_.clusters) {
             if (!cluster.is_balanced) continue;
             cluster.matrix.setZero();
@@ -70,7 +76,7 @@ public:
                 const Joint& joint = mechanism.joints[j];
                 const FrameView from = frames[static_cast<size_t>(joint.from())],
                                 to = frames[static_cast<size_t>(joint.to())];
-                add_balance(mechanism, cluster, j, joint.pose(from, to), deformation(j), rate(j), q);
+                add_balance(mechanism, cluster, j, joint.pose(from, to), acting(j), q);
             }
             solve_balance(cluster, velocities, corrections, q);
         }
@@ -101,7 +107,7 @@ private:
     };
     int frame_in(const Mechanism& mechanism, const Cluster& cluster, int frame) const;
     void add_balance(const Mechanism& mechanism, const Cluster& cluster, size_t joint, const JointPose& pose,
-                     const Vector6& deformation, const Vector6& rate, const std::vector<double>& q) const;
+                     const Acting& acting, const std::vector<double>& q) const;
     void solve_balance(const Cluster& cluster, std::vector<Twist>& velocities, std::vector<Twist>& corrections,
                        std::vector<double>& q) const;
     /// Of a frame of the mechanism; −1: it is driven, or has none.

@@ -444,7 +444,10 @@ void Network::stand_by_port_velocities() const {
         if (joint.rigid().any()) f += interior_->rigid_force_at_start(mechanism_, j);
         Joint::add_wrench(poses_[j].act(f), wrenches_[from].data(), wrenches_[to].data());
     }
-    if (interior_) interior_->find_accelerations(mechanism_, wrenches_);
+    if (interior_)
+        interior_->find_accelerations(
+            mechanism_, wrenches_, [&](int frame) { return velocity_at_start(frame); },
+            [&](size_t j) -> const Vector6& { return forces_[j]; });
     stands_ = true;
 }
 

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // A tolerance instead of a step, as a user asks for it.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <hdf5.h>
+
+#include <cmath>
+#include <random>
 
 #include "cli/process.h"
 #include "cli/small_model.h"
@@ -328,6 +332,59 @@ TEST_F(Tolerance, StoppedLaterItKeepsTheLastFinishedRun) {
     EXPECT_EQ(tolerance["step"], tolerance["levels"].back()["step"]);
     EXPECT_EQ(read_dataset(folder_ / "out/history.h5", "one.force.z.error").back(),
               tolerance["error_estimate"]["one.force.z"]);
+}
+
+/// Massless nodes between springs and dampers of random sizes, and a body that moves at the start.
+std::string damped_nodes(std::mt19937& dice) {
+    const auto uniform = [&](double from, double to) { return std::uniform_real_distribution(from, to)(dice); };
+    const auto size = [&](double from, double to) { return std::pow(10, uniform(from, to)); };
+    const int nodes = uniform(0, 1) < 0.5 ? 1 : 2;
+    std::string text = R"(format = "dttmm/1"
+[simulation]
+duration = 0.05
+[output]
+step = 0.001
+[nodes]
+wall = { position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+)";
+    for (int n = 1; n <= nodes; ++n) text += fmt::format("n{} = [0, 0, 0]\n", n);
+    text += fmt::format(R"([[body]]
+name = "b"
+mass = {}
+inertia = [0.01, 0.012, 0.015]
+velocity = [{}, {}, 0]
+[[load]]
+on = "b"
+direction = [0, 0, 1]
+force = 50
+)",
+                        size(-1, 1), uniform(-0.5, 0.5), uniform(-0.5, 0.5));
+    for (int n = 0; n <= nodes; ++n)
+        text += fmt::format(R"([[element]]
+name = "s{}"
+type = "spring_damper"
+from = "{}"
+to = "{}"
+stiffness = {}
+damping = {}
+rotational_stiffness = {}
+)",
+                            n, n == 0 ? "wall" : fmt::format("n{}", n), n == nodes ? "b" : fmt::format("n{}", n + 1),
+                            size(3.5, 4.5), size(0, 2), size(1, 3));
+    return text;
+}
+
+// Oracle: the tolerance itself, reached at a step of a sensible size: vibrations take 4 ms at least, dampers relax in 0.1 ms.
+// With an acceleration of the first row that is of first order, the worst of them need steps below a microsecond.
+TEST_F(Tolerance, IsReachedByMasslessNodesBetweenDampers) {
+    std::mt19937 dice(5);
+    for (int machine = 0; machine < 120; ++machine) {
+        write_text(folder_ / "model.toml", damped_nodes(dice));
+        const Ended ended = run({"model.toml", "--tolerance", "1 %"});
+        ASSERT_EQ(ended.code, 0) << machine << ": " << ended.err;
+        EXPECT_EQ(summary()["tolerance"]["reached"], true) << machine;
+        EXPECT_GT(summary()["tolerance"]["step"], 5e-6) << machine;
+    }
 }
 
 }  // namespace

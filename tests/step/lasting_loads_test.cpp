@@ -5,41 +5,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
-#include "model/read_model.h"
-#include "step/simulation.h"
+#include "support/recorded_run.h"
 
 namespace dttmm {
 namespace {
 
-/// Positions of a node over a time, row by row.
-class Path {
-public:
-    Path(const std::string& text, const std::string& node) {
-        const Plugins plugins;
-        const Model model = parse_model("format = \"dttmm/1\"\n" + text, "model.toml", plugins.catalogue());
-        Simulation simulation(model, plugins);
-        const auto found = std::ranges::find(simulation.channels(), node + ".position.x", &Channel::name);
-        const auto column = static_cast<size_t>(found - simulation.channels().begin());
-        simulation.record_to([&](std::span<const double> row) { rows_.emplace_back(row.data() + column); });
-        while (simulation.index() < simulation.step_count()) simulation.step();
-    }
-    /// Largest way between two points of a share of the rows.
-    double spread(double begin, double end) const {
-        const auto at = [&](double share) { return static_cast<size_t>(share * static_cast<double>(rows_.size())); };
-        Eigen::Vector3d least = rows_[at(begin)], most = least;
-        for (size_t i = at(begin); i < at(end); ++i) {
-            least = least.cwiseMin(rows_[i]);
-            most = most.cwiseMax(rows_[i]);
-        }
-        return (most - least).norm();
-    }
-    Eigen::Vector3d last() const { return rows_.back(); }
-
-private:
-    std::vector<Eigen::Vector3d> rows_;
-};
+using test::RecordedRun;
 
 struct Pull {
     const char* load;
@@ -92,8 +63,8 @@ class PulledBar : public testing::TestWithParam<Pull> {};
 
 // Oracle: statics. The bar rests but for what the push leaves, which neither grows nor falls: nothing damps it.
 TEST_P(PulledBar, Rests) {
-    const Path path(pulled_bar(GetParam(), std::string(GetParam().direction) == "[0, 0.6, 0.8]" ? 0.5 : 20), "b");
-    const double start = path.spread(0.55, 0.65), end = path.spread(0.9, 1);
+    const RecordedRun rows(pulled_bar(GetParam(), std::string(GetParam().direction) == "[0, 0.6, 0.8]" ? 0.5 : 20));
+    const double start = rows.spread("b.position", 0.55, 0.65), end = rows.spread("b.position", 0.9, 1);
     EXPECT_LT(end, GetParam().calm);
     EXPECT_NEAR(end, start, 0.02 * start);
 }
@@ -168,10 +139,9 @@ segments = {3}
     const char* bar = "section = { circle = \"20 mm\" }\nmaterial = { E = \"210 GPa\", poisson = 0.3, density = 7850 }";
     const char* string =
         "theory = \"euler-bernoulli\"\nsection = { EA = 1e6, EIy = 1e-3, EIz = 1e-3, GJ = 1e-3, mass = 0.01 }";
-    for (const auto& text :
+    for (const std::string& text :
          {chain("1 ms", bar, "20 kN", 8), chain("5 ms", bar, "20 kN", 8), chain("1 ms", string, "100 N", 80)}) {
-        const Path path(text, "n");
-        EXPECT_LT(path.spread(0.3, 1), 1e-6) << text;
+        EXPECT_LT(RecordedRun(text).spread("n.position", 0.3, 1), 1e-6) << text;
     }
 }
 
@@ -180,7 +150,7 @@ segments = {3}
 // segment's bending.
 TEST(LastingLoads, AFineAndDampedBeamComesToRestAtLongSteps) {
     for (const char* step : {"1 ms", "2 ms", "5 ms"}) {
-        const Path path(fmt::format(R"(
+        const RecordedRun rows(fmt::format(R"(
 [simulation]
 duration = "2 s"
 step = "{}"
@@ -203,11 +173,10 @@ theory = "euler-bernoulli"
 section = {{ EA = 1e6, EIy = 1, EIz = 1, GJ = 1, mass = 0.01 }}
 material = {{ stiffness_damping = "0.05 s" }}
 )",
-                                    step),
-                        "b");
-        EXPECT_NEAR(path.last().z(), 0.81061, 5e-5) << step;
-        EXPECT_NEAR(path.last().x(), 1 - 0.55500, 5e-5) << step;
-        EXPECT_LT(path.spread(0.9, 1), 1e-6) << step;
+                                    step));
+        EXPECT_NEAR(rows.last("b.position").z(), 0.81061, 5e-5) << step;
+        EXPECT_NEAR(rows.last("b.position").x(), 1 - 0.55500, 5e-5) << step;
+        EXPECT_LT(rows.spread("b.position", 0.9, 1), 1e-6) << step;
     }
 }
 

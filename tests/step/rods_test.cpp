@@ -4,28 +4,16 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <random>
 
-#include "model/read_model.h"
-#include "step/simulation.h"
+#include "support/recorded_run.h"
 
 namespace dttmm {
 namespace {
 
 using Eigen::Vector3d;
-
-Vector3d last_position(const std::string& text, const std::string& node) {
-    const Plugins plugins;
-    const Model model = parse_model("format = \"dttmm/1\"\n" + text, "model.toml", plugins.catalogue());
-    Simulation simulation(model, plugins);
-    const auto found = std::ranges::find(simulation.channels(), node + ".position.x", &Channel::name);
-    const auto column = static_cast<size_t>(found - simulation.channels().begin());
-    Vector3d last;
-    simulation.record_to([&](std::span<const double> row) { last = Vector3d(row.data() + column); });
-    while (simulation.index() < simulation.step_count()) simulation.step();
-    return last;
-}
+using test::RecordedRun;
 
 // Oracle: the same rod along x. In 100 random directions, near and far from the origin, divided or not, with turned nodes,
 // from either end, the same shock makes the same way along it.
@@ -36,7 +24,7 @@ TEST(Rods, LieInAnyDirection) {
     const auto text = [](const Vector3d& x) { return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", x.x(), x.y(), x.z()); };
     const auto way = [&](const Vector3d& start, const Vector3d& direction, const Vector3d& turn, int segments, bool turned) {
         const Vector3d end = start + direction;
-        const Vector3d last = last_position(fmt::format(R"(
+        const RecordedRun rows(fmt::format(R"(
 [simulation]
 duration = "2 ms"
 step = "0.1 ms"
@@ -56,9 +44,9 @@ segments = {}
 section = {{ circle = "20 mm" }}
 material = {{ E = "200 GPa", poisson = 0.3, density = 7800 }}
 )",
-                                                        text(start), text(end), text(turn), text(direction.normalized()),
-                                                        turned ? "tip" : "root", turned ? "root" : "tip", segments),
-                                            "tip");
+                                    text(start), text(end), text(turn), text(direction.normalized()),
+                                    turned ? "tip" : "root", turned ? "root" : "tip", segments));
+        const Vector3d last = rows.last("tip.position");
         EXPECT_LT((last - end).cross(direction.normalized()).norm(), 1e-9);
         return (last - end).dot(direction.normalized());
     };
@@ -111,8 +99,7 @@ material = {{ E = "200 GPa", poisson = 0.3, density = 7800, stiffness_damping = 
 )",
                                 i);
     }
-    const Vector3d last =
-        last_position("[simulation]\nduration = 0.4\nstep = 1e-4\n[nodes]\n" + nodes + elements + R"([[element]]
+    const RecordedRun rows("[simulation]\nduration = 0.4\nstep = 1e-4\n[nodes]\n" + nodes + elements + R"([[element]]
 name = "m"
 type = "point_mass"
 at = "tip"
@@ -121,8 +108,8 @@ mass = 50
 on = "tip"
 direction = [0.6, -0.8, 0]
 force = { type = "step", from = 0, to = 10000, start = 0, end = 0.1 }
-)",
-                      "tip");
+)");
+    const Vector3d last = rows.last("tip.position");
     const Eigen::Vector2d expected = K.inverse() * force.head<2>();
     EXPECT_LT(((last - tip).head<2>() - expected).norm(), 1e-3 * expected.norm());
 }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "support/recorded_run.h"
@@ -58,9 +59,21 @@ damping = [0.1592, 0, 0]
     EXPECT_NEAR(rows(6, "b.acceleration.x"), -54.672, 1e-3);  // exact -56.54; the mean over two steps would be -45.30
 }
 
-// Oracle: balance. A tumbling body on ugly mounts, one of which leads to a second body on a hinge, under a force, a moment
-// and gravity; every force that the row has, with its lever arm, makes the acceleration that it has, at the very coarse step
-// too.
+/// Angular acceleration of a body by the accelerations of its origin and of its markers ex and ey, 0.3 m along its x and y.
+Vector3d angular_acceleration(const RecordedRun& rows, size_t n, const std::string& body) {
+    const Eigen::Matrix3d R = rows.attitude(n, body);
+    const Vector3d w = R.transpose() * rows.vector(n, body + ".angular_velocity");
+    const auto turning = [&](const char* marker, const Vector3d& arm) {  // α × arm, axes of the body
+        const Vector3d of_arm = rows.vector(n, body + "." + marker + ".acceleration") - rows.vector(n, body + ".acceleration");
+        return Vector3d(R.transpose() * of_arm - w.cross(w.cross(arm)));
+    };
+    const Vector3d by_x = turning("ex", {0.3, 0, 0}) / 0.3, by_y = turning("ey", {0, 0.3, 0}) / 0.3;
+    return R * Vector3d(by_y.z(), -by_x.z(), by_x.y());
+}
+
+// Oracle: balance. A tumbling body on ugly mounts, one of which leads to a second body on a hinge, under a force and
+// gravity; every force and moment that the row has, with its lever arm, makes the acceleration and the rate of the moment of
+// momentum that it has, at the very coarse step too.
 TEST(Instant, EveryRowIsInBalance) {
     for (const char* step : {"10 ms", "0.5 ms"}) {
         const RecordedRun rows(fmt::format(R"toml(
@@ -74,13 +87,13 @@ mass = 2.3
 inertia = [0.02, 0.03, 0.035]
 velocity = [0, 1, 0]
 angular_velocity = [1, 2, 3]
-markers.m = [0.1, 0.05, -0.02]
+markers = {{ m = [0.1, 0.05, -0.02], ex = [0.3, 0, 0], ey = [0, 0.3, 0] }}
 [[body]]
 name = "b"
 mass = 1.1
 inertia = [0.01, 0.013, 0.015]
 position = [0.25, 0.1, 0]
-markers.m = [-0.1, -0.03, 0.04]
+markers = {{ m = [-0.1, -0.03, 0.04], ex = [0.3, 0, 0], ey = [0, 0.3, 0] }}
 [[joint]]
 name = "h"
 type = "hinge"
@@ -109,7 +122,7 @@ stiffness = [300, 200, 500]
 damping = [6, 3, 10]
 )toml",
                                     step));
-        const Vector3d gravity(0.3, -9.81, 1), arm(0.1, 0.05, -0.02);
+        const Vector3d gravity(0.3, -9.81, 1), arm(0.1, 0.05, -0.02), anchor(0.3, 0.2, 0.1);
         for (size_t n = 0; n < rows.count(); ++n) {
             // Element forces are those on the `from` end, in its axes; the `to` end has the opposite
             const Vector3d s = rows.attitude(n, "b") * rows.vector(n, "s.force"), g = rows.vector(n, "g.force");
@@ -120,6 +133,98 @@ damping = [6, 3, 10]
             const Vector3d h = rows.vector(n, "h.force");
             const Vector3d other = 1.1 * rows.vector(n, "b.acceleration") - (1.1 * gravity + s - h);
             EXPECT_LT(other.norm(), 1e-9 * (s.norm() + h.norm() + 10)) << step << " row " << n;
+            // Both mounts act at the marker of a, the hinge at its anchor
+            const auto momentum_rate = [&](const std::string& body, const Vector3d& inertia) {
+                const Eigen::Matrix3d I = rows.attitude(n, body) * inertia.asDiagonal() * rows.attitude(n, body).transpose();
+                const Vector3d w = rows.vector(n, body + ".angular_velocity");
+                return Vector3d(I * angular_acceleration(rows, n, body) + w.cross(I * w));
+            };
+            const Vector3d a_to_m = rows.attitude(n, "a") * arm, m = rows.vector(n, "a.position") + a_to_m,
+                           b = rows.vector(n, "b.position"), of_s = rows.attitude(n, "b") * rows.vector(n, "s.moment");
+            const Vector3d on_a = momentum_rate("a", {0.02, 0.03, 0.035}) - (-a_to_m.cross(s + g) - of_s);
+            const Vector3d on_b = momentum_rate("b", {0.01, 0.013, 0.015}) -
+                                  ((m - b).cross(s) + of_s - (anchor - b).cross(h) - rows.vector(n, "h.moment"));
+            const double largest = of_s.norm() + 0.3 * (s.norm() + h.norm()) + 1;
+            EXPECT_LT(on_a.norm(), 1e-9 * largest) << step << " row " << n;
+            EXPECT_LT(on_b.norm(), 1e-9 * largest) << step << " row " << n;
+        }
+    }
+}
+
+// Oracle: balance, of nodes with mass inside a network and of the body at its end; between the nodes is a hinge with rigid
+// directions, and everything is damped, by dampers or numerically too.
+TEST(Instant, EveryRowOfANetworkIsInBalance) {
+    for (const auto& [step, spectral_radius] : {std::pair{5e-4, 1.0}, {5e-3, 1.0}, {5e-4, 0.8}, {5e-3, 0.8}}) {
+        const RecordedRun rows(fmt::format(R"toml(
+[simulation]
+duration = 0.1
+step = {}
+spectral_radius = {}
+gravity = [0.3, -9.81, 1]
+[nodes]
+wall = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+one = {{ position = [0.1, 0.02, -0.03], velocity=[0.1,0.2,0.3] }}
+two = [0.1, 0.02, -0.03]
+[[body]]
+name = "b"
+mass = 1.1
+inertia = [0.01, 0.013, 0.015]
+position = [0.3, 0.1, 0]
+markers.m = [-0.1, -0.03, 0.04]
+[[element]]
+name = "s"
+type = "spring_damper"
+from = "wall"
+to = "one"
+stiffness = [3000, 2000, 5000]
+damping = [6, 3, 10]
+rotational_stiffness = [10, 14, 20]
+rotational_damping = [0.3, 0.5, 0.2]
+[[element]]
+name = "h"
+type = "elastic_hinge"
+from = "one"
+to = "two"
+stiffness = {{ rx = 30, ry = 40 }}
+damping = {{ rx = 0.1, ry = 0.02 }}
+[[element]]
+name = "t"
+type = "spring_damper"
+from = "two"
+to = "b.m"
+stiffness = [2000, 1000, 3000]
+damping = [4, 3, 2]
+rotational_stiffness = [10, 14, 20]
+[[element]]
+name = "m1"
+type = "rigid_body"
+at = "one"
+mass = 1.3
+inertia = {{ xx = 0.01, yy = 0.012, zz = 0.017 }}
+[[element]]
+name = "m2"
+type = "rigid_body"
+at = "two"
+mass = 0.7
+inertia = {{ xx = 0.004, yy = 0.005, zz = 0.006 }}
+[[load]]
+on = "one"
+direction = [0.6, 0, 0.8]
+force = "=40*sin(60*t)"
+)toml",
+                                           step, spectral_radius));
+        const Vector3d gravity(0.3, -9.81, 1);
+        for (size_t n = 0; n < rows.count(); ++n) {
+            const Vector3d s = rows.vector(n, "s.force"), h = rows.turned(n, "one") * rows.vector(n, "h.force"),
+                           t = rows.turned(n, "two") * rows.vector(n, "t.force");
+            const Vector3d load = 40 * std::sin(60 * rows(n, "time")) * Vector3d(0.6, 0, 0.8);
+            const double largest = std::max({s.norm(), h.norm(), t.norm(), load.norm(), 13.});
+            const auto left = [&](const char* name, double mass, const Vector3d& force) {
+                return (mass * (rows.vector(n, std::string(name) + ".acceleration") - gravity) - force).norm() / largest;
+            };
+            EXPECT_LT(left("one", 1.3, load - s + h), 1e-9) << step << " " << spectral_radius << " row " << n;
+            EXPECT_LT(left("two", 0.7, t - h), 1e-9) << step << " " << spectral_radius << " row " << n;
+            EXPECT_LT(left("b", 1.1, -t), 1e-9) << step << " " << spectral_radius << " row " << n;
         }
     }
 }

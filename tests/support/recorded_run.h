@@ -36,6 +36,11 @@ public:
         const auto part = [&](const char* name) { return (*this)(n, body + ".quaternion." + name); };
         return Eigen::Quaterniond(part("w"), part("x"), part("y"), part("z")).toRotationMatrix();
     }
+    /// Of a node: from the axes at the start to those of a row, in the world's.
+    Eigen::Matrix3d turned(size_t n, const std::string& node) const {
+        const Eigen::Vector3d v = vector(n, node + ".rotation");
+        return Eigen::AngleAxisd(v.norm(), v.stableNormalized()).toRotationMatrix();
+    }
     /// Largest way between two points that a vector reaches in a share of the rows.
     double spread(const std::string& channel, double begin, double end) const {
         const auto at = [&](double share) { return static_cast<size_t>(share * static_cast<double>(count())); };

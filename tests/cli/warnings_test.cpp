@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Warnings are results: on the standard error, in summary.json, and counted in the table of a sweep.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -154,6 +155,47 @@ TEST(WarningsOf, ALoadThatIsTooFastForTheStepSayWhatTheRunLoses) {
 }
 
 // Oracle: the position in the run itself: F/(m ω²) (1 − cos ωt), of which the explicit recurrence makes (a/sin a)² = 1.053.
+// On a hinge velocities are the means over two steps, and the ledger shows what these lose: the load is to blame, not the
+// fastest vibration.
+TEST(WarningsOf, ALoadThatIsTooFastIsWhatTheEnergyWarningBlames) {
+    const TemporaryFolder folder;
+    const auto run_at = [&](const char* frequency) {
+        write_text(folder / "model.toml", fmt::format(R"toml(format = "dttmm/1"
+[simulation]
+duration = "0.2 s"
+step = "1 ms"
+[[body]]
+name = "b"
+mass = 2
+inertia = [0.02, 0.03, 0.04]
+[[joint]]
+name = "h"
+type = "hinge"
+between = ["ground", "b"]
+anchor = [0.2, 0, 0]
+axis = [0, 0, 1]
+[[load]]
+on = "b"
+direction = [0, 1, 0]
+force = {{ type = "sine", amplitude = 100, frequency = "{}" }}
+[[element]]
+name = "s"
+type = "spring_damper"
+from = "ground"
+to = "b"
+stiffness = 20000
+)toml",
+                                                      frequency));
+        return run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out"}).err;
+    };
+    EXPECT_THAT(run_at("200 Hz"),
+                AllOf(HasSubstr("unaccounted for"),
+                      HasSubstr(": the load at model.toml:18:1 is too fast for the step of 0.001 s; use --step \"0.000125 s\""),
+                      Not(HasSubstr("fastest vibration"))));
+    EXPECT_EQ(codes_in(folder / "out/summary.json"), (std::vector<std::string>{"load-too-fast", "energy-balance"}));
+    EXPECT_EQ(run_at("5 Hz"), "");
+}
+
 TEST(WarningsOf, ALoadThatIsTooFastForTheExplicitCouplingSayWhatTheRunGains) {
     const TemporaryFolder folder;
     const double pi = 3.14159265358979, omega = 2 * pi * 125;

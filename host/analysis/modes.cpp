@@ -33,7 +33,7 @@ constexpr uint32_t kStations = 21;
 constexpr double kSmallestShare = 0.05;
 constexpr size_t kMostShares = 3;
 
-std::filesystem::path modes_folder(const ModesRequest& request) {
+std::filesystem::path modes_folder(const Request& request) {
     if (request.output) return *request.output;
     std::filesystem::path folder = default_results_path(request.model);
     folder += "-modes";
@@ -77,7 +77,7 @@ void warn_preload(const Model& model, Warnings& warnings) {
                         place, others > 0 ? fmt::format(" and {} more", others) : ""));
 }
 
-Model read(const RunRequest& request, const Plugins& plugins, Warnings& warnings) {
+Model read(const Request& request, const Plugins& plugins, Warnings& warnings) {
     ModelOverrides overrides = request.overrides;
     overrides.purpose = Purpose::modes;
     Model model = read_model(request.model, plugins.catalogue(), overrides);
@@ -210,7 +210,7 @@ std::string to_text(const Json& json) { return json.dump(2, ' ', false, Json::er
 
 }  // namespace
 
-ExitCode find_modes(const ModesRequest& request) {
+ExitCode find_modes(const Request& request) {
     const StopSignals signals(StopSignals::First::ends);
     const Plugins plugins(request.plugins);
     Warnings warnings;
@@ -367,7 +367,7 @@ void warn_unlike(const std::vector<CaseCurves>& curves, Warnings& warnings) {
 
 }  // namespace
 
-ExitCode sweep_modes(const ModesRequest& request, const std::vector<SweepAxis>& axes) {
+ExitCode sweep_modes(const Request& request, const std::vector<SweepAxis>& axes) {
     const StopSignals signals;
     const Plugins plugins(request.plugins);
     const std::vector<SweepCase> grid = make_grid(axes);
@@ -379,7 +379,7 @@ ExitCode sweep_modes(const ModesRequest& request, const std::vector<SweepAxis>& 
     std::vector<std::vector<double>> swept;
     std::vector<Eigen::MatrixXd> shapes;
     for (size_t c = 0; c < grid.size() && !StopSignals::requested(); ++c) {
-        RunRequest own = request;
+        Request own = request;
         for (const auto& parameter : grid[c]) own.overrides.parameters.push_back(parameter);
         const Model model = read(own, plugins, warnings);
         ModalMachine machine(model, plugins);
@@ -452,7 +452,7 @@ double frequency(const std::string& option, const std::string& text) {
 
 }  // namespace
 
-ExitCode find_response(const FrfRequest& request) {
+ExitCode find_response(const Request& request) {
     const StopSignals signals;
     const Plugins plugins(request.plugins);
     const double from = frequency("--from", request.from), to = frequency("--to", request.to);
@@ -462,7 +462,7 @@ ExitCode find_response(const FrfRequest& request) {
     const Model model = read(request, plugins, warnings);
     ModalMachine machine(model, plugins);
     const auto [in, in_direction] = place_and_direction(model, machine, "--in", request.input);
-    const auto [out, out_direction] = place_and_direction(model, machine, "--out", request.output_place);
+    const auto [out, out_direction] = place_and_direction(model, machine, "--out", request.response);
 
     const char* input = in_direction < 3 ? "N" : "(N*m)";
     const char* unit = out_direction < 3 ? "m" : "rad";
@@ -504,7 +504,7 @@ ExitCode find_response(const FrfRequest& request) {
     rows.finish();
     const bool is_stopped = done < request.points;
     if (largest == 0 && !is_stopped)
-        warnings.add("no-response", fmt::format("{} does not move under {}: {}", request.output_place, request.input,
+        warnings.add("no-response", fmt::format("{} does not move under {}: {}", request.response, request.input,
                                                 machine.why_still(*in, in_direction, *out, out_direction)));
     warnings.print_rest("; summary.json has all of them");
     write_json(folder.file("summary.json"), [&](JsonWriter& json) {
@@ -513,7 +513,7 @@ ExitCode find_response(const FrfRequest& request) {
         json.member("title", model.title);
         json.member("status", is_stopped ? "stopped" : "completed");
         json.member("in", request.input);
-        json.member("out", request.output_place);
+        json.member("out", request.response);
         json.member("rows", done);
         json.member("largest_receptance", largest);
         json.member("largest_at_hz", at);
@@ -528,7 +528,7 @@ ExitCode find_response(const FrfRequest& request) {
     }
     if (!request.quiet)
         fmt::print("{} points from {:g} to {:g} Hz, {} per {}; largest {:.6g} {}/{} at {:.6g} Hz\nresults in {}\n",
-                   request.points, from, to, request.output_place, request.input, largest, unit, input, at,
+                   request.points, from, to, request.response, request.input, largest, unit, input, at,
                    (folder.path() / "frf.csv").string());
     return ExitCode::ok;
 }

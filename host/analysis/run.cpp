@@ -293,7 +293,7 @@ void print_report(const Recorder& recorder, const Model& model, const Simulation
 
 /// What one command works on: the model, built and checked, before anything is written.
 struct Bench {
-    explicit Bench(const RunRequest& request)
+    explicit Bench(const Request& request)
         : plugins(request.plugins),
           model(prepare(request)),
           simulation(model, plugins),
@@ -303,7 +303,7 @@ struct Bench {
         else
             fast_loads = warn_loads(model, simulation, warnings);
     }
-    Model prepare(const RunRequest& request) {
+    Model prepare(const Request& request) {
         Model read = read_model(request.model, plugins.catalogue(), request.overrides);
         has_chosen_step = read.simulation.step == 0;
         read = choose_step(std::move(read), plugins);
@@ -322,7 +322,7 @@ struct Bench {
 };
 
 /// Closes the files, writes the summary, and tells how it went.
-ExitCode conclude(const RunRequest& request, Bench& bench, const Simulation& simulation, const ResultsFolder& folder,
+ExitCode conclude(const Request& request, Bench& bench, const Simulation& simulation, const ResultsFolder& folder,
                   Recorder& recorder, const Ending& ending) {
     const Halving* halving = bench.halving ? &*bench.halving : nullptr;
     recorder.finish();
@@ -350,7 +350,7 @@ ExitCode conclude(const RunRequest& request, Bench& bench, const Simulation& sim
 
 }  // namespace
 
-ExitCode run(const RunRequest& request) {
+ExitCode run(const Request& request) {
     const StopSignals signals;
     Bench bench(request);
     refuse_unstable(bench.simulation, request.force, bench.warnings);
@@ -379,7 +379,7 @@ namespace {
 constexpr size_t kMostChecked = 1000;
 
 /// A file without [simulation], with dofs, or with elements that only the modes can have is no fault: it is not for a run.
-bool is_for_modes_only(const RunRequest& request, const Plugins& plugins) {
+bool is_for_modes_only(const Request& request, const Plugins& plugins) {
     ModelOverrides overrides = request.overrides;
     overrides.purpose = Purpose::modes;
     read_model(request.model, plugins.catalogue(), overrides);
@@ -449,7 +449,7 @@ void print_run(const Bench& bench) {
 
 }  // namespace
 
-void check(const RunRequest& request) {
+void check(const Request& request) {
     const Plugins plugins(request.plugins);
     std::optional<Bench> bench;
     std::string no_run, no_modes, lowest;

@@ -1,39 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "loader/plugins.h"
-#include "model/read_model.h"
+#include "analysis/request.h"
+#include "model/error.h"
 
 namespace dttmm {
-
-/// What the command line asks of `dttmm run` and `dttmm check`.
-struct RunRequest {
-    std::filesystem::path model;
-    ModelOverrides overrides;
-    std::vector<std::string> plugins;             ///< paths of foreign plugins
-    std::optional<std::filesystem::path> output;  ///< results folder; none: results/<model name>
-    bool force = false;                           ///< run an explicit coupling beyond its limit
-    bool quiet = false;                           ///< no table, no progress
-    std::string command_line;                     ///< as typed, for summary.json
-};
 
 /// Runs a model from 0 to its duration into its results folder and prints the table of peak and final forces; with a
 /// tolerance, repeats that at half the step until it is reached. A run that fails or is stopped half way leaves what it has
 /// recorded, with the reason in summary.json. Returns ok, or the stop signal's code; throws Error for everything else,
 /// numerical_failure also when an explicit coupling would be unstable and force is not set (to a tolerance it starts from a
 /// stable step), or when the tolerance is out of reach.
-ExitCode run(const RunRequest& request);
+ExitCode run(const Request& request);
 
 /// Reads and builds everything without a step. Prints what the file is good for (run, modes, frf) and why not for the
 /// others, what would be solved, the step count, omega*h, the lowest natural frequency, bodies and elements
 /// (machine_table.h). Throws Error where the file is good for nothing, or an explicit coupling would be unstable and force
 /// is not set.
-void check(const RunRequest& request);
+void check(const Request& request);
 
 /// Prints the element types of the built-in and the given plugins, from the plugins' own tables. Throws Error.
 void print_elements(const std::vector<std::string>& plugins);

@@ -275,23 +275,15 @@ const std::string& digest_of_build() {
     return digest;
 }
 
-Json describe_inputs(const Model& model, const RunRequest& request) {
-    Json overrides = Json::object();
-    for (const auto& [name, value] : request.overrides.parameters) overrides[name] = value;
-    Json files = Json::object(), plugins = Json::object();
+Json describe_inputs(const Model& model, const Request& request) {
+    Json given = Json::object(), files = Json::object(), plugins = Json::object();
+    for (const Option& one : options())  // in the order of the table, however they were given
+        for (const auto& [option, value] : request.given)
+            if (option == &one && one.changes_results) given[one.name()].push_back(value);
     for (const std::filesystem::path& file : model.files) files[file.string()] = digest_of(file);
     for (const std::string& plugin : request.plugins) plugins[plugin] = digest_of(plugin);
-    return {{"model_text", model.source},
-            {"set", overrides},
-            {"step", request.overrides.step.value_or("")},
-            {"duration", request.overrides.duration.value_or("")},
-            {"tolerance", request.overrides.tolerance.value_or("")},
-            {"coupling", request.overrides.coupling.value_or("")},
-            {"files", files},
-            {"plugins", plugins},
-            {"force", request.force},
-            {"version", DTTMM_VERSION},
-            {"build", digest_of_build()}};
+    return {{"model_text", model.source}, {"options", given},          {"files", files},
+            {"plugins", plugins},         {"version", DTTMM_VERSION}, {"build", digest_of_build()}};
 }
 
 Json describe_warnings(const Warnings& warnings) {
@@ -300,7 +292,7 @@ Json describe_warnings(const Warnings& warnings) {
     return list;
 }
 
-void write_run(JsonWriter& out, const Model& model, const RunRequest& request, const Plugins& plugins,
+void write_run(JsonWriter& out, const Model& model, const Request& request, const Plugins& plugins,
                const Simulation& simulation, const Recorder& recorder, const Outcome& outcome, const Halving* halving,
                const Warnings& warnings) {
     const auto steps = static_cast<double>(std::max<uint64_t>(simulation.index(), 1));

@@ -17,7 +17,7 @@ namespace dttmm {
 /// What determines a run's result: the text of the model, the files it names, the plugins and all that the command line
 /// changed. A sweep reuses a case whose
 /// inputs are equal.
-Json describe_inputs(const Model& model, const RunRequest& request);
+Json describe_inputs(const Model& model, const Request& request);
 
 /// [{"code", "text"}, ...]
 Json describe_warnings(const Warnings& warnings);
@@ -29,7 +29,7 @@ void write_model(JsonWriter& out, const Model& model, const ElementCatalogue& ca
 /// Members of a run's summary.json: status, warnings, inputs, versions, step count and time per step, coupling, omega*h, energy,
 /// peak and final values of every element, joint and marker, the resolved model. `simulation` is the run whose results are
 /// kept; `halving`, of a run to a tolerance, says what stands behind them, else null.
-void write_run(JsonWriter& out, const Model& model, const RunRequest& request, const Plugins& plugins,
+void write_run(JsonWriter& out, const Model& model, const Request& request, const Plugins& plugins,
                const Simulation& simulation, const Recorder& recorder, const Outcome& outcome, const Halving* halving,
                const Warnings& warnings);
 

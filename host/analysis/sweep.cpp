@@ -76,25 +76,20 @@ Json read_summary(const std::filesystem::path& folder) {
     return Json::parse(file, nullptr, false);
 }
 
-RunRequest request_of(const RunRequest& request, const Case& one) {
-    RunRequest own = request;
-    for (const auto& parameter : one.parameters) own.overrides.parameters.push_back(parameter);
+Request request_of(const Request& request, const Case& one) {
+    Request own = request;
+    for (const auto& [name, value] : one.parameters) give(own, option("--set"), name + "=" + value);
     return own;
 }
 
-std::vector<std::string> command_of(const RunRequest& request, const Case& one) {
-    const RunRequest own = request_of(request, one);
+std::vector<std::string> command_of(const Request& request, const Case& one) {
     std::vector<std::string> words = {"dttmm", "run", request.model, "--quiet", "-o", one.folder};
-    const auto option = [&](const char* name, const std::optional<std::string>& value) {
-        if (value) words.insert(words.end(), {name, *value});
-    };
-    option("--step", own.overrides.step);
-    option("--duration", own.overrides.duration);
-    option("--tolerance", own.overrides.tolerance);
-    option("--coupling", own.overrides.coupling);
-    for (const auto& [name, value] : own.overrides.parameters) words.insert(words.end(), {"--set", name + "=" + value});
-    for (const std::string& plugin : own.plugins) words.insert(words.end(), {"--plugin", plugin});
-    if (own.force) words.push_back("--force");
+    const Request own = request_of(request, one);
+    for (const auto& [option, value] : own.given) {
+        if (!option->reaches_cases) continue;
+        words.push_back(option->name());
+        if (option->kind != Option::Kind::flag) words.push_back(value);
+    }
     return words;
 }
 
@@ -137,7 +132,7 @@ void conclude(Case& one, int wait_status, const Capture& said) {
 }
 
 /// A completed case of the same inputs, whole as far as the table needs it.
-bool reuse(Case& one, const Model& model, const RunRequest& request) {
+bool reuse(Case& one, const Model& model, const Request& request) {
     const Json summary = read_summary(one.folder);
     const auto has = [&](const char* key, bool (Json::*is)() const noexcept) {
         return summary.contains(key) && (summary[key].*is)();
@@ -157,7 +152,7 @@ bool reuse(Case& one, const Model& model, const RunRequest& request) {
 /// Keeps `jobs` processes going until all cases in `todo` have ended or the user stops them.
 class Crew {
 public:
-    Crew(const RunRequest& request, std::vector<Case*> todo, int jobs, size_t reused, size_t total)
+    Crew(const Request& request, std::vector<Case*> todo, int jobs, size_t reused, size_t total)
         : request_(request),
           todo_(std::move(todo)),
           jobs_(jobs),
@@ -209,7 +204,7 @@ private:
         running_.clear();
     }
 
-    const RunRequest& request_;
+    const Request& request_;
     std::vector<Case*> todo_;
     int jobs_;
     size_t next_ = 0, done_, total_;
@@ -307,7 +302,7 @@ namespace {
 
 /// The parameters of the first case that can be read. A single case may be at fault; if all are, the fault of the first is
 /// the sweep's.
-std::vector<Parameter> read_parameters(const std::vector<Case>& cases, const RunRequest& request, const Plugins& plugins) {
+std::vector<Parameter> read_parameters(const std::vector<Case>& cases, const Request& request, const Plugins& plugins) {
     std::exception_ptr first;
     for (const Case& one : cases) {
         try {
@@ -321,7 +316,7 @@ std::vector<Parameter> read_parameters(const std::vector<Case>& cases, const Run
 
 }  // namespace
 
-ExitCode run_sweep(const RunRequest& request, const std::vector<SweepAxis>& axes, int jobs) {
+ExitCode run_sweep(const Request& request, const std::vector<SweepAxis>& axes) {
     const StopSignals signals;
     const Plugins plugins(request.plugins);
     std::vector<Case> cases;
@@ -338,7 +333,7 @@ ExitCode run_sweep(const RunRequest& request, const std::vector<SweepAxis>& axes
         if (!reuse(cases[i], model, request)) todo.push_back(&cases[i]);
     }
     const size_t reused = cases.size() - todo.size();
-    if (jobs <= 0) jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    const int jobs = request.jobs > 0 ? request.jobs : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     Crew(request, std::move(todo), jobs, reused, cases.size()).work();
 
     write_atomically(folder.file("sweep.csv"), sweep_table(cases, model, parameters));

@@ -4,12 +4,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <new>
 #include <system_error>
 
+#include "analysis/channel_list.h"
 #include "analysis/modes.h"
 #include "analysis/run.h"
 #include "analysis/sweep.h"
@@ -22,111 +24,69 @@ namespace dttmm {
 
 namespace {
 
-/// What the words ask for.
-struct Arguments {
-    FrfRequest frf;
-    ModesRequest modes;
-    std::string count, below, beams;
-    RunRequest request;
-    std::vector<std::string> sets, sweeps;
-    std::string output, step, duration, coupling, tolerance;
-    int jobs = 0;
+/// A command: its bit among those of the options, and what it does.
+struct CommandLine {
+    Command bit;
+    const char* name;
+    const char* help;
+    ExitCode (*run)(const Request& request);
 };
 
-void add_model_options(CLI::App& command, Arguments& arguments) {
-    command.add_option("MODEL", arguments.request.model, "model file (TOML, format dttmm/1)")->required();
-    command.add_option("--set", arguments.sets, "name=value: another value for a parameter of the model")
-        ->allow_extra_args(false);
-    command.add_option("--step", arguments.step, "time step instead of the model's, e.g. \"0.5 ms\"");
-    command.add_option("--tolerance", arguments.tolerance,
-                       "halve the step until results are within, e.g. \"0.1 %\", instead of the model's");
-    command.add_option("--duration", arguments.duration, "duration instead of the model's");
-    command.add_option("--coupling", arguments.coupling, "\"implicit\" or \"explicit\" instead of the model's");
-    command.add_option("--plugin", arguments.request.plugins, "shared library with more element types")
-        ->allow_extra_args(false);
-    command.add_flag("--force", arguments.request.force, "run an explicit coupling beyond its stable step");
-}
-
-void add_modes_options(CLI::App& command, Arguments& arguments) {
-    command.add_option("MODEL", arguments.request.model, "model file (TOML, format dttmm/1)")->required();
-    command.add_option("--set", arguments.sets, "name=value: another value for a parameter of the model")
-        ->allow_extra_args(false);
-    command.add_option("--plugin", arguments.request.plugins, "shared library with more element types")
-        ->allow_extra_args(false);
-    command.add_option("-o,--output", arguments.output, "results folder; default results/<model name>-modes, or -frf");
-    command.add_option("--beams", arguments.beams, "\"exact\" or \"lumped\" instead of the model's");
-    command.add_flag("-q,--quiet", arguments.request.quiet, "no table");
-}
-
-void add_modes_only(CLI::App& command, Arguments& arguments) {
-    command.add_option("--count", arguments.count, "the first so many frequencies instead of the model's");
-    command.add_option("--below", arguments.below, "all frequencies up to this one, e.g. \"500 Hz\"");
-    command.add_option("--sweep", arguments.sweeps, "name=from..to:count or name=value,value; several span a grid")
-        ->allow_extra_args(false);
-    command.add_flag("-v,--verbose", arguments.modes.is_verbose, "print how the overall transfer equation is laid out");
-    command.add_flag("--json", arguments.modes.as_json, "print one JSON object instead of the table");
-}
-
-void add_frf_only(CLI::App& command, Arguments& arguments) {
-    command.add_option("--in", arguments.frf.input, "body, marker or node and direction of the force, e.g. plate.corner1.z")
-        ->required();
-    command.add_option("--out", arguments.frf.output_place, "the same of the displacement")->required();
-    command.add_option("--from", arguments.frf.from, "lowest frequency, e.g. \"1 Hz\"")->required();
-    command.add_option("--to", arguments.frf.to, "highest frequency")->required();
-    command.add_option("--points", arguments.frf.points, "number of frequencies")
-        ->required()
-        ->check(CLI::Range(2, 10000000));
-    command.add_flag("--log", arguments.frf.is_logarithmic, "spaced by equal factors");
-}
-
-void add_run_options(CLI::App& command, Arguments& arguments) {
-    command.add_option("-o,--output", arguments.output, "results folder; default results/<model name>");
-    command.add_option("--sweep", arguments.sweeps, "name=from..to:count or name=value,value; several span a grid")
-        ->allow_extra_args(false);
-    command.add_option("-j,--jobs", arguments.jobs, "cases of a sweep at a time; default one per core")
-        ->check(CLI::Range(1, 4096));
-    command.add_flag("-q,--quiet", arguments.request.quiet, "no table and no progress bar");
-}
-
-std::pair<std::string, std::string> parse_set(const std::string& text) {
-    const size_t equals = text.find('=');
-    if (equals == std::string::npos || equals == 0)
-        throw Error(ExitCode::usage, fmt::format("--set {}: write name=value", text));
-    return {text.substr(0, equals), text.substr(equals + 1)};
-}
-
-/// Moves the plain option texts to where the analyses look for them.
-void settle(Arguments& arguments) {
-    RunRequest& request = arguments.request;
-    for (const std::string& text : arguments.sets) request.overrides.parameters.push_back(parse_set(text));
-    if (!arguments.step.empty()) request.overrides.step = arguments.step;
-    if (!arguments.duration.empty()) request.overrides.duration = arguments.duration;
-    if (!arguments.coupling.empty()) request.overrides.coupling = arguments.coupling;
-    if (!arguments.tolerance.empty()) request.overrides.tolerance = arguments.tolerance;
-    if (!arguments.output.empty()) request.output = arguments.output;
-    if (!arguments.count.empty()) request.overrides.modes.count = arguments.count;
-    if (!arguments.beams.empty()) request.overrides.modes.beams = arguments.beams;
-    if (!arguments.below.empty()) request.overrides.modes.below = arguments.below;
-}
-
-ExitCode modes_or_sweep(Arguments& arguments) {
-    static_cast<RunRequest&>(arguments.modes) = arguments.request;
-    if (arguments.sweeps.empty()) return find_modes(arguments.modes);
+std::vector<SweepAxis> axes_of(const Request& request) {
     std::vector<SweepAxis> axes;
-    for (const std::string& text : arguments.sweeps) axes.push_back(parse_sweep_axis(text));
-    return sweep_modes(arguments.modes, axes);
+    for (const std::string& text : request.sweeps) axes.push_back(parse_sweep_axis(text));
+    return axes;
 }
 
-ExitCode response(Arguments& arguments) {
-    static_cast<RunRequest&>(arguments.frf) = arguments.request;
-    return find_response(arguments.frf);
-}
+const CommandLine kCommands[] = {
+    {kRun, "run", "run a model and record its histories",
+     [](const Request& request) { return request.sweeps.empty() ? run(request) : run_sweep(request, axes_of(request)); }},
+    {kCheck, "check", "validate a model, print what would be solved",
+     [](const Request& request) {
+         check(request);
+         return ExitCode::ok;
+     }},
+    {kModes, "modes", "natural frequencies and shapes of a model",
+     [](const Request& request) {
+         return request.sweeps.empty() ? find_modes(request) : sweep_modes(request, axes_of(request));
+     }},
+    {kFrf, "frf", "frequency response of a model", find_response},
+    {kChannels, "channels", "list what a run of a model can record",
+     [](const Request& request) {
+         print_channels(request);
+         return ExitCode::ok;
+     }},
+    {kElements, "elements", "list element types and their parameters",
+     [](const Request& request) {
+         print_elements(request.plugins);
+         return ExitCode::ok;
+     }},
+};
 
-ExitCode run_or_sweep(const Arguments& arguments) {
-    if (arguments.sweeps.empty()) return run(arguments.request);
-    std::vector<SweepAxis> axes;
-    for (const std::string& text : arguments.sweeps) axes.push_back(parse_sweep_axis(text));
-    return run_sweep(arguments.request, axes, arguments.jobs);
+/// Makes the words of a command known to the parser, which hands what it meets to the request.
+void add_option(CLI::App& command, const Option& option, Request& request) {
+    const auto take = [&](const std::string& value) { give(request, option, value); };
+    CLI::Option* added = nullptr;
+    switch (option.kind) {
+        case Option::Kind::flag:
+            added = command.add_flag_callback(option.names, [take] { take(""); }, option.help);
+            break;
+        case Option::Kind::number:
+            added = command.add_option_function<int>(
+                option.names, [take](int value) { take(std::to_string(value)); }, option.help);
+            added->check(CLI::Range(option.least, option.most));
+            break;
+        case Option::Kind::list:
+            added = command.add_option_function<std::vector<std::string>>(
+                option.names, [take](const std::vector<std::string>& values) { std::ranges::for_each(values, take); },
+                option.help);
+            added->allow_extra_args(false);
+            break;
+        case Option::Kind::text:
+            added = command.add_option_function<std::string>(option.names, take, option.help);
+            break;
+    }
+    added->required(option.is_required);
 }
 
 void refuse_unknown_subcommand(const CLI::App& app) {
@@ -142,38 +102,26 @@ ExitCode dispatch(int argc, char** argv) {
     CLI::App app{"Rigid bodies by ODE, everything between them by transfer matrices.", "dttmm"};
     app.set_version_flag("--version", DTTMM_VERSION);
     app.require_subcommand(1);
-    Arguments arguments;
-    for (int i = 0; i < argc; ++i) arguments.request.command_line += (i ? " " : "") + std::string(argv[i]);
-
-    CLI::App* run_command = app.add_subcommand("run", "run a model and record its histories");
-    add_model_options(*run_command, arguments);
-    add_run_options(*run_command, arguments);
-    CLI::App* check_command = app.add_subcommand("check", "validate a model, print what would be solved");
-    add_model_options(*check_command, arguments);
-    CLI::App* modes_command = app.add_subcommand("modes", "natural frequencies and shapes of a model");
-    add_modes_options(*modes_command, arguments);
-    add_modes_only(*modes_command, arguments);
-    CLI::App* frf_command = app.add_subcommand("frf", "frequency response of a model");
-    add_modes_options(*frf_command, arguments);
-    add_frf_only(*frf_command, arguments);
-    CLI::App* elements_command = app.add_subcommand("elements", "list element types and their parameters");
-    elements_command->add_option("--plugin", arguments.request.plugins, "shared library with more element types")
-        ->allow_extra_args(false);
-
+    Request request;
+    for (int i = 0; i < argc; ++i) request.command_line += (i ? " " : "") + std::string(argv[i]);
+    std::vector<std::pair<CLI::App*, const CommandLine*>> commands;
+    for (const CommandLine& command : kCommands) {
+        CLI::App* const added = app.add_subcommand(command.name, command.help);
+        commands.emplace_back(added, &command);
+        if (command.bit != kElements)
+            added->add_option("MODEL", request.model, "model file (TOML, format dttmm/1)")->required();
+        if (command.bit == kChannels) added->add_option("PATTERN", request.patterns, "e.g. \"bolt*.force\"; default all");
+        for (const Option& option : options())
+            if (option.commands & command.bit) add_option(*added, option, request);
+    }
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         refuse_unknown_subcommand(app);
         return app.exit(error) == 0 ? ExitCode::ok : ExitCode::usage;
     }
-    settle(arguments);
-    if (*run_command) return run_or_sweep(arguments);
-    if (*modes_command) return modes_or_sweep(arguments);
-    if (*frf_command) return response(arguments);
-    if (*check_command)
-        check(arguments.request);
-    else
-        print_elements(arguments.request.plugins);
+    for (const auto& [parsed, command] : commands)
+        if (*parsed) return command->run(request);
     return ExitCode::ok;
 }
 

@@ -165,7 +165,7 @@ void read_contents(const TableReader& file, const ElementCatalogue& catalogue, c
     const bool has_histories = overrides.purpose == Purpose::histories;
     if (has_histories || file.find("simulation")) {
         model.simulation = read_simulation(file, overrides);
-        model.output = read_output(file, model.simulation);
+        model.output = read_output(file, model.simulation, overrides);
     }
     model.bodies = read_bodies(file, body_names);
     model.nodes = read_nodes(file, {&body_names}, node_names);

@@ -37,8 +37,10 @@ class SettingsReader {
 public:
     SettingsReader(const TableReader& file, const TableReader* table) : file_(file), table_(table) {}
 
-    std::optional<Setting> find(const std::string& key, const std::optional<std::string>& option) const {
-        if (option || !table_) return of_option(key, option);
+    /// name: of the option, if it is not called like the key.
+    std::optional<Setting> find(const std::string& key, const std::optional<std::string>& option,
+                                const std::string& name = "") const {
+        if (option || !table_) return of_option(name.empty() ? key : name, option);
         const TomlMember* member = table_->find(key);
         return member ? std::optional(Setting{member->value, table_->what(key)}) : std::nullopt;
     }
@@ -126,6 +128,18 @@ Eigen::Vector3d read_gravity(const TableReader& table) {
     return gravity;
 }
 
+/// The patterns of [output] channels, with their place.
+void read_channels(const TableReader& table, OutputSettings& settings) {
+    const TomlMember* channels = table.find("channels");
+    if (!channels) return;
+    const bool is_list = channels->value.is_array() && std::all_of(channels->value.items.begin(), channels->value.items.end(),
+                                                                   [](const auto& item) { return item.is_text(); });
+    if (!is_list)
+        table.error(channels->value.place, "channels must be a list of texts, e.g. [\"bolt*.force\", \"plate.position\"]");
+    for (const TomlValue& item : channels->value.items) settings.channels.push_back(item.string);
+    settings.channels_place = table.context().diagnostics.place_text(channels->value.place);
+}
+
 }  // namespace
 
 const std::string& scheme_name(ExplicitScheme scheme) { return kSchemes[static_cast<std::size_t>(scheme)]; }
@@ -160,47 +174,46 @@ SimulationSettings read_simulation(const TableReader& file, const SimulationOver
     return settings;
 }
 
-OutputSettings read_output(const TableReader& file, const SimulationSettings& simulation) {
+OutputSettings read_output(const TableReader& file, const SimulationSettings& simulation,
+                           const SimulationOverrides& overrides) {
     OutputSettings settings;
     const TomlMember* member = file.find("output");
-    if (!member) return settings;
-    const TableReader table(file.context(), member->value, "output", {"step", "channels"});
-    if (const TomlMember* channels = table.find("channels")) {
-        const bool is_list =
-            channels->value.is_array() && std::all_of(channels->value.items.begin(), channels->value.items.end(),
-                                                      [](const auto& item) { return item.is_text(); });
-        if (!is_list)
-            table.error(channels->value.place,
-                        "channels must be a list of texts, e.g. [\"bolt*.force\", \"plate.position\"]");
-        for (const TomlValue& item : channels->value.items) settings.channels.push_back(item.string);
-        settings.channels_place = file.context().diagnostics.place_text(channels->value.place);
+    std::optional<TableReader> table;
+    if (member) {
+        table.emplace(file.context(), member->value, "output", std::vector<std::string>{"step", "channels"});
+        read_channels(*table, settings);
     }
-    const auto step = table.find("step") ? table.number("step", "s", kPositive) : std::nullopt;
+    if (!overrides.channels.empty()) {
+        settings.channels = overrides.channels;
+        settings.channels_place = "--channels";
+    }
+    const SettingsReader reader(file, table && table->is_valid() ? &*table : nullptr);
+    const auto setting = reader.find("step", overrides.output_step, "output-step");
+    const auto step = reader.read(setting, "s", kPositive);
     if (!step) return settings;
     settings.step = *step;
-    const Place place = table.find("step")->value.place;
+    const auto fail = [&](const std::string& text) { file.context().diagnostics.error(setting->value.place, setting->what + " " + text); };
     if (simulation.step > 0) {
         const double every = *step / simulation.step;
         if (!is_whole(every) || every < 0.5) {
             const double below = std::max(std::floor(every), 1.0) * simulation.step;
-            table.error(
-                place,
-                fmt::format("step must be a whole multiple of the time step ({}), got {}; {} or {} would fit, "
-                            "or leave it out to record every step",
-                            seconds(simulation.step), seconds(*step), seconds(below), seconds(below + simulation.step)));
+            fail(fmt::format("must be a whole multiple of the time step ({}), got {}; {} or {} would fit, "
+                             "or leave it out to record every step",
+                             seconds(simulation.step), seconds(*step), seconds(below), seconds(below + simulation.step)));
             return settings;
         }
         if (every > 1e9) {
-            table.error(place, fmt::format("step is {:.3g} time steps; at most 1e9 are allowed", every));
+            fail(fmt::format("is {:.3g} time steps; at most 1e9 are allowed", every));
             return settings;
         }
         settings.every = static_cast<int>(std::lround(every));
     }
     const double rows = simulation.duration / *step;
     if (simulation.duration > 0 && (!is_whole(rows) || rows < 0.5))
-        table.error(place,
-                    fmt::format("the duration ({}) must be a whole multiple of the output step ({}): the end is a row",
-                                seconds(simulation.duration), seconds(*step)));
+        file.context().diagnostics.error(
+            setting->value.place,
+            fmt::format("{}: the duration ({}) must be a whole multiple of the output step ({}): the end is a row",
+                        setting->what, seconds(simulation.duration), seconds(*step)));
     return settings;
 }
 

@@ -3,15 +3,17 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "model/model.h"
 #include "model/table_reader.h"
 
 namespace dttmm {
 
-/// What the command line says instead of [simulation]: texts as in the file, e.g. "1 ms" or "0.1 %".
+/// What the command line says instead of [simulation] and [output]: texts as in the file, e.g. "1 ms" or "0.1 %".
 struct SimulationOverrides {
-    std::optional<std::string> step, duration, coupling, tolerance;
+    std::optional<std::string> step, duration, coupling, tolerance, output_step;
+    std::vector<std::string> channels;  ///< patterns; none: the file's
 };
 
 /// Shortest, longest and most steps of a run [s, s, 1].
@@ -29,6 +31,7 @@ SimulationSettings read_simulation(const TableReader& file, const SimulationOver
 
 /// [output]: its step is a whole number of time steps, where these are given, and divides the duration, so that the end is a
 /// row. Faults are reported.
-OutputSettings read_output(const TableReader& file, const SimulationSettings& simulation);
+OutputSettings read_output(const TableReader& file, const SimulationSettings& simulation,
+                           const SimulationOverrides& overrides);
 
 }  // namespace dttmm

@@ -325,5 +325,41 @@ TEST(Command, AnswersVersionAndHelp) {
         EXPECT_THAT(run_help.out, HasSubstr(option));
 }
 
+// Oracle: the rows and columns asked for; a value that does not fit is refused under the option's name.
+TEST(Command, RowsAndChannelsCanBeChosenWithoutChangingTheFile) {
+    const TemporaryFolder folder;
+    write_text(folder / "small.toml", kSmallModel);
+    const auto run = [&](std::vector<std::string> words) {
+        words.insert(words.begin(), {"run", "small.toml", "-q", "-o", "out"});
+        return run_dttmm(folder.path(), words);
+    };
+    EXPECT_EQ(run({"--output-step", "10 ms", "--channels", "two.force", "--channels", "plate.pos*"}).code, 0);
+    EXPECT_EQ(read_history(folder / "out/history.csv").size(), 6u);
+    EXPECT_THAT(read_text(folder / "out/history.csv"),
+                testing::StartsWith("time,two.force.x,two.force.y,two.force.z,plate.position.x,plate.position.y,plate."
+                                    "position.z\ns,N,N,N,m,m,m\n"));
+    const Ended uneven = run({"--output-step", "1.5 ms"});
+    EXPECT_EQ(uneven.code, 3);
+    EXPECT_THAT(uneven.err, testing::StartsWith("--output-step: output-step must be a whole multiple of the time "
+                                                "step (0.001 s), got 0.0015 s; 0.001 s or 0.002 s would fit"));
+    const Ended nothing = run({"--channels", "three"});
+    EXPECT_EQ(nothing.code, 3);
+    EXPECT_THAT(nothing.err, testing::StartsWith("--channels: the pattern \"three\" matches no channel; the nearest is"));
+}
+
+// Oracle: the columns of a run; what is recorded on request only is marked.
+TEST(Command, ChannelsAreListed) {
+    const TemporaryFolder folder;
+    write_text(folder / "small.toml", kSmallModel);
+    const Ended two = run_dttmm(folder.path(), {"channels", "small.toml", "two.force"});
+    EXPECT_EQ(two.code, 0) << two.err;
+    EXPECT_EQ(two.out, "two.force.x  N\ntwo.force.y  N\ntwo.force.z  N\n");
+    const Ended all = run_dttmm(folder.path(), {"channels", "small.toml"});
+    EXPECT_THAT(all.out, testing::StartsWith("time "));
+    EXPECT_THAT(all.out, testing::ContainsRegex("\nplate.left.position.x +m +.on request.\n"));
+    EXPECT_THAT(all.out, testing::ContainsRegex("\nplate.left.acceleration.x +m/s.2\n"));
+    EXPECT_EQ(run_dttmm(folder.path(), {"channels", "small.toml", "three"}).code, 3);
+}
+
 }  // namespace
 }  // namespace dttmm

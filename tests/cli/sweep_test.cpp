@@ -2,8 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
 #include <sstream>
 
+#include "analysis/request.h"
 #include "cli/process.h"
 #include "cli/small_model.h"
 
@@ -159,6 +162,42 @@ TEST_F(Sweep, TheNumberOfJobsChangesNothing) {
     fs::remove_all(folder_ / "out");
     ASSERT_EQ(sweep({"mass=1 kg..7 kg:7"}, "4").code, 0);
     EXPECT_EQ(read_text(folder_ / "out/sweep.csv"), one);
+}
+
+// Oracle: the table of options. Whatever changes the results of a run is handed to the cases of a sweep, which name it among
+// their inputs with the value given. A new option wants a value here.
+TEST_F(Sweep, EveryOptionReachesItsCases) {
+    write_text(folder_ / "model.toml", small_model_with("mass = \"2 kg\"", "mass = \"2 kg\"\nk = 7"));
+    const std::map<std::string, std::string> values = {
+        {"--set", "k=9"},           {"--step", "0.5 ms"},       {"--tolerance", "20 %"}, {"--duration", "40 ms"},
+        {"--coupling", "implicit"}, {"--output-step", "10 ms"}, {"--channels", "one"},   {"--plugin", DTTMM_C_SPRING},
+        {"--force", ""}};
+    std::vector<std::string> words = {"run", "model.toml", "-q", "-o", "out", "--sweep", "mass=1 kg,3 kg"};
+    size_t given = 0;
+    for (const Option& option : options()) {
+        if (!(option.commands & kRun) || !option.changes_results) continue;
+        ASSERT_TRUE(option.reaches_cases) << option.name();
+        ASSERT_TRUE(values.contains(option.name())) << option.name() << ": give it a value in this test";
+        ++given;
+        words.push_back(option.name());
+        if (option.kind != Option::Kind::flag) words.push_back(values.at(option.name()));
+    }
+    ASSERT_EQ(given, values.size());
+    const Ended ended = run_dttmm(folder_.path(), words);
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    const nlohmann::json summary = read_json(case_file(2, "summary.json")), inputs = summary["inputs"]["options"];
+    for (const auto& [name, value] : values) {
+        ASSERT_TRUE(inputs.contains(name)) << name;
+        EXPECT_EQ(inputs[name][0], value) << name;
+    }
+    EXPECT_EQ(inputs["--set"][1], "mass=3 kg");
+    EXPECT_EQ(summary["rows"], 5);
+    EXPECT_THAT(read_text(case_file(2, "history.csv")), StartsWith("time,one.force.x,"));
+    EXPECT_THAT(run_dttmm(folder_.path(), words).code, 0);
+    words.erase(std::find(words.begin(), words.end(), "-q"));
+    EXPECT_THAT(run_dttmm(folder_.path(), words).out, HasSubstr("(2 of them reused)"));
+    *(std::find(words.begin(), words.end(), "--output-step") + 1) = "20 ms";
+    EXPECT_THAT(run_dttmm(folder_.path(), words).out, HasSubstr("(0 of them reused)"));
 }
 
 }  // namespace

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/request.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+
+#include "model/error.h"
+
+namespace dttmm {
+
+namespace {
+
+using Kind = Option::Kind;
+
+constexpr unsigned kEveryModel = kRun | kCheck | kModes | kFrf | kChannels, kTime = kRun | kCheck, kFrequency = kModes | kFrf;
+
+void set_parameter(Request& request, const std::string& text) {
+    const size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0)
+        throw Error(ExitCode::usage, fmt::format("--set {}: write name=value", text));
+    request.overrides.parameters.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+}
+
+// In the order of the help. Columns: names, kind, commands, help, reaches cases, changes results, what it does.
+constexpr Option kOptions[] = {
+    {"--set", Kind::list, kEveryModel, "name=value: another value for a parameter of the model", true, true, set_parameter},
+    {"--step", Kind::text, kTime, "time step instead of the model's, e.g. \"0.5 ms\"", true, true,
+     [](Request& request, const std::string& value) { request.overrides.step = value; }},
+    {"--tolerance", Kind::text, kTime, "halve the step until results are within, e.g. \"0.1 %\", instead of the model's",
+     true, true, [](Request& request, const std::string& value) { request.overrides.tolerance = value; }},
+    {"--duration", Kind::text, kTime, "duration instead of the model's", true, true,
+     [](Request& request, const std::string& value) { request.overrides.duration = value; }},
+    {"--coupling", Kind::text, kTime, "\"implicit\" or \"explicit\" instead of the model's", true, true,
+     [](Request& request, const std::string& value) { request.overrides.coupling = value; }},
+    {"--output-step", Kind::text, kTime, "time between rows instead of the model's, e.g. \"1 ms\"", true, true,
+     [](Request& request, const std::string& value) { request.overrides.output_step = value; }},
+    {"--channels", Kind::list, kTime, "pattern of channels to record instead of the model's, e.g. \"bolt*.force\"", true,
+     true, [](Request& request, const std::string& value) { request.overrides.channels.push_back(value); }},
+    {"--plugin", Kind::list, kEveryModel | kElements, "shared library with more element types", true, true,
+     [](Request& request, const std::string& value) { request.plugins.push_back(value); }},
+    {"--force", Kind::flag, kTime, "run an explicit coupling beyond its stable step", true, true,
+     [](Request& request, const std::string&) { request.force = true; }},
+    {"-o,--output", Kind::text, kRun, "results folder; default results/<model name>", false, false,
+     [](Request& request, const std::string& value) { request.output = value; }},
+    {"-o,--output", Kind::text, kFrequency, "results folder; default results/<model name>-modes, or -frf", false, false,
+     [](Request& request, const std::string& value) { request.output = value; }},
+    {"--beams", Kind::text, kFrequency, "\"exact\" or \"lumped\" instead of the model's", false, true,
+     [](Request& request, const std::string& value) { request.overrides.modes.beams = value; }},
+    {"--count", Kind::text, kModes, "the first so many frequencies instead of the model's", false, true,
+     [](Request& request, const std::string& value) { request.overrides.modes.count = value; }},
+    {"--below", Kind::text, kModes, "all frequencies up to this one, e.g. \"500 Hz\"", false, true,
+     [](Request& request, const std::string& value) { request.overrides.modes.below = value; }},
+    {"--in", Kind::text, kFrf, "body, marker or node and direction of the force, e.g. plate.corner1.z", false, true,
+     [](Request& request, const std::string& value) { request.input = value; }, true},
+    {"--out", Kind::text, kFrf, "the same of the displacement", false, true,
+     [](Request& request, const std::string& value) { request.response = value; }, true},
+    {"--from", Kind::text, kFrf, "lowest frequency, e.g. \"1 Hz\"", false, true,
+     [](Request& request, const std::string& value) { request.from = value; }, true},
+    {"--to", Kind::text, kFrf, "highest frequency", false, true,
+     [](Request& request, const std::string& value) { request.to = value; }, true},
+    {"--points", Kind::number, kFrf, "number of frequencies", false, true,
+     [](Request& request, const std::string& value) { request.points = std::stoi(value); }, true, 2, 10000000},
+    {"--log", Kind::flag, kFrf, "spaced by equal factors", false, true,
+     [](Request& request, const std::string&) { request.is_logarithmic = true; }},
+    {"--sweep", Kind::list, kRun | kModes, "name=from..to:count or name=value,value; several span a grid", false, false,
+     [](Request& request, const std::string& value) { request.sweeps.push_back(value); }},
+    {"-j,--jobs", Kind::number, kRun, "cases of a sweep at a time; default one per core", false, false,
+     [](Request& request, const std::string& value) { request.jobs = std::stoi(value); }, false, 1, 4096},
+    {"-v,--verbose", Kind::flag, kModes, "print how the overall transfer equation is laid out", false, false,
+     [](Request& request, const std::string&) { request.is_verbose = true; }},
+    {"--json", Kind::flag, kModes, "print one JSON object instead of the table", false, false,
+     [](Request& request, const std::string&) { request.as_json = true; }},
+    {"-q,--quiet", Kind::flag, kRun | kFrequency, "no table and no progress bar", false, false,
+     [](Request& request, const std::string&) { request.quiet = true; }},
+};
+
+}  // namespace
+
+std::string Option::name() const {
+    const std::string_view all = names;
+    const size_t comma = all.rfind(',');
+    return std::string(comma == all.npos ? all : all.substr(comma + 1));
+}
+
+std::span<const Option> options() { return kOptions; }
+
+const Option& option(const std::string& name) {
+    return *std::ranges::find_if(kOptions, [&](const Option& one) { return one.name() == name; });
+}
+
+void give(Request& request, const Option& option, const std::string& value) {
+    option.apply(request, value);
+    request.given.emplace_back(&option, value);
+}
+
+}  // namespace dttmm

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "model/read_model.h"
+
+namespace dttmm {
+
+struct Option;
+
+/// What the command line asks of a command. Each command uses what its options fill in.
+struct Request {
+    std::filesystem::path model;
+    ModelOverrides overrides;
+    std::vector<std::string> plugins;             ///< paths of foreign plugins
+    std::optional<std::filesystem::path> output;  ///< results folder; none: results/<model name>
+    bool force = false;                           ///< run an explicit coupling beyond its limit
+    bool quiet = false;                           ///< no table, no progress
+    std::vector<std::string> sweeps;              ///< "name=from..to:count", as typed
+    int jobs = 0;                                 ///< cases at a time; 0: one per core
+
+    bool is_verbose = false;  ///< modes: print how the overall transfer equation is laid out
+    bool as_json = false;     ///< modes: one JSON object on the standard output instead of the table
+
+    std::string input, response;  ///< frf: what is moved and what is looked at, "plate.corner1.z"
+    std::string from, to;         ///< frf: lowest and highest frequency, texts with units
+    int points = 0;               ///< frf: number of frequencies
+    bool is_logarithmic = false;  ///< frf: spaced by equal factors
+
+    std::vector<std::string> patterns;  ///< channels: those to list; none: all
+
+    std::string command_line;  ///< as typed, for summary.json
+    /// The options given, with their values as typed; a flag has an empty one.
+    std::vector<std::pair<const Option*, std::string>> given;
+};
+
+/// The commands, as bits.
+enum Command : unsigned { kRun = 1, kCheck = 2, kModes = 4, kFrf = 8, kElements = 16, kChannels = 32 };
+
+/// An option of the command line. The commands, the words of a sweep's cases and what decides whether a case is run again all
+/// come from the one table of options().
+struct Option {
+    enum class Kind : unsigned char { text, list, number, flag };
+    const char* names;      ///< "-o,--output"; the last is the one that messages and files use
+    Kind kind;              ///< a list may be given several times
+    unsigned commands;      ///< that have it
+    const char* help;
+    bool reaches_cases;     ///< handed to the process of every case of a sweep
+    bool changes_results;   ///< a case with another value of it is run again
+    void (*apply)(Request& request, const std::string& value);
+    bool is_required = false;
+    int least = 0, most = 0;  ///< of a number
+
+    std::string name() const;  ///< "--output"
+};
+
+std::span<const Option> options();
+/// By its name, "--step".
+const Option& option(const std::string& name);
+
+/// Takes a value: applies it, and keeps it in `given`. Throws Error(usage) for a value that cannot be read.
+void give(Request& request, const Option& option, const std::string& value);
+
+}  // namespace dttmm

@@ -268,12 +268,16 @@ void write_model(JsonWriter& out, const Model& model, const ElementCatalogue& ca
     });
 }
 
+namespace {
+
 /// The program and the plugin that comes with it: another build may give other results under the same version.
 const std::string& digest_of_build() {
     static const std::string digest =
         fmt::format("{} {}", digest_of("/proc/self/exe"), digest_of(PluginLibrary::built_in_file()));
     return digest;
 }
+
+}  // namespace
 
 Json describe_inputs(const Model& model, const Request& request) {
     Json given = Json::object(), files = Json::object(), plugins = Json::object();

@@ -73,8 +73,8 @@ std::string describe_geometry(const Model& model, const Element& element, const 
         is_grounded ? Eigen::Vector3d::Zero() : Eigen::Vector3d(frame_at_start(model, to).position - first.position);
     if (is_line(type) && line.norm() > kSamePlace)
         return fmt::format("{:.6g} m long, x along {}", line.norm(), point_text(line.normalized()));
-    const Eigen::Vector3d x =
-        from.is_ground() ? Eigen::Vector3d(Eigen::Vector3d::UnitX()) : Eigen::Vector3d(first.rotation.col(0));
+    // A ground end has the axes of the other end
+    const Eigen::Vector3d x = element.axes.value_or(first.rotation).col(0);
     std::string text = fmt::format("x along {} of its `from` end", point_text(x));
     if (line.norm() > kSamePlace) text = fmt::format("{:.6g} m long, {}", line.norm(), text);
     const bool is_joint = std::string_view(type.name) == "spring_damper" || std::string_view(type.name) == "elastic_hinge";

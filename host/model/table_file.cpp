@@ -108,6 +108,27 @@ std::optional<Row> parse_units(std::string_view line, std::string_view unit) {
     return Row{in_si(time, "s"), in_si(value, unit)};
 }
 
+/// "ms,kN" of a heading such as "t [ms],F [kN]" or "time (ms),force (kN)"; empty if it has no bracket.
+std::string units_in_heading(std::string_view line) {
+    std::string units;
+    bool has_any = false;
+    for (bool is_last = false; !is_last;) {
+        const std::size_t comma = std::min(line.find(','), line.size());
+        is_last = comma == line.size();
+        const std::string_view field = trimmed(line.substr(0, comma));
+        const std::size_t begin = field.find_first_of("[("), end = field.find_last_of("])");
+        if (begin != field.npos && end != field.npos && begin < end) {
+            units += trimmed(field.substr(begin + 1, end - begin - 1));
+            has_any = true;
+        }
+        if (!is_last) {
+            units += ',';
+            line.remove_prefix(comma + 1);
+        }
+    }
+    return has_any ? units : "";
+}
+
 }  // namespace
 
 TimeTable read_table_file(const fs::path& folder, const std::string& name, std::string_view unit) {
@@ -122,7 +143,12 @@ TimeTable read_table_file(const fs::path& folder, const std::string& name, std::
         if (content.empty() || content.starts_with('#')) continue;
         const auto row = parse_row(content);
         if (!row && may_be_units && !holds_number(content)) {
-            if (const auto units = parse_units(content, unit)) {
+            const std::string bracketed = may_be_heading ? units_in_heading(content) : "";
+            const auto units = parse_units(bracketed.empty() ? content : bracketed, unit);
+            if (!bracketed.empty() && !units)
+                fail(name, fmt::format("line {}: the units in brackets are not both of s and {}, e.g. \"t [ms],y [{}]\"", number,
+                                       unit, unit));
+            if (units) {
                 scale = *units;
                 may_be_units = false;
             } else if (!may_be_heading) {

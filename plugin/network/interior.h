@@ -97,7 +97,7 @@ public:
         std::fill(corrections_.begin(), corrections_.end(), Twist{});
         if (!massless_.has_balances()) return;
         massless_.find_instant(
-            mechanism, mechanism.before,
+            mechanism, mechanism.scheme.step_size(), mechanism.before,
             [&](size_t j) {
                 const JointState& state = mechanism.states[j];
                 return MasslessFrames::Acting{state.theta_before, rate(j),
@@ -125,7 +125,7 @@ public:
             add_arm_rates(mechanism, j, from, to, force(j));
         }
         massless_.find_instant(
-            mechanism, mechanism.before,
+            mechanism, mechanism.scheme.step_size(), mechanism.before,
             [&](size_t j) {
                 const auto [from, to] = ends(j);
                 return rate_of_force(mechanism, j, from, to, force(j));
@@ -253,7 +253,7 @@ private:
     JointForce start_force(const Mechanism& mechanism, const Joint& joint, const dttmm_motion* ports) const;
     void settle_at_start(Mechanism& mechanism, const dttmm_motion* ports);
     void find_start_velocities(const Mechanism& mechanism, const dttmm_motion* ports);
-    void balance_at_start(const Mechanism& mechanism, const dttmm_motion* ports);
+    void balance_at_start(const Mechanism& mechanism, double h, const dttmm_motion* ports);
     void refuse_forbidden_velocities(const Mechanism& mechanism, const dttmm_motion* ports) const;
     void read_loads(const Mechanism& mechanism, const double* loads);
     void set_elastic(const Mechanism& mechanism);

@@ -36,7 +36,7 @@ void Interior::linearise(const Mechanism& mechanism, const dttmm_motion* ports, 
     sample.scheme.set_step_size(kLongStep);
     Interior scratch = *this;
     scratch.settle_at_start(sample, ports);
-    scratch.balance_at_start(sample, ports);
+    scratch.balance_at_start(sample, 0, ports);
     const auto size = 6 * static_cast<size_t>(ports_);
     std::fill_n(wrench, size, 0.0);
     for (size_t j : port_joints_) {
@@ -84,12 +84,12 @@ void Interior::settle_at_start(Mechanism& mechanism, const dttmm_motion* ports) 
 }
 
 /// Gives massless frames between dampers the velocities at which these balance, unless they are given.
-void Interior::balance_at_start(const Mechanism& mechanism, const dttmm_motion* ports) {
+void Interior::balance_at_start(const Mechanism& mechanism, double h, const dttmm_motion* ports) {
     if (!massless_.has_balances()) return;
     velocities_ = past_.velocity;
     std::fill(rigid_at_start_.begin(), rigid_at_start_.end(), 0.0);
     massless_.find_instant(
-        mechanism, mechanism.frames,
+        mechanism, h, mechanism.frames,
         [&](size_t j) {
             const Joint& joint = mechanism.joints[j];
             const auto [from, to] = mechanism.ends(j);
@@ -194,7 +194,7 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
         loaded.load[1] = loaded.load[2] = load_at_end(k, mechanism.frame(driven_ + static_cast<int>(loaded_[k])));
     }
 
-    balance_at_start(mechanism, ports);
+    balance_at_start(mechanism, h, ports);
 
     // Forces of the start, for the momentum half a step before it and the accelerations
     std::vector<Vector6> wrench(mechanism.frames.size(), Vector6::Zero());

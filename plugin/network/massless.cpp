@@ -14,8 +14,48 @@ namespace {
 
 /// Share of a unit force below which it is one of those before.
 constexpr double kDependent = 1e-6;
+/// Of the step: a damper that relaxes against its springs sooner leaves the velocity to them. Over a step it is then a spring.
+/// A direction that is undamped but for a small turn θ of its frames has θ² of the damping, and would get any velocity.
+constexpr double kShortestRelaxation = 1e-4;
 /// Ratios of damping to stiffness that differ by less are one.
 constexpr double kSameRatio = 1e-9;
+
+/// x of P A Q = L U with the right-hand side r, by the pivots above `least` of the largest; the rest of x is zero. Returns
+/// their number.
+Eigen::Index solve_by_rank(const Eigen::FullPivLU<Eigen::MatrixXd>& lu, double least, Eigen::VectorXd& r, Eigen::VectorXd& z) {
+    const Eigen::MatrixXd& LU = lu.matrixLU();
+    const auto& rows = lu.permutationP().indices();
+    const auto& columns = lu.permutationQ().indices();
+    const Eigen::Index n = LU.rows();
+    for (Eigen::Index i = 0; i < n; ++i) z(rows(i)) = r(i);
+    for (Eigen::Index i = 0; i < n; ++i)
+        for (Eigen::Index k = 0; k < i; ++k) z(i) -= LU(i, k) * z(k);
+    Eigen::Index rank = 0;
+    while (rank < n && std::abs(LU(rank, rank)) > least * std::abs(LU(0, 0))) ++rank;
+    for (Eigen::Index i = rank; i-- > 0;) {
+        for (Eigen::Index k = i + 1; k < rank; ++k) z(i) -= LU(i, k) * z(k);
+        z(i) /= LU(i, i);
+    }
+    r.setZero();
+    for (Eigen::Index i = 0; i < rank; ++i) r(columns(i)) = z(i);
+    return rank;
+}
+
+/// Columns behind the pivots: motions x with A x = 0 but for the pivots left out.
+void find_undamped(const Eigen::FullPivLU<Eigen::MatrixXd>& lu, Eigen::Index rank, Eigen::VectorXd& w, Eigen::MatrixXd& N) {
+    const Eigen::MatrixXd& LU = lu.matrixLU();
+    const auto& columns = lu.permutationQ().indices();
+    N.setZero();
+    for (Eigen::Index free = rank; free < LU.cols(); ++free) {
+        for (Eigen::Index i = rank; i-- > 0;) {
+            w(i) = -LU(i, free);
+            for (Eigen::Index k = i + 1; k < rank; ++k) w(i) -= LU(i, k) * w(k);
+            w(i) /= LU(i, i);
+            N(columns(i), free - rank) = w(i);
+        }
+        N(columns(free), free - rank) = 1;
+    }
+}
 
 }  // namespace
 
@@ -113,6 +153,11 @@ void MasslessFrames::make_balances(const Mechanism& mechanism) {
         cluster.matrix.setZero(unknowns, unknowns);
         cluster.right_hand_side.setZero(unknowns);
         cluster.solution.setZero(unknowns);
+        const auto motions = static_cast<Eigen::Index>(6 * cluster.frames.size());
+        cluster.stiffness.setZero(motions, motions);
+        for (Eigen::VectorXd* v : {&cluster.scale, &cluster.follow}) v->setOnes(unknowns);
+        cluster.undamped.setZero(unknowns, unknowns);
+        cluster.reduced.setZero(unknowns, unknowns);
         cluster.lu = Eigen::FullPivLU<Eigen::MatrixXd>(unknowns, unknowns);
         has_balances_ = true;
     }
@@ -198,6 +243,8 @@ void MasslessFrames::add_balance(const Mechanism& mechanism, const Cluster& clus
     const auto& [theta, rate, other] = acting;
     const Vector6 force = other + joint.damping(rate);
     const Vector6 per_rate = joint.damping(Vector6::Ones());
+    Vector6 per_deformation;
+    per_deformation << joint.translation_half().stiffness, joint.rotation_half().stiffness;
     Matrix6 G[2] = {joint.by_from(pose), joint.by_to(pose)};
     // A lever that is deformation alone damps no rotation to speak of
     if (joint.springs().rest.isZero(1e-9)) G[0].topRightCorner<3, 3>().setZero();
@@ -205,10 +252,13 @@ void MasslessFrames::add_balance(const Mechanism& mechanism, const Cluster& clus
     for (int row : {0, 1}) {
         if (frames[row] < 0) continue;
         cluster.right_hand_side.segment<6>(6 * frames[row]) -= G[row].transpose() * force;
-        for (int column : {0, 1})
-            if (frames[column] >= 0)
-                cluster.matrix.block<6, 6>(6 * frames[row], 6 * frames[column]) +=
-                    G[row].transpose() * per_rate.asDiagonal() * G[column];
+        for (int column : {0, 1}) {
+            if (frames[column] < 0) continue;
+            cluster.matrix.block<6, 6>(6 * frames[row], 6 * frames[column]) +=
+                G[row].transpose() * per_rate.asDiagonal() * G[column];
+            cluster.stiffness.block<6, 6>(6 * frames[row], 6 * frames[column]) +=
+                G[row].transpose() * per_deformation.asDiagonal() * G[column];
+        }
     }
     if (joint.rigid().none()) return;
     const Matrix6 rows[2] = {rigid_rows(theta, G[0]), rigid_rows(theta, G[1])};
@@ -229,12 +279,12 @@ void MasslessFrames::add_balance(const Mechanism& mechanism, const Cluster& clus
     }
 }
 
-/// By full-pivot elimination, which leaves alone what nothing determines.
-void MasslessFrames::solve_balance(const Cluster& cluster, std::vector<Twist>& velocities, std::vector<Twist>& corrections,
-                                   std::vector<double>& q) const {
-    constexpr double kNothing = 1e-13;  // of the largest pivot: rounding
-    Eigen::MatrixXd& A = cluster.matrix;
-    Eigen::VectorXd &r = cluster.right_hand_side, &z = cluster.solution;
+/// By full-pivot elimination: what dampers hold balances by them, the rest keeps what its springs do.
+void MasslessFrames::solve_balance(const Cluster& cluster, double h, std::vector<Twist>& velocities,
+                                   std::vector<Twist>& corrections, std::vector<double>& q) const {
+    constexpr double kNothing = 1e-13;  // of the largest diagonal, of the largest pivot: rounding
+    Eigen::MatrixXd &A = cluster.matrix, &K = cluster.stiffness, &N = cluster.undamped, &B = cluster.reduced;
+    Eigen::VectorXd &r = cluster.right_hand_side, &d = cluster.scale, &z = cluster.follow;
     const auto count = static_cast<Eigen::Index>(6 * cluster.frames.size());
     for (size_t k = 0; k < cluster.frames.size(); ++k)
         for (int half : {0, 1}) {
@@ -242,32 +292,48 @@ void MasslessFrames::solve_balance(const Cluster& cluster, std::vector<Twist>& v
             const auto at = static_cast<Eigen::Index>(6 * k) + 3 * half;
             A.middleRows<3>(at).setZero();
             A.middleCols<3>(at).setZero();
+            K.middleRows<3>(at).setZero();
+            K.middleCols<3>(at).setZero();
             r.segment<3>(at).setZero();
         }
-    // Forces in units that make the rigid rows as large as the dampers
-    const double largest_damping = A.topLeftCorner(count, count).cwiseAbs().maxCoeff();
-    const double scale = largest_damping > 0 ? largest_damping : 1;
-    A.bottomRows(A.rows() - count) *= scale;
-    A.rightCols(A.cols() - count) *= scale;
-    r.tail(r.size() - count) *= scale;
-    cluster.lu.compute(A);
-    // P A Q = L U
-    const Eigen::MatrixXd& LU = cluster.lu.matrixLU();
-    const auto& rows = cluster.lu.permutationP().indices();
-    const auto& columns = cluster.lu.permutationQ().indices();
-    const Eigen::Index n = A.rows();
-    for (Eigen::Index i = 0; i < n; ++i) z(rows(i)) = r(i);
-    for (Eigen::Index i = 0; i < n; ++i)
-        for (Eigen::Index k = 0; k < i; ++k) z(i) -= LU(i, k) * z(k);
-    const double largest = std::abs(LU(0, 0));
-    Eigen::Index rank = 0;
-    while (rank < n && std::abs(LU(rank, rank)) > kNothing * largest) ++rank;
-    for (Eigen::Index i = rank; i-- > 0;) {
-        for (Eigen::Index k = i + 1; k < rank; ++k) z(i) -= LU(i, k) * z(k);
-        z(i) /= LU(i, i);
+    // In units of what damper and spring do over a step a weak damper is a small pivot
+    double largest[2] = {0, 0};
+    for (Eigen::Index i = 0; i < count; ++i) {
+        double& of_half = largest[i / 3 % 2];
+        of_half = std::max(of_half, A(i, i) + h * K(i, i));
     }
-    r.setZero();
-    for (Eigen::Index i = 0; i < rank; ++i) r(columns(i)) = z(i);
+    for (Eigen::Index i = 0; i < count; ++i) {
+        const double size = std::max(A(i, i) + h * K(i, i), kNothing * largest[i / 3 % 2]);
+        d(i) = size > 0 ? 1 / std::sqrt(size) : 1;
+    }
+    for (Eigen::Index i = count; i < A.rows(); ++i) {
+        const double size = A.row(i).head(count).cwiseProduct(d.head(count).transpose()).norm();
+        d(i) = size > 0 ? 1 / size : 1;
+    }
+    A.array().colwise() *= d.array();
+    A.array().rowwise() *= d.transpose().array();
+    K.array().colwise() *= d.head(count).array();
+    K.array().rowwise() *= d.head(count).transpose().array();
+    r.array() *= d.array();
+
+    cluster.lu.compute(A);
+    const Eigen::Index rank = solve_by_rank(cluster.lu, kShortestRelaxation, r, cluster.solution);
+    const Eigen::Index free = A.rows() - rank;
+    if (free > 0) {
+        // r + N z with Nᵀ K (r + N z) = 0; the rest of the matrix is one, so that its size stays
+        find_undamped(cluster.lu, rank, cluster.solution, N);
+        B.setIdentity();
+        for (Eigen::Index i = 0; i < free; ++i) {
+            cluster.solution.head(count).noalias() = K * N.col(i).head(count);
+            for (Eigen::Index k = 0; k < free; ++k) B(k, i) = N.col(k).head(count).dot(cluster.solution.head(count));
+            z(i) = -r.head(count).dot(cluster.solution.head(count));
+        }
+        z.tail(A.rows() - free).setZero();
+        cluster.lu.compute(B);
+        solve_by_rank(cluster.lu, kNothing, z, cluster.solution);
+        r.noalias() += N.leftCols(free) * z.head(free);
+    }
+    r.array() *= d.array();
     for (size_t k = 0; k < cluster.frames.size(); ++k) {
         const size_t i = frames_[cluster.frames[k]];
         corrections[i] = {r.segment<3>(static_cast<Eigen::Index>(6 * k)),
@@ -277,7 +343,7 @@ void MasslessFrames::solve_balance(const Cluster& cluster, std::vector<Twist>& v
     }
     for (size_t k = 0; k < cluster.rigid.size(); ++k) {
         const Row& row = cluster.rigid[k];
-        q[row.index] += scale * r(count + static_cast<Eigen::Index>(k));
+        q[row.index] += r(count + static_cast<Eigen::Index>(k));
     }
 }
 

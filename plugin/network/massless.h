@@ -57,18 +57,20 @@ public:
         Vector6 rate, force;
     };
     /// Finds for the instant at which the joints act as acting(j) says and the frames are `frames`: velocities of the
-    /// massless halves, where dampers balance what else acts there, and forces of the rigid directions on them.
-    /// load(i): on an inner frame at its origin, world.
+    /// massless halves, where dampers balance what else acts there, and forces of the rigid directions on them. Directions
+    /// that no damper holds, or one that relaxes in less than 1e-4 of the step, follow as springs let them.
+    /// load(i): on an inner frame at its origin, world. h: the step [s], 0 where there is none yet.
     /// velocities: of the inner frames, and corrections: what is added to them; q: forces of all rigid directions, in the
     /// joints' order. Both as they are but for what they lack: what no damper and no rigid direction holds keeps its
     /// velocity, and forces that a massless frame only hands on between what has mass stay as they are.
     /// The same finds accelerations, of rates of rates, forces and loads.
     template <class Acts, class Load>
-    void find_instant(const Mechanism& mechanism, const std::vector<Frame>& frames, const Acts& acting, const Load& load,
-                      std::vector<Twist>& velocities, std::vector<Twist>& corrections, std::vector<double>& q) const {
+    void find_instant(const Mechanism& mechanism, double h, const std::vector<Frame>& frames, const Acts& acting,
+                      const Load& load, std::vector<Twist>& velocities, std::vector<Twist>& corrections, std::vector<double>& q) const {
         for (const Cluster& cluster : balances_.clusters) {
             if (!cluster.is_balanced) continue;
             cluster.matrix.setZero();
+            cluster.stiffness.setZero();
             cluster.right_hand_side.setZero();
             for (size_t k = 0; k < cluster.frames.size(); ++k)
                 cluster.right_hand_side.segment<6>(static_cast<Eigen::Index>(6 * k)) = load(frames_[cluster.frames[k]]);
@@ -78,7 +80,7 @@ public:
                                 to = frames[static_cast<size_t>(joint.to())];
                 add_balance(mechanism, cluster, j, joint.pose(from, to), acting(j), q);
             }
-            solve_balance(cluster, velocities, corrections, q);
+            solve_balance(cluster, h, velocities, corrections, q);
         }
     }
 
@@ -101,14 +103,15 @@ private:
         bool is_rigid = false;         ///< altogether: nothing is left for another balance, wherever it goes
         mutable Eigen::VectorXd end, step, half_way;
         // Of find_instant: what is to be added to velocities, 6 per frame, and to the forces of rigid directions
-        mutable Eigen::MatrixXd matrix;
-        mutable Eigen::VectorXd right_hand_side, solution;
+        mutable Eigen::MatrixXd matrix, stiffness;
+        mutable Eigen::VectorXd right_hand_side, solution, scale, follow;
         mutable Eigen::FullPivLU<Eigen::MatrixXd> lu;
+        mutable Eigen::MatrixXd undamped, reduced;  ///< columns: motions that no damper resists; what springs make of them
     };
     int frame_in(const Mechanism& mechanism, const Cluster& cluster, int frame) const;
     void add_balance(const Mechanism& mechanism, const Cluster& cluster, size_t joint, const JointPose& pose,
                      const Acting& acting, const std::vector<double>& q) const;
-    void solve_balance(const Cluster& cluster, std::vector<Twist>& velocities, std::vector<Twist>& corrections,
+    void solve_balance(const Cluster& cluster, double h, std::vector<Twist>& velocities, std::vector<Twist>& corrections,
                        std::vector<double>& q) const;
     /// Of a frame of the mechanism; −1: it is driven, or has none.
     int index_of(const Mechanism& mechanism, int frame) const {

@@ -169,10 +169,10 @@ private:
     struct FrameLoad {
         Vector6 load[3];     ///< at the frame's origin, world, at t_{n+1} (forces off the origin left out), t_n, t_{n−1}
         Vector6 elastic[3];  ///< elastic forces on a massless frame, the same; at t_{n+1} once the step is taken
-        Vector6 settled[2];  ///< ψ of MasslessFrames at t_n and t_{n−1}, axes of the frame
+        Vector6 settled;     ///< ψ of MasslessFrames at t_n, axes of the frame
         FrameLoad() {
             for (Vector6* list : {load, elastic}) std::fill_n(list, 3, Vector6::Zero());
-            std::fill_n(settled, 2, Vector6::Zero());
+            settled.setZero();
         }
     };
     /// A load on a node that is not at its frame's origin.

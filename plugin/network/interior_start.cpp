@@ -235,7 +235,7 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
         const size_t frame = massless_.frames()[i];
         FrameLoad& own = frame_load(frame);
         own.elastic[1] = own.elastic[2] = own.elastic[0];
-        own.settled[0] = own.settled[1] = -in_axes(mechanism.frame(driven_ + static_cast<int>(frame)), own.elastic[0]);
+        own.settled = -in_axes(mechanism.frame(driven_ + static_cast<int>(frame)), own.elastic[0]);
     }
     for (size_t p = 0; p < port_u_.size(); ++p) port_u_[p] = joined(twist(ports[p]));
     port_u_before_ = port_u_;

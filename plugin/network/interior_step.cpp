@@ -253,14 +253,15 @@ void Interior::balance_massless(const Mechanism& mechanism, Solution& solution) 
     }
 }
 
-/// What the elastic forces on a massless frame balance at the end of the step, its axes: ψ + τ ψ' = load, by the second
-/// backward difference. `m`: index into massless_.frames().
+/// What the elastic forces on a massless frame balance at the end of the step, its axes: ψ + τ ψ' = load, exactly for a load
+/// that goes along a line in between. `m`: index into massless_.frames(); load: at the end of the step.
 Vector6 Interior::settled(const Mechanism& mechanism, size_t m, const Vector6& load) const {
     const double relaxation = massless_.relaxation(m) / mechanism.scheme.step_size();
     if (relaxation == 0) return load;
-    const FrameLoad& own = frame_load(massless_.frames()[m]);
-    if (mechanism.steps == 0) return (load + relaxation * own.settled[0]) / (1 + relaxation);
-    return (load + relaxation * (2 * own.settled[0] - 0.5 * own.settled[1])) / (1 + 1.5 * relaxation);
+    const size_t i = massless_.frames()[m];
+    const Vector6 load_now = in_axes(mechanism.frame(driven_ + static_cast<int>(i)), frame_load(i).load[1]);
+    const double relaxed = -std::expm1(-1 / relaxation);
+    return load - relaxation * relaxed * (load - load_now) + (1 - relaxed) * (frame_load(i).settled - load_now);
 }
 
 /// A wrench at a massless frame as its heir takes it, the frames being where they are given.
@@ -707,9 +708,7 @@ void Interior::take_loads(const Mechanism& mechanism) {
         const FrameView end = trial_[f];
         const Vector6 load = load_at_end(static_cast<size_t>(load_of_[i]), end);
         FrameLoad& own = frame_load(i);
-        const Vector6 next = settled(mechanism, m, in_axes(end, load));
-        own.settled[1] = own.settled[0];
-        own.settled[0] = next;
+        own.settled = settled(mechanism, m, in_axes(end, load));
         own.elastic[2] = own.elastic[1];
         own.elastic[1] = own.elastic[0];
     }

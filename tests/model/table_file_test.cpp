@@ -74,6 +74,15 @@ TEST_F(TableFile, ALineOfUnitsConverts) {
         EXPECT_THAT(read().times, ElementsAre(0, 0.5)) << head;
         EXPECT_THAT(read().values, ElementsAre(1000, 2000)) << head;
     }
+    for (const char* head : {"t [ms],F [kN]\n", "time (ms), force (kN)\n", "[ms],[kN]\n"}) {
+        write_load(std::string(head) + "0,1\n500,2\n");
+        EXPECT_THAT(read().times, ElementsAre(0, 0.5)) << head;
+        EXPECT_THAT(read().values, ElementsAre(1000, 2000)) << head;
+    }
+    for (const char* head : {"t [ms],F\n", "t [ms],F [furl]\n", "t,F [kN]\n", "t (measured),F (kN)\n"}) {
+        write_load(std::string(head) + "0,1\n");
+        EXPECT_THAT(fault(), HasSubstr("line 1: the units in brackets are not both of s and N, e.g. \"t [ms],y [N]\"")) << head;
+    }
     for (const char* units : {"s,mm", "kg,N", "s,furl", "s", "s,N,m", "[s],[N]"}) {
         write_load("time,force\n" + std::string(units) + "\n0,1\n");
         EXPECT_THAT(fault(), HasSubstr("line 2: expected numbers, or the units of time and value in s and N, e.g. \"s,N\""))

@@ -293,6 +293,102 @@ force = "=400*t"
     }
 }
 
+/// A massless node between dampers that leave it without damping in y, or a turned one beside an undamped spring.
+std::string partly_damped(const char* turn, const char* first, const char* second, double step) {
+    return fmt::format(R"toml(
+[simulation]
+duration = 0.02
+step = {}
+[nodes]
+mid = {{ position = [0, 0, 0]{} }}
+wall = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+[[body]]
+name = "b"
+mass = 2
+inertia = [0.01, 0.012, 0.015]
+velocity = [0.2, 0.3, -0.1]
+[[load]]
+on = "b"
+direction = [0, 0, 1]
+force = 50
+[[element]]
+name = "s1"
+type = "spring_damper"
+from = "wall"
+to = "mid"
+stiffness = 20000
+damping = {}
+rotational_stiffness = 200
+[[element]]
+name = "s2"
+type = "spring_damper"
+from = "mid"
+to = "b"
+stiffness = [10000, 20000, 30000]
+damping = {}
+rotational_stiffness = 100
+)toml",
+                       step, turn, first, second);
+}
+
+// Oracle: springs in series share the velocity as they share a deflection, 0.3 k2/(k1 + k2) in y; no row has a velocity of
+// its own for a direction that is damped by the tiny turns of the node alone.
+TEST(Instant, WhereNoDamperActsAMasslessNodeFollowsItsSprings) {
+    for (const double step : {1e-3, 1e-4}) {
+        const RecordedRun rows(partly_damped("", "[5, 0, 3]", "[9, 0, 2]", step));
+        for (size_t n = 0; n < rows.count(); ++n)
+            EXPECT_NEAR(rows(n, "mid.velocity.y"), rows(n, "b.velocity.y") / 2, 2e-3) << step << " row " << n;
+    }
+}
+
+// Oracle: continuity; at 1 us the rows resolve how the node relaxes (0.3 ms). The node is turned, one damper acts on it.
+TEST(Instant, TheFirstAccelerationBesideUndampedDirectionsIsThatOfTheNext) {
+    const char* turned = ", rotation = { axis = [1, 2, 3], angle = 1.1 }";
+    double first = 0;
+    for (const double step : {1e-6, 1e-4, 1e-3}) {
+        std::string text = partly_damped(turned, "0", "[5, 0, 0]", step);
+        if (step == 1e-6) text.replace(text.find("0.02"), 4, "1e-5");
+        const RecordedRun rows(text);
+        if (step == 1e-6) {
+            first = rows(0, "mid.acceleration.x");
+            const double next = 2 * rows(1, "mid.acceleration.x") - rows(2, "mid.acceleration.x");
+            EXPECT_NEAR(first, next, 1e-3 * std::abs(first));
+        }
+        EXPECT_NEAR(rows(0, "mid.acceleration.x"), first, 1e-3 * std::abs(first)) << step;
+    }
+}
+
+// Oracle: continuity. A beam whose damping is proportional to its stiffness relaxes under a load that is there at once; every
+// row of its tip goes on from those before, from the first on.
+TEST(Instant, ADampedTipRelaxesFromTheFirstRowOn) {
+    const RecordedRun rows(R"toml(
+[simulation]
+duration = 2e-6
+step = 1e-7
+[nodes]
+root = { position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+tip = [0.73, 0.2, 0]
+[[element]]
+name = "arm"
+type = "beam"
+from = "root"
+to = "tip"
+section = { rectangle = ["13 mm", "21 mm"] }
+material = { E = "71 GPa", poisson = 0.33, density = 2710, stiffness_damping = 2e-5 }
+[[load]]
+on = "tip"
+direction = [0.1, 0.3, -1]
+force = 37
+)toml");
+    const double first = rows(0, "tip.acceleration.z");
+    const double mean = (first + rows(1, "tip.acceleration.z")) / 2;
+    EXPECT_NEAR(rows(0, "tip.velocity.z") + 1e-7 * mean, rows(1, "tip.velocity.z"), 1e-8);
+    for (size_t n = 0; n + 2 < rows.count(); ++n)
+        EXPECT_NEAR(2 * rows(n + 1, "tip.acceleration.z") - rows(n, "tip.acceleration.z"), rows(n + 2, "tip.acceleration.z"),
+                    1e-3 * std::abs(first))
+            << n;
+}
+
 // Oracle: continuity. Of a machine that turns as a whole and whose nodes are apart, the first row goes on from the next two.
 TEST(Instant, TheFirstAccelerationOfATurningMasslessNodeGoesOnFromTheNext) {
     const double h = 2e-6;

@@ -113,7 +113,7 @@ std::string describe(const FastLoad& fast, const Model& model, double step) {
     return fmt::format(
         "{}: load number {} has a part at {:g} Hz, {:.2g} steps per period: at a step of {:g} s its effect is about "
         "{:.2g} "
-        "% too {}{}; use --step \"{:.12g} s\" for 1 %",
+        "% too {}{}, more near a natural frequency; use --step \"{:.12g} s\" for 1 % away from these",
         model.loads[fast.index].place, fast.index + 1, std::round(fast.frequency / digits) * digits, per_period, step,
         100 * std::abs(fast.error), fast.error < 0 ? "small" : "large",
         per_period < 2 ? ", or it is lost between two steps" : "", fast.step);

@@ -54,29 +54,6 @@ bool is_lasting(const Signal& signal, double duration) {
     return std::abs(sum) / (kSamples + 1) > 0.1 * largest;
 }
 
-/// Gravity and lasting loads change the frequencies of what they tension or press: an inverted pendulum on a spring may have
-/// 41 % less.
-void warn_preload(const Model& model, Warnings& warnings) {
-    if (!model.simulation.gravity.isZero(0))
-        warnings.note("gravity-not-in-modes",
-                      "the frequencies are those without gravity: its stiffness, as of a pendulum, is not in them");
-    std::string place;
-    size_t others = 0;
-    for (const Load& load : model.loads) {
-        if (!is_lasting(load.signal, model.simulation.duration)) continue;
-        if (place.empty())
-            place = load.place;
-        else
-            ++others;
-    }
-    if (!place.empty())
-        warnings.note(
-            "load-not-in-modes",
-            fmt::format("{}: the frequencies are those without this lasting load{}: the stiffness of its tension or "
-                        "pressure is not in them",
-                        place, others > 0 ? fmt::format(" and {} more", others) : ""));
-}
-
 Model read(const Request& request, const Plugins& plugins, Warnings& warnings) {
     ModelOverrides overrides = request.overrides;
     overrides.purpose = Purpose::modes;
@@ -209,6 +186,29 @@ void print_modes(const Model& model, const ModalMachine& machine, const std::vec
 std::string to_text(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 }  // namespace
+
+/// Gravity and lasting loads change the frequencies of what they tension or press: an inverted pendulum on a spring may have
+/// 41 % less.
+void warn_preload(const Model& model, Warnings& warnings) {
+    if (!model.simulation.gravity.isZero(0))
+        warnings.note("gravity-not-in-modes",
+                      "the frequencies are those without gravity: its stiffness, as of a pendulum, is not in them");
+    std::string place;
+    size_t others = 0;
+    for (const Load& load : model.loads) {
+        if (!is_lasting(load.signal, model.simulation.duration)) continue;
+        if (place.empty())
+            place = load.place;
+        else
+            ++others;
+    }
+    if (!place.empty())
+        warnings.note(
+            "load-not-in-modes",
+            fmt::format("{}: the frequencies are those without this lasting load{}: the stiffness of its tension or "
+                        "pressure is not in them",
+                        place, others > 0 ? fmt::format(" and {} more", others) : ""));
+}
 
 ExitCode find_modes(const Request& request) {
     const StopSignals signals(StopSignals::First::ends);

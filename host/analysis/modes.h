@@ -4,8 +4,12 @@
 #include "analysis/request.h"
 #include "analysis/sweep_plan.h"
 #include "model/error.h"
+#include "record/warnings.h"
 
 namespace dttmm {
+
+/// Notes what of the model is not in its natural frequencies: gravity and lasting loads.
+void warn_preload(const Model& model, Warnings& warnings);
 
 /// Finds the natural frequencies of a model, prints a table (frequency, multiplicity, modal mass, where it moves most, which
 /// elements hold the strain energy) or one JSON object, and writes modes.csv (the shape at every body, marker and node),

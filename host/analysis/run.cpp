@@ -14,6 +14,7 @@
 #include "analysis/halving.h"
 #include "analysis/load_speed.h"
 #include "analysis/machine_table.h"
+#include "analysis/modes.h"
 #include "analysis/modal_machine.h"
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
@@ -37,6 +38,37 @@ std::vector<FastLoad> warn_loads(const Model& model, const Simulation& simulatio
     std::vector<FastLoad> fast = find_fast_loads(model, simulation, tolerable);
     for (const FastLoad& load : fast) warnings.add("load-too-fast", describe(load, model, simulation.step_size()));
     return fast;
+}
+
+/// Whether an element has a damper: a parameter called so that is not zero.
+bool is_damped(const Element& element, const dttmm_element_type& type) {
+    auto value = element.values.begin();
+    for (uint32_t p = 0; p < type.parameter_count; ++p)
+        for (uint32_t i = 0; i < type.parameters[p].count; ++i, ++value)
+            if (std::string_view(type.parameters[p].name).find("damping") != std::string_view::npos && *value > 0) return true;
+    return false;
+}
+
+/// A node without mass and damper takes its place under a load at once. Where the load is there from the start the node jumps
+/// within the first step, and what the first rows say of its motion is by the length of that step.
+void warn_jumps(const Model& model, const ElementCatalogue& catalogue, Warnings& warnings) {
+    std::vector<bool> is_held(model.nodes.size());
+    for (const Element& element : model.elements) {
+        const dttmm_element_type& type = *catalogue.types[static_cast<size_t>(element.type)];
+        if (type.ends != DTTMM_ENDS_AT && !is_damped(element, type)) continue;
+        for (const Attachment& end : element.ends)
+            if (end.node >= 0) is_held[static_cast<size_t>(end.node)] = true;
+    }
+    for (const Load& load : model.loads) {
+        if (load.on.node < 0 || is_held[static_cast<size_t>(load.on.node)] || load.signal.value(0) == 0) continue;
+        const Node& node = model.nodes[static_cast<size_t>(load.on.node)];
+        if (node.fixed.all()) continue;
+        warnings.add("load-jumps",
+                     fmt::format("{}: at the start this load is {:g} {} on node \"{}\", which has neither mass nor damper: it "
+                                 "jumps within the first step, and its first velocities and accelerations depend on the step. "
+                                 "Let the load rise, or give the node a mass or its elements damping",
+                                 load.place, load.signal.value(0), load.is_moment ? "N m" : "N", node.name));
+    }
 }
 
 /// The channels the model asks for. Throws Error(model_invalid) with the place of the list.
@@ -298,6 +330,7 @@ struct Bench {
           model(prepare(request)),
           simulation(model, plugins),
           selection(selected_channels(model, simulation)) {
+        warn_jumps(model, plugins.catalogue(), warnings);
         if (model.simulation.tolerance)
             halving.emplace(model, plugins, selection);
         else
@@ -485,7 +518,10 @@ void check(const Request& request) {
         print_run(*bench);
     else
         print_parts(model);
-    if (!lowest.empty()) fmt::print("  {}\n", lowest);
+    if (!lowest.empty()) {
+        fmt::print("  {}\n", lowest);
+        warn_preload(model, warnings);
+    }
     fmt::print("{}", describe_machine(model, plugins.catalogue()));
     if (bench) refuse_unstable(bench->simulation, request.force, warnings);
     warnings.print_rest("");

@@ -238,7 +238,42 @@ TEST(WarningsOf, ManyBodiesDoNotFillTheTerminal) {
     EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 51);
     EXPECT_THAT(ended.err, HasSubstr("and 10 more warnings (10 free-body); summary.json has all of them\n"));
     EXPECT_EQ(codes_in(folder / "out/summary.json").size(), 60u);
-    EXPECT_THAT(run_dttmm(folder.path(), {"check", "model.toml"}).err, HasSubstr("and 10 more warnings (10 free-body)\n"));
+    EXPECT_THAT(run_dttmm(folder.path(), {"check", "model.toml"}).err,
+                HasSubstr("and 11 more warnings (10 free-body, 1 load-not-in-modes)\n"));
+}
+
+// A constant force on the free end of a beam. With damping, with a mass, or rising from zero, it is no jump.
+TEST(WarningsOf, ALoadThatIsThereAtOnceOnANodeWithoutMassIsAJump) {
+    const TemporaryFolder folder;
+    const auto codes_of = [&](const char* force, const std::string& damping, const std::string& more) {
+        write_text(folder / "model.toml", fmt::format(R"toml(format = "dttmm/1"
+[simulation]
+duration = 0.01
+step = 1e-4
+[nodes]
+root = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+tip = [0.73, 0.2, 0]
+[[element]]
+name = "arm"
+type = "beam"
+from = "root"
+to = "tip"
+section = {{ rectangle = ["13 mm", "21 mm"] }}
+material = {{ E = "71 GPa", poisson = 0.33, density = 2710{} }}
+[[load]]
+on = "tip"
+direction = [0, 0, 1]
+force = {}
+{})toml",
+                                                      damping, force, more));
+        EXPECT_EQ(run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out"}).code, 0);
+        return codes_in(folder / "out/summary.json");
+    };
+    const std::string mass = "[[element]]\nname = \"m\"\ntype = \"point_mass\"\nat = \"tip\"\nmass = 0.1\n";
+    EXPECT_THAT(codes_of("37", "", ""), testing::Contains("load-jumps"));
+    EXPECT_THAT(codes_of("37", ", stiffness_damping = 2e-5", ""), Not(testing::Contains("load-jumps")));
+    EXPECT_THAT(codes_of("37", "", mass), Not(testing::Contains("load-jumps")));
+    EXPECT_THAT(codes_of("\"=37*sin(60*t)\"", "", ""), Not(testing::Contains("load-jumps")));
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ public:
     };
     /// Finds for the instant at which the joints act as acting(j) says and the frames are `frames`: velocities of the
     /// massless halves, where dampers balance what else acts there, and forces of the rigid directions on them. Directions
-    /// that no damper holds, or one that relaxes in less than 1e-4 of the step, follow as springs let them.
+    /// that no damper holds, or one that is 1e-4 of the strongest, follow as springs let them.
     /// load(i): on an inner frame at its origin, world. h: the step [s], 0 where there is none yet.
     /// velocities: of the inner frames, and corrections: what is added to them; q: forces of all rigid directions, in the
     /// joints' order. Both as they are but for what they lack: what no damper and no rigid direction holds keeps its

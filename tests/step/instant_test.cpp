@@ -341,6 +341,18 @@ TEST(Instant, WhereNoDamperActsAMasslessNodeFollowsItsSprings) {
     }
 }
 
+// Oracle: balance of a node whose dampers relax in a small part of a step in y, as in the directions of larger ones.
+TEST(Instant, WeakDampersBalanceToo) {
+    for (const double share : {2e-4, 3e-2}) {
+        std::string text = damped_node(1e-3);
+        for (const auto& [what, part] : {std::pair("damping = 5", 5. / 14), std::pair("damping = 9", 9. / 14)})
+            text.replace(text.find(what), std::string(what).size(), fmt::format("damping = [900, {}, 800]", part * share * 1e-3 * 30000));
+        const RecordedRun rows(text);
+        for (size_t n = 0; n < rows.count(); ++n)
+            EXPECT_NEAR(rows(n, "s1.force.y"), rows(n, "s2.force.y"), 1e-9 * 3) << share << " row " << n;
+    }
+}
+
 // Oracle: continuity; at 1 us the rows resolve how the node relaxes (0.3 ms). The node is turned, one damper acts on it.
 TEST(Instant, TheFirstAccelerationBesideUndampedDirectionsIsThatOfTheNext) {
     const char* turned = ", rotation = { axis = [1, 2, 3], angle = 1.1 }";

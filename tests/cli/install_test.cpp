@@ -32,7 +32,7 @@ TEST(Install, AMovedTreeRunsAndServesForeignPlugins) {
 
     fs::copy_file(examples + "minimal_plugin/spring.c", folder / "spring.c");
     write_text(folder / "CMakeLists.txt", kForeignProject);
-    ASSERT_EQ(shell("cmake -B build -DCMAKE_PREFIX_PATH=$PWD/moved && cmake --build build"), 0) << read_text(folder / "out");
+    ASSERT_EQ(shell("cmake -G Ninja -B build -DCMAKE_PREFIX_PATH=$PWD/moved && cmake --build build"), 0) << read_text(folder / "out");
     ASSERT_EQ(shell("export PKG_CONFIG_PATH=$(dirname $(find $PWD/moved -name dttmm.pc)); "
                     "cc -shared -fPIC $(pkg-config --cflags dttmm) spring.c -o by_pkg_config.so"),
               0)

@@ -14,7 +14,8 @@ namespace {
 
 using Kind = Option::Kind;
 
-constexpr unsigned kEveryModel = kRun | kCheck | kModes | kFrf | kChannels, kTime = kRun | kCheck, kFrequency = kModes | kFrf;
+constexpr unsigned kEveryModel = kRun | kCheck | kModes | kFrf | kChannels, kTime = kRun | kCheck,
+                   kFrequency = kModes | kFrf;
 
 void set_parameter(Request& request, const std::string& text) {
     const size_t equals = text.find('=');

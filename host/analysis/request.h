@@ -43,16 +43,16 @@ struct Request {
 /// The commands, as bits.
 enum Command : unsigned { kRun = 1, kCheck = 2, kModes = 4, kFrf = 8, kElements = 16, kChannels = 32 };
 
-/// An option of the command line. The commands, the words of a sweep's cases and what decides whether a case is run again all
-/// come from the one table of options().
+/// An option of the command line. The commands, the words of a sweep's cases and what decides whether a case is run again
+/// all come from the one table of options().
 struct Option {
     enum class Kind : unsigned char { text, list, number, flag };
-    const char* names;      ///< "-o,--output"; the last is the one that messages and files use
-    Kind kind;              ///< a list may be given several times
-    unsigned commands;      ///< that have it
+    const char* names;  ///< "-o,--output"; the last is the one that messages and files use
+    Kind kind;          ///< a list may be given several times
+    unsigned commands;  ///< that have it
     const char* help;
-    bool reaches_cases;     ///< handed to the process of every case of a sweep
-    bool changes_results;   ///< a case with another value of it is run again
+    bool reaches_cases;    ///< handed to the process of every case of a sweep
+    bool changes_results;  ///< a case with another value of it is run again
     void (*apply)(Request& request, const std::string& value);
     bool is_required = false;
     int least = 0, most = 0;  ///< of a number

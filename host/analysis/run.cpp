@@ -14,8 +14,8 @@
 #include "analysis/halving.h"
 #include "analysis/load_speed.h"
 #include "analysis/machine_table.h"
-#include "analysis/modes.h"
 #include "analysis/modal_machine.h"
+#include "analysis/modes.h"
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
 #include "coupling/stability.h"
@@ -45,12 +45,13 @@ bool is_damped(const Element& element, const dttmm_element_type& type) {
     auto value = element.values.begin();
     for (uint32_t p = 0; p < type.parameter_count; ++p)
         for (uint32_t i = 0; i < type.parameters[p].count; ++i, ++value)
-            if (std::string_view(type.parameters[p].name).find("damping") != std::string_view::npos && *value > 0) return true;
+            if (std::string_view(type.parameters[p].name).find("damping") != std::string_view::npos && *value > 0)
+                return true;
     return false;
 }
 
-/// A node without mass and damper takes its place under a load at once. Where the load is there from the start the node jumps
-/// within the first step, and what the first rows say of its motion is by the length of that step.
+/// A node without mass and damper takes its place under a load at once. Where the load is there from the start the node
+/// jumps within the first step, and what the first rows say of its motion is by the length of that step.
 void warn_jumps(const Model& model, const ElementCatalogue& catalogue, Warnings& warnings) {
     std::vector<bool> is_held(model.nodes.size());
     for (const Element& element : model.elements) {
@@ -63,11 +64,12 @@ void warn_jumps(const Model& model, const ElementCatalogue& catalogue, Warnings&
         if (load.on.node < 0 || is_held[static_cast<size_t>(load.on.node)] || load.signal.value(0) == 0) continue;
         const Node& node = model.nodes[static_cast<size_t>(load.on.node)];
         if (node.fixed.all()) continue;
-        warnings.add("load-jumps",
-                     fmt::format("{}: at the start this load is {:g} {} on node \"{}\", which has neither mass nor damper: it "
-                                 "jumps within the first step, and its first velocities and accelerations depend on the step. "
-                                 "Let the load rise, or give the node a mass or its elements damping",
-                                 load.place, load.signal.value(0), load.is_moment ? "N m" : "N", node.name));
+        warnings.add(
+            "load-jumps",
+            fmt::format("{}: at the start this load is {:g} {} on node \"{}\", which has neither mass nor damper: it "
+                        "jumps within the first step, and its first velocities and accelerations depend on the step. "
+                        "Let the load rise, or give the node a mass or its elements damping",
+                        load.place, load.signal.value(0), load.is_moment ? "N m" : "N", node.name));
     }
 }
 

@@ -127,7 +127,8 @@ void describe_channels(const Recorder& recorder, const Wanted& wanted, const Tel
 
 void write_channels(JsonWriter& out, const char* section, const Recorder& recorder, const Wanted& wanted) {
     out.object(section, [&] {
-        describe_channels(recorder, wanted, [&](std::string_view owner, const Json& quantities) { out.member(owner, quantities); });
+        describe_channels(recorder, wanted,
+                          [&](std::string_view owner, const Json& quantities) { out.member(owner, quantities); });
     });
 }
 
@@ -143,9 +144,8 @@ Wanted is_force_of(const auto& things) {
 /// Forces and moments of the joints, with the angle or travel of each that has one.
 Json describe_joints(const Recorder& recorder, const Model& model) {
     Json joints = Json::object();
-    describe_channels(recorder, is_force_of(model.joints), [&](std::string_view owner, Json quantities) {
-        joints[std::string(owner)] = std::move(quantities);
-    });
+    describe_channels(recorder, is_force_of(model.joints),
+                      [&](std::string_view owner, Json quantities) { joints[std::string(owner)] = std::move(quantities); });
     for (size_t c = 1; c < recorder.channels().size(); ++c) {
         const std::string& name = recorder.channels()[c].name;
         const size_t dot = name.rfind('.');
@@ -227,13 +227,13 @@ void write_model(JsonWriter& out, const Model& model, const ElementCatalogue& ca
     const bool is_implicit = model.simulation.coupling == Coupling::implicit;
     Json joints = Json::object(), loads = Json::array(), parameters = Json::object();
     for (const Joint& joint : model.joints) {
-        Json& told =
+        Json& entry =
             joints[joint.name] = {{"type", joint_type_name(joint.type)},
                                   {"between", {name_of(model, {joint.first, -1}), name_of(model, {joint.second, -1})}},
                                   {"anchor", vector_json(joint.anchor)},
                                   {"axis", vector_json(joint.axis)}};
-        if (joint.type == JointType::universal) told["axis2"] = vector_json(joint.axis2);
-        if (joint.limits) told["limits"] = *joint.limits;
+        if (joint.type == JointType::universal) entry["axis2"] = vector_json(joint.axis2);
+        if (joint.limits) entry["limits"] = *joint.limits;
     }
     for (const Load& load : model.loads)
         loads.push_back({{"on", name_of(model, load.on)},
@@ -286,7 +286,7 @@ Json describe_inputs(const Model& model, const Request& request) {
             if (option == &one && one.changes_results) given[one.name()].push_back(value);
     for (const std::filesystem::path& file : model.files) files[file.string()] = digest_of(file);
     for (const std::string& plugin : request.plugins) plugins[plugin] = digest_of(plugin);
-    return {{"model_text", model.source}, {"options", given},          {"files", files},
+    return {{"model_text", model.source}, {"options", given},         {"files", files},
             {"plugins", plugins},         {"version", DTTMM_VERSION}, {"build", digest_of_build()}};
 }
 

@@ -26,9 +26,9 @@ Json describe_warnings(const Warnings& warnings);
 /// file has them.
 void write_model(JsonWriter& out, const Model& model, const ElementCatalogue& catalogue);
 
-/// Members of a run's summary.json: status, warnings, inputs, versions, step count and time per step, coupling, omega*h, energy,
-/// peak and final values of every element, joint and marker, the resolved model. `simulation` is the run whose results are
-/// kept; `halving`, of a run to a tolerance, says what stands behind them, else null.
+/// Members of a run's summary.json: status, warnings, inputs, versions, step count and time per step, coupling, omega*h,
+/// energy, peak and final values of every element, joint and marker, the resolved model. `simulation` is the run whose
+/// results are kept; `halving`, of a run to a tolerance, says what stands behind them, else null.
 void write_run(JsonWriter& out, const Model& model, const Request& request, const Plugins& plugins,
                const Simulation& simulation, const Recorder& recorder, const Outcome& outcome, const Halving* halving,
                const Warnings& warnings);

@@ -69,7 +69,8 @@ void add_option(CLI::App& command, const Option& option, Request& request) {
     CLI::Option* added = nullptr;
     switch (option.kind) {
         case Option::Kind::flag:
-            added = command.add_flag_callback(option.names, [take] { take(""); }, option.help);
+            added = command.add_flag_callback(
+                option.names, [take] { take(""); }, option.help);
             break;
         case Option::Kind::number:
             added = command.add_option_function<int>(

@@ -40,8 +40,8 @@ public:
     /// Adds the mean of the wrenches at the two ends of the open step, with the lever arms of its start.
     void add_mean(const std::vector<BodyState>& now, double* wrenches) const { add(now, &Magnitude::mean, wrenches); }
 
-    /// Work of the loads on bodies (without gravity) over the open step [J], mean load times displacement: exact for Newmark's
-    /// rule. `now`: poses at its start; `after`: at its end, with the velocities over it.
+    /// Work of the loads on bodies (without gravity) over the open step [J], mean load times displacement: exact for
+    /// Newmark's rule. `now`: poses at its start; `after`: at its end, with the velocities over it.
     double work_over_step(const std::vector<BodyState>& now, const std::vector<BodyState>& after, double h) const;
 
 private:

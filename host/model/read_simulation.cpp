@@ -132,8 +132,9 @@ Eigen::Vector3d read_gravity(const TableReader& table) {
 void read_channels(const TableReader& table, OutputSettings& settings) {
     const TomlMember* channels = table.find("channels");
     if (!channels) return;
-    const bool is_list = channels->value.is_array() && std::all_of(channels->value.items.begin(), channels->value.items.end(),
-                                                                   [](const auto& item) { return item.is_text(); });
+    const bool is_list =
+        channels->value.is_array() && std::all_of(channels->value.items.begin(), channels->value.items.end(),
+                                                  [](const auto& item) { return item.is_text(); });
     if (!is_list)
         table.error(channels->value.place, "channels must be a list of texts, e.g. [\"bolt*.force\", \"plate.position\"]");
     for (const TomlValue& item : channels->value.items) settings.channels.push_back(item.string);
@@ -192,14 +193,17 @@ OutputSettings read_output(const TableReader& file, const SimulationSettings& si
     const auto step = reader.read(setting, "s", kPositive);
     if (!step) return settings;
     settings.step = *step;
-    const auto fail = [&](const std::string& text) { file.context().diagnostics.error(setting->value.place, setting->what + " " + text); };
+    const auto fail = [&](const std::string& text) {
+        file.context().diagnostics.error(setting->value.place, setting->what + " " + text);
+    };
     if (simulation.step > 0) {
         const double every = *step / simulation.step;
         if (!is_whole(every) || every < 0.5) {
             const double below = std::max(std::floor(every), 1.0) * simulation.step;
-            fail(fmt::format("must be a whole multiple of the time step ({}), got {}; {} or {} would fit, "
-                             "or leave it out to record every step",
-                             seconds(simulation.step), seconds(*step), seconds(below), seconds(below + simulation.step)));
+            fail(
+                fmt::format("must be a whole multiple of the time step ({}), got {}; {} or {} would fit, "
+                            "or leave it out to record every step",
+                            seconds(simulation.step), seconds(*step), seconds(below), seconds(below + simulation.step)));
             return settings;
         }
         if (every > 1e9) {

@@ -146,8 +146,8 @@ TimeTable read_table_file(const fs::path& folder, const std::string& name, std::
             const std::string bracketed = may_be_heading ? units_in_heading(content) : "";
             const auto units = parse_units(bracketed.empty() ? content : bracketed, unit);
             if (!bracketed.empty() && !units)
-                fail(name, fmt::format("line {}: the units in brackets are not both of s and {}, e.g. \"t [ms],y [{}]\"", number,
-                                       unit, unit));
+                fail(name, fmt::format("line {}: the units in brackets are not both of s and {}, e.g. \"t [ms],y [{}]\"",
+                                       number, unit, unit));
             if (units) {
                 scale = *units;
                 may_be_units = false;

@@ -184,10 +184,10 @@ Handle Hdf5Writer::Implementation::create_dataset(const Channel& channel) const 
 /// A dataset whose rows are all there: no index of chunks, which takes most of the time and space of a short one.
 void Hdf5Writer::Implementation::write_whole(const Channel& channel, const double* values) const {
     const Handle space(H5Screate_simple(1, &rows_waiting_, nullptr), &H5Sclose);
-    Handle dataset(
-        check(H5Dcreate2(file_, channel.name.c_str(), H5T_NATIVE_DOUBLE, space, settings_.link, settings_.whole, H5P_DEFAULT),
-              "cannot write"),
-        &H5Dclose);
+    Handle dataset(check(H5Dcreate2(file_, channel.name.c_str(), H5T_NATIVE_DOUBLE, space, settings_.link, settings_.whole,
+                                    H5P_DEFAULT),
+                         "cannot write"),
+                   &H5Dclose);
     write_attribute(dataset, "unit", channel.unit);
     if (rows_waiting_ > 0)
         check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), "cannot write");

@@ -23,8 +23,7 @@ std::vector<Channel> pick(std::span<const Channel> all, const std::vector<int>& 
 
 }  // namespace
 
-Recorder::Recorder(std::span<const Channel> all)
-    : channels_(all), statistics_(static_cast<Eigen::Index>(channels_.size())) {
+Recorder::Recorder(std::span<const Channel> all) : channels_(all), statistics_(static_cast<Eigen::Index>(channels_.size())) {
     check_channels(channels_);
 }
 

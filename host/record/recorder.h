@@ -34,10 +34,10 @@ class Recorder {
 public:
     enum class Rows : unsigned char { plain, estimated };
 
-    /// all: outlive the recorder; selection: indices into them as select_channels gives them; rows: which of the two ways they
-    /// come. Throws Error(input_output), or Error(internal_error) for channels that check_channels refuses.
-    Recorder(const ResultsFolder& folder, std::span<const Channel> all, std::vector<int> selection, const Attributes& attributes,
-             Rows rows = Rows::plain);
+    /// all: outlive the recorder; selection: indices into them as select_channels gives them; rows: which of the two ways
+    /// they come. Throws Error(input_output), or Error(internal_error) for channels that check_channels refuses.
+    Recorder(const ResultsFolder& folder, std::span<const Channel> all, std::vector<int> selection,
+             const Attributes& attributes, Rows rows = Rows::plain);
     /// Statistics only: nothing is written.
     explicit Recorder(std::span<const Channel> all);
 

@@ -213,26 +213,27 @@ void Interior::choose_heirs(const Mechanism& mechanism) {
         if (!is_inner(frame)) return frame < ports_;
         return massless_.index_of(at(frame)) < 0;
     };
-    std::vector<int> heir(mechanism.frames.size(), -1);
-    for (size_t f = 0; f < heir.size(); ++f)
-        if (inherits(static_cast<int>(f))) heir[f] = static_cast<int>(f);
+    std::vector<int> receiver(mechanism.frames.size(), -1);
+    for (size_t f = 0; f < receiver.size(); ++f)
+        if (inherits(static_cast<int>(f))) receiver[f] = static_cast<int>(f);
     for (bool grows = true; grows;) {
         grows = false;
         for (const Joint& joint : mechanism.joints) {
-            int &a = heir[static_cast<size_t>(joint.from())], &b = heir[static_cast<size_t>(joint.to())];
+            int &a = receiver[static_cast<size_t>(joint.from())], &b = receiver[static_cast<size_t>(joint.to())];
             if ((a < 0) == (b < 0)) continue;
             (a < 0 ? a : b) = std::max(a, b);
             grows = true;
         }
     }
-    for (int f = driven_; f < driven_ + count_; ++f) heirs_.push_back(inherits(f) ? -1 : heir[static_cast<size_t>(f)]);
+    for (int f = driven_; f < driven_ + count_; ++f)
+        receivers_.push_back(inherits(f) ? -1 : receiver[static_cast<size_t>(f)]);
 }
 
-/// What the ports feel: their own joints, and those of the frames whose heirs they are.
+/// What the ports feel: their own joints, and those of the frames whose receivers they are.
 void Interior::choose_near(const Mechanism& mechanism) {
     std::vector<bool> at_port(mechanism.frames.size(), false);
     for (int f = 0; f < static_cast<int>(at_port.size()); ++f) {
-        const bool is_estate = is_inner(f) && heirs_[at(f)] >= 0 && heirs_[at(f)] < ports_;
+        const bool is_estate = is_inner(f) && receivers_[at(f)] >= 0 && receivers_[at(f)] < ports_;
         if (f >= ports_ && !is_estate) continue;
         at_port[static_cast<size_t>(f)] = true;
         port_frames_.push_back(f);
@@ -534,10 +535,10 @@ Twist Interior::newmark_momentum(const Mechanism& mechanism) const {
         Joint::add_wrench(earlier, before[a].data(), before[b].data());
     }
     for (size_t i : massless_.frames()) {
-        if (!is_inner(heirs_[i])) continue;
-        const auto f = static_cast<size_t>(driven_) + i, heir = static_cast<size_t>(heirs_[i]);
-        now[heir] += passed_to_heir(mechanism.frames, i, massless_part(i, now[f]));
-        before[heir] += passed_to_heir(mechanism.before, i, massless_part(i, before[f]));
+        if (!is_inner(receivers_[i])) continue;
+        const auto f = static_cast<size_t>(driven_) + i, receiver = static_cast<size_t>(receivers_[i]);
+        now[receiver] += passed_on(mechanism.frames, i, massless_part(i, now[f]));
+        before[receiver] += passed_on(mechanism.before, i, massless_part(i, before[f]));
     }
     const double h = mechanism.scheme.step_size(), beta = mechanism.scheme.elastic_weight(0);
     Twist total;

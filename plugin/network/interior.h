@@ -46,12 +46,12 @@ namespace dttmm {
 /// to converge: the host is told to come again. A step of small vibrations takes two passes or three, whatever the number of
 /// frames.
 ///
-/// What a massless frame leaves unbalanced over a step by its own rule (MasslessFrames) its heir takes over, a frame nearby
-/// with a mass, so that no momentum is lost: force and moment about where the frame is at t_n, in the equations of the
-/// motion and in the momentum alike. (Once the momentum had, in place of that, the elastic force on the frame with the lever
-/// arms l of its own instants. Under a lasting load P on a node at the end of a beam that force is −P at every instant, so
-/// the moment on the last lump was l_n × P in the momentum and (l_{n+1} + 2 l_n + l_{n−1})/4 × P in the motion. With θ the
-/// turn of the lump and g = P l its stiffness by the load that is
+/// What a massless frame leaves unbalanced over a step by its own rule (MasslessFrames) its receiver takes over, a frame
+/// nearby with a mass, so that no momentum is lost: force and moment about where the frame is at t_n, in the equations of
+/// the motion and in the momentum alike. (Once the momentum had, in place of that, the elastic force on the frame with the
+/// lever arms l of its own instants. Under a lasting load P on a node at the end of a beam that force is −P at every
+/// instant, so the moment on the last lump was l_n × P in the momentum and (l_{n+1} + 2 l_n + l_{n−1})/4 × P in the motion.
+/// With θ the turn of the lump and g = P l its stiffness by the load that is
 ///     J (θ_{n+1} − 2θ_n + θ_{n−1})/h² = −g (θ_{n+1} + θ_n + 3θ_{n−1} − θ_{n−2})/4
 /// in place of (θ_{n+1} + 2θ_n + θ_{n−1})/4: not symmetric in time, a negative damping in proportion to P, and a bar at rest
 /// under a pull began to swing.)
@@ -270,7 +270,7 @@ private:
     void form_residuals(const Mechanism& mechanism, Solution& solution) const;
     void balance_massless(const Mechanism& mechanism, Solution& solution) const;
     Vector6 settled(const Mechanism& mechanism, size_t massless, const Vector6& load) const;
-    Vector6 passed_to_heir(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const;
+    Vector6 passed_on(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const;
     double correct(const Elimination& matrix, Solution& solution) const;
     bool may_be_rough(double correction, const Solution& solution) const;
     bool is_good_enough(double correction, double residual, const Solution& solution) const;
@@ -336,7 +336,7 @@ private:
     std::vector<double> reach_;        ///< of a frame's joints from its origin [m], at least its radius of gyration
     std::vector<double> turn_weight_;  ///< its square, and 1 by that: what makes one size of linear and angular motion, and
     std::vector<double> spin_weight_;  ///< of linear and angular momentum; 0: nothing reaches out
-    std::vector<int> heirs_;           ///< frame nearby that takes over what a massless one leaves unbalanced; −1: none
+    std::vector<int> receivers_;       ///< frame nearby that takes over what a massless one leaves unbalanced; −1: none
     std::vector<int> inner_nodes_;     ///< nodes of the description that loads and motions go by
     /// How a node is to start.
     struct Given {
@@ -352,7 +352,7 @@ private:
         Matrix6 at[2];
     };
     std::vector<Columns> near_columns_;    ///< of their deformation by either frame, when the matrix was formed
-    std::vector<int> port_frames_;         ///< the ports, and massless frames whose heirs they are
+    std::vector<int> port_frames_;         ///< the ports, and massless frames whose receivers they are
     std::vector<size_t> rigid_joints_;     ///< joints with rigid directions
     std::vector<int> rigid_index_;         ///< of every joint among them; −1: it has none
     std::vector<size_t> settling_joints_;  ///< joints of massless frames
@@ -373,8 +373,8 @@ private:
     std::vector<Twist> start_accelerations_;  ///< of the ports
     std::vector<Vector6> wrench_rates_;       ///< on the inner frames, known ones
     std::vector<double> rigid_rates_;         ///< of forces of rigid directions
-    std::vector<Matrix3> inverse_moments_;  ///< of inertia, axes of the frames; zero where there is none
-    std::vector<double> rigid_at_start_;    ///< forces of the rigid directions then
+    std::vector<Matrix3> inverse_moments_;    ///< of inertia, axes of the frames; zero where there is none
+    std::vector<double> rigid_at_start_;      ///< forces of the rigid directions then
 
     PastMotion past_;
     std::vector<Vector6> momenta_;  ///< over the step before t_n, world

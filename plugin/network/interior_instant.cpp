@@ -81,10 +81,10 @@ MasslessFrames::Acting Interior::rate_of_force(const Mechanism& mechanism, size_
     Vector6 other;
     other << joint.translation_half().stiffness.cwiseProduct(head(rate)) + w.cross(head(f)),
         joint.rotation_half().stiffness.cwiseProduct(tail(rate)) + w.cross(tail(f));
-    return {mechanism.states[j].theta_before,
-            joint.acceleration(from, from_velocity, acceleration_of(joint.from()), to, to_velocity,
-                               acceleration_of(joint.to())),
-            other};
+    return {
+        mechanism.states[j].theta_before,
+        joint.acceleration(from, from_velocity, acceleration_of(joint.from()), to, to_velocity, acceleration_of(joint.to())),
+        other};
 }
 
 Vector6 Interior::rigid_force(const Mechanism& mechanism, size_t j) const {

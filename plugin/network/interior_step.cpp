@@ -221,7 +221,7 @@ void Interior::form_residuals(const Mechanism& mechanism, Solution& solution) co
 }
 
 /// Puts in place of what massless frames lack over the step what they lack by their own rule; the difference goes to their
-/// heirs.
+/// receivers.
 void Interior::balance_massless(const Mechanism& mechanism, Solution& solution) const {
     const double h = mechanism.scheme.step_size();
     const std::vector<size_t>& frames = massless_.frames();
@@ -242,14 +242,14 @@ void Interior::balance_massless(const Mechanism& mechanism, Solution& solution) 
     massless_.combine(massless_residuals_);
     for (size_t m = 0; m < frames.size(); ++m) {
         const size_t i = frames[m];
-        const int heir = heirs_[i];
+        const int receiver = receivers_[i];
         const Vector6 left = solution.change[i] - massless_residuals_[m].step;
         solution.change[i] = massless_residuals_[m].step;
-        if (!is_inner(heir)) continue;
+        if (!is_inner(receiver)) continue;
         const RowMajor3 R = mechanism.frame(driven_ + static_cast<int>(i)).axes();
         Vector6 world;
         world << R * head(left), R * tail(left);
-        solution.change[at(heir)] += in_axes(mechanism.frame(heir), passed_to_heir(mechanism.frames, i, world));
+        solution.change[at(receiver)] += in_axes(mechanism.frame(receiver), passed_on(mechanism.frames, i, world));
     }
 }
 
@@ -264,11 +264,11 @@ Vector6 Interior::settled(const Mechanism& mechanism, size_t m, const Vector6& l
     return load - relaxation * relaxed * (load - load_now) + (1 - relaxed) * (frame_load(i).settled - load_now);
 }
 
-/// A wrench at a massless frame as its heir takes it, the frames being where they are given.
-Vector6 Interior::passed_to_heir(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const {
+/// A wrench at a massless frame as its receiver takes it, the frames being where they are given.
+Vector6 Interior::passed_on(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const {
     const auto origin = [&](int f) { return FrameView(frames[static_cast<size_t>(f)]).origin(); };
     Vector6 wrench = left;
-    wrench.tail<3>() += Vector3(origin(driven_ + static_cast<int>(frame)) - origin(heirs_[frame])).cross(head(left));
+    wrench.tail<3>() += Vector3(origin(driven_ + static_cast<int>(frame)) - origin(receivers_[frame])).cross(head(left));
     return wrench;
 }
 
@@ -552,8 +552,8 @@ void Interior::evaluate(const Mechanism& mechanism, std::span<const FrameView> p
     for (int frame : port_frames_) {
         if (!is_inner(frame)) continue;
         place(mechanism, at(frame), motion_of(at(frame), solution));
-        wrench_[static_cast<size_t>(heirs_[at(frame)])] +=
-            passed_to_heir(mechanism.frames, at(frame), estate(mechanism, at(frame), trial_[static_cast<size_t>(frame)]));
+        wrench_[static_cast<size_t>(receivers_[at(frame)])] +=
+            passed_on(mechanism.frames, at(frame), estate(mechanism, at(frame), trial_[static_cast<size_t>(frame)]));
     }
     for (int p = 0; p < ports_; ++p) Eigen::Map<Vector6>{wrench + 6 * p} = wrench_[static_cast<size_t>(p)];
 }
@@ -666,18 +666,18 @@ void Interior::take_forces(Mechanism& mechanism, const Solution& solution) {
     }
 }
 
-/// Moves the momenta on by the forces over the step and gives to the heirs what massless frames leave; the motion with its
-/// memory likewise.
+/// Moves the momenta on by the forces over the step and gives to the receivers what massless frames leave; the motion with
+/// its memory likewise.
 void Interior::take_momenta(const Mechanism& mechanism) {
     const double h = mechanism.scheme.step_size();
     const auto first = static_cast<size_t>(driven_);
     for (size_t i : massless_.frames()) {
-        const int heir = heirs_[i];
-        if (!is_inner(heir)) continue;
-        Vector6 force = passed_to_heir(mechanism.frames, i, estate(mechanism, i, trial_[first + i]));
+        const int receiver = receivers_[i];
+        if (!is_inner(receiver)) continue;
+        Vector6 force = passed_on(mechanism.frames, i, estate(mechanism, i, trial_[first + i]));
         for (int half : {0, 1})
-            if (massless_.is_massless(at(heir), half)) force.segment<3>(3 * half).setZero();
-        momenta_[at(heir)] += h * force;
+            if (massless_.is_massless(at(receiver), half)) force.segment<3>(3 * half).setZero();
+        momenta_[at(receiver)] += h * force;
     }
     for (size_t k = 0; k < loaded_.size(); ++k)
         wrench_[first + loaded_[k]] += load_over_step(mechanism.scheme, k, trial_[first + loaded_[k]]);

@@ -180,7 +180,7 @@ JointForce Joint::damping_half_way(Ends trial, Ends now, double h, const JointSt
 }
 
 [[gnu::flatten]] void Joint::advance(const Scheme& scheme, Ends next, Ends now, JointState& state, DamperState* damper,
-                    JointForce* force) const {
+                                     JointForce* force) const {
     const JointPose at_end = pose(next);
     const Strained end = strain(next, at_end);
     if (force) *force = weigh(scheme, end, at_end, state, damper);

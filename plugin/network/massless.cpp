@@ -14,16 +14,17 @@ namespace {
 
 /// Share of a unit force below which it is one of those before.
 constexpr double kDependent = 1e-6;
-/// A direction is damped if its pivot is more than this share of the largest, in units of c + h k, what damper and spring do over
-/// a step. One that is undamped but for a small turn θ of its frames has θ² of the damping, and would get any velocity. Values
-/// from 1e-6 to 1e-4 pass the tests of rows; without it one fails, with 1e-2 another.
+/// A direction is damped if its pivot is more than this share of the largest, in units of c + h k, what damper and spring do
+/// over a step. One that is undamped but for a small turn θ of its frames has θ² of the damping, and would get any velocity.
+/// Values from 1e-6 to 1e-4 pass the tests of rows; without it one fails, with 1e-2 another.
 constexpr double kLeastDamping = 1e-4;
 /// Ratios of damping to stiffness that differ by less are one.
 constexpr double kSameRatio = 1e-9;
 
 /// x of P A Q = L U with the right-hand side r, by the pivots above `least` of the largest; the rest of x is zero. Returns
 /// their number.
-Eigen::Index solve_by_rank(const Eigen::FullPivLU<Eigen::MatrixXd>& lu, double least, Eigen::VectorXd& r, Eigen::VectorXd& z) {
+Eigen::Index solve_by_rank(const Eigen::FullPivLU<Eigen::MatrixXd>& lu, double least, Eigen::VectorXd& r,
+                           Eigen::VectorXd& z) {
     const Eigen::MatrixXd& LU = lu.matrixLU();
     const auto& rows = lu.permutationP().indices();
     const auto& columns = lu.permutationQ().indices();
@@ -236,8 +237,8 @@ int MasslessFrames::frame_in(const Mechanism& mechanism, const Cluster& cluster,
     return balances_.begin[static_cast<size_t>(i)] / 6;
 }
 
-/// Of a joint with f = E + c r + q, r its rate and E what else it does: −Σ Gᵀ f + load = 0 on every frame, and no rate in rigid directions. The
-/// unknowns are what is to be added to the velocities and to q.
+/// Of a joint with f = E + c r + q, r its rate and E what else it does: −Σ Gᵀ f + load = 0 on every frame, and no rate in
+/// rigid directions. The unknowns are what is to be added to the velocities and to q.
 void MasslessFrames::add_balance(const Mechanism& mechanism, const Cluster& cluster, size_t j, const JointPose& pose,
                                  const Acting& acting, const std::vector<double>& q) const {
     const Joint& joint = mechanism.joints[j];

@@ -66,7 +66,8 @@ public:
     /// The same finds accelerations, of rates of rates, forces and loads.
     template <class Acts, class Load>
     void find_instant(const Mechanism& mechanism, double h, const std::vector<Frame>& frames, const Acts& acting,
-                      const Load& load, std::vector<Twist>& velocities, std::vector<Twist>& corrections, std::vector<double>& q) const {
+                      const Load& load, std::vector<Twist>& velocities, std::vector<Twist>& corrections,
+                      std::vector<double>& q) const {
         for (const Cluster& cluster : balances_.clusters) {
             if (!cluster.is_balanced) continue;
             cluster.matrix.setZero();

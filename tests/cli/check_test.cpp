@@ -86,7 +86,8 @@ TEST(Check, ShowsTheAxesThatAnElementHas) {
         "\n[[body]]\nname = \"block\"\nmass = 6\ninertia = [1, 1, 1]\nposition = [0.4, 0, 0]\n"
         "markers.turned = { position = [0, 0, 0], rotation = { axis = [0, 0, 1], angle = \"90 deg\" } }\n"
         "[[element]]\nname = \"tie\"\ntype = \"spring_damper\"\nfrom = \"ground\"\nto = \"block.turned\"\nstiffness = 5e4\n";
-    EXPECT_THAT(check(kSmallModel + turned).out, HasSubstr("tie         spring_damper  x along (0, 1, 0) of its `from` end\n"));
+    EXPECT_THAT(check(kSmallModel + turned).out,
+                HasSubstr("tie         spring_damper  x along (0, 1, 0) of its `from` end\n"));
     EXPECT_THAT(check(kSmallModel + turned + "axes = { axis = [0, 1, 0], angle = \"90 deg\" }\n").out,
                 HasSubstr("tie         spring_damper  x along (0, 0, -1) of its `from` end\n"));
 }

@@ -24,7 +24,8 @@ TEST(Install, AMovedTreeRunsAndServesForeignPlugins) {
     const auto shell = [&](const std::string& words) {
         return std::system(fmt::format("cd {} && {} > out 2>&1", folder.path().string(), words).c_str());
     };
-    ASSERT_EQ(shell("cmake --install " DTTMM_BINARY_DIR " --prefix there && mv there moved"), 0) << read_text(folder / "out");
+    ASSERT_EQ(shell("cmake --install " DTTMM_BINARY_DIR " --prefix there && mv there moved"), 0)
+        << read_text(folder / "out");
     const std::string examples = DTTMM_SOURCE_DIR "/examples/";
     EXPECT_EQ(shell("moved/bin/dttmm run -q " + examples + "four_bolt_plate/model.toml -o plate"), 0)
         << read_text(folder / "out");
@@ -32,13 +33,15 @@ TEST(Install, AMovedTreeRunsAndServesForeignPlugins) {
 
     fs::copy_file(examples + "minimal_plugin/spring.c", folder / "spring.c");
     write_text(folder / "CMakeLists.txt", kForeignProject);
-    ASSERT_EQ(shell("cmake -G Ninja -B build -DCMAKE_PREFIX_PATH=$PWD/moved && cmake --build build"), 0) << read_text(folder / "out");
+    ASSERT_EQ(shell("cmake -G Ninja -B build -DCMAKE_PREFIX_PATH=$PWD/moved && cmake --build build"), 0)
+        << read_text(folder / "out");
     ASSERT_EQ(shell("export PKG_CONFIG_PATH=$(dirname $(find $PWD/moved -name dttmm.pc)); "
                     "cc -shared -fPIC $(pkg-config --cflags dttmm) spring.c -o by_pkg_config.so"),
               0)
         << read_text(folder / "out");
     for (const char* plugin : {"build/libby_cmake.so", "./by_pkg_config.so"})
-        EXPECT_EQ(shell(fmt::format("moved/bin/dttmm run -q {}minimal_plugin/model.toml --plugin {} -o own", examples, plugin)), 0)
+        EXPECT_EQ(
+            shell(fmt::format("moved/bin/dttmm run -q {}minimal_plugin/model.toml --plugin {} -o own", examples, plugin)), 0)
             << plugin << ": " << read_text(folder / "out");
 }
 

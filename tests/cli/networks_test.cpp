@@ -87,7 +87,8 @@ TEST(Frames, TheFrameThatIsChangedBelowRuns) {
         EXPECT_EQ(ended.code, 0) << ended.err;
         // A check names a natural frequency, and what is not in it
         EXPECT_EQ(ended.err.find("warning"), std::string::npos) << ended.err;
-        EXPECT_EQ(ended.err.find("note: the frequencies are those without gravity") == 0, std::string_view(command) == "check");
+        EXPECT_EQ(ended.err.find("note: the frequencies are those without gravity") == 0,
+                  std::string_view(command) == "check");
     }
 }
 

@@ -61,9 +61,9 @@ double memory_per_part(std::string (*model)(int)) {
     return (run_text(model(3000)).memory - run_text(model(1000)).memory) / 2000;
 }
 
-// Oracle: 10^5 springs shall take less than 1 GB, and 20 000 bodies likewise. A spring's 12 channels, its plugin's memory and
-// the model take 8.5 kB; with the summary as one piece 13 kB. A body's 16 channels take 15 kB, with datasets that all stay
-// open 300 kB.
+// Oracle: 10^5 springs shall take less than 1 GB, and 20 000 bodies likewise. A spring's 12 channels, its plugin's memory
+// and the model take 8.5 kB; with the summary as one piece 13 kB. A body's 16 channels take 15 kB, with datasets that all
+// stay open 300 kB.
 TEST(Scaling, APartTakesLittleMemory) {
 #ifdef __SANITIZE_ADDRESS__
     GTEST_SKIP() << "the sanitizer's own memory counts";

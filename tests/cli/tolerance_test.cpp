@@ -374,8 +374,8 @@ rotational_stiffness = {}
     return text;
 }
 
-// Oracle: the tolerance itself, reached at a step of a sensible size: vibrations take 4 ms at least, dampers relax in 0.1 ms.
-// With an acceleration of the first row that is of first order, the worst of them need steps below a microsecond.
+// Oracle: the tolerance itself, reached at a step of a sensible size: vibrations take 4 ms at least, dampers relax in 0.1
+// ms. With an acceleration of the first row that is of first order, the worst of them need steps below a microsecond.
 TEST_F(Tolerance, IsReachedByMasslessNodesBetweenDampers) {
 #ifdef __SANITIZE_ADDRESS__
     constexpr int kMachines = 10;

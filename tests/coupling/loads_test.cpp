@@ -72,7 +72,8 @@ TEST(Loads, BeforeTheStartALoadCountsAsAtTheStart) {
     EXPECT_NEAR(wrenches[6], (0.75 * f(0.2) + 0.25 * f(0.5)) / 3, 1e-12);
 }
 
-// Oracle: force times displacement of its point, moment times rotation, by hand; the force is the mean of both ends of the step.
+// Oracle: force times displacement of its point, moment times rotation, by hand; the force is the mean of both ends of the
+// step.
 TEST(Loads, WorkIsTheMeanForceTimesTheWayOfItsPoint) {
     Model model = loaded_bodies();
     model.bodies[1].velocity = {1, 2, 3};

@@ -81,7 +81,8 @@ TEST_F(TableFile, ALineOfUnitsConverts) {
     }
     for (const char* head : {"t [ms],F\n", "t [ms],F [furl]\n", "t,F [kN]\n", "t (measured),F (kN)\n"}) {
         write_load(std::string(head) + "0,1\n");
-        EXPECT_THAT(fault(), HasSubstr("line 1: the units in brackets are not both of s and N, e.g. \"t [ms],y [N]\"")) << head;
+        EXPECT_THAT(fault(), HasSubstr("line 1: the units in brackets are not both of s and N, e.g. \"t [ms],y [N]\""))
+            << head;
     }
     for (const char* units : {"s,mm", "kg,N", "s,furl", "s", "s,N,m", "[s],[N]"}) {
         write_load("time,force\n" + std::string(units) + "\n0,1\n");

@@ -64,7 +64,8 @@ Vector3d angular_acceleration(const RecordedRun& rows, size_t n, const std::stri
     const Eigen::Matrix3d R = rows.attitude(n, body);
     const Vector3d w = R.transpose() * rows.vector(n, body + ".angular_velocity");
     const auto turning = [&](const char* marker, const Vector3d& arm) {  // α × arm, axes of the body
-        const Vector3d of_arm = rows.vector(n, body + "." + marker + ".acceleration") - rows.vector(n, body + ".acceleration");
+        const Vector3d of_arm =
+            rows.vector(n, body + "." + marker + ".acceleration") - rows.vector(n, body + ".acceleration");
         return Vector3d(R.transpose() * of_arm - w.cross(w.cross(arm)));
     };
     const Vector3d by_x = turning("ex", {0.3, 0, 0}) / 0.3, by_y = turning("ey", {0, 0.3, 0}) / 0.3;
@@ -121,7 +122,7 @@ to = "a.m"
 stiffness = [300, 200, 500]
 damping = [6, 3, 10]
 )toml",
-                                    step));
+                                           step));
         const Vector3d gravity(0.3, -9.81, 1), arm(0.1, 0.05, -0.02), anchor(0.3, 0.2, 0.1);
         for (size_t n = 0; n < rows.count(); ++n) {
             // Element forces are those on the `from` end, in its axes; the `to` end has the opposite
@@ -276,8 +277,8 @@ TEST(Instant, AMasslessNodeStartsAsItsDampersBalance) {
     }
 }
 
-// Oracle: the derivative of the balance, (c1 + c2) a = c2 a_b + k2 (0.3 − v) − k1 v + dF/dt, with a_b = −c2 (0.3 − v)/m; the load
-// on the node rises at 400 N/s. It is that of the start at every step, though the node relaxes in 0.5 ms.
+// Oracle: the derivative of the balance, (c1 + c2) a = c2 a_b + k2 (0.3 − v) − k1 v + dF/dt, with a_b = −c2 (0.3 − v)/m; the
+// load on the node rises at 400 N/s. It is that of the start at every step, though the node relaxes in 0.5 ms.
 TEST(Instant, AMasslessNodeAcceleratesFromTheStartAsItsDampersDo) {
     const double v = 0.3 * 9 / 14, body = -9 * (0.3 - v) / 2;
     const double expected = (9 * body + 10000 * (0.3 - v) - 20000 * v + 400) / 14;
@@ -346,7 +347,8 @@ TEST(Instant, WeakDampersBalanceToo) {
     for (const double share : {2e-4, 3e-2}) {
         std::string text = damped_node(1e-3);
         for (const auto& [what, part] : {std::pair("damping = 5", 5. / 14), std::pair("damping = 9", 9. / 14)})
-            text.replace(text.find(what), std::string(what).size(), fmt::format("damping = [900, {}, 800]", part * share * 1e-3 * 30000));
+            text.replace(text.find(what), std::string(what).size(),
+                         fmt::format("damping = [900, {}, 800]", part * share * 1e-3 * 30000));
         const RecordedRun rows(text);
         for (size_t n = 0; n < rows.count(); ++n)
             EXPECT_NEAR(rows(n, "s1.force.y"), rows(n, "s2.force.y"), 1e-9 * 3) << share << " row " << n;
@@ -370,8 +372,8 @@ TEST(Instant, TheFirstAccelerationBesideUndampedDirectionsIsThatOfTheNext) {
     }
 }
 
-// Oracle: continuity. A beam whose damping is proportional to its stiffness relaxes under a load that is there at once; every
-// row of its tip goes on from those before, from the first on.
+// Oracle: continuity. A beam whose damping is proportional to its stiffness relaxes under a load that is there at once;
+// every row of its tip goes on from those before, from the first on.
 TEST(Instant, ADampedTipRelaxesFromTheFirstRowOn) {
     const RecordedRun rows(R"toml(
 [simulation]
@@ -442,10 +444,10 @@ damping = 9
 rotational_stiffness = 100
 rotational_damping = 0.2
 )toml",
-                                10 * h, h));
+                                       10 * h, h));
     const Vector3d first = rows.vector(0, "mid.acceleration");
-    const Vector3d gone_on = 3 * rows.vector(1, "mid.acceleration") - 3 * rows.vector(2, "mid.acceleration") +
-                             rows.vector(3, "mid.acceleration");
+    const Vector3d gone_on =
+        3 * rows.vector(1, "mid.acceleration") - 3 * rows.vector(2, "mid.acceleration") + rows.vector(3, "mid.acceleration");
     EXPECT_GT(first.norm(), 100);
     EXPECT_LT((first - gone_on).norm(), 1e-4 * first.norm()) << first.transpose() << " : " << gone_on.transpose();
 }
@@ -540,7 +542,7 @@ type = "spring_damper"
 stiffness = [100, 3000, 90000]
 {}
 )toml",
-                                    rotation, ends));
+                                           rotation, ends));
         return rows.last("b.position");
     };
     const std::string turned = ", rotation = { axis = [1, 2, 3], angle = \"40 deg\" }";

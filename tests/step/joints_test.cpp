@@ -125,7 +125,7 @@ TEST(Joints, StiffestBoltSharesAStaticLoad) {
         pin_force(i) = history[std::string("pin.force.") + "xyz"[i]].back();
     }
     // Both are positive in tension, from the ground to the rod
-    const double rounding = 4e11 * 1e-16 * 1000;  // of a position of 1 m, many times [N]
+    const double rounding = 4e11 * 1e-16 * 1000;      // of a position of 1 m, many times [N]
     bolt = (model.bodies[0].rotation * bolt).eval();  // its axes are those of the rod at the start
     EXPECT_LT((bolt - 350 * kY).norm(), rounding);
     EXPECT_LT((pin_force - 350 * kY).norm(), rounding);

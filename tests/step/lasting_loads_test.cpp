@@ -173,7 +173,7 @@ theory = "euler-bernoulli"
 section = {{ EA = 1e6, EIy = 1, EIz = 1, GJ = 1, mass = 0.01 }}
 material = {{ stiffness_damping = "0.05 s" }}
 )",
-                                    step));
+                                           step));
         EXPECT_NEAR(rows.last("b.position").z(), 0.81061, 5e-5) << step;
         EXPECT_NEAR(rows.last("b.position").x(), 1 - 0.55500, 5e-5) << step;
         EXPECT_LT(rows.spread("b.position", 0.9, 1), 1e-6) << step;

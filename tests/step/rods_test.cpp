@@ -44,8 +44,8 @@ segments = {}
 section = {{ circle = "20 mm" }}
 material = {{ E = "200 GPa", poisson = 0.3, density = 7800 }}
 )",
-                                    text(start), text(end), text(turn), text(direction.normalized()),
-                                    turned ? "tip" : "root", turned ? "root" : "tip", segments));
+                                           text(start), text(end), text(turn), text(direction.normalized()),
+                                           turned ? "tip" : "root", turned ? "root" : "tip", segments));
         const Vector3d last = rows.last("tip.position");
         EXPECT_LT((last - end).cross(direction.normalized()).norm(), 1e-9);
         return (last - end).dot(direction.normalized());

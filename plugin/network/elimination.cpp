@@ -86,9 +86,8 @@ void choose_independent(Matrix rows, double threshold, std::vector<int>& choice,
 
 }  // namespace
 
-Elimination::Elimination(int frame_count, const std::vector<Link>& links, double size) {
-    constexpr double kRoundingOfPlaces = 1e-14;  // 45 epsilon: sums and turns of a handful of places
-    least_turning_ = kRoundingOfPlaces * size * kRoundingOfPlaces * size;
+Elimination::Elimination(int frame_count, const std::vector<Link>& links, double least_lever)
+    : least_turning_(least_lever * least_lever) {
     const auto n = static_cast<size_t>(frame_count);
     diagonal_.assign(n, Matrix6::Zero());
     acting_.assign(n, Vector6::Zero());
@@ -294,6 +293,24 @@ Vector6 Elimination::motion_scale(const Pivot& pivot) const {
     return scale;
 }
 
+/// Beside rows a rotation with next to nothing of its own must drown neither the translation in them, which see both, nor
+/// them in what acts already.
+Vector6 Elimination::scale_with_rows(const Pivot& pivot) const {
+    constexpr double kMost = 1e4, kLongestLever = 1e6;  // [m]; a row with a longer one is of rotation alone
+    Vector6 scale = motion_scale(pivot);
+    const Vector6& acting = acting_[static_cast<size_t>(pivot.frame)];
+    for (Eigen::Index i = 0; i < 6; ++i)
+        if (std::abs(acting(i)) * scale(i) * scale(i) > 1) scale(i) = 1 / std::sqrt(std::abs(acting(i)));
+    for (Eigen::Index k = 0; k < open_.by[0].rows(); ++k) {
+        const Eigen::Matrix<double, 1, 6> row = open_.by[0].row(k);
+        if (row.head<3>().norm() * kLongestLever <= row.tail<3>().norm()) continue;
+        const double translation = row.transpose().cwiseProduct(scale).head<3>().cwiseAbs().maxCoeff();
+        for (Eigen::Index i = 3; i < 6; ++i)
+            if (std::abs(row(i)) * scale(i) > kMost * translation) scale(i) = kMost * translation / std::abs(row(i));
+    }
+    return scale;
+}
+
 /// Full-pivot elimination of a pivot's block in the units of `scale`; rows: those of J in it. smallest: of its eigenvalues,
 /// where they are counted, as share of the largest; less is at fault.
 bool Elimination::decompose(const Pivot& pivot, const Block& block, const Column& scale, std::span<const int> rows,
@@ -364,7 +381,7 @@ bool Elimination::factor_general(size_t index, Fault& fault) {
         fault = {pivot.frame, -1, row.link, row.index, true};
         return false;
     }
-    const Vector6 motions = motion_scale(pivot);
+    const Vector6 motions = scale_with_rows(pivot);
     const auto count = static_cast<Eigen::Index>(open_.rows.size());
     // Of a row by its size when it was met: what is left of one that is held already is small beside it
     Column row_scale(count);

@@ -29,9 +29,9 @@ struct Link {
 /// Source of passing on: Duff and Reid (1983), multifrontal solution, ACM Trans. Math. Software 9, 302–325.
 class Elimination {
 public:
-    /// Fixes order and storage; nothing is allocated later. size: of the machine and its way from the world's origin [m], of
-    /// which levers have rounding: a rotational stiffness that such a lever would make counts as none.
-    Elimination(int frame_count, const std::vector<Link>& links, double size = 1);
+    /// Fixes order and storage; nothing is allocated later. least_lever: a rotational stiffness that a lever of this length
+    /// [m] would make counts as none.
+    Elimination(int frame_count, const std::vector<Link>& links, double least_lever = 1e-14);
 
     void set_zero();
     void add_diagonal(int frame, const Matrix6& block) { diagonal_[static_cast<size_t>(frame)] += block; }
@@ -126,6 +126,7 @@ private:
 
     bool gather(const Pivot& pivot, OpenRows& open) const;
     Vector6 motion_scale(const Pivot& pivot) const;
+    Vector6 scale_with_rows(const Pivot& pivot) const;
     bool decompose(const Pivot& pivot, const Block& block, const Column& scale, std::span<const int> rows, double smallest,
                    Fault& fault);
     Block inverse() const;

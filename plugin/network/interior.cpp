@@ -33,11 +33,12 @@ std::vector<Link> links_of(const Mechanism& mechanism) {
     return links;
 }
 
-/// The largest distance of a frame from the world's origin, at least a metre [m].
-double size_of(const Mechanism& mechanism) {
+/// Levers shorter than this are rounding of places [m].
+double least_lever(const Mechanism& mechanism) {
+    constexpr double kRounding = 1e-14;  // 45 epsilon: sums and turns of a handful of places
     double size = 1;
     for (const FrameSpec& frame : mechanism.assembly.frames) size = std::max(size, frame.pose.position.norm());
-    return size;
+    return kRounding * size;
 }
 
 /// Translation and rotation of every inner frame: whether it has no mass, no inertia.
@@ -73,7 +74,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
       driven_(mechanism.assembly.driven_count),
       count_(mechanism.assembly.inner_count()),
       gravity_(Eigen::Map<const Vector3>(description.gravity)),
-      elimination_(count_, links_of(mechanism), size_of(mechanism)),
+      elimination_(count_, links_of(mechanism), least_lever(mechanism)),
       at_trial_(elimination_),
       massless_(mechanism, massless_halves(mechanism)) {
     if (!mechanism.scheme.is_implicit())
@@ -344,15 +345,14 @@ void Interior::assemble(const Mechanism& mechanism, const std::vector<Frame>& at
 void Interior::make_heavier() {
     constexpr double kLeastShare = 1e-11;
     for (int i = 0; i < count_; ++i) {
-        const Matrix6 own = elimination_.diagonal(i), M = mass_matrix(static_cast<size_t>(i));
-        Matrix6 more = Matrix6::Zero();
-        for (int half : {0, 1}) {
-            if (massless_.is_massless(static_cast<size_t>(i), half)) continue;
-            const Matrix3 inertia = M.block<3, 3>(3 * half, 3 * half);
-            const double held = own.block<3, 3>(3 * half, 3 * half).trace();
-            more.block<3, 3>(3 * half, 3 * half) = kLeastShare * held / inertia.diagonal().minCoeff() * inertia;
-        }
-        elimination_.add_diagonal(i, more);
+        const Matrix6 own = elimination_.diagonal(i);
+        const double shift = own.topLeftCorner<3, 3>().trace(), arm = reach_[static_cast<size_t>(i)];
+        const double held[2] = {shift, std::max(own.bottomRightCorner<3, 3>().trace(), arm * arm * shift)};
+        Vector6 more = Vector6::Zero();
+        for (int half : {0, 1})
+            if (!massless_.is_massless(static_cast<size_t>(i), half))
+                more.segment<3>(3 * half).setConstant(kLeastShare * held[half]);
+        elimination_.add_diagonal(i, more.asDiagonal());
     }
 }
 

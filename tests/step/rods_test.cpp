@@ -61,6 +61,127 @@ material = {{ E = "200 GPa", poisson = 0.3, density = 7800 }}
     }
 }
 
+/// A machine turned and shifted as a whole.
+struct Place {
+    Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+    Vector3d shift = Vector3d::Zero();
+    std::string point(const Vector3d& x) const { return text(shift + turn * x); }
+    std::string direction(const Vector3d& x) const { return text(turn * x); }
+    std::string axes(const Eigen::Quaterniond& own) const {
+        const Eigen::AngleAxisd all(turn * own);
+        return fmt::format("{{ axis = {}, angle = {:.17g} }}", text(all.axis()), all.angle());
+    }
+    static std::string text(const Vector3d& x) { return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", x.x(), x.y(), x.z()); }
+};
+
+/// Where a body stands at the end, seen from the machine [m].
+Vector3d end_of(const Place& place, const std::string& model) {
+    return place.turn.inverse() * (RecordedRun(model).last("arm.position") - place.shift);
+}
+
+constexpr const char* kSection = R"(section = { circle = "20 mm" }
+material = { E = "200 GPa", poisson = 0.3, density = 7800 }
+)";
+
+/// A body that swings on a rod between two ball joints, which leave the rod free to spin about itself.
+Vector3d swing_on_a_link(const Place& place, double length, int segments, bool turned) {
+    const Vector3d end = length * Vector3d(0.31, -0.52, 0.77);
+    constexpr const char* kBall = "stiffness = { rx = \"free\", ry = \"free\", rz = \"free\" }\n";
+    return end_of(place, fmt::format(R"(
+[simulation]
+duration = "20 ms"
+step = "0.1 ms"
+gravity = {}
+[nodes]
+g = {{ position = {}, fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+p = {}
+q = {}
+[[body]]
+name = "arm"
+mass = 2
+inertia = [0.1, 0.12, 0.13]
+position = {}
+rotation = {}
+angular_velocity = {}
+[[element]]
+name = "p1"
+type = "elastic_hinge"
+from = "g"
+to = "p"
+{}[[element]]
+name = "p2"
+type = "elastic_hinge"
+from = "q"
+to = "arm"
+{}[[element]]
+name = "rod"
+type = "rod"
+from = "{}"
+to = "{}"
+segments = {}
+{})",
+                                     place.direction({1, -2, -9}), place.point(Vector3d::Zero()),
+                                     place.point(Vector3d::Zero()), place.point(end), place.point(end),
+                                     place.axes(Eigen::Quaterniond::Identity()), place.direction({1, 2, -3}), kBall, kBall,
+                                     turned ? "q" : "p", turned ? "p" : "q", segments, kSection));
+}
+
+/// A turning body with a rod that stands out from it and is pulled at its end.
+Vector3d pull_at_a_spoke(const Place& place, double length, int segments, bool turned) {
+    return end_of(
+        place, fmt::format(R"(
+[simulation]
+duration = "20 ms"
+step = "0.1 ms"
+[nodes]
+tip = {}
+[[body]]
+name = "arm"
+mass = 3.3
+inertia = [0.1, 0.12, 0.09]
+position = {}
+rotation = {}
+angular_velocity = {}
+[[load]]
+on = "tip"
+direction = {}
+force = {{ type = "haversine", peak = 330, start = 0, width = "15 ms" }}
+[[element]]
+name = "rod"
+type = "rod"
+from = "{}"
+to = "{}"
+segments = {}
+{})",
+                           place.point(length * Vector3d(0.37, -0.74, 0.56)), place.point(Vector3d::Zero()),
+                           place.axes(Eigen::Quaterniond(Eigen::AngleAxisd(1.1, Vector3d(0.2, -0.7, 1.1).normalized()))),
+                           place.direction({0.3, 0.7, -1.1}), place.direction({0.38, 0.89, -0.25}), turned ? "arm" : "tip",
+                           turned ? "tip" : "arm", segments, kSection));
+}
+
+// Oracle: the same machine unturned. Which rigid direction belongs to which frame is no matter of rounding: links between
+// ball joints and spokes of turning bodies, 20 mm to 8 m, near and far from the origin, divided or not, from either end.
+TEST(Rods, OnMovingBodiesRunInAnyDirection) {
+    std::mt19937 dice(5);
+    std::normal_distribution<double> number;
+    const auto vector = [&] { return Vector3d(number(dice), number(dice), number(dice)); };
+    for (const auto machine : {swing_on_a_link, pull_at_a_spoke}) {
+        for (int segments : {1, 2, 3, 10}) {
+            for (double length : {0.02, 0.1, 0.3, 8.0}) {
+                const Vector3d expected = machine({}, length, segments, false);
+                for (int i = 0; i < 10; ++i) {
+                    const Place place{
+                        Eigen::Quaterniond(number(dice), number(dice), number(dice), number(dice)).normalized(),
+                        (i % 3 == 0 ? 30.0 : 1.0) * vector()};
+                    EXPECT_LT((machine(place, length, segments, i % 2 == 1) - expected).norm(), 1e-6 * (length + 1))
+                        << (machine == swing_on_a_link ? "link of " : "spoke of ") << length << " m in " << segments << ", "
+                        << i;
+                }
+            }
+        }
+    }
+}
+
 // Oracle: statics, u = K⁻¹ f with K = Σ EA/l e eᵀ. Rods between pins that leave all rotations free, at an angle to the axes;
 // the load comes slowly.
 TEST(Rods, ATrussBetweenPinsCarriesByTheRods) {

@@ -281,6 +281,18 @@ void warn_ripple(const Recorder& recorder, const Model& model, Warnings& warning
     if (!warning.empty()) warnings.add("alternating-force", warning);
 }
 
+/// Elements beyond what their laws hold for.
+void warn_limits(const Simulation& simulation, Warnings& warnings) {
+    for (const Limit& limit : simulation.limits()) {
+        if (limit.most <= 1) continue;
+        const Channel& channel = simulation.channels()[limit.channel];
+        warnings.add("beyond-limit",
+                     fmt::format("\"{}\" is {:.3g} at t = {:g} s: beyond 1 the law of element \"{}\" does not hold and its "
+                                 "results are wrong; \"dttmm elements\" says what limits it",
+                                 channel.name, limit.most, limit.time, limit.element));
+    }
+}
+
 /// How the step was found, in one line.
 void print_halving(const Halving& halving) {
     const Level& last = halving.levels().back();
@@ -363,6 +375,7 @@ ExitCode conclude(const Request& request, Bench& bench, const Simulation& simula
     recorder.finish();
     if (halving) bench.fast_loads = warn_loads(bench.model, simulation, bench.warnings);
     warn_energy(recorder, bench.model, simulation, bench.fast_loads, bench.warnings);
+    warn_limits(simulation, bench.warnings);
     if (halving) {
         warn_skipped(*halving, bench.warnings);
         warn_unresolved(*halving, bench.warnings);

@@ -64,9 +64,10 @@ bool NetworkInstance::is_declared(const dttmm_channel& channel, const dttmm_netw
             if (static_cast<unsigned char>(*text) < ' ' || *text == '/' || *text == 127) return false;
         return true;
     };
-    if (!is_plain(channel.name) || !channel.unit || channel.role > DTTMM_ROLE_WORK) return false;
-    const bool is_energy = channel.role >= DTTMM_ROLE_STRAIN_ENERGY;
+    if (!is_plain(channel.name) || !channel.unit || channel.role > DTTMM_ROLE_LIMIT) return false;
+    const bool is_energy = channel.role >= DTTMM_ROLE_STRAIN_ENERGY && channel.role <= DTTMM_ROLE_WORK;
     if (is_energy && std::strcmp(channel.unit, "J") != 0) return false;
+    if (channel.role == DTTMM_ROLE_LIMIT && channel.of != DTTMM_OF_ELEMENT) return false;
     if (channel.of == DTTMM_OF_ELEMENT) return channel.index < network.element_count;
     // A port's motion is its body's, and the ground's is nobody's: their columns are not the plugin's.
     return channel.of == DTTMM_OF_NODE && channel.index < network.node_count &&

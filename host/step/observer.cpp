@@ -83,7 +83,8 @@ void Observer::declare_networks(const Model& model, const Networks& networks) {
         for (uint32_t c = 0; c < instance.channel_count(); ++c) {
             const dttmm_channel& channel = instance.channel(c);
             roles_.push_back(channel.role);
-            if (channel.role > DTTMM_ROLE_ON_REQUEST) continue;
+            if (channel.role >= DTTMM_ROLE_STRAIN_ENERGY && channel.role <= DTTMM_ROLE_WORK) continue;
+            if (channel.role == DTTMM_ROLE_LIMIT) limits_.push_back({channels_.size(), instance.owner_of(channel)});
             add_channel(fmt::format("{}.{}", instance.owner_of(channel), channel.name), channel.unit,
                         channel.role == DTTMM_ROLE_RESULT);
             if (!names.insert(channels_.back().name).second)
@@ -145,6 +146,8 @@ std::span<const double> Observer::row(double time, const Networks& networks, con
     Energies energies{kinetic_energy(instant.at), 0, ledger_.stop_loss, ledger_.load_work + gravity_work(instant.at)};
     row_.front() = time;
     double* out = write_networks(row_.data() + 1, networks, energies);
+    for (Limit& limit : limits_)
+        if (row_[limit.channel] > limit.most) limit.most = row_[limit.channel], limit.time = time;
     out = write_joints(out, end_of_step, instant.at);
     out = write_bodies(out, instant);
 

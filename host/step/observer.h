@@ -13,6 +13,14 @@
 
 namespace dttmm {
 
+/// How near an element came to the limit of its law.
+struct Limit {
+    size_t channel;       ///< that says it
+    std::string element;  ///< its name
+    double most = 0;      ///< largest of the rows so far; beyond 1 the law does not hold
+    double time = 0;      ///< of that row [s]
+};
+
 /// Turns what stands at an instant t_n into one row of numbers. A joint's force and moment (about its anchor) act on its
 /// first body in the axes of that body: as an element's, they are positive in tension. A body's position, velocity and
 /// acceleration are those of its origin. Keeps the energy ledger  kinetic + strain + dissipated − work = initial + residual,
@@ -24,6 +32,7 @@ public:
 
     /// One per number of a row; the first is "time".
     const std::vector<Channel>& channels() const { return channels_; }
+    const std::vector<Limit>& limits() const { return limits_; }
 
     /// Adds the work of loads over the step from t_n, which counts from the row at its end on, and that of stops; every
     /// step. `before`: poses at t_n, velocities over the step before; `after`: one step later.
@@ -71,6 +80,7 @@ private:
     Eigen::Vector3d gravity_;
     std::vector<double> row_, outputs_;
 
+    std::vector<Limit> limits_;
     std::vector<uint32_t> roles_;  ///< of the outputs of the networks: a number of the row, or part of an energy
     Ledger ledger_;
 };

@@ -39,6 +39,7 @@ public:
     /// Where rows go; without one nothing is observed.
     void record_to(RowSink sink) { sink_ = std::move(sink); }
     const std::vector<Channel>& channels() const { return observer_.channels(); }
+    const std::vector<Limit>& limits() const { return observer_.limits(); }
 
     /// One time step. Throws Error(numerical_failure) when the motion diverges, naming time, body and ω h.
     void step();

@@ -18,8 +18,9 @@ constexpr double kShortest = 1e-6;  // [m]
 
 constexpr dttmm_word kTheories[] = {{"euler-bernoulli", 0}, {"timoshenko", 1}};
 
-constexpr dttmm_parameter kSegments = {
-    "segments", "1", 1, DTTMM_PARAMETER_INTEGER, 10, 1, 100000, nullptr, 0, "lumps in time: one mass at the middle of each"};
+constexpr dttmm_parameter segments(const char* documentation) {
+    return {"segments", "1", 1, DTTMM_PARAMETER_INTEGER, 10, 1, 100000, nullptr, 0, documentation};
+}
 
 template <size_t first>
 constexpr auto with_section(const std::array<dttmm_parameter, first>& own) {
@@ -31,9 +32,9 @@ constexpr auto with_section(const std::array<dttmm_parameter, first>& own) {
 
 constexpr auto kBeamParameters = with_section<3>(
     {{{"theory", "1", 1, DTTMM_PARAMETER_WORDS_ONLY, 1, 0, 1, kTheories, std::size(kTheories), "of bending; timoshenko"},
-      kSegments,
+      segments("lumps in time, one at the middle of each; under a pull P shorter than sqrt(12 EI/P)"),
       optional("up", "1", 3, -kLargest, kLargest, "local z as near to it as can be; world z, x for a vertical beam")}});
-constexpr auto kRodParameters = with_section<1>({kSegments});
+constexpr auto kRodParameters = with_section<1>({segments("lumps in time: one mass at the middle of each")});
 
 /// Half a segment, a whole one, …, and half a one again: lumps at the middle of their segments on joints at the middle of
 /// the spans between them.
@@ -132,6 +133,10 @@ Parts Beam::discretise(std::span<const Pose> ends) const {
         law.stiffness << s.EA / length, 1 / (cube / s.EIz + length / s.GAy), 1 / (cube / s.EIy + length / s.GAz),
             s.GJ / length, s.EIy / length, s.EIz / length;
         law.damping = s.stiffness_damping * law.stiffness;
+        // Lumps that turn alike by φ, their places kept, shear a link by d = −lφ and shorten it by lφ²/2 along its axes.
+        // Under a pull P this gains more than the shear costs, k (lφ)²/2, as soon as P > k l: 12 EI/l² without shear
+        // deformation.
+        law.most_pull = std::min(law.stiffness(1), law.stiffness(2)) * length;
         return law;
     });
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <limits>
+
 #include "core/driven_ends.h"
 
 namespace dttmm {
@@ -21,6 +23,7 @@ struct JointLaw {
     Vector6 stiffness = Vector6::Zero();  ///< [N/m, N m/rad]
     Vector6 damping = Vector6::Zero();    ///< [N s/m, N m s/rad]
     Directions rigid;                     ///< d = 0 there; stiffness and damping are not looked at
+    double most_pull = std::numeric_limits<double>::infinity();  ///< force in x for which it holds [N]
 
     /// Directions with a stiffness or damping that is not rigid.
     Directions elastic() const;

@@ -34,7 +34,7 @@ extern "C" {
 #endif
 
 #define DTTMM_PLUGIN_MAJOR 1u
-#define DTTMM_PLUGIN_MINOR 3u
+#define DTTMM_PLUGIN_MINOR 4u
 
 /* The one symbol a plugin exports; declared at the end. */
 #define DTTMM_PLUGIN_ENTRY "dttmm_plugin_entry"
@@ -195,7 +195,9 @@ enum {
     DTTMM_ROLE_STRAIN_ENERGY = 2,
     DTTMM_ROLE_KINETIC_ENERGY = 3,
     DTTMM_ROLE_DISSIPATED_ENERGY = 4, /* since the start */
-    DTTMM_ROLE_WORK = 5               /* of gravity and of the loads on inner nodes, since the start */
+    DTTMM_ROLE_WORK = 5,              /* of gravity and of the loads on inner nodes, since the start */
+    DTTMM_ROLE_LIMIT = 6 /* since minor 4: share of what the element's law holds for. Recorded when asked for; the host
+                            warns where it exceeds 1 */
 };
 
 typedef struct dttmm_channel {

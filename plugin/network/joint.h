@@ -54,6 +54,7 @@ public:
     /// Whether it carries a moment: otherwise rotations are not worked out.
     bool turns() const { return springs_.turns; }
     Directions rigid() const { return rigid_; }
+    const JointLaw& law() const { return law_; }
     const JointHalf& translation_half() const { return springs_.halves[0]; }
     const JointHalf& rotation_half() const { return springs_.halves[1]; }
     const JointSeat& seat() const { return seat_; }

@@ -73,6 +73,7 @@ void Network::declare_channels(const dttmm_network& description) {
         declare("strain_energy", "J", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_STRAIN_ENERGY);
         declare("dissipated_energy", "J", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_DISSIPATED_ENERGY);
         if (count == 1) continue;
+        if (has_limit(first)) declare("pull_to_limit", "1", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_LIMIT);
         for (int k = 0; k < count; ++k)
             declare_vectors(fmt::format("section{}.", k), {{"force", "N"}, {"moment", "N*m"}}, DTTMM_OF_ELEMENT, e,
                             DTTMM_ROLE_ON_REQUEST);
@@ -550,11 +551,15 @@ double* Network::write_chain(double* out, size_t element) const {
     Map3{total + 6} = axes.transpose() * way - chain.rest;
     Map3{total + 9} = rotation_vector(axes.transpose() * to.axes() * chain.to_axes);
     out = write_energies(total + 12, first, last);
+    double none = 0;
+    double& pull_to_limit = has_limit(first) ? *out++ : none;
+    pull_to_limit = 0;
 
     // The joints of whole segments sit at the sections; those of the half segments at the ends, a quarter segment off
     const double quarter = chain.rest.norm() / (4 * (last - first - 1));
     for (int j = first; j < last; ++j) {
         Vector6 f = forces_[static_cast<size_t>(j)];
+        pull_to_limit = std::max(pull_to_limit, f(0) / mechanism_.joints[static_cast<size_t>(j)].law().most_pull);
         const double way_to_joint = j == first ? quarter : j == last - 1 ? -quarter : 0;
         f.tail<3>() += Vector3(way_to_joint, 0, 0).cross(Vector3(f.head<3>()));
         Eigen::Map<Vector6>{out} = f;

@@ -279,7 +279,7 @@ static uint32_t channel_count(const dttmm_instance *instance) {
 static const dttmm_channel *channels(const dttmm_instance *instance) {
     static const dttmm_channel list[] = {{FAULT == slash_channel ? "force/x" : "force.x", FAULT == bad_channel ? NULL : "N",
                                           FAULT == port_channel ? DTTMM_OF_NODE : DTTMM_OF_ELEMENT, FAULT == port_channel,
-                                          FAULT == bad_role          ? DTTMM_ROLE_WORK + 1
+                                          FAULT == bad_role          ? DTTMM_ROLE_LIMIT + 1
                                           : FAULT == energy_in_watts ? DTTMM_ROLE_STRAIN_ENERGY
                                                                      : DTTMM_ROLE_RESULT}};
     (void)instance;

@@ -13,19 +13,17 @@
 namespace dttmm {
 namespace {
 
-constexpr Bounds kOnBody = {-kFarthest, kFarthest};  // coordinates in the body's axes [m]
-
 const std::vector<std::string> kShapes = {"box", "cylinder", "tube", "sphere"};
 
 /// Axis of a cylinder or tube: 0, 1, 2 for x, y, z.
-int read_axis(const TableReader& table) { return table.choice("axis", {"x", "y", "z"}, 2).value_or(2); }
+int read_axis(const TableReader& table) { return table.choice("axis", 2).value_or(2); }
 
-std::optional<MassProperties> read_tube(const TableReader& table, const TomlMember& member, double density) {
-    const auto sizes = read_numbers(table.context(), member.value, table.what("tube"), "m", 3, false, kPositive);
+std::optional<MassProperties> read_tube(const TableReader& table, double density) {
+    const auto sizes = table.numbers("tube");
     if (!sizes) return std::nullopt;
     const double outer = (*sizes)[0], inner = (*sizes)[1], length = (*sizes)[2];
     if (inner < outer) return make_tube(density, outer, inner, length, read_axis(table));
-    table.error(member.value.place,
+    table.error(table.find("tube")->value.place,
                 fmt::format("tube = [outer diameter, inner diameter, length]: the inner diameter must be "
                             "less than the outer ({} m), got {} m",
                             outer, inner));
@@ -34,11 +32,8 @@ std::optional<MassProperties> read_tube(const TableReader& table, const TomlMemb
 
 /// Mass and inertia of the shape the table gives, about the shape's centre.
 std::optional<MassProperties> read_shape(const TableReader& table, const TomlMember& shape, double density) {
-    const auto numbers = [&](std::size_t count) {
-        return read_numbers(table.context(), shape.value, table.what(shape.key), "m", count, false, kPositive);
-    };
-    if (shape.key == "tube") return read_tube(table, shape, density);
-    const auto sizes = numbers(shape.key == "box" ? 3 : shape.key == "cylinder" ? 2 : 1);
+    if (shape.key == "tube") return read_tube(table, density);
+    const auto sizes = table.numbers(shape.key);
     if (!sizes) return std::nullopt;
     if (shape.key == "box") return make_box(density, {(*sizes)[0], (*sizes)[1], (*sizes)[2]});
     if (shape.key == "cylinder") return make_tube(density, (*sizes)[0], 0, (*sizes)[1], read_axis(table));
@@ -68,7 +63,7 @@ std::optional<MassProperties> read_shape_and_density(const TableReader& table) {
     const TomlMember* amount = table.require_one({"density", "mass"});
     if (!amount || !unit) return std::nullopt;
     const bool by_mass = amount->key == "mass";
-    const double value = table.number(amount->key, by_mass ? "kg" : "kg/m^3", kPositive).value_or(0);
+    const double value = table.number(amount->key).value_or(0);
     if (value == 0) return std::nullopt;
     const double density = by_mass ? value / unit->mass : value;
     warn_density(table, amount->value.place, density);
@@ -81,20 +76,19 @@ std::optional<Eigen::Matrix3d> read_inertia(const TableReader& body) {
     const TomlMember* member = body.require("inertia");
     if (!member) return std::nullopt;
     if (!member->value.is_table()) {
-        const auto moments = read_vector(body.context(), member->value, body.what("inertia"), "kg*m^2");
+        const auto moments = body.vector("inertia");
         return moments ? std::optional<Eigen::Matrix3d>(moments->asDiagonal()) : std::nullopt;
     }
-    const TableReader table(body.context(), member->value, body.what("inertia"), {"xx", "yy", "zz", "xy", "xz", "yz"});
-    const auto xx = table.number("xx", "kg*m^2"), yy = table.number("yy", "kg*m^2"), zz = table.number("zz", "kg*m^2");
-    const auto xy = table.number("xy", "kg*m^2", {}, 0), xz = table.number("xz", "kg*m^2", {}, 0),
-               yz = table.number("yz", "kg*m^2", {}, 0);
+    const TableReader table(body.context(), member->value, body.what("inertia"), key_table("inertia"));
+    const auto xx = table.number("xx"), yy = table.number("yy"), zz = table.number("zz");
+    const auto xy = table.number("xy", 0), xz = table.number("xz", 0), yz = table.number("yz", 0);
     if (!xx || !yy || !zz || !xy || !xz || !yz) return std::nullopt;
     return Eigen::Matrix3d{{*xx, *xy, *xz}, {*xy, *yy, *yz}, {*xz, *yz, *zz}};
 }
 
 std::optional<MassProperties> read_mass_and_inertia(const TableReader& table) {
     if (const TomlMember* axis = table.find("axis")) table.error(axis->place, "axis belongs to a cylinder or tube");
-    const auto mass = table.number("mass", "kg");
+    const auto mass = table.number("mass");
     const auto inertia = read_inertia(table);
     if (mass) {
         if (const auto fault = find_mass_fault(*mass)) {
@@ -129,11 +123,13 @@ Marker read_marker(const TableReader& body, const TomlMember& member, NameRegist
     marker.name = names.add(context, member.place, member.key);
     const std::string label = body.what("marker " + quote(member.key));
     if (!member.value.is_table()) {
-        marker.position = read_vector(context, member.value, label, "m", kOnBody).value_or(marker.position);
+        const Key& position = *find_key(key_table("marker"), "position");
+        marker.position =
+            read_vector(context, member.value, label, position.unit, position.bounds).value_or(marker.position);
         return marker;
     }
-    const TableReader table(context, member.value, label, {"position", "rotation", "quaternion"});
-    marker.position = table.vector("position", "m", Eigen::Vector3d::Zero(), kOnBody).value_or(marker.position);
+    const TableReader table(context, member.value, label, key_table("marker"));
+    marker.position = table.vector("position", Eigen::Vector3d::Zero()).value_or(marker.position);
     marker.rotation = read_rotation(table).value_or(marker.rotation);
     return marker;
 }
@@ -174,22 +170,18 @@ void warn_size(const TableReader& table, const Body& body) {
 }
 
 Body read_body(const ReadContext& context, const TomlValue& entry, std::size_t index, NameRegistry& names) {
-    const TableReader table(
-        context, entry, entry_label("body", entry, index),
-        {"name", "mass", "inertia", "density", "box", "cylinder", "tube", "sphere", "axis", "center_of_mass", "position",
-         "rotation", "quaternion", "velocity", "angular_velocity", "markers"},
-        entry_note("body", index));
+    const TableReader table(context, entry, entry_label("body", entry, index), key_table("body"), entry_note("body", index));
     Body body;
     if (!table.is_valid()) return body;
     const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
     body.name = names.add_from(table);
     check_name(table, body.name);
     read_mass_properties(table, body);
-    body.center_of_mass = table.vector("center_of_mass", "m", zero, kOnBody).value_or(zero);
-    body.position = table.vector("position", "m", zero).value_or(zero);
+    body.center_of_mass = table.vector("center_of_mass", zero).value_or(zero);
+    body.position = table.vector("position", zero).value_or(zero);
     body.rotation = read_rotation(table).value_or(body.rotation);
-    body.velocity = table.vector("velocity", "m/s", zero).value_or(zero);
-    body.angular_velocity = table.vector("angular_velocity", "rad/s", zero).value_or(zero);
+    body.velocity = table.vector("velocity", zero).value_or(zero);
+    body.angular_velocity = table.vector("angular_velocity", zero).value_or(zero);
     read_markers(table, body);
     warn_size(table, body);
     if (const TomlMember* position = table.find("position"))

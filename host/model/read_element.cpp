@@ -19,10 +19,7 @@ namespace {
 constexpr double kFarApart = 100;  // [m] a bolt of a part whose millimetres were read as metres
 
 std::vector<std::string> keys_of(const dttmm_element_type& type) {
-    std::vector<std::string> keys = {"name", "type"};
-    for (const char* key : {"from", "to", "axes"})
-        if (type.ends == DTTMM_ENDS_FROM_TO) keys.emplace_back(key);
-    if (type.ends == DTTMM_ENDS_AT) keys.emplace_back("at");
+    std::vector<std::string> keys = names_of(key_table(type.ends == DTTMM_ENDS_AT ? "element.at" : "element"));
     for (std::string& key : parameter_keys(type)) keys.push_back(std::move(key));
     return keys;
 }
@@ -149,7 +146,7 @@ public:
         const int type = entry.is_table() ? read_type(context, entry, label, catalogue_) : -1;
         const std::vector<std::string> keys =
             type < 0 ? all_keys(entry) : keys_of(*catalogue_.types[static_cast<std::size_t>(type)]);
-        const TableReader table(context, entry, label, keys, entry_note("element", index));
+        const TableReader table(context, entry, label, keys, &key_table("element"), entry_note("element", index));
         if (table.is_valid()) read(table, type);
     }
 

@@ -22,8 +22,6 @@ constexpr double kLargestAngle = 175 * M_PI / 180;  // of a stop: the angle jump
 constexpr double kLeastPlay = 1e-9;                 // between two stops [rad, m]
 constexpr double kLargestMassRatio = 1e12;
 
-const std::vector<std::string> kTypes = {"ball", "hinge", "slider", "universal", "fixed"};  // in the order of JointType
-
 bool has_axis(JointType type) { return type != JointType::ball && type != JointType::fixed; }
 bool needs_anchor(JointType type) { return type != JointType::slider && type != JointType::fixed; }
 bool has_limits(JointType type) { return type == JointType::hinge || type == JointType::slider; }
@@ -33,11 +31,12 @@ std::string point_text(const Eigen::Vector3d& p) { return fmt::format("({:.9g}, 
 std::optional<JointType> read_type(const TableReader& table) {
     const auto type = table.text("type");
     if (!type) return std::nullopt;
-    const auto found = std::find(kTypes.begin(), kTypes.end(), *type);
-    if (found != kTypes.end()) return static_cast<JointType>(found - kTypes.begin());
-    const auto nearest = find_nearest(*type, kTypes);
+    const std::vector<std::string> types = words_of(table.key("type"));
+    const auto found = std::find(types.begin(), types.end(), *type);
+    if (found != types.end()) return static_cast<JointType>(found - types.begin());
+    const auto nearest = find_nearest(*type, types);
     table.error(table.find("type")->value.place,
-                fmt::format("type must be one of: {}; got {}{}", listed(kTypes), quote(*type),
+                fmt::format("type must be one of: {}; got {}{}", listed(types), quote(*type),
                             nearest ? fmt::format("; did you mean {}?", quote(*nearest)) : ""));
     return std::nullopt;
 }
@@ -75,7 +74,7 @@ std::optional<Ends> read_ends(const TableReader& table, const Attachments& attac
 /// The point `anchor` gives: three lengths, or the name of a place.
 std::optional<Eigen::Vector3d> read_point(const TableReader& table, const TomlMember& member,
                                           const Attachments& attachments) {
-    if (!member.value.is_text()) return table.vector(member.key, "m", Bounds{-kFarthest, kFarthest});
+    if (!member.value.is_text()) return table.vector(member.key);
     const auto at = attachments.read(table, member.value, member.key);
     if (!at) return std::nullopt;
     if (at->body >= 0) return attachments.position(*at);
@@ -188,8 +187,7 @@ public:
         : attachments_(attachments), bodies_(bodies), others_(others) {}
 
     void read(const ReadContext& context, const TomlValue& entry, std::size_t index) {
-        const TableReader table(context, entry, entry_label("joint", entry, index),
-                                {"name", "type", "between", "anchor", "axis", "axis2", "limits"},
+        const TableReader table(context, entry, entry_label("joint", entry, index), key_table("joint"),
                                 entry_note("joint", index));
         if (!table.is_valid()) return;
         Joint joint;
@@ -254,7 +252,11 @@ private:
 
 }  // namespace
 
-const std::string& joint_type_name(JointType type) { return kTypes[static_cast<std::size_t>(type)]; }
+const std::string& joint_type_name(JointType type) {
+    static const std::vector<std::string> names =
+        words_of(*find_key(key_table("joint"), "type"));  // in the order of JointType
+    return names[static_cast<std::size_t>(type)];
+}
 
 std::vector<Joint> read_joints(const TableReader& file, const Attachments& attachments, const std::vector<Body>& bodies,
                                const std::vector<const NameRegistry*>& others) {

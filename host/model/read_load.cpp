@@ -13,7 +13,7 @@ namespace {
 
 /// Only `[1, 1, 0]` and the like need another length than one. Along one axis a length looks like a part of the force.
 void warn_length(const TableReader& table) {
-    const auto direction = table.vector("direction", "1");
+    const auto direction = table.vector("direction");
     const bool is_along_axis = direction && (direction->array() != 0).count() == 1;
     if (is_along_axis && direction->cwiseAbs().maxCoeff() != 1)
         table.warning(
@@ -25,8 +25,7 @@ void warn_length(const TableReader& table) {
 
 std::optional<Load> read_load(const ReadContext& context, const TomlValue& entry, std::size_t index,
                               const Attachments& attachments) {
-    const TableReader table(context, entry, entry_label("load", entry, index), {"on", "direction", "force", "moment"},
-                            entry_note("load", index));
+    const TableReader table(context, entry, entry_label("load", entry, index), key_table("load"), entry_note("load", index));
     if (!table.is_valid()) return std::nullopt;
     const auto on = attachments.read(table, "on");
     const auto direction = read_direction(table, "direction");
@@ -45,7 +44,7 @@ std::optional<Load> read_load(const ReadContext& context, const TomlValue& entry
             fmt::format("{} is a body whose center_of_mass is not its origin: say where the force acts; give the body "
                         "a marker there, as markers.centre at its center_of_mass, and name that",
                         quote(table.find("on")->value.string)));
-    const auto signal = read_signal(context, magnitude->value, table.what(magnitude->key), is_moment ? "N*m" : "N");
+    const auto signal = read_signal(context, magnitude->value, table.what(magnitude->key), table.key(magnitude->key).unit);
     if (!on || !direction || !signal) return std::nullopt;
     return Load{*on, *direction, is_moment, *signal, context.diagnostics.place_text(magnitude->place)};
 }

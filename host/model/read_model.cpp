@@ -24,9 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFormat = "dttmm/1";
-const std::vector<std::string> kKeys = {"format", "title", "parameters", "simulation", "output", "nodes",
-                                        "body",   "joint", "load",       "element",    "modes",  "dofs"};
+std::string format_word() { return find_key(key_table("file"), "format")->words; }
 
 std::string read_text(const fs::path& file) {
     const auto fail = [&](const std::string& why) {
@@ -60,13 +58,13 @@ std::string read_text(const fs::path& file) {
 bool check_format(const TomlValue& document, Diagnostics& diagnostics) {
     const TomlMember* format = document.find("format");
     if (!format) {
-        diagnostics.error({1, 1}, fmt::format("no format key; begin the file with: format = \"{}\"", kFormat));
+        diagnostics.error({1, 1}, fmt::format("no format key; begin the file with: format = \"{}\"", format_word()));
         return !document.members.empty();
     }
-    if (format->value.is_text() && format->value.string == kFormat) return true;
+    if (format->value.is_text() && format->value.string == format_word()) return true;
     const std::string got =
         format->value.is_text() ? quote(format->value.string) : std::string(kind_text(format->value.kind));
-    diagnostics.error(format->value.place, fmt::format("this version reads format \"{}\" only, got {}", kFormat, got));
+    diagnostics.error(format->value.place, fmt::format("this version reads format \"{}\" only, got {}", format_word(), got));
     return false;
 }
 
@@ -202,7 +200,7 @@ Model parse_model(std::string_view text, const fs::path& file, const ElementCata
     model.parameters = parameters.all();
 
     const ReadContext context{parameters, diagnostics, file.parent_path(), model.files};
-    const TableReader root(context, *document, "", kKeys);
+    const TableReader root(context, *document, "", key_table("file"));
     read_contents(root, catalogue, overrides, model);
     diagnostics.throw_if_errors();
     if (overrides.purpose == Purpose::histories) warn_free_bodies(root, model);

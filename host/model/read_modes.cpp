@@ -13,8 +13,7 @@ namespace dttmm {
 
 namespace {
 
-constexpr long kMostModes = 10000;
-const std::vector<std::string> kBeams = {"exact", "lumped"};
+std::vector<std::string> beam_words() { return words_of(*find_key(key_table("modes"), "beams")); }
 
 [[noreturn]] void refuse(const std::string& fault) { throw Error(ExitCode::usage, fault); }
 
@@ -72,27 +71,28 @@ ModesSettings read_modes(const TableReader& file, const ModesOverrides& override
             file.error(dofs->place, "dofs names no direction: nothing moves");
     }
     if (const TomlMember* member = file.find("modes"); member && member->value.is_table()) {
-        const TableReader table(file.context(), member->value, "modes", {"count", "below", "beams"});
+        const TableReader table(file.context(), member->value, "modes", key_table("modes"));
         const TomlMember* count = table.find("count");
         const TomlMember* below = table.find("below");
         if (count && below) table.error(below->place, "count and below are two ways to say how many: give one");
         if (count) {
-            const double number = table.number("count", "1", {1, static_cast<double>(kMostModes)}).value_or(1);
+            const double number = table.number("count").value_or(1);
             if (number != static_cast<int>(number)) table.error(count->value.place, "count must be a whole number");
             settings.count = static_cast<int>(number);
         }
         if (below) {
-            settings.below = table.number("below", "Hz", kPositive).value_or(0);
+            settings.below = table.number("below").value_or(0);
             settings.below_place = file.context().diagnostics.place_text(below->value.place);
         }
-        settings.are_beams_lumped = table.choice("beams", kBeams, 0).value_or(0) == 1;
+        settings.are_beams_lumped = table.choice("beams", 0).value_or(0) == 1;
     }
     if (overrides.count && overrides.below) refuse("--count and --below are two ways to say how many: give one");
     if (overrides.beams) {
-        const auto beams = std::ranges::find(kBeams, *overrides.beams);
-        if (beams == kBeams.end())
-            refuse(fmt::format("--beams must be one of {}, got {}", listed(kBeams), quote(*overrides.beams)));
-        settings.are_beams_lumped = beams != kBeams.begin();
+        const std::vector<std::string> words = beam_words();
+        const auto beams = std::ranges::find(words, *overrides.beams);
+        if (beams == words.end())
+            refuse(fmt::format("--beams must be one of {}, got {}", listed(words), quote(*overrides.beams)));
+        settings.are_beams_lumped = beams != words.begin();
     }
     if (overrides.count) {
         settings.count = count_of(*overrides.count);

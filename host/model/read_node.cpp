@@ -32,17 +32,16 @@ Node read_node(const ReadContext& context, const TomlMember& member, NameRegistr
         check_position(context, member.value.place, label, node.position);
         return node;
     }
-    const TableReader table(context, member.value, label,
-                            {"position", "fixed", "rotation", "quaternion", "velocity", "angular_velocity"});
+    const TableReader table(context, member.value, label, key_table("node"));
     const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
-    node.position = table.vector("position", "m").value_or(zero);
+    node.position = table.vector("position").value_or(zero);
     if (const TomlMember* position = table.find("position"))
         check_position(context, position->value.place, label, node.position);
     node.fixed = read_directions(table, "fixed");
     node.rotation = read_rotation(table).value_or(node.rotation);
     node.moves = table.find("velocity") || table.find("angular_velocity");
-    node.velocity = table.vector("velocity", "m/s", zero).value_or(zero);
-    node.angular_velocity = table.vector("angular_velocity", "rad/s", zero).value_or(zero);
+    node.velocity = table.vector("velocity", zero).value_or(zero);
+    node.angular_velocity = table.vector("angular_velocity", zero).value_or(zero);
     check_motion(table, node);
     return node;
 }

@@ -8,9 +8,6 @@
 
 namespace dttmm {
 
-/// Beyond it a small motion is lost in rounding [m].
-inline constexpr double kFarthest = 1e6;
-
 /// Reports a position in the world [m] that is farther away, and warns of one on the way there; `label` names whose it is.
 void check_position(const ReadContext& context, Place place, const std::string& label, const Eigen::Vector3d& position);
 

@@ -13,13 +13,13 @@ constexpr double kNormTolerance = 1e-6;
 /// More is meant in degrees [rad].
 constexpr double kLargestAngle = 2 * M_PI * (1 + 1e-9);
 
-std::optional<Eigen::Matrix3d> read_quaternion(const TableReader& table, const TomlMember& member) {
-    const auto q = read_numbers(table.context(), member.value, table.what("quaternion"), "1", 4);
+std::optional<Eigen::Matrix3d> read_quaternion(const TableReader& table) {
+    const auto q = table.numbers("quaternion");
     if (!q) return std::nullopt;
     const Eigen::Quaterniond quaternion((*q)[0], (*q)[1], (*q)[2], (*q)[3]);
     const double norm = std::hypot(quaternion.w(), quaternion.vec().stableNorm());
     if (!(std::abs(norm - 1) <= kNormTolerance)) {
-        table.error(member.value.place,
+        table.error(table.find("quaternion")->value.place,
                     fmt::format("quaternion [w, x, y, z] must have norm 1 to within {}, got {}", kNormTolerance, norm));
         return std::nullopt;
     }
@@ -30,10 +30,10 @@ std::optional<Eigen::Matrix3d> read_quaternion(const TableReader& table, const T
 
 std::optional<Eigen::Matrix3d> read_axis_and_angle(const TableReader& outer, const TomlMember& member,
                                                    const std::string& what) {
-    const TableReader table(outer.context(), member.value, what, {"axis", "angle"});
+    const TableReader table(outer.context(), member.value, what, key_table("rotation"));
     if (!table.is_valid()) return std::nullopt;
     const auto axis = read_direction(table, "axis");
-    const auto angle = table.number("angle", "rad");
+    const auto angle = table.number("angle");
     if (!axis || !angle) return std::nullopt;
     if (std::abs(*angle) > kLargestAngle) {
         table.error(table.find("angle")->value.place,
@@ -48,12 +48,12 @@ std::optional<Eigen::Matrix3d> read_rotation(const TableReader& table) {
     const TomlMember* quaternion = table.find("quaternion");
     if (rotation && quaternion) table.require_one(kRotationKeys);
     if (rotation) return read_axis_and_angle(table, *rotation, table.what("rotation"));
-    if (quaternion) return read_quaternion(table, *quaternion);
+    if (quaternion) return read_quaternion(table);
     return Eigen::Matrix3d::Identity();
 }
 
 std::optional<Eigen::Vector3d> read_direction(const TableReader& table, const char* key) {
-    const auto direction = table.vector(key, "1");
+    const auto direction = table.vector(key);
     if (!direction) return std::nullopt;
     if (direction->stableNorm() > 0) return direction->stableNormalized();
     table.error(table.find(key)->value.place, fmt::format("{} must not be zero", key));

@@ -42,21 +42,21 @@ std::optional<Signal> read_expression(const ReadContext& context, const TomlValu
     return std::nullopt;
 }
 
-std::optional<Signal> read_expression_table(const TableReader& table, std::string_view unit) {
+std::optional<Signal> read_expression_table(const TableReader& table) {
     const TomlMember* member = table.require("value");
     if (!member) return std::nullopt;
     if (!member->value.is_text() || !member->value.string.starts_with("=")) {
         table.error(member->value.place, "value must be a text that begins with \"=\"");
         return std::nullopt;
     }
-    return read_expression(table.context(), member->value, table.what("value"), unit);
+    return read_expression(table.context(), member->value, table.what("value"), table.unit());
 }
 
-std::optional<Signal> read_step(const TableReader& table, std::string_view unit) {
-    const auto from = table.number("from", unit, {}, 0);
-    const auto to = table.number("to", unit);
-    const auto start = table.number("start", "s", {}, 0);
-    const auto end = table.number("end", "s");
+std::optional<Signal> read_step(const TableReader& table) {
+    const auto from = table.number("from", 0);
+    const auto to = table.number("to");
+    const auto start = table.number("start", 0);
+    const auto end = table.number("end");
     if (!from || !to || !start || !end) return std::nullopt;
     if (*end < *start) {
         table.error(table.find("end")->value.place,
@@ -66,28 +66,28 @@ std::optional<Signal> read_step(const TableReader& table, std::string_view unit)
     return make_signal<StepSignal>(*from, *to, *start, *end);
 }
 
-std::optional<Signal> read_haversine(const TableReader& table, std::string_view unit) {
-    const auto peak = table.number("peak", unit);
-    const auto start = table.number("start", "s", {}, 0);
-    const auto width = table.number("width", "s", kPositive);
+std::optional<Signal> read_haversine(const TableReader& table) {
+    const auto peak = table.number("peak");
+    const auto start = table.number("start", 0);
+    const auto width = table.number("width");
     if (!peak || !start || !width) return std::nullopt;
     return make_signal<PulseSignal>(*peak, *start, *width);
 }
 
 std::optional<double> read_pulse_count(const TableReader& table) {
-    const auto count = table.number("count", "1", {1, 1e9}, 1);
+    const auto count = table.number("count", 1);
     if (!count || *count == std::round(*count)) return count;
     table.error(table.find("count")->value.place, fmt::format("count must be a whole number, got {}", *count));
     return std::nullopt;
 }
 
-std::optional<Signal> read_pulse(const TableReader& table, std::string_view unit) {
-    const auto peak = table.number("peak", unit);
-    const auto start = table.number("start", "s", {}, 0);
-    const auto width = table.number("width", "s", kPositive);
+std::optional<Signal> read_pulse(const TableReader& table) {
+    const auto peak = table.number("peak");
+    const auto start = table.number("start", 0);
+    const auto width = table.number("width");
     const auto count = read_pulse_count(table);
     const bool repeats = count && *count > 1;
-    const auto period = repeats ? table.number("period", "s", kPositive) : table.number("period", "s", kPositive, 0);
+    const auto period = repeats ? table.number("period") : table.number("period", 0);
     if (!peak || !start || !width || !count || !period) return std::nullopt;
     if (repeats && *period < *width) {
         table.error(table.find("period")->value.place,
@@ -97,26 +97,19 @@ std::optional<Signal> read_pulse(const TableReader& table, std::string_view unit
     return make_signal<PulseSignal>(*peak, *start, *width, *period, *count);
 }
 
-std::optional<Signal> read_sine(const TableReader& table, std::string_view unit) {
-    const auto amplitude = table.number("amplitude", unit);
-    const auto frequency = table.number("frequency", "Hz", kNotNegative);
-    const auto phase = table.number("phase", "rad", {}, 0);
-    const auto offset = table.number("offset", unit, {}, 0);
-    const auto start = table.number("start", "s", {}, 0);
+std::optional<Signal> read_sine(const TableReader& table) {
+    const auto amplitude = table.number("amplitude");
+    const auto frequency = table.number("frequency");
+    const auto phase = table.number("phase", 0);
+    const auto offset = table.number("offset", 0);
+    const auto start = table.number("start", 0);
     if (!amplitude || !frequency || !phase || !offset || !start) return std::nullopt;
     return make_signal<SineSignal>(*amplitude, *frequency, *phase, *offset, *start);
 }
 
-std::optional<std::vector<double>> read_column(const TableReader& table, const char* key, std::string_view unit) {
-    const TomlMember* member = table.require(key);
-    if (!member) return std::nullopt;
-    return read_numbers(table.context(), member->value, table.what(key), unit,
-                        std::max<std::size_t>(member->value.items.size(), 1));
-}
-
-std::optional<Signal> read_inline_table(const TableReader& table, std::string_view unit) {
-    const auto times = read_column(table, "times", "s");
-    const auto values = read_column(table, "values", unit);
+std::optional<Signal> read_inline_table(const TableReader& table) {
+    const auto times = table.numbers("times");
+    const auto values = table.numbers("values");
     if (!times || !values) return std::nullopt;
     const TomlValue& place = table.find("times")->value;
     if (times->size() != values->size()) {
@@ -134,14 +127,14 @@ std::optional<Signal> read_inline_table(const TableReader& table, std::string_vi
     return make_signal<TableSignal>(*times, *values);
 }
 
-std::optional<Signal> read_file_table(const TableReader& table, std::string_view unit) {
+std::optional<Signal> read_file_table(const TableReader& table) {
     const auto name = table.text("file");
     if (!name) return std::nullopt;
     for (const char* key : {"times", "values"})
         if (const TomlMember* member = table.find(key))
             table.error(member->place, fmt::format("{} and file exclude each other", key));
     try {
-        TimeTable columns = read_table_file(table.context().folder, *name, unit);
+        TimeTable columns = read_table_file(table.context().folder, *name, table.unit());
         table.context().files.push_back(table.context().folder / *name);
         return make_signal<TableSignal>(std::move(columns.times), std::move(columns.values));
     } catch (const Error& error) {
@@ -150,46 +143,37 @@ std::optional<Signal> read_file_table(const TableReader& table, std::string_view
     }
 }
 
-std::optional<Signal> read_table(const TableReader& table, std::string_view unit) {
-    return table.find("file") ? read_file_table(table, unit) : read_inline_table(table, unit);
+std::optional<Signal> read_table(const TableReader& table) {
+    return table.find("file") ? read_file_table(table) : read_inline_table(table);
 }
 
-std::optional<Signal> read_constant_table(const TableReader& table, std::string_view unit) {
-    const auto number = table.number("value", unit);
+std::optional<Signal> read_constant_table(const TableReader& table) {
+    const auto number = table.number("value");
     return number ? std::optional(make_signal<ConstantSignal>(*number)) : std::nullopt;
 }
 
-struct ShapeReader {
-    std::string type;
-    std::vector<std::string> keys;
-    std::optional<Signal> (*read)(const TableReader& table, std::string_view unit);
+/// The key tables "signal.<type>" and what reads them.
+constexpr struct ShapeReader {
+    const char* type;
+    std::optional<Signal> (*read)(const TableReader& table);
+} kShapes[] = {
+    {"constant", read_constant_table},
+    {"step", read_step},
+    {"haversine", read_haversine},
+    {"pulse", read_pulse},
+    {"sine", read_sine},
+    {"table", [](const TableReader& table) { return read_table(table); }},
+    {"expression", read_expression_table},
 };
-
-const std::vector<ShapeReader>& shape_readers() {
-    static const std::vector<ShapeReader> readers = {
-        {"constant", {"value"}, read_constant_table},
-        {"step", {"from", "to", "start", "end"}, read_step},
-        {"haversine", {"peak", "start", "width"}, read_haversine},
-        {"pulse", {"peak", "start", "width", "period", "count"}, read_pulse},
-        {"sine", {"amplitude", "frequency", "phase", "offset", "start"}, read_sine},
-        {"table",
-         {"times", "values", "file"},
-         [](const TableReader& table, std::string_view unit) { return read_table(table, unit); }},
-        {"expression", {"value"}, read_expression_table},
-    };
-    return readers;
-}
 
 std::optional<Signal> read_shape(const ReadContext& context, const TomlValue& value, const std::string& what,
                                  std::string_view unit) {
     const TomlMember* type = value.find("type");
     std::vector<std::string> types;
-    for (const ShapeReader& reader : shape_readers()) {
-        types.push_back(reader.type);
-        if (!type || type->value.string != reader.type) continue;
-        std::vector<std::string> keys = reader.keys;
-        keys.emplace_back("type");
-        return reader.read(TableReader(context, value, what, keys), unit);
+    for (const ShapeReader& shape : kShapes) {
+        types.emplace_back(shape.type);
+        if (type && type->value.string == shape.type)
+            return shape.read(TableReader(context, value, what, key_table("signal." + types.back()), {}, unit));
     }
     if (!type) {
         context.diagnostics.error(value.place, fmt::format("{}: missing key \"type\"; one of {}", what, listed(types)));

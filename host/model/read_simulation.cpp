@@ -11,15 +11,11 @@
 namespace dttmm {
 namespace {
 
-constexpr Bounds kStepBounds = {kShortestStep, kLongestStep};  // [s]
-constexpr Bounds kToleranceBounds = {1e-9, 0.5};               // beyond 50 % nothing is known of a history
-constexpr double kWholeTolerance = 1e-6;                       // of a step
-constexpr double kLargestGravity = 100;                        // [m/s²] more looks like another unit
-constexpr double kMostGravity = 1e7;                           // [m/s²] that of an ultracentrifuge, a million g
+constexpr double kWholeTolerance = 1e-6;  // of a step
+constexpr double kLargestGravity = 100;   // [m/s²] more looks like another unit
+constexpr double kMostGravity = 1e7;      // [m/s²] that of an ultracentrifuge, a million g
 
-const std::vector<std::string> kCouplings = {"implicit", "explicit"};
-const std::vector<std::string> kSchemes = {"fox-euler", "bdf1", "bdf2", "houbolt",
-                                           "park"};  // in the order of ExplicitScheme
+std::vector<std::string> words_of(const char* key) { return words_of(*find_key(key_table("simulation"), key)); }
 
 bool is_whole(double ratio) { return std::abs(ratio - std::round(ratio)) <= kWholeTolerance; }
 
@@ -35,7 +31,8 @@ struct Setting {
 /// Reads the settings that an option of the command line can replace.
 class SettingsReader {
 public:
-    SettingsReader(const TableReader& file, const TableReader* table) : file_(file), table_(table) {}
+    SettingsReader(const TableReader& file, const TableReader* table, const KeyTable& keys)
+        : file_(file), table_(table), keys_(keys) {}
 
     /// name: of the option, if it is not called like the key.
     std::optional<Setting> find(const std::string& key, const std::optional<std::string>& option,
@@ -50,8 +47,9 @@ public:
         return find(key, option);
     }
 
-    std::optional<double> read(const std::optional<Setting>& setting, const char* unit, const Bounds& bounds) const {
-        return setting ? read_number(file_.context(), setting->value, setting->what, unit, bounds) : std::nullopt;
+    std::optional<double> read(const std::optional<Setting>& setting, const char* name) const {
+        const Key& key = *find_key(keys_, name);
+        return setting ? read_number(file_.context(), setting->value, setting->what, key.unit, key.bounds) : std::nullopt;
     }
 
 private:
@@ -66,6 +64,7 @@ private:
 
     const TableReader& file_;
     const TableReader* table_;
+    const KeyTable& keys_;
 };
 
 void check_duration(Diagnostics& diagnostics, const Setting& setting, double duration, double step) {
@@ -85,22 +84,23 @@ void check_duration(Diagnostics& diagnostics, const Setting& setting, double dur
 Coupling read_coupling(const TableReader& file, const TableReader* table, const std::optional<std::string>& option) {
     int choice = 0;
     if (option) {
-        const auto found = std::find(kCouplings.begin(), kCouplings.end(), *option);
-        if (found == kCouplings.end()) {
+        const std::vector<std::string> words = words_of("coupling");
+        const auto found = std::find(words.begin(), words.end(), *option);
+        if (found == words.end()) {
             Diagnostics& diagnostics = file.context().diagnostics;
             diagnostics.error(diagnostics.option_place("--coupling"),
-                              fmt::format("must be one of: {}; got {}", listed(kCouplings), quote(*option)));
+                              fmt::format("must be one of: {}; got {}", listed(words), quote(*option)));
         } else {
-            choice = static_cast<int>(found - kCouplings.begin());
+            choice = static_cast<int>(found - words.begin());
         }
     } else if (table) {
-        choice = table->choice("coupling", kCouplings, 0).value_or(0);
+        choice = table->choice("coupling", 0).value_or(0);
     }
     return choice == 0 ? Coupling::implicit : Coupling::explicit_;
 }
 
 ExplicitScheme read_scheme(const TableReader& table, Coupling coupling, bool is_coupling_overridden) {
-    const int scheme = table.choice("scheme", kSchemes, 0).value_or(0);
+    const int scheme = table.choice("scheme", 0).value_or(0);
     if (table.find("scheme") && coupling == Coupling::implicit && !is_coupling_overridden)
         table.error(table.find("scheme")->place,
                     "scheme belongs to coupling = \"explicit\"; the implicit coupling has none to choose");
@@ -112,12 +112,12 @@ double read_spectral_radius(const TableReader& table, Coupling coupling, bool is
     if (member && coupling == Coupling::explicit_ && !is_coupling_overridden)
         table.error(member->place,
                     "spectral_radius belongs to coupling = \"implicit\"; the explicit coupling has no numerical damping");
-    return table.number("spectral_radius", "1", {0, 1}, 1).value_or(1);
+    return table.number("spectral_radius", 1).value_or(1);
 }
 
 Eigen::Vector3d read_gravity(const TableReader& table) {
     const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
-    const Eigen::Vector3d gravity = table.vector("gravity", "m/s^2", zero).value_or(zero);
+    const Eigen::Vector3d gravity = table.vector("gravity", zero).value_or(zero);
     if (gravity.cwiseAbs().maxCoeff() > kMostGravity)
         table.error(table.find("gravity")->value.place, fmt::format("gravity must be {:g} m/s² at most, got {:g} m/s²",
                                                                     kMostGravity, gravity.cwiseAbs().maxCoeff()));
@@ -143,26 +143,26 @@ void read_channels(const TableReader& table, OutputSettings& settings) {
 
 }  // namespace
 
-const std::string& scheme_name(ExplicitScheme scheme) { return kSchemes[static_cast<std::size_t>(scheme)]; }
+const std::string& scheme_name(ExplicitScheme scheme) {
+    static const std::vector<std::string> names = words_of("scheme");  // in the order of ExplicitScheme
+    return names[static_cast<std::size_t>(scheme)];
+}
 
 SimulationSettings read_simulation(const TableReader& file, const SimulationOverrides& overrides) {
     const TomlMember* member = file.find("simulation");
     std::optional<TableReader> table;
-    if (member)
-        table.emplace(
-            file.context(), member->value, "simulation",
-            std::vector<std::string>{"duration", "step", "tolerance", "coupling", "scheme", "spectral_radius", "gravity"});
+    if (member) table.emplace(file.context(), member->value, "simulation", key_table("simulation"));
     const bool is_valid = table && table->is_valid();
-    const SettingsReader reader(file, is_valid ? &*table : nullptr);
+    const SettingsReader reader(file, is_valid ? &*table : nullptr, key_table("simulation"));
     if (!member && !overrides.duration)
         file.error(file.place(), "missing table [simulation] with a duration (dttmm modes and dttmm frf want none)");
 
     SimulationSettings settings;
     const auto step_setting = reader.find("step", overrides.step);
     const auto duration_setting = reader.require("duration", overrides.duration);
-    const auto step = reader.read(step_setting, "s", kStepBounds);
-    const auto duration = reader.read(duration_setting, "s", kPositive);
-    settings.tolerance = reader.read(reader.find("tolerance", overrides.tolerance), "1", kToleranceBounds);
+    const auto step = reader.read(step_setting, "step");
+    const auto duration = reader.read(duration_setting, "duration");
+    settings.tolerance = reader.read(reader.find("tolerance", overrides.tolerance), "tolerance");
     if (!step_setting && !settings.tolerance) settings.tolerance = kDefaultTolerance;
     settings.step = step.value_or(0);
     settings.duration = duration.value_or(0);
@@ -181,16 +181,16 @@ OutputSettings read_output(const TableReader& file, const SimulationSettings& si
     const TomlMember* member = file.find("output");
     std::optional<TableReader> table;
     if (member) {
-        table.emplace(file.context(), member->value, "output", std::vector<std::string>{"step", "channels"});
+        table.emplace(file.context(), member->value, "output", key_table("output"));
         read_channels(*table, settings);
     }
     if (!overrides.channels.empty()) {
         settings.channels = overrides.channels;
         settings.channels_place = "--channels";
     }
-    const SettingsReader reader(file, table && table->is_valid() ? &*table : nullptr);
+    const SettingsReader reader(file, table && table->is_valid() ? &*table : nullptr, key_table("output"));
     const auto setting = reader.find("step", overrides.output_step, "output-step");
-    const auto step = reader.read(setting, "s", kPositive);
+    const auto step = reader.read(setting, "step");
     if (!step) return settings;
     settings.step = *step;
     const auto fail = [&](const std::string& text) {

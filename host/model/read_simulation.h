@@ -17,7 +17,7 @@ struct SimulationOverrides {
 };
 
 /// Shortest, longest and most steps of a run [s, s, 1].
-inline constexpr double kShortestStep = 1e-9, kLongestStep = 1, kMostSteps = 1e10;
+inline constexpr double kMostSteps = 1e10;
 
 /// Tolerance of a run that is given neither step nor tolerance. Loads and stiffness are seldom known better.
 inline constexpr double kDefaultTolerance = 0.01;

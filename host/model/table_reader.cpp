@@ -90,17 +90,33 @@ std::optional<Eigen::Vector3d> read_vector(const ReadContext& context, const Tom
     return numbers ? std::optional(Eigen::Vector3d(numbers->data())) : std::nullopt;
 }
 
+TableReader::TableReader(const ReadContext& context, const TomlValue& value, std::string label, const KeyTable& table,
+                         std::string note, std::string_view unit)
+    : context_(context), value_(value), label_(std::move(label)), table_(&table), unit_(unit) {
+    check_keys(names_of(table), note);
+}
+
 TableReader::TableReader(const ReadContext& context, const TomlValue& value, std::string label,
-                         std::vector<std::string> keys, std::string note)
-    : context_(context), value_(value), label_(std::move(label)) {
-    if (!value.is_table()) {
-        error(value.place,
-              fmt::format("expected a table such as {{ {} = ... }}, got {}", keys.front(), kind_text(value.kind)));
+                         std::vector<std::string> keys, const KeyTable* table, std::string note)
+    : context_(context), value_(value), label_(std::move(label)), table_(table) {
+    check_keys(keys, note);
+}
+
+void TableReader::check_keys(const std::vector<std::string>& keys, const std::string& note) const {
+    if (!value_.is_table()) {
+        error(value_.place,
+              fmt::format("expected a table such as {{ {} = ... }}, got {}", keys.front(), kind_text(value_.kind)));
         return;
     }
-    for (const TomlMember& member : value.members)
+    for (const TomlMember& member : value_.members)
         if (std::find(keys.begin(), keys.end(), member.key) == keys.end())
             error(member.place, fmt::format("unknown key {}{}{}", quote(member.key), note, suggestion(member.key, keys)));
+}
+
+const Key& TableReader::key(std::string_view name) const {
+    const Key* found = table_ ? find_key(*table_, name) : nullptr;
+    if (!found) throw Error(ExitCode::internal_error, fmt::format("the tables of keys have no \"{}\"", name));
+    return *found;
 }
 
 const TomlMember* TableReader::require(std::string_view key) const {
@@ -122,24 +138,30 @@ const TomlMember* TableReader::require_one(const std::vector<std::string>& keys)
     return first;
 }
 
-std::optional<double> TableReader::number(std::string_view key, std::string_view unit, const Bounds& bounds) const {
-    const TomlMember* member = require(key);
-    return member ? read_number(context_, member->value, what(key), unit, bounds) : std::nullopt;
+std::optional<double> TableReader::number(std::string_view name) const {
+    const TomlMember* member = require(name);
+    return member ? read_number(context_, member->value, what(name), unit_of(key(name)), key(name).bounds) : std::nullopt;
 }
 
-std::optional<double> TableReader::number(std::string_view key, std::string_view unit, const Bounds& bounds,
-                                          double fallback) const {
-    return find(key) ? number(key, unit, bounds) : fallback;
+std::optional<double> TableReader::number(std::string_view name, double fallback) const {
+    return find(name) ? number(name) : fallback;
 }
 
-std::optional<Eigen::Vector3d> TableReader::vector(std::string_view key, std::string_view unit, const Bounds& bounds) const {
-    const TomlMember* member = require(key);
-    return member ? read_vector(context_, member->value, what(key), unit, bounds) : std::nullopt;
+std::optional<std::vector<double>> TableReader::numbers(std::string_view name) const {
+    const TomlMember* member = require(name);
+    if (!member) return std::nullopt;
+    const auto count = static_cast<std::size_t>(key(name).count);
+    return read_numbers(context_, member->value, what(name), unit_of(key(name)),
+                        count > 0 ? count : std::max<std::size_t>(member->value.items.size(), 1), false, key(name).bounds);
 }
 
-std::optional<Eigen::Vector3d> TableReader::vector(std::string_view key, std::string_view unit,
-                                                   const Eigen::Vector3d& fallback, const Bounds& bounds) const {
-    return find(key) ? vector(key, unit, bounds) : fallback;
+std::optional<Eigen::Vector3d> TableReader::vector(std::string_view name) const {
+    const auto three = numbers(name);
+    return three ? std::optional(Eigen::Vector3d(three->data())) : std::nullopt;
+}
+
+std::optional<Eigen::Vector3d> TableReader::vector(std::string_view name, const Eigen::Vector3d& fallback) const {
+    return find(name) ? vector(name) : fallback;
 }
 
 std::optional<std::string> TableReader::text(std::string_view key) const {
@@ -154,13 +176,14 @@ std::optional<std::string> TableReader::text(std::string_view key, const std::st
     return find(key) ? text(key) : fallback;
 }
 
-std::optional<int> TableReader::choice(std::string_view key, const std::vector<std::string>& words, int fallback) const {
-    if (!find(key)) return fallback;
-    const auto word = text(key);
+std::optional<int> TableReader::choice(std::string_view name, int fallback) const {
+    if (!find(name)) return fallback;
+    const auto word = text(name);
     if (!word) return std::nullopt;
+    const std::vector<std::string> words = words_of(key(name));
     const auto found = std::find(words.begin(), words.end(), *word);
     if (found != words.end()) return static_cast<int>(found - words.begin());
-    error(find(key)->value.place, fmt::format("{} must be one of: {}; got {}", key, listed(words), quote(*word)));
+    error(find(name)->value.place, fmt::format("{} must be one of: {}; got {}", name, listed(words), quote(*word)));
     return std::nullopt;
 }
 

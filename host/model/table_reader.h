@@ -3,13 +3,13 @@
 
 #include <Eigen/Core>
 #include <filesystem>
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "model/diagnostics.h"
+#include "model/keys.h"
 #include "model/parameters.h"
 #include "model/toml_document.h"
 
@@ -22,16 +22,6 @@ struct ReadContext {
     std::filesystem::path folder;               ///< of the model file
     std::vector<std::filesystem::path>& files;  ///< that the model names and that were read, in turn
 };
-
-/// Where a number may lie [SI].
-struct Bounds {
-    double minimum = -std::numeric_limits<double>::infinity();
-    double maximum = std::numeric_limits<double>::infinity();
-    bool excludes_minimum = false;
-};
-
-inline constexpr Bounds kPositive = {0, std::numeric_limits<double>::infinity(), true};
-inline constexpr Bounds kNotNegative = {0, std::numeric_limits<double>::infinity(), false};
 
 /// The functions below report a fault and return nothing. `what` names the value in messages: `element "bolt3": stiffness`.
 
@@ -51,13 +41,20 @@ std::optional<Eigen::Vector3d> read_vector(const ReadContext& context, const Tom
 class TableReader {
 public:
     /// `label` names the table in messages, e.g. `body "plate"`; empty for the file itself. `note` follows it where a key
-    /// is unknown. A `value` that is no table is reported and read as an empty one.
+    /// is unknown. A `value` that is no table is reported and read as an empty one. unit: what "" in the table of keys
+    /// stands for.
+    TableReader(const ReadContext& context, const TomlValue& value, std::string label, const KeyTable& table,
+                std::string note = {}, std::string_view unit = {});
+    /// Of keys that a plugin declares, besides some of `table`.
     TableReader(const ReadContext& context, const TomlValue& value, std::string label, std::vector<std::string> keys,
-                std::string note = {});
+                const KeyTable* table = nullptr, std::string note = {});
 
     bool is_valid() const { return value_.is_table(); }
     Place place() const { return value_.place; }
     const ReadContext& context() const { return context_; }
+
+    /// What "" in the table of keys stands for.
+    std::string_view unit() const { return unit_; }
 
     const TomlMember* find(std::string_view key) const { return value_.find(key); }
 
@@ -67,17 +64,22 @@ public:
     /// Reports all but the first of the given keys that are there, and the lack of any; returns the first.
     const TomlMember* require_one(const std::vector<std::string>& keys) const;
 
-    /// A missing key is reported, or gives the fallback.
-    std::optional<double> number(std::string_view key, std::string_view unit, const Bounds& bounds = {}) const;
-    std::optional<double> number(std::string_view key, std::string_view unit, const Bounds& bounds, double fallback) const;
-    std::optional<Eigen::Vector3d> vector(std::string_view key, std::string_view unit, const Bounds& bounds = {}) const;
-    std::optional<Eigen::Vector3d> vector(std::string_view key, std::string_view unit, const Eigen::Vector3d& fallback,
-                                          const Bounds& bounds = {}) const;
+    /// In the unit and within the bounds that the table of keys gives. A missing key is reported, or gives the fallback.
+    std::optional<double> number(std::string_view key) const;
+    std::optional<double> number(std::string_view key, double fallback) const;
+    std::optional<Eigen::Vector3d> vector(std::string_view key) const;
+    std::optional<Eigen::Vector3d> vector(std::string_view key, const Eigen::Vector3d& fallback) const;
+    /// As many numbers as the table of keys says.
+    std::optional<std::vector<double>> numbers(std::string_view key) const;
     std::optional<std::string> text(std::string_view key) const;
     std::optional<std::string> text(std::string_view key, const std::string& fallback) const;
 
-    /// One of the given words; its index. A missing key gives the fallback.
-    std::optional<int> choice(std::string_view key, const std::vector<std::string>& words, int fallback) const;
+    /// One of the words of the table of keys; its index. A missing key gives the fallback.
+    std::optional<int> choice(std::string_view key, int fallback) const;
+
+    /// Of the table of keys. Throws Error(internal_error) for a key it has not.
+    const Key& key(std::string_view name) const;
+    std::string_view unit_of(const Key& key) const { return *key.unit ? std::string_view(key.unit) : unit_; }
 
     /// `label: key`, as messages name the value.
     std::string what(std::string_view key) const;
@@ -87,10 +89,13 @@ public:
 
 private:
     std::string labelled(const std::string& text) const;
+    void check_keys(const std::vector<std::string>& keys, const std::string& note) const;
 
     const ReadContext& context_;
     const TomlValue& value_;
     std::string label_;
+    const KeyTable* table_;
+    std::string_view unit_;
 };
 
 }  // namespace dttmm

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "model/keys.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "model/error.h"
+
+namespace dttmm {
+
+namespace {
+
+using Kind = Key::Kind;
+
+constexpr Bounds kOnBody = {-kFarthest, kFarthest};  // coordinates in the body's axes [m]
+
+// Columns: name, kind, what it is, default, unit, count, bounds, words, table.
+constexpr Key kFile[] = {
+    {"format", Kind::word, "must be the first key", kRequired, "", 0, {}, "dttmm/1"},
+    {"title", Kind::text, "printed above the results"},
+    {"parameters", Kind::named,
+     "numbers by name, for expressions: k = \"500 N/mm\", then stiffness = \"=2*k\"; --set and "
+     "--sweep change them"},
+    {"simulation", Kind::table, "duration, step and method of a run", "", "", 0, {}, "", "simulation"},
+    {"output", Kind::table, "which rows and channels a run records", "", "", 0, {}, "", "output"},
+    {"modes", Kind::table, "which natural frequencies `dttmm modes` finds", "", "", 0, {}, "", "modes"},
+    {"dofs", Kind::directions, "of `dttmm modes` and `dttmm frf`: directions in which bodies and nodes move", "all"},
+    {"nodes", Kind::named, "points inside networks, by name", "", "m", 3, {}, "", "node"},
+    {"body", Kind::tables, "a rigid body", "", "", 0, {}, "", "body"},
+    {"joint", Kind::tables, "an ideal joint between two bodies, or a body and the ground", "", "", 0, {}, "", "joint"},
+    {"element", Kind::tables, "what stands between bodies, nodes and the ground", "", "", 0, {}, "", "element"},
+    {"load", Kind::tables, "a force or moment on a body, a marker or a node", "", "", 0, {}, "", "load"},
+};
+
+constexpr Key kSimulation[] = {
+    {"duration", Kind::number, "of the run", kRequired, "s", 1, kPositive},
+    {"step",
+     Kind::number,
+     "fixed time step; without it the step is chosen and halved until the tolerance holds",
+     "",
+     "s",
+     1,
+     {kShortestStep, kLongestStep}},
+    {"tolerance",
+     Kind::number,
+     "largest error of every channel, as share of the largest value of its kind",
+     "\"1 %\" without a step",
+     "1",
+     1,
+     {kLeastTolerance, kMostTolerance}},
+    {"coupling", Kind::word, "of bodies and elements", "implicit", "", 0, {}, "implicit|explicit"},
+    {"scheme", Kind::word, "of the explicit coupling", "fox-euler", "", 0, {}, "fox-euler|bdf1|bdf2|houbolt|park"},
+    {"spectral_radius",
+     Kind::number,
+     "of the implicit coupling: 1 is without numerical damping, 0 has most",
+     "1",
+     "1",
+     1,
+     {0, 1}},
+    {"gravity", Kind::numbers, "acceleration in world axes", "[0, 0, 0]", "m/s^2", 3},
+};
+
+constexpr Key kOutput[] = {
+    {"step", Kind::number, "time between rows", "every step", "s", 1, kPositive},
+    {"channels", Kind::texts, "patterns of the channels to record; `dttmm channels` lists them", "[\"*\"] but those marked"},
+};
+
+constexpr Key kModes[] = {
+    {"count", Kind::number, "how many frequencies, from the lowest; excludes below", "10", "1", 1, {1, kMostModes}},
+    {"below", Kind::number, "all frequencies up to this one; excludes count", "", "Hz", 1, kPositive},
+    {"beams", Kind::word, "exact waves, or the lumps of a run", "exact", "", 0, {}, "exact|lumped"},
+};
+
+constexpr Key kRotationOf = {"rotation", Kind::table, "of its axes against those outside, about an axis", "none", "", 0, {},
+                             "",         "rotation"};
+constexpr Key kQuaternion = {"quaternion", Kind::numbers, "the same as [w, x, y, z] of norm 1", "", "1", 4};
+
+constexpr Key kNode[] = {
+    {"position", Kind::numbers, "in the world; a node may be written as its position alone", kRequired, "m", 3},
+    {"fixed", Kind::directions, "directions of the world in which the ground holds it", "[]"},
+    kRotationOf,
+    kQuaternion,
+    {"velocity", Kind::numbers, "at the start", "as its elements strain least", "m/s", 3},
+    {"angular_velocity", Kind::numbers, "at the start", "as its elements strain least", "rad/s", 3},
+};
+
+constexpr Key kBody[] = {
+    {"name", Kind::text, "of its channels; no two alike", kRequired},
+    {"mass", Kind::number, "with a shape instead of density, without one beside inertia", "", "kg"},
+    {"inertia",
+     Kind::numbers,
+     "[xx, yy, zz] about the centre of mass in the body's axes, or a table of the tensor's entries",
+     "",
+     "kg*m^2",
+     3,
+     {},
+     "",
+     "inertia"},
+    {"density", Kind::number, "of a shape", "", "kg/m^3", 1, kPositive},
+    {"box", Kind::numbers, "shape: lengths along x, y, z", "", "m", 3, kPositive},
+    {"cylinder", Kind::numbers, "shape: [diameter, length]", "", "m", 2, kPositive},
+    {"tube", Kind::numbers, "shape: [outer diameter, inner diameter, length]", "", "m", 3, kPositive},
+    {"sphere", Kind::numbers, "shape: its diameter", "", "m", 1, kPositive},
+    {"axis", Kind::word, "of a cylinder or tube", "z", "", 0, {}, "x|y|z"},
+    {"center_of_mass", Kind::numbers, "from the body's origin, its axes", "[0, 0, 0]", "m", 3, kOnBody},
+    {"position", Kind::numbers, "of its origin at the start, world", "[0, 0, 0]", "m", 3},
+    kRotationOf,
+    kQuaternion,
+    {"velocity", Kind::numbers, "of its origin at the start, world axes", "[0, 0, 0]", "m/s", 3},
+    {"angular_velocity", Kind::numbers, "at the start, world axes", "[0, 0, 0]", "rad/s", 3},
+    {"markers", Kind::named, "points of the body by name: [x, y, z] from its origin, or a table with axes", "", "m", 3,
+     kOnBody, "", "marker"},
+};
+
+constexpr Key kInertia[] = {
+    {"xx", Kind::number, "moment of inertia", kRequired, "kg*m^2"},
+    {"yy", Kind::number, "moment of inertia", kRequired, "kg*m^2"},
+    {"zz", Kind::number, "moment of inertia", kRequired, "kg*m^2"},
+    {"xy", Kind::number, "entry of the tensor, minus the product of inertia", "0", "kg*m^2"},
+    {"xz", Kind::number, "entry of the tensor, minus the product of inertia", "0", "kg*m^2"},
+    {"yz", Kind::number, "entry of the tensor, minus the product of inertia", "0", "kg*m^2"},
+};
+
+constexpr Key kMarker[] = {
+    {"position", Kind::numbers, "from the body's origin, its axes", "[0, 0, 0]", "m", 3, kOnBody},
+    kRotationOf,
+    kQuaternion,
+};
+
+constexpr Key kRotation[] = {
+    {"axis", Kind::numbers, "of any length but zero", kRequired, "1", 3},
+    {"angle", Kind::number, "right-handed about it, within a turn", kRequired, "rad"},
+};
+
+constexpr Key kJoint[] = {
+    {"name", Kind::text, "of its channels; no two alike", kRequired},
+    {"type", Kind::word, "what it leaves free", kRequired, "", 0, {}, "ball|hinge|slider|universal|fixed"},
+    {"between", Kind::places, "two bodies or markers, or one and \"ground\"", kRequired, "", 2},
+    {"anchor", Kind::numbers, "its point at the start, world, or the name of a marker", "the markers in between", "m", 3,
+     kOnBody},
+    {"axis", Kind::numbers, "of a hinge, slider or universal joint, world", "", "1", 3},
+    {"axis2", Kind::numbers, "second axis of a universal joint, at right angles", "", "1", 3},
+    {"limits", Kind::numbers, "stops [low, high] of a hinge's angle or a slider's travel", "none", "rad or m", 2},
+};
+
+constexpr Key kLoad[] = {
+    {"on", Kind::place, "what it acts on; on a body at its origin", kRequired},
+    {"direction", Kind::numbers, "world axes; its length does not count", kRequired, "1", 3},
+    {"force", Kind::signal, "its size over time; or moment", "", "N", 0, {}, "", "signal"},
+    {"moment", Kind::signal, "its size over time; or force", "", "N*m", 0, {}, "", "signal"},
+};
+
+constexpr Key kElement[] = {
+    {"name", Kind::text, "of its channels; no two alike", kRequired},
+    {"type", Kind::text, "an element type; `dttmm elements` lists them", kRequired},
+    {"from", Kind::place, "one end", kRequired},
+    {"to", Kind::place, "the other end; its force acts there where the ends stand apart", kRequired},
+    {"axes",
+     Kind::word,
+     "\"from\", \"to\" or { axis, angle } from the world's axes at the start",
+     "those of from",
+     "",
+     0,
+     {},
+     "from|to",
+     "rotation"},
+};
+
+constexpr Key kElementAt[] = {
+    kElement[0],
+    kElement[1],
+    {"at", Kind::places, "a node, or a list of them", kRequired, "", 0},
+};
+
+constexpr Key kTypeOfSignal = {"type", Kind::word, "of the signal", kRequired, "", 0, {}, ""};
+constexpr Key kStart = {"start", Kind::number, "when it begins", "0", "s"};
+constexpr Key kConstant[] = {kTypeOfSignal, {"value", Kind::number, "at all times", kRequired, ""}};
+constexpr Key kStep[] = {
+    kTypeOfSignal,
+    {"from", Kind::number, "before start", "0", ""},
+    {"to", Kind::number, "after end; between them 3 s^2 - 2 s^3", kRequired, ""},
+    kStart,
+    {"end", Kind::number, "when it is there", kRequired, "s"},
+};
+constexpr Key kHaversine[] = {
+    kTypeOfSignal,
+    {"peak", Kind::number, "of peak/2 (1 - cos), zero elsewhere", kRequired, ""},
+    kStart,
+    {"width", Kind::number, "of the pulse", kRequired, "s", 1, kPositive},
+};
+constexpr Key kPulse[] = {
+    kTypeOfSignal,
+    {"peak", Kind::number, "of each pulse peak/2 (1 - cos)", kRequired, ""},
+    kStart,
+    {"width", Kind::number, "of each pulse", kRequired, "s", 1, kPositive},
+    {"period", Kind::number, "from pulse to pulse", "needed for two and more", "s", 1, kPositive},
+    {"count", Kind::number, "of pulses", "1", "1", 1, {1, 1e9}},
+};
+constexpr Key kSine[] = {
+    kTypeOfSignal,
+    {"amplitude", Kind::number, "of offset + amplitude sin(2 pi f (t - start) + phase)", kRequired, ""},
+    {"frequency", Kind::number, "f", kRequired, "Hz", 1, kNotNegative},
+    {"phase", Kind::number, "at start", "0", "rad"},
+    {"offset", Kind::number, "also before start", "0", ""},
+    kStart,
+};
+constexpr Key kTable[] = {
+    kTypeOfSignal,
+    {"times", Kind::numbers, "increasing; linear between them, constant outside", "", "s", 0},
+    {"values", Kind::numbers, "as many", "", "", 0},
+    {"file", Kind::text,
+     "instead: a CSV file in the model's folder, time and value; a heading and a line of units may come "
+     "first"},
+};
+constexpr Key kExpression[] = {kTypeOfSignal, {"value", Kind::text, "\"=...\", of t and the parameters", kRequired}};
+
+constexpr KeyTable kTables[] = {
+    {"file", "", "the model file, TOML", kFile},
+    {"simulation", "[simulation]", "how a run goes", kSimulation},
+    {"output", "[output]", "what a run records", kOutput},
+    {"modes", "[modes]", "natural frequencies", kModes},
+    {"node", "[nodes]", "a node, name = { ... }, or name = [x, y, z]", kNode},
+    {"body", "[[body]]", "a rigid body: a shape with density or mass, or mass and inertia", kBody},
+    {"inertia", "inertia = { }", "the tensor of inertia of a body", kInertia},
+    {"marker", "markers = { }", "a point of a body", kMarker},
+    {"rotation", "rotation = { }", "a turn about an axis", kRotation},
+    {"joint", "[[joint]]", "an ideal joint; its force acts on the first body", kJoint},
+    {"load", "[[load]]", "a force or a moment", kLoad},
+    {"element", "[[element]]", "an element between two ends; `dttmm help TYPE` has the keys of its type", kElement},
+    {"element.at", "[[element]]", "an element at nodes", kElementAt},
+    {"signal.constant", "force = { }", "a constant", kConstant},
+    {"signal.step", "force = { }", "a smooth step", kStep},
+    {"signal.haversine", "force = { }", "one pulse", kHaversine},
+    {"signal.pulse", "force = { }", "a train of pulses", kPulse},
+    {"signal.sine", "force = { }", "a sine", kSine},
+    {"signal.table", "force = { }", "points", kTable},
+    {"signal.expression", "force = { }", "an expression of t", kExpression},
+};
+
+}  // namespace
+
+std::span<const KeyTable> key_tables() { return kTables; }
+
+const KeyTable& key_table(std::string_view name) {
+    const auto found = std::ranges::find_if(kTables, [&](const KeyTable& table) { return table.name == name; });
+    if (found == std::end(kTables))
+        throw Error(ExitCode::internal_error, fmt::format("there is no table of keys \"{}\"", name));
+    return *found;
+}
+
+const Key* find_key(const KeyTable& table, std::string_view name) {
+    const auto found = std::ranges::find_if(table.keys, [&](const Key& key) { return key.name == name; });
+    return found == table.keys.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> names_of(const KeyTable& table) {
+    std::vector<std::string> names;
+    for (const Key& key : table.keys) names.emplace_back(key.name);
+    return names;
+}
+
+std::vector<std::string> words_of(const Key& key) {
+    std::vector<std::string> words;
+    std::string_view rest = key.words;
+    while (!rest.empty()) {
+        const size_t bar = std::min(rest.find('|'), rest.size());
+        words.emplace_back(rest.substr(0, bar));
+        rest.remove_prefix(std::min(bar + 1, rest.size()));
+    }
+    return words;
+}
+
+}  // namespace dttmm

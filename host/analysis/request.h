@@ -34,6 +34,7 @@ struct Request {
     bool is_logarithmic = false;  ///< frf: spaced by equal factors
 
     std::vector<std::string> patterns;  ///< channels: those to list; none: all
+    std::vector<std::string> words;     ///< help: the topic; new: the folder; completion: the shell
 
     std::string command_line;  ///< as typed, for summary.json
     /// The options given, with their values as typed; a flag has an empty one.
@@ -41,7 +42,19 @@ struct Request {
 };
 
 /// The commands, as bits.
-enum Command : unsigned { kRun = 1, kCheck = 2, kModes = 4, kFrf = 8, kElements = 16, kChannels = 32 };
+enum Command : unsigned {
+    kRun = 1,
+    kCheck = 2,
+    kModes = 4,
+    kFrf = 8,
+    kElements = 16,
+    kChannels = 32,
+    kHelp = 64,
+    kSchema = 128,
+    kNew = 256,
+    kCompletion = 512,
+    kManual = 1024
+};
 
 /// An option of the command line. The commands, the words of a sweep's cases and what decides whether a case is run again
 /// all come from the one table of options().

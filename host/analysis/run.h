@@ -22,7 +22,4 @@ ExitCode run(const Request& request);
 /// is not set.
 void check(const Request& request);
 
-/// Prints the element types of the built-in and the given plugins, from the plugins' own tables. Throws Error.
-void print_elements(const std::vector<std::string>& plugins);
-
 }  // namespace dttmm

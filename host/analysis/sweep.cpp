@@ -318,6 +318,8 @@ std::vector<Parameter> read_parameters(const std::vector<Case>& cases, const Req
 
 ExitCode run_sweep(const Request& request, const std::vector<SweepAxis>& axes) {
     const StopSignals signals;
+    if (request.model == "-")
+        throw Error(ExitCode::usage, "a sweep reads its model once per case: give a file instead of the standard input");
     const Plugins plugins(request.plugins);
     std::vector<Case> cases;
     for (SweepCase& parameters : make_grid(axes)) cases.push_back({std::move(parameters), {}, "missing", {}, {}});

@@ -12,25 +12,22 @@
 #include <system_error>
 
 #include "analysis/channel_list.h"
+#include "analysis/help.h"
 #include "analysis/modes.h"
 #include "analysis/run.h"
 #include "analysis/sweep.h"
+#include "cli/completion.h"
 #include "cli/crash_report.h"
+#include "cli/manual.h"
 #include "model/diagnostics.h"
 #include "model/wording.h"
+#include "record/hdf5_writer.h"
 #include "record/tell.h"
+#include "world/world.h"
 
 namespace dttmm {
 
 namespace {
-
-/// A command: its bit among those of the options, and what it does.
-struct CommandLine {
-    Command bit;
-    const char* name;
-    const char* help;
-    ExitCode (*run)(const Request& request);
-};
 
 std::vector<SweepAxis> axes_of(const Request& request) {
     std::vector<SweepAxis> axes;
@@ -38,29 +35,31 @@ std::vector<SweepAxis> axes_of(const Request& request) {
     return axes;
 }
 
+/// What prints something and cannot fail otherwise than by an exception.
+template <void (*print)(const Request&)>
+ExitCode plain(const Request& request) {
+    print(request);
+    return ExitCode::ok;
+}
+
+// In the order of the help. Columns: bit, name, help, what it is given besides options, what it does.
 const CommandLine kCommands[] = {
-    {kRun, "run", "run a model and record its histories",
+    {kRun, "run", "run a model and record its histories", Given::model,
      [](const Request& request) { return request.sweeps.empty() ? run(request) : run_sweep(request, axes_of(request)); }},
-    {kCheck, "check", "validate a model, print what would be solved",
-     [](const Request& request) {
-         check(request);
-         return ExitCode::ok;
-     }},
-    {kModes, "modes", "natural frequencies and shapes of a model",
+    {kCheck, "check", "validate a model, print what would be solved", Given::model, plain<check>},
+    {kModes, "modes", "natural frequencies and shapes of a model", Given::model,
      [](const Request& request) {
          return request.sweeps.empty() ? find_modes(request) : sweep_modes(request, axes_of(request));
      }},
-    {kFrf, "frf", "frequency response of a model", find_response},
-    {kChannels, "channels", "list what a run of a model can record",
-     [](const Request& request) {
-         print_channels(request);
-         return ExitCode::ok;
-     }},
-    {kElements, "elements", "list element types and their parameters",
-     [](const Request& request) {
-         print_elements(request.plugins);
-         return ExitCode::ok;
-     }},
+    {kFrf, "frf", "frequency response of a model", Given::model, find_response},
+    {kChannels, "channels", "list what a run of a model can record", Given::model_and_patterns, plain<print_channels>},
+    {kNew, "new", "make a folder with a first model", Given::folder, plain<make_new>},
+    {kHelp, "help", "keys of a table or an element type, with a complete model", Given::topic, plain<print_help>},
+    {kElements, "elements", "list element types and their parameters", Given::topic, plain<print_elements>},
+    {kSchema, "schema", "print a JSON schema of the model file, for editors", Given::nothing, plain<print_schema>},
+    {kCompletion, "completion", "print what makes a shell complete words: bash, zsh or fish", Given::shell,
+     plain<print_completion>},
+    {kManual, "manual", "print the manual page, for man", Given::nothing, plain<print_manual>},
 };
 
 /// Makes the words of a command known to the parser, which hands what it meets to the request.
@@ -90,18 +89,65 @@ void add_option(CLI::App& command, const Option& option, Request& request) {
     added->required(option.is_required);
 }
 
-void refuse_unknown_subcommand(const CLI::App& app) {
-    const std::vector<std::string> words = app.remaining();
-    if (!app.get_subcommands().empty() || words.empty() || words.front().starts_with("-")) return;
-    std::vector<std::string> known;
-    for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
-    throw Error(ExitCode::usage,
-                fmt::format("there is no subcommand {}{}", quote(words.front()), suggestion(words.front(), known)));
+/// Makes known to the parser what a command is given besides options.
+void add_given(CLI::App& command, Given given, Request& request) {
+    switch (given) {
+        case Given::model:
+        case Given::model_and_patterns:
+            command.add_option("MODEL", request.model, "model file (TOML), its folder, or - for the standard input")
+                ->required();
+            if (given == Given::model_and_patterns)
+                command.add_option("PATTERN", request.patterns, "e.g. \"bolt*.force\"; default all");
+            break;
+        case Given::topic:
+            command.add_option("TOPIC", request.words, "default all")->expected(0, 1);
+            break;
+        case Given::folder:
+            command.add_option("FOLDER", request.words, "that is made")->required()->expected(1);
+            break;
+        case Given::shell:
+            command.add_option("SHELL", request.words, "bash, zsh or fish")->required()->expected(1);
+            break;
+        case Given::nothing:
+            break;
+    }
+}
+
+/// Says what is wrong with the words, under the name of the command that they are for.
+[[noreturn]] void refuse_words(const CLI::App& app, const CLI::ParseError& error) {
+    const std::vector<CLI::App*> parsed = app.get_subcommands();
+    const CLI::App& command = parsed.empty() ? app : *parsed.front();
+    const std::vector<std::string> surplus = app.remaining(true);
+    std::string text = error.what();
+    if (parsed.empty() && !surplus.empty() && !surplus.front().starts_with("-")) {
+        std::vector<std::string> known;
+        for (const CLI::App* one : app.get_subcommands({})) known.push_back(one->get_name());
+        text = fmt::format("there is no subcommand {}{}", quote(surplus.front()), suggestion(surplus.front(), known));
+    } else if (!surplus.empty()) {
+        std::vector<std::string> known;
+        for (const CLI::Option* option : command.get_options()) known.push_back(option->get_name());
+        text = fmt::format("{} was not expected{}", surplus.front(),
+                           surplus.front().starts_with("-") ? suggestion(surplus.front(), known) : "");
+    }
+    const std::string name = parsed.empty() ? "" : command.get_name();
+    throw Error(ExitCode::usage, fmt::format("{}{}{}; \"dttmm{}{} --help\" says what there is", name,
+                                             name.empty() ? "" : ": ", text, name.empty() ? "" : " ", name));
+}
+
+/// Of the program and of the libraries that its results rest on.
+std::string version_text() {
+    return fmt::format("dttmm {}\nODE {}, Eigen {}.{}.{}, HDF5 {}, fmt {}.{}.{}\nBSD-3-Clause", DTTMM_VERSION,
+                       World::engine_version(), EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION,
+                       Hdf5Writer::version(), FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100);
 }
 
 ExitCode dispatch(int argc, char** argv) {
+    if (argc > 1 && argv[1] == std::string_view("complete")) {
+        complete({argv + 2, argv + argc});
+        return ExitCode::ok;
+    }
     CLI::App app{"Rigid bodies by ODE, everything between them by transfer matrices.", "dttmm"};
-    app.set_version_flag("--version", DTTMM_VERSION);
+    app.set_version_flag("-V,--version", version_text());
     app.require_subcommand(1);
     Request request;
     for (int i = 0; i < argc; ++i) request.command_line += (i ? " " : "") + std::string(argv[i]);
@@ -109,20 +155,27 @@ ExitCode dispatch(int argc, char** argv) {
     for (const CommandLine& command : kCommands) {
         CLI::App* const added = app.add_subcommand(command.name, command.help);
         commands.emplace_back(added, &command);
-        if (command.bit != kElements)
-            added->add_option("MODEL", request.model, "model file (TOML, format dttmm/1)")->required();
-        if (command.bit == kChannels) added->add_option("PATTERN", request.patterns, "e.g. \"bolt*.force\"; default all");
+        add_given(*added, command.given, request);
         for (const Option& option : options())
             if (option.commands & command.bit) add_option(*added, option, request);
+    }
+    if (argc == 1) {
+        fmt::print(stderr, "{}", app.help());
+        throw Error(ExitCode::usage, "A subcommand is required");
     }
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        refuse_unknown_subcommand(app);
-        return app.exit(error) == 0 ? ExitCode::ok : ExitCode::usage;
+        if (error.get_exit_code() != 0) refuse_words(app, error);
+        app.exit(error);
+        return ExitCode::ok;
     }
-    for (const auto& [parsed, command] : commands)
-        if (*parsed) return command->run(request);
+    for (const auto& [parsed, command] : commands) {
+        if (!*parsed) continue;
+        std::error_code fault;
+        if (std::filesystem::is_directory(request.model, fault)) request.model /= "model.toml";
+        return command->run(request);
+    }
     return ExitCode::ok;
 }
 
@@ -146,6 +199,8 @@ ExitCode dispatch_and_flush(int argc, char** argv) {
 }
 
 }  // namespace
+
+std::span<const CommandLine> commands() { return kCommands; }
 
 int run_command(int argc, char** argv) {
     std::signal(SIGPIPE, SIG_IGN);

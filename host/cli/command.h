@@ -1,7 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
+
+#include "analysis/request.h"
+#include "model/error.h"
+
 namespace dttmm {
+
+/// What a command is given besides options.
+enum class Given : unsigned char { nothing, model, model_and_patterns, topic, folder, shell };
+
+/// A command: its bit among those of the options, and what it does.
+struct CommandLine {
+    Command bit;
+    const char* name;
+    const char* help;
+    Given given;
+    ExitCode (*run)(const Request& request);
+};
+
+std::span<const CommandLine> commands();
 
 /// The command `dttmm`: parses the words, runs what they ask for, prints an error as one message on stderr. Returns the exit
 /// code of the process; nothing escapes.

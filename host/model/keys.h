@@ -30,6 +30,7 @@ struct Key {
     enum class Kind : unsigned char {
         number,      ///< with a unit, or an expression
         numbers,     ///< a list of `count` numbers; of any length where that is 0
+        point,       ///< such a list, or the name of a place
         word,        ///< one of `words`
         text,        ///< any
         texts,       ///< a list of texts
@@ -58,6 +59,7 @@ struct KeyTable {
     const char* name;  ///< "simulation", as `dttmm help` has it
     const char* head;  ///< how the file opens it: "[simulation]"
     const char* help;
+    const char* example;  ///< the model of `dttmm help` that shows it, host/help/<example>.toml
     std::span<const Key> keys;
 };
 

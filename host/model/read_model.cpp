@@ -26,10 +26,35 @@ namespace fs = std::filesystem;
 
 std::string format_word() { return find_key(key_table("file"), "format")->words; }
 
+/// To its end, also where its size is said to be 0: what cannot be read is no empty file. Returns errno, 0 if all is well.
+int read_to_end(int descriptor, std::string& text) {
+    char piece[64 * 1024];
+    ssize_t size = 1;
+    while (size != 0 && text.size() <= kLargestFile) {
+        size = ::read(descriptor, piece, sizeof piece);
+        if (size > 0) text.append(piece, static_cast<std::size_t>(size));
+        if (size < 0 && errno != EINTR) return errno;
+    }
+    text.resize(std::min(text.size(), kLargestFile + 1));
+    return 0;
+}
+
+/// Read once: a command may look at its model several times.
+const std::string& standard_input() {
+    static const std::string text = [] {
+        std::string read;
+        if (const int reason = read_to_end(STDIN_FILENO, read))
+            throw Error(ExitCode::input_output, fmt::format("the standard input cannot be read: {}", std::strerror(reason)));
+        return read;
+    }();
+    return text;
+}
+
 std::string read_text(const fs::path& file) {
     const auto fail = [&](const std::string& why) {
         throw Error(ExitCode::input_output, fmt::format("{}: {}", file.string(), why));
     };
+    if (file == "-") return standard_input();
     std::error_code error;
     const fs::file_status status = fs::status(file, error);
     if (status.type() == fs::file_type::not_found) fail("there is no such file");
@@ -37,19 +62,10 @@ std::string read_text(const fs::path& file) {
     if (!fs::is_regular_file(status)) fail("is not a regular file");
     const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
     if (descriptor < 0) fail(fmt::format("cannot be read: {}", std::strerror(errno)));
-    // To its end, also where its size is said to be 0: what cannot be read is no empty file
     std::string text;
-    char piece[64 * 1024];
-    ssize_t size = 1;
-    while (size != 0 && text.size() <= kLargestFile) {
-        size = ::read(descriptor, piece, sizeof piece);
-        if (size > 0) text.append(piece, static_cast<std::size_t>(size));
-        if (size < 0 && errno != EINTR) break;
-    }
-    const int reason = errno;
+    const int reason = read_to_end(descriptor, text);
     ::close(descriptor);
-    if (size < 0) fail(fmt::format("cannot be read: {}", std::strerror(reason)));
-    text.resize(std::min(text.size(), kLargestFile + 1));
+    if (reason) fail(fmt::format("cannot be read: {}", std::strerror(reason)));
     return text;
 }
 
@@ -188,7 +204,7 @@ Model read_model(const fs::path& file, const ElementCatalogue& catalogue, const 
 
 Model parse_model(std::string_view text, const fs::path& file, const ElementCatalogue& catalogue,
                   const ModelOverrides& overrides) {
-    Diagnostics diagnostics(file.string());
+    Diagnostics diagnostics(file == "-" ? "<standard input>" : file.string());
     const auto document = parse_toml(text, diagnostics);
     if (!document || !check_format(*document, diagnostics)) diagnostics.throw_if_errors();
     Model model;

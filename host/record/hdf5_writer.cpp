@@ -284,4 +284,10 @@ void Hdf5Writer::publish() {
     implementation_->publish();
 }
 
+std::string Hdf5Writer::version() {
+    unsigned major = 0, minor = 0, release = 0;
+    H5get_libversion(&major, &minor, &release);
+    return fmt::format("{}.{}.{}", major, minor, release);
+}
+
 }  // namespace dttmm

@@ -25,6 +25,8 @@ class Hdf5Writer {
 public:
     /// Creates `<path>.part`. Throws Error(input_output).
     Hdf5Writer(const std::filesystem::path& path, const std::vector<Channel>& channels, const Attributes& attributes);
+    /// Of the library: "1.10.8".
+    static std::string version();
     /// Removes the part unless it was published.
     ~Hdf5Writer();
 

@@ -46,7 +46,7 @@ inline constexpr std::array kSectionParameters = {
     optional("material.E", "Pa", 1, kPositive, kLargest, "Young's modulus"),
     optional("material.G", "Pa", 1, kPositive, kLargest, "shear modulus; from E and poisson if not given"),
     optional("material.poisson", "1", 1, -0.999, 0.4999, "Poisson's ratio"),
-    optional("material.density", "kg/m^3", 1, kPositive, kLargest, "more than zero"),
+    optional("material.density", "kg/m^3", 1, kPositive, kLargest, "mass per volume"),
     zero_by_default("material.stiffness_damping", "s", 0, "damping over stiffness of every deformation"),
 };
 

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/help.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "analysis/schema.h"
+#include "analysis/templates.h"
+#include "loader/plugins.h"
+#include "model/keys.h"
+#include "model/wording.h"
+
+namespace dttmm {
+
+namespace {
+
+struct Row {
+    std::string name, value, fallback, text;
+};
+
+/// Rows in columns as wide as they need to be.
+void print_rows(const std::vector<Row>& rows) {
+    size_t name = 0, value = 0, fallback = 0;
+    for (const Row& row : rows) {
+        name = std::max(name, row.name.size());
+        value = std::max(value, row.value.size());
+        fallback = std::max(fallback, row.fallback.size());
+    }
+    for (const Row& row : rows)
+        fmt::print("    {:<{}}  {:<{}}  {:<{}}  {}\n", row.name, name, row.value, value, row.fallback, fallback, row.text);
+}
+
+std::string unit_text(std::string_view unit) { return std::string(unit == "1" ? "number" : unit); }
+
+/// What a value may be: "s", "3 x m", "implicit | explicit".
+std::string describe_value(const Key& key) {
+    const std::string unit = *key.unit ? unit_text(key.unit) : "as the load";
+    const std::string inner = *key.table ? fmt::format(" or {{ }} of {}", key.table) : "";
+    switch (key.kind) {
+        case Key::Kind::number:
+            return unit;
+        case Key::Kind::numbers:
+            return (key.count == 0   ? fmt::format("list of {}", unit)
+                    : key.count == 1 ? unit
+                                     : fmt::format("{} x {}", key.count, unit)) +
+                   inner;
+        case Key::Kind::point:
+            return fmt::format("{} x {}, or a name", key.count, unit);
+        case Key::Kind::word:
+            return fmt::format("{}", fmt::join(words_of(key), " | ")) + inner;
+        case Key::Kind::text:
+            return "text";
+        case Key::Kind::texts:
+            return "list of texts";
+        case Key::Kind::directions:
+            return "list of x y z rx ry rz";
+        case Key::Kind::place:
+            return "name";
+        case Key::Kind::places:
+            return key.count > 0 ? fmt::format("{} names", key.count) : "name or names";
+        case Key::Kind::signal:
+            return fmt::format("{}, \"=f(t)\" or {{ }} of signal", unit);
+        case Key::Kind::table:
+            return fmt::format("{{ }} of {}", key.table);
+        case Key::Kind::tables:
+            return fmt::format("[[{}]]", key.name);
+        case Key::Kind::named:
+            return *key.table ? fmt::format("name = {{ }} of {}", key.table) : "name = number";
+    }
+    return {};
+}
+
+std::string describe_default(const Key& key) {
+    if (!*key.fallback) return "optional";
+    return key.fallback == std::string_view(kRequired) ? kRequired : fmt::format("default {}", key.fallback);
+}
+
+/// The value of a parameter that the model leaves out, as the model would write it.
+std::string describe_default(const dttmm_parameter& parameter) {
+    if (parameter.flags & DTTMM_PARAMETER_REQUIRED) return kRequired;
+    if (std::isnan(parameter.default_value)) return "optional";
+    for (uint32_t w = 0; w < parameter.word_count; ++w)
+        if (parameter.words[w].value == parameter.default_value)
+            if (!std::isfinite(parameter.default_value) || parameter.flags & DTTMM_PARAMETER_WORDS_ONLY)
+                return fmt::format("default {}", parameter.words[w].name);
+    return fmt::format("default {:g}", parameter.default_value);
+}
+
+/// What a parameter may be: unit, range, words.
+std::string describe_value(const dttmm_parameter& parameter) {
+    std::string text;
+    if (!(parameter.flags & DTTMM_PARAMETER_WORDS_ONLY)) {
+        text = parameter.count == 1 ? unit_text(parameter.unit)
+                                    : fmt::format("{} x {}", parameter.count, unit_text(parameter.unit));
+        const double most = std::numeric_limits<double>::max();
+        const bool has_least = parameter.minimum > -most, has_most = parameter.maximum < most;
+        const bool is_positive = parameter.minimum == std::numeric_limits<double>::min();
+        if (parameter.flags & DTTMM_PARAMETER_SPREADS) text = fmt::format("one or {}", text);
+        if (is_positive)
+            text += has_most ? fmt::format(", > 0 to {:g}", parameter.maximum) : ", > 0";
+        else if (has_most)
+            text += fmt::format(", {:g} to {:g}", parameter.minimum, parameter.maximum);
+        else if (has_least)
+            text += fmt::format(", >= {:g}", parameter.minimum);
+        if (parameter.flags & DTTMM_PARAMETER_INTEGER) text += ", whole";
+    }
+    for (uint32_t w = 0; w < parameter.word_count; ++w)
+        text += fmt::format("{}{}", text.empty() ? "" : " | ", parameter.words[w].name);
+    return text;
+}
+
+std::vector<Row> rows_of(const KeyTable& table) {
+    std::vector<Row> rows;
+    for (const Key& key : table.keys) rows.push_back({key.name, describe_value(key), describe_default(key), key.help});
+    return rows;
+}
+
+std::vector<Row> rows_of(const dttmm_element_type& type) {
+    std::vector<Row> rows;
+    for (uint32_t p = 0; p < type.parameter_count; ++p) {
+        const dttmm_parameter& parameter = type.parameters[p];
+        rows.push_back({parameter.name, describe_value(parameter), describe_default(parameter),
+                        parameter.documentation ? parameter.documentation : ""});
+    }
+    return rows;
+}
+
+const Template* find_model(std::span<const Template> models, std::string_view name) {
+    const auto found = std::ranges::find_if(models, [&](const Template& one) { return one.name == name; });
+    return found == models.end() ? nullptr : &*found;
+}
+
+void print_example(const Template* example) {
+    if (example) fmt::print("\nA complete model:\n\n{}", example->text);
+}
+
+void print_table(const KeyTable& table) {
+    fmt::print("{}{}{}\n\n", table.head, *table.head ? "  " : "", table.help);
+    print_rows(rows_of(table));
+}
+
+bool is_line(const dttmm_element_type& type) {
+    return std::ranges::any_of(std::span(type.parameters, type.parameter_count), [](const dttmm_parameter& parameter) {
+        return std::string_view(parameter.name).starts_with("section.");
+    });
+}
+
+/// Axes, acting point and sign of an element's force.
+void print_conventions(const dttmm_element_type& type) {
+    if (type.ends == DTTMM_ENDS_AT) {
+        fmt::print("\nIts axes are those of the first node it is `at`.\n");
+        return;
+    }
+    fmt::print(
+        "\nForce and moment are positive when `to` is displaced in the positive direction against `from`: in tension.\n"
+        "A ground end coincides with the other end in place and axes.\n");
+    if (is_line(type))
+        fmt::print(
+            "Local x leads from `from` to `to`. Forces of the results act at the `from` end, in the local axes there.\n");
+    else
+        fmt::print(
+            "Axes are those of the `from` end, or as `axes` says. Where the ends stand apart the force acts at `to`.\n");
+}
+
+void print_element(const dttmm_element_type& type) {
+    fmt::print("{}  {}\n\n", type.name, type.documentation ? type.documentation : "");
+    std::vector<Row> rows = rows_of(key_table(type.ends == DTTMM_ENDS_AT ? "element.at" : "element"));
+    if (is_line(type)) std::erase_if(rows, [](const Row& row) { return row.name == "axes"; });
+    for (Row& row : rows_of(type)) rows.push_back(std::move(row));
+    print_rows(rows);
+    print_conventions(type);
+    print_example(find_model(help_models(), type.name));
+}
+
+std::vector<std::string> topics(const ElementCatalogue& catalogue) {
+    std::vector<std::string> names;
+    for (const KeyTable& table : key_tables()) names.emplace_back(table.name);
+    names.emplace_back("signal");
+    for (const dttmm_element_type* type : catalogue.types) names.emplace_back(type->name);
+    return names;
+}
+
+void print_topics(const ElementCatalogue& catalogue) {
+    fmt::print("dttmm help TOPIC: the keys of a table of the model file, or of an element type\n\ntables\n");
+    std::vector<Row> rows;
+    for (const KeyTable& table : key_tables()) rows.push_back({table.name, table.head, "", table.help});
+    print_rows(rows);
+    fmt::print("\nelement types\n");
+    rows.clear();
+    for (const dttmm_element_type* type : catalogue.types)
+        rows.push_back({type->name, type->ends == DTTMM_ENDS_AT ? "at" : "from, to", "",
+                        type->documentation ? type->documentation : ""});
+    print_rows(rows);
+    fmt::print(
+        "\nunits\n    A bare number is in SI units. A text has its own: \"500 N/mm\", \"30 deg\", \"2 ms\". A text that\n"
+        "    begins with = is an expression of the parameters: \"=2*k\"; of a load also of t.\n");
+}
+
+}  // namespace
+
+void print_help(const Request& request) {
+    const Plugins plugins(request.plugins);
+    const ElementCatalogue& catalogue = plugins.catalogue();
+    if (request.words.empty()) return print_topics(catalogue);
+    const std::string& topic = request.words.front();
+    bool is_known = false;
+    for (const KeyTable& table : key_tables()) {
+        const std::string_view name = table.name;
+        if (name != topic && !(topic == "signal" && name.starts_with("signal.")) && !(topic == "nodes" && name == "node"))
+            continue;
+        if (is_known) fmt::print("\n");
+        print_table(table);
+        if (topic != "signal") print_example(find_model(help_models(), table.example));
+        is_known = true;
+    }
+    const int type = catalogue.find(topic);
+    if (type >= 0) print_element(*catalogue.types[static_cast<size_t>(type)]);
+    if (!is_known && type < 0)
+        throw Error(ExitCode::usage, fmt::format("there is no help on {}{}; \"dttmm help\" lists what there is",
+                                                 quote(topic), suggestion(topic, topics(catalogue))));
+}
+
+void print_elements(const Request& request) {
+    const Plugins plugins(request.plugins);
+    const ElementCatalogue& catalogue = plugins.catalogue();
+    if (!request.words.empty()) {
+        const int type = catalogue.find(request.words.front());
+        if (type < 0) {
+            std::vector<std::string> names;
+            for (const dttmm_element_type* one : catalogue.types) names.emplace_back(one->name);
+            throw Error(ExitCode::usage, fmt::format("there is no element type {}{}", quote(request.words.front()),
+                                                     suggestion(request.words.front(), names)));
+        }
+        return print_element(*catalogue.types[static_cast<size_t>(type)]);
+    }
+    for (const PluginLibrary& library : plugins.libraries()) {
+        const dttmm_plugin& table = library.table();
+        fmt::print("plugin {}: {} {}\n", library.name(), table.name, table.version);
+        for (uint32_t t = 0; t < table.element_type_count; ++t) {
+            const dttmm_element_type& type = table.element_types[t];
+            fmt::print("\n  {} ({})  {}\n", type.name, type.ends == DTTMM_ENDS_AT ? "at" : "from, to",
+                       type.documentation ? type.documentation : "");
+            print_rows(rows_of(type));
+        }
+        fmt::print("\n");
+    }
+    fmt::print("\"dttmm help TYPE\" shows all keys of one type, its axes and signs, and a complete model.\n");
+}
+
+void print_schema(const Request& request) {
+    const Plugins plugins(request.plugins);
+    fmt::print("{}\n", make_schema(plugins.catalogue()).dump(1));
+}
+
+void make_new(const Request& request) {
+    namespace fs = std::filesystem;
+    const fs::path folder = request.words.front();
+    const std::string kind = request.from.empty() ? "mounts" : request.from;
+    const Template* model = find_model(new_models(), kind);
+    if (!model) {
+        std::vector<std::string> kinds;
+        for (const Template& one : new_models()) kinds.emplace_back(one.name);
+        throw Error(ExitCode::usage, fmt::format("--from wants one of {}, got {}", listed(kinds), quote(kind)));
+    }
+    std::error_code fault;
+    if (fs::exists(folder, fault))
+        throw Error(ExitCode::input_output, fmt::format("{}: is there already; nothing was written", folder.string()));
+    if (!fs::create_directories(folder, fault))
+        throw Error(ExitCode::input_output, fmt::format("{}: {}", folder.string(), fault.message()));
+    const auto write = [&](const char* name, const std::string& text) {
+        const fs::path file = folder / name;
+        std::ofstream out(file);
+        out << text << std::flush;
+        if (!out) throw Error(ExitCode::input_output, fmt::format("{}: cannot be written", file.string()));
+    };
+    const std::string text = model->text;
+    const size_t first = text.starts_with("#:schema") ? text.find('\n') + 1 : 0;
+    write("model.toml", "#:schema ./model.schema.json\n" + text.substr(first));
+    const Plugins plugins(request.plugins);
+    write("model.schema.json", make_schema(plugins.catalogue()).dump(1) + "\n");
+    const bool runs = text.find("\n[simulation]") != std::string::npos;
+    fmt::print("{} and its schema, which editors complete keys by, are in {}. Next:\n  dttmm check {}\n  dttmm {} {}\n",
+               (folder / "model.toml").string(), folder.string(), folder.string(), runs ? "run" : "modes", folder.string());
+}
+
+}  // namespace dttmm

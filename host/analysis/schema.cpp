@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/schema.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "model/keys.h"
+
+namespace dttmm {
+
+namespace {
+
+Json quantity() { return {{"type", {"number", "string"}}}; }
+
+Json list_of(Json items, int count) {
+    Json list = {{"type", "array"}, {"items", std::move(items)}};
+    if (count > 0) list["minItems"] = list["maxItems"] = count;
+    return list;
+}
+
+Json reference(std::string_view table) { return {{"$ref", fmt::format("#/definitions/{}", table)}}; }
+
+Json any_of(std::vector<Json> forms) {
+    if (forms.size() == 1) return forms.front();
+    return {{"anyOf", std::move(forms)}};
+}
+
+/// "[N/m] of the bolt. Default 0."
+std::string describe(std::string_view unit, const std::string& help, const std::string& fallback) {
+    std::string text = unit.empty() || unit == "1" ? std::string() : fmt::format("[{}] ", unit);
+    text += help;
+    return fallback.empty() ? text : fmt::format("{}. Default: {}.", text, fallback);
+}
+
+Json value_of(const Key& key) {
+    std::vector<Json> forms;
+    if (*key.table && key.kind != Key::Kind::signal && key.kind != Key::Kind::tables && key.kind != Key::Kind::named)
+        forms.push_back(reference(key.table));
+    switch (key.kind) {
+        case Key::Kind::number:
+            forms.push_back(quantity());
+            break;
+        case Key::Kind::numbers:
+            forms.push_back(list_of(quantity(), key.count));
+            if (key.count == 1) forms.push_back(quantity());
+            break;
+        case Key::Kind::point:
+            forms.push_back(list_of(quantity(), key.count));
+            forms.push_back({{"type", "string"}});
+            break;
+        case Key::Kind::word:
+            forms.push_back({{"enum", words_of(key)}});
+            break;
+        case Key::Kind::text:
+        case Key::Kind::place:
+            forms.push_back({{"type", "string"}});
+            break;
+        case Key::Kind::texts:
+            forms.push_back(list_of({{"type", "string"}}, 0));
+            break;
+        case Key::Kind::directions:
+            forms.push_back(list_of({{"enum", {"x", "y", "z", "rx", "ry", "rz"}}}, 0));
+            break;
+        case Key::Kind::places:
+            forms.push_back(list_of({{"type", "string"}}, key.count));
+            if (key.count == 0) forms.push_back({{"type", "string"}});
+            break;
+        case Key::Kind::signal:
+            forms.push_back(quantity());
+            forms.push_back(reference(key.table));
+            break;
+        case Key::Kind::table:
+            break;
+        case Key::Kind::tables:
+            return list_of(reference(key.table), 0);
+        case Key::Kind::named: {
+            std::vector<Json> named = {*key.table ? list_of(quantity(), 3) : quantity()};
+            if (*key.table) named.push_back(reference(key.table));
+            return {{"type", "object"}, {"additionalProperties", any_of(std::move(named))}};
+        }
+    }
+    return any_of(std::move(forms));
+}
+
+/// What stands beside a reference is not looked at: what it refers to has a description of its own.
+Json described(Json value, const std::string& text) {
+    if (!value.contains("$ref")) value["description"] = text;
+    return value;
+}
+
+bool is_required(const Key& key) { return key.fallback == std::string_view(kRequired); }
+
+Json property_of(const Key& key) {
+    return described(value_of(key), describe(key.unit, key.help, is_required(key) ? "" : key.fallback));
+}
+
+Json object_of(const KeyTable& table) {
+    Json object = {{"type", "object"}, {"description", table.help}, {"additionalProperties", false}};
+    Json required = Json::array(), properties = Json::object();
+    for (const Key& key : table.keys) {
+        properties[key.name] = property_of(key);
+        if (is_required(key)) required.push_back(key.name);
+    }
+    object["properties"] = std::move(properties);
+    if (!required.empty()) object["required"] = std::move(required);
+    return object;
+}
+
+Json value_of(const dttmm_parameter& parameter) {
+    Json words = Json::array();
+    for (uint32_t w = 0; w < parameter.word_count; ++w) words.push_back(parameter.words[w].name);
+    if (parameter.flags & DTTMM_PARAMETER_WORDS_ONLY) return {{"enum", words}};
+    if (parameter.count == 1) return quantity();
+    std::vector<Json> forms = {list_of(quantity(), static_cast<int>(parameter.count))};
+    if (parameter.flags & DTTMM_PARAMETER_SPREADS) forms.push_back(quantity());
+    return any_of(std::move(forms));
+}
+
+std::string default_of(const dttmm_parameter& parameter) {
+    if (parameter.flags & DTTMM_PARAMETER_REQUIRED || std::isnan(parameter.default_value)) return "";
+    for (uint32_t w = 0; w < parameter.word_count; ++w)
+        if (parameter.words[w].value == parameter.default_value) return parameter.words[w].name;
+    return fmt::format("{:g}", parameter.default_value);
+}
+
+Json property_of(const dttmm_parameter& parameter) {
+    return described(value_of(parameter), describe(parameter.unit, parameter.documentation ? parameter.documentation : "",
+                                                   default_of(parameter)));
+}
+
+/// An object whose keys depend on its `type`: the keys of all, and a closed form for each.
+class Variants {
+public:
+    explicit Variants(std::string help) : help_(std::move(help)) {}
+
+    void add(const std::string& type, const Json& properties, Json required) {
+        types_.push_back(type);
+        Json closed = {{"properties", properties}, {"additionalProperties", false}};
+        closed["required"] = std::move(required);
+        cases_.push_back(
+            {{"if", {{"properties", {{"type", {{"const", type}}}}}, {"required", {"type"}}}}, {"then", closed}});
+        for (const auto& [key, property] : properties.items()) {
+            if (key == "type") continue;
+            if (std::ranges::find(order_, key) == order_.end()) order_.push_back(key);
+            std::vector<Json>& forms = forms_[key];
+            if (std::ranges::find(forms, property) == forms.end()) forms.push_back(property);
+            owners_[key].push_back(type);
+        }
+    }
+
+    Json take() const {
+        Json properties = {{"type", {{"enum", types_}, {"description", help_}}}};
+        for (const std::string& key : order_) {
+            const std::vector<Json>& forms = forms_.at(key);
+            Json property = any_of(forms);
+            if (forms.size() > 1) {
+                std::string text = fmt::format("of {}", fmt::join(owners_.at(key), ", "));
+                for (const Json& form : forms)
+                    if (form.contains("description")) text += fmt::format("; {}", form["description"].get<std::string>());
+                property["description"] = text;
+            }
+            properties[key] = std::move(property);
+        }
+        return {{"type", "object"},
+                {"properties", std::move(properties)},
+                {"required", {"type"}},
+                {"additionalProperties", true},
+                {"allOf", cases_}};
+    }
+
+private:
+    std::string help_;
+    std::vector<std::string> types_, order_;
+    std::map<std::string, std::vector<Json>> forms_;
+    std::map<std::string, std::vector<std::string>> owners_;
+    Json cases_ = Json::array();
+};
+
+Json type_word(const std::string& type) { return {{"const", type}}; }
+
+Json signal_object() {
+    constexpr std::string_view kPrefix = "signal.";
+    Variants signals("how the size goes over time");
+    for (const KeyTable& table : key_tables()) {
+        if (!std::string_view(table.name).starts_with(kPrefix)) continue;
+        const std::string type = table.name + kPrefix.size();
+        Json object = object_of(table);
+        object["properties"]["type"] = type_word(type);
+        signals.add(type, object["properties"], object.value("required", Json::array()));
+    }
+    return signals.take();
+}
+
+Json element_object(const ElementCatalogue& catalogue) {
+    Variants elements("what it is; `dttmm help TYPE` says more");
+    for (const dttmm_element_type* type : catalogue.types) {
+        Json object = object_of(key_table(type->ends == DTTMM_ENDS_AT ? "element.at" : "element"));
+        Json &properties = object["properties"], &required = object["required"];
+        properties["type"] = described(type_word(type->name), type->documentation ? type->documentation : "");
+        for (uint32_t p = 0; p < type->parameter_count; ++p) {
+            const dttmm_parameter& parameter = type->parameters[p];
+            const std::string name = parameter.name;
+            const size_t dot = name.find('.');
+            const bool must = parameter.flags & DTTMM_PARAMETER_REQUIRED;
+            if (dot == std::string::npos) {
+                properties[name] = property_of(parameter);
+                if (must) required.push_back(name);
+                continue;
+            }
+            Json& inner = properties[name.substr(0, dot)];
+            if (inner.is_null())
+                inner = {{"type", "object"}, {"additionalProperties", false}, {"properties", Json::object()}};
+            inner["properties"][name.substr(dot + 1)] = property_of(parameter);
+            if (!must) continue;
+            inner["required"].push_back(name.substr(dot + 1));
+            if (std::ranges::find(required, Json(name.substr(0, dot))) == required.end())
+                required.push_back(name.substr(0, dot));
+        }
+        elements.add(type->name, properties, required);
+    }
+    return elements.take();
+}
+
+}  // namespace
+
+Json make_schema(const ElementCatalogue& catalogue) {
+    Json schema = {{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "model of dttmm, format dttmm/1"}};
+    const Json file = object_of(key_table("file"));
+    for (const auto& [key, value] : file.items()) schema[key] = value;
+    Json definitions = Json::object();
+    for (const KeyTable& table : key_tables()) {
+        const std::string_view name = table.name;
+        if (name != "file" && name != "element" && name != "element.at" && !name.starts_with("signal."))
+            definitions[table.name] = object_of(table);
+    }
+    definitions["signal"] = signal_object();
+    definitions["element"] = element_object(catalogue);
+    schema["definitions"] = std::move(definitions);
+    return schema;
+}
+
+}  // namespace dttmm

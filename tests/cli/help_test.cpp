@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// What the program says of itself: help, schema, completion, manual, first models.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <regex>
+#include <set>
+
+#include "cli/process.h"
+#include "cli/small_model.h"
+#include "model/keys.h"
+
+namespace dttmm {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::vector<std::string> lines(const std::string& text) {
+    std::vector<std::string> found;
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);) found.push_back(line);
+    return found;
+}
+
+/// The complete model at the end of a help text.
+std::string model_in(const std::string& help) {
+    const size_t begin = help.find("format = \"dttmm/1\"");
+    return begin == std::string::npos ? "" : help.substr(begin);
+}
+
+/// Whether a program is there to test with.
+bool has(const std::string& program) { return std::system(("command -v " + program + " > /dev/null 2>&1").c_str()) == 0; }
+
+/// Ends a command of the shell; returns what it printed.
+std::string shell(const fs::path& folder, const std::string& command) {
+    const fs::path out = folder / "shell.out";
+    const std::string all = fmt::format("cd {} && PATH={}:$PATH bash -c '{}' > {} 2>&1", folder.string(),
+                                        fs::path(DTTMM_COMMAND).parent_path().string(), command, out.string());
+    EXPECT_EQ(std::system(all.c_str()), 0) << read_text(out);
+    return read_text(out);
+}
+
+TEST(Help, ShowsEveryKeyOfEveryTable) {
+    const std::string topics = run_dttmm("/", {"help"}).out;
+    for (const KeyTable& table : key_tables()) {
+        const Ended ended = run_dttmm("/", {"help", table.name});
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        EXPECT_THAT(topics, HasSubstr(fmt::format("\n    {} ", table.name)));
+        for (const Key& key : table.keys)
+            EXPECT_THAT(ended.out, HasSubstr(fmt::format("\n    {} ", key.name))) << table.name;
+    }
+}
+
+// Oracle: the model is valid, has an element of that type, and runs.
+TEST(Help, ShowsEveryElementTypeInAModelThatRuns) {
+    const TemporaryFolder folder;
+    for (const char* type : {"spring_damper", "elastic_hinge", "beam", "rod", "point_mass", "rigid_body"}) {
+        const Ended help = run_dttmm("/", {"help", type});
+        EXPECT_EQ(help.code, 0);
+        EXPECT_THAT(help.out,
+                    HasSubstr(std::string(type) == "beam" || std::string(type) == "rod" ? "Local x leads" : "xes are"));
+        write_text(folder / "model.toml", model_in(help.out));
+        EXPECT_THAT(model_in(help.out), testing::ContainsRegex(fmt::format("type +[=] \"{}\"", type)));
+        const Ended run = run_dttmm(folder.path(), {"run", ".", "-q", "-o", "out"});
+        EXPECT_EQ(run.code, 0) << type << run.err;
+        EXPECT_EQ(run.err, "") << type;
+    }
+}
+
+// Oracle: the words of the fault; a topic of a foreign plugin comes from its table.
+TEST(Help, KnowsForeignElementsAndNearTopics) {
+    const Ended wrong = run_dttmm("/", {"help", "beem"});
+    EXPECT_EQ(wrong.code, 2);
+    EXPECT_THAT(wrong.err, HasSubstr("there is no help on \"beem\"; did you mean \"beam\"?"));
+    const Ended foreign = run_dttmm("/", {"help", "link", "--plugin", DTTMM_CHAIN});
+    EXPECT_EQ(foreign.code, 0);
+    EXPECT_THAT(foreign.out, HasSubstr("law.stiffness"));
+    EXPECT_THAT(run_dttmm("/", {"elements", "rod"}).out, HasSubstr("material.E"));
+    EXPECT_EQ(run_dttmm("/", {"elements", "rode"}).code, 2);
+}
+
+/// All texts under "$ref".
+void collect_references(const nlohmann::json& json, std::set<std::string>& found) {
+    if (json.is_object() && json.contains("$ref")) found.insert(json["$ref"].get<std::string>());
+    for (const auto& inner : json)
+        if (inner.is_structured()) collect_references(inner, found);
+}
+
+TEST(Schema, IsTheOneBesideTheExamples) {
+    const fs::path examples = fs::path(DTTMM_SOURCE_DIR) / "examples";
+    const std::string schema = run_dttmm("/", {"schema"}).out;
+    EXPECT_EQ(schema, read_text(examples / "model.schema.json")) << "run: dttmm schema > examples/model.schema.json";
+    EXPECT_EQ(run_dttmm("/", {"schema", "--plugin", DTTMM_C_SPRING}).out,
+              read_text(examples / "minimal_plugin/model.schema.json"));
+    const nlohmann::json json = nlohmann::json::parse(schema);
+    std::set<std::string> references;
+    collect_references(json, references);
+    EXPECT_GE(references.size(), 9u);
+    for (const std::string& reference : references)
+        EXPECT_TRUE(json.contains(nlohmann::json::json_pointer(reference.substr(1)))) << reference;
+    for (const auto& folder : fs::directory_iterator(examples)) {
+        if (!folder.is_directory()) continue;
+        const bool is_foreign = folder.path().filename() == "minimal_plugin";
+        EXPECT_TRUE(read_text(folder.path() / "model.toml")
+                        .starts_with(is_foreign ? "#:schema ./model.schema.json\n" : "#:schema ../model.schema.json\n"))
+            << folder.path();
+    }
+}
+
+/// A model with one fault, and whether a schema can see it.
+struct Fault {
+    const char* what;
+    const char* instead;
+};
+
+// Oracle: two linters of others. All examples pass; a wrong key, type or missing key does not.
+TEST(Schema, LintersTakeTheExamplesAndFindFaults) {
+    const TemporaryFolder folder;
+    const fs::path examples = fs::path(DTTMM_SOURCE_DIR) / "examples";
+    fs::create_directories(folder / "a");
+    fs::copy_file(examples / "model.schema.json", folder / "model.schema.json");
+    const std::string good = read_text(examples / "four_bolt_plate/model.toml");
+    const std::string linters[] = {
+        "tombi lint --offline a/model.toml",
+        fmt::format("taplo lint --schema file://{}/model.schema.json a/model.toml", folder.path().string())};
+    int tried = 0;
+    for (const std::string& linter : linters) {
+        if (!has(linter.substr(0, linter.find(' ')))) continue;
+        ++tried;
+        const auto passes = [&](const std::string& text) {
+            write_text(folder / "a/model.toml", text);
+            return std::system(fmt::format("cd {} && {} > lint.out 2>&1", folder.path().string(), linter).c_str()) == 0;
+        };
+        for (const auto& example : fs::directory_iterator(examples)) {
+            if (!example.is_directory() || example.path().filename() == "minimal_plugin") continue;
+            EXPECT_TRUE(passes(read_text(example.path() / "model.toml")))
+                << example.path() << read_text(folder / "lint.out");
+        }
+        for (const Fault& fault : {Fault{"\nduration", "\ndurration"},
+                                   {"\nstiffness", "\nstifness"},
+                                   {"\"spring_damper\"", "\"sprung\""},
+                                   {"coupling = \"implicit\"", "coupling = \"half\""},
+                                   {"\ndirection", "\ndirections"}}) {
+            std::string bad = good;
+            bad.replace(bad.find(fault.what), std::string(fault.what).size(), fault.instead);
+            EXPECT_FALSE(passes(bad)) << linter << fault.instead;
+        }
+    }
+    if (tried == 0) GTEST_SKIP() << "neither tombi nor taplo is installed (npm install tombi @taplo/cli)";
+}
+
+TEST(Completion, KnowsCommandsOptionsTopicsAndWhatIsInTheModel) {
+    const TemporaryFolder folder;
+    write_text(folder / "small.toml", kSmallModel);
+    const auto complete = [&](std::vector<std::string> words) {
+        words.insert(words.begin(), "complete");
+        const Ended ended = run_dttmm(folder.path(), words);
+        EXPECT_EQ(ended.code, 0);
+        EXPECT_EQ(ended.err, "");
+        return lines(ended.out);
+    };
+    EXPECT_THAT(complete({"c"}), ElementsAre("check", "channels", "completion"));
+    EXPECT_THAT(complete({"run", "--to"}), ElementsAre("--tolerance"));
+    EXPECT_THAT(complete({"run", "small.toml", "--se"}), ElementsAre("--set"));
+    EXPECT_THAT(complete({"run", "small.toml", "--set", ""}), Contains("mass="));
+    EXPECT_THAT(complete({"run", "small.toml", "--coupling", ""}), ElementsAre("implicit", "explicit"));
+    EXPECT_THAT(complete({"run", "-o", "out", "small.toml", "--channels", "two.force."}),
+                ElementsAre("two.force.x", "two.force.y", "two.force.z"));
+    EXPECT_THAT(complete({"channels", "small.toml", "plate.acc"}).size(), 3u);
+    EXPECT_THAT(complete({"frf", "small.toml", "--in", "plate.right.r"}),
+                ElementsAre("plate.right.rx", "plate.right.ry", "plate.right.rz"));
+    EXPECT_THAT(complete({"help", "be"}), ElementsAre("beam"));
+    EXPECT_THAT(complete({"help", "--plugin", DTTMM_CHAIN, "lu"}), ElementsAre("lump"));
+    EXPECT_THAT(complete({"completion", "z"}), ElementsAre("zsh"));
+    EXPECT_THAT(complete({"run", "sm"}), ElementsAre());  // a file: the shell completes it
+    EXPECT_THAT(complete({"run", "missing.toml", "--set", ""}), ElementsAre());
+    EXPECT_THAT(complete({"rum", ""}), ElementsAre());
+}
+
+// Oracle: bash itself.
+TEST(Completion, WorksInBash) {
+    const TemporaryFolder folder;
+    write_text(folder / "small.toml", kSmallModel);
+    const auto complete = [&](const std::string& words) {
+        return shell(folder.path(), fmt::format("source <(dttmm completion bash); COMP_WORDS=({}); "
+                                                "COMP_CWORD=$((${{#COMP_WORDS[@]}}-1)); _dttmm; echo \"${{COMPREPLY[*]}}\"",
+                                                words));
+    };
+    EXPECT_EQ(complete("dttmm mo"), "modes\n");
+    EXPECT_EQ(complete("dttmm run small.toml --set ma"), "mass=\n");
+    EXPECT_EQ(run_dttmm("/", {"completion", "ksh"}).code, 2);
+}
+
+// Oracle: groff, which warns of what is no macro; every command and option is named.
+TEST(Manual, IsAManualPage) {
+    const TemporaryFolder folder;
+    const Ended manual = run_dttmm("/", {"manual"});
+    EXPECT_EQ(manual.code, 0);
+    for (const char* word : {"run", "check", "modes", "frf", "\\-\\-sweep", "\\-\\-output\\-step", "130"})
+        EXPECT_THAT(manual.out, HasSubstr(word));
+    if (!has("groff")) GTEST_SKIP() << "groff is not installed";
+    write_text(folder / "dttmm.1", manual.out);
+    EXPECT_THAT(shell(folder.path(), "groff -man -Tutf8 -ww dttmm.1 | head -5"), HasSubstr("DTTMM(1)"));
+    EXPECT_EQ(shell(folder.path(), "groff -man -Tutf8 -ww dttmm.1 > /dev/null"), "");
+}
+
+// Oracle: each kind does what its next command says; nothing is replaced.
+TEST(New, MakesAModelThatWorks) {
+    const TemporaryFolder folder;
+    for (const char* kind : {"plate", "mounts", "beam", "modes"}) {
+        const Ended made = run_dttmm(folder.path(), {"new", std::string("my ") + kind, "--from", kind});
+        EXPECT_EQ(made.code, 0) << made.err;
+        EXPECT_TRUE(fs::exists(folder / (std::string("my ") + kind + "/model.schema.json")));
+        const std::string command = made.out.find("dttmm run") != std::string::npos ? "run" : "modes";
+        EXPECT_EQ(command == "modes", std::string(kind) == "modes");
+        const Ended ended = run_dttmm(folder.path(), {command, std::string("my ") + kind, "-q"});
+        EXPECT_EQ(ended.code, 0) << ended.err;
+    }
+    const Ended again = run_dttmm(folder.path(), {"new", "my plate"});
+    EXPECT_EQ(again.code, 5);
+    EXPECT_THAT(again.err, HasSubstr("is there already; nothing was written"));
+    EXPECT_EQ(run_dttmm(folder.path(), {"new", "other", "--from", "boat"}).code, 2);
+    EXPECT_FALSE(fs::exists(folder / "other"));
+}
+
+// Oracle: the same rows.
+TEST(ModelFile, ComesFromItsFolderAndFromTheStandardInputToo) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", kSmallModel);
+    EXPECT_EQ(run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "a"}).code, 0);
+    EXPECT_EQ(run_dttmm(folder.path(), {"run", ".", "-q", "-o", "b"}).code, 0);
+    shell(folder.path(), "dttmm run - -q -o c < model.toml");
+    for (const char* other : {"b", "c"})
+        EXPECT_EQ(read_text(folder / "a/history.csv"), read_text(folder / other / "history.csv"));
+    EXPECT_THAT(shell(folder.path(), "sed s/mass/maas/ model.toml | dttmm check - || true"), HasSubstr("<standard input>:"));
+    EXPECT_THAT(shell(folder.path(), "dttmm run - --sweep mass=3kg,4kg < model.toml || true"),
+                HasSubstr("a sweep reads its model once per case"));
+}
+
+}  // namespace
+}  // namespace dttmm

@@ -31,7 +31,8 @@ constexpr auto with_section(const std::array<dttmm_parameter, first>& own) {
 }
 
 constexpr auto kBeamParameters = with_section<3>(
-    {{{"theory", "1", 1, DTTMM_PARAMETER_WORDS_ONLY, 1, 0, 1, kTheories, std::size(kTheories), "of bending, without or with shear"},
+    {{{"theory", "1", 1, DTTMM_PARAMETER_WORDS_ONLY, 1, 0, 1, kTheories, std::size(kTheories),
+       "of bending, without or with shear"},
       segments("lumps in time, one at the middle of each; under a pull P shorter than sqrt(12 EI/P)"),
       optional("up", "1", 3, -kLargest, kLargest, "local z as near to it as can be; world z, x for a vertical beam")}});
 constexpr auto kRodParameters = with_section<1>({segments("lumps in time: one mass at the middle of each")});

@@ -20,9 +20,9 @@ struct StepCoefficients {
 /// `from` end; its force f (6×1: N, N m) is positive in tension: it pulls the `to` end against d and the `from` end along d.
 /// In the letters of the state vector f = [−q; m].
 struct JointLaw {
-    Vector6 stiffness = Vector6::Zero();  ///< [N/m, N m/rad]
-    Vector6 damping = Vector6::Zero();    ///< [N s/m, N m s/rad]
-    Directions rigid;                     ///< d = 0 there; stiffness and damping are not looked at
+    Vector6 stiffness = Vector6::Zero();                         ///< [N/m, N m/rad]
+    Vector6 damping = Vector6::Zero();                           ///< [N s/m, N m s/rad]
+    Directions rigid;                                            ///< d = 0 there; stiffness and damping are not looked at
     double most_pull = std::numeric_limits<double>::infinity();  ///< force in x for which it holds [N]
 
     /// Directions with a stiffness or damping that is not rigid.

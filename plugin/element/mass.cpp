@@ -13,8 +13,8 @@ namespace {
 // The host's bounds for masses and places: beyond them numbers drown one another, or overflow.
 constexpr double kHeaviest = 1e12, kFarthest = 1e6, kLargestInertia = kHeaviest * kFarthest * kFarthest;
 
-constexpr dttmm_parameter kMass = {"mass",    "kg",    1, DTTMM_PARAMETER_REQUIRED, 0, kPositive,
-                                   kHeaviest, nullptr, 0, "of the mass"};
+constexpr dttmm_parameter kMass = {"mass", "kg",         1, DTTMM_PARAMETER_REQUIRED, 0, kPositive, kHeaviest, nullptr,
+                                   0,      "of the mass"};
 
 constexpr dttmm_parameter inertia(const char* name, double minimum) {
     return {name, "kg*m^2", 1, 0, 0, minimum, kLargestInertia, nullptr, 0, "entry of the tensor about the centre of mass"};

@@ -316,8 +316,9 @@ TEST(Command, ElementsPrintsThePluginsTables) {
 }
 
 TEST(Command, AnswersVersionAndHelp) {
-    EXPECT_THAT(run_dttmm("/", {"--version"}).out,
-                MatchesRegex("dttmm " DTTMM_VERSION "\nODE [0-9.]+, Eigen 3[0-9.]+, HDF5 [0-9.]+, fmt [0-9.]+\nBSD-3-Clause\n"));
+    EXPECT_THAT(
+        run_dttmm("/", {"--version"}).out,
+        MatchesRegex("dttmm " DTTMM_VERSION "\nODE [0-9.]+, Eigen 3[0-9.]+, HDF5 [0-9.]+, fmt [0-9.]+\nBSD-3-Clause\n"));
     const Ended help = run_dttmm("/", {"--help"}), run_help = run_dttmm("/", {"run", "--help"});
     EXPECT_EQ(help.code, 0);
     EXPECT_THAT(help.out, AllOf(HasSubstr("run "), HasSubstr("check "), HasSubstr("elements ")));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Counts every malloc of the executable that includes this, once. Under the address sanitizer, which has a malloc of its own,
-// there is nothing to count and this is empty.
+// Counts every malloc of the executable that includes this, once. Under the address sanitizer, which has a malloc of its
+// own, there is nothing to count and this is empty.
 #pragma once
 
 #include <cstddef>

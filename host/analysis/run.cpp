@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
@@ -127,16 +129,27 @@ std::map<std::string, int> find_largest_directions(const Recorder& recorder) {
     return largest;
 }
 
-/// One line per element and joint: the direction of its largest force or moment, when it peaks and where it ends.
+/// One line per element and joint: the direction of its largest force or moment, when it peaks and where it ends. Of many
+/// those with the largest forces, the largest first.
 void print_forces(const Recorder& recorder, const Model& model) {
+    constexpr size_t kMostOwners = 30;
     std::vector<std::string> owners;
     for (const Element& element : model.elements) owners.push_back(element.name);
     for (const Joint& joint : model.joints) owners.push_back(joint.name);
+    const std::map<std::string, int> largest = find_largest_directions(recorder);
+    const size_t count = owners.size();
+    if (count > kMostOwners) {
+        const auto peak = [&](const std::string& owner) {
+            const auto found = largest.find(owner + ".force");
+            return found == largest.end() ? 0 : recorder.statistics(found->second).peak;
+        };
+        std::ranges::stable_sort(owners, std::greater(), peak);
+        owners.resize(kMostOwners);
+    }
     size_t width = model.joints.empty() ? 7 : 14;
     for (const std::string& owner : owners) width = std::max(width, owner.size());
     fmt::print("{:<{}}  {:>12}  {:>13}  {:>10}  {:>13}\n", model.joints.empty() ? "element" : "element, joint", width, "",
                "peak", "at [s]", "final");
-    const std::map<std::string, int> largest = find_largest_directions(recorder);
     for (const std::string& owner : owners) {
         for (const char* quantity : {"force", "moment"}) {
             const auto found = largest.find(fmt::format("{}.{}", owner, quantity));
@@ -145,10 +158,11 @@ void print_forces(const Recorder& recorder, const Model& model) {
             const ChannelStatistics& statistics = recorder.statistics(found->second);
             if (statistics.peak == 0 && quantity != std::string_view("force")) continue;
             fmt::print("{:<{}}  {:>12}  {:>13}  {:>10.5g}  {:>13}\n", owner, width, channel.name.substr(owner.size() + 1),
-                       fmt::format("{:.2f} {}", statistics.peak, channel.unit), statistics.peak_time,
-                       fmt::format("{:.2f} {}", statistics.final, channel.unit));
+                       fmt::format("{:.5g} {}", statistics.peak, channel.unit), statistics.peak_time,
+                       fmt::format("{:.5g} {}", statistics.final, channel.unit));
         }
     }
+    if (count > kMostOwners) fmt::print("and {} with smaller forces; summary.json has all of them\n", count - kMostOwners);
 }
 
 /// The energy ledger of a run, as far as its rows tell.
@@ -329,12 +343,13 @@ void print_report(const Recorder& recorder, const Model& model, const Simulation
     if (halving && halving->has_estimates()) print_halving(*halving);
     const auto own_steps = static_cast<double>(std::max<uint64_t>(simulation.index(), 1));
     const double omega_h = simulation.fastest_mode().omega * simulation.step_size();
-    fmt::print("{} rows, {} steps of {:g} s{} in {:.3g} s ({:.3g} us and {:.3g} evaluations per step){}\nresults in {}\n",
+    fmt::print("{} rows, {} steps of {:g} s{} in {:.3g} s ({:.3g} us and {:.3g} evaluations per step){}\nresults in {}{}\n",
                recorder.rows(), simulation.index() - 1, simulation.step_size(),
                halving ? fmt::format(", {} in all runs,", outcome.steps) : "", outcome.wall_time,
                1e6 * outcome.wall_time / static_cast<double>(std::max<uint64_t>(outcome.steps, 1)),
                static_cast<double>(simulation.end_of_step().passes()) / own_steps,
-               omega_h > 0 ? fmt::format(", omega*h = {:.3g}", omega_h) : "", folder.path().string());
+               omega_h > 0 ? fmt::format(", omega*h = {:.3g}", omega_h) : "", folder.path().string(),
+               folder.replaced().empty() ? "" : fmt::format(" (those of {} are replaced)", folder.replaced()));
 }
 
 /// What one command works on: the model, built and checked, before anything is written.

@@ -287,6 +287,43 @@ std::string sweep_table(const std::vector<Case>& cases, const Model& model, cons
     return make_sweep_table(parameters, heads, rows);
 }
 
+/// Largest of the peaks of an element's directions in a case [N]; NaN where it did not complete.
+double peak_force(const Case& one, const std::string& element) {
+    if (one.status != "completed") return std::numeric_limits<double>::quiet_NaN();
+    double peak = 0;
+    for (const auto& [axis, numbers] : one.summary["elements"].at(element)["force"].items())
+        peak = std::max(peak, numbers["peak"].get<double>());
+    return peak;
+}
+
+/// What was varied and the peak force of every element, a line per case; of many the first.
+void print_table(const std::vector<Case>& cases, const Model& model) {
+    constexpr size_t kMostCases = 40, kMostElements = 8;
+    const size_t shown = std::min(cases.size(), kMostCases), elements = std::min(model.elements.size(), kMostElements);
+    std::vector<std::vector<std::string>> lines = {{"case"}};
+    for (const auto& [name, value] : cases.front().parameters) lines.front().push_back(name);
+    for (size_t e = 0; e < elements; ++e) lines.front().push_back(model.elements[e].name + " [N]");
+    for (size_t i = 0; i < shown; ++i) {
+        lines.push_back({std::to_string(i + 1)});
+        for (const auto& [name, value] : cases[i].parameters) lines.back().push_back(value);
+        for (size_t e = 0; e < elements; ++e) {
+            const double peak = peak_force(cases[i], model.elements[e].name);
+            lines.back().push_back(std::isnan(peak) ? cases[i].status : fmt::format("{:.5g}", peak));
+        }
+    }
+    std::vector<size_t> width(lines.front().size());
+    for (const auto& line : lines)
+        for (size_t c = 0; c < line.size(); ++c) width[c] = std::max(width[c], line[c].size());
+    fmt::print("peak force of every element\n");
+    for (const auto& line : lines) {
+        std::string text;
+        for (size_t c = 0; c < line.size(); ++c) text += fmt::format("{}{:>{}}", c == 0 ? "" : "  ", line[c], width[c]);
+        fmt::print("{}\n", text);
+    }
+    if (shown < cases.size() || elements < model.elements.size())
+        fmt::print("sweep.csv has all {} cases and {} elements\n", cases.size(), model.elements.size());
+}
+
 void print_failures(const std::vector<Case>& cases) {
     for (const Case& one : cases) {
         if (one.status != "failed") continue;
@@ -343,6 +380,7 @@ ExitCode run_sweep(const Request& request, const std::vector<SweepAxis>& axes) {
     const auto count = [&](const char* status) {
         return std::count_if(cases.begin(), cases.end(), [&](const Case& one) { return one.status == status; });
     };
+    if (!request.quiet) print_table(cases, model);
     if (!request.quiet)
         fmt::print("{} of {} cases completed ({} of them reused), {} failed, {} not run{}\nresults in {}\n",
                    count("completed"), cases.size(), reused, count("failed"), count("missing"), describe_warnings_of(cases),

@@ -35,6 +35,17 @@ std::vector<SweepAxis> axes_of(const Request& request) {
     return axes;
 }
 
+/// The model of a folder is its model.toml.
+std::filesystem::path model_file(const std::filesystem::path& path) {
+    std::error_code fault;
+    return std::filesystem::is_directory(path, fault) ? path / "model.toml" : path;
+}
+
+/// As the terminal shows it. Every line of a model's faults begins with its file:line:column.
+std::string describe(const Error& error) {
+    return dynamic_cast<const ModelError*>(&error) ? error.what() : fmt::format("dttmm: {}", error.what());
+}
+
 /// What prints something and cannot fail otherwise than by an exception.
 template <void (*print)(const Request&)>
 ExitCode plain(const Request& request) {
@@ -42,11 +53,28 @@ ExitCode plain(const Request& request) {
     return ExitCode::ok;
 }
 
+/// Of several files each is checked, whatever becomes of the others; the code is the largest.
+ExitCode check_all(const Request& request) {
+    ExitCode worst = ExitCode::ok;
+    for (const std::string& model : request.words) {
+        Request one = request;
+        one.model = model_file(model);
+        try {
+            check(one);
+        } catch (const Error& error) {
+            if (request.words.size() == 1) throw;
+            tell(describe(error));
+            worst = std::max(worst, error.code());
+        }
+    }
+    return worst;
+}
+
 // In the order of the help. Columns: bit, name, help, what it is given besides options, what it does.
 const CommandLine kCommands[] = {
     {kRun, "run", "run a model and record its histories", Given::model,
      [](const Request& request) { return request.sweeps.empty() ? run(request) : run_sweep(request, axes_of(request)); }},
-    {kCheck, "check", "validate a model, print what would be solved", Given::model, plain<check>},
+    {kCheck, "check", "validate a model, print what would be solved", Given::models, check_all},
     {kModes, "modes", "natural frequencies and shapes of a model", Given::model,
      [](const Request& request) {
          return request.sweeps.empty() ? find_modes(request) : sweep_modes(request, axes_of(request));
@@ -98,6 +126,10 @@ void add_given(CLI::App& command, Given given, Request& request) {
                 ->required();
             if (given == Given::model_and_patterns)
                 command.add_option("PATTERN", request.patterns, "e.g. \"bolt*.force\"; default all");
+            break;
+        case Given::models:
+            command.add_option("MODEL", request.words, "model files (TOML), their folders, or - for the standard input")
+                ->required();
             break;
         case Given::topic:
             command.add_option("TOPIC", request.words, "default all")->expected(0, 1);
@@ -172,8 +204,7 @@ ExitCode dispatch(int argc, char** argv) {
     }
     for (const auto& [parsed, command] : commands) {
         if (!*parsed) continue;
-        std::error_code fault;
-        if (std::filesystem::is_directory(request.model, fault)) request.model /= "model.toml";
+        request.model = model_file(request.model);
         return command->run(request);
     }
     return ExitCode::ok;
@@ -208,11 +239,8 @@ int run_command(int argc, char** argv) {
     ExitCode code = ExitCode::internal_error;
     try {
         code = dispatch_and_flush(argc, argv);
-    } catch (const ModelError& error) {
-        tell(error.what());  // every line begins with its file:line:column
-        code = error.code();
     } catch (const Error& error) {
-        tell(fmt::format("dttmm: {}", error.what()));
+        tell(describe(error));
         code = error.code();
     } catch (const std::bad_alloc&) {
         tell("dttmm: out of memory");

@@ -38,6 +38,8 @@ const char* given_text(Given given) {
     switch (given) {
         case Given::model:
             return " MODEL";
+        case Given::models:
+            return " MODEL...";
         case Given::model_and_patterns:
             return " MODEL [PATTERN...]";
         case Given::topic:

@@ -102,15 +102,17 @@ TableReader::TableReader(const ReadContext& context, const TomlValue& value, std
     check_keys(keys, note);
 }
 
-void TableReader::check_keys(const std::vector<std::string>& keys, const std::string& note) const {
+void TableReader::check_keys(const std::vector<std::string>& keys, const std::string& note) {
     if (!value_.is_table()) {
         error(value_.place,
               fmt::format("expected a table such as {{ {} = ... }}, got {}", keys.front(), kind_text(value_.kind)));
         return;
     }
-    for (const TomlMember& member : value_.members)
-        if (std::find(keys.begin(), keys.end(), member.key) == keys.end())
-            error(member.place, fmt::format("unknown key {}{}{}", quote(member.key), note, suggestion(member.key, keys)));
+    for (const TomlMember& member : value_.members) {
+        if (std::find(keys.begin(), keys.end(), member.key) != keys.end()) continue;
+        error(member.place, fmt::format("unknown key {}{}{}", quote(member.key), note, suggestion(member.key, keys)));
+        if (const auto nearest = find_nearest(member.key, keys)) meant_.push_back(*nearest);
+    }
 }
 
 const Key& TableReader::key(std::string_view name) const {
@@ -121,7 +123,8 @@ const Key& TableReader::key(std::string_view name) const {
 
 const TomlMember* TableReader::require(std::string_view key) const {
     const TomlMember* member = value_.find(key);
-    if (!member && is_valid()) error(value_.place, fmt::format("missing key \"{}\"", key));
+    const bool is_meant = std::find(meant_.begin(), meant_.end(), key) != meant_.end();
+    if (!member && is_valid() && !is_meant) error(value_.place, fmt::format("missing key \"{}\"", key));
     return member;
 }
 

@@ -58,7 +58,7 @@ public:
 
     const TomlMember* find(std::string_view key) const { return value_.find(key); }
 
-    /// Reports the key if it is missing.
+    /// Reports the key if it is missing, unless an unknown key that was reported is likely to mean it.
     const TomlMember* require(std::string_view key) const;
 
     /// Reports all but the first of the given keys that are there, and the lack of any; returns the first.
@@ -89,11 +89,12 @@ public:
 
 private:
     std::string labelled(const std::string& text) const;
-    void check_keys(const std::vector<std::string>& keys, const std::string& note) const;
+    void check_keys(const std::vector<std::string>& keys, const std::string& note);
 
     const ReadContext& context_;
     const TomlValue& value_;
     std::string label_;
+    std::vector<std::string> meant_;  ///< keys that unknown ones are likely to mean
     const KeyTable* table_;
     std::string_view unit_;
 };

@@ -3,11 +3,13 @@
 
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <ctime>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -130,6 +132,15 @@ void clear(const fs::path& folder) {
     }
 }
 
+/// When a file was last written, local time; empty where there is none.
+std::string time_of(const fs::path& file) {
+    struct stat status {};
+    std::tm local{};
+    std::array<char, 32> text{};
+    if (::stat(file.c_str(), &status) != 0 || !::localtime_r(&status.st_mtime, &local)) return {};
+    return {text.data(), std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M", &local)};
+}
+
 /// Makes the folder, finds it ours or empty, and locks it.
 File claim_marker(const fs::path& path) {
     make_folder(path);
@@ -142,7 +153,10 @@ File claim_marker(const fs::path& path) {
 ResultsFolder::ResultsFolder(fs::path path, Claim claim)
     : path_(std::move(path)), absolute_(from_start(path_)), marker_(claim_marker(absolute_)) {
     check_ours(absolute_);  // once more: now nobody else writes here
-    if (claim == Claim::replace) clear(absolute_);
+    if (claim == Claim::replace) {
+        replaced_ = time_of(absolute_ / "summary.json");
+        clear(absolute_);
+    }
     marker_.truncate(0);
     marker_.write(describe_this_process());
 }
@@ -150,6 +164,7 @@ ResultsFolder::ResultsFolder(fs::path path, Claim claim)
 fs::path from_start(const fs::path& path) { return path.is_absolute() ? path : kStartFolder / path; }
 
 fs::path default_results_path(const fs::path& model_path) {
+    if (model_path == "-") return fs::path("results") / "model";
     const fs::path name = model_path.stem();
     if (name != "model") return fs::path("results") / name;
     const fs::path folder = from_start(model_path).lexically_normal().parent_path();

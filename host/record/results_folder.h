@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 #include "record/file.h"
@@ -29,17 +30,21 @@ public:
     /// Where the file `name` of the results is: absolute, seen from the folder in which the process started. A plugin may
     /// have changed the current one since.
     std::filesystem::path file(std::string_view name) const { return absolute_ / name; }
+    /// When the results that were replaced had been written, local time: "2026-11-22 12:41"; empty where there were none.
+    const std::string& replaced() const { return replaced_; }
 
 private:
     std::filesystem::path path_, absolute_;
+    std::string replaced_;
     File marker_;  ///< open and locked
 };
 
 /// `path` seen from the folder in which the process started.
 std::filesystem::path from_start(const std::filesystem::path& path);
 
-/// results/<model name>, seen from the current folder. The model name is the file's, without its ending, or that of the
-/// file's folder when the file is called "model": examples/four_bolt_plate/model.toml -> results/four_bolt_plate.
+/// results/<model name>, seen from the current folder; results/model for the standard input. The model name is the file's,
+/// without its ending, or that of the file's folder when the file is called "model": examples/four_bolt_plate/model.toml ->
+/// results/four_bolt_plate.
 std::filesystem::path default_results_path(const std::filesystem::path& model_path);
 
 }  // namespace dttmm

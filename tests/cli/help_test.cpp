@@ -242,5 +242,42 @@ TEST(ModelFile, ComesFromItsFolderAndFromTheStandardInputToo) {
                 HasSubstr("a sweep reads its model once per case"));
 }
 
+// Oracle: each file by itself; the code is the largest.
+TEST(Check, TakesSeveralFiles) {
+    const TemporaryFolder folder;
+    write_text(folder / "good.toml", kSmallModel);
+    write_text(folder / "bad.toml", std::regex_replace(std::string(kSmallModel), std::regex("mass "), "maas "));
+    const Ended ended = run_dttmm(folder.path(), {"check", "good.toml", "bad.toml", "missing.toml", "good.toml"});
+    EXPECT_EQ(ended.code, 5);
+    EXPECT_THAT(ended.err, testing::AllOf(HasSubstr("bad.toml:"), HasSubstr("dttmm: missing.toml: there is no such file")));
+    EXPECT_EQ(ended.out, run_dttmm(folder.path(), {"check", "good.toml", "good.toml"}).out);
+    // A mistyped key is one fault
+    EXPECT_THAT(ended.err, HasSubstr("did you mean \"mass\"?"));
+    EXPECT_THAT(ended.err, testing::Not(HasSubstr("missing key \"mass\"")));
+}
+
+TEST(Run, SaysWhichResultsItReplaces) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", kSmallModel);
+    EXPECT_THAT(run_dttmm(folder.path(), {"run", ".", "-o", "out"}).out, testing::EndsWith("results in out\n"));
+    EXPECT_THAT(run_dttmm(folder.path(), {"run", ".", "-o", "out"}).out,
+                testing::ContainsRegex("results in out .those of 20[0-9-]+ [0-9:]+ are replaced.\n"));
+}
+
+// Oracle: the summaries of the cases.
+TEST(SweepTable, OnTheScreenHasThePeaks) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", kSmallModel);
+    const Ended ended = run_dttmm(folder.path(), {"run", ".", "--sweep", "mass=3kg,4kg", "-o", "out"});
+    EXPECT_EQ(ended.code, 0);
+    for (const char* name : {"case-000001", "case-000002"}) {
+        const nlohmann::json summary = read_json(folder / "out" / name / "summary.json");
+        double peak = 0;
+        for (const auto& axis : summary["elements"]["two"]["force"]) peak = std::max(peak, axis["peak"].get<double>());
+        EXPECT_THAT(ended.out, HasSubstr(fmt::format("{:.5g}", peak)));
+    }
+    EXPECT_THAT(ended.out, HasSubstr("case  mass"));
+}
+
 }  // namespace
 }  // namespace dttmm

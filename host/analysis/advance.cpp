@@ -7,7 +7,7 @@
 #include "analysis/stop_signals.h"
 #include "record/progress_bar.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 Ending advance_to_end(Simulation& simulation, bool quiet) {
     const auto start = std::chrono::steady_clock::now();
@@ -30,4 +30,4 @@ Ending advance_to_end(Simulation& simulation, bool quiet) {
     return ending;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -7,7 +7,7 @@
 #include "model/error.h"
 #include "step/simulation.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// How a run ended.
 struct Outcome {
@@ -27,4 +27,4 @@ struct Ending {
 /// Shows progress unless `quiet`.
 Ending advance_to_end(Simulation& simulation, bool quiet);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -11,7 +11,7 @@
 #include "record/channels.h"
 #include "step/simulation.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 void print_channels(const Request& request) {
     const Plugins plugins(request.plugins);
@@ -33,4 +33,4 @@ void print_channels(const Request& request) {
     }
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

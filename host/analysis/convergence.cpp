@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -71,4 +71,4 @@ void Convergence::evaluate_row(std::size_t row, std::span<double> values, std::s
     }
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

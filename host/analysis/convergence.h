@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Histories y_0, y_1, … of one motion at the steps h, h/2, h/4, …, on the same output times, and what they tell about the
 /// error of the last. With δ_k = y_k − y_{k−1}, per channel:
@@ -72,4 +72,4 @@ private:
 /// log2(before/now); NaN where one of them is not positive.
 double observed_order(double difference_before, double difference);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

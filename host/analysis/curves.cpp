@@ -6,7 +6,7 @@
 #include <limits>
 #include <tuple>
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -110,4 +110,4 @@ std::vector<CaseCurves> follow_curves(const std::vector<std::vector<double>>& pa
     return curves;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Which mode of a case of a sweep belongs to which curve.
 struct CaseCurves {
@@ -26,4 +26,4 @@ double compute_likeness(const Eigen::VectorXd& a, const Eigen::VectorXd& b);
 std::vector<CaseCurves> follow_curves(const std::vector<std::vector<double>>& parameters,
                                       const std::vector<Eigen::MatrixXd>& shapes);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -78,4 +78,4 @@ std::vector<double> error_scales(const Model& model, const FastestMode& fastest,
     return scales;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

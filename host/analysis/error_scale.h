@@ -7,7 +7,7 @@
 #include "model/model.h"
 #include "record/recorder.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// What the error of each channel is measured against: the largest value of its kind in the whole machine, never its own,
 /// for a component that is zero but for rounding would never converge against itself. Kinds that a length turns into each
@@ -28,4 +28,4 @@ namespace dttmm {
 /// meaning.
 std::vector<double> error_scales(const Model& model, const FastestMode& fastest, const Recorder& seen, double h);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

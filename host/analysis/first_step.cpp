@@ -9,7 +9,7 @@
 #include "model/read_simulation.h"
 #include "step/simulation.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -55,4 +55,4 @@ Model choose_step(Model model, const Plugins& plugins) {
     return model;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -4,7 +4,7 @@
 #include "loader/plugins.h"
 #include "model/model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// A model without a step gets the first step of its run to a tolerance, and the number of steps per row. A model with a
 /// step comes back as it is. The first step
@@ -17,4 +17,4 @@ namespace dttmm {
 /// Without an output step there is a row per first step, at most 10 000 rows. Throws Error like Simulation.
 Model choose_step(Model model, const Plugins& plugins);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -10,7 +10,7 @@
 #include "analysis/error_scale.h"
 #include "model/read_simulation.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -185,4 +185,4 @@ const std::string& Halving::channel(size_t selected) const {
     return kept_->simulation.channels()[static_cast<size_t>(selection_[selected])].name;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

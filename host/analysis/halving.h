@@ -14,7 +14,7 @@
 #include "record/recorder.h"
 #include "step/simulation.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// One finished run of the sequence and what it is worth. NaN: not known yet.
 struct Level {
@@ -90,4 +90,4 @@ private:
     double difference_ = 0;  ///< largest over scale, of the last two runs
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -14,7 +14,7 @@
 #include "model/keys.h"
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -287,4 +287,4 @@ void make_new(const Request& request) {
                (folder / "model.toml").string(), folder.string(), folder.string(), runs ? "run" : "modes", folder.string());
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

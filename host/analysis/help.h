@@ -3,7 +3,7 @@
 
 #include "analysis/request.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Prints the keys of a table of the model file or the parameters of an element type, with a complete model that shows it;
 /// without a topic the list of topics. Throws Error(usage) for a topic there is not.
@@ -19,4 +19,4 @@ void print_schema(const Request& request);
 /// Error(input_output) where the folder is there or cannot be written.
 void make_new(const Request& request);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

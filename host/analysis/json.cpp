@@ -3,7 +3,7 @@
 
 #include "record/atomic_file.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -68,4 +68,4 @@ void write_json(const std::filesystem::path& path, const std::function<void(Json
     });
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

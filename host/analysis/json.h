@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// The members of a JSON object in the order written. A member is found in constant time: nlohmann::ordered_map searches
 /// from the front, so that building or reading an object of n members takes n^2/2 comparisons.
@@ -179,4 +179,4 @@ void write_json(std::ostream& stream, const Json& json);
 void write_json(const std::filesystem::path& path, const Json& json);
 void write_json(const std::filesystem::path& path, const std::function<void(JsonWriter&)>& write_members);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

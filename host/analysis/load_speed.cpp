@@ -12,7 +12,7 @@
 
 #include "model/read_simulation.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -129,4 +129,4 @@ double divide_step(double step, double longest) {
     return divide_step(step, [longest](double h) { return !(h > longest); });
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -8,7 +8,7 @@
 #include "model/model.h"
 #include "step/simulation.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// What a step does to the motion that a load makes. A step weights a load by w+ at its end, w0 at its start, w− one step
 /// earlier. The displacement of a free mass under a harmonic load of circular frequency ω is then the exact one times
@@ -54,4 +54,4 @@ double divide_step(double step, const std::function<bool(double)>& is_short_enou
 /// The same for steps up to `longest` [s].
 double divide_step(double step, double longest);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -9,7 +9,7 @@
 
 #include "coupling/network_description.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -101,4 +101,4 @@ std::string describe_machine(const Model& model, const ElementCatalogue& catalog
     return describe_bodies(model) + describe_elements(model, catalogue);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -9,7 +9,7 @@
 #include "model/error.h"
 #include "model/read_modes.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -128,4 +128,4 @@ const ModalPlace* ModalMachine::find(const std::string& name) const {
     return found == places_.end() ? nullptr : &*found;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -7,7 +7,7 @@
 #include "coupling/modal_description.h"
 #include "loader/modal_instance.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// A point of the machine whose motion is told: a body's origin, a marker, a node.
 struct ModalPlace {
@@ -58,4 +58,4 @@ private:
 /// Names of the six directions, in order.
 const std::vector<std::string>& direction_names();
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -21,7 +21,7 @@
 #include "record/tell.h"
 #include "record/warnings.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -533,4 +533,4 @@ ExitCode find_response(const Request& request) {
     return ExitCode::ok;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

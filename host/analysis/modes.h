@@ -6,7 +6,7 @@
 #include "model/error.h"
 #include "record/warnings.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Notes what of the model is not in its natural frequencies: gravity and lasting loads.
 void warn_preload(const Model& model, Warnings& warnings);
@@ -26,4 +26,4 @@ ExitCode sweep_modes(const Request& request, const std::vector<SweepAxis>& axes)
 /// accelerance as frf.csv in the results folder, its peaks on the terminal.
 ExitCode find_response(const Request& request);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

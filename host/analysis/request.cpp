@@ -8,7 +8,7 @@
 
 #include "model/error.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -98,4 +98,4 @@ void give(Request& request, const Option& option, const std::string& value) {
     request.given.emplace_back(&option, value);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -10,7 +10,7 @@
 
 #include "model/read_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 struct Option;
 
@@ -80,4 +80,4 @@ const Option& option(const std::string& name);
 /// Takes a value: applies it, and keeps it in `given`. Throws Error(usage) for a value that cannot be read.
 void give(Request& request, const Option& option, const std::string& value);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -30,7 +30,7 @@
 #include "record/warnings.h"
 #include "step/simulation.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -557,4 +557,4 @@ void check(const Request& request) {
     warnings.print_rest("");
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

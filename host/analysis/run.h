@@ -7,7 +7,7 @@
 #include "analysis/request.h"
 #include "model/error.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Runs a model from 0 to its duration into its results folder and prints the table of peak and final forces; with a
 /// tolerance, repeats that at half the step until it is reached. A run that fails or is stopped half way leaves what it has
@@ -22,4 +22,4 @@ ExitCode run(const Request& request);
 /// is not set.
 void check(const Request& request);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

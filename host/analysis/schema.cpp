@@ -9,7 +9,7 @@
 
 #include "model/keys.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -242,4 +242,4 @@ Json make_schema(const ElementCatalogue& catalogue) {
     return schema;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

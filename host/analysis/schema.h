@@ -4,7 +4,7 @@
 #include "analysis/json.h"
 #include "model/read_element.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// The JSON schema (draft 7) of the model file, from the tables of keys and the element types of a catalogue. Quantities and
 /// expressions are texts in it: their units are for `dttmm check`. An object of `[[element]]` has the keys of all types, and
@@ -12,4 +12,4 @@ namespace dttmm {
 /// key that is wrong after.
 Json make_schema(const ElementCatalogue& catalogue);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -8,7 +8,7 @@
 
 #include "record/csv_writer.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -81,4 +81,4 @@ const char* StopSignals::reason() {
     return received == SIGXCPU ? "the limit of processor time was reached" : "stopped by the user";
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

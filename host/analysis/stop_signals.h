@@ -3,7 +3,7 @@
 
 #include "model/error.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Signals that end a command early but in order: what was recorded is kept. SIGINT, SIGTERM and SIGHUP are the user's (exit
 /// code 130), SIGXCPU is a resource limit (6). The first asks: requested() is true. The second ends the process at once,
@@ -27,4 +27,4 @@ public:
     static const char* reason();
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -16,7 +16,7 @@
 #include "model/read_joint.h"
 #include "record/results_folder.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -334,4 +334,4 @@ void write_run(JsonWriter& out, const Model& model, const Request& request, cons
     if (halving) out.member("tolerance", describe_tolerance(*halving));
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

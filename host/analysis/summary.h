@@ -12,7 +12,7 @@
 #include "record/warnings.h"
 #include "step/simulation.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// What determines a run's result: the text of the model, the files it names, the plugins and all that the command line
 /// changed. A sweep reuses a case whose
@@ -33,4 +33,4 @@ void write_run(JsonWriter& out, const Model& model, const Request& request, cons
                const Simulation& simulation, const Recorder& recorder, const Outcome& outcome, const Halving* halving,
                const Warnings& warnings);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

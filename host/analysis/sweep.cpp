@@ -29,7 +29,7 @@
 #include "record/results_folder.h"
 #include "record/tell.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -389,4 +389,4 @@ ExitCode run_sweep(const Request& request, const std::vector<SweepAxis>& axes) {
     return count("failed") > 0 ? ExitCode::cases_failed : ExitCode::ok;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

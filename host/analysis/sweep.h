@@ -5,7 +5,7 @@
 #include "analysis/sweep_plan.h"
 #include "model/error.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Runs every case of a sweep in a process of its own, request.jobs at a time, each into its folder case-000001,
 /// … of the results folder, and writes sweep.csv: per case the parameters (SI), the status, peak and final force of every
@@ -15,4 +15,4 @@ namespace dttmm {
 /// folder.
 ExitCode run_sweep(const Request& request, const std::vector<SweepAxis>& axes);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -11,7 +11,7 @@
 #include "model/units.h"
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -109,4 +109,4 @@ std::vector<SweepCase> make_grid(const std::vector<SweepAxis>& axes) {
     return grid;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

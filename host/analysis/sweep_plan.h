@@ -7,7 +7,7 @@
 
 #include "model/model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// One --sweep: a parameter and the values it takes, as texts for --set.
 struct SweepAxis {
@@ -33,4 +33,4 @@ void check_axes(const std::vector<SweepAxis>& axes, const std::vector<Parameter>
 /// name.
 std::vector<SweepCase> make_grid(const std::vector<SweepAxis>& axes);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

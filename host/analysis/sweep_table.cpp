@@ -11,7 +11,7 @@
 #include "model/wording.h"
 #include "record/csv_writer.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -61,4 +61,4 @@ void refuse_column_names(const Model& model) {
                             model.path, quote(parameter.name), quote(parameter.name + "_")));
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

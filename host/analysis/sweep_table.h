@@ -7,7 +7,7 @@
 #include "model/model.h"
 #include "record/channels.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// A case as sweep.csv shows it.
 struct SweepRow {
@@ -27,4 +27,4 @@ std::string make_sweep_table(const std::vector<Parameter>& parameters, const std
 /// "mac1" and so on.
 void refuse_column_names(const Model& model);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

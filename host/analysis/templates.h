@@ -3,7 +3,7 @@
 
 #include <span>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// A model that is part of the program.
 struct Template {
@@ -16,4 +16,4 @@ std::span<const Template> help_models();
 /// Those that `dttmm new --from` copies: examples/<folder>/model.toml.
 std::span<const Template> new_models();
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -25,7 +25,7 @@
 #include "record/tell.h"
 #include "world/world.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -251,4 +251,4 @@ int run_command(int argc, char** argv) {
     return static_cast<int>(code);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -6,7 +6,7 @@
 #include "analysis/request.h"
 #include "model/error.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// What a command is given besides options.
 enum class Given : unsigned char { nothing, model, models, model_and_patterns, topic, folder, shell };
@@ -26,4 +26,4 @@ std::span<const CommandLine> commands();
 /// code of the process; nothing escapes.
 int run_command(int argc, char** argv);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

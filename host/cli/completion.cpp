@@ -14,7 +14,7 @@
 #include "model/wording.h"
 #include "step/simulation.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -199,4 +199,4 @@ void complete(const std::vector<std::string>& words) {
     }
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

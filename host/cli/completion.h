@@ -6,7 +6,7 @@
 
 #include "analysis/request.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Prints the script that makes a shell ask `dttmm complete` for words. Throws Error(usage) for a shell it does not know.
 void print_completion(const Request& request);
@@ -16,4 +16,4 @@ void print_completion(const Request& request);
 /// the model cannot be read.
 void complete(const std::vector<std::string>& words);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -12,7 +12,7 @@
 #include "model/error.h"
 #include "record/csv_writer.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -140,4 +140,4 @@ CrashReport::~CrashReport() {
     ::sigaltstack(&stack, nullptr);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// While this lives, a process that is about to end without a word says why, in one line on the standard error:
 /// - A fault of the processor or abort() (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT) inside a plugin: plugin, element and
@@ -17,4 +17,4 @@ public:
     CrashReport& operator=(const CrashReport&) = delete;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

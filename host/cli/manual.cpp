@@ -5,7 +5,7 @@
 
 #include "cli/command.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -84,4 +84,4 @@ void print_manual(const Request&) {
         "dttmm modes pump\n.EE\n");
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -14,7 +14,7 @@
 #include "model/error.h"
 #include "world/rotation_step.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -594,4 +594,4 @@ void EndOfStep::fail(int passes) const {
             system_.is_near_singular() ? kSingularCure : "try a smaller step"));
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -12,7 +12,7 @@
 #include "world/joint_system.h"
 #include "world/world.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// What acts on the bodies over a step, for ODE: [force; moment about the centre of mass] per body, world axes.
 using Feedback = std::vector<Eigen::Matrix<double, 6, 1>>;
@@ -172,4 +172,4 @@ private:
     long passes_ = 0, factorisations_ = 0;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -9,7 +9,7 @@
 
 #include "model/error.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -97,4 +97,4 @@ double Loads::work_over_step(const std::vector<BodyState>& now, const std::vecto
     return work;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -8,7 +8,7 @@
 #include "model/model.h"
 #include "world/world.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Gravity and the loads of the model. Over a step a load is weighted as the scheme weights the network's forces,
 ///     w+ f(t_{n+1}) + w0 f(t_n) + w− f(t_{n−1}),
@@ -64,4 +64,4 @@ private:
     std::vector<double> node_loads_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -9,7 +9,7 @@
 
 #include "model/error.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -85,4 +85,4 @@ dttmm_modal_model ModalDescription::model() const {
             lumped_beams_};
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

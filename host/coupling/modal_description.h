@@ -5,7 +5,7 @@
 
 #include "coupling/network_description.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// A whole machine in small vibrations as a plugin is told of it: all elements as one network, the bodies, and ODE's joints
 /// as directions that do not give. Stops do not act, loads and gravity leave frequencies alone.
@@ -28,4 +28,4 @@ private:
     uint32_t directions_, lumped_beams_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -9,7 +9,7 @@
 
 #include "model/error.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -179,4 +179,4 @@ dttmm_network NetworkDescription::network() const {
     return network;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

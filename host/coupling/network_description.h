@@ -12,7 +12,7 @@
 #include "loader/plugins.h"
 #include "model/model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Splits the elements of a model into networks, each a list of indices into Model::elements, ascending: elements that share
 /// a node belong to one. Bodies and the ground do not connect: what happens on one side of them is not felt on the other
@@ -69,4 +69,4 @@ struct Frame {
 };
 Frame frame_at_start(const Model& model, const Attachment& at);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -12,7 +12,7 @@
 #include "loader/plugin_call.h"
 #include "model/error.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -399,4 +399,4 @@ void Networks::outputs(double* values) const {
     refuse_changed_arithmetic();
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -11,7 +11,7 @@
 #include "model/model.h"
 #include "world/world.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// All elastic networks of a model as one function of the bodies' motion: body poses in, body wrenches out. It knows where
 /// the ports sit on the bodies; the element laws are the plugins'. Wrenches on a body are [force; moment about the centre of
@@ -129,4 +129,4 @@ private:
     mutable std::vector<double> outputs_;  ///< of all networks, between two guard words
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -13,7 +13,7 @@
 #include "world/inertia.h"
 #include "world/joint_system.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -243,4 +243,4 @@ ExplicitLimit find_explicit_limit(const Model& model, Networks& networks, const 
     return limit;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -9,7 +9,7 @@
 #include "model/model.h"
 #include "world/world.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// An element's part in a vibration.
 struct ElementShare {
@@ -56,4 +56,4 @@ double alternating_weight(ExplicitScheme scheme);
 ExplicitLimit find_explicit_limit(const Model& model, Networks& networks, const std::vector<BodyState>& at, double step,
                                   ExplicitScheme scheme);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

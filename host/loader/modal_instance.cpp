@@ -8,7 +8,7 @@
 #include "loader/plugin_call.h"
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -135,4 +135,4 @@ void ModalInstance::check(dttmm_status status, const dttmm_error& error) const {
         is_named ? error.element : -1);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

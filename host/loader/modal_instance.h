@@ -9,7 +9,7 @@
 
 #include "loader/network_instance.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// The small vibrations of a machine inside a plugin: the C interface as a C++ object. Arguments and units are those of
 /// dttmm_plugin.h; failures become NetworkError as with NetworkInstance.
@@ -55,4 +55,4 @@ private:
     size_t body_count_, node_count_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

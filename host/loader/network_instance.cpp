@@ -11,7 +11,7 @@
 
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -126,4 +126,4 @@ std::string NetworkInstance::label() const {
     return fmt::format("{}element \"{}\"", element_names_.size() > 1 ? "network of " : "", element_names_.front());
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -10,7 +10,7 @@
 #include "loader/plugin_library.h"
 #include "model/error.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// A failure of a plugin that may blame one element.
 class NetworkError : public Error {
@@ -145,4 +145,4 @@ private:
     std::shared_ptr<const std::vector<dttmm_channel>> channels_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

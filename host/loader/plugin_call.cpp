@@ -14,7 +14,7 @@
 #include "model/error.h"
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -44,4 +44,4 @@ void refuse_changed_arithmetic() {
     if (std::strcmp(std::setlocale(LC_NUMERIC, nullptr), "C") != 0) refuse("the locale in which numbers are written");
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -4,7 +4,7 @@
 #include <limits>
 #include <string>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Lives while a plugin is at work: what ends the process meanwhile (a crash, exit) is the plugin's, and the last message
 /// names it. Costs a handful of stores. Read by signal handlers: nothing here allocates.
@@ -46,4 +46,4 @@ std::string describe_exception();
 /// below 2.2e-308 taken for zero (FTZ, DAZ), floating-point traps, decimal point of the locale. No call must return so.
 void refuse_changed_arithmetic();
 
-}  // namespace dttmm
+}  // namespace dttmm::host

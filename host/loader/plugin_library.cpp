@@ -16,7 +16,7 @@
 #include "model/error.h"
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -170,4 +170,4 @@ PluginLibrary PluginLibrary::load(const std::filesystem::path& file) {
     }
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -9,7 +9,7 @@
 
 #include "dttmm_plugin.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// A plugin's function table, checked: right version, whole, no null function. The built-in plugin is linked in; a foreign
 /// one is a shared library, loaded only because the user gave its path. Stays loaded as long as a copy of this object lives.
@@ -50,4 +50,4 @@ private:
     std::shared_ptr<Kept> kept_ = std::make_shared<Kept>();
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -5,7 +5,7 @@
 
 #include "model/error.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 Plugins::Plugins(const std::vector<std::string>& files) {
     add(PluginLibrary::built_in());
@@ -31,4 +31,4 @@ std::pair<const PluginLibrary*, uint32_t> Plugins::resolve(int type) const {
     return {&libraries_[library], index};
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

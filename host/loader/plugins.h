@@ -8,7 +8,7 @@
 #include "loader/plugin_library.h"
 #include "model/element_catalogue.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// The plugins of one run, the built-in one first, and the catalogue of all their element types.
 class Plugins {
@@ -29,4 +29,4 @@ private:
     ElementCatalogue catalogue_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -8,7 +8,7 @@
 #include "model/names.h"
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 std::vector<std::string> names_of(const auto& things) {
@@ -90,4 +90,4 @@ Eigen::Matrix3d Attachments::axes(const Attachment& attachment) const {
     return body.rotation * body.markers[static_cast<std::size_t>(attachment.marker)].rotation;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -10,7 +10,7 @@
 #include "model/model.h"
 #include "model/table_reader.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Finds what "ground", "body", "body.marker" and "node" mean.
 class Attachments {
@@ -43,4 +43,4 @@ private:
     std::map<std::string, Attachment, std::less<>> index_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

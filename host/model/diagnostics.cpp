@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace dttmm {
+namespace dttmm::host {
 
 Place Diagnostics::option_place(std::string option) {
     options_.push_back(std::move(option));
@@ -41,4 +41,4 @@ std::vector<Warning> Diagnostics::in_order(std::vector<Diagnostic> diagnostics) 
     return result;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

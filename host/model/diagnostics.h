@@ -7,7 +7,7 @@
 #include "model/error.h"
 #include "model/warning.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// A place in the model file, both counted from 1, columns in characters. Line 0 is a command-line option, numbered by
 /// Diagnostics::option_place.
@@ -65,4 +65,4 @@ private:
     std::vector<Diagnostic> errors_, warnings_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

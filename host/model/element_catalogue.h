@@ -8,7 +8,7 @@
 
 #include "dttmm_plugin.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// The element types of all loaded plugins: what an [[element]] of the model may be. The types belong to the plugins and
 /// live as long as these stay loaded.
@@ -29,4 +29,4 @@ struct ElementCatalogue {
     }
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

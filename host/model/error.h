@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// What the process says to its caller when it ends (design: exit codes).
 enum class ExitCode : int {
@@ -30,4 +30,4 @@ private:
     ExitCode code_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -12,7 +12,7 @@
 #include "model/names.h"
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 constexpr std::size_t kLongestExpression = 1000;  // [byte]
@@ -184,4 +184,4 @@ std::string bare_name(std::string_view text) {
     return is_name ? normalise_name(text) : std::string();
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// The names an expression may use, with their values [SI].
 using Constants = std::map<std::string, double, std::less<>>;
@@ -43,4 +43,4 @@ std::vector<std::string> expression_names(std::string_view text);
 /// The name that is all there is in `text`; empty if there is more, or something else.
 std::string bare_name(std::string_view text);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

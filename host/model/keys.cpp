@@ -7,7 +7,7 @@
 
 #include "model/error.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -272,4 +272,4 @@ std::vector<std::string> words_of(const Key& key) {
     return words;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

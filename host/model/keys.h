@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Where a number may lie [SI].
 struct Bounds {
@@ -73,4 +73,4 @@ std::vector<std::string> names_of(const KeyTable& table);
 /// "implicit|explicit" as a list.
 std::vector<std::string> words_of(const Key& key);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

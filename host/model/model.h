@@ -14,7 +14,7 @@
 #include "model/signal.h"
 #include "model/warning.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// The model as read, checked and converted: SI units, world axes unless said otherwise, every name resolved to an index.
 /// Nothing below this layer reads text.
@@ -146,4 +146,4 @@ struct Model {
     std::vector<Warning> warnings;             ///< of the model file, each text with its place
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

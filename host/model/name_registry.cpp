@@ -6,7 +6,7 @@
 #include "model/names.h"
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 std::string NameRegistry::add(const ReadContext& context, Place place, const std::string& name) {
     const std::string normal = normalise_name(name);
@@ -64,4 +64,4 @@ const std::vector<TomlValue>& read_entries(const TableReader& file, const char* 
     return none;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -6,7 +6,7 @@
 
 #include "model/table_reader.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// The names of one kind of thing in a model, each once, with the place where it was given.
 class NameRegistry {
@@ -45,4 +45,4 @@ std::string entry_note(const char* kind, std::size_t index);
 /// The entries of [[kind]]; none if the key is missing. Anything but a list of tables is reported.
 const std::vector<TomlValue>& read_entries(const TableReader& file, const char* kind);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <memory>
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 constexpr int kLongestName = 100;
@@ -54,4 +54,4 @@ std::optional<std::string> find_name_fault(std::string_view name) {
     return std::nullopt;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Names of bodies, markers, elements and parameters: letters of any script, combining marks, digits, `_` and `-`, at most
 /// 100 characters, `-` not the first, compared in Unicode normal form C. The dot is kept for `body.marker`.
@@ -16,4 +16,4 @@ std::string normalise_name(std::string_view name);
 /// What is wrong with a normalised name: the rule it breaks, ready to follow `body name "x" `; nothing if it is a name.
 std::optional<std::string> find_name_fault(std::string_view name);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -10,7 +10,7 @@
 #include "model/units.h"
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 std::optional<std::string> find_missing_unit(const Parameter& in_file, const std::string& text) {
     if (in_file.unit.empty() || in_file.unit == "1" || text.starts_with("=")) return std::nullopt;
@@ -233,4 +233,4 @@ std::vector<std::string> Parameters::names() const {
     return result;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

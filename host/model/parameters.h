@@ -13,7 +13,7 @@
 #include "model/model.h"
 #include "model/toml_document.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// The unit of `in_file` as the file gives it, "N/mm", where `text` is a plain number that is to replace it. Nothing where
 /// the file gives no unit, or where `text` has a unit, is an expression or is zero, which is the same in every unit. Throws
@@ -74,4 +74,4 @@ private:
     Constants constants_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -10,7 +10,7 @@
 #include "model/rigid_body.h"
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 const std::vector<std::string> kShapes = {"box", "cylinder", "tube", "sphere"};
@@ -198,4 +198,4 @@ std::vector<Body> read_bodies(const TableReader& file, NameRegistry& names) {
     return bodies;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -6,10 +6,10 @@
 #include "model/model.h"
 #include "model/name_registry.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// The [[body]] entries of the file. Bodies with faults, which are reported, are among them with what could be read, so that
 /// what refers to them is not reported too.
 std::vector<Body> read_bodies(const TableReader& file, NameRegistry& names);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

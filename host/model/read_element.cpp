@@ -13,7 +13,7 @@
 #include "model/read_values.h"
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 constexpr double kFarApart = 100;  // [m] a bolt of a part whose millimetres were read as metres
@@ -222,4 +222,4 @@ std::vector<Element> read_elements(const TableReader& file, const ElementCatalog
     return reader.take();
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -7,7 +7,7 @@
 #include "model/element_catalogue.h"
 #include "model/name_registry.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// The [[element]] entries of the file, checked against what the plugins declare; their names go to `names` and must not
 /// be those of `others`. Elements with faults, which are reported, are left out.
@@ -15,4 +15,4 @@ std::vector<Element> read_elements(const TableReader& file, const ElementCatalog
                                    const Attachments& attachments, const std::vector<const NameRegistry*>& others,
                                    NameRegistry& names);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -12,7 +12,7 @@
 #include "model/read_rotation.h"
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 constexpr double kCoincident = 1e-6;                // [m]
@@ -266,4 +266,4 @@ std::vector<Joint> read_joints(const TableReader& file, const Attachments& attac
     return reader.take();
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

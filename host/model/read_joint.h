@@ -6,7 +6,7 @@
 #include "model/attachments.h"
 #include "model/name_registry.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// The [[joint]] entries of the file; `others` are names that a joint cannot have. Joints with faults, which are reported,
 /// are left out.
@@ -16,4 +16,4 @@ std::vector<Joint> read_joints(const TableReader& file, const Attachments& attac
 /// As the model file writes it, e.g. "hinge".
 const std::string& joint_type_name(JointType type);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

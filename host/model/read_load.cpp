@@ -8,7 +8,7 @@
 #include "model/read_signal.h"
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 /// Only `[1, 1, 0]` and the like need another length than one. Along one axis a length looks like a part of the force.
@@ -59,4 +59,4 @@ std::vector<Load> read_loads(const TableReader& file, const Attachments& attachm
     return loads;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

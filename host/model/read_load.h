@@ -5,9 +5,9 @@
 
 #include "model/attachments.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// The [[load]] entries of the file. Loads with faults, which are reported, are left out.
 std::vector<Load> read_loads(const TableReader& file, const Attachments& attachments);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -19,7 +19,7 @@
 #include "model/toml_text.h"
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 namespace fs = std::filesystem;
@@ -224,4 +224,4 @@ Model parse_model(std::string_view text, const fs::path& file, const ElementCata
     return model;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -11,7 +11,7 @@
 #include "model/read_modes.h"
 #include "model/read_simulation.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// What a model is read for: histories want [simulation], modes want none.
 enum class Purpose { histories, modes };
@@ -32,4 +32,4 @@ Model read_model(const std::filesystem::path& file, const ElementCatalogue& cata
 Model parse_model(std::string_view text, const std::filesystem::path& file, const ElementCatalogue& catalogue,
                   const ModelOverrides& overrides = {});
 
-}  // namespace dttmm
+}  // namespace dttmm::host

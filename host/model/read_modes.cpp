@@ -9,7 +9,7 @@
 #include "model/units.h"
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -105,4 +105,4 @@ ModesSettings read_modes(const TableReader& file, const ModesOverrides& override
     return settings;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

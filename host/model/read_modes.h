@@ -7,7 +7,7 @@
 #include "model/model.h"
 #include "model/table_reader.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// What the command line says instead of [modes]: texts as in the file.
 struct ModesOverrides {
@@ -24,4 +24,4 @@ std::bitset<6> read_directions(const TableReader& table, const std::string& key)
 /// Faults are reported.
 ModesSettings read_modes(const TableReader& file, const ModesOverrides& overrides);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -8,7 +8,7 @@
 #include "model/read_rotation.h"
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 /// A velocity and a direction held where it is exclude each other.
@@ -65,4 +65,4 @@ std::vector<Node> read_nodes(const TableReader& file, const std::vector<const Na
     return nodes;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -5,10 +5,10 @@
 
 #include "model/name_registry.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// The [nodes] of the file, each `name = [x, y, z]` or a table with `position`; their names go to `names` and must not be
 /// those of `others`. Faults are reported.
 std::vector<Node> read_nodes(const TableReader& file, const std::vector<const NameRegistry*>& others, NameRegistry& names);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 constexpr double kFar = 1e4;  // [m]
@@ -22,4 +22,4 @@ void check_position(const ReadContext& context, Place place, const std::string& 
         fmt::format("{}: position is {} m from the origin: small motions lose digits; move the origin", label, distance));
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 constexpr double kNormTolerance = 1e-6;
@@ -60,4 +60,4 @@ std::optional<Eigen::Vector3d> read_direction(const TableReader& table, const ch
     return std::nullopt;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

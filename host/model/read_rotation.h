@@ -8,7 +8,7 @@
 
 #include "model/table_reader.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// The keys by which a table says how its axes are turned: `rotation = { axis = [x, y, z], angle = "30 deg" }` about an axis
 /// of any length, or `quaternion = [w, x, y, z]` of norm 1 to 1e-6, then normalised.
@@ -25,4 +25,4 @@ std::optional<Eigen::Matrix3d> read_axis_and_angle(const TableReader& outer, con
 /// A vector that is not zero, scaled to length 1. Reports faults and then returns nothing.
 std::optional<Eigen::Vector3d> read_direction(const TableReader& table, const char* key);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -11,7 +11,7 @@
 #include "model/table_file.h"
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 template <class Shape, class... Arguments>
@@ -194,4 +194,4 @@ std::optional<Signal> read_signal(const ReadContext& context, const TomlValue& v
     return read_constant(context, value, what, unit);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

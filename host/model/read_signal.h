@@ -8,11 +8,11 @@
 #include "model/signal.h"
 #include "model/table_reader.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// A signal whose value is in the SI unit `unit`: a number or quantity (constant), "=expression of t", or a table with a
 /// `type` of signal_shapes.h. Reports faults and then returns nothing.
 std::optional<Signal> read_signal(const ReadContext& context, const TomlValue& value, const std::string& what,
                                   std::string_view unit);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

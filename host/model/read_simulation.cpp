@@ -8,7 +8,7 @@
 
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 constexpr double kWholeTolerance = 1e-6;  // of a step
@@ -221,4 +221,4 @@ OutputSettings read_output(const TableReader& file, const SimulationSettings& si
     return settings;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -8,7 +8,7 @@
 #include "model/model.h"
 #include "model/table_reader.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// What the command line says instead of [simulation] and [output]: texts as in the file, e.g. "1 ms" or "0.1 %".
 struct SimulationOverrides {
@@ -34,4 +34,4 @@ SimulationSettings read_simulation(const TableReader& file, const SimulationOver
 OutputSettings read_output(const TableReader& file, const SimulationSettings& simulation,
                            const SimulationOverrides& overrides);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

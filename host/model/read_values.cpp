@@ -10,7 +10,7 @@
 
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 std::span<const dttmm_parameter> parameters_of(const dttmm_element_type& type) {
@@ -136,4 +136,4 @@ std::optional<std::vector<double>> read_values(const TableReader& table, const d
     return is_complete ? std::optional(values) : std::nullopt;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -8,7 +8,7 @@
 #include "dttmm_plugin.h"
 #include "model/table_reader.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// The parameters of an element as its type declares them. "section.tube" is the key `tube` of the table `section = { ... }`
 /// in the element; a text is a word that the type knows, a quantity or an expression.
@@ -20,4 +20,4 @@ std::vector<std::string> parameter_keys(const dttmm_element_type& type);
 /// then returns nothing.
 std::optional<std::vector<double>> read_values(const TableReader& table, const dttmm_element_type& type);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

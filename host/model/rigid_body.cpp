@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 constexpr double kSmallestMass = 1e-12;  // [kg]
 constexpr double kLargestMass = 1e12;    // [kg]
@@ -57,4 +57,4 @@ std::optional<std::string> find_inertia_fault(const Eigen::Matrix3d& inertia, do
     return std::nullopt;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Mass [kg] and inertia about the centre of mass [kg m²] of homogeneous shapes, in axes through the centre of mass.
 /// density [kg/m³] and lengths [m] are positive; `axis` is 0, 1 or 2 for x, y, z.
@@ -31,4 +31,4 @@ std::optional<std::string> find_mass_fault(double mass);
 /// largest), as no distribution of mass has it. `inertia` is symmetric. Nothing if it breaks none.
 std::optional<std::string> find_inertia_fault(const Eigen::Matrix3d& inertia, double mass);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

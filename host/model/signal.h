@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// A vibration that a signal contains, or that stands for its fastest change.
 struct SignalPart {
@@ -35,4 +35,4 @@ private:
     std::shared_ptr<const Shape> shape_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 constexpr double kTwoPi = 2 * std::numbers::pi;
 }
@@ -58,4 +58,4 @@ double TableSignal::value(double time) const {
 
 double ExpressionSignal::value(double time) const { return expression_.value(time); }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

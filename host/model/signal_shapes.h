@@ -6,7 +6,7 @@
 #include "model/expression.h"
 #include "model/signal.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// The shapes a signal can have; t is the time, all of it in [s], the value in whatever unit the signal has.
 
@@ -83,4 +83,4 @@ private:
     Expression expression_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

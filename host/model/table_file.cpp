@@ -14,7 +14,7 @@
 #include "model/units.h"
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 namespace fs = std::filesystem;
@@ -175,4 +175,4 @@ TimeTable read_table_file(const fs::path& folder, const std::string& name, std::
     return table;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

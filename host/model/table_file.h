@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace dttmm {
+namespace dttmm::host {
 
 struct TimeTable {
     std::vector<double> times;   ///< [s]
@@ -20,4 +20,4 @@ struct TimeTable {
 /// Error(model_invalid) that names the rule and the row, never what stands in the file.
 TimeTable read_table_file(const std::filesystem::path& folder, const std::string& name, std::string_view unit);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -9,7 +9,7 @@
 #include "model/units.h"
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 std::string with_unit(double value, std::string_view unit) {
@@ -200,4 +200,4 @@ void TableReader::warning(Place place, const std::string& code, const std::strin
 
 std::string TableReader::labelled(const std::string& text) const { return label_.empty() ? text : label_ + ": " + text; }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

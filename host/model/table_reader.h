@@ -13,7 +13,7 @@
 #include "model/parameters.h"
 #include "model/toml_document.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// What every part of the reader works with.
 struct ReadContext {
@@ -99,4 +99,4 @@ private:
     std::string_view unit_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

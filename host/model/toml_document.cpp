@@ -27,7 +27,7 @@
 
 #include "model/toml_text.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using Kind = TomlValue::Kind;
@@ -215,4 +215,4 @@ std::optional<TomlValue> parse_toml(std::string_view text, Diagnostics& diagnost
     }
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -9,7 +9,7 @@
 
 #include "model/diagnostics.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 struct TomlMember;
 
@@ -45,4 +45,4 @@ std::string_view kind_text(TomlValue::Kind kind);
 /// The document as a table. A fault of syntax goes to `diagnostics` and gives nothing: the parser cannot look beyond it.
 std::optional<TomlValue> parse_toml(std::string_view text, Diagnostics& diagnostics);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -8,7 +8,7 @@
 
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using namespace std::string_view_literals;
@@ -158,4 +158,4 @@ Place place_of_byte(std::string_view text, std::size_t offset) {
                 1};
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -7,7 +7,7 @@
 
 #include "model/diagnostics.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Limits within which the TOML parser, which recurses, is safe and quick.
 inline constexpr std::size_t kLargestFile = 64u << 20;  // [byte]
@@ -28,4 +28,4 @@ std::optional<TextFault> find_text_fault(std::string_view text);
 /// Line and column of the byte at `offset`.
 Place place_of_byte(std::string_view text, std::size_t offset);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -15,7 +15,7 @@
 #include "model/error.h"
 #include "model/wording.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 [[noreturn]] void fail(const std::string& text) { throw Error(ExitCode::model_invalid, text); }
@@ -256,4 +256,4 @@ std::vector<std::string> accepted_units(std::string_view wanted) {
     return {std::string(wanted)};
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Numbers with units, e.g. "500 N/mm", "300N/mm", "1e-3". Units are those of UDUNITS-2 (and "deg"), as products of powers
 /// only: nothing with an offset (degC), a logarithm or a date passes. A plain number is SI and fits every dimension.
@@ -33,4 +33,4 @@ bool measures(std::string_view unit, std::string_view wanted);
 /// The usual units of the dimension of `wanted`, that one first.
 std::vector<std::string> accepted_units(std::string_view wanted);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

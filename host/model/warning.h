@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// A statement about a model or a result that its user must know.
 struct Warning {
@@ -13,4 +13,4 @@ struct Warning {
     bool operator==(const Warning&) const = default;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

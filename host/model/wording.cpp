@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 constexpr std::size_t kLongestQuote = 100;
@@ -109,4 +109,4 @@ std::string listed(const std::vector<std::string>& items) {
     return result;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// How messages speak of what a user wrote.
 
@@ -36,4 +36,4 @@ std::string suggestion(std::string_view name, const std::vector<std::string>& ca
 /// "a, b, c"; at most 20 items are spelt out.
 std::string listed(const std::vector<std::string>& items);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

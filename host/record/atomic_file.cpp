@@ -13,7 +13,7 @@
 
 #include "record/file.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -87,4 +87,4 @@ void write_atomically(const std::filesystem::path& path, const std::function<voi
     part.publish();
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

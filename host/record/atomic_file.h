@@ -6,7 +6,7 @@
 #include <iosfwd>
 #include <string_view>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// The name `<final name>.part` under which a file is written until it is whole. Whoever sees the final name sees a whole
 /// file; without publish() the part is removed with its owner.
@@ -36,4 +36,4 @@ void write_atomically(const std::filesystem::path& path, std::string_view text);
 /// The same for a text that is too large to stand in memory: `write` puts it into the stream piece by piece.
 void write_atomically(const std::filesystem::path& path, const std::function<void(std::ostream&)>& write);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

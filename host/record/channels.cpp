@@ -12,7 +12,7 @@
 
 #include "model/error.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -122,4 +122,4 @@ std::vector<int> select_channels(const std::vector<Channel>& all, const std::vec
     return indices;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

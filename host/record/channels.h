@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// One recorded quantity: a column of history.csv and a dataset of history.h5.
 struct Channel {
@@ -24,4 +24,4 @@ void check_channels(std::span<const Channel> all);
 /// Throws Error(model_invalid) for a pattern that selects nothing; the text names the nearest and lists what there is.
 std::vector<int> select_channels(const std::vector<Channel>& all, const std::vector<std::string>& patterns);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -8,7 +8,7 @@
 #include <cassert>
 #include <cerrno>
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -139,4 +139,4 @@ void CsvWriter::fail(std::string_view written) {
     throw file_error(file_.path(), "cannot write", reason);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -13,7 +13,7 @@
 #include "record/channels.h"
 #include "record/file.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// `text` as a field of a CSV file: between quotes where it needs them (RFC 4180).
 std::string csv_field(const std::string& text);
@@ -62,4 +62,4 @@ private:
     volatile std::sig_atomic_t is_at_work_ = 0;  ///< on the waiting rows: a signal must leave them alone
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -9,7 +9,7 @@
 #include <system_error>
 #include <utility>
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -94,4 +94,4 @@ void File::close() {
     if (descriptor >= 0 && ::close(descriptor) != 0 && errno != EINTR) throw file_error(path_, "cannot close", errno);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -8,7 +8,7 @@
 
 #include "model/error.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Error(input_output) with the text "<path>: <fault>: <reason>; <cure>", reason and cure from `error_number`, an errno.
 Error file_error(const std::filesystem::path& path, std::string_view fault, int error_number);
@@ -48,4 +48,4 @@ private:
     int descriptor_ = -1;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

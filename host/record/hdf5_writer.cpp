@@ -14,7 +14,7 @@
 #include "model/error.h"
 #include "record/atomic_file.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -290,4 +290,4 @@ std::string Hdf5Writer::version() {
     return fmt::format("{}.{}.{}", major, minor, release);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -10,7 +10,7 @@
 
 #include "record/channels.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Name and text of what is noted on the file as a whole: title, version, the text of the model.
 using Attributes = std::vector<std::pair<std::string, std::string>>;
@@ -40,4 +40,4 @@ private:
     std::unique_ptr<Implementation> implementation_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -61,4 +61,4 @@ void ProgressBar::clear() {
     drawn_ = false;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

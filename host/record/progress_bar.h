@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// One line on a terminal that is rewritten in place while work goes on, for work longer than a second:
 ///      41 % [##########--------------]  37/90 cases  0:12 elapsed, 0:17 left
@@ -36,4 +36,4 @@ private:
 /// The line itself, without what rewrites it. elapsed: [s]; the time left assumes the same pace; "?" before there is one.
 std::string make_progress_line(double done, double total, std::string_view unit, double elapsed);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

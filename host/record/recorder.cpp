@@ -11,7 +11,7 @@
 
 #include "model/error.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -130,4 +130,4 @@ void Recorder::finish() {
     hdf5_->publish();
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

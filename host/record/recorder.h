@@ -11,7 +11,7 @@
 #include "record/hdf5_writer.h"
 #include "record/results_folder.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// What one channel did over all closed rows, in the channel's unit; all zero before the first row.
 struct ChannelStatistics {
@@ -84,4 +84,4 @@ private:
     std::optional<Hdf5Writer> hdf5_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace fs = std::filesystem;
 
@@ -171,4 +171,4 @@ fs::path default_results_path(const fs::path& model_path) {
     return fs::path("results") / (folder.has_filename() ? folder.filename() : name);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

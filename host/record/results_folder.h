@@ -7,7 +7,7 @@
 
 #include "record/file.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 enum class Claim {
     replace,  ///< the old results of a run are removed; those of a sweep, sweep.csv and case-*, stay
@@ -47,4 +47,4 @@ std::filesystem::path from_start(const std::filesystem::path& path);
 /// results/four_bolt_plate.
 std::filesystem::path default_results_path(const std::filesystem::path& model_path);
 
-}  // namespace dttmm
+}  // namespace dttmm::host

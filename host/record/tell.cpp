@@ -3,11 +3,11 @@
 
 #include <cstdio>
 
-namespace dttmm {
+namespace dttmm::host {
 
 void tell(const std::string& line) noexcept {
     std::fwrite(line.data(), 1, line.size(), stderr);
     std::fputc('\n', stderr);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

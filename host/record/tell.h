@@ -3,9 +3,9 @@
 
 #include <string>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Writes a line to the standard error. What cannot be written is lost: a message must not end the run it is about.
 void tell(const std::string& line) noexcept;
 
-}  // namespace dttmm
+}  // namespace dttmm::host

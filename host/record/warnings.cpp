@@ -7,7 +7,7 @@
 
 #include "record/tell.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 void Warnings::add(const std::vector<Warning>& warnings) {
     for (const Warning& warning : warnings) print("warning", warning);
@@ -32,4 +32,4 @@ void Warnings::print_rest(const std::string& where) const {
 
 bool Warnings::has(const std::string& code) const { return std::ranges::find(all_, code, &Warning::code) != all_.end(); }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

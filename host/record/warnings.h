@@ -10,7 +10,7 @@
 
 #include "model/warning.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// The warnings of one command. Each is printed on the standard error when it is added, and kept for summary.json. An equal
 /// warning is added once.
@@ -38,4 +38,4 @@ private:
     std::map<std::string, std::size_t> unprinted_;  ///< number by code
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

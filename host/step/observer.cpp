@@ -11,7 +11,7 @@
 
 #include "model/error.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -234,4 +234,4 @@ double Observer::gravity_work(const std::vector<BodyState>& at) const {
     return work;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -11,7 +11,7 @@
 #include "record/channels.h"
 #include "world/world.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// How near an element came to the limit of its law.
 struct Limit {
@@ -85,4 +85,4 @@ private:
     Ledger ledger_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -8,7 +8,7 @@
 
 #include "model/error.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -139,4 +139,4 @@ void Simulation::refuse_divergence() const {
     }
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

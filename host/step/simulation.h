@@ -18,7 +18,7 @@
 #include "step/observer.h"
 #include "world/world.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// How far a body that an element holds has turned in one step.
 struct Turning {
@@ -97,4 +97,4 @@ private:
     size_t fastest_turning_body_ = 0;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -3,7 +3,7 @@
 
 #include <Eigen/Cholesky>
 
-namespace dttmm {
+namespace dttmm::host {
 
 BlockFactor::BlockFactor(const BlockMatrix& matrix) {
     if (matrix.is_coupled()) {
@@ -36,4 +36,4 @@ void BlockFactor::solve(const Eigen::VectorXd& b, Eigen::VectorXd& x) const {
             x.segment<6>(starts_[body]).noalias() = inverses_[body] * b.segment<6>(starts_[body]);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

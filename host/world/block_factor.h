@@ -6,7 +6,7 @@
 
 #include "world/block_matrix.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// LDLᵀ of a BlockMatrix, its pattern analysed once. Where no body is coupled to another, each has the inverse of its own
 /// block instead, in a third of the time.
@@ -32,4 +32,4 @@ private:
     std::vector<BlockMatrix::Block> inverses_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

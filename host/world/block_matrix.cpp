@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -137,4 +137,4 @@ void BlockMatrix::set_side(int joint, int body, const Rows& rows) {
                 rows(e, i);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

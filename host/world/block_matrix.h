@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// A symmetric sparse matrix over bodies and joints, its upper triangle stored:
 ///     | K   Jᵀ |     K: a 6×6 block for every body and every pair of bodies that an element couples, positive definite
@@ -61,4 +61,4 @@ private:
     Eigen::SparseMatrix<double> matrix_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// A rigid body as ODE keeps it: pose of the centre of mass at t_n, velocities over the step that ended there (half a step
 /// back). World axes; R turns body axes into world axes. Before the first step, in the arguments named `at`, the velocities
@@ -15,4 +15,4 @@ struct BodyState {
     Eigen::Vector3d angular_velocity;  ///< [rad/s]
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

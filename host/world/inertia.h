@@ -8,7 +8,7 @@
 #include "model/model.h"
 #include "world/block_matrix.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Positions are known to a few units in the last place of their size.
 inline constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
@@ -35,4 +35,4 @@ struct Inertia {
     double gyration_bound() const { return std::sqrt(J.trace() / (2 * mass)); }
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -10,7 +10,7 @@
 #include "model/error.h"
 #include "world/rotation_step.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -125,4 +125,4 @@ void JointClosure::fail() const {
                             system_.is_near_singular() ? kSingularCure : "try a smaller step"));
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -10,7 +10,7 @@
 #include "world/inertia.h"
 #include "world/joint_system.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// ODE's joints hold the velocities at t_n, J u = 0, so that over a step a joint opens by h² |C̈|/2: on a turning machine a
 /// steady gap, and energy that drifts. This closes them: the motion over the step changes along M⁻¹ Jᵀ, the direction in
@@ -42,4 +42,4 @@ private:
     Eigen::VectorXd right_hand_side_, solution_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -161,4 +161,4 @@ double JointEquations::coordinate(const std::vector<BodyState>& at) const {
         .dot(second.position + second.rotation * arm_second_ - first.position - first.rotation * arm_first_);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

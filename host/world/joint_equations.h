@@ -9,7 +9,7 @@
 #include "world/block_matrix.h"
 #include "world/body_state.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// What an ideal joint forbids, as equations C = 0 of the poses of its two bodies, C = 0 at the start. Two kinds:
 ///     anchor    d·(p₂ − p₁) = 0    the anchor points keep together along d, fixed in the world or (slider) on the first
@@ -78,4 +78,4 @@ private:
     Eigen::Vector3d pointer_;                ///< on the second body: what shows the angle
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace {
 
@@ -163,4 +163,4 @@ double JointSystem::opening_speed(size_t joint, const std::vector<BodyState>& at
     return rates(equations, equations.jacobian(at), at).head(equations.lasting()).cwiseAbs().maxCoeff();
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

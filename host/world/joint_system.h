@@ -10,7 +10,7 @@
 #include "world/body_state.h"
 #include "world/joint_equations.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// The stop of a hinge or slider over a step. While it acts, the coordinate moves at `speed` [rad/s, m/s], which brings it
 /// to kPlay beyond the stop, so that a joint at rest on its stop has reached it whatever the rounding; it pushes one way
@@ -89,4 +89,4 @@ private:
     std::vector<Stop> stops_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// exp(θ~), the rotation by the vector θ [rad], ready to be applied:  exp(θ~) v = v + a θ × v + b θ × (θ × v)
 /// with a = sin φ/φ and b = (1 − cos φ)/φ², φ = |θ|. Exact to rounding for every angle; the series spares the usual small
@@ -44,4 +44,4 @@ private:
     double a_, b_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

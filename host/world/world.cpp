@@ -14,7 +14,7 @@
 
 #include "model/error.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 static_assert(sizeof(dReal) == sizeof(double), "ODE must be the double-precision build");
 
@@ -275,4 +275,4 @@ void World::set_saved(size_t body, const Saved::Body& saved) {
     dBodySetAngularVel(id, saved.angular_velocity[0], saved.angular_velocity[1], saved.angular_velocity[2]);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -9,7 +9,7 @@
 #include "world/body_state.h"
 #include "world/joint_closure.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// ODE behind one owner: rigid bodies on ideal joints, without geometry, no gravity, no damping, no gyroscopic term of its
 /// own (the coupling supplies a centred one), finite rotations. Its step is  v+ = v + h M⁻¹ (f + joints),  x+ = x + h v+, R+
@@ -87,4 +87,4 @@ private:
     std::unique_ptr<JointClosure> closure_;  ///< none without joints
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::host

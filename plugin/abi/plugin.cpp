@@ -13,16 +13,16 @@
 #include "network/network.h"
 
 struct dttmm_instance {
-    dttmm::Network network;
+    dttmm::plugin::Network network;
 };
 
 struct dttmm_modal {
-    dttmm::ModalAnalysis analysis;
+    dttmm::plugin::ModalAnalysis analysis;
 };
 
 namespace {
 
-using dttmm::Error;
+using dttmm::plugin::Error;
 
 /// What is too long is cut between two characters of the UTF-8 text.
 void write_text(dttmm_error* error, int element, const char* text) noexcept {
@@ -61,7 +61,7 @@ dttmm_status create(const dttmm_network* network, dttmm_instance** instance, dtt
     return guard(error, [&] {
         if (network == nullptr || network->nodes == nullptr || network->elements == nullptr)
             throw Error(DTTMM_ERROR_ARGUMENT, "create: no network, or one without nodes or elements");
-        *instance = new dttmm_instance{dttmm::Network(*network)};
+        *instance = new dttmm_instance{dttmm::plugin::Network(*network)};
     });
 }
 
@@ -134,7 +134,7 @@ dttmm_status create_modal(const dttmm_modal_model* model, dttmm_modal** modal, d
     *modal = nullptr;
     return guard(error, [&] {
         if (model == nullptr || model->network == nullptr) throw Error(DTTMM_ERROR_ARGUMENT, "create_modal: no model");
-        *modal = new dttmm_modal{dttmm::ModalAnalysis(*model)};
+        *modal = new dttmm_modal{dttmm::plugin::ModalAnalysis(*model)};
     });
 }
 
@@ -157,7 +157,7 @@ dttmm_status mode_along(dttmm_modal* modal, uint32_t index, uint32_t element, ui
 dttmm_status overall(dttmm_modal* modal, double frequency, dttmm_overall* overall, char* layout, uint32_t size,
                      dttmm_error* error) {
     return guard(error, [&] {
-        const dttmm::OverallTransfer& topology = modal->analysis.topology();
+        const dttmm::plugin::OverallTransfer& topology = modal->analysis.topology();
         if (layout && size > 0) {
             const std::string text = topology.layout();
             const size_t length = std::min(text.size(), static_cast<size_t>(size - 1));
@@ -175,8 +175,8 @@ dttmm_status overall(dttmm_modal* modal, double frequency, dttmm_overall* overal
 dttmm_status respond(dttmm_modal* modal, double frequency, int32_t on_body, int32_t on_node, const double* point,
                      const double* force, double* bodies, double* nodes, dttmm_error* error) {
     return guard(error, [&] {
-        modal->analysis.respond(frequency, on_body, on_node, Eigen::Map<const dttmm::Vector3>(point),
-                                Eigen::Map<const dttmm::Vector6>(force), bodies, nodes);
+        modal->analysis.respond(frequency, on_body, on_node, Eigen::Map<const dttmm::plugin::Vector3>(point),
+                                Eigen::Map<const dttmm::plugin::Vector6>(force), bodies, nodes);
     });
 }
 
@@ -187,8 +187,8 @@ const dttmm_plugin& table() {
         DTTMM_PLUGIN_MINOR,
         "dttmm transfer matrices",
         DTTMM_VERSION,
-        static_cast<uint32_t>(dttmm::element_types().size()),
-        dttmm::element_types().data(),
+        static_cast<uint32_t>(dttmm::plugin::element_types().size()),
+        dttmm::plugin::element_types().data(),
         create,
         destroy,
         linearise,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/discretisation.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 AffineMotion fox_euler(const History& past, double h) { return newmark(past, h, 0.5, 1.0); }
 
@@ -89,4 +89,4 @@ AffineMotion Centred::motion(const Vector6& x_now, const Vector6& x_before, doub
     return step;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -5,7 +5,7 @@
 
 #include "core/types.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// The linearisation of DT-TMM: at the wanted instant every motion obeys two affine relations,
 ///     x'' = A x + B,   x' = C x + D         x: 6×1;  A [1/s²] and C [1/s] are scalars, B and D are known from the past.
@@ -76,4 +76,4 @@ struct Centred {
     AffineMotion motion(const Vector6& x_now, const Vector6& x_before, double h) const;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

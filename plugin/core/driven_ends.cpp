@@ -10,7 +10,7 @@
 #include "core/gauss.h"
 #include "core/state_vector.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 namespace {
 
@@ -79,4 +79,4 @@ EndForces solve_driven_ends(const Matrix13& U, Directions carried) {
     return forces;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -5,7 +5,7 @@
 
 #include "core/types.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// End forces of a transfer equation z_O = U z_I whose two end poses are imposed by the bodies there:
 ///     q = S x + e      x = [x_I θ_I; x_O θ_O] 12×1,  q = [q_I m_I; q_O m_O] 12×1 with the signs of the state vector
@@ -28,4 +28,4 @@ using Directions = std::bitset<6>;
 /// Source: hybrid-algorithm paper, eq. (6).
 EndForces solve_driven_ends(const Matrix13& U, Directions carried);
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -6,7 +6,7 @@
 
 #include "dttmm_plugin.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// A failure inside the plugin: the status that crosses the C interface, its text, and the element it is about (or -1).
 class Error : public std::runtime_error {
@@ -21,4 +21,4 @@ private:
     int element_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

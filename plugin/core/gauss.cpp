@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/gauss.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 namespace {
 using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 12, 12>;
@@ -28,4 +28,4 @@ Elimination eliminate_full_pivot(SmallMatrix A, SmallMatrix B) {
     return {lu.solve(B), lu.rcond(), weakest};
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

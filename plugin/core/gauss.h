@@ -5,7 +5,7 @@
 
 #include "core/types.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// At most 12 unknowns with up to 13 right-hand sides: the end forces of one element. Lives on the stack.
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 12, 13>;
@@ -27,4 +27,4 @@ struct Elimination {
 /// An A that is not finite counts as singular.
 Elimination eliminate_full_pivot(SmallMatrix A, SmallMatrix B);
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -13,7 +13,7 @@
 #define DTTMM_WIDE
 #endif
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// Four numbers side by side: a scalar with which a formula for one thing works out four.
 struct alignas(4 * sizeof(double)) Lanes {
@@ -116,10 +116,10 @@ template <template <class> class Record>
                                       {numbers(0), numbers(1), numbers(2), numbers(3)});
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin
 
 /// Plain numbers: nothing to construct.
 template <>
-struct Eigen::NumTraits<dttmm::Lanes> : Eigen::GenericNumTraits<dttmm::Lanes> {
+struct Eigen::NumTraits<dttmm::plugin::Lanes> : Eigen::GenericNumTraits<dttmm::plugin::Lanes> {
     enum { IsSigned = 1, RequireInitialization = 0 };
 };

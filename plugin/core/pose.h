@@ -3,7 +3,7 @@
 
 #include "core/types.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// A frame in the world: its origin [m] and its axes, v_world = rotation · v_frame.
 struct Pose {
@@ -11,4 +11,4 @@ struct Pose {
     Matrix3 rotation = Matrix3::Identity();
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-namespace dttmm::detail {
+namespace dttmm::plugin::detail {
 
 namespace {
 
@@ -64,4 +64,4 @@ Vector3Of<Lanes> large_moment_of_gradient(const Vector3Of<Lanes>& theta, const V
                                           theta, v);
 }
 
-}  // namespace dttmm::detail
+}  // namespace dttmm::plugin::detail

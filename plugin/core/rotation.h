@@ -7,7 +7,7 @@
 #include "core/lanes.h"
 #include "core/types.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 // Real: double, or Lanes for four at once; of one to the same bits. It is not deduced, so that expressions convert.
 
@@ -145,4 +145,4 @@ template <class Real>
     return v + Real(0.5) * once + detail::half_cotangent(squared) * cross<Real>(theta, once);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

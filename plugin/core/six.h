@@ -3,7 +3,7 @@
 
 #include "core/lanes.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// Six numbers in registers, four and two: a motion or a wrench on its way through a chain. Its products with 6 × 6 matrices
 /// are what a chain's solution consists of; to be used in a function marked DTTMM_WIDE.
@@ -62,4 +62,4 @@ struct Six {
     return {Lanes(head), tail};
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -5,7 +5,7 @@
 
 #include "core/types.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// The state vector of the transfer matrix method, fixed here once for every element:
 ///     z = [x y z  θx θy θz  mx my mz  qx qy qz  1]ᵀ        13×1; m, rad, N m, N
@@ -26,4 +26,4 @@ inline constexpr int kSize = 13;
 /// The six directions of a pose or wrench, as messages name them.
 inline constexpr std::array<const char*, 6> kDirectionNames = {"x", "y", "z", "rx", "ry", "rz"};
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

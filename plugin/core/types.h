@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 template <class Real>
 using Vector3Of = Eigen::Matrix<Real, 3, 1>;
@@ -24,4 +24,4 @@ inline Matrix3 skew(const Vector3& a) {
     return m;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

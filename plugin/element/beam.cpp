@@ -10,7 +10,7 @@
 #include "core/state_vector.h"
 #include "element/parameters.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 namespace {
 
@@ -168,4 +168,4 @@ Parts Rod::discretise(std::span<const Pose> ends) const {
     });
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

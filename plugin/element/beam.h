@@ -5,7 +5,7 @@
 #include "element/element.h"
 #include "element/section.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// A straight uniform beam: axial force, torsion, and bending in both planes by Euler-Bernoulli's or Timoshenko's theory.
 /// Local axes: x from the `from` end to the `to` end, z as near to `up` as can be, which is world z, for a vertical beam
@@ -56,4 +56,4 @@ private:
 /// that is not a number leaves the choice as above.
 Matrix3 beam_axes(const Vector3& from, const Vector3& to, const Vector3& up);
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

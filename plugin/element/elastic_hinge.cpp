@@ -5,7 +5,7 @@
 #include "core/state_vector.h"
 #include "element/parameters.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 namespace {
 
@@ -41,4 +41,4 @@ ElasticHinge::ElasticHinge(std::span<const double, 12> values) {
     }
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -4,7 +4,7 @@
 #include "dttmm_plugin.h"
 #include "element/single_joint.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// A hinge, bearing, guide or clevis: every direction a spring with a damper, rigid, or free. What is not named is rigid.
 /// Its axes are those of the `from` end; the force acts at the `to` end.
@@ -16,4 +16,4 @@ public:
     static const dttmm_element_type kType;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -9,7 +9,7 @@
 #include "element/joint_law.h"
 #include "element/section.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// A rigid mass of an element.
 struct Lump {
@@ -52,4 +52,4 @@ public:
     virtual std::optional<Line> line(std::span<const Pose> /*ends*/) const { return std::nullopt; }
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -3,7 +3,7 @@
 
 #include "core/state_vector.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 Directions JointLaw::elastic() const {
     Directions elastic;
@@ -28,4 +28,4 @@ Matrix13 JointLaw::transfer(const StepCoefficients& step, const Vector6& known) 
     return U;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -5,7 +5,7 @@
 
 #include "core/driven_ends.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// How the wanted instant enters the force law of a joint, whatever the scheme:
 ///     elastic force  weight · K d + (known),   damping force  c (C d + D),   d: the unknown deformation
@@ -35,4 +35,4 @@ struct JointLaw {
     Matrix13 transfer(const StepCoefficients& step, const Vector6& known) const;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -6,7 +6,7 @@
 #include "core/error.h"
 #include "element/parameters.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 namespace {
 
@@ -65,4 +65,4 @@ Parts RigidBody::discretise(std::span<const Pose> ends) const {
     return parts;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -4,7 +4,7 @@
 #include "dttmm_plugin.h"
 #include "element/element.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// A point mass at a node, or at several that it makes one.
 class PointMass : public Element {
@@ -38,4 +38,4 @@ private:
     Matrix3 inertia_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -7,7 +7,7 @@
 
 #include "dttmm_plugin.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// Declarations of parameters, for the tables of the elements. Ranges include their ends, so that the smallest positive
 /// number stands for "more than zero".
@@ -34,4 +34,4 @@ constexpr dttmm_parameter zero_by_default(const char* name, const char* unit, do
     return {name, unit, 1, 0, 0, minimum, kLargest, nullptr, 0, documentation};
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -12,7 +12,7 @@
 #include "element/mass.h"
 #include "element/spring_damper.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 namespace {
 
@@ -61,4 +61,4 @@ std::unique_ptr<const Element> make_element(uint32_t type, const double* values)
     return kMakers[type](values);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

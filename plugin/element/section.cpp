@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "element/parameters.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 double cowper_tube(double nu, double m) {
     const double outer = (1 + m * m) * (1 + m * m);
@@ -176,4 +176,4 @@ Section make_section(std::span<const double, kSectionValueCount> values, BeamThe
     return section;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

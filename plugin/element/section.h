@@ -8,7 +8,7 @@
 #include "dttmm_plugin.h"
 #include "element/parameters.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// Stiffness and inertia of a beam per length, local axes: x along the beam. What the model does not give, and does not
 /// follow from what it gives, is not a number.
@@ -59,4 +59,4 @@ enum class BeamTheory { euler_bernoulli, timoshenko };
 /// Error(DTTMM_ERROR_MODEL) naming the key for what is missing, contradicts itself or cannot be.
 Section make_section(std::span<const double, kSectionValueCount> values, BeamTheory theory);
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

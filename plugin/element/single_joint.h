@@ -3,7 +3,7 @@
 
 #include "element/element.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// An element that is one massless joint in the axes of its `from` end, its force acting at the `to` end.
 class SingleJoint : public Element {
@@ -17,4 +17,4 @@ protected:
     JointLaw law_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

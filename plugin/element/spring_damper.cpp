@@ -3,7 +3,7 @@
 
 #include "element/parameters.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 namespace {
 
@@ -30,4 +30,4 @@ SpringDamper::SpringDamper(std::span<const double, 12> values) {
     }
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

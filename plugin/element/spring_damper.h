@@ -4,7 +4,7 @@
 #include "dttmm_plugin.h"
 #include "element/single_joint.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// A spring and a damper side by side in three translations and three rotations: the joint of the hybrid-algorithm paper,
 /// where one of them stands for a bolt.
@@ -19,4 +19,4 @@ public:
     static const dttmm_element_type kType;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

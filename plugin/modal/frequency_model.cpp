@@ -15,7 +15,7 @@
 #include "core/state_vector.h"
 #include "element/parameters.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 namespace {
 
@@ -841,4 +841,4 @@ Matrix6 bar_mass(const Section& section, double length) {
     return bar;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

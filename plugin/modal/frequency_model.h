@@ -13,7 +13,7 @@
 #include "network/assembly.h"
 #include "network/elimination.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// A machine in small vibrations about its start: frames (bodies of the host, masses and nodes of the network, points along
 /// the lines) that joints and lines join. Its dynamic stiffness at λ = ω²,
@@ -214,4 +214,4 @@ private:
 /// velocity]. Without an inertia of its own it has none about x, as in time.
 Matrix6 bar_mass(const Section& section, double length);
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

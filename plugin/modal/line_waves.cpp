@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "element/parameters.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 namespace {
 
@@ -254,4 +254,4 @@ template void LineWaves::evaluate(int, double, double, Square<double>&, Square<d
 template void LineWaves::evaluate(int, std::complex<double>, std::complex<double>, Square<std::complex<double>>&,
                                   Square<std::complex<double>>*) const;
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

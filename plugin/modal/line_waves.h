@@ -7,7 +7,7 @@
 #include "core/driven_ends.h"
 #include "element/element.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// A uniform element at a frequency, in its local axes. Displacement d = [u; θ] and section force n = [f; m] on the positive
 /// face obey, λ = ω²,
@@ -69,4 +69,4 @@ private:
     std::vector<Group> groups_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 ModalAnalysis::ModalAnalysis(const dttmm_modal_model& model)
     : model_(model), topology_(model_), element_count_(model.network->element_count) {}
@@ -159,4 +159,4 @@ void ModalAnalysis::respond(double frequency, int on_body, int on_node, const Ve
     }
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -10,7 +10,7 @@
 #include "modal/mode_finder.h"
 #include "modal/overall_transfer.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// Small vibrations of a machine, as the C interface asks for them.
 class ModalAnalysis {
@@ -46,4 +46,4 @@ private:
     long at_ = -1;    ///< mode that the model stands at; −1: none
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

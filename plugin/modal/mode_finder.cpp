@@ -10,7 +10,7 @@
 
 #include "core/error.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 namespace {
 
@@ -458,4 +458,4 @@ std::vector<Mode> ModeFinder::finish() {
     return std::move(modes_);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

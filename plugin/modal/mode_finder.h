@@ -5,7 +5,7 @@
 
 #include "modal/frequency_model.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// A natural frequency and its shape.
 struct Mode {
@@ -83,4 +83,4 @@ private:
     uint64_t seed_ = 1;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

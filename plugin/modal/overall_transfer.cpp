@@ -13,7 +13,7 @@
 
 #include "core/state_vector.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 namespace {
 
@@ -386,4 +386,4 @@ std::string OverallTransfer::layout() const {
     return text;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -6,7 +6,7 @@
 
 #include "modal/frequency_model.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// The overall transfer equation of a machine, U_all Z_all = 0, deduced from its topology.
 ///
@@ -103,4 +103,4 @@ private:
     std::vector<int> depth_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

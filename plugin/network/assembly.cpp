@@ -12,7 +12,7 @@
 #include "element/registry.h"
 #include "network/frame.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 namespace {
 
@@ -300,4 +300,4 @@ private:
 
 Assembly assemble(const dttmm_network& description, Waves waves) { return Assembler(description, waves).take(); }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -8,7 +8,7 @@
 #include "dttmm_plugin.h"
 #include "element/element.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// A frame that joints meet at: a body of the host, a point of the ground, or something that moves inside the network, a
 /// mass (its origin then is the centre of mass) or a massless node.
@@ -67,4 +67,4 @@ enum class Waves { lumped, exact };
 /// velocity in a fixed direction, a number that is not finite.
 Assembly assemble(const dttmm_network& description, Waves waves = Waves::lumped);
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -11,7 +11,7 @@
 #include "core/error.h"
 #include "core/six.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 namespace {
 
@@ -544,4 +544,4 @@ void Elimination::substitute(const Pivot& pivot, std::span<Vector6> r, std::span
         g[static_cast<size_t>(general.kept[i])] = z(static_cast<Eigen::Index>(6 + i));
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -8,7 +8,7 @@
 
 #include "core/types.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// A coupling of two unknown frames, or of one with what is known (to = −1), and the number of equations in which the joint
 /// there is rigid.
@@ -177,4 +177,4 @@ private:
     mutable std::vector<Column> columns_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -5,7 +5,7 @@
 
 #include "core/rotation.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 Frame make_frame(const Pose& pose) {
     Frame frame;
@@ -36,4 +36,4 @@ DTTMM_WIDE void move_frames(double h, std::span<const Frame> from, std::span<con
     for (; i < from.size(); ++i) move(from[i], u[i], to[i]);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

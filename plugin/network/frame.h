@@ -8,7 +8,7 @@
 #include "core/types.h"
 #include "dttmm_plugin.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 template <class Real>
 using RowMajor3Of = Eigen::Matrix<Real, 3, 3, Eigen::RowMajor>;
@@ -56,4 +56,4 @@ Frame make_frame(const Pose& pose);
 /// `to` does not overlap `from`.
 void move_frames(double h, std::span<const Frame> from, std::span<const Vector6> u, std::span<Frame> to);
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -15,7 +15,7 @@
 #include "core/state_vector.h"
 #include "network/interior_parts.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 namespace {
 
@@ -574,4 +574,4 @@ void Interior::add_state_parts(std::vector<std::pair<void*, size_t>>& parts) {
     parts.emplace_back(&books_, sizeof books_);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

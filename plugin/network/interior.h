@@ -12,7 +12,7 @@
 #include "network/mechanism.h"
 #include "network/momentum.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// What moves inside a network between its ports: lumps, rigid masses and massless nodes, on the joints between them. For a
 /// given motion of the ports over a step it finds its own,
@@ -410,4 +410,4 @@ private:
     mutable long factorisations_ = 0;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

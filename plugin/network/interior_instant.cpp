@@ -7,7 +7,7 @@
 #include "network/interior.h"
 #include "network/interior_parts.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 void Interior::find_velocities(const Mechanism& mechanism, std::span<const Vector6> mean_wrenches) {
     const double half_step = 0.5 * mechanism.scheme.step_size();
@@ -121,4 +121,4 @@ double Interior::kinetic_energy(const Mechanism& mechanism) const {
     return 0.5 * twice;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

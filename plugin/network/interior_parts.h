@@ -3,7 +3,7 @@
 
 #include "network/mechanism.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// What the sources of Interior share.
 
@@ -43,4 +43,4 @@ Matrix6 rigid_rows(const Vector3& theta, const Matrix6& columns);
 /// The mechanism with its joints where its frames are and nothing moving, at a step size.
 Mechanism at_rest(const Mechanism& mechanism, double step_size);
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -12,7 +12,7 @@
 #include "network/interior.h"
 #include "network/interior_parts.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 namespace {
 
@@ -265,4 +265,4 @@ void Interior::set_elastic(const Mechanism& mechanism) {
     }
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

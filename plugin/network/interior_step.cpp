@@ -13,7 +13,7 @@
 #include "network/interior.h"
 #include "network/interior_parts.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 namespace {
 
@@ -739,4 +739,4 @@ void Interior::take_motion(Mechanism& mechanism) {
     mechanism.frames.swap(trial_);  // the ground is in all three
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "core/rotation.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 Joint::Joint(const JointSpec& spec, const Assembly& assembly)
     : element_(spec.element), from_(spec.from), to_(spec.to), rigid_(spec.law.rigid), law_(spec.law) {
@@ -201,4 +201,4 @@ void Joint::refuse_rotation(double angle) const {
         element_);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

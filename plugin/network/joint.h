@@ -7,7 +7,7 @@
 #include "network/scheme.h"
 #include "network/springs.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// The frames of a joint at an instant.
 struct Ends {
@@ -168,4 +168,4 @@ inline void Joint::add_wrench(const JointForce& force, double* on_from, double* 
     }
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -4,7 +4,7 @@
 #include "core/rotation.h"
 #include "network/frame.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 // Where a joint is, and what its forces are on its frames. Real: double for one, Lanes for four at once.
 
@@ -72,4 +72,4 @@ private:
 };
 using JointSeat = JointSeatOf<double>;
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 namespace {
 
@@ -114,4 +114,4 @@ DTTMM_WIDE void JointsByFour::advance(Mechanism& mechanism, const std::vector<Fr
     }
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -6,7 +6,7 @@
 
 #include "network/mechanism.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// Joints without rigid directions worked out four at a time: what a long chain spends its steps on. The formulas are those
 /// of a single Joint; only rounding differs, where sums run in another order or a four has mixed seats. Holds copies of what
@@ -40,4 +40,4 @@ private:
     std::vector<size_t> others_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

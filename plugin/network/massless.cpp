@@ -8,7 +8,7 @@
 #include "core/rotation.h"
 #include "network/interior_parts.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 namespace {
 
@@ -370,4 +370,4 @@ void MasslessFrames::combine(std::span<Residual> residuals) const {
     }
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

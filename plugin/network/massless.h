@@ -8,7 +8,7 @@
 
 #include "network/mechanism.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// How the massless frames of a network balance. Forces weighted over three instants, as masses feel them, leave a massless
 /// direction free to ring, for w₊ z² + w₀ z + w₋ = (z + 1)²/4 has a double root at −1. Therefore
@@ -143,4 +143,4 @@ private:
     bool has_balances_ = false;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

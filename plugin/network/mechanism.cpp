@@ -3,7 +3,7 @@
 
 #include "core/error.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 Mechanism::Mechanism(const dttmm_network& description)
     : assembly(assemble(description)), scheme(description.scheme, {description.beta, description.gamma}) {
@@ -18,4 +18,4 @@ Mechanism::Mechanism(const dttmm_network& description)
     before = frames;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -7,7 +7,7 @@
 #include "network/joint.h"
 #include "network/scheme.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// The frames and joints of a network with their memory: what its phases work on.
 struct Mechanism {
@@ -55,4 +55,4 @@ inline Twist twist(const dttmm_motion& motion) {
     return {Eigen::Map<const Vector3>(motion.velocity), Eigen::Map<const Vector3>(motion.angular_velocity)};
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -8,7 +8,7 @@
 #include "core/rotation.h"
 #include "core/six.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 namespace {
 
@@ -120,4 +120,4 @@ DTTMM_WIDE void add_changes(std::span<const Vector6> u, std::span<const Vector6>
     }
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

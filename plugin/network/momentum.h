@@ -6,7 +6,7 @@
 
 #include "network/frame.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// What of a frame resists motion; plain numbers. Real: double, or Lanes for four.
 template <class Real>
@@ -53,4 +53,4 @@ void take_step(double h, const Vector3& gravity, std::span<const Inertia> inerti
                std::span<const Vector6> wrenches, std::span<const Vector6> u, std::span<Vector6> momenta,
                std::span<Twist> velocities);
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -13,7 +13,7 @@
 #include "core/error.h"
 #include "core/rotation.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 namespace {
 
@@ -604,4 +604,4 @@ void Network::outputs(double* values) const {
     out[1] = interior_->work(mechanism_);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

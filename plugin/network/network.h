@@ -10,7 +10,7 @@
 #include "network/interior.h"
 #include "network/mechanism.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// A connected set of elements between ports and the ground, solved together at every step. It owns the memory of the time
 /// scheme; the ports' motion comes from the host. Bodies, lumps and nodes may turn as they like, deformations are small:
@@ -131,4 +131,4 @@ private:
     std::vector<dttmm_channel> channels_;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 namespace {
 
@@ -74,4 +74,4 @@ void Scheme::set_step_size(double h) {
     rate_[3] = w[0] + w[1] + w[2];
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -6,7 +6,7 @@
 #include "core/discretisation.h"
 #include "dttmm_plugin.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 /// The time scheme of a network at its present step size: how it weighs the elastic wrenches W of the joints at the end of a
 /// step, at its start and one step before, and increments δ of a deformation,
@@ -44,4 +44,4 @@ private:
     double h_ = 0;
 };
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -7,7 +7,7 @@
 #include "network/joint_kinematics.h"
 #include "network/scheme.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 
 // The force law of a joint. Real: double for one, Lanes for four at once.
 
@@ -180,4 +180,4 @@ template <class Real>
     recall(scheme, damper && scheme.is_implicit() ? pose_now() : next, before, state, damper);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::plugin

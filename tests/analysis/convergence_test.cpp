@@ -9,7 +9,7 @@
 #include <functional>
 #include <utility>
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 constexpr int kRows = 7;
@@ -171,4 +171,4 @@ TEST(Convergence, OneHistoryIsThereAsItIs) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 // Shapes in a plane that turn with the parameters: the angle of curve k is its start plus `a` of the first and `b` of the
@@ -93,4 +93,4 @@ TEST(Curves, ACurveThatIsLeftKeepsItsShape) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -7,7 +7,7 @@
 
 #include "support/models.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 const std::vector<Channel> kChannels = {{"time", "s"},
@@ -83,4 +83,4 @@ TEST(ErrorScale, AWideMotionRaisesTheFloors) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -9,7 +9,7 @@
 #include "model/signal_shapes.h"
 #include "support/models.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using std::numbers::pi;
@@ -81,4 +81,4 @@ TEST(FirstStep, AStepThatIsGivenStays) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -5,7 +5,7 @@
 
 #include <sstream>
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 std::string key(int i) { return "member" + std::to_string(i * 7919 % 1000); }
@@ -92,4 +92,4 @@ TEST(Json, MembersWrittenOneByOneAreTheDump) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

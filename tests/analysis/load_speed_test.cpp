@@ -10,7 +10,7 @@
 #include "model/signal_shapes.h"
 #include "support/models.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using std::numbers::pi;
@@ -120,4 +120,4 @@ TEST(LoadSpeed, TheStepThatIsProposedIsShortEnough) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

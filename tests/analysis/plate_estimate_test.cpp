@@ -15,7 +15,7 @@
 #include "support/exact_linear_system.h"
 #include "support/models.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using test::kCorners;
@@ -216,4 +216,4 @@ TEST(PlateEstimate, ExtrapolationLeavesFourthOrder) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -5,7 +5,7 @@
 
 #include "model/error.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using Values = std::vector<std::string>;
@@ -56,4 +56,4 @@ TEST(SweepPlan, SeveralAxesSpanAGridTheLastFastest) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

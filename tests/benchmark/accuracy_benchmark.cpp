@@ -21,7 +21,7 @@
 #include "benchmark/median.h"
 #include "support/exact_plate.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using Forces = test::PlateForces;
@@ -394,13 +394,13 @@ void compare(const std::string& title, const PlateOnBolts& plate) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host
 
 int main() {
     dInitODE2(0);
     dAllocateODEDataForThread(dAllocateMaskAll);
-    dttmm::compare("Soft bolts (examples/four_bolt_plate, bolt 1 softer by a fifth)", dttmm::test::kSoftBolts);
-    dttmm::compare("Stiff bolts (examples/stiff_bolts)", dttmm::test::kStiffBolts);
+    dttmm::host::compare("Soft bolts (examples/four_bolt_plate, bolt 1 softer by a fifth)", dttmm::test::kSoftBolts);
+    dttmm::host::compare("Stiff bolts (examples/stiff_bolts)", dttmm::test::kStiffBolts);
     dCloseODE();
     return 0;
 }

@@ -16,7 +16,7 @@
 #include "step/simulation.h"
 #include "support/exact_timoshenko.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 constexpr double kStep = 0.25e-3, kForce = 100, kMass = 5, kInertia = 0.01;
@@ -93,7 +93,7 @@ void beam(benchmark::State& state) {
 BENCHMARK(beam)->RangeMultiplier(10)->Range(10, 10000)->UseManualTime()->Iterations(15)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host
 
 int main(int argc, char** argv) {
     dInitODE2(0);

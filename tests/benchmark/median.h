@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Of at least one value; of an even number of them the upper one.
 inline double median(std::vector<double> values) {
@@ -13,4 +13,4 @@ inline double median(std::vector<double> values) {
     return *middle;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -12,7 +12,7 @@
 #include "loader/plugins.h"
 #include "model/read_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -63,6 +63,6 @@ void chain_of(benchmark::State& state) {
 BENCHMARK(chain_of)->Arg(50)->Arg(500)->Arg(5000)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(1);
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host
 
 BENCHMARK_MAIN();

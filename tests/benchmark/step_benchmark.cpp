@@ -16,7 +16,7 @@
 #include "support/exact_chain.h"
 #include "support/models.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 constexpr double kStiffness = 5e5, kDamping = 100, kStep = 1e-3;
@@ -138,7 +138,7 @@ BENCHMARK(stack_implicit)
     ->Unit(benchmark::kMicrosecond);
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host
 
 int main(int argc, char** argv) {
     dInitODE2(0);

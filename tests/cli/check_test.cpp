@@ -8,7 +8,7 @@
 #include "cli/process.h"
 #include "cli/small_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::AllOf;
@@ -112,4 +112,4 @@ TEST(Check, TheStepsOfTheSummaryAreThoseOfTheTable) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

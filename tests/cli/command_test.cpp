@@ -8,7 +8,7 @@
 #include "cli/process.h"
 #include "cli/small_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::AllOf;
@@ -365,4 +365,4 @@ TEST(Command, ChannelsAreListed) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -13,7 +13,7 @@
 #include "analysis/request.h"
 #include "cli/process.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 const fs::path kTree = DTTMM_SOURCE_DIR;
@@ -105,4 +105,4 @@ TEST(Documents, TheFirstModelIsTheExample) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -13,7 +13,7 @@
 
 #include "process.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 /// "options | pointer into summary.json | expected | tolerance | why"; options are those of `run` unless they begin with
@@ -88,4 +88,4 @@ std::vector<std::string> folders() {
 INSTANTIATE_TEST_SUITE_P(All, Examples, ::testing::ValuesIn(folders()), [](const auto& example) { return example.param; });
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

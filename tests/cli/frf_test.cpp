@@ -10,7 +10,7 @@
 
 #include "cli/modes_run.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using Complex = std::complex<double>;
@@ -372,4 +372,4 @@ rotational_stiffness = 100
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

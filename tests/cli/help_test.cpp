@@ -13,7 +13,7 @@
 #include "cli/small_model.h"
 #include "model/keys.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::Contains;
@@ -280,4 +280,4 @@ TEST(SweepTable, OnTheScreenHasThePeaks) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

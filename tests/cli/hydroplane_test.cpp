@@ -7,7 +7,7 @@
 #include "process.h"
 #include "support/hydroplane_determinant.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using test::HydroplaneDeterminant;
@@ -47,4 +47,4 @@ TEST(Hydroplane, HasNotThoseOfEquation10AsPrinted) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

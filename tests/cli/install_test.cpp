@@ -9,7 +9,7 @@
 
 #include "cli/process.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 const char* const kForeignProject = R"(cmake_minimum_required(VERSION 3.25)
@@ -46,4 +46,4 @@ TEST(Install, AMovedTreeRunsAndServesForeignPlugins) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

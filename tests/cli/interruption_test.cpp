@@ -9,7 +9,7 @@
 #include "cli/process.h"
 #include "cli/small_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::HasSubstr;
@@ -210,4 +210,4 @@ TEST_F(Interruption, AStandardOutputThatIsFullIsAFailure) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

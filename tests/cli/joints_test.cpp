@@ -7,7 +7,7 @@
 #include "cli/process.h"
 #include "cli/small_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::AllOf;
@@ -208,4 +208,4 @@ TEST(Joints, ASingularPositionIsNamed) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -9,7 +9,7 @@
 
 #include "cli/process.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 inline std::string modes_model(const std::string& name) { return DTTMM_SOURCE_DIR "/tests/cli/models/" + name + ".toml"; }
 
@@ -46,4 +46,4 @@ inline std::vector<double> sorted(std::vector<double> values) {
     return values;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -14,7 +14,7 @@
 #include "support/finite_elements.h"
 #include "support/hydroplane_finite_elements.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using test::FiniteElements;
@@ -828,4 +828,4 @@ section = {{ EA = 6e7, mass = 2.5 }}
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

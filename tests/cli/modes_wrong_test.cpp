@@ -8,7 +8,7 @@
 #include "cli/modes_run.h"
 #include "cli/small_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::AllOf;
@@ -210,4 +210,4 @@ TEST(ModesWrong, WordsOfTheCommandLine) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

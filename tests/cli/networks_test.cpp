@@ -6,7 +6,7 @@
 
 #include "cli/process.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::HasSubstr;
@@ -307,4 +307,4 @@ material = { E = "210 GPa", poisson = 0.3, density = "7850 kg/m^3" }
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -7,7 +7,7 @@
 
 #include "cli/process.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::AllOf;
@@ -221,4 +221,4 @@ INSTANTIATE_TEST_SUITE_P(Command, WrongNodes, testing::ValuesIn(kNodeFaults),
                          [](const auto& one) { return one.param.name; });
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -24,7 +24,7 @@
 
 extern char** environ;
 
-namespace dttmm {
+namespace dttmm::host {
 
 namespace fs = std::filesystem;
 
@@ -141,4 +141,4 @@ inline std::vector<std::vector<double>> read_history(const fs::path& file) {
     return rows;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

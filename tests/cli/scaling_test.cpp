@@ -6,7 +6,7 @@
 
 #include "cli/process.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 constexpr const char* kScalingHead = "format = \"dttmm/1\"\n[simulation]\nduration = \"3 ms\"\nstep = \"1 ms\"\n";
@@ -73,4 +73,4 @@ TEST(Scaling, APartTakesLittleMemory) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

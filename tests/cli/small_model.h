@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// A valid model that runs in no time: a body on two springs. Tests change one thing in it; the line numbers are theirs.
 inline constexpr const char* kSmallModel = R"(format = "dttmm/1"
@@ -62,4 +62,4 @@ inline std::string faulty_model() {
     return text;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -10,7 +10,7 @@
 #include "cli/process.h"
 #include "cli/small_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::AllOf;
@@ -201,4 +201,4 @@ TEST_F(Sweep, EveryOptionReachesItsCases) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

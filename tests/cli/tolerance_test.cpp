@@ -12,7 +12,7 @@
 #include "cli/process.h"
 #include "cli/small_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::AllOf;
@@ -393,4 +393,4 @@ TEST_F(Tolerance, IsReachedByMasslessNodesBetweenDampers) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -10,7 +10,7 @@
 #include "cli/process.h"
 #include "cli/small_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::AllOf;
@@ -321,4 +321,4 @@ force = {{ type = "step", from = 0, to = {}, start = 0, end = 0.2 }}
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -7,7 +7,7 @@
 #include "cli/process.h"
 #include "cli/small_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::HasSubstr;
@@ -163,4 +163,4 @@ TEST(WrongFile, ThatCannotBeReadIsNoEmptyFile) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -8,7 +8,7 @@
 #include "cli/small_model.h"
 #include "loader/faulty_plugin.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::HasSubstr;
@@ -268,4 +268,4 @@ TEST(Plugin, InOrderRunsToTheEnd) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 /// x = s (t/τ)^p in six directions of different size s, with exact derivatives. A scheme that is exact for it must return
@@ -182,4 +182,4 @@ TEST(Discretisation, GeneralisedAlphaDampsInfiniteFrequencyByRho) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "core/state_vector.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 /// A transfer matrix with the structure of an elastic chain and ugly numbers: static beam-like couplings, a history column.
@@ -97,4 +97,4 @@ TEST(DrivenEnds, NothingCarriedIsNoForce) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

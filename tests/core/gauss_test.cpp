@@ -5,7 +5,7 @@
 
 #include <random>
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 SmallMatrix random_matrix(int rows, int columns, unsigned seed) {
@@ -72,4 +72,4 @@ TEST(Gauss, NonFiniteEntriesAreNotRegular) {
 TEST(Gauss, NoUnknownsIsRegular) { EXPECT_TRUE(eliminate_full_pivot(SmallMatrix(0, 0), SmallMatrix(0, 13)).regular()); }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -10,7 +10,7 @@
 
 #include "core/rotation.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 /// Numbers of four records, all different.
@@ -102,4 +102,4 @@ TEST(Lanes, RotationsOfFourAreThoseOfEach) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 const Vector3 kAxis = Vector3(1, -2, 0.5).normalized();
@@ -60,4 +60,4 @@ TEST(Rotation, RateIsTheDerivativeOfTheVector) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

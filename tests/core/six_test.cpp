@@ -8,7 +8,7 @@
 
 #include "core/types.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 template <class Make>
@@ -62,4 +62,4 @@ TEST_F(SixOfAnySize, AreMultipliedByAMatrixAndItsTranspose) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

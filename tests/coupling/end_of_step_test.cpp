@@ -8,7 +8,7 @@
 #include "step/simulation.h"
 #include "support/models.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 /// Position of the (only) body at t_0 … t_n.
@@ -343,4 +343,4 @@ TEST(EndOfStep, ALinearModelTakesOnePassPerStep) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

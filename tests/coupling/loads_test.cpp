@@ -10,7 +10,7 @@
 #include "support/models.h"
 #include "support/states.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 Signal parabola() {
@@ -133,4 +133,4 @@ TEST(Loads, LoadsOnNodesAreThoseAtTheEndOfTheStep) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

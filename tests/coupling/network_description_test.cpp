@@ -7,7 +7,7 @@
 #include "coupling/networks.h"
 #include "support/chain.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::ElementsAre;
@@ -146,4 +146,4 @@ TEST(Networks, ARefusalNamesThePlaceOfTheElementThatIsBlamed) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

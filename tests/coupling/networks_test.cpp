@@ -8,7 +8,7 @@
 #include "support/models.h"
 #include "support/states.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 /// Two turned bodies with centres of mass off their origins; a spring to the ground, and one between turned markers.
@@ -146,4 +146,4 @@ TEST(Networks, ARefusalNamesTheElementsPlace) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -10,8 +10,10 @@
 #include "support/models.h"
 #include "world/world.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
+
+using plugin::fox_euler, plugin::History, plugin::Vector6;
 
 constexpr double kMass = 50, kStiffness = 5e5 * 4, kDamping = 100 * 4, kStep = 1e-3;  // the seed's bolts under 50 kg
 
@@ -54,4 +56,4 @@ TEST(OwnVelocityMemory, GrowsWithoutBoundUnderOde) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

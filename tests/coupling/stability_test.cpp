@@ -9,7 +9,7 @@
 #include "step/simulation.h"
 #include "support/models.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 FastestMode fastest_of(const Model& model, const Plugins& plugins) {
@@ -308,4 +308,4 @@ TEST(Stability, NothingElasticHasNoFastestMode) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

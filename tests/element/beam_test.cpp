@@ -14,7 +14,7 @@
 #include "support/element_values.h"
 #include "support/exact_timoshenko.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 using test::ExactTimoshenko;
@@ -567,4 +567,4 @@ TEST(Beam, IsTheBeamOfTheBondSpacePaper) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -13,7 +13,7 @@
 #include "element/registry.h"
 #include "support/element_values.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 using test::Given;
@@ -128,4 +128,4 @@ TEST(ElasticHinge, OnlyTheWordIsInfinite) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "core/rotation.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 const std::array<Pose, 3> kNodes = {Pose{{0.3, -0.1, 0.2}, rotation_from_vector({0.4, -0.8, 1.3})},
@@ -76,4 +76,4 @@ TEST(RigidBody, TensorsOfNoMassAreRefused) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -10,7 +10,7 @@
 
 #include "core/error.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 dttmm_status status_of(uint32_t type, const double* values) {
@@ -78,4 +78,4 @@ TEST(Registry, UnknownTypesAndMissingValuesAreRefused) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

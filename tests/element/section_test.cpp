@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "support/element_values.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 using test::Given;
@@ -276,4 +276,4 @@ TEST(Section, RefusalsNameTheKey) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -8,7 +8,7 @@
 #include "core/discretisation.h"
 #include "core/state_vector.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 //                                   stiffness           damping         rotational stiffness  rotational damping
@@ -76,4 +76,4 @@ TEST(SpringDamper, ADirectionWithoutStiffnessOrDampingIsFree) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <string>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// The plugin with this fault, one of those in tests/loader/faulty/faulty.c; "none" is in order.
 inline std::filesystem::path faulty_plugin(const std::string& fault) {
     return std::filesystem::path(DTTMM_FAULTY_PLUGINS) / (fault + ".so");
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

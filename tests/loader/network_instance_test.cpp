@@ -6,7 +6,7 @@
 #include "loader/faulty_plugin.h"
 #include "record/error_matcher.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::AllOf;
@@ -85,4 +85,4 @@ TEST(NetworkInstance, AFailingStepSpeaksThePluginsWords) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -10,7 +10,7 @@
 #include "record/error_matcher.h"
 #include "record/temporary_folder.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 namespace fs = std::filesystem;
@@ -93,4 +93,4 @@ TEST(PluginLibrary, AFileThatEverybodyMayWriteToIsNotRun) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

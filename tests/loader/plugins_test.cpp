@@ -6,7 +6,7 @@
 #include "loader/faulty_plugin.h"
 #include "record/error_matcher.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::HasSubstr;
@@ -41,4 +41,4 @@ TEST(Plugins, ATypeDeclaredTwiceIsRefusedAndBothPluginsAreNamed) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

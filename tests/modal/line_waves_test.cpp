@@ -12,7 +12,7 @@
 
 #include "core/error.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 constexpr double kRigid = std::numeric_limits<double>::infinity();
@@ -322,4 +322,4 @@ TEST(LineWaves, DampingTurnsItsModulus) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -12,7 +12,7 @@
 #include "support/exact_timoshenko.h"
 #include "support/network_model.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 using test::NetworkModel;
@@ -621,4 +621,4 @@ TEST(ModalAnalysis, ARodInALoopIsTheSameInMorePieces) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

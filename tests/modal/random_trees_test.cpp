@@ -5,7 +5,7 @@
 
 #include "modal/random_tree.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 using test::FiniteElements;
@@ -71,4 +71,4 @@ TEST(RandomTrees, HaveTheFrequenciesOfFiniteElements) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

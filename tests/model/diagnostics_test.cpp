@@ -5,7 +5,7 @@
 
 #include "model/test_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 TEST(Diagnostics, ErrorsAreToldInTheOrderOfTheFileOptionsFirst) {
@@ -35,4 +35,4 @@ TEST(Diagnostics, WarningsDoNotThrow) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -6,7 +6,7 @@
 
 #include "model/test_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::ElementsAre;
@@ -79,4 +79,4 @@ TEST(Expression, NamesAreListedOnceWithoutFunctions) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -3,7 +3,7 @@
 
 #include "model/test_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 TEST(Names, LettersOfAnyScriptDigitsUnderscoreAndMinusMakeAName) {
@@ -31,4 +31,4 @@ TEST(Names, NormalFormCMakesEqualWhatLooksEqual) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

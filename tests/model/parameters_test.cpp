@@ -5,7 +5,7 @@
 
 #include "model/test_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::HasSubstr;
@@ -129,4 +129,4 @@ TEST(Parameters, AMinusInANameIsWarnedOf) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

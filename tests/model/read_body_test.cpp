@@ -6,7 +6,7 @@
 
 #include "model/test_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::HasSubstr;
@@ -204,4 +204,4 @@ TEST(ReadBody, DensitiesAndSizesThatNoBodyHasAreToldOf) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -3,7 +3,7 @@
 
 #include "model/test_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::Contains;
@@ -175,4 +175,4 @@ TEST(ReadElement, SuspiciousElementsAreWarnedOf) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -5,7 +5,7 @@
 
 #include "model/test_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::Contains;
@@ -235,4 +235,4 @@ TEST(ReadJoint, AJointTouchesItsBodies) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -3,7 +3,7 @@
 
 #include "model/test_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::HasSubstr;
@@ -76,4 +76,4 @@ TEST(ReadLoad, FaultsNameTheLoadByItsNumber) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

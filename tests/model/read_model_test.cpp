@@ -7,7 +7,7 @@
 
 #include "model/test_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 namespace fs = std::filesystem;
@@ -154,4 +154,4 @@ TEST(ReadModel, UnreadableFilesAreInputErrors) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

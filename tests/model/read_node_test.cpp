@@ -3,7 +3,7 @@
 
 #include "model/test_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::HasSubstr;
@@ -90,4 +90,4 @@ TEST(ReadNode, AJointHoldsNoNode) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -8,7 +8,7 @@
 
 #include "model/test_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::HasSubstr;
@@ -103,4 +103,4 @@ TEST(ReadSignal, ATableFileLiesBesideTheModel) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -3,7 +3,7 @@
 
 #include "model/test_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::Contains;
@@ -186,4 +186,4 @@ TEST(ReadOutput, RowsFallOnStepsAndOnTheEnd) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

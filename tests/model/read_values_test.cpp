@@ -5,7 +5,7 @@
 
 #include "model/test_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::ElementsAre;
@@ -88,4 +88,4 @@ TEST(ReadValues, ElementsAlikeAreToldApartByWhatIsGiven) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -7,7 +7,7 @@
 
 #include "model/test_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::HasSubstr;
@@ -95,4 +95,4 @@ TEST(RigidBody, InertiaMustBelongToADistributionOfMass) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

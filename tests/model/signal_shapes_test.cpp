@@ -26,7 +26,7 @@ std::atomic<long> allocations{0};
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 TEST(Signal, WithoutShapeIsZero) { EXPECT_EQ(Signal().value(3), 0); }
@@ -105,4 +105,4 @@ TEST(Signal, EvaluationNeverAllocates) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -8,7 +8,7 @@
 
 #include "model/test_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 namespace fs = std::filesystem;
@@ -122,4 +122,4 @@ TEST_F(TableFile, IsARegularFileOfReasonableSizeAndName) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -10,7 +10,7 @@
 
 #include "model/read_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// A catalogue of one type, as the real plugin declares it: three stiffnesses and dampings, each optional and spreading; and
 /// of others to test what the first does not have: a required count of two and an upper bound; nested tables, words, whole
@@ -102,4 +102,4 @@ inline std::string simulation_with(const std::string& simulation) {
     return std::string(kStart) + "[simulation]\n" + simulation + kBody;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -5,7 +5,7 @@
 
 #include "model/test_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::HasSubstr;
@@ -117,4 +117,4 @@ TEST(TomlDocument, DamagedFilesAreRefusedOrRead) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <random>
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using namespace std::string_view_literals;
@@ -108,4 +108,4 @@ TEST(TomlText, PlacesCountCharacters) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

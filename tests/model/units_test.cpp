@@ -6,7 +6,7 @@
 
 #include "model/test_model.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::HasSubstr;
@@ -128,4 +128,4 @@ TEST(Units, TheLocaleDoesNotMatter) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 TEST(Wording, QuoteEscapesWhatATerminalWouldActUpon) {
@@ -43,4 +43,4 @@ TEST(Wording, LongListsAreCut) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -12,7 +12,7 @@
 #include "element/registry.h"
 #include "support/element_values.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 using test::Given;
@@ -346,4 +346,4 @@ TEST(Assembly, WrongValuesAreNamed) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -13,7 +13,7 @@
 #include "core/state_vector.h"
 #include "support/count_allocations.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 using Real = long double;
@@ -485,4 +485,4 @@ TEST(Elimination, KeepsTheDigitsThatAProductOfTransferMatricesLoses) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

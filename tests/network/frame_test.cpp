@@ -9,7 +9,7 @@
 
 #include "core/rotation.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 // Oracle: origin and axes by hand, which round by some 1e-16 of 1 m; counts with every remainder by four, one frame among
@@ -38,4 +38,4 @@ TEST(Frame, FramesMoveByTheirVelocities) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

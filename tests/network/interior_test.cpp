@@ -15,7 +15,7 @@
 #include "support/exact_network.h"
 #include "support/network_model.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 using test::NetworkModel;
@@ -1469,4 +1469,4 @@ TEST(Interior, AnExplicitSchemeIsRefused) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

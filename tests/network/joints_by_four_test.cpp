@@ -16,7 +16,7 @@
 #include "core/rotation.h"
 #include "support/network_model.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 using test::NetworkModel;
@@ -183,4 +183,4 @@ TEST(JointsByFour, EveryJointIsTakenOrLeft) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

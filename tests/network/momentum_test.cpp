@@ -10,7 +10,7 @@
 
 #include "core/rotation.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 constexpr double kStepOfMomentum = 3e-4;
@@ -139,4 +139,4 @@ TEST_F(SomeFrames, FollowTheirPorts) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

@@ -11,7 +11,7 @@
 #include "core/error.h"
 #include "core/rotation.h"
 
-namespace dttmm {
+namespace dttmm::plugin {
 namespace {
 
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
@@ -550,4 +550,4 @@ TEST(Network, AnElementWithoutStiffnessCarriesNothing) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::plugin

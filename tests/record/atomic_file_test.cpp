@@ -7,7 +7,7 @@
 #include "record/error_matcher.h"
 #include "record/temporary_folder.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::HasSubstr;
@@ -60,4 +60,4 @@ TEST(PartFile, IsRemovedUnlessPublished) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -6,7 +6,7 @@
 
 #include "record/error_matcher.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::AllOf;
@@ -86,4 +86,4 @@ TEST(CheckChannels, RefusesWhatNoFileCanStore) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

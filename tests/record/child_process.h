@@ -17,7 +17,7 @@
 
 #include "model/error.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// Runs `work` in a process of its own, which ends as the command would: exit code 0, that of an Error, or 99.
 inline pid_t start_child(const std::function<void()>& work) {
@@ -57,4 +57,4 @@ inline void limit_file_size(rlim_t bytes) {
     ::setrlimit(RLIMIT_FSIZE, &limit);
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

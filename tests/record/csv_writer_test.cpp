@@ -35,7 +35,7 @@ extern "C" ssize_t write(int descriptor, const void* data, std::size_t size) {
     return replaced_write ? replaced_write(descriptor, data, size) : real_write(descriptor, data, size);
 }
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::AllOf;
@@ -252,4 +252,4 @@ TEST(CsvWriter, AKilledProcessLeavesWholeRows) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

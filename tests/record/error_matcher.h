@@ -8,7 +8,7 @@
 
 #include "model/error.h"
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// `work` throws an Error with this code whose text matches.
 inline void expect_error(const std::function<void()>& work, ExitCode code, const testing::Matcher<std::string>& text) {
@@ -21,4 +21,4 @@ inline void expect_error(const std::function<void()>& work, ExitCode code, const
     }
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

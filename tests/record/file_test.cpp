@@ -8,7 +8,7 @@
 #include "record/error_matcher.h"
 #include "record/temporary_folder.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::AllOf;
@@ -61,4 +61,4 @@ TEST(File, AFullDeviceIsReported) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

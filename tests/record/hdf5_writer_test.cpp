@@ -11,7 +11,7 @@
 #include "record/error_matcher.h"
 #include "record/temporary_folder.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::AllOf;
@@ -188,4 +188,4 @@ TEST(Hdf5Writer, WritersOfSeveralThreadsTakeTurns) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -11,7 +11,7 @@
 #include <limits>
 #include <thread>
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::AllOf;
@@ -107,4 +107,4 @@ TEST(ProgressBar, DrawsOnNothingElseThanATerminal) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

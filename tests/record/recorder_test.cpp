@@ -27,7 +27,7 @@ std::atomic<long> allocations = 0;
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::AllOf;
@@ -197,4 +197,4 @@ TEST(Recorder, AFullDiskLeavesWholeRowsAndNoFinalFile) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

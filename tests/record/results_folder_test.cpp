@@ -12,7 +12,7 @@
 #include "record/error_matcher.h"
 #include "record/temporary_folder.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 namespace fs = std::filesystem;
@@ -205,4 +205,4 @@ TEST(DefaultResultsPath, IsNamedAfterTheModel) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-namespace dttmm {
+namespace dttmm::host {
 
 /// A fresh folder for one test, removed with its owner.
 class TemporaryFolder {
@@ -43,4 +43,4 @@ inline void write_text(const std::filesystem::path& path, std::string_view text)
     std::ofstream(path, std::ios::binary) << text;
 }
 
-}  // namespace dttmm
+}  // namespace dttmm::host

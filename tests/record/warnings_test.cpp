@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using testing::ElementsAre;
@@ -39,4 +39,4 @@ TEST(Warnings, FiftyArePrintedAndTheRestIsCountedByCode) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

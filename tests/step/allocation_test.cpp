@@ -15,7 +15,7 @@
 
 #ifndef __SANITIZE_ADDRESS__
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 TEST(Allocation, NothingIsAllocatedInTheStepLoop) {
@@ -109,6 +109,6 @@ TEST(Allocation, NothingIsAllocatedInsideANetwork) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host
 
 #endif

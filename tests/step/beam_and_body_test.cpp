@@ -15,7 +15,7 @@
 #include "step/simulation.h"
 #include "support/exact_timoshenko.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 /// A clamped Timoshenko beam with a rigid body at its tip, pushed there by a force F from t = 0 on, from rest, undamped:
@@ -615,4 +615,4 @@ segments = 6
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -14,7 +14,7 @@
 #include "step/simulation.h"
 #include "support/exact_pulses.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using Eigen::MatrixXd;
@@ -151,4 +151,4 @@ TEST(CylinderHead, SlowGasIsSharedAsStaticsHasIt) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -17,7 +17,7 @@
 #include "support/exact_timoshenko.h"
 #include "support/lumped_tube.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using Eigen::MatrixXd;
@@ -161,4 +161,4 @@ TEST(FreeTube, RingsAtItsLumpsFrequencies) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

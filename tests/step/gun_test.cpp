@@ -17,7 +17,7 @@
 #include "support/exact_pulses.h"
 #include "support/lumped_tube.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using Eigen::Matrix2d;
@@ -213,4 +213,4 @@ TEST(Gun, StepAndSegmentsAreFineEnough) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

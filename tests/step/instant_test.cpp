@@ -10,7 +10,7 @@
 
 #include "support/recorded_run.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using Eigen::Vector3d;
@@ -559,4 +559,4 @@ stiffness = [100, 3000, 90000]
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -11,7 +11,7 @@
 #include "support/adaptive_ode.h"
 #include "support/models.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 /// All machines stand askew in space: x, y in the plane of the motion, z the axis of the hinges.
@@ -491,4 +491,4 @@ TEST(Joints, VelocitiesThatOpenAJointAreRefused) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

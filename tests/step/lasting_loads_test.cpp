@@ -7,7 +7,7 @@
 
 #include "support/recorded_run.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using test::RecordedRun;
@@ -181,4 +181,4 @@ material = {{ stiffness_damping = "0.05 s" }}
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -9,7 +9,7 @@
 #include "step/simulation.h"
 #include "support/chain.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 constexpr double kStep = 1e-3;
@@ -172,4 +172,4 @@ TEST(Nodes, AModelWithoutBodiesRuns) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

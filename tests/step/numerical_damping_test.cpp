@@ -10,7 +10,7 @@
 #include "step/simulation.h"
 #include "support/models.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 constexpr double kMass = 3.7, kStepSize = 1.3e-3;
@@ -136,4 +136,4 @@ TEST(NumericalDamping, LeavesTheStaticDeflectionAlone) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

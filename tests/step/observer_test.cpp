@@ -10,7 +10,7 @@
 #include "step/simulation.h"
 #include "support/models.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 /// Runs a model and keeps every row; values by channel name.
@@ -190,4 +190,4 @@ TEST(Observer, TwoJoinedTumblingBodiesAccountForTheirEnergyToSecondOrder) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

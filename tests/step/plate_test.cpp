@@ -12,7 +12,7 @@
 #include "step/simulation.h"
 #include "support/exact_plate.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using Bolts = test::PlateOnBolts;
@@ -129,4 +129,4 @@ TEST(Plate, RunsRepeatToTheBit) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -9,7 +9,7 @@
 
 #include "support/recorded_run.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using Eigen::Vector3d;
@@ -236,4 +236,4 @@ force = { type = "step", from = 0, to = 10000, start = 0, end = 0.1 }
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

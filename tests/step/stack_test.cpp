@@ -11,7 +11,7 @@
 #include "support/exact_chain.h"
 #include "support/models.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 /// Largest error of a plate's position at `end`, as a share of the static stretch of the stack.
@@ -58,4 +58,4 @@ TEST(Stack, OrderOfTheElementsDoesNotMatter) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -5,6 +5,8 @@
 
 namespace dttmm::test {
 
+using namespace host;
+
 inline Body box(const std::string& name, double mass, const Eigen::Vector3d& size, const Eigen::Vector3d& position) {
     Body body;
     body.name = name;

@@ -9,6 +9,8 @@
 
 namespace dttmm::test {
 
+using namespace plugin;
+
 /// The linear motion of a network about its start, exactly: masses and springs assembled here into dense matrices, world
 /// axes, six unknowns per frame inside; massless unknowns either follow at once (no dampers on them) or by their own
 /// first-order equations. Moves by a matrix exponential under a load p (3 s² − 2 s³), s = t/T clipped, on one node; T = 0:

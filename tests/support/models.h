@@ -11,6 +11,8 @@
 
 namespace dttmm::test {
 
+using namespace host;
+
 inline Signal constant(double value) {
     struct Constant : Signal::Shape {
         explicit Constant(double v) : value_(v) {}

@@ -14,6 +14,8 @@
 
 namespace dttmm::test {
 
+using namespace plugin;
+
 /// A network described by names and keys, as a model file does it, and kept alive for the plugin.
 class NetworkModel {
 public:

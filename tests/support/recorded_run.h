@@ -12,6 +12,8 @@
 
 namespace dttmm::test {
 
+using namespace host;
+
 /// A run in memory: its rows of results, channels by name.
 class RecordedRun {
 public:

@@ -8,6 +8,8 @@
 
 namespace dttmm::test {
 
+using namespace host;
+
 /// Where a model's bodies start, as the engine has them.
 inline std::vector<BodyState> start_states(const Model& model) {
     const World world(model.bodies);

@@ -5,7 +5,7 @@
 
 #include <random>
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 // Oracle: the right-hand side that the solution was made from. With and without coupling; factored twice, for what was there
@@ -61,4 +61,4 @@ TEST(BlockFactor, OfNoBodiesHasNothingToSolve) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

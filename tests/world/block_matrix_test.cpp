@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 // Oracle: the same sums in a dense matrix, in the order that index() tells; the pattern is a chain with a loop and a repeat.
@@ -139,4 +139,4 @@ TEST(BlockMatrix, JointsMakeASaddlePointThatFactorsWithoutPivoting) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

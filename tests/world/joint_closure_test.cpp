@@ -10,7 +10,7 @@
 #include "world/rotation_step.h"
 #include "world/world.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 constexpr double kGravity = 9.81;
@@ -141,4 +141,4 @@ TEST(JointClosure, RedundantJointsClose) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -11,7 +11,7 @@
 #include "support/bodies.h"
 #include "world/rotation_step.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 const JointType kTypes[] = {JointType::ball, JointType::hinge, JointType::slider, JointType::universal, JointType::fixed};
@@ -157,4 +157,4 @@ TEST_P(AllJoints, CoordinateFollowsTheFreeMotion) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

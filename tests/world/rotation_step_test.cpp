@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 // Oracle: Eigen's angle-axis rotation, on both sides of the switch from the series (|θ|² < 1e-3) to the functions.
@@ -22,4 +22,4 @@ TEST(RotationStep, IsTheAngleAxisRotation) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

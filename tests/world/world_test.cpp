@@ -9,7 +9,7 @@
 #include "model/error.h"
 #include "support/bodies.h"
 
-namespace dttmm {
+namespace dttmm::host {
 namespace {
 
 using Wrench = Eigen::Matrix<double, 6, 1>;
@@ -159,4 +159,4 @@ TEST(World, RestoredWorldRepeatsItsFutureToTheBit) {
 }
 
 }  // namespace
-}  // namespace dttmm
+}  // namespace dttmm::host

@@ -19,7 +19,7 @@ struct Kind {
 
 Kind kind_of(const Channel& channel, double L) {
     const std::string& unit = channel.unit;
-    if (channel.name.find(".quaternion.") != std::string::npos || unit == "rad") return {"m", L};
+    if (channel.quantity() == "quaternion" || unit == "rad") return {"m", L};
     if (unit == "rad/s") return {"m/s", L};
     if (unit == "rad/s^2") return {"m/s^2", L};
     if (unit == "N*m") return {"N", 1 / L};

@@ -120,10 +120,9 @@ Model start_stable(Model model, const Plugins& plugins, Warnings& warnings) {
 std::map<std::string, int> find_largest_directions(const Recorder& recorder) {
     std::map<std::string, int> largest;
     for (int c = 1; c < static_cast<int>(recorder.channels().size()); ++c) {
-        const std::string& name = recorder.channels()[static_cast<size_t>(c)].name;
-        const std::string quantity = name.substr(0, name.rfind('.'));
-        if (!quantity.ends_with(".force") && !quantity.ends_with(".moment")) continue;
-        const auto [entry, is_new] = largest.emplace(quantity, c);
+        const Channel& channel = recorder.channels()[static_cast<size_t>(c)];
+        if (channel.quantity() != "force" && channel.quantity() != "moment") continue;
+        const auto [entry, is_new] = largest.emplace(std::string(channel.without_axis()), c);
         if (!is_new && recorder.statistics(c).peak > recorder.statistics(entry->second).peak) entry->second = c;
     }
     return largest;
@@ -172,12 +171,14 @@ struct Ledger {
     double rounding = 0;                                     ///< below this the ledger tells nothing [J]
 };
 
+/// Of an element or joint, or of a section of one.
+bool is_force(const Channel& channel) { return channel.quantity().ends_with("force"); }
+
 /// Largest force of the elements and joints recorded [N].
 double find_largest_force(const Recorder& recorder) {
     double largest = 0;
     for (size_t c = 1; c < recorder.channels().size(); ++c)
-        if (recorder.channels()[c].name.find(".force.") != std::string::npos)
-            largest = std::max(largest, recorder.statistics(static_cast<int>(c)).peak);
+        if (is_force(recorder.channels()[c])) largest = std::max(largest, recorder.statistics(static_cast<int>(c)).peak);
     return largest;
 }
 
@@ -194,13 +195,14 @@ Ledger read_ledger(const Recorder& recorder, const Model& model, double step) {
     // What a joint holds moves by rounding alone: 1e-12 m
     ledger.rounding += 1e-12 * find_largest_force(recorder);
     for (size_t c = 0; c < recorder.channels().size(); ++c) {
-        const std::string& name = recorder.channels()[c].name;
+        const Channel& channel = recorder.channels()[c];
+        if (channel.of != Channel::Of::energy) continue;
         const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
-        if (name == "energy.residual") {
+        if (channel.quantity() == "residual") {
             ledger.residual = statistics.peak;
             ledger.most = statistics.maximum;
             ledger.residual_at_the_end = statistics.final;
-        } else if (name.starts_with("energy.")) {
+        } else {
             ledger.turned_over = std::max(ledger.turned_over, statistics.peak);
         }
     }
@@ -271,10 +273,9 @@ void warn_ripple(const Recorder& recorder, const Model& model, Warnings& warning
     };
     std::unordered_map<std::string_view, Force> forces;  // by element
     for (size_t c = 1; c < recorder.channels().size(); ++c) {
-        const std::string_view name = recorder.channels()[c].name;
-        const size_t quantity = name.rfind(".force.");
-        if (quantity == name.npos) continue;
-        Force& force = forces[name.substr(0, quantity)];
+        const Channel& channel = recorder.channels()[c];
+        if (channel.of != Channel::Of::element || channel.quantity() != "force") continue;
+        Force& force = forces[channel.owner()];
         const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
         force = {std::max(force.peak, statistics.peak), std::max(force.ripple, statistics.ripple)};
     }

@@ -87,19 +87,7 @@ Json describe_statistics(const ChannelStatistics& statistics) {
     return {{"peak", statistics.peak}, {"peak_time", statistics.peak_time}, {"final", statistics.final}};
 }
 
-/// A channel "<owner>.<quantity>.<axis>" taken apart; views into its name.
-struct ChannelName {
-    std::string_view owner, quantity, axis;
-};
-
-std::optional<ChannelName> take_apart(std::string_view name) {
-    const size_t axis = name.rfind('.');
-    const size_t quantity = axis == name.npos || axis == 0 ? name.npos : name.rfind('.', axis - 1);
-    if (quantity == name.npos) return std::nullopt;
-    return ChannelName{name.substr(0, quantity), name.substr(quantity + 1, axis - quantity - 1), name.substr(axis + 1)};
-}
-
-using Wanted = std::function<bool(const ChannelName&)>;
+using Wanted = std::function<bool(const Channel&)>;
 
 /// Peak, time of peak and final value of the channels wanted, as owner → quantity → axis. tell(owner, its quantities) is
 /// called for every owner: all of them together may be too large for the memory.
@@ -108,20 +96,20 @@ void describe_channels(const Recorder& recorder, const Wanted& wanted, const Tel
     std::vector<std::vector<size_t>> channels_of;  // by owner
     std::unordered_map<std::string_view, size_t> index_of;
     for (size_t c = 1; c < recorder.channels().size(); ++c) {
-        const auto name = take_apart(recorder.channels()[c].name);
-        if (!name || !wanted(*name)) continue;
-        const size_t index = index_of.try_emplace(name->owner, channels_of.size()).first->second;
+        const Channel& channel = recorder.channels()[c];
+        if (channel.axis().empty() || !wanted(channel)) continue;
+        const size_t index = index_of.try_emplace(channel.owner(), channels_of.size()).first->second;
         if (index == channels_of.size()) channels_of.emplace_back();
         channels_of[index].push_back(c);
     }
     for (const std::vector<size_t>& channels : channels_of) {
         Json quantities;
         for (size_t c : channels) {
-            const auto name = take_apart(recorder.channels()[c].name);
-            quantities[std::string(name->quantity)][std::string(name->axis)] =
+            const Channel& channel = recorder.channels()[c];
+            quantities[std::string(channel.quantity())][std::string(channel.axis())] =
                 describe_statistics(recorder.statistics(static_cast<int>(c)));
         }
-        tell(take_apart(recorder.channels()[channels.front()].name)->owner, std::move(quantities));
+        tell(recorder.channels()[channels.front()].owner(), std::move(quantities));
     }
 }
 
@@ -132,26 +120,23 @@ void write_channels(JsonWriter& out, const char* section, const Recorder& record
     });
 }
 
-/// Whether a channel is a force or moment of one of `things`.
-Wanted is_force_of(const auto& things) {
-    std::unordered_set<std::string_view> names;
-    for (const auto& thing : things) names.insert(thing.name);
-    return [names = std::move(names)](const ChannelName& name) {
-        return (name.quantity == "force" || name.quantity == "moment") && names.contains(name.owner);
+/// Whether a channel is a force or moment of an element, or of a joint.
+Wanted is_force_of(Channel::Of of) {
+    return [of](const Channel& channel) {
+        return channel.of == of && (channel.quantity() == "force" || channel.quantity() == "moment");
     };
 }
 
 /// Forces and moments of the joints, with the angle or travel of each that has one.
-Json describe_joints(const Recorder& recorder, const Model& model) {
+Json describe_joints(const Recorder& recorder) {
     Json joints = Json::object();
-    describe_channels(recorder, is_force_of(model.joints),
+    describe_channels(recorder, is_force_of(Channel::Of::joint),
                       [&](std::string_view owner, Json quantities) { joints[std::string(owner)] = std::move(quantities); });
     for (size_t c = 1; c < recorder.channels().size(); ++c) {
-        const std::string& name = recorder.channels()[c].name;
-        const size_t dot = name.rfind('.');
-        const std::string owner = name.substr(0, dot), quantity = name.substr(std::min(dot, name.size() - 1) + 1);
-        if (!joints.contains(owner) || (quantity != "angle" && quantity != "travel")) continue;
-        joints[owner][quantity] = describe_statistics(recorder.statistics(static_cast<int>(c)));
+        const Channel& channel = recorder.channels()[c];
+        if (channel.of != Channel::Of::joint || !channel.axis().empty()) continue;
+        joints[std::string(channel.owner())][std::string(channel.quantity())] =
+            describe_statistics(recorder.statistics(static_cast<int>(c)));
     }
     return joints;
 }
@@ -182,11 +167,10 @@ Json describe_tolerance(const Halving& halving) {
 Json describe_energy(const Recorder& recorder) {
     Json energy = Json::object();
     for (size_t c = 1; c < recorder.channels().size(); ++c) {
-        constexpr std::string_view kPrefix = "energy.";
-        const std::string& name = recorder.channels()[c].name;
-        if (!name.starts_with(kPrefix)) continue;
+        const Channel& channel = recorder.channels()[c];
+        if (channel.of != Channel::Of::energy) continue;
         const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
-        energy[name.substr(kPrefix.size())] = {{"peak", statistics.peak}, {"final", statistics.final}};
+        energy[std::string(channel.quantity())] = {{"peak", statistics.peak}, {"final", statistics.final}};
     }
     return energy;
 }
@@ -325,10 +309,11 @@ void write_run(JsonWriter& out, const Model& model, const Request& request, cons
                                      {"elements", describe_shares(simulation.fastest_mode())},
                                      {"explicit_limit", describe_limit(simulation)}});
     out.member("energy", describe_energy(recorder));
-    write_channels(out, "elements", recorder, is_force_of(model.elements));
-    out.member("joints", describe_joints(recorder, model));
-    write_channels(out, "positions", recorder, [](const ChannelName& name) { return name.quantity == "position"; });
-    write_channels(out, "accelerations", recorder, [](const ChannelName& name) { return name.quantity == "acceleration"; });
+    write_channels(out, "elements", recorder, is_force_of(Channel::Of::element));
+    out.member("joints", describe_joints(recorder));
+    write_channels(out, "positions", recorder, [](const Channel& channel) { return channel.quantity() == "position"; });
+    write_channels(out, "accelerations", recorder,
+                   [](const Channel& channel) { return channel.quantity() == "acceleration"; });
     out.member("inputs", describe_inputs(model, request));
     write_model(out, model, plugins.catalogue());
     if (halving) out.member("tolerance", describe_tolerance(*halving));

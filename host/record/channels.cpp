@@ -68,7 +68,9 @@ std::string nearest(const std::vector<Channel>& all, const std::string& pattern)
 std::string list_available(const std::vector<Channel>& all) {
     std::vector<std::string> groups;
     for (const Channel& channel : all) {
-        std::string group = channel.name.substr(0, channel.name.rfind('.'));
+        std::string group(channel.of == Channel::Of::nothing ? channel.name
+                          : channel.axis().empty()           ? channel.owner()
+                                                             : channel.without_axis());
         if (std::find(groups.rbegin(), groups.rend(), group) == groups.rend()) groups.push_back(std::move(group));
     }
     const std::size_t shown = std::min(groups.size(), kShownGroups);
@@ -120,6 +122,15 @@ std::vector<int> select_channels(const std::vector<Channel>& all, const std::vec
     for (std::size_t i = 0; i < all.size(); ++i)
         if (selected[i]) indices.push_back(static_cast<int>(i));
     return indices;
+}
+
+Channel make_channel(Channel::Of of, std::string_view owner, std::string_view quantity, std::string_view axis,
+                     std::string unit, bool by_default) {
+    Channel channel{fmt::format("{}.{}", owner, quantity), std::move(unit), by_default, of};
+    channel.owner_size = static_cast<uint32_t>(owner.size());
+    channel.before_axis = static_cast<uint32_t>(channel.name.size());
+    if (!axis.empty()) channel.name.append(".").append(axis);
+    return channel;
 }
 
 }  // namespace dttmm::host

@@ -15,6 +15,8 @@ namespace dttmm::host {
 
 namespace {
 
+using Of = Channel::Of;
+
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
 double* write(double* out, const Eigen::Vector3d& v) {
@@ -42,6 +44,15 @@ std::set<std::pair<int, int>> used_markers(const Model& model) {
     return used;
 }
 
+/// As a plugin declares it: "force.x", "section3.force.x", "pull_to_limit".
+Channel channel_of(const NetworkInstance& instance, const dttmm_channel& declared) {
+    const std::string_view name = declared.name;
+    const size_t dot = std::min(name.rfind('.'), name.size());
+    return make_channel(declared.of == DTTMM_OF_ELEMENT ? Of::element : Of::node, instance.owner_of(declared),
+                        name.substr(0, dot), name.substr(std::min(dot + 1, name.size())), declared.unit,
+                        declared.role == DTTMM_ROLE_RESULT);
+}
+
 /// An element may be called like a node as long as their channels differ.
 [[noreturn]] void refuse_shared_name(const Model& model, const std::string& name, const char* channel) {
     const auto is_called = [&](const auto& thing) { return thing.name == name; };
@@ -59,7 +70,7 @@ Observer::Observer(const Model& model, const Networks& networks, const EndOfStep
     : bodies_(model.bodies), gravity_(model.simulation.gravity) {
     // What markers and joints add is little; a machine of many elements has millions of channels
     channels_.reserve(1 + networks.output_count() + 16 * bodies_.size());
-    add_channel("time", "s");
+    channels_.push_back({"time", "s"});
     declare_networks(model, networks);
     declare_joints(model, end_of_step.joints());
     declare_bodies(model);
@@ -68,12 +79,9 @@ Observer::Observer(const Model& model, const Networks& networks, const EndOfStep
     outputs_.resize(networks.output_count());
 }
 
-void Observer::add_channel(std::string name, const char* unit, bool by_default) {
-    channels_.push_back({std::move(name), unit, by_default});
-}
-
-void Observer::add_vector(const std::string& name, const char* unit, bool by_default) {
-    for (const char* axis : kAxes) add_channel(name + "." + axis, unit, by_default);
+void Observer::add_vector(Channel::Of of, const std::string& owner, const char* quantity, const char* unit,
+                          bool by_default) {
+    for (const char* axis : kAxes) channels_.push_back(make_channel(of, owner, quantity, axis, unit, by_default));
 }
 
 void Observer::declare_networks(const Model& model, const Networks& networks) {
@@ -85,8 +93,7 @@ void Observer::declare_networks(const Model& model, const Networks& networks) {
             roles_.push_back(channel.role);
             if (channel.role >= DTTMM_ROLE_STRAIN_ENERGY && channel.role <= DTTMM_ROLE_WORK) continue;
             if (channel.role == DTTMM_ROLE_LIMIT) limits_.push_back({channels_.size(), instance.owner_of(channel)});
-            add_channel(fmt::format("{}.{}", instance.owner_of(channel), channel.name), channel.unit,
-                        channel.role == DTTMM_ROLE_RESULT);
+            channels_.push_back(channel_of(instance, channel));
             if (!names.insert(channels_.back().name).second)
                 refuse_shared_name(model, instance.owner_of(channel), channel.name);
         }
@@ -96,14 +103,14 @@ void Observer::declare_networks(const Model& model, const Networks& networks) {
 void Observer::declare_joints(const Model& model, const std::vector<JointEquations>& joints) {
     for (size_t j = 0; j < model.joints.size(); ++j) {
         const std::string& name = model.joints[j].name;
-        add_vector(name + ".force", "N");
-        add_vector(name + ".moment", "N*m");
+        add_vector(Of::joint, name, "force", "N");
+        add_vector(Of::joint, name, "moment", "N*m");
         const JointEquations& equations = joints[j];
         if (!equations.has_coordinate()) continue;
         if (equations.turns())
-            add_channel(name + ".angle", "rad");
+            channels_.push_back(make_channel(Of::joint, name, "angle", "", "rad"));
         else
-            add_channel(name + ".travel", "m");
+            channels_.push_back(make_channel(Of::joint, name, "travel", "", "m"));
     }
 }
 
@@ -111,25 +118,27 @@ void Observer::declare_bodies(const Model& model) {
     const auto used = used_markers(model);
     for (size_t b = 0; b < bodies_.size(); ++b) {
         const std::string& name = bodies_[b].name;
-        add_vector(name + ".position", "m");
-        add_vector(name + ".velocity", "m/s");
-        add_vector(name + ".acceleration", "m/s^2");
-        add_vector(name + ".angular_velocity", "rad/s");
-        for (const char* part : {"w", "x", "y", "z"}) add_channel(name + ".quaternion." + part, "1");
+        add_vector(Of::body, name, "position", "m");
+        add_vector(Of::body, name, "velocity", "m/s");
+        add_vector(Of::body, name, "acceleration", "m/s^2");
+        add_vector(Of::body, name, "angular_velocity", "rad/s");
+        for (const char* part : {"w", "x", "y", "z"})
+            channels_.push_back(make_channel(Of::body, name, "quaternion", part, "1"));
         for (size_t m = 0; m < bodies_[b].markers.size(); ++m) {
             const Marker& marker = bodies_[b].markers[m];
             const std::string point = name + "." + marker.name;
             markers_.push_back({b, marker.position - bodies_[b].center_of_mass});
-            add_vector(point + ".acceleration", "m/s^2", used.contains({static_cast<int>(b), static_cast<int>(m)}));
-            add_vector(point + ".position", "m", false);
-            add_vector(point + ".velocity", "m/s", false);
+            add_vector(Of::marker, point, "acceleration", "m/s^2",
+                       used.contains({static_cast<int>(b), static_cast<int>(m)}));
+            add_vector(Of::marker, point, "position", "m", false);
+            add_vector(Of::marker, point, "velocity", "m/s", false);
         }
     }
 }
 
 void Observer::declare_energies() {
     for (const char* part : {"kinetic", "strain", "dissipated", "work", "residual"})
-        add_channel(fmt::format("energy.{}", part), "J");
+        channels_.push_back(make_channel(Of::energy, "energy", part, "", "J"));
 }
 
 void Observer::advance(const Loads& loads, const EndOfStep& end_of_step, const std::vector<BodyState>& before,

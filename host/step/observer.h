@@ -62,8 +62,8 @@ private:
         double kinetic = 0, strain = 0, dissipated = 0, work = 0;
     };
 
-    void add_channel(std::string name, const char* unit, bool by_default = true);
-    void add_vector(const std::string& name, const char* unit, bool by_default = true);
+    void add_vector(Channel::Of of, const std::string& owner, const char* quantity, const char* unit,
+                    bool by_default = true);
     void declare_networks(const Model& model, const Networks& networks);
     void declare_joints(const Model& model, const std::vector<JointEquations>& joints);
     void declare_bodies(const Model& model);

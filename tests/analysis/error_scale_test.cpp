@@ -19,7 +19,7 @@ const std::vector<Channel> kChannels = {{"time", "s"},
                                         {"plate.velocity.z", "m/s"},
                                         {"plate.acceleration.z", "m/s^2"},
                                         {"plate.angular_velocity.x", "rad/s"},
-                                        {"plate.quaternion.x", "1"},
+                                        make_channel(Channel::Of::body, "plate", "quaternion", "x", "1"),
                                         {"other.slip", "1"},
                                         {"energy.kinetic", "J"},
                                         {"energy.residual", "J"}};

@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "analysis/channel_list.h"
+#include "analysis/check.h"
 #include "analysis/help.h"
 #include "analysis/modes.h"
 #include "analysis/run.h"

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/run_warnings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <unordered_map>
+
+#include "coupling/stability.h"
+
+namespace dttmm::host {
+
+namespace {
+
+/// The energy ledger of a run, as far as its rows tell.
+struct Ledger {
+    double turned_over = 0;                                  ///< largest of its items [J]
+    double residual = 0, most = 0, residual_at_the_end = 0;  ///< largest magnitude, largest, last [J]
+    double rounding = 0;                                     ///< below this the ledger tells nothing [J]
+};
+
+/// Of an element or joint, or of a section of one.
+bool is_force(const Channel& channel) { return channel.quantity().ends_with("force"); }
+
+/// Largest force of the elements and joints recorded [N].
+double find_largest_force(const Recorder& recorder) {
+    double largest = 0;
+    for (size_t c = 1; c < recorder.channels().size(); ++c)
+        if (is_force(recorder.channels()[c])) largest = std::max(largest, recorder.statistics(static_cast<int>(c)).peak);
+    return largest;
+}
+
+Ledger read_ledger(const Recorder& recorder, const Model& model, double step) {
+    Ledger ledger;
+    for (const Body& body : model.bodies) {
+        const double size = 1 + body.position.norm(), speed = 1e-11 * size / step;  // m, and rounding of it over a step
+        ledger.rounding += body.mass * (1e-12 * model.simulation.gravity.norm() * size + speed * speed);
+    }
+    for (const Node& node : model.nodes) {  // its mass is the plugin's: one kilogram stands for it
+        const double size = 1 + node.position.norm(), speed = 1e-11 * size / step;
+        ledger.rounding += 1e-12 * model.simulation.gravity.norm() * size + speed * speed;
+    }
+    // What a joint holds moves by rounding alone: 1e-12 m
+    ledger.rounding += 1e-12 * find_largest_force(recorder);
+    for (size_t c = 0; c < recorder.channels().size(); ++c) {
+        const Channel& channel = recorder.channels()[c];
+        if (channel.of != Channel::Of::energy) continue;
+        const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
+        if (channel.quantity() == "residual") {
+            ledger.residual = statistics.peak;
+            ledger.most = statistics.maximum;
+            ledger.residual_at_the_end = statistics.final;
+        } else {
+            ledger.turned_over = std::max(ledger.turned_over, statistics.peak);
+        }
+    }
+    return ledger;
+}
+
+/// Why a run made or lost energy. A vibration that the step does not resolve appears as one of about pi − 4/(omega h) rad
+/// per step; a body that turns by 4/(omega h) per step, give or take, can feed it, however slow that is.
+std::string describe_energy_fault(const Model& model, const Simulation& simulation, const std::vector<FastLoad>& fast) {
+    if (simulation.explicit_limit() && simulation.explicit_limit()->load > 0.8 * kExplicitLimit)
+        return fmt::format("near the limit of the explicit coupling or beyond it, {}", simulation.describe_speed());
+    if (!fast.empty())
+        return fmt::format("the load at {} is too fast for the step of {:g} s; use --step \"{:.12g} s\"",
+                           model.loads[fast.front().index].place, simulation.step_size(), fast.front().step);
+    const double step = simulation.step_size(), omega_h = simulation.fastest_mode().omega * step;
+    if (omega_h == 0)
+        return fmt::format(
+            "the step of {:g} s is too long for what vibrates inside the networks; try a shorter one, or a "
+            "spectral_radius of 0.9",
+            step);
+    const Turning turning = simulation.fastest_turning();
+    if (turning.per_step > 0.1 || turning.per_step * omega_h > 2) {
+        const double longest = step * std::min(0.05 / turning.per_step, 1 / std::sqrt(turning.per_step * omega_h));
+        return fmt::format("body \"{}\" turns {:.3g} rad per step on elements of {}; try --step \"{:.12g} s\"{}",
+                           turning.body, turning.per_step, simulation.describe_speed(), divide_step(step, longest),
+                           simulation.explicit_limit() ? "" : ", or a spectral_radius of 0.9");
+    }
+    if (!model.nodes.empty())
+        return fmt::format(
+            "the step of {:g} s is too long for the fastest vibration, of the bodies ({}) or inside the "
+            "networks; try a shorter one, or a spectral_radius of 0.9",
+            step, simulation.describe_speed());
+    return fmt::format("the step of {:g} s is too long for the fastest vibration, {}", step, simulation.describe_speed());
+}
+
+/// What the ledger cannot account for was made or lost by the integration itself. Numerical damping loses it on request.
+void warn_energy(const Recorder& recorder, const Model& model, const Simulation& simulation,
+                 const std::vector<FastLoad>& fast, Warnings& warnings) {
+    const Ledger ledger = read_ledger(recorder, model, simulation.step_size());
+    const bool is_damped = model.simulation.coupling == Coupling::implicit && model.simulation.spectral_radius < 1;
+    if (is_damped && ledger.residual_at_the_end < 0 && ledger.most <= 0.1 * ledger.turned_over) {
+        const double taken = -ledger.residual_at_the_end;
+        if (taken > 0.01 * ledger.turned_over)
+            warnings.note(
+                "numerical-damping",
+                fmt::format("numerical damping (spectral_radius = {:g}) took {:.3g} J, {:.2g} % of the {:.3g} J turned over",
+                            model.simulation.spectral_radius, taken, 100 * taken / ledger.turned_over, ledger.turned_over));
+        return;
+    }
+    // In the row of an impact on a stop the ledger stands between before and after, up to a quarter of what was lost below
+    const bool has_stops = std::ranges::any_of(model.joints, [](const Joint& joint) { return joint.limits.has_value(); });
+    const double residual = has_stops ? std::max(ledger.most, std::abs(ledger.residual_at_the_end)) : ledger.residual;
+    if (residual > 0.1 * ledger.turned_over && residual > ledger.rounding)
+        warnings.add("energy-balance",
+                     fmt::format("the energy balance leaves {:.3g} J unaccounted for, of {:.3g} J at most: {}", residual,
+                                 ledger.turned_over, describe_energy_fault(model, simulation, fast)));
+}
+
+/// The force of an element that goes up and down from step to step: a vibration faster than the step. Only rows of every
+/// step show it. The energy balance does not: a stiff element holds next to no energy.
+void warn_ripple(const Recorder& recorder, const Model& model, Warnings& warnings) {
+    if (model.output.every != 1) return;
+    constexpr double kTolerated = 0.1;  // of the element's largest force
+    // Beside the largest force of the machine this is rounding: it moves what is held by 1e-16 of its size
+    const double rounding = 1e-8 * find_largest_force(recorder);
+    struct Force {
+        double peak = 0, ripple = 0;  // largest of its directions [N]
+    };
+    std::unordered_map<std::string_view, Force> forces;  // by element
+    for (size_t c = 1; c < recorder.channels().size(); ++c) {
+        const Channel& channel = recorder.channels()[c];
+        if (channel.of != Channel::Of::element || channel.quantity() != "force") continue;
+        Force& force = forces[channel.owner()];
+        const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
+        force = {std::max(force.peak, statistics.peak), std::max(force.ripple, statistics.ripple)};
+    }
+    double worst = kTolerated;
+    std::string warning;
+    for (const Element& element : model.elements) {
+        const auto [peak, ripple] = forces[element.name];
+        if (ripple <= worst * peak || ripple <= rounding) continue;
+        worst = ripple / peak;
+        warning = fmt::format(
+            "the force of element \"{}\" alternates from step to step by {:.3g} N and is {:.3g} N at most: a "
+            "vibration that the step of {:g} s does not follow. It rings for ever unless something damps it, and its peaks "
+            "are not those of the machine; try a shorter step{}",
+            element.name, ripple, peak, model.simulation.step,
+            model.simulation.coupling == Coupling::implicit ? ", damping of the element, or a spectral_radius of 0.9"
+                                                            : " or damping of the element");
+    }
+    if (!warning.empty()) warnings.add("alternating-force", warning);
+}
+
+/// Elements beyond what their laws hold for.
+void warn_limits(const Simulation& simulation, Warnings& warnings) {
+    for (const Limit& limit : simulation.limits()) {
+        if (limit.most <= 1) continue;
+        const Channel& channel = simulation.channels()[limit.channel];
+        warnings.add("beyond-limit",
+                     fmt::format("\"{}\" is {:.3g} at t = {:g} s: beyond 1 the law of element \"{}\" does not hold and its "
+                                 "results are wrong; \"dttmm elements\" says what limits it",
+                                 channel.name, limit.most, limit.time, limit.element));
+    }
+}
+
+/// A run to a tolerance that could not begin where it was told to.
+void warn_skipped(const Halving& halving, Warnings& warnings) {
+    if (halving.first_step() != halving.asked_step())
+        warnings.note("shorter-first-step",
+                      fmt::format("the motion was not found at a step of {:g} s; it begins with {:g} s",
+                                  halving.asked_step(), halving.first_step()));
+}
+
+/// A tolerance reached at a step that misses the fastest vibrations holds for what the step sees.
+void warn_unresolved(const Halving& halving, Warnings& warnings) {
+    const Simulation& simulation = halving.simulation();
+    const double omega_h = simulation.fastest_mode().omega * simulation.step_size();
+    if (halving.reached() && omega_h > kUnresolved)
+        warnings.add("unresolved-vibration",
+                     fmt::format("omega*h = {:.3g} at the step used: vibrations near {:.4g} Hz are not followed, and their "
+                                 "part in the error is only allowed for",
+                                 omega_h, simulation.fastest_mode().omega / (2 * M_PI)));
+}
+
+}  // namespace
+
+void warn_of_run(Session& session, const Simulation& simulation, const Recorder& recorder) {
+    Warnings& warnings = session.warnings;
+    if (session.halving) session.look_at_loads(simulation);
+    warn_energy(recorder, session.model, simulation, session.fast_loads, warnings);
+    warn_limits(simulation, warnings);
+    if (!session.halving) return warn_ripple(recorder, session.model, warnings);
+    warn_skipped(*session.halving, warnings);
+    warn_unresolved(*session.halving, warnings);
+}
+
+}  // namespace dttmm::host

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/session.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include "analysis/first_step.h"
+#include "coupling/stability.h"
+#include "model/diagnostics.h"
+#include "model/read_simulation.h"
+
+namespace dttmm::host {
+
+namespace {
+
+/// Whether an element has a damper: a parameter called so that is not zero.
+bool is_damped(const Element& element, const dttmm_element_type& type) {
+    auto value = element.values.begin();
+    for (uint32_t p = 0; p < type.parameter_count; ++p)
+        for (uint32_t i = 0; i < type.parameters[p].count; ++i, ++value)
+            if (std::string_view(type.parameters[p].name).find("damping") != std::string_view::npos && *value > 0)
+                return true;
+    return false;
+}
+
+/// A node without mass and damper takes its place under a load at once. Where the load is there from the start the node
+/// jumps within the first step, and what the first rows say of its motion is by the length of that step.
+void warn_jumps(const Model& model, const ElementCatalogue& catalogue, Warnings& warnings) {
+    std::vector<bool> is_held(model.nodes.size());
+    for (const Element& element : model.elements) {
+        const dttmm_element_type& type = *catalogue.types[static_cast<size_t>(element.type)];
+        if (type.ends != DTTMM_ENDS_AT && !is_damped(element, type)) continue;
+        for (const Attachment& end : element.ends)
+            if (end.node >= 0) is_held[static_cast<size_t>(end.node)] = true;
+    }
+    for (const Load& load : model.loads) {
+        if (load.on.node < 0 || is_held[static_cast<size_t>(load.on.node)] || load.signal.value(0) == 0) continue;
+        const Node& node = model.nodes[static_cast<size_t>(load.on.node)];
+        if (node.fixed.all()) continue;
+        warnings.add(
+            "load-jumps",
+            fmt::format("{}: at the start this load is {:g} {} on node \"{}\", which has neither mass nor damper: it "
+                        "jumps within the first step, and its first velocities and accelerations depend on the step. "
+                        "Let the load rise, or give the node a mass or its elements damping",
+                        load.place, load.signal.value(0), load.is_moment ? "N m" : "N", node.name));
+    }
+}
+
+/// The channels the model asks for. Throws Error(model_invalid) with the place of the list.
+std::vector<int> selected_channels(const Model& model, const Simulation& simulation) {
+    try {
+        return select_channels(simulation.channels(), model.output.channels);
+    } catch (const Error& error) {
+        throw ModelError(fmt::format("{}: {}", model.output.channels_place, error.what()));
+    }
+}
+
+/// A run to a tolerance need not be told a stable step: it starts from one, its rows where they were.
+Model start_stable(Model model, const Plugins& plugins, Warnings& warnings) {
+    if (model.simulation.coupling != Coupling::explicit_) return model;
+    const auto limit = Simulation(model, plugins).explicit_limit();
+    if (!limit || limit->load < kExplicitLimit) return model;
+    const double step = divide_step(model.simulation.step, 0.9 * limit->longest_step);
+    const double every = model.output.every * std::round(model.simulation.step / step);
+    if (step < kShortestStep || every > std::numeric_limits<int>::max()) return model;
+    warnings.note("stable-first-step",
+                  fmt::format("the explicit coupling would diverge at a step of {:g} s; beginning with {:.12g} s",
+                              model.simulation.step, step));
+    model.simulation.step = step;
+    model.output.every = static_cast<int>(every);
+    return model;
+}
+
+}  // namespace
+
+Session::Session(const Request& request)
+    : plugins(request.plugins),
+      model(prepare(request)),
+      simulation(model, plugins),
+      selection(selected_channels(model, simulation)) {
+    warn_jumps(model, plugins.catalogue(), warnings);
+    if (model.simulation.tolerance)
+        halving.emplace(model, plugins, selection);
+    else
+        look_at_loads(simulation);
+}
+
+Model Session::prepare(const Request& request) {
+    Model read = read_model(request.model, plugins.catalogue(), request.overrides);
+    has_chosen_step = read.simulation.step == 0;
+    read = choose_step(std::move(read), plugins);
+    if (read.simulation.tolerance && !request.force) read = start_stable(std::move(read), plugins, warnings);
+    warnings.add(read.warnings);
+    return read;
+}
+
+void Session::look_at_loads(const Simulation& at) {
+    const double tolerable = model.simulation.tolerance ? kTolerableExtrapolatedError : kTolerableLoadError;
+    fast_loads = find_fast_loads(model, at, tolerable);
+    for (const FastLoad& load : fast_loads) warnings.add("load-too-fast", describe(load, model, at.step_size()));
+}
+
+void Session::refuse_unstable(bool force) {
+    if (!simulation.explicit_limit()) return;
+    const ExplicitLimit& limit = *simulation.explicit_limit();
+    if (limit.load >= kExplicitLimit && !force)
+        throw Error(ExitCode::numerical_failure,
+                    fmt::format("the explicit coupling would diverge at a step of {:.6g} s: {}; use --step \"{:.12g} s\", "
+                                "--coupling implicit, or --force to run anyway",
+                                simulation.step_size(), simulation.describe_speed(),
+                                divide_step(simulation.step_size(), 0.9 * limit.longest_step)));
+    if (limit.load > 0.8 * kExplicitLimit)
+        warnings.add("near-explicit-limit",
+                     fmt::format("{}: {} the limit of the explicit coupling", simulation.describe_speed(),
+                                 limit.load < kExplicitLimit ? "near" : "beyond"));
+}
+
+}  // namespace dttmm::host

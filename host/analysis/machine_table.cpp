@@ -74,8 +74,10 @@ std::string describe_geometry(const Model& model, const Element& element, const 
     if (is_line(type) && line.norm() > kSamePlace)
         return fmt::format("{:.6g} m long, x along {}", line.norm(), point_text(line.normalized()));
     // A ground end has the axes of the other end
-    const Eigen::Vector3d x = element.axes.value_or(first.rotation).col(0);
-    std::string text = fmt::format("x along {} of its `from` end", point_text(x));
+    const Eigen::Matrix3d axes = element.axes.value_or(first.rotation);
+    std::string text = fmt::format("x along {}", point_text(axes.col(0)));
+    if (!axes.isIdentity(1e-12)) text += fmt::format(", y along {}", point_text(axes.col(1)));
+    if (!element.axes) text += " of its `from` end";
     if (line.norm() > kSamePlace) text = fmt::format("{:.6g} m long, {}", line.norm(), text);
     const bool is_joint = std::string_view(type.name) == "spring_damper" || std::string_view(type.name) == "elastic_hinge";
     return line.norm() > kSamePlace && is_joint ? text + "; its force acts at its `to` end" : text;

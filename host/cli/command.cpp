@@ -21,6 +21,7 @@
 #include "cli/crash_report.h"
 #include "cli/manual.h"
 #include "model/diagnostics.h"
+#include "model/keys.h"
 #include "model/wording.h"
 #include "record/hdf5_writer.h"
 #include "record/tell.h"
@@ -196,8 +197,15 @@ ExitCode dispatch(int argc, char** argv) {
         fmt::print(stderr, "{}", app.help());
         throw Error(ExitCode::usage, "A subcommand is required");
     }
+    // Help on a command is its own, but for `modes`, which is a table too
+    std::vector<char*> words(argv, argv + argc);
+    char help[] = "--help";
+    const auto is_second = [&](const auto& thing) { return words[2] == std::string_view(thing.name); };
+    if (argc == 3 && words[1] == std::string_view("help") && std::ranges::any_of(kCommands, is_second) &&
+        std::ranges::none_of(key_tables(), is_second))
+        words = {words[0], words[2], help};
     try {
-        app.parse(argc, argv);
+        app.parse(static_cast<int>(words.size()), words.data());
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() != 0) refuse_words(app, error);
         app.exit(error);

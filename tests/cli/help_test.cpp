@@ -82,6 +82,7 @@ TEST(Help, KnowsForeignElementsAndNearTopics) {
     EXPECT_THAT(foreign.out, HasSubstr("law.stiffness"));
     EXPECT_THAT(run_dttmm("/", {"elements", "rod"}).out, HasSubstr("material.E"));
     EXPECT_EQ(run_dttmm("/", {"elements", "rode"}).code, 2);
+    EXPECT_EQ(run_dttmm("/", {"help", "frf"}).out, run_dttmm("/", {"frf", "--help"}).out);
 }
 
 /// All texts under "$ref".

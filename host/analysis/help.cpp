@@ -266,6 +266,8 @@ void make_new(const Request& request) {
         for (const Template& one : new_models()) kinds.emplace_back(one.name);
         throw Error(ExitCode::usage, fmt::format("--from wants one of {}, got {}", listed(kinds), quote(kind)));
     }
+    const Plugins plugins(request.plugins);
+    const std::string schema = make_schema(plugins.catalogue()).dump(1) + "\n";
     std::error_code fault;
     if (fs::exists(folder, fault))
         throw Error(ExitCode::input_output, fmt::format("{}: is there already; nothing was written", folder.string()));
@@ -280,8 +282,7 @@ void make_new(const Request& request) {
     const std::string text = model->text;
     const size_t first = text.starts_with("#:schema") ? text.find('\n') + 1 : 0;
     write("model.toml", "#:schema ./model.schema.json\n" + text.substr(first));
-    const Plugins plugins(request.plugins);
-    write("model.schema.json", make_schema(plugins.catalogue()).dump(1) + "\n");
+    write("model.schema.json", schema);
     const bool runs = text.find("\n[simulation]") != std::string::npos;
     fmt::print("{} and its schema, which editors complete keys by, are in {}. Next:\n  dttmm check {}\n  dttmm {} {}\n",
                (folder / "model.toml").string(), folder.string(), folder.string(), runs ? "run" : "modes", folder.string());

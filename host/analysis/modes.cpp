@@ -238,10 +238,9 @@ ExitCode find_modes(const Request& request) {
         double widest = 0;
         for (const Mode& mode : modes) widest = std::max(widest, mode.numbers.bracket);
         if (modes.empty())
-            fmt::print("counted and complete; results in {}\n", folder.path().string());
+            fmt::print("counted and complete; results in {}\n", folder.describe());
         else
-            fmt::print("counted and complete, each within {:.1e} of itself; results in {}\n", widest,
-                       folder.path().string());
+            fmt::print("counted and complete, each within {:.1e} of itself; results in {}\n", widest, folder.describe());
     }
     return ExitCode::ok;
 }
@@ -400,7 +399,7 @@ ExitCode sweep_modes(const Request& request, const std::vector<SweepAxis>& axes)
     } else if (!request.quiet) {
         print_sweep(cases, curves, axes, parameters);
         fmt::print("mac: likeness of a shape to that of its curve in the nearest case; results in {}\n",
-                   (folder.path() / "sweep.csv").string());
+                   folder.describe("sweep.csv"));
     }
     warn_unlike(curves, warnings);
     warnings.print_rest("");
@@ -529,7 +528,7 @@ ExitCode find_response(const Request& request) {
     if (!request.quiet)
         fmt::print("{} points from {:g} to {:g} Hz, {} per {}; largest {:.6g} {}/{} at {:.6g} Hz\nresults in {}\n",
                    request.points, from, to, request.response, request.input, largest, unit, input, at,
-                   (folder.path() / "frf.csv").string());
+                   folder.describe("frf.csv"));
     return ExitCode::ok;
 }
 

@@ -87,13 +87,12 @@ void print_report(const Recorder& recorder, const Model& model, const Simulation
     if (halving && halving->has_estimates()) print_halving(*halving);
     const auto own_steps = static_cast<double>(std::max<uint64_t>(simulation.index(), 1));
     const double omega_h = simulation.fastest_mode().omega * simulation.step_size();
-    fmt::print("{} rows, {} steps of {:g} s{} in {:.3g} s ({:.3g} us and {:.3g} evaluations per step){}\nresults in {}{}\n",
+    fmt::print("{} rows, {} steps of {:g} s{} in {:.3g} s ({:.3g} us and {:.3g} evaluations per step){}\nresults in {}\n",
                recorder.rows(), simulation.index() - 1, simulation.step_size(),
                halving ? fmt::format(", {} in all runs,", outcome.steps) : "", outcome.wall_time,
                1e6 * outcome.wall_time / static_cast<double>(std::max<uint64_t>(outcome.steps, 1)),
                static_cast<double>(simulation.end_of_step().passes()) / own_steps,
-               omega_h > 0 ? fmt::format(", omega*h = {:.3g}", omega_h) : "", folder.path().string(),
-               folder.replaced().empty() ? "" : fmt::format(" (those of {} are replaced)", folder.replaced()));
+               omega_h > 0 ? fmt::format(", omega*h = {:.3g}", omega_h) : "", folder.describe());
 }
 
 /// Closes the files, writes the summary, and tells how it went.

@@ -24,6 +24,8 @@ using Words = std::vector<std::string>;
 constexpr const char* kBash = R"sh(_dttmm() {
     local IFS=$'\n'
     COMPREPLY=($(compgen -W "$(dttmm complete "${COMP_WORDS[@]:1:COMP_CWORD}" 2>/dev/null)" -- "${COMP_WORDS[COMP_CWORD]}"))
+    [[ ${#COMPREPLY[@]} -eq 1 && $COMPREPLY == *= ]] && compopt -o nospace 2>/dev/null
+    return 0
 }
 complete -o default -F _dttmm dttmm
 )sh";
@@ -77,12 +79,24 @@ struct Typed {
     const Option* awaits;  ///< the option whose value comes next
 };
 
+/// A word as the shell hands it on: with its backslashes and quotes.
+std::string unquoted(const std::string& word) {
+    std::string text;
+    for (size_t i = 0; i < word.size(); ++i) {
+        if (word[i] == '\\' && i + 1 < word.size())
+            text += word[++i];
+        else if (word[i] != '"' && word[i] != '\'')
+            text += word[i];
+    }
+    return text;
+}
+
 Typed read(const Words& words) {
     Typed typed{find_command(words.front()), {}, {}, nullptr};
     if (!typed.command) return typed;
     for (size_t i = 1; i + 1 < words.size(); ++i) {
         if (typed.awaits) {
-            if (typed.awaits->name() == "--plugin") typed.plugins.push_back(words[i]);
+            if (typed.awaits->name() == "--plugin") typed.plugins.push_back(unquoted(words[i]));
             typed.awaits = nullptr;
         } else if (words[i].starts_with("-") && words[i] != "-") {
             const Option* option = find_option(*typed.command, words[i]);
@@ -106,7 +120,8 @@ Words topics(const Typed& typed) {
 }
 
 Model read_typed(const Typed& typed, const Plugins& plugins, Purpose purpose) {
-    std::filesystem::path file = typed.given.front();
+    std::filesystem::path file = unquoted(typed.given.front());
+    if (file == "-") throw Error(ExitCode::usage, "the standard input is the shell's");
     if (std::filesystem::is_directory(file)) file /= "model.toml";
     ModelOverrides overrides;
     overrides.purpose = purpose;

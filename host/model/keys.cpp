@@ -17,7 +17,7 @@ constexpr Bounds kOnBody = {-kFarthest, kFarthest};  // coordinates in the body'
 
 // Columns: name, kind, what it is, default, unit, count, bounds, words, table.
 constexpr Key kFile[] = {
-    {"format", Kind::word, "must be the first key", kRequired, "", 0, {}, "dttmm/1"},
+    {"format", Kind::word, "version of the form of the file", kRequired, "", 0, {}, "dttmm/1"},
     {"title", Kind::text, "printed above the results"},
     {"parameters", Kind::named,
      "numbers by name, for expressions: k = \"500 N/mm\", then stiffness = \"=2*k\"; --set and "
@@ -173,24 +173,24 @@ constexpr Key kElementAt[] = {
     {"at", Kind::places, "a node, or a list of them", kRequired, "", 0},
 };
 
-constexpr Key kTypeOfSignal = {"type", Kind::word, "of the signal", kRequired, "", 0, {}, ""};
+constexpr Key type_of_signal(const char* word) { return {"type", Kind::word, "of the signal", kRequired, "", 0, {}, word}; }
 constexpr Key kStart = {"start", Kind::number, "when it begins", "0", "s"};
-constexpr Key kConstant[] = {kTypeOfSignal, {"value", Kind::number, "at all times", kRequired, ""}};
+constexpr Key kConstant[] = {type_of_signal("constant"), {"value", Kind::number, "at all times", kRequired, ""}};
 constexpr Key kStep[] = {
-    kTypeOfSignal,
+    type_of_signal("step"),
     {"from", Kind::number, "before start", "0", ""},
     {"to", Kind::number, "after end; between them 3 s^2 - 2 s^3", kRequired, ""},
     kStart,
     {"end", Kind::number, "when it is there", kRequired, "s"},
 };
 constexpr Key kHaversine[] = {
-    kTypeOfSignal,
+    type_of_signal("haversine"),
     {"peak", Kind::number, "of peak/2 (1 - cos), zero elsewhere", kRequired, ""},
     kStart,
     {"width", Kind::number, "of the pulse", kRequired, "s", 1, kPositive},
 };
 constexpr Key kPulse[] = {
-    kTypeOfSignal,
+    type_of_signal("pulse"),
     {"peak", Kind::number, "of each pulse peak/2 (1 - cos)", kRequired, ""},
     kStart,
     {"width", Kind::number, "of each pulse", kRequired, "s", 1, kPositive},
@@ -198,7 +198,7 @@ constexpr Key kPulse[] = {
     {"count", Kind::number, "of pulses", "1", "1", 1, {1, 1e9}},
 };
 constexpr Key kSine[] = {
-    kTypeOfSignal,
+    type_of_signal("sine"),
     {"amplitude", Kind::number, "of offset + amplitude sin(2 pi f (t - start) + phase)", kRequired, ""},
     {"frequency", Kind::number, "f", kRequired, "Hz", 1, kNotNegative},
     {"phase", Kind::number, "at start", "0", "rad"},
@@ -206,14 +206,15 @@ constexpr Key kSine[] = {
     kStart,
 };
 constexpr Key kTable[] = {
-    kTypeOfSignal,
+    type_of_signal("table"),
     {"times", Kind::numbers, "increasing; linear between them, constant outside", "", "s", 0},
     {"values", Kind::numbers, "as many", "", "", 0},
     {"file", Kind::text,
      "instead: a CSV file in the model's folder, time and value; a heading and a line of units may come "
      "first"},
 };
-constexpr Key kExpression[] = {kTypeOfSignal, {"value", Kind::text, "\"=...\", of t and the parameters", kRequired}};
+constexpr Key kExpression[] = {type_of_signal("expression"),
+                               {"value", Kind::text, "\"=...\", of t and the parameters", kRequired}};
 
 constexpr KeyTable kTables[] = {
     {"file", "", "the model file, TOML", "spring_damper", kFile},

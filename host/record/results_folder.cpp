@@ -161,6 +161,11 @@ ResultsFolder::ResultsFolder(fs::path path, Claim claim)
     marker_.write(describe_this_process());
 }
 
+std::string ResultsFolder::describe(std::string_view name) const {
+    const std::string place = (name.empty() ? path_ : path_ / name).string();
+    return replaced_.empty() ? place : fmt::format("{} (those of {} are replaced)", place, replaced_);
+}
+
 fs::path from_start(const fs::path& path) { return path.is_absolute() ? path : kStartFolder / path; }
 
 fs::path default_results_path(const fs::path& model_path) {

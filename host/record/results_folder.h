@@ -30,8 +30,9 @@ public:
     /// Where the file `name` of the results is: absolute, seen from the folder in which the process started. A plugin may
     /// have changed the current one since.
     std::filesystem::path file(std::string_view name) const { return absolute_ / name; }
-    /// When the results that were replaced had been written, local time: "2026-11-22 12:41"; empty where there were none.
-    const std::string& replaced() const { return replaced_; }
+    /// For the terminal: "results/plate/frf.csv (those of 2026-11-22 12:41 are replaced)"; the time is local, and stands
+    /// where there were results. name: empty for the folder itself.
+    std::string describe(std::string_view name = {}) const;
 
 private:
     std::filesystem::path path_, absolute_;

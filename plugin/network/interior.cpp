@@ -343,7 +343,7 @@ void Interior::assemble(const Mechanism& mechanism, const std::vector<Frame>& at
 /// Adds to every inertia so much that it shows beside the stiffness that holds its frame: over a long step it may otherwise
 /// vanish in rounding, and a motion that nothing else resists be undetermined.
 void Interior::make_heavier() {
-    constexpr double kLeastShare = 1e-11;
+    constexpr double kLeastShare = 1e-9;  // with 1e-11 rigid directions are lost to 1e-3 in rods of a centimetre
     for (int i = 0; i < count_; ++i) {
         const Matrix6 own = elimination_.diagonal(i);
         const double shift = own.topLeftCorner<3, 3>().trace(), arm = reach_[static_cast<size_t>(i)];

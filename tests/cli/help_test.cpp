@@ -181,6 +181,11 @@ TEST(Completion, KnowsCommandsOptionsTopicsAndWhatIsInTheModel) {
     EXPECT_THAT(complete({"run", "sm"}), ElementsAre());  // a file: the shell completes it
     EXPECT_THAT(complete({"run", "missing.toml", "--set", ""}), ElementsAre());
     EXPECT_THAT(complete({"rum", ""}), ElementsAre());
+    EXPECT_THAT(complete({"run", "-", "--set", ""}), ElementsAre());  // and does not wait for the standard input
+    fs::create_directory(folder / "a b");
+    write_text(folder / "a b/model.toml", kSmallModel);
+    EXPECT_THAT(complete({"run", "a\\ b", "--set", "ma"}), ElementsAre("mass="));
+    EXPECT_THAT(complete({"run", "\"a b\"", "--set", "ma"}), ElementsAre("mass="));
 }
 
 // Oracle: bash itself.
@@ -226,6 +231,7 @@ TEST(New, MakesAModelThatWorks) {
     EXPECT_EQ(again.code, 5);
     EXPECT_THAT(again.err, HasSubstr("is there already; nothing was written"));
     EXPECT_EQ(run_dttmm(folder.path(), {"new", "other", "--from", "boat"}).code, 2);
+    EXPECT_EQ(run_dttmm(folder.path(), {"new", "other", "--plugin", "missing.so"}).code, 7);
     EXPECT_FALSE(fs::exists(folder / "other"));
 }
 
@@ -263,6 +269,7 @@ TEST(Run, SaysWhichResultsItReplaces) {
     EXPECT_THAT(run_dttmm(folder.path(), {"run", ".", "-o", "out"}).out, testing::EndsWith("results in out\n"));
     EXPECT_THAT(run_dttmm(folder.path(), {"run", ".", "-o", "out"}).out,
                 testing::ContainsRegex("results in out .those of 20[0-9-]+ [0-9:]+ are replaced.\n"));
+    EXPECT_THAT(run_dttmm(folder.path(), {"modes", ".", "-o", "out"}).out, HasSubstr("are replaced)\n"));
 }
 
 // Oracle: the summaries of the cases.

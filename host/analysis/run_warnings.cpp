@@ -158,7 +158,7 @@ void warn_limits(const Simulation& simulation, Warnings& warnings) {
     }
 }
 
-/// A run to a tolerance that could not begin where it was told to.
+/// A run to a tolerance that could not begin at the step asked for.
 void warn_skipped(const Halving& halving, Warnings& warnings) {
     if (halving.first_step() != halving.asked_step())
         warnings.note("shorter-first-step",

@@ -58,7 +58,7 @@ std::vector<int> selected_channels(const Model& model, const Simulation& simulat
     }
 }
 
-/// A run to a tolerance need not be told a stable step: it starts from one, its rows where they were.
+/// A run to a tolerance needs no stable step from the user: it starts from one, its rows where they were.
 Model start_stable(Model model, const Plugins& plugins, Warnings& warnings) {
     if (model.simulation.coupling != Coupling::explicit_) return model;
     const auto limit = Simulation(model, plugins).explicit_limit();

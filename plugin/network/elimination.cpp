@@ -296,7 +296,8 @@ Vector6 Elimination::motion_scale(const Pivot& pivot) const {
 /// Beside rows a rotation with next to nothing of its own must drown neither the translation in them, which see both, nor
 /// them in what acts already.
 Vector6 Elimination::scale_with_rows(const Pivot& pivot) const {
-    constexpr double kMost = 1e4, kLongestLever = 1e6;  // [m]; a row with a longer one is of rotation alone
+    constexpr double kMost = 1e4;          // ratio of scaled entries in a row; squared it is far from the condition allowed
+    constexpr double kLongestLever = 1e6;  // [m]; a row with a longer one is of rotation alone
     Vector6 scale = motion_scale(pivot);
     const Vector6& acting = acting_[static_cast<size_t>(pivot.frame)];
     for (Eigen::Index i = 0; i < 6; ++i)

@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstring>
 #include <new>
+#include <sstream>
 #include <system_error>
 
 #include "analysis/channel_list.h"
@@ -208,7 +209,9 @@ ExitCode dispatch(int argc, char** argv) {
         app.parse(static_cast<int>(words.size()), words.data());
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() != 0) refuse_words(app, error);
-        app.exit(error);
+        std::ostringstream text;  // of help or version
+        app.exit(error, text);
+        fmt::print("{}", text.str());
         return ExitCode::ok;
     }
     for (const auto& [parsed, command] : commands) {

@@ -235,6 +235,13 @@ TEST(New, MakesAModelThatWorks) {
     EXPECT_FALSE(fs::exists(folder / "other"));
 }
 
+// Oracle: the code for output, as of every other command.
+TEST(Version, OnAFullDiskIsAFailure) {
+    const TemporaryFolder folder;
+    for (const char* words : {"--version", "run --help", "help"})
+        EXPECT_EQ(shell(folder.path(), fmt::format("dttmm {} > /dev/full 2> /dev/null; echo $?", words)), "5\n") << words;
+}
+
 // Oracle: the same rows.
 TEST(ModelFile, ComesFromItsFolderAndFromTheStandardInputToo) {
     const TemporaryFolder folder;

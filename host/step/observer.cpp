@@ -44,7 +44,7 @@ std::set<std::pair<int, int>> used_markers(const Model& model) {
     return used;
 }
 
-/// As a plugin declares it: "force.x", "section3.force.x", "pull_to_limit".
+/// As a plugin declares it: "force.x", "section3.force.x", "turn_to_limit".
 Channel channel_of(const NetworkInstance& instance, const dttmm_channel& declared) {
     const std::string_view name = declared.name;
     const size_t dot = std::min(name.rfind('.'), name.size());

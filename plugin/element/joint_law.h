@@ -15,15 +15,26 @@ struct StepCoefficients {
     double C = 0;  ///< [1/s] of x' = C x + D
 };
 
+/// How far the two ends of an elastic line draw nearer when it bends and shears: its elongation is
+///     e = d_x + mixed (d_y θ_z − d_z θ_y) − bow (θ_y² + θ_z²) + sway_y d_y² + sway_z d_z²
+/// to second order. All are zero where there is no line.
+template <class Real>
+struct ForeshorteningOf {
+    Real mixed{}, bow{}, sway_y{}, sway_z{};  ///< [1, m, 1/m, 1/m]
+};
+using Foreshortening = ForeshorteningOf<double>;
+
 /// The law of a massless joint in its six directions, each a spring with a damper beside it, rigid, or free. Its deformation
 /// d (6×1: m, rad) is the motion of the `to` end relative to the `from` end in the axes of the joint, which go with the
 /// `from` end; its force f (6×1: N, N m) is positive in tension: it pulls the `to` end against d and the `from` end along d.
-/// In the letters of the state vector f = [−q; m].
+/// In the letters of the state vector f = [−q; m]. Of an elastic line the deformation in x is the elongation e, and what
+/// pulls along it acts across it and turns it by the gradient of e.
 struct JointLaw {
     Vector6 stiffness = Vector6::Zero();                         ///< [N/m, N m/rad]
     Vector6 damping = Vector6::Zero();                           ///< [N s/m, N m s/rad]
     Directions rigid;                                            ///< d = 0 there; stiffness and damping are not looked at
-    double most_pull = std::numeric_limits<double>::infinity();  ///< force in x for which it holds [N]
+    Foreshortening line;                                         ///< of the elastic line that it stands for
+    double most_turn = std::numeric_limits<double>::infinity();  ///< |θ| up to which it holds [rad]
 
     /// Directions with a stiffness or damping that is not rigid.
     Directions elastic() const;

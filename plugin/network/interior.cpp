@@ -287,11 +287,11 @@ Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, const st
     const FrameView from = at[static_cast<size_t>(joint.from())], to = at[static_cast<size_t>(joint.to())];
     const JointPose pose = joint.pose(from, to);
     const Vector3 acting = mechanism.pose(j).axes.transpose() * mechanism.states[j].elastic.force;
-    return blocks(mechanism, j, pose, joint.rotation(from, to), pose.axes * acting, rigid_);
+    return blocks(mechanism, j, pose, joint.deformation(pose, to), pose.axes * acting, rigid_);
 }
 
-/// The same with the joint elsewhere, turned by theta, under the elastic force `acting`, its rigid directions carrying q.
-Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, const JointPose& pose, const Vector3& theta,
+/// The same with the joint elsewhere, deformed, under the elastic force `acting`, its rigid directions carrying q.
+Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, const JointPose& pose, const Vector6& deformation,
                                   Vector3 acting, const std::vector<double>& q) const {
     const Joint& joint = mechanism.joints[j];
     if (joint.rigid().any()) acting += pose.axes * head(rigid_values(mechanism, j, q));
@@ -307,8 +307,8 @@ Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, const Jo
                     }
         return K;
     };
-    return {in_frames(joint.stiffness(pose, joint.gain(mechanism.scheme, theta))),
-            in_frames(Joint::acting_stiffness(pose, mechanism.scheme.elastic_weight(0) * acting))};
+    return {in_frames(joint.stiffness(pose, joint.gain(mechanism.scheme, deformation))),
+            in_frames(joint.acting_stiffness(pose, mechanism.scheme.elastic_weight(0) * acting))};
 }
 
 void Interior::add_blocks(const Joint& joint, size_t j, const Blocks& K, Elimination& matrix) const {
@@ -374,7 +374,7 @@ bool Interior::form_at_trial(const Mechanism& mechanism) const {
         const FrameView from = trial_[static_cast<size_t>(joint.from())], to = trial_[static_cast<size_t>(joint.to())];
         const JointPose pose = joint.pose(from, to);
         const Joint::Strained strained = joint.strain({from, to}, pose);
-        add_blocks(joint, j, blocks(mechanism, j, pose, strained.theta, strained.elastic.force, q_), at_trial_);
+        add_blocks(joint, j, blocks(mechanism, j, pose, strained.deformation(), strained.elastic.force, q_), at_trial_);
         if (joint.rigid().any()) set_rigid_rows(mechanism, j, pose, strained.theta, at_trial_);
     }
     return !at_trial_.factor();

@@ -100,8 +100,8 @@ public:
             mechanism, mechanism.scheme.step_size(), mechanism.before,
             [&](size_t j) {
                 const JointState& state = mechanism.states[j];
-                return MasslessFrames::Acting{state.theta_before, rate(j),
-                                              mechanism.joints[j].elastic(state.d_before, state.theta_before)};
+                return MasslessFrames::Acting{state.deformation_before(), rate(j),
+                                              mechanism.joints[j].elastic(state.deformation_before())};
             },
             [&](size_t i) { return frame_load(i).load[2]; }, velocities_, corrections_, rigid_at_start_);
     }
@@ -322,8 +322,8 @@ private:
         Matrix6 between(int row, int column) const { return own.at[row][column] + acting.at[row][column]; }
     };
     Blocks blocks(const Mechanism& mechanism, size_t joint, const std::vector<Frame>& at) const;
-    Blocks blocks(const Mechanism& mechanism, size_t joint, const JointPose& pose, const Vector3& theta, Vector3 acting,
-                  const std::vector<double>& q) const;
+    Blocks blocks(const Mechanism& mechanism, size_t joint, const JointPose& pose, const Vector6& deformation,
+                  Vector3 acting, const std::vector<double>& q) const;
     void add_blocks(const Joint& joint, size_t index, const Blocks& blocks, Elimination& matrix) const;
     void set_rigid_rows(const Mechanism& mechanism, size_t joint, const JointPose& pose, const Vector3& theta,
                         Elimination& matrix) const;

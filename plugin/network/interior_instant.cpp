@@ -79,10 +79,10 @@ MasslessFrames::Acting Interior::rate_of_force(const Mechanism& mechanism, size_
     const Vector6 rate = joint.rate(from, from_velocity, to, to_velocity);
     const Vector3 w = joint.axes(from).transpose() * from_velocity.angular;
     Vector6 other;
-    other << joint.translation_half().stiffness.cwiseProduct(head(rate)) + w.cross(head(f)),
-        joint.rotation_half().stiffness.cwiseProduct(tail(rate)) + w.cross(tail(f));
+    other << w.cross(head(f)), w.cross(tail(f));
+    other += joint.stiffness_tangent(mechanism.states[j].deformation_before()) * rate;
     return {
-        mechanism.states[j].theta_before,
+        mechanism.states[j].deformation_before(),
         joint.acceleration(from, from_velocity, acceleration_of(joint.from()), to, to_velocity, acceleration_of(joint.to())),
         other};
 }

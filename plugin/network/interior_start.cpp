@@ -96,9 +96,9 @@ void Interior::balance_at_start(const Mechanism& mechanism, double h, const dttm
             const auto now = [&](int frame) {
                 return is_inner(frame) ? velocities_[at(frame)] : start_velocity(frame, ports);
             };
-            const Vector3 theta = joint.rotation(from, to);
-            return MasslessFrames::Acting{theta, joint.rate(from, now(joint.from()), to, now(joint.to())),
-                                          joint.elastic(joint.translation(from, joint.arm(from, to)), theta)};
+            const Vector6 deformation = joint.deformation(joint.pose(from, to), to);
+            return MasslessFrames::Acting{deformation, joint.rate(from, now(joint.from()), to, now(joint.to())),
+                                          joint.elastic(deformation)};
         },
         [&](size_t i) { return frame_load(i).load[1]; }, velocities_, corrections_, rigid_at_start_);
     for (size_t i = 0; i < given_.size(); ++i) {

@@ -18,6 +18,8 @@ Joint::Joint(const JointSpec& spec, const Assembly& assembly)
         springs_.halves[half].damping = spec.law.damping.segment<3>(3 * half);
     }
     springs_.turns = (spec.law.carried() >> 3).any();
+    springs_.line = spec.law.line;
+    springs_.is_line = spec.law.line.mixed != 0;
     is_damped_ = !spec.law.damping.isZero(0);
     const Pose& from = assembly.frames[static_cast<size_t>(from_)].pose;
     const Pose& to = assembly.frames[static_cast<size_t>(to_)].pose;
@@ -55,6 +57,7 @@ Vector6 Joint::rate(FrameView from, const Twist& from_velocity, FrameView to, co
     rate << R.transpose() * (to_velocity.linear + to_velocity.angular.cross(lever(to)) - from_velocity.linear -
                              from_velocity.angular.cross(arm(from, to))),
         R.transpose() * (to_velocity.angular - from_velocity.angular);
+    if (springs_.is_line) rate(0) = stretch(deformation(pose(from, to), to)).dot(rate);
     return rate;
 }
 
@@ -71,6 +74,11 @@ Vector6 Joint::acceleration(FrameView from, const Twist& from_velocity, const Tw
     const Matrix3 R = axes(from);
     Vector6 acceleration;
     acceleration << R.transpose() * a, R.transpose() * alpha;
+    if (springs_.is_line) {  // of second degree: its second rate has twice its value for the rates
+        const Vector3 slide = R.transpose() * (p_rate - w.cross(p)), turn = R.transpose() * (w_to - w);
+        acceleration(0) =
+            stretch(deformation(pose(from, to), to)).dot(acceleration) + 2 * springs_.drawn(slide, turn).elongation;
+    }
     return acceleration;
 }
 
@@ -90,22 +98,70 @@ Matrix6 Joint::by_to(const JointPose& pose) const {
 
 // ---- The force law ------------------------------------------------------------------------------------------------------
 
+Vector6 Joint::deformation(const JointPose& pose, FrameView to) const {
+    Vector6 x;
+    x << pose.axes.transpose() * pose.arm - springs_.rest, Vector3::Zero();
+    if (turns()) x.tail<3>() = rotation_vector(Matrix3(pose.axes.transpose() * seat_.axes_at_to(to)));
+    if (springs_.is_line) x(0) += springs_.drawn(x.head<3>(), x.tail<3>()).elongation;
+    return x;
+}
+
 Vector6 Joint::force(FrameView from, FrameView to, const Vector6& rate) const {
-    return elastic(translation(from, arm(from, to)), rotation(from, to)) + damping(rate);
+    const Vector6 x = deformation(pose(from, to), to);
+    return elastic(x) + damping(x, rate);
 }
 
-Matrix3 Joint::turn_stiffness(const Vector3& theta) const {
-    const Matrix3 inverse_J = rotation_vector_rate(theta);
-    return inverse_J.transpose() * springs_.halves[1].stiffness.asDiagonal() * inverse_J;
+double Joint::strain_energy(const Vector3& d, const Vector3& theta) const {
+    return 0.5 * d.dot(springs_.halves[0].stiffness.cwiseProduct(d)) +
+           0.5 * theta.dot(springs_.halves[1].stiffness.cwiseProduct(theta));
 }
 
-Matrix6 Joint::gain(const Scheme& scheme, const Vector3& theta) const {
-    Matrix6 gain = Matrix6::Zero();
-    gain.topLeftCorner<3, 3>() = solved_[0].asDiagonal();
-    if (!turns()) return gain;
+Vector6 Joint::stretch(const Vector6& x) const {
+    Vector6 columns = Vector6::UnitX();
+    if (!springs_.is_line) return columns;
+    const SpringsOf<double>::Drawn e = springs_.drawn(x.head<3>(), x.tail<3>());
+    columns << 1, e.by_y, e.by_z, moment_of_gradient(x.tail<3>(), Vector3(0, e.by_turn_y, e.by_turn_z));
+    return columns;
+}
+
+Vector6 Joint::damping(const Vector6& x, const Vector6& rate) const {
+    Vector6 f;
+    f << springs_.halves[0].damping.cwiseProduct(rate.head<3>()), springs_.halves[1].damping.cwiseProduct(rate.tail<3>());
+    if (springs_.is_line) f += f(0) * (stretch(x) - Vector6::UnitX());
+    return f;
+}
+
+Matrix6 Joint::stiffness_tangent(const Vector6& x) const {
+    Matrix6 K = Matrix6::Zero();
+    const Vector3& k = springs_.halves[0].stiffness;
+    const Vector6 e = stretch(x);
+    K.diagonal().segment<2>(1) = k.tail<2>();
+    K += k.x() * e * e.transpose();
+    if (!turns()) return K;
+    const Matrix3 inverse_J = rotation_vector_rate(x.tail<3>());
+    K.bottomRightCorner<3, 3>() += inverse_J.transpose() * springs_.halves[1].stiffness.asDiagonal() * inverse_J;
+    return K;
+}
+
+Matrix6 Joint::damping_tangent(const Vector6& x) const {
+    Vector6 c;
+    c << springs_.halves[0].damping, springs_.halves[1].damping;
+    const Vector6 e = stretch(x);
+    Matrix6 C = c(0) * e * e.transpose();
+    C.diagonal().tail<5>() += c.tail<5>();
+    return C;
+}
+
+Matrix6 Joint::gain(const Scheme& scheme, const Vector6& x) const {
+    // Beside the elastic force over the step there are its dampers, and the scheme's own
     const double weight = scheme.elastic_weight(0);
-    gain.bottomRightCorner<3, 3>() = weight * turn_stiffness(theta);
-    gain.bottomRightCorner<3, 3>().diagonal() += solved_[1] - weight * springs_.halves[1].stiffness;
+    Matrix6 gain = weight * stiffness_tangent(x);
+    Vector6 other;
+    other << solved_[0] - weight * springs_.halves[0].stiffness, solved_[1] - weight * springs_.halves[1].stiffness;
+    const Vector6 e = stretch(x);
+    gain += other(0) * e * e.transpose();
+    gain.diagonal().segment<2>(1) += other.segment<2>(1);
+    if (turns()) gain.diagonal().tail<3>() += other.tail<3>();
     return gain;
 }
 
@@ -117,7 +173,7 @@ EndBlocks Joint::stiffness(const JointPose& pose, const Matrix6& answer) const {
     return K;
 }
 
-EndBlocks Joint::acting_stiffness(const JointPose& pose, const Vector3& force) {
+EndBlocks Joint::acting_stiffness(const JointPose& pose, const Vector3& force) const {
     // F goes with the axes of `from`, its point with `to`: δF = δθ_from × F, δp = δx_to + δθ_to × l
     const Matrix3 F = skew(force), aF = skew(pose.arm) * F, lF = skew(pose.lever) * F;
     EndBlocks K;
@@ -131,6 +187,16 @@ EndBlocks Joint::acting_stiffness(const JointPose& pose, const Vector3& force) {
     K.at[1][0].topRightCorner<3, 3>() = -F;
     K.at[1][0].bottomRightCorner<3, 3>() = -lF;
     K.at[1][1].bottomRightCorner<3, 3>() = 0.5 * (lF + lF.transpose());
+    if (!springs_.is_line) return K;
+    // A pull along a line stretches it as it bends and shears
+    const Foreshortening& line = springs_.line;
+    Matrix6 curvature = Matrix6::Zero();  // of the elongation, by d and θ
+    curvature.diagonal() << 0, 2 * line.sway_y, 2 * line.sway_z, 0, -2 * line.bow, -2 * line.bow;
+    curvature(1, 5) = curvature(5, 1) = line.mixed;
+    curvature(2, 4) = curvature(4, 2) = -line.mixed;
+    const EndBlocks stretched = stiffness(pose, pose.axes.col(0).dot(force) * curvature);
+    for (int i : {0, 1})
+        for (int j : {0, 1}) K.at[i][j] += stretched.at[i][j];
     return K;
 }
 
@@ -163,20 +229,23 @@ void Joint::start(const Scheme& scheme, FrameView from, FrameView to, const Vect
     const Vector6 known = (1 - gamma) * rate + (scheme.centred().beta - 0.5 * gamma) * h * acceleration;
     state.known = {};
     state.known.add(1 - scheme.elastic_weight(0), state.elastic);
-    state.known.add(1, now.act(now.axes * springs_.halves[0].damping.cwiseProduct(known.head<3>()),
-                               now.axes * springs_.halves[1].damping.cwiseProduct(known.tail<3>())));
+    state.known.add(1,
+                    springs_.act(now, strained.drawn, state.theta, springs_.halves[0].damping.cwiseProduct(known.head<3>()),
+                                 Vector3::Zero(), springs_.halves[1].damping.cwiseProduct(known.tail<3>())));
 }
 
 JointForce Joint::damping_half_way(Ends trial, Ends now, double h, const JointState& state,
                                    const DamperState& damper) const {
-    const JointPose at = pose(now);
-    const Matrix3 mean = 0.5 / h * (axes(trial.from) + at.axes);
-    const Vector3 slide = translation(trial.from, arm(trial.from, trial.to)) - state.d;
-    Vector3 moment = Vector3::Zero();
+    const JointPose at = pose(now), end = pose(trial);
+    const Vector6 x = deformation(end, trial.to);
+    const Vector3 slide = (springs_.halves[0].damping / h).cwiseProduct(x.head<3>() - state.d);
+    Vector3 turn = Vector3::Zero();
     if (turns())
-        moment = mean * springs_.halves[1].damping.cwiseProduct(
-                            rotation_vector(attitude(trial.from, trial.to) * damper.attitude.transpose()));
-    return at.act(mean * springs_.halves[0].damping.cwiseProduct(slide), moment);
+        turn = (springs_.halves[1].damping / h)
+                   .cwiseProduct(rotation_vector(attitude(trial.from, trial.to) * damper.attitude.transpose()));
+    const Vector3 d = 0.5 * (x.head<3>() + state.d), theta = 0.5 * (x.tail<3>() + state.theta);
+    return springs_.act({0.5 * (end.axes + at.axes), at.arm, at.lever}, springs_.drawn(d, theta), theta, slide,
+                        Vector3::Zero(), turn);
 }
 
 [[gnu::flatten]] void Joint::advance(const Scheme& scheme, Ends next, Ends now, JointState& state, DamperState* damper,

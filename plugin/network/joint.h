@@ -71,11 +71,12 @@ public:
     Matrix3 axes(FrameView from) const { return seat_.axes(from); }
     JointPose pose(FrameView from, FrameView to) const { return seat_.pose(from, to); }
     JointPose pose(Ends at) const { return pose(at.from, at.to); }
-    Vector3 translation(FrameView from, const Vector3& arm) const { return axes(from).transpose() * arm - springs_.rest; }
     Matrix3 attitude(FrameView from, FrameView to) const { return axes(from).transpose() * seat_.axes_at_to(to); }
     Vector3 rotation(FrameView from, FrameView to) const {
         return turns() ? rotation_vector(attitude(from, to)) : Vector3(Vector3::Zero());
     }
+    /// Its deformation [d; θ].
+    Vector6 deformation(const JointPose& pose, FrameView to) const;
     /// Rates and second rates of the deformation, [d; relative turn], joint axes.
     Vector6 rate(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity) const;
     Vector6 acceleration(FrameView from, const Twist& from_velocity, const Twist& from_acceleration, FrameView to,
@@ -91,32 +92,37 @@ public:
     /// The elastic force of a deformation, [force; moment] on the `from` end in the joint's axes.
     Vector6 elastic(const Vector3& d, const Vector3& theta) const {
         Vector6 f;
-        f.head<3>() = springs_.halves[0].stiffness.cwiseProduct(d);
+        Vector3 force = springs_.halves[0].stiffness.cwiseProduct(d);
         f.tail<3>().setZero();
-        if (turns()) f.tail<3>() = moment_of_gradient(theta, springs_.halves[1].stiffness.cwiseProduct(theta));
+        if (turns()) {
+            Vector3 by_theta = springs_.halves[1].stiffness.cwiseProduct(theta);
+            springs_.spread(springs_.drawn(d, theta), force, by_theta);
+            f.tail<3>() = moment_of_gradient(theta, by_theta);
+        }
+        f.head<3>() = force;
         return f;
     }
-    /// The dampers' of its rate [d; relative turn] likewise.
-    Vector6 damping(const Vector6& rate) const {
-        Vector6 f;
-        f << springs_.halves[0].damping.cwiseProduct(rate.head<3>()),
-            springs_.halves[1].damping.cwiseProduct(rate.tail<3>());
-        return f;
-    }
+    Vector6 elastic(const Vector6& deformation) const { return elastic(deformation.head<3>(), deformation.tail<3>()); }
+    /// Its energy [J].
+    double strain_energy(const Vector3& d, const Vector3& theta) const;
+    /// The dampers' force of a rate [d; relative turn] likewise.
+    Vector6 damping(const Vector6& deformation, const Vector6& rate) const;
     /// The force law at one instant: f [force; moment] on the `from` end in the joint's axes.
     Vector6 force(FrameView from, FrameView to, const Vector6& rate) const;
     using Strained = StrainedOf<double>;
     /// Its elastic part with the deformation it stems from.
     Strained strain(Ends at, const JointPose& pose) const { return springs_.strain(pose, seat_.axes_at_to(at.to)); }
 
-    /// ∂m/∂ε at one instant, joint axes, ε the relative turn: J⁻ᵀ k J⁻¹, the part that does not hang on the moment itself.
-    Matrix3 turn_stiffness(const Vector3& theta) const;
-    /// ∂f/∂(deformation at its end) over a step, joint axes, rotations in terms of ε; symmetric.
-    Matrix6 gain(const Scheme& scheme, const Vector3& theta) const;
+    /// ∂(elastic force)/∂(deformation) and ∂(damping force)/∂(its rate) at one instant, joint axes, rotations in terms of
+    /// the relative turn ε: what does not hang on a force that acts already. Symmetric.
+    Matrix6 stiffness_tangent(const Vector6& deformation) const;
+    Matrix6 damping_tangent(const Vector6& deformation) const;
+    /// ∂f/∂(deformation at its end) over a step likewise.
+    Matrix6 gain(const Scheme& scheme, const Vector6& deformation) const;
     /// Of forces that grow with the deformation by `answer` (joint axes).
     EndBlocks stiffness(const JointPose& pose, const Matrix6& answer) const;
     /// Of a force already acting (world axes), which turns with the joint; symmetric part.
-    static EndBlocks acting_stiffness(const JointPose& pose, const Vector3& force);
+    EndBlocks acting_stiffness(const JointPose& pose, const Vector3& force) const;
 
     void start(const Scheme& scheme, FrameView from, FrameView to, const Vector6& rate, const Vector6& acceleration,
                JointState& state, DamperState* damper) const;
@@ -144,6 +150,8 @@ public:
 
 private:
     void refuse_rotation(double angle) const;
+    /// Columns of the elongation of a line by d and ε.
+    Vector6 stretch(const Vector6& deformation) const;
 
     int element_, from_, to_;
     bool is_damped_;

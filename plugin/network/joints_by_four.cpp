@@ -50,6 +50,11 @@ JointsByFour::JointsByFour(const Mechanism& mechanism, std::span<const size_t> j
                 set_lane(taken.springs.halves[half].damping, i, one.springs().halves[half].damping);
             }
             set_lane(taken.springs.rest, i, one.springs().rest);
+            taken.springs.is_line |= one.springs().is_line;
+            taken.springs.line.bow.set(i, one.springs().line.bow);
+            taken.springs.line.sway_y.set(i, one.springs().line.sway_y);
+            taken.springs.line.sway_z.set(i, one.springs().line.sway_z);
+            taken.springs.line.mixed.set(i, one.springs().line.mixed);
             const JointSeat& seat = one.seat();
             set_lane(taken.seat.from_axes, i, seat.from_axes);
             set_lane(taken.seat.to_axes, i, seat.to_axes);
@@ -71,7 +76,7 @@ DTTMM_WIDE double JointsByFour::add_forces(const Mechanism& mechanism, const std
     for (const Four& four : fours_) {
         const FrameOf<Lanes> from = gather_frames(trial, four.from), to = gather_frames(trial, four.to);
         const JointPoseOf<Lanes> pose = four.seat.pose(from, to);
-        const StrainedOf<Lanes> end = four.springs.strain(pose, four.seat.axes_at_to(to));
+        const StrainedOf<Lanes> end = four.springs.strain(pose, four.seat.axes_at_to(to), !four.keeps_rates);
         const auto state = gather_records<JointStateOf>([&](size_t k) -> auto& { return mechanism.states[four.joint[k]]; });
         JointForceOf<Lanes> force;
         if (four.keeps_rates) {

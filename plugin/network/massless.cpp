@@ -242,11 +242,10 @@ int MasslessFrames::frame_in(const Mechanism& mechanism, const Cluster& cluster,
 void MasslessFrames::add_balance(const Mechanism& mechanism, const Cluster& cluster, size_t j, const JointPose& pose,
                                  const Acting& acting, const std::vector<double>& q) const {
     const Joint& joint = mechanism.joints[j];
-    const auto& [theta, rate, other] = acting;
-    const Vector6 force = other + joint.damping(rate);
-    const Vector6 per_rate = joint.damping(Vector6::Ones());
-    Vector6 per_deformation;
-    per_deformation << joint.translation_half().stiffness, joint.rotation_half().stiffness;
+    const auto& [deformation, rate, other] = acting;
+    const Vector3 theta = tail(deformation);
+    const Vector6 force = other + joint.damping(deformation, rate);
+    const Matrix6 per_rate = joint.damping_tangent(deformation), per_deformation = joint.stiffness_tangent(deformation);
     Matrix6 G[2] = {joint.by_from(pose), joint.by_to(pose)};
     // A lever that is deformation alone damps no rotation to speak of
     if (joint.springs().rest.isZero(1e-9)) G[0].topRightCorner<3, 3>().setZero();
@@ -256,10 +255,9 @@ void MasslessFrames::add_balance(const Mechanism& mechanism, const Cluster& clus
         cluster.right_hand_side.segment<6>(6 * frames[row]) -= G[row].transpose() * force;
         for (int column : {0, 1}) {
             if (frames[column] < 0) continue;
-            cluster.matrix.block<6, 6>(6 * frames[row], 6 * frames[column]) +=
-                G[row].transpose() * per_rate.asDiagonal() * G[column];
+            cluster.matrix.block<6, 6>(6 * frames[row], 6 * frames[column]) += G[row].transpose() * per_rate * G[column];
             cluster.stiffness.block<6, 6>(6 * frames[row], 6 * frames[column]) +=
-                G[row].transpose() * per_deformation.asDiagonal() * G[column];
+                G[row].transpose() * per_deformation * G[column];
         }
     }
     if (joint.rigid().none()) return;

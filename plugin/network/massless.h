@@ -50,11 +50,10 @@ public:
 
     /// Whether a massless frame has dampers or rigid directions: then find_instant has something to find.
     bool has_balances() const { return has_balances_; }
-    /// A joint at an instant: its rotation, the rate of its deformation [d; relative turn] as known before, and what it does
+    /// A joint at an instant: its deformation [d; θ], the rate of that [d; relative turn] as known before, and what it does
     /// besides damping that rate, [force; moment] on the `from` end; joint axes.
     struct Acting {
-        Vector3 theta;
-        Vector6 rate, force;
+        Vector6 deformation, rate, force;
     };
     /// Finds for the instant at which the joints act as acting(j) says and the frames are `frames`: velocities of the
     /// massless halves, where dampers balance what else acts there, and forces of the rigid directions on them. Directions

@@ -73,7 +73,7 @@ void Network::declare_channels(const dttmm_network& description) {
         declare("strain_energy", "J", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_STRAIN_ENERGY);
         declare("dissipated_energy", "J", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_DISSIPATED_ENERGY);
         if (count == 1) continue;
-        if (has_limit(first)) declare("pull_to_limit", "1", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_LIMIT);
+        if (has_limit(first)) declare("turn_to_limit", "1", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_LIMIT);
         for (int k = 0; k < count; ++k)
             declare_vectors(fmt::format("section{}.", k), {{"force", "N"}, {"moment", "N*m"}}, DTTMM_OF_ELEMENT, e,
                             DTTMM_ROLE_ON_REQUEST);
@@ -192,17 +192,9 @@ void Network::linearise_joints(const dttmm_motion* ports, double* wrench, double
         const Twist v_from = velocity(joint.from(), ports), v_to = velocity(joint.to(), ports);
         const JointPose pose = joint.pose(from, to);
         add_wrench(joint, pose.act(joint.force(from, to, joint.rate(from, v_from, to, v_to))), wrench);
-        Matrix6 answer = Matrix6::Zero();
-        if (stiffness) {
-            answer.topLeftCorner<3, 3>() = joint.translation_half().stiffness.asDiagonal();
-            answer.bottomRightCorner<3, 3>() = joint.turn_stiffness(joint.rotation(from, to));
-            add_stiffness(joint, joint.stiffness(pose, answer), stiffness);
-        }
-        if (damping) {
-            answer.topLeftCorner<3, 3>() = joint.translation_half().damping.asDiagonal();
-            answer.bottomRightCorner<3, 3>() = joint.rotation_half().damping.asDiagonal();
-            add_stiffness(joint, joint.stiffness(pose, answer), damping);
-        }
+        const Vector6 deformation = joint.deformation(pose, to);
+        if (stiffness) add_stiffness(joint, joint.stiffness(pose, joint.stiffness_tangent(deformation)), stiffness);
+        if (damping) add_stiffness(joint, joint.stiffness(pose, joint.damping_tangent(deformation)), damping);
     }
 }
 
@@ -294,10 +286,10 @@ DTTMM_WIDE void Network::evaluate_joints(double* wrench, double* stiffness) cons
         if (stiffness) {
             const JointPose end = joint.pose(at);
             const Joint::Strained strained = joint.strain(at, end);
-            add_stiffness(joint, joint.stiffness(end, joint.gain(mechanism_.scheme, strained.theta)), stiffness);
+            add_stiffness(joint, joint.stiffness(end, joint.gain(mechanism_.scheme, strained.deformation())), stiffness);
             // The force that acts as at t_n: that of a trial far from the solution may be any
             const Vector3 acting = mechanism_.scheme.elastic_weight(0) * state.elastic.force;
-            add_stiffness(joint, Joint::acting_stiffness(end, acting), stiffness);
+            add_stiffness(joint, joint.acting_stiffness(end, acting), stiffness);
         }
     }
 }
@@ -384,7 +376,7 @@ void Network::find_mean_wrenches() const {
         if (const DamperState* damper = mechanism_.damper(j)) {
             Vector6 rate;
             rate << damper->halves[0].delta[0], damper->halves[1].delta[0];
-            f += joint.damping(rate / h);
+            f += joint.damping(state.deformation_before(), rate / h);
         }
         if (joint.rigid().any()) f += interior_->rigid_force(mechanism_, j);
         const auto from = static_cast<size_t>(joint.from()), to = static_cast<size_t>(joint.to());
@@ -441,7 +433,7 @@ void Network::stand_by_port_velocities() const {
         const auto from = static_cast<size_t>(joint.from()), to = static_cast<size_t>(joint.to());
         if (!is_implicit()) poses_[j] = joint.pose(mechanism_.before[from], mechanism_.before[to]);
         Vector6& f = forces_[j] = joint.elastic(state.d_before, state.theta_before);
-        if (mechanism_.damper(j)) f += joint.damping(rate_at_start(j));
+        if (mechanism_.damper(j)) f += joint.damping(state.deformation_before(), rate_at_start(j));
         if (joint.rigid().any()) f += interior_->rigid_force_at_start(mechanism_, j);
         Joint::add_wrench(poses_[j].act(f), wrenches_[from].data(), wrenches_[to].data());
     }
@@ -528,8 +520,7 @@ double* Network::write_energies(double* out, int first, int last) const {
     for (auto j = static_cast<size_t>(first); j < static_cast<size_t>(last); ++j) {
         const Joint& joint = mechanism_.joints[j];
         const Vector3 &d = mechanism_.states[j].d_before, &theta = mechanism_.states[j].theta_before;
-        strain += 0.5 * d.dot(joint.translation_half().stiffness.cwiseProduct(d)) +
-                  0.5 * theta.dot(joint.rotation_half().stiffness.cwiseProduct(theta));
+        strain += joint.strain_energy(d, theta);
         if (const DamperState* damper = mechanism_.damper(j)) dissipated += damper->dissipated;
     }
     out[0] = strain;
@@ -552,14 +543,15 @@ double* Network::write_chain(double* out, size_t element) const {
     Map3{total + 9} = rotation_vector(axes.transpose() * to.axes() * chain.to_axes);
     out = write_energies(total + 12, first, last);
     double none = 0;
-    double& pull_to_limit = has_limit(first) ? *out++ : none;
-    pull_to_limit = 0;
+    double& turn_to_limit = has_limit(first) ? *out++ : none;
+    turn_to_limit = 0;
 
     // The joints of whole segments sit at the sections; those of the half segments at the ends, a quarter segment off
     const double quarter = chain.rest.norm() / (4 * (last - first - 1));
     for (int j = first; j < last; ++j) {
         Vector6 f = forces_[static_cast<size_t>(j)];
-        pull_to_limit = std::max(pull_to_limit, f(0) / mechanism_.joints[static_cast<size_t>(j)].law().most_pull);
+        turn_to_limit = std::max(turn_to_limit, mechanism_.states[static_cast<size_t>(j)].theta_before.norm() /
+                                                    mechanism_.joints[static_cast<size_t>(j)].law().most_turn);
         const double way_to_joint = j == first ? quarter : j == last - 1 ? -quarter : 0;
         f.tail<3>() += Vector3(way_to_joint, 0, 0).cross(Vector3(f.head<3>()));
         Eigen::Map<Vector6>{out} = f;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <span>
 #include <string>
@@ -90,7 +91,7 @@ private:
     void stand_by_port_velocities() const;
     void stand_by_centred_velocities() const;
     void write_wrenches(double* wrench) const;
-    bool has_limit(int joint) const { return std::isfinite(mechanism_.joints[static_cast<size_t>(joint)].law().most_pull); }
+    bool has_limit(int joint) const { return std::isfinite(mechanism_.joints[static_cast<size_t>(joint)].law().most_turn); }
     double* write_joint(double* out, size_t joint) const;
     double* write_chain(double* out, size_t element) const;
     double* write_node(double* out, size_t node) const;

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/rotation.h"
+#include "element/joint_law.h"
 #include "network/joint_kinematics.h"
 #include "network/scheme.h"
 
@@ -28,6 +29,9 @@ struct JointStateOf {
     Vector3Of<Real> d_before, theta_before;  ///< at t_{n−1}
     JointForceOf<Real> elastic;              ///< at t_n
     JointForceOf<Real> known;                ///< what of the force over the open step does not depend on its end
+    Eigen::Matrix<Real, 6, 1> deformation_before() const {
+        return (Eigen::Matrix<Real, 6, 1>() << d_before, theta_before).finished();
+    }
 };
 using JointState = JointStateOf<double>;
 
@@ -45,12 +49,21 @@ struct DamperStateOf {
 };
 using DamperState = DamperStateOf<double>;
 
-/// A joint at an instant: its deformation and the elastic force that stems from it.
+/// What bending and shear add to the elongation of an elastic line, and the gradient of that.
+template <class Real>
+struct DrawnOf {
+    Real by_y, by_z, by_turn_y, by_turn_z;
+    Real elongation;
+};
+
+/// A joint at an instant: its deformation (of an elastic line its elongation in x) and the elastic force that stems from it.
 template <class Real>
 struct StrainedOf {
     Vector3Of<Real> d, theta;
     Matrix3Of<Real> attitude;  ///< if it carries a moment
     JointForceOf<Real> elastic;
+    DrawnOf<Real> drawn;  ///< of an elastic line
+    Eigen::Matrix<Real, 6, 1> deformation() const { return (Eigen::Matrix<Real, 6, 1>() << d, theta).finished(); }
 };
 
 /// Springs and dampers of a joint at work. A rotational stiffness has the moment that is the gradient of ½ θᵀ k θ, so that
@@ -69,13 +82,24 @@ struct SpringsOf {
     using Strained = StrainedOf<Real>;
     using State = JointStateOf<Real>;
     using Damper = DamperStateOf<Real>;
+    using Drawn = DrawnOf<Real>;
 
     JointHalfOf<Real> halves[2];  ///< translations, rotations
     Vector3Of<Real> rest;         ///< the point of the `to` end from the `from` origin at rest, joint axes
     bool turns = true;            ///< it carries a moment
+    bool is_line = false;         ///< it foreshortens; of four: one does
+    ForeshorteningOf<Real> line;
 
-    /// to_axes: those that are the joint's at rest and go with the `to` frame.
-    Strained strain(const JointPoseOf<Real>& pose, const Matrix3Of<Real>& to_axes) const;
+    Drawn drawn(const Vector3Of<Real>& d, const Vector3Of<Real>& theta) const;
+    /// Forces along the deformations, as forces in the joint's axes and the gradient by θ.
+    void spread(const Drawn& e, Vector3Of<Real>& force, Vector3Of<Real>& by_theta) const;
+    /// What forces along the deformations, a gradient by θ and a moment (joint axes) do to the frames.
+    Force act(const JointPoseOf<Real>& pose, const Drawn& e, const Vector3Of<Real>& theta, Vector3Of<Real> force,
+              Vector3Of<Real> by_theta, Vector3Of<Real> moment) const;
+
+    /// to_axes: those that are the joint's at rest and go with the `to` frame. The elastic force is needed by `advance`, and
+    /// by `weigh` where rates do not count.
+    Strained strain(const JointPoseOf<Real>& pose, const Matrix3Of<Real>& to_axes, bool with_elastic = true) const;
     /// The force over the open step at a trial end of it, when the joint is at `at_end`; damper: NULL where rates do not
     /// count.
     Force weigh(const Scheme& scheme, const Strained& end, const JointPoseOf<Real>& at_end, const State& state,
@@ -93,20 +117,56 @@ struct SpringsOf {
 // ---- What every step does for every joint -------------------------------------------------------------------------------
 
 template <class Real>
+[[gnu::always_inline]] inline DrawnOf<Real> SpringsOf<Real>::drawn(const Vector3Of<Real>& d,
+                                                                   const Vector3Of<Real>& theta) const {
+    Drawn e;
+    if (!is_line) return e;
+    e.by_y = line.mixed * theta.z() + 2 * line.sway_y * d.y();
+    e.by_z = 2 * line.sway_z * d.z() - line.mixed * theta.y();
+    e.by_turn_y = -line.mixed * d.z() - 2 * line.bow * theta.y();
+    e.by_turn_z = line.mixed * d.y() - 2 * line.bow * theta.z();
+    // Of second degree: half its gradient times what it depends on
+    e.elongation = 0.5 * (e.by_y * d.y() + e.by_z * d.z() + e.by_turn_y * theta.y() + e.by_turn_z * theta.z());
+    return e;
+}
+
+template <class Real>
+[[gnu::always_inline]] inline void SpringsOf<Real>::spread(const Drawn& e, Vector3Of<Real>& force,
+                                                           Vector3Of<Real>& by_theta) const {
+    if (!is_line) return;
+    force.y() += force.x() * e.by_y;
+    force.z() += force.x() * e.by_z;
+    by_theta.y() += force.x() * e.by_turn_y;
+    by_theta.z() += force.x() * e.by_turn_z;
+}
+
+template <class Real>
+[[gnu::always_inline]] inline JointForceOf<Real> SpringsOf<Real>::act(const JointPoseOf<Real>& pose, const Drawn& e,
+                                                                      const Vector3Of<Real>& theta, Vector3Of<Real> force,
+                                                                      Vector3Of<Real> by_theta,
+                                                                      Vector3Of<Real> moment) const {
+    spread(e, force, by_theta);
+    // Of a gradient m = J⁻ᵀ(θ) ∂U/∂θ, for δθ = J⁻¹ ε
+    if (turns) moment = (pose.axes * (moment + moment_of_gradient<Real>(theta, by_theta))).eval();
+    return pose.act(pose.axes * force, moment);
+}
+
+template <class Real>
 [[gnu::always_inline]] inline StrainedOf<Real> SpringsOf<Real>::strain(const JointPoseOf<Real>& pose,
-                                                                       const Matrix3Of<Real>& to_axes) const {
+                                                                       const Matrix3Of<Real>& to_axes,
+                                                                       bool with_elastic) const {
     Strained strained;
     strained.d = pose.axes.transpose() * pose.arm - rest;
     strained.theta.setZero();
-    Vector3Of<Real> moment = Vector3Of<Real>::Zero();
     if (turns) {
         strained.attitude.noalias() = pose.axes.transpose() * to_axes;
         strained.theta = rotation_vector<Real>(strained.attitude);
-        // m = J⁻ᵀ(θ) (k ∘ θ): the gradient of ½ θᵀ k θ, for δθ = J⁻¹ ε
-        moment.noalias() =
-            pose.axes * moment_of_gradient<Real>(strained.theta, halves[1].stiffness.cwiseProduct(strained.theta));
     }
-    strained.elastic = pose.act(pose.axes * halves[0].stiffness.cwiseProduct(strained.d), moment);
+    strained.drawn = drawn(strained.d, strained.theta);
+    if (is_line) strained.d.x() += strained.drawn.elongation;
+    if (with_elastic)
+        strained.elastic = act(pose, strained.drawn, strained.theta, halves[0].stiffness.cwiseProduct(strained.d),
+                               halves[1].stiffness.cwiseProduct(strained.theta), Vector3Of<Real>::Zero());
     return strained;
 }
 
@@ -116,16 +176,20 @@ template <class Real>
                                                                         const Damper* damper) const {
     Force force = state.known;
     if (!scheme.is_implicit()) return force;
-    force.add(scheme.elastic_weight(0), end.elastic);
-    if (!damper) return force;
-    const auto act = [&](const JointHalfOf<Real>& half, const Vector3Of<Real>& delta) {
-        const Real rate = scheme.rate(0), lag = scheme.lag();
-        return Vector3Of<Real>(at_end.axes * (rate * half.damping + lag * half.stiffness).cwiseProduct(delta));
+    const Real weight = scheme.elastic_weight(0);
+    if (!damper) {
+        force.add(weight, end.elastic);
+        return force;
+    }
+    const Real rate = scheme.rate(0), lag = scheme.lag();
+    const auto along = [&](const JointHalfOf<Real>& half, const Vector3Of<Real>& delta) {
+        return Vector3Of<Real>((rate * half.damping + lag * half.stiffness).cwiseProduct(delta));
     };
-    const Vector3Of<Real> slide = act(halves[0], end.d - state.d);
     Vector3Of<Real> moment = Vector3Of<Real>::Zero();
-    if (turns) moment = act(halves[1], rotation_vector<Real>(end.attitude * damper->attitude.transpose()));
-    force.add(1, at_end.act(slide, moment));
+    if (turns) moment = along(halves[1], rotation_vector<Real>(end.attitude * damper->attitude.transpose()));
+    force.add(1, act(at_end, end.drawn, end.theta,
+                     weight * halves[0].stiffness.cwiseProduct(end.d) + along(halves[0], end.d - state.d),
+                     weight * halves[1].stiffness.cwiseProduct(end.theta), moment));
     return force;
 }
 
@@ -136,16 +200,18 @@ template <class Real>
     state.known.add(scheme.elastic_weight(1), state.elastic);
     state.known.add(scheme.elastic_weight(2), before);
     if (!damper) return;
-    const auto act = [&](int i) {
+    const auto along = [&](int i) {
         const JointHalfOf<Real>& half = halves[i];
         const typename Damper::Half& s = damper->halves[i];
         const Real r1 = scheme.rate(1), r2 = scheme.rate(2), r3 = scheme.rate(3), lag = scheme.lag();
-        return Vector3Of<Real>(at.axes * (half.damping.cwiseProduct(r1 * s.delta[0] + r2 * s.delta[1] + r3 * s.delta[2]) +
-                                          lag * half.stiffness.cwiseProduct(s.delta[0])));
+        return Vector3Of<Real>(half.damping.cwiseProduct(r1 * s.delta[0] + r2 * s.delta[1] + r3 * s.delta[2]) +
+                               lag * half.stiffness.cwiseProduct(s.delta[0]));
     };
     Vector3Of<Real> moment = Vector3Of<Real>::Zero();
-    if (turns) moment = act(1);
-    state.known.add(1, at.act(act(0), moment));
+    if (turns) moment = along(1);
+    const Vector3Of<Real>&d = scheme.is_implicit() ? state.d_before : state.d,
+          &theta = scheme.is_implicit() ? state.theta_before : state.theta;
+    state.known.add(1, act(at, drawn(d, theta), theta, along(0), Vector3Of<Real>::Zero(), moment));
 }
 
 template <class Real>

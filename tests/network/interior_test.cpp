@@ -487,8 +487,45 @@ TEST(Interior, ABeamBentByAMomentBecomesAnArc) {
         return (run.vector("position", DTTMM_OF_NODE, 1) - expected).norm();
     };
     const double coarse = error(20), fine = error(40);
-    EXPECT_LT(fine, 3e-4);
-    EXPECT_NEAR(coarse / fine, 4, 0.4);
+    EXPECT_LT(fine, 6e-6);
+    EXPECT_NEAR(coarse / fine, 8, 0.4);
+}
+
+// Oracle: EI w'' = P (w − w(l)) − F (l − x), whose end gives way by F/P (l − tanh(λ l)/λ), λ² = P/EI, under a pull P and by
+// F/|P| (tan(λ l)/λ − l) under pressure. The pull is 26 and the pressure half of what makes the bar buckle; a bar of two
+// segments that does not foreshorten buckles under this pull too.
+TEST(Interior, APullStiffensAndPressureSoftensABarOfFewSegments) {
+    const double EI = 103, length = 0.9, side = 1.7;
+    const auto error = [&](double pull, int segments) {
+        NetworkModel model;
+        model.node("root", kGround, vec(0.2, 0, 0));
+        model.node("tip", kInner, vec(0.2, length, 0));
+        model.element("bar", "beam", {"root", "tip"},
+                      {{"theory", {0}},
+                       {"segments", {static_cast<double>(segments)}},
+                       {"section.EA", {1.6e9}},
+                       {"section.EIy", {EI}},
+                       {"section.EIz", {EI}},
+                       {"section.GJ", {80}},
+                       {"section.mass", {0.6}},
+                       {"material.stiffness_damping", {0.01}}});
+        Journey run(model, 2e-3);
+        run.start([&](double t) { return std::vector<double>{side * rise(t, 0.5), pull * rise(t, 0.5), 0, 0, 0, 0}; });
+        for (int n = 0; n < 2000; ++n) run.step();
+        const double l = std::sqrt(std::abs(pull) / EI),
+                     at_tip = (pull > 0 ? std::tanh(l * length) : std::tan(l * length)) / l;
+        return std::abs(run.vector("position", DTTMM_OF_NODE, 1).x() - 0.2 - side / pull * (length - at_tip)) /
+               (side / std::abs(pull) * length);
+    };
+    const double buckling = M_PI * M_PI * EI / (4 * length * length);
+    for (double pull : {26 * buckling, -0.5 * buckling}) {
+        const double coarse = error(pull, 2), fine = error(pull, 4), finest = error(pull, 8);
+        EXPECT_LT(finest, 1e-4) << pull;  // what the side force itself bends, of second order
+        EXPECT_LT(coarse, 2e-3) << pull;
+        if (pull < 0) continue;
+        EXPECT_GT(coarse / fine, 4);
+        EXPECT_GT(fine / finest, 4);
+    }
 }
 
 // Oracle: the equation of the physical pendulum, (J + m l²) φ'' = −m g l sin φ, by energy: speed at the lowest point from a

@@ -11,7 +11,9 @@
 #include "analysis/schema.h"
 #include "analysis/templates.h"
 #include "loader/plugins.h"
+#include "model/expression.h"
 #include "model/keys.h"
+#include "model/units.h"
 #include "model/wording.h"
 
 namespace dttmm::host {
@@ -30,8 +32,12 @@ void print_rows(const std::vector<Row>& rows) {
         value = std::max(value, row.value.size());
         fallback = std::max(fallback, row.fallback.size());
     }
-    for (const Row& row : rows)
-        fmt::print("    {:<{}}  {:<{}}  {:<{}}  {}\n", row.name, name, row.value, value, row.fallback, fallback, row.text);
+    for (const Row& row : rows) {
+        std::string line = fmt::format("    {:<{}}  {:<{}}  {:<{}}  {}", row.name, name, row.value, value, row.fallback,
+                                       fallback, row.text);
+        line.resize(line.find_last_not_of(' ') + 1);
+        fmt::print("{}\n", line);
+    }
 }
 
 std::string unit_text(std::string_view unit) { return std::string(unit == "1" ? "number" : unit); }
@@ -176,13 +182,40 @@ void print_element(const dttmm_element_type& type) {
     print_example(find_model(help_models(), type.name));
 }
 
-std::vector<std::string> topics(const ElementCatalogue& catalogue) {
-    std::vector<std::string> names;
-    for (const KeyTable& table : key_tables()) names.emplace_back(table.name);
-    names.emplace_back("signal");
-    for (const dttmm_element_type* type : catalogue.types) names.emplace_back(type->name);
-    return names;
+/// What holds for every value of the model file.
+struct Topic {
+    const char *name, *help;
+    void (*print)();
+};
+
+void print_units() {
+    fmt::print(
+        "A bare number is in SI units. A text has its own unit: \"500 N/mm\", \"30 deg\", \"2 ms\", \"5 %\".\n"
+        "Products, quotients and powers are written N*s/mm, kg*m^2, m/s^2, with any SI prefix.\n\n");
+    std::vector<Row> rows;
+    for (const std::vector<std::string>& units : usual_units())
+        rows.push_back({units.front(), fmt::format("{}", fmt::join(units.begin() + 1, units.end(), ", ")), "", ""});
+    print_rows(rows);
+    fmt::print(
+        "\nAn angular speed is in rad/s: \"3000 rpm\" is 314.16 rad/s. 1/min is a frequency: \"3000 1/min\" is 50 Hz.\n");
 }
+
+void print_expressions() {
+    fmt::print(
+        "A text that begins with = is a formula of the parameters and pi; that of a load also of the time t in s:\n\n"
+        "    stiffness = \"=2*k\"\n"
+        "    force     = \"=800*sin(pi*t/T)*(t<T)\"      a half sine of 800 N that lasts T\n\n"
+        "operators    + - * / ^, comparisons < > <= >= == != (1 or 0), && ||, condition ? a : b\n"
+        "functions    {}\n\n"
+        "Parameters enter in SI units. A formula that is one parameter alone must have the unit of the key. The result of "
+        "any\n"
+        "other is taken in the SI unit of the key and its unit is not checked: for a frequency in Hz write "
+        "\"=omega/(2*pi)\".\n",
+        fmt::join(expression_functions(), " "));
+}
+
+constexpr Topic kTopics[] = {{"units", "how numbers with units are written", print_units},
+                             {"expressions", "formulas of parameters and time", print_expressions}};
 
 void print_topics(const ElementCatalogue& catalogue) {
     fmt::print("dttmm help TOPIC: the keys of a table of the model file, or of an element type\n\ntables\n");
@@ -195,18 +228,30 @@ void print_topics(const ElementCatalogue& catalogue) {
         rows.push_back({type->name, type->ends == DTTMM_ENDS_AT ? "at" : "from, to", "",
                         type->documentation ? type->documentation : ""});
     print_rows(rows);
-    fmt::print(
-        "\nunits\n    A bare number is in SI units. A text has its own: \"500 N/mm\", \"30 deg\", \"2 ms\". A text that\n"
-        "    begins with = is an expression of the parameters: \"=2*k\"; of a load also of t.\n");
+    fmt::print("\nvalues\n");
+    rows.clear();
+    for (const Topic& topic : kTopics) rows.push_back({topic.name, "", "", topic.help});
+    print_rows(rows);
 }
 
 }  // namespace
+
+std::vector<std::string> help_topics(const ElementCatalogue& catalogue) {
+    std::vector<std::string> names;
+    for (const KeyTable& table : key_tables()) names.emplace_back(table.name);
+    names.emplace_back("signal");
+    for (const Topic& topic : kTopics) names.emplace_back(topic.name);
+    for (const dttmm_element_type* type : catalogue.types) names.emplace_back(type->name);
+    return names;
+}
 
 void print_help(const Request& request) {
     const Plugins plugins(request.plugins);
     const ElementCatalogue& catalogue = plugins.catalogue();
     if (request.words.empty()) return print_topics(catalogue);
     const std::string& topic = request.words.front();
+    for (const Topic& one : kTopics)
+        if (topic == one.name) return one.print();
     bool is_known = false;
     for (const KeyTable& table : key_tables()) {
         const std::string_view name = table.name;
@@ -221,7 +266,7 @@ void print_help(const Request& request) {
     if (type >= 0) print_element(*catalogue.types[static_cast<size_t>(type)]);
     if (!is_known && type < 0)
         throw Error(ExitCode::usage, fmt::format("there is no help on {}{}; \"dttmm help\" lists what there is",
-                                                 quote(topic), suggestion(topic, topics(catalogue))));
+                                                 quote(topic), suggestion(topic, help_topics(catalogue))));
 }
 
 void print_elements(const Request& request) {

@@ -77,7 +77,7 @@ std::string describe_geometry(const Model& model, const Element& element, const 
     const Eigen::Matrix3d axes = element.axes.value_or(first.rotation);
     std::string text = fmt::format("x along {}", point_text(axes.col(0)));
     if (!axes.isIdentity(1e-12)) text += fmt::format(", y along {}", point_text(axes.col(1)));
-    if (!element.axes) text += " of its `from` end";
+    if (!element.axes) text += from.is_ground() ? " of its `to` end" : " of its `from` end";
     if (line.norm() > kSamePlace) text = fmt::format("{:.6g} m long, {}", line.norm(), text);
     const bool is_joint = std::string_view(type.name) == "spring_damper" || std::string_view(type.name) == "elastic_hinge";
     return line.norm() > kSamePlace && is_joint ? text + "; its force acts at its `to` end" : text;

@@ -26,7 +26,8 @@ void set_parameter(Request& request, const std::string& text) {
 
 // In the order of the help. Columns: names, kind, commands, help, reaches cases, changes results, what it does.
 constexpr Option kOptions[] = {
-    {"--set", Kind::list, kEveryModel, "name=value: another value for a parameter of the model", true, true, set_parameter},
+    {"--set", Kind::list, kEveryModel, "name=value: another value for a parameter of the model; repeated for others", true,
+     true, set_parameter},
     {"--step", Kind::text, kTime, "time step instead of the model's, e.g. \"0.5 ms\"", true, true,
      [](Request& request, const std::string& value) { request.overrides.step = value; }},
     {"--tolerance", Kind::text, kTime, "halve the step until results are within, e.g. \"0.1 %\", instead of the model's",
@@ -37,8 +38,9 @@ constexpr Option kOptions[] = {
      [](Request& request, const std::string& value) { request.overrides.coupling = value; }},
     {"--output-step", Kind::text, kTime, "time between rows instead of the model's, e.g. \"1 ms\"", true, true,
      [](Request& request, const std::string& value) { request.overrides.output_step = value; }},
-    {"--channels", Kind::list, kTime, "pattern of channels to record instead of the model's, e.g. \"bolt*.force\"", true,
-     true, [](Request& request, const std::string& value) { request.overrides.channels.push_back(value); }},
+    {"--channels", Kind::list, kTime,
+     "pattern of channels to record instead of the model's, e.g. \"bolt*.force\"; repeated for more", true, true,
+     [](Request& request, const std::string& value) { request.overrides.channels.push_back(value); }},
     {"--plugin", Kind::list, kEveryModel | kElements | kHelp | kSchema | kNew, "shared library with more element types",
      true, true, [](Request& request, const std::string& value) { request.plugins.push_back(value); }},
     {"--force", Kind::flag, kTime, "run an explicit coupling beyond its stable step", true, true,

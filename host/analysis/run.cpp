@@ -74,7 +74,8 @@ void print_forces(const Recorder& recorder, const Model& model) {
 void print_halving(const Halving& halving) {
     const Level& last = halving.levels().back();
     fmt::print(
-        "error at most {:.3g} % of the largest value of its kind (\"{}\"), asked for {:g} %; step {:g} s of {:g} s at "
+        "error of the time steps at most {:.3g} % of the largest value of its kind (\"{}\"), asked for {:g} %; step {:g} s "
+        "of {:g} s at "
         "first{}\n",
         100 * last.error, last.worst, 100 * halving.tolerance(), last.step, halving.first_step(),
         std::isnan(last.order) ? "" : fmt::format(", observed order {:.2f}", last.order));

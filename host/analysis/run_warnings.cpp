@@ -146,6 +146,40 @@ void warn_ripple(const Recorder& recorder, const Model& model, Warnings& warning
     if (!warning.empty()) warnings.add("alternating-force", warning);
 }
 
+/// Peaks that may stand between rows.
+void warn_rows(const Recorder& recorder, const Model& model, const Simulation& simulation, Warnings& warnings) {
+    const double spacing = model.output.every * model.simulation.step;
+    if (!(spacing > 1.5 * simulation.step_size())) return;
+    constexpr double kMissed = 0.05;  // of the peak
+    const double rounding = 1e-8 * find_largest_force(recorder);
+    std::unordered_map<std::string_view, double> largest;  // by element or joint
+    const auto for_each_force = [&](const auto& look) {
+        for (size_t c = 1; c < recorder.channels().size(); ++c) {
+            const Channel& channel = recorder.channels()[c];
+            if ((channel.of == Channel::Of::element || channel.of == Channel::Of::joint) && channel.quantity() == "force")
+                look(channel, recorder.statistics(static_cast<int>(c)));
+        }
+    };
+    for_each_force([&](const Channel& channel, const ChannelStatistics& statistics) {
+        double& most = largest[channel.owner()];
+        most = std::max(most, statistics.peak);
+    });
+    const Channel* worst = nullptr;
+    double worst_share = kMissed;
+    for_each_force([&](const Channel& channel, const ChannelStatistics& statistics) {
+        const double share = statistics.bend / 8 / statistics.peak;
+        if (statistics.peak < largest[channel.owner()] || statistics.peak <= rounding || !(share > worst_share)) return;
+        worst = &channel;
+        worst_share = share;
+    });
+    if (worst)
+        warnings.add("peaks-between-rows",
+                     fmt::format("rows every {:g} s are too far apart for the peak of \"{}\": between them it may be "
+                                 "{:.2g} % larger, or missed. Record more often, e.g. --output-step {:.1g}",
+                                 spacing, worst->name, 100 * worst_share,
+                                 std::max(simulation.step_size(), spacing * std::sqrt(0.01 / worst_share))));
+}
+
 /// Elements beyond what their laws hold for.
 void warn_limits(const Simulation& simulation, Warnings& warnings) {
     for (const Limit& limit : simulation.limits()) {
@@ -184,6 +218,7 @@ void warn_of_run(Session& session, const Simulation& simulation, const Recorder&
     if (session.halving) session.look_at_loads(simulation);
     warn_energy(recorder, session.model, simulation, session.fast_loads, warnings);
     warn_limits(simulation, warnings);
+    warn_rows(recorder, session.model, simulation, warnings);
     if (!session.halving) return warn_ripple(recorder, session.model, warnings);
     warn_skipped(*session.halving, warnings);
     warn_unresolved(*session.halving, warnings);

@@ -314,7 +314,7 @@ void print_table(const std::vector<Case>& cases, const Model& model) {
     std::vector<size_t> width(lines.front().size());
     for (const auto& line : lines)
         for (size_t c = 0; c < line.size(); ++c) width[c] = std::max(width[c], line[c].size());
-    fmt::print("peak force of every element\n");
+    fmt::print("largest size of the force of every element; sweep.csv has its directions and the final values with sign\n");
     for (const auto& line : lines) {
         std::string text;
         for (size_t c = 0; c < line.size(); ++c) text += fmt::format("{}{:>{}}", c == 0 ? "" : "  ", line[c], width[c]);

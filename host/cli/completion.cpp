@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "analysis/help.h"
 #include "cli/command.h"
 #include "loader/plugins.h"
-#include "model/keys.h"
 #include "model/read_modes.h"
 #include "model/read_simulation.h"
 #include "model/wording.h"
@@ -110,11 +110,8 @@ Typed read(const Words& words) {
 
 Words topics(const Typed& typed) {
     const Plugins plugins(typed.plugins);
+    if (typed.command->bit == kHelp) return help_topics(plugins.catalogue());
     Words found;
-    if (typed.command->bit == kHelp) {
-        for (const KeyTable& table : key_tables()) found.emplace_back(table.name);
-        found.emplace_back("signal");
-    }
     for (const dttmm_element_type* type : plugins.catalogue().types) found.emplace_back(type->name);
     return found;
 }

@@ -169,6 +169,8 @@ double evaluate_expression(std::string_view text, const Constants& constants) {
     return value;
 }
 
+std::vector<std::string> expression_functions() { return keys(mu::Parser().GetFunDef()); }
+
 std::vector<std::string> expression_names(std::string_view text) {
     std::vector<std::string> result;
     for (const Name& name : find_names(normalise_name(text)))

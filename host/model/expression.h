@@ -37,6 +37,9 @@ private:
 /// Value of a formula without time. Throws Error(model_invalid) like Expression, and if the value is not finite.
 double evaluate_expression(std::string_view text, const Constants& constants);
 
+/// The functions that an expression may use.
+std::vector<std::string> expression_functions();
+
 /// The names in an expression that are not functions, each once; pi and t too.
 std::vector<std::string> expression_names(std::string_view text);
 

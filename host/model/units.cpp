@@ -123,37 +123,6 @@ private:
     SystemPointer system_;
 };
 
-/// Usual units by dimension, the SI unit of each row first. Of rows of one dimension the first names it.
-const std::vector<std::vector<std::string>>& usual_units() {
-    static const std::vector<std::vector<std::string>> units = {
-        {"1", "%"},
-        {"m", "mm", "cm", "um", "km", "in"},
-        {"kg", "g", "t"},
-        {"s", "ms", "us", "min"},
-        {"rad", "deg", "mrad"},
-        {"N", "kN", "MN", "mN", "kgf", "lbf"},
-        {"N*m", "kN*m", "N*mm"},
-        {"N/m", "N/mm", "kN/m", "kN/mm", "MN/m"},
-        {"N*s/m", "N*s/mm", "kN*s/m", "kN*s/mm"},
-        {"N*m/rad", "kN*m/rad", "N*mm/rad", "N*m/deg"},
-        {"N*m*s/rad", "kN*m*s/rad", "N*mm*s/rad"},
-        {"kg/m^3", "g/cm^3", "t/m^3"},
-        {"kg*m^2", "kg*mm^2", "g*mm^2"},
-        {"kg/m", "g/mm"},
-        {"m^2", "mm^2", "cm^2"},
-        {"m^3", "mm^3", "cm^3"},
-        {"m^4", "mm^4", "cm^4"},
-        {"m/s", "mm/s", "km/h"},
-        {"m/s^2", "mm/s^2"},
-        {"1/s", "Hz", "kHz"},
-        {"rad/s", "deg/s", "rpm"},
-        {"rad/s^2", "deg/s^2"},
-        {"Pa", "kPa", "MPa", "GPa", "N/mm^2"},
-        {"N*m^2", "N*mm^2", "kN*m^2"},
-    };
-    return units;
-}
-
 std::optional<Unit> parse_unit(std::string_view text) { return UnitSystem::instance().parse(std::string(text)); }
 
 /// The SI unit with the dimension of `unit` as text.
@@ -242,6 +211,36 @@ bool measures(std::string_view unit, std::string_view wanted) {
     if (!given || !asked || dimension(*given) != dimension(*asked)) return false;
     if (radians(*given) == radians(*asked)) return true;
     return radians(*given) == 0 && !is_cycles(unit);
+}
+
+const std::vector<std::vector<std::string>>& usual_units() {
+    static const std::vector<std::vector<std::string>> units = {
+        {"1", "%"},
+        {"m", "mm", "cm", "um", "km", "in"},
+        {"kg", "g", "t"},
+        {"s", "ms", "us", "min"},
+        {"rad", "deg", "mrad"},
+        {"N", "kN", "MN", "mN", "kgf", "lbf"},
+        {"N*m", "kN*m", "N*mm"},
+        {"N/m", "N/mm", "kN/m", "kN/mm", "MN/m"},
+        {"N*s/m", "N*s/mm", "kN*s/m", "kN*s/mm"},
+        {"N*m/rad", "kN*m/rad", "N*mm/rad", "N*m/deg"},
+        {"N*m*s/rad", "kN*m*s/rad", "N*mm*s/rad"},
+        {"kg/m^3", "g/cm^3", "t/m^3"},
+        {"kg*m^2", "kg*mm^2", "g*mm^2"},
+        {"kg/m", "g/mm"},
+        {"m^2", "mm^2", "cm^2"},
+        {"m^3", "mm^3", "cm^3"},
+        {"m^4", "mm^4", "cm^4"},
+        {"m/s", "mm/s", "km/h"},
+        {"m/s^2", "mm/s^2"},
+        {"1/s", "Hz", "kHz"},
+        {"rad/s", "deg/s", "rpm"},
+        {"rad/s^2", "deg/s^2"},
+        {"Pa", "kPa", "MPa", "GPa", "N/mm^2"},
+        {"N*m^2", "N*mm^2", "kN*m^2"},
+    };
+    return units;
 }
 
 std::vector<std::string> accepted_units(std::string_view wanted) {

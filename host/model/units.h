@@ -30,6 +30,9 @@ std::string unit_text(std::string_view text);
 /// "1/s" for "rad/s", but "rad/s" not for "Hz", nor "Hz" for "rad/s", between which 2 pi would be lost.
 bool measures(std::string_view unit, std::string_view wanted);
 
+/// Usual units by dimension, the SI unit of each row first. Of rows of one dimension the first names it.
+const std::vector<std::vector<std::string>>& usual_units();
+
 /// The usual units of the dimension of `wanted`, that one first.
 std::vector<std::string> accepted_units(std::string_view wanted);
 

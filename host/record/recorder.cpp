@@ -77,7 +77,7 @@ void Recorder::adopt_unselected(const Recorder& other) {
     for (int i = 0; i < static_cast<int>(channels_.size()); ++i)
         if (!std::binary_search(selection_.begin(), selection_.end(), i))
             for (const auto kind : {&Statistics::peak, &Statistics::peak_time, &Statistics::minimum, &Statistics::maximum,
-                                    &Statistics::final, &Statistics::ripple})
+                                    &Statistics::final, &Statistics::ripple, &Statistics::bend})
                 (statistics_.*kind)[i] = (other.statistics_.*kind)[i];
 }
 
@@ -90,8 +90,8 @@ void Recorder::check_finite(int channel, double value, double time) const {
 
 ChannelStatistics Recorder::statistics(int channel) const {
     const Statistics& s = statistics_;
-    return {s.peak[channel],    s.peak_time[channel], s.minimum[channel],
-            s.maximum[channel], s.final[channel],     s.ripple[channel]};
+    return {s.peak[channel],  s.peak_time[channel], s.minimum[channel], s.maximum[channel],
+            s.final[channel], s.ripple[channel],    s.bend[channel]};
 }
 
 /// What the values of channels from `first` on do to the statistics.
@@ -101,14 +101,16 @@ void Recorder::count(std::size_t first, std::span<const double> row, double time
     const auto of = [&](Eigen::ArrayXd& numbers) { return numbers.segment(static_cast<Eigen::Index>(first), size); };
     auto peak = of(statistics_.peak), peak_time = of(statistics_.peak_time), minimum = of(statistics_.minimum),
          maximum = of(statistics_.maximum), final = of(statistics_.final), ripple = of(statistics_.ripple),
-         change = of(statistics_.change), alternation = of(statistics_.alternation);
+         bend = of(statistics_.bend), change = of(statistics_.change), alternation = of(statistics_.alternation);
     if (rows_ == 0) {
         peak = value.abs();
         peak_time = time;
         minimum = maximum = final = value;
     }
+    if (rows_ >= 2) bend = (final.abs() == peak).select((value - final - change).abs(), bend);
     for (Eigen::Index i = 0; i < size; ++i)
         if (std::abs(value[i]) > peak[i]) {
+            bend[i] = 0;
             peak[i] = std::abs(value[i]);
             peak_time[i] = time;
         }

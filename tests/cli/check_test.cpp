@@ -80,7 +80,7 @@ TEST(Check, ShowsLengthsAndAxesAndWhereAForceActs) {
             HasSubstr(
                 "tie         spring_damper  0.3 m long, x along (0, 1, 0), y along (-1, 0, 0) of its `from` end; its force "
                 "acts at its `to` end\n"),
-            HasSubstr("one         spring_damper  x along (1, 0, 0) of its `from` end\n")));
+            HasSubstr("one         spring_damper  x along (1, 0, 0) of its `to` end\n")));
 }
 
 // Oracle: the turn by hand. A ground end has the axes of the other end, and `axes` goes before both.
@@ -90,7 +90,7 @@ TEST(Check, ShowsTheAxesThatAnElementHas) {
         "markers.turned = { position = [0, 0, 0], rotation = { axis = [0, 0, 1], angle = \"90 deg\" } }\n"
         "[[element]]\nname = \"tie\"\ntype = \"spring_damper\"\nfrom = \"ground\"\nto = \"block.turned\"\nstiffness = 5e4\n";
     EXPECT_THAT(check(kSmallModel + turned).out,
-                HasSubstr("tie         spring_damper  x along (0, 1, 0), y along (-1, 0, 0) of its `from` end\n"));
+                HasSubstr("tie         spring_damper  x along (0, 1, 0), y along (-1, 0, 0) of its `to` end\n"));
     EXPECT_THAT(check(kSmallModel + turned + "axes = { axis = [0, 1, 0], angle = \"90 deg\" }\n").out,
                 HasSubstr("tie         spring_damper  x along (0, 0, -1), y along (0, 1, 0)\n"));
 }

@@ -56,6 +56,28 @@ TEST(Help, ShowsEveryKeyOfEveryTable) {
     }
 }
 
+// Oracle: the half sine that the help shows has the right impulse, F T 2/π, on a free mass.
+TEST(Help, KnowsUnitsAndExpressions) {
+    EXPECT_THAT(run_dttmm("/", {"help"}).out, HasSubstr("\n    units "));
+    EXPECT_THAT(run_dttmm("/", {"help", "units"}).out, HasSubstr("rad/s      deg/s, rpm\n"));
+    const std::string help = run_dttmm("/", {"help", "expressions"}).out;
+    EXPECT_THAT(help, HasSubstr(" atan2 "));
+    std::smatch found;
+    ASSERT_TRUE(std::regex_search(help, found, std::regex("force     = (\".*?\")"))) << help;
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", fmt::format(R"(format = "dttmm/1"
+parameters = {{ T = "3 ms" }}
+simulation = {{ duration = "5 ms", step = "10 us" }}
+output = {{ channels = ["ball.velocity.x"] }}
+body = [{{ name = "ball", mass = 2.5, sphere = 0.1 }}]
+load = [{{ on = "ball", direction = [1, 0, 0], force = {} }}]
+)",
+                                                  found[1].str()));
+    EXPECT_EQ(run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out"}).code, 0);
+    const std::string history = read_text(folder / "out/history.csv");
+    EXPECT_NEAR(std::stod(history.substr(history.rfind(',') + 1)), 800 * 3e-3 * 2 / M_PI / 2.5, 1e-4);
+}
+
 // Oracle: the model is valid, has an element of that type, and runs.
 TEST(Help, ShowsEveryElementTypeInAModelThatRuns) {
     const TemporaryFolder folder;

@@ -41,6 +41,7 @@ protected:
 
 // Oracle: a case is the run with these values set: the same bytes of history, and its final force in sweep.csv.
 TEST_F(Sweep, ACaseIsTheRunWithItsValues) {
+    write_text(folder_ / "model.toml", small_model_with("step = \"5 ms\"", "step = \"1 ms\""));
     const Ended ended = sweep({"mass=1 kg..5 kg:3"});
     EXPECT_EQ(ended.code, 0) << ended.err;
     EXPECT_THAT(ended.out, HasSubstr("3 of 3 cases completed (0 of them reused), 0 failed, 0 not run"));

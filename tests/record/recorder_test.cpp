@@ -98,6 +98,17 @@ TEST(Recorder, TellsHowMuchAChannelAlternates) {
     EXPECT_EQ(recorder.statistics(3).ripple, 0);
 }
 
+// Oracle: of a vibration of N rows per period with a row at its crest, 2 A (1 − cos(2π/N)); of a ramp and of what is largest
+// in the first row or the last, none.
+TEST(Recorder, TellsTheBendOfTheRowsAtThePeak) {
+    Recorder recorder(kPlateChannels);
+    for (int n = 0; n < 20; ++n)
+        recorder.close_row(std::vector{0.01 * n, 5 * std::exp(-0.01 * n) * std::sin(2 * M_PI * n / 8), 3.0 * n, 20.0 - n});
+    EXPECT_NEAR(recorder.statistics(1).bend, 5 * std::exp(-0.02) * 2 * (1 - std::cos(2 * M_PI / 8)), 1e-2);
+    EXPECT_EQ(recorder.statistics(2).bend, 0);
+    EXPECT_EQ(recorder.statistics(3).bend, 0);
+}
+
 // Oracle: the text by hand; HDF5 read back; statistics of what is not selected are the other recorder's.
 TEST(Recorder, EstimatesStandBesideTheirChannels) {
     const TemporaryFolder temporary;

@@ -8,7 +8,7 @@
 
 #include "analysis/machine_table.h"
 #include "analysis/modal_machine.h"
-#include "analysis/modes.h"
+#include "analysis/modal_session.h"
 #include "analysis/session.h"
 #include "coupling/stability.h"
 #include "model/read_simulation.h"

@@ -68,4 +68,6 @@ void write_json(const std::filesystem::path& path, const std::function<void(Json
     });
 }
 
+std::string to_text(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
 }  // namespace dttmm::host

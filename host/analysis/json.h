@@ -145,6 +145,9 @@ private:
 /// Members stay in the order written.
 using Json = nlohmann::basic_json<OrderedMembers>;
 
+/// For a person: indented, with a line feed at the end; what is not UTF-8 is replaced.
+std::string to_text(const Json& json);
+
 /// Writes an object member by member in the form of write_json(), for one that is too large to stand in memory.
 class JsonWriter {
 public:

@@ -1,30 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "analysis/sweep.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/mman.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <chrono>
-#include <csignal>
 #include <cstring>
 #include <fstream>
-#include <map>
 #include <set>
 #include <thread>
 
+#include "analysis/process_pool.h"
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
 #include "analysis/sweep_table.h"
 #include "model/units.h"
 #include "model/wording.h"
 #include "record/atomic_file.h"
-#include "record/csv_writer.h"
 #include "record/progress_bar.h"
 #include "record/results_folder.h"
 #include "record/tell.h"
@@ -39,36 +31,6 @@ struct Case {
     std::string status = "missing";  ///< "completed", "failed", "missing"
     std::string reason;
     Json summary;
-};
-
-/// A file without a name that takes what a child says.
-class Capture {
-public:
-    Capture() : descriptor_(memfd_create("dttmm-case", MFD_CLOEXEC)) {
-        if (descriptor_ < 0)
-            throw Error(ExitCode::resource_limit, fmt::format("no memory file for a case: {}", std::strerror(errno)));
-    }
-    ~Capture() {
-        if (descriptor_ >= 0) ::close(descriptor_);
-    }
-    Capture(Capture&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
-    Capture(const Capture&) = delete;
-    Capture& operator=(const Capture&) = delete;
-    Capture& operator=(Capture&&) = delete;
-    int descriptor() const { return descriptor_; }
-
-    /// The last line that is no warning.
-    std::string last_line() const {
-        std::string text(16384, '\0');
-        const ssize_t size = ::pread(descriptor_, text.data(), text.size(), 0);
-        text.resize(size > 0 ? static_cast<size_t>(size) : 0);
-        while (!text.empty() && text.back() == '\n') text.pop_back();
-        const size_t begin = text.rfind('\n');
-        return begin == std::string::npos ? text : text.substr(begin + 1);
-    }
-
-private:
-    int descriptor_;
 };
 
 Json read_summary(const std::filesystem::path& folder) {
@@ -93,29 +55,8 @@ std::vector<std::string> command_of(const Request& request, const Case& one) {
     return words;
 }
 
-/// Starts `words` in a process of its own: out of the terminal's process group, so that Ctrl-C reaches the sweep alone,
-/// which then stops its cases; and ended by the kernel if the sweep is killed.
-pid_t spawn(const std::vector<std::string>& words, int error_descriptor) {
-    std::vector<char*> arguments;
-    for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-    arguments.push_back(nullptr);
-    const pid_t parent = ::getpid();
-    const pid_t child = ::fork();
-    if (child < 0)
-        throw Error(ExitCode::resource_limit, fmt::format("a case could not be started: {}", std::strerror(errno)));
-    if (child > 0) return child;
-    // Between fork and exec: system calls only.
-    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
-    if (::getppid() != parent) ::_exit(static_cast<int>(ExitCode::stopped_by_user));
-    ::setpgid(0, 0);
-    ::dup2(::open("/dev/null", O_WRONLY | O_CLOEXEC), STDOUT_FILENO);
-    ::dup2(error_descriptor, STDERR_FILENO);
-    ::execv("/proc/self/exe", arguments.data());
-    ::_exit(static_cast<int>(ExitCode::internal_error));
-}
-
 /// Judges a case by how its process ended and what it left.
-void conclude(Case& one, int wait_status, const Capture& said) {
+void conclude(Case& one, int wait_status, const std::string& last_line) {
     one.summary = read_summary(one.folder);
     const bool exited_well = WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == 0;
     if (exited_well && one.summary.is_object() && one.summary.value("status", "") == "completed") {
@@ -126,8 +67,7 @@ void conclude(Case& one, int wait_status, const Capture& said) {
     if (WIFSIGNALED(wait_status)) {
         one.reason = fmt::format("killed by signal {} ({})", WTERMSIG(wait_status), strsignal(WTERMSIG(wait_status)));
     } else {
-        const std::string line = said.last_line();
-        one.reason = fmt::format("exit code {}{}{}", WEXITSTATUS(wait_status), line.empty() ? "" : ": ", line);
+        one.reason = fmt::format("exit code {}{}{}", WEXITSTATUS(wait_status), last_line.empty() ? "" : ": ", last_line);
     }
 }
 
@@ -148,69 +88,6 @@ bool reuse(Case& one, const Model& model, const Request& request) {
     one.summary = summary;
     return true;
 }
-
-/// Keeps `jobs` processes going until all cases in `todo` have ended or the user stops them.
-class Crew {
-public:
-    Crew(const Request& request, std::vector<Case*> todo, int jobs, size_t reused, size_t total)
-        : request_(request),
-          todo_(std::move(todo)),
-          jobs_(jobs),
-          done_(reused),
-          total_(total),
-          progress_(request.quiet ? -1 : 2) {}
-
-    void work() {
-        while (next_ < todo_.size() || !running_.empty()) {
-            if (StopSignals::requested()) {
-                stop();
-                return;
-            }
-            while (next_ < todo_.size() && static_cast<int>(running_.size()) < jobs_) launch(*todo_[next_++]);
-            await_one();
-            progress_.update(static_cast<double>(done_), static_cast<double>(total_), "cases");
-        }
-    }
-
-private:
-    struct Running {
-        Case* one;
-        Capture said;
-    };
-
-    void launch(Case& one) {
-        Capture said;
-        const pid_t child = spawn(command_of(request_, one), said.descriptor());
-        running_.emplace(child, Running{&one, std::move(said)});
-    }
-
-    void await_one() {
-        // Not a wait without end: a signal that comes just before it would go unnoticed until a case ends.
-        int status = 0;
-        const pid_t child = ::waitpid(-1, &status, WNOHANG);
-        if (child == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        const auto found = running_.find(child);
-        if (found == running_.end()) return;
-        conclude(*found->second.one, status, found->second.said);
-        running_.erase(found);
-        ++done_;
-    }
-
-    void stop() {
-        for (const auto& [child, running] : running_) ::kill(child, SIGTERM);
-        for (const auto& [child, running] : running_)
-            while (::waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
-            }
-        running_.clear();
-    }
-
-    const Request& request_;
-    std::vector<Case*> todo_;
-    int jobs_;
-    size_t next_ = 0, done_, total_;
-    std::map<pid_t, Running> running_;
-    ProgressBar progress_;
-};
 
 /// Columns of sweep.csv behind case, parameters, status, reason and warnings: owner, quantity, axis and statistic.
 struct Column {
@@ -281,8 +158,8 @@ std::string sweep_table(const std::vector<Case>& cases, const Model& model, cons
         rows.push_back({parameters_of(one), {one.status, one.reason, count_warnings(one)}});
         if (one.status != "completed") continue;
         for (const Column& c : columns)
-            rows.back().cells.push_back(
-                number_text(one.summary.at(c.section).at(c.owner).at(c.quantity).at(c.axis).at(c.statistic).get<double>()));
+            rows.back().cells.emplace_back(
+                one.summary.at(c.section).at(c.owner).at(c.quantity).at(c.axis).at(c.statistic).get<double>());
     }
     return make_sweep_table(parameters, heads, rows);
 }
@@ -373,7 +250,15 @@ ExitCode run_sweep(const Request& request, const std::vector<SweepAxis>& axes) {
     }
     const size_t reused = cases.size() - todo.size();
     const int jobs = request.jobs > 0 ? request.jobs : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    Crew(request, std::move(todo), jobs, reused, cases.size()).work();
+    ProgressBar progress(request.quiet ? -1 : 2);
+    size_t done = reused;
+    run_processes(
+        todo.size(), jobs, [&](size_t i) { return command_of(request, *todo[i]); },
+        [&](size_t i, int wait_status, const std::string& last_line) {
+            conclude(*todo[i], wait_status, last_line);
+            ++done;
+        },
+        [&] { progress.update(static_cast<double>(done), static_cast<double>(cases.size()), "cases"); });
 
     write_atomically(folder.file("sweep.csv"), sweep_table(cases, model, parameters));
     print_failures(cases);

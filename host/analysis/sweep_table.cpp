@@ -4,12 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 #include <unordered_map>
 
 #include "model/error.h"
 #include "model/wording.h"
-#include "record/csv_writer.h"
+#include "record/csv_table.h"
 
 namespace dttmm::host {
 
@@ -36,20 +37,19 @@ std::string make_sweep_table(const std::vector<Parameter>& parameters, const std
     // The result of an expression has no unit of its own: it is a plain number in SI
     for (const Parameter& parameter : parameters) heads.push_back({parameter.name, parameter.unit});
     heads.insert(heads.end(), columns.begin(), columns.end());
-    std::string text = csv_header(heads);
+    CsvTable table(heads);
     for (size_t r = 0; r < rows.size(); ++r) {
-        text += case_name(r);
+        table.add(case_name(r));
         std::unordered_map<std::string_view, double> values;
         for (const Parameter& parameter : rows[r].parameters) values.emplace(parameter.name, parameter.value);
         for (const Parameter& parameter : parameters) {
             const auto found = values.find(parameter.name);
-            text += "," + (found == values.end() ? std::string() : number_text(found->second));
+            table.add(found == values.end() ? std::nan("") : found->second);
         }
-        for (size_t c = 0; c < columns.size(); ++c)
-            text += "," + (c < rows[r].cells.size() ? csv_field(rows[r].cells[c]) : std::string());
-        text += "\n";
+        for (const auto& cell : rows[r].cells) std::visit([&](const auto& field) { table.add(field); }, cell);
+        table.end_row();
     }
-    return text;
+    return table.text();
 }
 
 void refuse_column_names(const Model& model) {

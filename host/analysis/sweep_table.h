@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "model/model.h"
@@ -12,7 +13,8 @@ namespace dttmm::host {
 /// A case as sweep.csv shows it.
 struct SweepRow {
     std::vector<Parameter> parameters;  ///< those that are known, in any order
-    std::vector<std::string> cells;     ///< of the columns behind the parameters; those that are missing are empty
+    /// Of the columns behind the parameters; those that are missing are empty.
+    std::vector<std::variant<double, std::string>> cells;
 };
 
 /// How folders, sweep.csv and messages call a case, counted from 0: "case-000001".

@@ -14,8 +14,10 @@
 
 #include "analysis/channel_list.h"
 #include "analysis/check.h"
+#include "analysis/frf.h"
 #include "analysis/help.h"
 #include "analysis/modes.h"
+#include "analysis/modes_sweep.h"
 #include "analysis/run.h"
 #include "analysis/sweep.h"
 #include "cli/completion.h"

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/frf.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "analysis/modal_session.h"
+#include "analysis/stop_signals.h"
+#include "analysis/summary.h"
+#include "model/units.h"
+#include "model/wording.h"
+#include "record/csv_writer.h"
+#include "record/results_folder.h"
+#include "record/tell.h"
+
+namespace dttmm::host {
+
+namespace {
+
+/// "plate.corner1.z" as a place and a direction.
+std::pair<const ModalPlace*, int> place_and_direction(const Model& model, const ModalMachine& machine,
+                                                      const std::string& option, const std::string& text) {
+    const size_t dot = text.rfind('.');
+    std::vector<std::string> known;
+    for (const ModalPlace& place : machine.places()) known.push_back(place.name);
+    if (dot == std::string::npos)
+        throw Error(ExitCode::usage,
+                    fmt::format("{} {}: write place.direction, e.g. {}.z", option, quote(text), known.front()));
+    const std::string name = text.substr(0, dot), direction = text.substr(dot + 1);
+    const auto d = std::ranges::find(direction_names(), direction);
+    if (d == direction_names().end())
+        throw Error(ExitCode::usage, fmt::format("{} {}: {} is none of the directions {}", option, quote(text),
+                                                 quote(direction), listed(direction_names())));
+    const ModalPlace* place = machine.find(name);
+    if (!place)
+        throw Error(ExitCode::usage, fmt::format("{} {}: no body, marker or node {}{}", option, quote(text), quote(name),
+                                                 suggestion(name, known)));
+    const auto index = static_cast<size_t>(d - direction_names().begin());
+    if (!model.modes.directions[index])
+        throw Error(ExitCode::usage,
+                    fmt::format("{} {}: nothing moves in {}: the model's dofs leave it out", option, quote(text), *d));
+    return {place, static_cast<int>(index)};
+}
+
+double frequency(const std::string& option, const std::string& text) {
+    try {
+        const double value = parse_quantity(text, "Hz");
+        if (value >= 0 && std::isfinite(value)) return value;
+        throw Error(ExitCode::usage, "must be zero or more");
+    } catch (const Error& error) {
+        throw Error(ExitCode::usage, fmt::format("{} {}: {}", option, quote(text), error.what()));
+    }
+}
+
+}  // namespace
+
+ExitCode find_response(const Request& request) {
+    const StopSignals signals;
+    const double from = frequency("--from", request.from), to = frequency("--to", request.to);
+    if (!(to > from)) throw Error(ExitCode::usage, "--to must be more than --from");
+    if (request.is_logarithmic && from == 0) throw Error(ExitCode::usage, "--log: --from must be more than zero");
+    const Plugins plugins(request.plugins);
+    Warnings warnings;
+    ModalSession session(request, plugins, warnings);
+    const Model& model = session.model;
+    ModalMachine& machine = session.machine;
+    const auto [in, in_direction] = place_and_direction(model, machine, "--in", request.input);
+    const auto [out, out_direction] = place_and_direction(model, machine, "--out", request.response);
+
+    const char* input = in_direction < 3 ? "N" : "(N*m)";
+    const char* unit = out_direction < 3 ? "m" : "rad";
+    const auto frequency_at = [&](int i) {
+        const double part = static_cast<double>(i) / (request.points - 1);
+        return request.is_logarithmic ? from * std::pow(to / from, part) : from + part * (to - from);
+    };
+    const auto respond = [&](double f) { return machine.respond(f, *in, in_direction, *out, out_direction); };
+    std::complex<double> H = respond(frequency_at(0));  // before the folder is touched: it may be refused
+
+    const ResultsFolder folder(results_path(request, "-frf"));
+    const std::string per_input = fmt::format("{}/{}", unit, input), velocity = fmt::format("{}/s/{}", unit, input),
+                      acceleration = fmt::format("{}/s^2/{}", unit, input);
+    CsvWriter rows(folder.file("frf.csv"), {{"frequency", "Hz"},
+                                            {"receptance.re", per_input},
+                                            {"receptance.im", per_input},
+                                            {"receptance", per_input},
+                                            {"phase", "deg"},
+                                            {"mobility.re", velocity},
+                                            {"mobility.im", velocity},
+                                            {"accelerance.re", acceleration},
+                                            {"accelerance.im", acceleration}});
+    double largest = 0, at = 0, missed = 0, last = 0, slope = 0;
+    int done = 0;
+    for (; done < request.points && !StopSignals::requested(); ++done) {
+        const double f = frequency_at(done);
+        if (done > 0) H = respond(f);
+        const std::complex<double> iw(0, 2 * std::numbers::pi * f), V = iw * H, A = iw * V;
+        const double row[] = {f,        H.real(), H.imag(), std::abs(H), std::arg(H) * 180 / std::numbers::pi,
+                              V.real(), V.imag(), A.real(), A.imag()};
+        rows.write_row(row);
+        // A peak between points is larger than the largest of them by an eighth of their second difference or more
+        const double rise = std::abs(H) - last;
+        if (done > 1 && last == largest) missed = (slope - rise) / 8;
+        slope = rise;
+        last = std::abs(H);
+        if (last > largest) {
+            largest = last;
+            at = f;
+            missed = 0;
+        }
+    }
+    rows.finish();
+    const bool is_stopped = done < request.points;
+    if (missed > 0.01 * largest)
+        warnings.add("peak-between-points",
+                     fmt::format("the points are too far apart for the peak near {:.6g} Hz: between them it may be {:.2g} % "
+                                 "larger or more; \"dttmm modes\" tells where it is, take more points there",
+                                 at, 100 * missed / largest));
+    if (largest == 0 && !is_stopped)
+        warnings.add("no-response", fmt::format("{} does not move under {}: {}", request.response, request.input,
+                                                machine.why_still(*in, in_direction, *out, out_direction)));
+    warnings.print_rest("; summary.json has all of them");
+    write_json(folder.file("summary.json"), [&](JsonWriter& json) {
+        json.member("format", "dttmm-frf/1");
+        json.member("warnings", describe_warnings(warnings));
+        json.member("title", model.title);
+        json.member("status", is_stopped ? "stopped" : "completed");
+        json.member("in", request.input);
+        json.member("out", request.response);
+        json.member("rows", done);
+        json.member("largest_receptance", largest);
+        json.member("largest_at_hz", at);
+        json.member("command_line", request.command_line);
+        json.member("inputs", describe_inputs(model, request));
+        write_model(json, model, plugins.catalogue());
+    });
+    if (is_stopped) {
+        tell(fmt::format("{} at {:g} Hz; {} of {} rows are kept", StopSignals::reason(), frequency_at(done), done,
+                         request.points));
+        return StopSignals::exit_code();
+    }
+    if (!request.quiet)
+        fmt::print("{} points from {:g} to {:g} Hz, {} per {}; largest {:.6g} {}/{} at {:.6g} Hz\nresults in {}\n",
+                   request.points, from, to, request.response, request.input, largest, unit, input, at,
+                   folder.describe("frf.csv"));
+    return ExitCode::ok;
+}
+
+}  // namespace dttmm::host

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/modal_session.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "record/results_folder.h"
+#include "record/tell.h"
+
+namespace dttmm::host {
+
+namespace {
+
+/// Whether a load pulls all the time: its mean over the second half of the run is more than a tenth of its largest value
+/// there. A vibration and a blow have a small mean. Without a duration the load at the start counts.
+bool is_lasting(const Signal& signal, double duration) {
+    if (!(duration > 0)) return signal.value(0) != 0;
+    constexpr int kSamples = 1000;
+    double sum = 0, largest = 0;
+    for (int i = 0; i <= kSamples; ++i) {
+        const double value = signal.value(duration * (0.5 + 0.5 * i / kSamples));
+        sum += value;
+        largest = std::max(largest, std::abs(value));
+    }
+    return std::abs(sum) / (kSamples + 1) > 0.1 * largest;
+}
+
+Model read(const Request& request, const Plugins& plugins, Warnings& warnings) {
+    ModelOverrides overrides = request.overrides;
+    overrides.purpose = Purpose::modes;
+    Model model = read_model(request.model, plugins.catalogue(), overrides);
+    warnings.add(model.warnings);
+    warn_preload(model, warnings);
+    return model;
+}
+
+}  // namespace
+
+/// Gravity and lasting loads change the frequencies of what they tension or press: an inverted pendulum on a spring may have
+/// 41 % less.
+void warn_preload(const Model& model, Warnings& warnings) {
+    if (!model.simulation.gravity.isZero(0))
+        warnings.note("gravity-not-in-modes",
+                      "the frequencies are those without gravity: its stiffness, as of a pendulum, is not in them");
+    std::string place;
+    size_t others = 0;
+    for (const Load& load : model.loads) {
+        if (!is_lasting(load.signal, model.simulation.duration)) continue;
+        if (place.empty())
+            place = load.place;
+        else
+            ++others;
+    }
+    if (!place.empty())
+        warnings.note(
+            "load-not-in-modes",
+            fmt::format("{}: the frequencies are those without this lasting load{}: the stiffness of its tension or "
+                        "pressure is not in them",
+                        place, others > 0 ? fmt::format(" and {} more", others) : ""));
+}
+
+ModalSession::ModalSession(const Request& request, const Plugins& plugins, Warnings& warnings)
+    : model(read(request, plugins, warnings)), machine(model, plugins) {}
+
+std::vector<ModalInstance::Mode> ModalSession::find_modes() {
+    std::vector<ModalInstance::Mode> modes = machine.find_modes();
+    // An empty list is an answer: the count proves it
+    if (modes.empty() && model.modes.below)
+        tell(fmt::format("{}: no natural frequency lies below {:g} Hz", model.modes.below_place, *model.modes.below));
+    return modes;
+}
+
+std::filesystem::path results_path(const Request& request, const char* suffix) {
+    if (request.output) return *request.output;
+    std::filesystem::path path = default_results_path(request.model);
+    path += suffix;
+    return path;
+}
+
+}  // namespace dttmm::host

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "analysis/modal_machine.h"
+#include "analysis/request.h"
+#include "loader/plugins.h"
+#include "record/warnings.h"
+
+namespace dttmm::host {
+
+/// Notes what of the model is not in its natural frequencies: gravity and lasting loads.
+void warn_preload(const Model& model, Warnings& warnings);
+
+/// A model as one command works on its small vibrations: read and checked, before anything is written.
+class ModalSession {
+public:
+    /// Its plugins and its warnings, those of the file and of what its frequencies leave out, are the caller's: the cases of
+    /// a sweep share them. Throws Error for a model in which nothing vibrates.
+    ModalSession(const Request& request, const Plugins& plugins, Warnings& warnings);
+
+    /// The natural frequencies that the model asks for; says so where there are none.
+    std::vector<ModalInstance::Mode> find_modes();
+
+    const Model model;
+    ModalMachine machine;
+};
+
+/// Where the results go: the folder asked for, or the model's with `suffix` behind its name.
+std::filesystem::path results_path(const Request& request, const char* suffix);
+
+}  // namespace dttmm::host

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/modes_sweep.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/curves.h"
+#include "analysis/json.h"
+#include "analysis/modal_session.h"
+#include "analysis/stop_signals.h"
+#include "analysis/sweep_table.h"
+#include "model/units.h"
+#include "model/wording.h"
+#include "record/atomic_file.h"
+#include "record/results_folder.h"
+#include "record/tell.h"
+
+namespace dttmm::host {
+
+namespace {
+
+using Mode = ModalInstance::Mode;
+
+/// Shapes of a case as one column each, displacements of all places.
+Eigen::MatrixXd shapes_of(const ModalMachine& machine, const std::vector<Mode>& modes) {
+    const std::vector<ModalPlace>& places = machine.places();
+    Eigen::MatrixXd shapes(static_cast<Eigen::Index>(6 * places.size()), static_cast<Eigen::Index>(modes.size()));
+    for (size_t m = 0; m < modes.size(); ++m)
+        for (size_t p = 0; p < places.size(); ++p)
+            shapes.block<6, 1>(static_cast<Eigen::Index>(6 * p), static_cast<Eigen::Index>(m)) =
+                machine.motion(places[p], modes[m]);
+    return shapes;
+}
+
+/// Below this likeness two shapes may be those of different modes.
+constexpr double kAlike = 0.8;
+
+/// A case as the sweep keeps it.
+struct SweptCase {
+    std::vector<Parameter> parameters;
+    std::vector<double> swept;        ///< value of every axis [SI]
+    std::vector<double> frequencies;  ///< [Hz]
+};
+
+double frequency_of(const SweptCase& one, const CaseCurves& curves, size_t curve) {
+    return curves.mode_of[curve] == CaseCurves::kNone ? std::nan("") : one.frequencies[curves.mode_of[curve]];
+}
+
+/// The least likeness of a case to the one it was compared with; NaN if nothing was compared.
+double least_likeness(const CaseCurves& curves) {
+    double least = std::nan("");
+    for (double likeness : curves.likeness)
+        if (!(likeness >= least)) least = std::isnan(likeness) ? least : likeness;
+    return least;
+}
+
+std::string modes_sweep_table(const std::vector<SweptCase>& cases, const std::vector<CaseCurves>& curves,
+                              const std::vector<Parameter>& parameters) {
+    const size_t count = curves.empty() ? 0 : curves.front().mode_of.size();
+    std::vector<Channel> columns;
+    for (size_t k = 0; k < count; ++k) columns.push_back({fmt::format("curve{}", k + 1), "Hz"});
+    for (size_t k = 0; k < count; ++k) columns.push_back({fmt::format("mac{}", k + 1), "1"});
+    std::vector<SweepRow> rows;
+    for (size_t c = 0; c < cases.size(); ++c) {
+        rows.push_back({cases[c].parameters, {}});
+        for (size_t k = 0; k < count; ++k) rows.back().cells.emplace_back(frequency_of(cases[c], curves[c], k));
+        for (double likeness : curves[c].likeness) rows.back().cells.emplace_back(likeness);
+    }
+    return make_sweep_table(parameters, columns, rows);
+}
+
+Json describe_sweep(const std::vector<SweptCase>& cases, const std::vector<CaseCurves>& curves) {
+    const auto or_null = [](double value) { return std::isnan(value) ? Json() : Json(value); };
+    Json list = Json::array();
+    for (size_t c = 0; c < cases.size(); ++c) {
+        Json row = {{"case", case_name(c)},
+                    {"parameters", Json::object()},
+                    {"frequencies_hz", Json::array()},
+                    {"likeness", Json::array()},
+                    {"nearest", curves[c].nearest == CaseCurves::kNone ? Json() : Json(case_name(curves[c].nearest))}};
+        for (const Parameter& parameter : cases[c].parameters) row["parameters"][parameter.name] = parameter.value;
+        for (size_t k = 0; k < curves[c].mode_of.size(); ++k) {
+            row["frequencies_hz"].push_back(or_null(frequency_of(cases[c], curves[c], k)));
+            row["likeness"].push_back(or_null(curves[c].likeness[k]));
+        }
+        list.push_back(std::move(row));
+    }
+    return {{"format", "dttmm-modes-sweep/1"}, {"cases", list}};
+}
+
+void print_sweep(const std::vector<SweptCase>& cases, const std::vector<CaseCurves>& curves,
+                 const std::vector<SweepAxis>& axes, const std::vector<Parameter>& parameters) {
+    std::string head = fmt::format("{:<11}", "case");
+    for (const SweepAxis& axis : axes) {
+        const auto parameter = std::ranges::find(parameters, axis.name, &Parameter::name);
+        const std::string unit = parameter == parameters.end() || parameter->unit == "1" ? "" : " [" + parameter->unit + "]";
+        head += fmt::format(" {:>13}", axis.name + unit);
+    }
+    const size_t count = curves.empty() ? 0 : curves.front().mode_of.size();
+    for (size_t k = 0; k < count; ++k) head += fmt::format(" {:>11}", fmt::format("curve{} [Hz]", k + 1));
+    fmt::print("{} {:>10}\n", head, "lowest mac");
+    for (size_t c = 0; c < cases.size(); ++c) {
+        std::string line = case_name(c);
+        for (double value : cases[c].swept) line += fmt::format(" {:>13.6g}", value);
+        for (size_t k = 0; k < count; ++k) {
+            const double f = frequency_of(cases[c], curves[c], k);
+            line += std::isnan(f) ? fmt::format(" {:>11}", "-") : fmt::format(" {:>11.6g}", f);
+        }
+        const double least = least_likeness(curves[c]);
+        fmt::print("{} {:>10}\n", line, std::isnan(least) ? "-" : fmt::format("{:.3f}", least));
+    }
+}
+
+/// Curves whose shapes change much from one case to the next may be joined wrongly.
+void warn_unlike(const std::vector<CaseCurves>& curves, Warnings& warnings) {
+    size_t count = 0, worst_case = 0, worst_curve = 0;
+    double least = 1;
+    for (size_t c = 0; c < curves.size(); ++c)
+        for (size_t k = 0; k < curves[c].likeness.size(); ++k) {
+            const double likeness = curves[c].likeness[k];
+            if (!(likeness < kAlike)) continue;
+            ++count;
+            if (likeness >= least) continue;
+            least = likeness;
+            worst_case = c;
+            worst_curve = k;
+        }
+    if (count > 0)
+        warnings.add(
+            "unlike-shapes",
+            fmt::format("in {} a curve goes on with a shape of a likeness (MAC) below {:g}, lowest {:.2g} of curve{} "
+                        "from {} to {}: there it may have changed to another mode; take more cases between",
+                        counted(count, "place", "places"), kAlike, least, worst_curve + 1,
+                        case_name(curves[worst_case].nearest), case_name(worst_case)));
+}
+
+}  // namespace
+
+ExitCode sweep_modes(const Request& request, const std::vector<SweepAxis>& axes) {
+    const StopSignals signals;
+    const std::vector<SweepCase> grid = make_grid(axes);
+    const Plugins plugins(request.plugins);
+    Warnings warnings;
+    const ModalSession base(request, plugins, warnings);
+    refuse_column_names(base.model);
+    check_axes(axes, base.model.parameters);
+    std::vector<SweptCase> cases;
+    std::vector<std::vector<double>> swept;
+    std::vector<Eigen::MatrixXd> shapes;
+    for (size_t c = 0; c < grid.size() && !StopSignals::requested(); ++c) {
+        Request own = request;
+        for (const auto& parameter : grid[c]) own.overrides.parameters.push_back(parameter);
+        ModalSession session(own, plugins, warnings);
+        const std::vector<Mode> modes = session.find_modes();
+        shapes.push_back(shapes_of(session.machine, modes));
+        swept.emplace_back();
+        for (const auto& [name, value] : grid[c]) swept.back().push_back(parse_quantity(value).value);
+        cases.push_back({session.model.parameters, swept.back(), {}});
+        for (const Mode& mode : modes) cases.back().frequencies.push_back(mode.numbers.frequency);
+    }
+    const std::vector<CaseCurves> curves = follow_curves(swept, shapes);
+    const std::vector<Parameter> parameters = cases.empty() ? std::vector<Parameter>() : cases.front().parameters;
+    const ResultsFolder folder(results_path(request, "-modes"), Claim::keep);
+    write_atomically(folder.file("sweep.csv"), modes_sweep_table(cases, curves, parameters));
+    if (request.as_json) {
+        fmt::print("{}", to_text(describe_sweep(cases, curves)));
+    } else if (!request.quiet) {
+        print_sweep(cases, curves, axes, parameters);
+        fmt::print("mac: likeness of a shape to that of its curve in the nearest case; results in {}\n",
+                   folder.describe("sweep.csv"));
+    }
+    warn_unlike(curves, warnings);
+    warnings.print_rest("");
+    if (cases.size() < grid.size()) {
+        tell(fmt::format("{}; {} of {} cases are kept", StopSignals::reason(), cases.size(), grid.size()));
+        return StopSignals::exit_code();
+    }
+    return ExitCode::ok;
+}
+
+}  // namespace dttmm::host

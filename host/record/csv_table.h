@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "record/channels.h"
+
+namespace dttmm::host {
+
+/// A CSV file that is made in one go, of numbers and texts: names, units, rows, in the form of history.csv.
+class CsvTable {
+public:
+    explicit CsvTable(const std::vector<Channel>& columns);
+
+    /// Fields of the row that is open. A number that is not there, NaN, is an empty field.
+    CsvTable& add(double value);
+    CsvTable& add(std::string_view text);
+    CsvTable& add_all(const auto& values) {
+        for (const double value : values) add(value);
+        return *this;
+    }
+    /// Closes the row; what is missing of it are empty fields.
+    void end_row();
+
+    /// Of all closed rows.
+    const std::string& text() const { return text_; }
+
+private:
+    void separate();
+
+    std::string text_;
+    std::size_t columns_, filled_ = 0;
+};
+
+}  // namespace dttmm::host

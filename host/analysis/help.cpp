@@ -42,18 +42,27 @@ void print_rows(const std::vector<Row>& rows) {
 
 std::string unit_text(std::string_view unit) { return std::string(unit == "1" ? "number" : unit); }
 
+/// ", > 0 to 5", ", >= 0": where a value may lie.
+std::string describe_range(const Bounds& bounds) {
+    const double most = std::numeric_limits<double>::max();
+    const bool has_least = bounds.minimum >= -most, has_most = bounds.maximum <= most;
+    if (!has_least) return has_most ? fmt::format(", <= {:g}", bounds.maximum) : "";
+    if (!has_most) return fmt::format(", {} {:g}", bounds.excludes_minimum ? ">" : ">=", bounds.minimum);
+    return fmt::format(", {}{:g} to {:g}", bounds.excludes_minimum ? "> " : "", bounds.minimum, bounds.maximum);
+}
+
 /// What a value may be: "s", "3 x m", "implicit | explicit".
 std::string describe_value(const Key& key) {
     const std::string unit = *key.unit ? unit_text(key.unit) : "as the load";
     const std::string inner = *key.table ? fmt::format(" or {{ }} of {}", key.table) : "";
     switch (key.kind) {
         case Key::Kind::number:
-            return unit;
+            return unit + describe_range(key.bounds);
         case Key::Kind::numbers:
             return (key.count == 0   ? fmt::format("list of {}", unit)
                     : key.count == 1 ? unit
                                      : fmt::format("{} x {}", key.count, unit)) +
-                   inner;
+                   describe_range(key.bounds) + inner;
         case Key::Kind::point:
             return fmt::format("{} x {}, or a name", key.count, unit);
         case Key::Kind::word:
@@ -102,16 +111,8 @@ std::string describe_value(const dttmm_parameter& parameter) {
     if (!(parameter.flags & DTTMM_PARAMETER_WORDS_ONLY)) {
         text = parameter.count == 1 ? unit_text(parameter.unit)
                                     : fmt::format("{} x {}", parameter.count, unit_text(parameter.unit));
-        const double most = std::numeric_limits<double>::max();
-        const bool has_least = parameter.minimum > -most, has_most = parameter.maximum < most;
-        const bool is_positive = parameter.minimum == std::numeric_limits<double>::min();
         if (parameter.flags & DTTMM_PARAMETER_SPREADS) text = fmt::format("one or {}", text);
-        if (is_positive)
-            text += has_most ? fmt::format(", > 0 to {:g}", parameter.maximum) : ", > 0";
-        else if (has_most)
-            text += fmt::format(", {:g} to {:g}", parameter.minimum, parameter.maximum);
-        else if (has_least)
-            text += fmt::format(", >= {:g}", parameter.minimum);
+        text += describe_range(bounds_of(parameter));
         if (parameter.flags & DTTMM_PARAMETER_INTEGER) text += ", whole";
     }
     for (uint32_t w = 0; w < parameter.word_count; ++w)
@@ -172,19 +173,23 @@ void print_conventions(const dttmm_element_type& type) {
             "Axes are those of the `from` end, or as `axes` says. Where the ends stand apart the force acts at `to`.\n");
 }
 
-void print_element(const dttmm_element_type& type) {
+void print_parameters(const dttmm_element_type& type) {
     fmt::print("{}  {}\n\n", type.name, type.documentation ? type.documentation : "");
     std::vector<Row> rows = rows_of(key_table(type.ends == DTTMM_ENDS_AT ? "element.at" : "element"));
     if (is_line(type)) std::erase_if(rows, [](const Row& row) { return row.name == "axes"; });
     for (Row& row : rows_of(type)) rows.push_back(std::move(row));
     print_rows(rows);
     print_conventions(type);
+}
+
+void print_element(const dttmm_element_type& type) {
+    print_parameters(type);
     print_example(find_model(help_models(), type.name));
 }
 
 /// What holds for every value of the model file.
 struct Topic {
-    const char *name, *help;
+    const char *name, *title, *help;
     void (*print)();
 };
 
@@ -214,8 +219,8 @@ void print_expressions() {
         fmt::join(expression_functions(), " "));
 }
 
-constexpr Topic kTopics[] = {{"units", "how numbers with units are written", print_units},
-                             {"expressions", "formulas of parameters and time", print_expressions}};
+constexpr Topic kTopics[] = {{"units", "Units", "how numbers with units are written", print_units},
+                             {"expressions", "Expressions", "formulas of parameters and time", print_expressions}};
 
 void print_topics(const ElementCatalogue& catalogue) {
     fmt::print("dttmm help TOPIC: the keys of a table of the model file, or of an element type\n\ntables\n");
@@ -228,10 +233,62 @@ void print_topics(const ElementCatalogue& catalogue) {
         rows.push_back({type->name, type->ends == DTTMM_ENDS_AT ? "at" : "from, to", "",
                         type->documentation ? type->documentation : ""});
     print_rows(rows);
-    fmt::print("\nvalues\n");
+    fmt::print("\nvalues, and all\n");
     rows.clear();
+    rows.push_back({"reference", "", "", "all of these, as a page of Markdown"});
     for (const Topic& topic : kTopics) rows.push_back({topic.name, "", "", topic.help});
     print_rows(rows);
+}
+
+/// All of it but the models: host/reference.md.
+void print_reference(const ElementCatalogue& catalogue) {
+    fmt::print(
+        "# Reference of the model file\n\nMade by `dttmm help reference` from the tables that the program reads by.\n");
+    for (const KeyTable& table : key_tables()) {
+        fmt::print("\n## {}\n\n```text\n", table.name);
+        print_table(table);
+        fmt::print("```\n");
+    }
+    for (const dttmm_element_type* type : catalogue.types) {
+        fmt::print("\n## Element `{}`\n\n```text\n", type->name);
+        print_parameters(*type);
+        fmt::print("```\n");
+    }
+    for (const Topic& topic : kTopics) {
+        fmt::print("\n## {}\n\n```text\n", topic.title);
+        topic.print();
+        fmt::print("```\n");
+    }
+}
+
+/// A parameter of an element type for a program.
+Json describe_parameter(const dttmm_parameter& parameter) {
+    Json value = {{"name", parameter.name},
+                  {"unit", parameter.unit},
+                  {"count", parameter.count},
+                  {"value", describe_value(parameter)},
+                  {"default", describe_default(parameter)},
+                  {"help", parameter.documentation ? parameter.documentation : ""}};
+    if (parameter.word_count > 0) value["words"] = Json::array();
+    for (uint32_t w = 0; w < parameter.word_count; ++w) value["words"].push_back(parameter.words[w].name);
+    const Bounds bounds = bounds_of(parameter);
+    if (std::isfinite(bounds.minimum)) value[bounds.excludes_minimum ? "more_than" : "at_least"] = bounds.minimum;
+    if (std::isfinite(bounds.maximum)) value["at_most"] = bounds.maximum;
+    return value;
+}
+
+Json describe_types(std::span<const dttmm_element_type* const> types) {
+    Json all = Json::array();
+    for (const dttmm_element_type* type : types) {
+        Json parameters = Json::array();
+        for (const dttmm_parameter& parameter : std::span(type->parameters, type->parameter_count))
+            parameters.push_back(describe_parameter(parameter));
+        all.push_back({{"type", type->name},
+                       {"ends", type->ends == DTTMM_ENDS_AT ? "at" : "from, to"},
+                       {"help", type->documentation ? type->documentation : ""},
+                       {"parameters", std::move(parameters)}});
+    }
+    return all;
 }
 
 }  // namespace
@@ -240,6 +297,7 @@ std::vector<std::string> help_topics(const ElementCatalogue& catalogue) {
     std::vector<std::string> names;
     for (const KeyTable& table : key_tables()) names.emplace_back(table.name);
     names.emplace_back("signal");
+    names.emplace_back("reference");
     for (const Topic& topic : kTopics) names.emplace_back(topic.name);
     for (const dttmm_element_type* type : catalogue.types) names.emplace_back(type->name);
     return names;
@@ -250,6 +308,7 @@ void print_help(const Request& request) {
     const ElementCatalogue& catalogue = plugins.catalogue();
     if (request.words.empty()) return print_topics(catalogue);
     const std::string& topic = request.words.front();
+    if (topic == "reference") return print_reference(catalogue);
     for (const Topic& one : kTopics)
         if (topic == one.name) return one.print();
     bool is_known = false;
@@ -280,8 +339,11 @@ void print_elements(const Request& request) {
             throw Error(ExitCode::usage, fmt::format("there is no element type {}{}", quote(request.words.front()),
                                                      suggestion(request.words.front(), names)));
         }
-        return print_element(*catalogue.types[static_cast<size_t>(type)]);
+        const auto one = std::span(catalogue.types).subspan(static_cast<size_t>(type), 1);
+        if (request.as_json) return fmt::print("{}", to_text(describe_types(one)));
+        return print_element(*one.front());
     }
+    if (request.as_json) return fmt::print("{}", to_text(describe_types(catalogue.types)));
     for (const PluginLibrary& library : plugins.libraries()) {
         const dttmm_plugin& table = library.table();
         fmt::print("plugin {}: {} {}\n", library.name(), table.name, table.version);

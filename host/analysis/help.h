@@ -16,7 +16,7 @@ void print_help(const Request& request);
 /// What there is help on, besides commands.
 std::vector<std::string> help_topics(const ElementCatalogue& catalogue);
 
-/// Prints all element types and their parameters.
+/// Prints all element types, or one, and their parameters.
 void print_elements(const Request& request);
 
 /// Prints a JSON schema (draft 7) of the model file with the element types of the plugins given.

@@ -75,7 +75,7 @@ constexpr Option kOptions[] = {
      [](Request& request, const std::string& value) { request.jobs = std::stoi(value); }, false, 1, 4096},
     {"-v,--verbose", Kind::flag, kModes, "print how the overall transfer equation is laid out", false, false,
      [](Request& request, const std::string&) { request.is_verbose = true; }},
-    {"--json", Kind::flag, kModes, "print one JSON object instead of the table", false, false,
+    {"--json", Kind::flag, kModes | kElements, "print one JSON object instead of the table", false, false,
      [](Request& request, const std::string&) { request.as_json = true; }},
     {"-q,--quiet", Kind::flag, kRun | kFrequency, "no table and no progress bar", false, false,
      [](Request& request, const std::string&) { request.quiet = true; }},

@@ -13,7 +13,13 @@ namespace dttmm::host {
 
 namespace {
 
-Json quantity() { return {{"type", {"number", "string"}}}; }
+/// Bounds are those of a plain number, in SI.
+Json quantity(const Bounds& bounds = {}) {
+    Json value = {{"type", {"number", "string"}}};
+    if (std::isfinite(bounds.minimum)) value[bounds.excludes_minimum ? "exclusiveMinimum" : "minimum"] = bounds.minimum;
+    if (std::isfinite(bounds.maximum)) value["maximum"] = bounds.maximum;
+    return value;
+}
 
 Json list_of(Json items, int count) {
     Json list = {{"type", "array"}, {"items", std::move(items)}};
@@ -41,11 +47,11 @@ Json value_of(const Key& key) {
         forms.push_back(reference(key.table));
     switch (key.kind) {
         case Key::Kind::number:
-            forms.push_back(quantity());
+            forms.push_back(quantity(key.bounds));
             break;
         case Key::Kind::numbers:
-            forms.push_back(list_of(quantity(), key.count));
-            if (key.count == 1) forms.push_back(quantity());
+            forms.push_back(list_of(quantity(key.bounds), key.count));
+            if (key.count == 1) forms.push_back(quantity(key.bounds));
             break;
         case Key::Kind::point:
             forms.push_back(list_of(quantity(), key.count));
@@ -113,9 +119,10 @@ Json value_of(const dttmm_parameter& parameter) {
     Json words = Json::array();
     for (uint32_t w = 0; w < parameter.word_count; ++w) words.push_back(parameter.words[w].name);
     if (parameter.flags & DTTMM_PARAMETER_WORDS_ONLY) return {{"enum", words}};
-    if (parameter.count == 1) return quantity();
-    std::vector<Json> forms = {list_of(quantity(), static_cast<int>(parameter.count))};
-    if (parameter.flags & DTTMM_PARAMETER_SPREADS) forms.push_back(quantity());
+    const Json one = quantity(bounds_of(parameter));
+    if (parameter.count == 1) return one;
+    std::vector<Json> forms = {list_of(one, static_cast<int>(parameter.count))};
+    if (parameter.flags & DTTMM_PARAMETER_SPREADS) forms.push_back(one);
     return any_of(std::move(forms));
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "dttmm_plugin.h"
+#include "model/keys.h"
 
 namespace dttmm::host {
 
@@ -28,5 +29,16 @@ struct ElementCatalogue {
         return -1;
     }
 };
+
+/// Where a parameter may lie, as the tables of keys say it: "more than zero" is the smallest positive number in the
+/// plugin's.
+inline Bounds bounds_of(const dttmm_parameter& parameter) {
+    using Limits = std::numeric_limits<double>;
+    Bounds bounds;
+    if (parameter.minimum > -Limits::max()) bounds.minimum = parameter.minimum;
+    if (parameter.maximum < Limits::max()) bounds.maximum = parameter.maximum;
+    if (parameter.minimum == Limits::min()) bounds = {0, bounds.maximum, true};
+    return bounds;
+}
 
 }  // namespace dttmm::host

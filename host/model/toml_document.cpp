@@ -149,6 +149,14 @@ bool is_digit_before(std::string_view line, int column) {
     return last != line.npos && line[last] >= '0' && line[last] <= '9';
 }
 
+/// The line that a fault of syntax is in, with a mark below its column; of a long line or one that is no plain text nothing.
+std::string pointed_at(std::string_view line, int column) {
+    constexpr std::size_t kLongest = 120;
+    const auto is_plain = [](char c) { return c >= ' ' && c <= '~'; };
+    if (line.empty() || line.size() > kLongest || column < 1 || !std::ranges::all_of(line, is_plain)) return {};
+    return fmt::format("\n    {}\n    {:>{}}", line, '^', column);
+}
+
 void report(const toml::parse_error& error, std::string_view text, Diagnostics& diagnostics) {
     Place place = make_place(error.source().begin);
     std::string message = message_of(error);
@@ -172,7 +180,7 @@ void report(const toml::parse_error& error, std::string_view text, Diagnostics& 
     } else if (says("could not determine value type")) {
         message += "; a text stands in quotes: \"hinge\"";
     }
-    diagnostics.error(place, message);
+    diagnostics.error(place, message + pointed_at(line.content, place.column));
 }
 
 }  // namespace

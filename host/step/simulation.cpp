@@ -12,9 +12,8 @@ namespace dttmm::host {
 
 namespace {
 
-/// Beyond these a machine has flown apart and ODE begins to lose digits.
-constexpr double kFarthest = 1e6;  // m
-constexpr double kFastest = 1e8;   // m/s and rad/s
+/// Beyond it, as beyond kFarthest, a machine has flown apart and ODE begins to lose digits.
+constexpr double kFastest = 1e8;  // m/s and rad/s
 
 constexpr int kMostAttempts = 10;
 

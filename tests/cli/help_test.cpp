@@ -56,6 +56,21 @@ TEST(Help, ShowsEveryKeyOfEveryTable) {
     }
 }
 
+// Oracle: the file beside the host's README, made by the command that it names.
+TEST(Help, MakesTheReference) {
+    EXPECT_EQ(run_dttmm("/", {"help", "reference"}).out, read_text(fs::path(DTTMM_SOURCE_DIR) / "host/reference.md"));
+}
+
+TEST(Help, TellsElementsToPrograms) {
+    const nlohmann::json all = nlohmann::json::parse(run_dttmm("/", {"elements", "--json"}).out);
+    EXPECT_EQ(all.size(), 6u);
+    const nlohmann::json beam = nlohmann::json::parse(run_dttmm("/", {"elements", "beam", "--json"}).out);
+    ASSERT_EQ(beam.size(), 1u);
+    EXPECT_EQ(beam[0].at("type"), "beam");
+    EXPECT_EQ(beam[0].at("parameters")[0].at("words"), nlohmann::json({"euler-bernoulli", "timoshenko"}));
+    EXPECT_EQ(beam[0].at("parameters")[1].at("at_most"), 100000);
+}
+
 // Oracle: the half sine that the help shows has the right impulse, F T 2/π, on a free mass.
 TEST(Help, KnowsUnitsAndExpressions) {
     EXPECT_THAT(run_dttmm("/", {"help"}).out, HasSubstr("\n    units "));

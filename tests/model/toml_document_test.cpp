@@ -63,6 +63,12 @@ TEST(TomlDocument, SyntaxFaultsHaveTheirPlace) {
                 HasSubstr("m.toml:1:5: could not determine value type; a text stands in quotes"));
 }
 
+// The mark stands below the column that the message names.
+TEST(TomlDocument, SyntaxFaultsShowTheirLine) {
+    EXPECT_THAT(document_fault("a = 1\n  b = [3 mm, 2]\n"), HasSubstr("\n      b = [3 mm, 2]\n             ^"));
+    EXPECT_EQ(document_fault("s = \"\x1b[31m\" x\n").find('^'), std::string::npos);
+}
+
 TEST(TomlDocument, DecimalCommasAndBareUnitsAreNamed) {
     EXPECT_THAT(document_fault("a = 2,5"),
                 HasSubstr("m.toml:1:6: expected a comment or whitespace, saw ','; a number has a decimal point"));

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 
 #include "analysis/curves.h"
 #include "analysis/json.h"
@@ -42,6 +43,7 @@ struct SweptCase {
     std::vector<Parameter> parameters;
     std::vector<double> swept;        ///< value of every axis [SI]
     std::vector<double> frequencies;  ///< [Hz]
+    std::string reason = {};          ///< why it failed
 };
 
 double frequency_of(const SweptCase& one, const CaseCurves& curves, size_t curve) {
@@ -136,6 +138,41 @@ void warn_unlike(const std::vector<CaseCurves>& curves, Warnings& warnings) {
                         case_name(curves[worst_case].nearest), case_name(worst_case)));
 }
 
+/// The curves of the cases that have not failed; the others have no part in them.
+std::vector<CaseCurves> follow_completed(const std::vector<SweptCase>& cases, const std::vector<Eigen::MatrixXd>& shapes) {
+    std::vector<size_t> completed;
+    std::vector<std::vector<double>> swept;
+    std::vector<Eigen::MatrixXd> kept;
+    for (size_t c = 0; c < cases.size(); ++c) {
+        if (!cases[c].reason.empty()) continue;
+        completed.push_back(c);
+        swept.push_back(cases[c].swept);
+        kept.push_back(shapes[c]);
+    }
+    std::vector<CaseCurves> found = follow_curves(swept, kept);
+    const size_t count = found.empty() ? 0 : found.front().mode_of.size();
+    std::vector<CaseCurves> curves(cases.size(), {std::vector<size_t>(count, CaseCurves::kNone),
+                                                  std::vector<double>(count, std::nan("")), CaseCurves::kNone});
+    for (size_t k = 0; k < completed.size(); ++k) {
+        if (found[k].nearest != CaseCurves::kNone) found[k].nearest = completed[found[k].nearest];
+        curves[completed[k]] = std::move(found[k]);
+    }
+    return curves;
+}
+
+/// Tells the cases that failed; returns how many.
+size_t tell_failures(const std::vector<SweptCase>& cases, const std::vector<SweepCase>& grid) {
+    size_t count = 0;
+    for (size_t c = 0; c < cases.size(); ++c) {
+        if (cases[c].reason.empty()) continue;
+        std::string at;
+        for (const auto& [name, value] : grid[c]) at += fmt::format(" {}={}", name, value);
+        tell(fmt::format("{}{}: {}", case_name(c), at, cases[c].reason));
+        ++count;
+    }
+    return count;
+}
+
 }  // namespace
 
 ExitCode sweep_modes(const Request& request, const std::vector<SweepAxis>& axes) {
@@ -147,21 +184,32 @@ ExitCode sweep_modes(const Request& request, const std::vector<SweepAxis>& axes)
     refuse_column_names(base.model);
     check_axes(axes, base.model.parameters);
     std::vector<SweptCase> cases;
-    std::vector<std::vector<double>> swept;
     std::vector<Eigen::MatrixXd> shapes;
+    std::exception_ptr fault;
     for (size_t c = 0; c < grid.size() && !StopSignals::requested(); ++c) {
         Request own = request;
-        for (const auto& parameter : grid[c]) own.overrides.parameters.push_back(parameter);
-        ModalSession session(own, plugins, warnings);
-        const std::vector<Mode> modes = session.find_modes();
-        shapes.push_back(shapes_of(session.machine, modes));
-        swept.emplace_back();
-        for (const auto& [name, value] : grid[c]) swept.back().push_back(parse_quantity(value).value);
-        cases.push_back({session.model.parameters, swept.back(), {}});
-        for (const Mode& mode : modes) cases.back().frequencies.push_back(mode.numbers.frequency);
+        SweptCase& one = cases.emplace_back();
+        for (const auto& [name, value] : grid[c]) {
+            own.overrides.parameters.emplace_back(name, value);
+            one.swept.push_back(parse_quantity(value).value);
+            one.parameters.push_back({name, one.swept.back(), "", ""});
+        }
+        shapes.emplace_back();
+        try {
+            ModalSession session(own, plugins, warnings);
+            one.parameters = session.model.parameters;
+            const std::vector<Mode> modes = session.find_modes();
+            shapes.back() = shapes_of(session.machine, modes);
+            for (const Mode& mode : modes) one.frequencies.push_back(mode.numbers.frequency);
+        } catch (const Error& error) {
+            one.reason = error.what();
+            if (!fault) fault = std::current_exception();
+        }
     }
-    const std::vector<CaseCurves> curves = follow_curves(swept, shapes);
-    const std::vector<Parameter> parameters = cases.empty() ? std::vector<Parameter>() : cases.front().parameters;
+    // A single case may be at fault; if all are, the fault of the first is the sweep's
+    if (fault && std::ranges::none_of(cases, &std::string::empty, &SweptCase::reason)) std::rethrow_exception(fault);
+    const std::vector<CaseCurves> curves = follow_completed(cases, shapes);
+    const std::vector<Parameter>& parameters = base.model.parameters;
     const ResultsFolder folder(results_path(request, "-modes"), Claim::keep);
     write_atomically(folder.file("sweep.csv"), modes_sweep_table(cases, curves, parameters));
     if (request.as_json) {
@@ -171,13 +219,14 @@ ExitCode sweep_modes(const Request& request, const std::vector<SweepAxis>& axes)
         fmt::print("mac: likeness of a shape to that of its curve in the nearest case; results in {}\n",
                    folder.describe("sweep.csv"));
     }
+    const size_t failed = tell_failures(cases, grid);
     warn_unlike(curves, warnings);
     warnings.print_rest("");
     if (cases.size() < grid.size()) {
         tell(fmt::format("{}; {} of {} cases are kept", StopSignals::reason(), cases.size(), grid.size()));
         return StopSignals::exit_code();
     }
-    return ExitCode::ok;
+    return failed > 0 ? ExitCode::cases_failed : ExitCode::ok;
 }
 
 }  // namespace dttmm::host

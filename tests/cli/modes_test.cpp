@@ -668,6 +668,32 @@ mass = 1
     EXPECT_GT(lowest("k=60N/m..140N/m:41", "idle=1,2,3"), 0.95);
 }
 
+// Oracle: sqrt(k/m)/(2 pi) of the cases that are sound. One that is not costs the others nothing; if all are unsound, its
+// fault is the sweep's.
+TEST(ModesSweep, ACaseThatFailsLeavesTheOthers) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", R"(format = "dttmm/1"
+dofs = ["x"]
+parameters = { m = 2 }
+body = [{ name = "b", mass = "=m", sphere = 0.1 }]
+element = [{ name = "s", type = "spring_damper", from = "ground", to = "b", stiffness = 1000 }]
+)");
+    const auto sweep = [&](const char* masses) {
+        return run_dttmm(folder.path(), {"modes", "model.toml", "-q", "-o", "out", "--sweep", masses});
+    };
+    const Ended ended = sweep("m=-1,3,7");
+    EXPECT_EQ(ended.code, 9);
+    EXPECT_THAT(ended.err, testing::StartsWith("case-000001 m=-1: model.toml:4:"));
+    std::istringstream table(read_text(folder / "out/sweep.csv"));
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(table, line);) lines.push_back(line);
+    ASSERT_EQ(lines.size(), 5u);
+    EXPECT_EQ(lines[2], "case-000001,-1,,");
+    EXPECT_NEAR(std::stod(lines[3].substr(14)), std::sqrt(1000. / 3) / (2 * M_PI), 1e-6);
+    EXPECT_THAT(lines[4], testing::EndsWith(",1"));
+    EXPECT_EQ(sweep("m=-1,-2").code, 3);
+}
+
 // Oracle: the same frequencies one by one, in any order; and each curve goes its way in small steps: with 32 times the
 // stiffness over ten cases none jumps by more than a third.
 TEST(ModesSweep, TheHydroplanesCurvesAreItsFrequencies) {

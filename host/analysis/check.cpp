@@ -81,7 +81,8 @@ void print_run(const Session& session) {
     if (model.simulation.tolerance)
         fmt::print("  repeated at half the step until the results are within {:g} %\n", 100 * *model.simulation.tolerance);
     if (fastest.omega > 0)
-        fmt::print("  fastest vibration {}: omega*h = {:.4g}{}\n", describe(fastest), fastest.omega * simulation.step_size(),
+        fmt::print("  fastest vibration {}: omega*h = {:.4g}, {:.3g} steps per period{}\n", describe(fastest),
+                   fastest.omega * simulation.step_size(), 2 * M_PI / (fastest.omega * simulation.step_size()),
                    simulation.explicit_limit() ? ""
                    : model.nodes.empty()       ? " (the implicit coupling is stable at any)"
                                          : " (the implicit coupling is stable at any; masses inside networks not counted)");

@@ -93,7 +93,10 @@ void print_report(const Recorder& recorder, const Model& model, const Simulation
                halving ? fmt::format(", {} in all runs,", outcome.steps) : "", outcome.wall_time,
                1e6 * outcome.wall_time / static_cast<double>(std::max<uint64_t>(outcome.steps, 1)),
                static_cast<double>(simulation.end_of_step().passes()) / own_steps,
-               omega_h > 0 ? fmt::format(", omega*h = {:.3g}", omega_h) : "", folder.describe());
+               omega_h > 0 ? fmt::format(", {:.3g} steps per period of the fastest vibration (omega*h = {:.3g})",
+                                         2 * M_PI / omega_h, omega_h)
+                           : "",
+               folder.describe());
 }
 
 /// Closes the files, writes the summary, and tells how it went.

@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "step/simulation.h"
+#include "support/linear_algebra.h"
 #include "support/models.h"
 
 namespace dttmm::host {
@@ -163,14 +163,14 @@ std::array<double, 4> velocity_weights(ExplicitScheme scheme) {
 double spectral_radius(const Eigen::MatrixXd& M, const Eigen::MatrixXd& K, const Eigen::MatrixXd& C, double h,
                        ExplicitScheme scheme) {
     const auto n = M.rows();
-    const Eigen::MatrixXd inverse = M.inverse(), I = Eigen::MatrixXd::Identity(n, n);
+    const Eigen::MatrixXd inverse = test::inverse(M), I = Eigen::MatrixXd::Identity(n, n);
     Eigen::MatrixXd step = Eigen::MatrixXd::Zero(4 * n, 4 * n);
     for (int i = 0; i < 4; ++i)
         step.block(0, i * n, n, n) = -h * inverse * C * velocity_weights(scheme)[static_cast<size_t>(i)];
     step.block(0, 0, n, n) += 2 * I - h * h * inverse * K;
     step.block(0, n, n, n) -= I;
     step.bottomLeftCorner(3 * n, 3 * n) = Eigen::MatrixXd::Identity(3 * n, 3 * n);
-    return Eigen::EigenSolver<Eigen::MatrixXd>(step, false).eigenvalues().cwiseAbs().maxCoeff();
+    return test::eigenvalues(step).cwiseAbs().maxCoeff();
 }
 
 // Oracle: all roots of the recurrence of one mass, from hardly any damping to nothing but damping. At the limit itself the
@@ -250,16 +250,16 @@ TEST(Stability, TheLimitOfTwoMassesWithOneDampedSpring) {
         model.simulation.scheme = scheme;
         const ExplicitLimit limit = limit_of(model, plugins);
         const double h = model.simulation.step, W = alternating_weight(scheme);
-        const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix2d> pencil(h * h * K + W * h * C, M);
-        const Eigen::Vector2d u = pencil.eigenvectors().col(1);  // uᵀ M u = 1
-        EXPECT_NEAR(limit.load, std::sqrt(pencil.eigenvalues()(1)), 1e-4 * limit.load);
-        EXPECT_NEAR(limit.damping_share, W * h * u.dot(C * u) / pencil.eigenvalues()(1), 1e-3);
+        const test::Pencil pencil = test::solve_pencil(h * h * K + W * h * C, M);
+        const Eigen::Vector2d u = pencil.vectors.col(1);  // uᵀ M u = 1
+        EXPECT_NEAR(limit.load, std::sqrt(pencil.values(1)), 1e-4 * limit.load);
+        EXPECT_NEAR(limit.damping_share, W * h * u.dot(C * u) / pencil.values(1), 1e-3);
         EXPECT_NEAR(limit.mode.omega, std::sqrt(u.dot(K * u)), 1e-3 * limit.mode.omega);
         EXPECT_EQ(limit.mode.body, "outer");
         const double in_link = (h * h * kStiffnesses[1] + W * h * kDampings[1]) * std::pow(u(1) - u(0), 2);
         ASSERT_EQ(limit.mode.elements.size(), 2u);
         EXPECT_EQ(limit.mode.elements[0].element, "link");
-        EXPECT_NEAR(limit.mode.elements[0].share, in_link / pencil.eigenvalues()(1), 1e-3);
+        EXPECT_NEAR(limit.mode.elements[0].share, in_link / pencil.values(1), 1e-3);
         EXPECT_NEAR(limit.mode.elements[0].share + limit.mode.elements[1].share, 1, 1e-12);
 
         EXPECT_LT(spectral_radius(M, K, C, (1 - 1e-3) * limit.longest_step, scheme), 1);

@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <cmath>
 #include <cstdlib>
 #include <random>
@@ -12,13 +10,14 @@
 #include "core/rotation.h"
 #include "core/state_vector.h"
 #include "support/count_allocations.h"
+#include "support/linear_algebra.h"
 
 namespace dttmm::plugin {
 namespace {
 
 using Real = long double;
-using MatrixR = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
-using VectorR = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
+using MatrixR = test::MatrixL;
+using VectorR = test::VectorL;
 
 /// A joint between two frames or a frame and what is known (−1): its Jacobians, its stiffness, its first `rigid` directions
 /// rigid instead.
@@ -69,7 +68,7 @@ struct System {
             MatrixR G = MatrixR::Zero(6, unknowns());
             if (joint.from >= 0) G.middleCols(6 * joint.from, 6) = joint.by_from.cast<Real>();
             if (joint.to >= 0) G.middleCols(6 * joint.to, 6) = joint.by_to.cast<Real>();
-            A.topLeftCorner(unknowns(), unknowns()) += G.transpose() * elastic(joint).cast<Real>().asDiagonal() * G;
+            A.topLeftCorner(unknowns(), unknowns()) += test::stiffness_of(G, elastic(joint).cast<Real>());
             for (int i = 0; i < joint.rigid; ++i, ++row) {
                 A.row(row).head(unknowns()) = G.row(i);
                 A.col(row).head(unknowns()) = G.row(i).transpose();
@@ -162,14 +161,14 @@ Errors relative_errors(const System& system, Dice& dice) {
     const MatrixR A = system.dense();
     VectorR right(A.rows());
     for (Eigen::Index i = 0; i < right.size(); ++i) right(i) = dice.between(-1, 1);
-    const VectorR exact = A.fullPivLu().solve(right);
+    const VectorR exact = test::solve(A, right);
     const Eigen::Index n = system.unknowns(), m = right.size() - n;
     const auto error = [&](const VectorR& found) {
         const VectorR difference = found - exact;
         const double of_u = static_cast<double>(difference.head(n).norm() / exact.head(n).norm());
         return m == 0 ? of_u : std::max(of_u, static_cast<double>(difference.tail(m).norm() / exact.tail(m).norm()));
     };
-    const Eigen::VectorXd dense = Eigen::MatrixXd(A.cast<double>()).fullPivLu().solve(right.cast<double>());
+    const Eigen::VectorXd dense = test::solve(Eigen::MatrixXd(A.cast<double>()), Eigen::VectorXd(right.cast<double>()));
     return {error(solve(elimination, system, right)), error(dense.cast<Real>())};
 }
 
@@ -424,7 +423,7 @@ struct Chain {
         }
         VectorR f = VectorR::Zero(count);
         f(0) = force;
-        return K.ldlt().solve(f);
+        return test::solve(K, f);
     }
 
     /// z = [x q 1]: x_O = x_I − q/k, q_O = q_I − mass A x + f, signs of core/state_vector.h; from the wall x = 0 to q = 0.

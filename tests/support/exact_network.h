@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/LU>
-#include <unsupported/Eigen/MatrixFunctions>
+#include <algorithm>
 #include <vector>
 
 #include "network/assembly.h"
+#include "support/linear_algebra.h"
 
 namespace dttmm::test {
 
@@ -77,8 +77,8 @@ private:
             G.middleCols<6>(6 * (index - driven_)) += sign * point;
         }
         for (int half : {0, 3}) G.middleRows<3>(half) = (joint.pose.rotation.transpose() * G.middleRows<3>(half)).eval();
-        K_ += G.transpose() * joint.law.stiffness.asDiagonal() * G;
-        C_ += G.transpose() * joint.law.damping.asDiagonal() * G;
+        K_ += stiffness_of(G, joint.law.stiffness);
+        C_ += stiffness_of(G, joint.law.damping);
     }
 
     void build(const Eigen::VectorXd& p) {
@@ -88,7 +88,7 @@ private:
                               Kam = K_(massive_, light_), Cam = C_(massive_, light_), Kmm = K_(light_, light_),
                               Cmm = C_(light_, light_);
         const Eigen::Index a = Maa.rows(), m = Kmm.rows();
-        const Eigen::MatrixXd W = Maa.inverse();
+        const Eigen::MatrixXd W = test::inverse(Maa);
         follows_ = Cmm.isZero(0);
         const Eigen::Index n = follows_ ? 2 * a : 2 * a + m;
         rate_.setZero(n + 4, n + 4);
@@ -96,12 +96,12 @@ private:
         Eigen::VectorXd push = Eigen::VectorXd::Zero(n);
         push.segment(a, a) = W * p(massive_);
         if (follows_) {
-            follow_ = m > 0 ? Eigen::MatrixXd(-Kmm.inverse() * Kam.transpose()) : Eigen::MatrixXd(0, a);
+            follow_ = m > 0 ? Eigen::MatrixXd(-test::inverse(Kmm) * Kam.transpose()) : Eigen::MatrixXd(0, a);
             rate_.block(a, 0, a, a) = -W * (Kaa + Kam * follow_);
             rate_.block(a, a, a, a) = -W * Caa;
         } else {
             // C_mm x_m' = p_m − K_mm x_m − K_ma x_a − C_ma v_a
-            const Eigen::MatrixXd inverse = Cmm.inverse();
+            const Eigen::MatrixXd inverse = test::inverse(Cmm);
             rate_.block(2 * a, 0, m, a) = -inverse * Kam.transpose();
             rate_.block(2 * a, a, m, a) = -inverse * Cam.transpose();
             rate_.block(2 * a, 2 * a, m, m) = -inverse * Kmm;
@@ -125,7 +125,7 @@ private:
     void move(const Eigen::MatrixXd& A, double dt) {
         if (dt <= 1e-15) return;
         if (!(dt == known_dt_ && &A == known_)) {
-            exponential_ = Eigen::MatrixXd(A * dt).exp();
+            exponential_ = exponential(A * dt);
             known_dt_ = dt;
             known_ = &A;
         }

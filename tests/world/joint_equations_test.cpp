@@ -4,11 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <map>
 #include <random>
 
 #include "support/bodies.h"
+#include "support/linear_algebra.h"
 #include "world/rotation_step.h"
 
 namespace dttmm::host {
@@ -115,7 +115,7 @@ TEST_P(AllJoints, EquationsAreIndependent) {
     const JointEquations::Jacobian J = joint.jacobian(start());
     Eigen::MatrixXd both(joint.count(), 12);
     both << J[0], J[1];
-    const Eigen::VectorXd singular = Eigen::JacobiSVD<Eigen::MatrixXd>(both).singularValues();
+    const Eigen::VectorXd singular = test::singular_values(both);
     EXPECT_GT(singular(joint.lasting() - 1) / singular(0), 0.05);
     const std::map<JointType, int> expected = {{JointType::ball, 3},
                                                {JointType::hinge, 5},

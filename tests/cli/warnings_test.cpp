@@ -230,18 +230,21 @@ TEST(WarningsOf, NothingIsSaidOfWhatOnlyRoundingMoves) {
     EXPECT_EQ(ended.err, "");
 }
 
-TEST(WarningsOf, ManyBodiesDoNotFillTheTerminal) {
+TEST(WarningsOf, ManyDoNotFillTheTerminal) {
     const TemporaryFolder folder;
     std::string text = small_model_with("step = \"5 ms\"", "step = \"1 ms\"");
     for (int i = 0; i < 60; ++i)
-        text += "\n[[body]]\nname = \"spare" + std::to_string(i) + "\"\nmass = 1\ninertia = [1, 1, 1]\n";
+        text += fmt::format(
+            "\n[[element]]\nname = \"spare{}\"\ntype = \"spring_damper\"\nfrom = \"ground\"\nto = \"plate\"\nstiffness = "
+            "0\n",
+            i);
     write_text(folder / "model.toml", text);
     const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out"});
     EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 51);
-    EXPECT_THAT(ended.err, HasSubstr("and 10 more warnings (10 free-body); summary.json has all of them\n"));
+    EXPECT_THAT(ended.err, HasSubstr("and 10 more warnings (10 free-element); summary.json has all of them\n"));
     EXPECT_EQ(codes_in(folder / "out/summary.json").size(), 60u);
     EXPECT_THAT(run_dttmm(folder.path(), {"check", "model.toml"}).err,
-                HasSubstr("and 11 more warnings (10 free-body, 1 load-not-in-modes)\n"));
+                HasSubstr("and 11 more warnings (10 free-element, 1 load-not-in-modes)\n"));
 }
 
 // A constant force on the free end of a beam. With damping, with a mass, or rising from zero, it is no jump.

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "abi/joint_run.h"
+#include "support/paths.h"
 
 namespace dttmm::test {
 namespace {
@@ -15,7 +16,7 @@ const dttmm_plugin& built_in() { return *dttmm_plugin_entry(DTTMM_PLUGIN_MAJOR);
 
 /// The C plugin; stays loaded to the end.
 const dttmm_plugin& independent() {
-    void* library = dlopen(DTTMM_INDEPENDENT_SPRING, RTLD_NOW | RTLD_LOCAL);
+    void* library = dlopen(test::paths::independent_spring().c_str(), RTLD_NOW | RTLD_LOCAL);
     if (!library) throw std::runtime_error(dlerror());
     const auto entry = reinterpret_cast<dttmm_plugin_entry_function>(dlsym(library, DTTMM_PLUGIN_ENTRY));
     return *entry(DTTMM_PLUGIN_MAJOR);

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "abi/joint_run.h"
+#include "support/paths.h"
 
 extern "C" const size_t dttmm_layout_in_c[12];
 
@@ -43,7 +44,8 @@ TEST(Plugin, TheInterfaceHasOneLayoutInCAndCpp) {
 
 // Oracle: the dynamic symbol table of the library, as the linker's own tool reads it.
 TEST(Plugin, TheLibraryExportsOneSymbol) {
-    const std::unique_ptr<FILE, int (*)(FILE*)> nm(popen(DTTMM_NM " -D --defined-only " DTTMM_LIBRARY, "r"), pclose);
+    const std::unique_ptr<FILE, int (*)(FILE*)> nm(
+        popen((test::paths::nm() + " -D --defined-only " + test::paths::library()).c_str(), "r"), pclose);
     ASSERT_NE(nm, nullptr);
     std::vector<std::string> symbols;
     char address[64], kind[8], name[256];

@@ -15,6 +15,7 @@
 #include "support/exact_linear_system.h"
 #include "support/linear_algebra.h"
 #include "support/models.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -87,7 +88,7 @@ class Histories {
 public:
     /// rows: how many, `first_step` apart.
     Histories(const Case& plate, double first_step, int rows) : first_step_(first_step), rows_(rows) {
-        const std::string path = DTTMM_SOURCE_DIR "/examples/" + plate.example + "/model.toml";
+        const std::string path = test::paths::source_dir() + "/examples/" + plate.example + "/model.toml";
         std::ifstream file(path);
         const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
         model_ = parse_model(text, path, plugins_.catalogue());

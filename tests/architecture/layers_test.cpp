@@ -10,12 +10,14 @@
 #include <string>
 #include <vector>
 
+#include "support/paths.h"
+
 namespace {
 
 namespace fs = std::filesystem;
 using Includes = std::map<std::string, std::vector<std::string>>;  // "host/model/units.cpp" -> what it includes
 
-const fs::path kSource = DTTMM_SOURCE_DIR;
+const fs::path kSource = dttmm::test::paths::source_dir();
 
 /// Every layer with the layers it may include; the header between the halves is checked apart.
 const std::map<std::string, std::set<std::string>> kMayInclude = {

@@ -11,6 +11,7 @@
 #include "benchmark/median.h"
 #include "loader/plugins.h"
 #include "model/read_model.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -28,7 +29,8 @@ void hydroplane(benchmark::State& state) {
     const Plugins plugins;
     ModelOverrides overrides;
     overrides.purpose = Purpose::modes;
-    const Model model = read_model(DTTMM_SOURCE_DIR "/examples/hydroplane/model.toml", plugins.catalogue(), overrides);
+    const Model model =
+        read_model(test::paths::source_dir() + "/examples/hydroplane/model.toml", plugins.catalogue(), overrides);
     for (auto _ : state) state.SetIterationTime(seconds_to_find_modes(model, plugins));
 }
 BENCHMARK(hydroplane)->UseManualTime()->Unit(benchmark::kMillisecond);

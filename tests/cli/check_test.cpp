@@ -7,6 +7,7 @@
 
 #include "cli/process.h"
 #include "cli/small_model.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -48,7 +49,8 @@ TEST(Check, SaysWhatAFileIsGoodFor) {
 
 TEST(Check, TheExamplesForModesAreValid) {
     for (const char* name : {"hydroplane", "double_cross"}) {
-        const Ended ended = run_dttmm("/", {"check", fmt::format("{}/examples/{}/model.toml", DTTMM_SOURCE_DIR, name)});
+        const Ended ended =
+            run_dttmm("/", {"check", fmt::format("{}/examples/{}/model.toml", test::paths::source_dir(), name)});
         EXPECT_EQ(ended.code, 0) << ended.err;
         EXPECT_THAT(ended.out, AllOf(HasSubstr("good for modes and frf\n"), HasSubstr("dofs is for `dttmm modes`")));
     }
@@ -56,7 +58,7 @@ TEST(Check, TheExamplesForModesAreValid) {
 
 // Oracle: closed forms. The plate of 9.42 kg as given; sqrt(4k/m)/(2 pi) = 73.3347 Hz.
 TEST(Check, ShowsMassSizeCentreAndTheLowestFrequency) {
-    const std::string file = DTTMM_SOURCE_DIR "/examples/four_bolt_plate/model.toml";
+    const std::string file = test::paths::source_dir() + "/examples/four_bolt_plate/model.toml";
     EXPECT_THAT(run_dttmm("/", {"check", file}).out,
                 AllOf(HasSubstr("lowest natural frequency 73.3347 Hz\n"),
                       HasSubstr("plate               9.42  0.3 x 0.2 x 0.02                (0, 0, 0)\n"),

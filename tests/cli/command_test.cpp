@@ -7,6 +7,7 @@
 
 #include "cli/process.h"
 #include "cli/small_model.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -15,7 +16,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::MatchesRegex;
 
-std::string example(const std::string& name) { return DTTMM_SOURCE_DIR "/examples/" + name + "/model.toml"; }
+std::string example(const std::string& name) { return test::paths::source_dir() + "/examples/" + name + "/model.toml"; }
 
 /// Runs an example into `out` of a fresh folder and hands back its summary.
 nlohmann::json summary_of(std::vector<std::string> words) {
@@ -59,7 +60,7 @@ TEST(Command, ThePlateOnStiffBoltsComesToRest) {
 // are those of t_n in the plugin and of every instant in the built-in springs: 1e-8 of the force for the plate's 1e-4 rad.
 TEST(Command, ThePluginInCGivesWhatTheBuiltInSpringGives) {
     const nlohmann::json plugin =
-        summary_of({example("minimal_plugin"), "--plugin", DTTMM_C_SPRING, "--set", "k1=400 N/mm"});
+        summary_of({example("minimal_plugin"), "--plugin", test::paths::c_spring(), "--set", "k1=400 N/mm"});
     const nlohmann::json built_in = summary_of({example("four_bolt_plate"), "--set", "k1=400 N/mm", "--set", "c=0"});
     for (const char* bolt : {"bolt1", "bolt2", "bolt3", "bolt4"})
         for (const char* statistic : {"peak", "final"})
@@ -308,7 +309,7 @@ stiffness = 1e8
 
 // Oracle: the plugins' own tables.
 TEST(Command, ElementsPrintsThePluginsTables) {
-    const Ended ended = run_dttmm("/", {"elements", "--plugin", DTTMM_C_SPRING});
+    const Ended ended = run_dttmm("/", {"elements", "--plugin", test::paths::c_spring()});
     EXPECT_EQ(ended.code, 0);
     for (const char* word : {"plugin built in: ", "spring_damper", "rotational_stiffness", "N*m*s/rad", "c_spring",
                              "required", "minimal plugin 1.0"})

@@ -12,11 +12,12 @@
 
 #include "analysis/request.h"
 #include "cli/process.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
 
-const fs::path kTree = DTTMM_SOURCE_DIR;
+const fs::path kTree = test::paths::source_dir();
 
 std::vector<fs::path> documents() {
     std::vector<fs::path> found = {kTree / "README.md"};
@@ -60,8 +61,8 @@ TEST(Documents, EveryCommandRuns) {
     EXPECT_GT(commands.size(), 30u);
     for (const std::string& command : commands) {
         std::string words = replaced(command, "MODEL", "examples/four_bolt_plate/model.toml");
-        words = replaced(replaced(words, "FILE", DTTMM_C_SPRING), ".build/c_spring.so", DTTMM_C_SPRING);
-        words.replace(0, std::string("dttmm").size(), DTTMM_COMMAND);
+        words = replaced(replaced(words, "FILE", test::paths::c_spring()), ".build/c_spring.so", test::paths::c_spring());
+        words.replace(0, std::string("dttmm").size(), test::paths::command());
         const int status = std::system(fmt::format("cd {} && {} > out 2> err", folder.path().string(), words).c_str());
         EXPECT_EQ(status, 0) << command << "\n" << read_text(folder / "err");
     }

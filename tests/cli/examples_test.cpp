@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "process.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -51,11 +52,11 @@ std::vector<std::string> words_of(const std::string& options) {
 
 nlohmann::json run_example(const std::string& name, const std::string& options) {
     const TemporaryFolder folder;
-    const fs::path model = fs::path(DTTMM_SOURCE_DIR) / "examples" / name / "model.toml";
+    const fs::path model = fs::path(test::paths::source_dir()) / "examples" / name / "model.toml";
     std::vector<std::string> words = words_of(options);
     if (words.empty() || words.front().starts_with("-")) words.insert(words.begin(), "run");
     words.insert(words.begin() + 1, {model, "-q", "-o", folder.path() / "results"});
-    if (name == "minimal_plugin") words.insert(words.end(), {"--plugin", DTTMM_C_SPRING});
+    if (name == "minimal_plugin") words.insert(words.end(), {"--plugin", test::paths::c_spring()});
     const Ended ended = run_dttmm(folder.path(), words);
     EXPECT_EQ(ended.code, 0) << ended.err;
     return read_json(folder.path() / "results" / "summary.json");
@@ -64,7 +65,7 @@ nlohmann::json run_example(const std::string& name, const std::string& options) 
 class Examples : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Examples, GiveTheNumbersTheyPromise) {
-    const fs::path example = fs::path(DTTMM_SOURCE_DIR) / "examples" / GetParam();
+    const fs::path example = fs::path(test::paths::source_dir()) / "examples" / GetParam();
     EXPECT_TRUE(fs::exists(example / "README.md"));
     const std::vector<Expectation> expectations = read_expectations(example / "expected.csv");
     ASSERT_FALSE(expectations.empty()) << example;
@@ -80,7 +81,7 @@ TEST_P(Examples, GiveTheNumbersTheyPromise) {
 
 std::vector<std::string> folders() {
     std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(fs::path(DTTMM_SOURCE_DIR) / "examples"))
+    for (const auto& entry : fs::directory_iterator(fs::path(test::paths::source_dir()) / "examples"))
         if (entry.is_directory()) names.push_back(entry.path().filename());
     return names;
 }

@@ -12,6 +12,7 @@
 #include "cli/process.h"
 #include "cli/small_model.h"
 #include "model/keys.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -40,7 +41,7 @@ bool has(const std::string& program) { return std::system(("command -v " + progr
 std::string shell(const fs::path& folder, const std::string& command) {
     const fs::path out = folder / "shell.out";
     const std::string all = fmt::format("cd {} && PATH={}:$PATH bash -c '{}' > {} 2>&1", folder.string(),
-                                        fs::path(DTTMM_COMMAND).parent_path().string(), command, out.string());
+                                        fs::path(test::paths::command()).parent_path().string(), command, out.string());
     EXPECT_EQ(std::system(all.c_str()), 0) << read_text(out);
     return read_text(out);
 }
@@ -58,7 +59,8 @@ TEST(Help, ShowsEveryKeyOfEveryTable) {
 
 // Oracle: the file beside the host's README, made by the command that it names.
 TEST(Help, MakesTheReference) {
-    EXPECT_EQ(run_dttmm("/", {"help", "reference"}).out, read_text(fs::path(DTTMM_SOURCE_DIR) / "host/reference.md"));
+    EXPECT_EQ(run_dttmm("/", {"help", "reference"}).out,
+              read_text(fs::path(test::paths::source_dir()) / "host/reference.md"));
 }
 
 TEST(Help, TellsElementsToPrograms) {
@@ -114,7 +116,7 @@ TEST(Help, KnowsForeignElementsAndNearTopics) {
     const Ended wrong = run_dttmm("/", {"help", "beem"});
     EXPECT_EQ(wrong.code, 2);
     EXPECT_THAT(wrong.err, HasSubstr("there is no help on \"beem\"; did you mean \"beam\"?"));
-    const Ended foreign = run_dttmm("/", {"help", "link", "--plugin", DTTMM_CHAIN});
+    const Ended foreign = run_dttmm("/", {"help", "link", "--plugin", test::paths::chain()});
     EXPECT_EQ(foreign.code, 0);
     EXPECT_THAT(foreign.out, HasSubstr("law.stiffness"));
     EXPECT_THAT(run_dttmm("/", {"elements", "rod"}).out, HasSubstr("material.E"));
@@ -130,10 +132,10 @@ void collect_references(const nlohmann::json& json, std::set<std::string>& found
 }
 
 TEST(Schema, IsTheOneBesideTheExamples) {
-    const fs::path examples = fs::path(DTTMM_SOURCE_DIR) / "examples";
+    const fs::path examples = fs::path(test::paths::source_dir()) / "examples";
     const std::string schema = run_dttmm("/", {"schema"}).out;
     EXPECT_EQ(schema, read_text(examples / "model.schema.json")) << "run: dttmm schema > examples/model.schema.json";
-    EXPECT_EQ(run_dttmm("/", {"schema", "--plugin", DTTMM_C_SPRING}).out,
+    EXPECT_EQ(run_dttmm("/", {"schema", "--plugin", test::paths::c_spring()}).out,
               read_text(examples / "minimal_plugin/model.schema.json"));
     const nlohmann::json json = nlohmann::json::parse(schema);
     std::set<std::string> references;
@@ -159,7 +161,7 @@ struct Fault {
 // Oracle: two linters of others. All examples pass; a wrong key, type or missing key does not.
 TEST(Schema, LintersTakeTheExamplesAndFindFaults) {
     const TemporaryFolder folder;
-    const fs::path examples = fs::path(DTTMM_SOURCE_DIR) / "examples";
+    const fs::path examples = fs::path(test::paths::source_dir()) / "examples";
     fs::create_directories(folder / "a");
     fs::copy_file(examples / "model.schema.json", folder / "model.schema.json");
     const std::string good = read_text(examples / "four_bolt_plate/model.toml");
@@ -213,7 +215,7 @@ TEST(Completion, KnowsCommandsOptionsTopicsAndWhatIsInTheModel) {
     EXPECT_THAT(complete({"frf", "small.toml", "--in", "plate.right.r"}),
                 ElementsAre("plate.right.rx", "plate.right.ry", "plate.right.rz"));
     EXPECT_THAT(complete({"help", "be"}), ElementsAre("beam"));
-    EXPECT_THAT(complete({"help", "--plugin", DTTMM_CHAIN, "lu"}), ElementsAre("lump"));
+    EXPECT_THAT(complete({"help", "--plugin", test::paths::chain(), "lu"}), ElementsAre("lump"));
     EXPECT_THAT(complete({"completion", "z"}), ElementsAre("zsh"));
     EXPECT_THAT(complete({"run", "sm"}), ElementsAre());  // a file: the shell completes it
     EXPECT_THAT(complete({"run", "missing.toml", "--set", ""}), ElementsAre());

@@ -6,6 +6,7 @@
 
 #include "process.h"
 #include "support/hydroplane_determinant.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -15,7 +16,7 @@ using Equation10 = HydroplaneDeterminant::Equation10;
 
 std::vector<double> frequencies(const std::string& kh) {
     const TemporaryFolder folder;
-    const fs::path model = fs::path(DTTMM_SOURCE_DIR) / "examples" / "hydroplane" / "model.toml";
+    const fs::path model = fs::path(test::paths::source_dir()) / "examples" / "hydroplane" / "model.toml";
     const Ended ended = run_dttmm(folder.path(), {"modes", model, "--set", "kh=" + kh, "--json"});
     EXPECT_EQ(ended.code, 0) << ended.err;
     return nlohmann::json::parse(ended.out).at("frequencies_hz").get<std::vector<double>>();

@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "cli/process.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -24,9 +25,9 @@ TEST(Install, AMovedTreeRunsAndServesForeignPlugins) {
     const auto shell = [&](const std::string& words) {
         return std::system(fmt::format("cd {} && {} > out 2>&1", folder.path().string(), words).c_str());
     };
-    ASSERT_EQ(shell("cmake --install " DTTMM_BINARY_DIR " --prefix there && mv there moved"), 0)
+    ASSERT_EQ(shell("cmake --install " + test::paths::binary_dir() + " --prefix there && mv there moved"), 0)
         << read_text(folder / "out");
-    const std::string examples = DTTMM_SOURCE_DIR "/examples/";
+    const std::string examples = test::paths::source_dir() + "/examples/";
     EXPECT_EQ(shell("moved/bin/dttmm run -q " + examples + "four_bolt_plate/model.toml -o plate"), 0)
         << read_text(folder / "out");
     EXPECT_TRUE(fs::exists(folder / "moved/share/doc/dttmm/LICENSE"));

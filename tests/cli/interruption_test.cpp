@@ -8,6 +8,7 @@
 
 #include "cli/process.h"
 #include "cli/small_model.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -165,7 +166,8 @@ INSTANTIATE_TEST_SUITE_P(Command, StoppedModes, testing::Values(SIGINT, SIGTERM,
 TEST_F(Interruption, TheSecondSignalEndsAPluginThatDoesNotReturn) {
     std::string text = faulty_model();
     write_text(folder_ / "model.toml", text.replace(text.find("step = \"5 ms\""), 13, "step = \"1 ms\""));
-    Process run({"run", "model.toml", "-o", "out", "--plugin", DTTMM_FAULTY_PLUGINS "/endless.so"}, folder_.path());
+    Process run({"run", "model.toml", "-o", "out", "--plugin", test::paths::faulty_plugins() + "/endless.so"},
+                folder_.path());
     std::this_thread::sleep_for(std::chrono::milliseconds(700));
     run.send(SIGINT);
     std::this_thread::sleep_for(std::chrono::milliseconds(700));

@@ -8,10 +8,13 @@
 #include <vector>
 
 #include "cli/process.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 
-inline std::string modes_model(const std::string& name) { return DTTMM_SOURCE_DIR "/tests/cli/models/" + name + ".toml"; }
+inline std::string modes_model(const std::string& name) {
+    return test::paths::source_dir() + "/tests/cli/models/" + name + ".toml";
+}
 
 /// What `dttmm modes MODEL --json words...` prints, of a model file; it must succeed and say nothing else.
 inline nlohmann::json modes_of_file(const std::string& model, std::vector<std::string> words = {}) {

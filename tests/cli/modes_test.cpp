@@ -14,6 +14,7 @@
 #include "support/finite_elements.h"
 #include "support/hydroplane_finite_elements.h"
 #include "support/linear_algebra.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -34,7 +35,7 @@ std::vector<double> of_modes(const nlohmann::json& modes, const char* key) {
 // free directions, lines both ways, several inputs, and in the gun two loops that are cut.
 TEST(ModesCases, TheOverallTransferMatrixIsSingularAtEveryFrequency) {
     for (const char* name : {"hydroplane", "gun", "four_bolt_plate", "beam_and_body"}) {
-        const auto modes = modes_of_file(DTTMM_SOURCE_DIR "/examples/" + std::string(name) + "/model.toml");
+        const auto modes = modes_of_file(test::paths::source_dir() + "/examples/" + std::string(name) + "/model.toml");
         const std::vector<double> residuals = of_modes(modes, "residual");
         EXPECT_GE(residuals.size(), 6u) << name;
         for (double residual : residuals) EXPECT_LT(residual, 1e-7) << name;
@@ -79,8 +80,8 @@ inertia = { xx = 0.03, yy = 0.02, zz = 0.025 }
 // Oracle: the size of the hydroplane paper's equation (36).
 TEST(ModesCases, TheHydroplanesOverallTransferEquationIsThatOfThePaper) {
     const TemporaryFolder folder;
-    const Ended ended =
-        run_dttmm(folder.path(), {"modes", "-v", DTTMM_SOURCE_DIR "/examples/hydroplane/model.toml", "-o", "out"});
+    const Ended ended = run_dttmm(
+        folder.path(), {"modes", "-v", test::paths::source_dir() + "/examples/hydroplane/model.toml", "-o", "out"});
     EXPECT_EQ(ended.code, 0);
     EXPECT_THAT(ended.out, testing::HasSubstr("overall transfer equation: 24 x 48, 4 directions per state; known boundary "
                                               "entries struck out: 24 x 24\n"));
@@ -207,8 +208,8 @@ TEST(ModesCases, TheFourBoltPlateHasTheEigenvaluesOfItsMatrices) {
     const Eigen::VectorXd lambda = test::solve_pencil(K, M).values;
     std::vector<double> expected;
     for (double l : lambda) expected.push_back(std::sqrt(l) / (2 * kPi));
-    const nlohmann::json modes =
-        modes_of_file(DTTMM_SOURCE_DIR "/examples/four_bolt_plate/model.toml", {"--set", "k1=400 N/mm", "--count", "6"});
+    const nlohmann::json modes = modes_of_file(test::paths::source_dir() + "/examples/four_bolt_plate/model.toml",
+                                               {"--set", "k1=400 N/mm", "--count", "6"});
     expect_frequencies(frequencies_of(modes), expected, kRounding);
 }
 

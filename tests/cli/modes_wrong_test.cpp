@@ -7,6 +7,7 @@
 
 #include "cli/modes_run.h"
 #include "cli/small_model.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -197,8 +198,8 @@ TEST(ModesWrong, DirectionsInARun) {
 }
 
 TEST(ModesWrong, APluginWithoutModes) {
-    const std::string minimal = read_text(DTTMM_SOURCE_DIR "/examples/minimal_plugin/model.toml");
-    const Ended ended = ended_with(minimal, {"modes", "m.toml", "--plugin", DTTMM_C_SPRING});
+    const std::string minimal = read_text(test::paths::source_dir() + "/examples/minimal_plugin/model.toml");
+    const Ended ended = ended_with(minimal, {"modes", "m.toml", "--plugin", test::paths::c_spring()});
     expect_refused(ended, 7, HasSubstr("knows histories only, no natural frequencies"));
 }
 

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "cli/process.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -75,7 +76,7 @@ std::string chain_with(const std::string& what, const std::string& instead) {
 
 Ended run_chain(const TemporaryFolder& folder, const char* command, const std::string& text) {
     write_text(folder / "chain.toml", text);
-    return run_dttmm(folder.path(), {command, "chain.toml", "--plugin", DTTMM_CHAIN});
+    return run_dttmm(folder.path(), {command, "chain.toml", "--plugin", test::paths::chain()});
 }
 
 // Oracle: what the file says must stand in the results: units, names, ends, words, nested tables; in the mean the foot
@@ -150,7 +151,7 @@ TEST(NodesInAFile, AModelWithoutABodyRuns) {
 
 // Oracle: the plugin's own table.
 TEST(NodesInAFile, ElementsPrintsWordsNestedNamesAndWhatIsOptional) {
-    const Ended ended = run_dttmm("/", {"elements", "--plugin", DTTMM_CHAIN});
+    const Ended ended = run_dttmm("/", {"elements", "--plugin", test::paths::chain()});
     EXPECT_EQ(ended.code, 0);
     for (const char* part : {"link (from, to)", "lump (at)", "law.stiffness", ">= 0", "free", "default soft", "soft | hard",
                              "optional", "1 to 100, whole", "required"})

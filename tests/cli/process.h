@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "record/temporary_folder.h"
+#include "support/paths.h"
 
 extern char** environ;
 
@@ -51,8 +52,8 @@ public:
         posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
         posix_spawn_file_actions_adddup2(&actions, standard_output < 0 ? out_ : standard_output, STDOUT_FILENO);
         posix_spawn_file_actions_adddup2(&actions, err_, STDERR_FILENO);
-        if (posix_spawn(&id_, DTTMM_COMMAND, &actions, nullptr, arguments.data(), environ) != 0)
-            ADD_FAILURE() << "cannot start " << DTTMM_COMMAND;
+        if (posix_spawn(&id_, test::paths::command().c_str(), &actions, nullptr, arguments.data(), environ) != 0)
+            ADD_FAILURE() << "cannot start " << test::paths::command();
         posix_spawn_file_actions_destroy(&actions);
     }
     ~Process() {

@@ -9,6 +9,7 @@
 #include "analysis/request.h"
 #include "cli/process.h"
 #include "cli/small_model.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -169,10 +170,15 @@ TEST_F(Sweep, TheNumberOfJobsChangesNothing) {
 // their inputs with the value given. A new option wants a value here.
 TEST_F(Sweep, EveryOptionReachesItsCases) {
     write_text(folder_ / "model.toml", small_model_with("mass = \"2 kg\"", "mass = \"2 kg\"\nk = 7"));
-    const std::map<std::string, std::string> values = {
-        {"--set", "k=9"},        {"--step", "0.5 ms"},         {"--tolerance", "20 %"},
-        {"--duration", "40 ms"}, {"--coupling", "implicit"},   {"--output-step", "10 ms"},
-        {"--channels", "one"},   {"--plugin", DTTMM_C_SPRING}, {"--force", ""}};
+    const std::map<std::string, std::string> values = {{"--set", "k=9"},
+                                                       {"--step", "0.5 ms"},
+                                                       {"--tolerance", "20 %"},
+                                                       {"--duration", "40 ms"},
+                                                       {"--coupling", "implicit"},
+                                                       {"--output-step", "10 ms"},
+                                                       {"--channels", "one"},
+                                                       {"--plugin", test::paths::c_spring()},
+                                                       {"--force", ""}};
     std::vector<std::string> words = {"run", "model.toml", "-q", "-o", "out", "--sweep", "mass=1 kg,3 kg"};
     size_t given = 0;
     for (const Option& option : options()) {

@@ -11,6 +11,7 @@
 
 #include "cli/process.h"
 #include "cli/small_model.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -19,8 +20,8 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-const std::string kPlate = DTTMM_SOURCE_DIR "/examples/four_bolt_plate/model.toml";
-const std::string kStiff = DTTMM_SOURCE_DIR "/examples/stiff_bolts/model.toml";
+const std::string kPlate = test::paths::source_dir() + "/examples/four_bolt_plate/model.toml";
+const std::string kStiff = test::paths::source_dir() + "/examples/stiff_bolts/model.toml";
 
 std::vector<double> read_dataset(const fs::path& path, const std::string& name) {
     const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
@@ -258,7 +259,8 @@ TEST_F(Tolerance, MoreThanMemoryHoldsIsRefusedWithTheCure) {
 
 TEST_F(Tolerance, AFailingRunKeepsWhatItHas) {
     write_text(folder_ / "faulty.toml", faulty_model());
-    const Ended ended = run({"faulty.toml", "--tolerance", "1 %", "--plugin", DTTMM_FAULTY_PLUGINS "/nan_at_step_1000.so"});
+    const Ended ended =
+        run({"faulty.toml", "--tolerance", "1 %", "--plugin", test::paths::faulty_plugins() + "/nan_at_step_1000.so"});
     EXPECT_NE(ended.code, 0);
     EXPECT_THAT(ended.err, HasSubstr("in the run at a step of 0.001 s"));
     EXPECT_GT(rows().size(), 10u);

@@ -235,9 +235,9 @@ TEST(WarningsOf, ManyDoNotFillTheTerminal) {
     std::string text = small_model_with("step = \"5 ms\"", "step = \"1 ms\"");
     for (int i = 0; i < 60; ++i)
         text += fmt::format(
-            "\n[[element]]\nname = \"spare{}\"\ntype = \"spring_damper\"\nfrom = \"ground\"\nto = \"plate\"\nstiffness = "
-            "0\n",
-            i);
+            "\n[[element]]\nname = \"spare{1}\"\ntype = \"spring_damper\"\nfrom = \"ground\"\nto = \"plate\"\n"
+            "stiffness = 0\naxes = {{ axis = [0, 0, 1], angle = {0} }}\n",
+            0.01 * (i + 1), i);
     write_text(folder / "model.toml", text);
     const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out"});
     EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 51);

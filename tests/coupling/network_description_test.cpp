@@ -6,6 +6,7 @@
 
 #include "coupling/networks.h"
 #include "support/chain.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -109,7 +110,7 @@ TEST(NetworkDescription, TwoPluginsInOneNetworkAreRefusedByName) {
     } catch (const Error& error) {
         EXPECT_EQ(error.code(), ExitCode::model_invalid);
         EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("machine.toml:77:1: element \"intruder\" (plugin built in)"),
-                                                 HasSubstr("element \"left\" (plugin " DTTMM_CHAIN ")")));
+                                                 HasSubstr("element \"left\" (plugin " + test::paths::chain() + ")")));
     }
 }
 

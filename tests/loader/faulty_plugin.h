@@ -4,11 +4,13 @@
 #include <filesystem>
 #include <string>
 
+#include "support/paths.h"
+
 namespace dttmm::host {
 
 /// The plugin with this fault, one of those in tests/loader/faulty/faulty.c; "none" is in order.
 inline std::filesystem::path faulty_plugin(const std::string& fault) {
-    return std::filesystem::path(DTTMM_FAULTY_PLUGINS) / (fault + ".so");
+    return std::filesystem::path(test::paths::faulty_plugins()) / (fault + ".so");
 }
 
 }  // namespace dttmm::host

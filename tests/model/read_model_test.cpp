@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "model/test_model.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -15,7 +16,7 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-const fs::path kExamples = fs::path(DTTMM_SOURCE_DIR) / "examples";
+const fs::path kExamples = fs::path(test::paths::source_dir()) / "examples";
 
 // Oracle: the file itself, converted by hand. Decimal units are exact, so the numbers are too; the mass is one product.
 TEST(ReadModel, FourBoltPlate) {

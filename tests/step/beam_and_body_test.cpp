@@ -14,6 +14,7 @@
 #include "model/read_model.h"
 #include "step/simulation.h"
 #include "support/exact_timoshenko.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -108,8 +109,8 @@ ExactBeamAndBody exact(int modes) {
 /// Largest difference of the tip's displacement from the exact one in 0.2 s [m].
 double error_of_tip(int refinement, double& largest_moment) {
     const Plugins plugins;
-    Model model =
-        read_model(std::filesystem::path(DTTMM_SOURCE_DIR) / "examples/beam_and_body/model.toml", plugins.catalogue());
+    Model model = read_model(std::filesystem::path(test::paths::source_dir()) / "examples/beam_and_body/model.toml",
+                             plugins.catalogue());
     model.simulation.step /= refinement;
     model.elements[0].values[1] *= refinement;  // segments
     Simulation simulation(model, plugins);

@@ -13,6 +13,7 @@
 #include "model/read_model.h"
 #include "step/simulation.h"
 #include "support/exact_pulses.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -31,7 +32,7 @@ std::vector<Forces> run(const Case& what, double step) {
     const Plugins plugins;
     ModelOverrides overrides;
     overrides.parameters = {{"loose", fmt::format("{}", what.loose)}, {"width", fmt::format("{} s", what.width)}};
-    Model model = read_model(std::filesystem::path(DTTMM_SOURCE_DIR) / "examples/cylinder_head/model.toml",
+    Model model = read_model(std::filesystem::path(test::paths::source_dir()) / "examples/cylinder_head/model.toml",
                              plugins.catalogue(), overrides);
     model.output.every = 1;
     model.simulation.step = step;

@@ -17,6 +17,7 @@
 #include "support/exact_timoshenko.h"
 #include "support/linear_algebra.h"
 #include "support/lumped_tube.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -32,8 +33,8 @@ std::map<std::string, std::vector<double>> run(const Parameters::Overrides& para
     const Plugins plugins;
     ModelOverrides overrides;
     overrides.parameters = parameters;
-    Model model = read_model(std::filesystem::path(DTTMM_SOURCE_DIR) / "examples/free_tube/model.toml", plugins.catalogue(),
-                             overrides);
+    Model model = read_model(std::filesystem::path(test::paths::source_dir()) / "examples/free_tube/model.toml",
+                             plugins.catalogue(), overrides);
     model.simulation.step = step;
     model.simulation.duration = duration;
     Simulation simulation(model, plugins);

@@ -16,6 +16,7 @@
 #include "step/simulation.h"
 #include "support/exact_pulses.h"
 #include "support/lumped_tube.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -33,7 +34,7 @@ const char* const kChannels[] = {"muzzle.position.x", "muzzle.position.z", "muzz
 using History = std::vector<Row>;  ///< a row per step
 
 Model gun(const Plugins& plugins) {
-    return read_model(std::filesystem::path(DTTMM_SOURCE_DIR) / "examples/gun/model.toml", plugins.catalogue());
+    return read_model(std::filesystem::path(test::paths::source_dir()) / "examples/gun/model.toml", plugins.catalogue());
 }
 
 History run(Model model, const Plugins& plugins) {

@@ -11,6 +11,7 @@
 #include "model/read_model.h"
 #include "step/simulation.h"
 #include "support/exact_plate.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -24,7 +25,7 @@ const Bolts kSoft = test::kSoftBolts, kStiff = test::kStiffBolts;
 /// rise: of the load, instead of the example's, as text.
 Forces simulated_forces(const std::string& example, const ModelOverrides& overrides, const std::string& rise = "") {
     const Plugins plugins;
-    const std::string path = std::string(DTTMM_SOURCE_DIR) + "/examples/" + example + "/model.toml";
+    const std::string path = std::string(test::paths::source_dir()) + "/examples/" + example + "/model.toml";
     std::ifstream file(path);
     std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
     if (!rise.empty()) text.replace(text.find("18.4 ms"), 7, rise);

@@ -4,11 +4,12 @@
 #include <cmath>
 
 #include "support/models.h"
+#include "support/paths.h"
 
 namespace dttmm::test {
 
 /// The plugins of a run with that of tests/loader/chain/chain.c, lumps on springs.
-inline Plugins chain_plugins() { return Plugins({DTTMM_CHAIN}); }
+inline Plugins chain_plugins() { return Plugins({test::paths::chain()}); }
 
 /// A spring of that plugin, the same stiffness k in every translation.
 inline Element link(const std::string& name, const Plugins& plugins, const Attachment& from, const Attachment& to,

@@ -9,7 +9,7 @@
 
 namespace dttmm::host {
 
-/// A CSV file that is made in one go, of numbers and texts: names, units, rows, in the form of history.csv.
+/// A CSV file that is made whole in memory, of numbers and texts: names, units, rows, in the form of history.csv.
 class CsvTable {
 public:
     explicit CsvTable(const std::vector<Channel>& columns);

@@ -140,7 +140,7 @@ Parts Beam::discretise(std::span<const Pose> ends) const {
         // A link bends as its static line does: u' = θ x/l from its curvature, and of what d adds b = 1/(1 + Φ) is bending,
         // 6 d x (l − x)/l³, the rest shear, d/l. The line is longer than its way along x by ∫ u'²/2, and that way is l + d_x
         // less θ²/4 of the two levers of half a link: e = d_x + dθ/2 − lθ²/12 + (1 + b²/5) d²/(2l). So a pull straightens
-        // the line whatever the number of links.
+        // the line for any number of links.
         const auto sway = [&](double bending_stiffness, double shear_stiffness) {
             const double b = 1 / (1 + bending_stiffness / (cube * shear_stiffness / length));
             return (1 + b * b / 5) / (2 * length);

@@ -150,12 +150,6 @@ void print_table(const KeyTable& table) {
     print_rows(rows_of(table));
 }
 
-bool is_line(const dttmm_element_type& type) {
-    return std::ranges::any_of(std::span(type.parameters, type.parameter_count), [](const dttmm_parameter& parameter) {
-        return std::string_view(parameter.name).starts_with("section.");
-    });
-}
-
 /// Axes, acting point and sign of an element's force.
 void print_conventions(const dttmm_element_type& type) {
     if (type.ends == DTTMM_ENDS_AT) {

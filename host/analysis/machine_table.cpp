@@ -57,13 +57,6 @@ std::string describe_bodies(const Model& model) {
            fmt::format("    {:<{}}  {:>12.6g}  {:<30}  {}\n", "all bodies", width, mass, "", point_text(moment / mass));
 }
 
-/// A type with a section has its local x axis along its line; any other has the axes of its `from` end.
-bool is_line(const dttmm_element_type& type) {
-    for (uint32_t p = 0; p < type.parameter_count; ++p)
-        if (std::string_view(type.parameters[p].name).starts_with("section.")) return true;
-    return false;
-}
-
 std::string describe_geometry(const Model& model, const Element& element, const dttmm_element_type& type) {
     if (type.ends == DTTMM_ENDS_AT) return fmt::format("at {}", point_text(frame_at_start(model, element.ends[0]).position));
     const Attachment &from = element.ends[0], &to = element.ends[1];

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -39,6 +42,13 @@ inline Bounds bounds_of(const dttmm_parameter& parameter) {
     if (parameter.maximum < Limits::max()) bounds.maximum = parameter.maximum;
     if (parameter.minimum == Limits::min()) bounds = {0, bounds.maximum, true};
     return bounds;
+}
+
+/// A type with a section has its local x axis along its line; any other has the axes of its `from` end.
+inline bool is_line(const dttmm_element_type& type) {
+    return std::ranges::any_of(std::span(type.parameters, type.parameter_count), [](const dttmm_parameter& parameter) {
+        return std::string_view(parameter.name).starts_with("section.");
+    });
 }
 
 }  // namespace dttmm::host

@@ -18,7 +18,7 @@ namespace {
 constexpr double kCoincident = 1e-6;                // [m]
 constexpr double kRightAngle = 1e-6;                // [rad]
 constexpr double kSuspectMassRatio = 1e6;           // ODE's joints give way beyond
-constexpr double kLargestAngle = 175 * M_PI / 180;  // of a stop: the angle jumps at 180 degrees
+constexpr double kFarthestStop = 175 * M_PI / 180;  // of a stop: the angle jumps at 180 degrees
 constexpr double kLeastPlay = 1e-9;                 // between two stops [rad, m]
 constexpr double kLargestMassRatio = 1e12;
 
@@ -41,10 +41,10 @@ std::optional<JointType> read_type(const TableReader& table) {
     return std::nullopt;
 }
 
-using Ends = std::array<Attachment, 2>;
+using JointEnds = std::array<Attachment, 2>;
 
 /// The two places of `between`.
-std::optional<Ends> read_ends(const TableReader& table, const Attachments& attachments) {
+std::optional<JointEnds> read_ends(const TableReader& table, const Attachments& attachments) {
     const TomlMember* between = table.require("between");
     if (!between) return std::nullopt;
     const TomlValue& value = between->value;
@@ -58,7 +58,7 @@ std::optional<Ends> read_ends(const TableReader& table, const Attachments& attac
     const auto first = attachments.read(table, value.items[0], "between");
     const auto second = attachments.read(table, value.items[1], "between");
     if (!first || !second) return std::nullopt;
-    const Ends ends{*first, *second};
+    const JointEnds ends{*first, *second};
     for (std::size_t i : {0u, 1u})
         if (ends[i].node >= 0) {
             table.error(value.items[i].place, fmt::format("between: {} is a node; a joint joins bodies or a body and the "
@@ -87,7 +87,7 @@ std::optional<Eigen::Vector3d> read_point(const TableReader& table, const TomlMe
 }
 
 /// Where the joint is: at the markers of its ends and at `anchor`, which must be one point.
-std::optional<Eigen::Vector3d> read_anchor(const TableReader& table, const Attachments& attachments, const Ends& ends,
+std::optional<Eigen::Vector3d> read_anchor(const TableReader& table, const Attachments& attachments, const JointEnds& ends,
                                            JointType type) {
     const std::vector<TomlValue>& names = table.find("between")->value.items;
     std::optional<Eigen::Vector3d> anchor;
@@ -162,7 +162,7 @@ bool read_limits(const TableReader& table, Joint& joint) {
     }
     const bool is_hinge = joint.type == JointType::hinge;
     const char* unit = is_hinge ? "rad" : "m";
-    const double most = is_hinge ? kLargestAngle : kFarthest;
+    const double most = is_hinge ? kFarthestStop : kFarthest;
     const auto limits = read_numbers(table.context(), member->value, table.what("limits"), unit, 2);
     if (!limits) return false;
     const double low = (*limits)[0], high = (*limits)[1];

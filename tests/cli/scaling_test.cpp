@@ -65,9 +65,6 @@ double memory_per_part(std::string (*model)(int)) {
 // and the model take 8.5 kB; with the summary as one piece 13 kB. A body's 16 channels take 15 kB, with datasets that all
 // stay open 300 kB.
 TEST(Scaling, APartTakesLittleMemory) {
-#ifdef __SANITIZE_ADDRESS__
-    GTEST_SKIP() << "the sanitizer's own memory counts";
-#endif
     EXPECT_LT(memory_per_part(springs), 10e3);
     EXPECT_LT(memory_per_part(free_bodies), 50e3);
 }

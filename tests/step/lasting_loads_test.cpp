@@ -29,11 +29,7 @@ std::ostream& operator<<(std::ostream& out, const Pull& pull) {
 /// A steel bar of 10 mm, 1 m, clamped, turned in space; its end is pulled, slowly enough to follow at rest, and pushed aside
 /// once by 1 mN.
 std::string pulled_bar(const Pull& pull, double rise) {
-#ifdef __SANITIZE_ADDRESS__
-    const double rest = rise < 1 ? 3 : 20;
-#else
-    const double rest = 20;
-#endif
+    constexpr double rest = 20;
     return fmt::format(R"(
 [simulation]
 duration = "{} s"

@@ -162,11 +162,7 @@ segments = {}
 // Oracle: the same machine unturned. Which rigid direction belongs to which frame is no matter of rounding: links between
 // ball joints and spokes of turning bodies, 20 mm to 8 m, near and far from the origin, divided or not, from either end.
 TEST(Rods, OnMovingBodiesRunInAnyDirection) {
-#ifdef __SANITIZE_ADDRESS__
-    constexpr int kDirections = 2;
-#else
     constexpr int kDirections = 10;
-#endif
     std::mt19937 dice(5);
     std::normal_distribution<double> number;
     const auto vector = [&] { return Vector3d(number(dice), number(dice), number(dice)); };

@@ -359,6 +359,7 @@ void EndOfStep::correct(const std::vector<BodyState>& now) {
 void EndOfStep::open_groups(const std::vector<BodyState>& now) {
     const double least_contraction = system_.empty() ? 0 : JointSystem::kProximal;
     for (Group& group : groups_) {
+        group.scale_squared = 0.98 * std::max(group.scale_squared, group.speed_squared);
         group.contraction = std::clamp(kForget * group.contraction, least_contraction, 1.0);
         group.rumour_squared *= 0.5;
         group.floor_squared = group.rumour_squared;
@@ -393,12 +394,11 @@ void EndOfStep::raise_floors() {
 bool EndOfStep::judge(int pass) {
     for (Group& group : groups_) {
         group.previous_squared = group.correction_squared;
-        group.correction_squared = 0;
-        group.scale_squared *= 0.98;
+        group.correction_squared = group.speed_squared = 0;
     }
     for (size_t b = 0; b < u_.size(); ++b) {
         Group& group = groups_[bodies_[b].group];
-        group.scale_squared = std::max(group.scale_squared, speed_squared(b, u_[b]));
+        group.speed_squared = std::max(group.speed_squared, speed_squared(b, u_[b]));
         const double correction = speed_squared(b, correction_[b]);
         if (!std::isfinite(correction)) fail(pass);
         group.correction_squared = std::max(group.correction_squared, correction);
@@ -413,11 +413,11 @@ bool EndOfStep::judge(int pass) {
             slow = slow || (rate > kSlowestContraction && group.correction_squared > 100 * group.floor_squared);
         }
         if (pass > kPassesToFall && group.correction_squared > 0.25 * group.previous_squared &&
-            group.correction_squared <= kRumour * kRumour * group.scale_squared)
+            group.correction_squared <= kRumour * kRumour * group.size_squared())
             group.floor_squared = group.rumour_squared = std::max(group.floor_squared, group.correction_squared);
         const double remaining_squared = group.contraction * group.contraction * group.correction_squared;
         done = done && (group.correction_squared <= group.floor_squared ||
-                        remaining_squared <= std::max(kTolerance * kTolerance * group.scale_squared, group.floor_squared));
+                        remaining_squared <= std::max(kTolerance * kTolerance * group.size_squared(), group.floor_squared));
     }
     if (slow) {
         if (pass > 2) system_.tighten();  // a new matrix was not enough
@@ -528,7 +528,7 @@ void EndOfStep::confirm(const std::vector<BodyState>& after) const {
             difference.tail<3>() -= after[b].angular_velocity;
             const Group& group = groups_[bodies_[b].group];
             const double off_squared = speed_squared(b, difference);
-            if (off_squared <= kAgreement * kAgreement * group.scale_squared + 1e4 * group.floor_squared) continue;
+            if (off_squared <= kAgreement * kAgreement * group.size_squared() + 1e4 * group.floor_squared) continue;
             throw Error(
                 ExitCode::numerical_failure,
                 fmt::format("t = {:.9g} s: ODE's joints move body \"{}\" otherwise than foretold, by {:.1e} m/s (joint "

@@ -108,9 +108,11 @@ private:
     /// The books of a group over a step: squares of speeds [m²/s²].
     struct Group {
         double contraction = 1;    ///< θ/(1 − θ) last measured, grown by kForget per step since; θ: rate of convergence
-        double scale_squared = 0;  ///< of the motion, slowly forgetting
-        double floor_squared = 0;  ///< what rounding of the held bodies' positions and of the joints' impulses feigns:
-                                   ///< nothing below can be asked for
+        double scale_squared = 0;  ///< of the motion found before, slowly forgetting
+        double speed_squared = 0;  ///< of the last pass: what a pass overshoots is no motion
+        double size_squared() const { return std::max(scale_squared, speed_squared); }
+        double floor_squared = 0;       ///< what rounding of the held bodies' positions and of the joints' impulses feigns:
+                                        ///< nothing below can be asked for
         double correction_squared = 0;  ///< of the last pass
         double previous_squared = 0;    ///< of the one before
         double rumour_squared = 0;      ///< of corrections that no longer fell, slowly forgetting: a floor as well

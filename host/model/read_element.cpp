@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <tuple>
@@ -185,7 +186,7 @@ private:
     }
 
     void warn(const TableReader& table, const Element& element) {
-        const auto is_zero = [](double value) { return value == 0; };
+        const auto is_zero = [](double value) { return value == 0 || std::isnan(value); };  // not given
         if (!element.values.empty() && std::all_of(element.values.begin(), element.values.end(), is_zero))
             table.warning(table.place(), "free-element", "free: every parameter is zero, it carries nothing");
         std::vector<double> numbers = element.values;

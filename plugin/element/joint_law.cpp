@@ -1,14 +1,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "element/joint_law.h"
 
+#include <algorithm>
+
 #include "core/state_vector.h"
 
 namespace dttmm::plugin {
 
-Directions JointLaw::elastic() const {
-    Directions elastic;
+void JointLaw::set(int direction, std::shared_ptr<const Law> law) {
+    stiffness(direction) = law->at(0).tangent;
+    if (!law->is_linear()) laws[static_cast<size_t>(direction)] = std::move(law);
+}
+
+bool JointLaw::has_laws() const {
+    return std::ranges::any_of(laws, [](const auto& law) { return law != nullptr; });
+}
+
+Directions JointLaw::resisting() const {
+    Directions resisting;
     for (int d = 0; d < 6; ++d)
-        elastic[static_cast<size_t>(d)] = !rigid[static_cast<size_t>(d)] && (stiffness(d) > 0 || damping(d) > 0);
+        resisting[static_cast<size_t>(d)] = !rigid[static_cast<size_t>(d)] && (stiffness(d) > 0 || damping(d) > 0);
+    return resisting;
+}
+
+Directions JointLaw::elastic() const {
+    Directions elastic = resisting();
+    for (size_t d = 0; d < 6; ++d)
+        if (laws[d]) elastic.set(d);
     return elastic;
 }
 

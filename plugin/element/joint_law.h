@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <limits>
+#include <memory>
 
 #include "core/driven_ends.h"
+#include "law/law.h"
 
 namespace dttmm::plugin {
 
@@ -27,16 +30,24 @@ using Foreshortening = ForeshorteningOf<double>;
 /// The law of a massless joint in its six directions, each a spring with a damper beside it, rigid, or free. Its deformation
 /// d (6×1: m, rad) is the motion of the `to` end relative to the `from` end in the axes of the joint, which go with the
 /// `from` end; its force f (6×1: N, N m) is positive in tension: it pulls the `to` end against d and the `from` end along d.
-/// In the letters of the state vector f = [−q; m]. Of an elastic line the deformation in x is the elongation e, and what
-/// pulls along it acts across it and turns it by the gradient of e.
+/// In the letters of the state vector f = [−q; m]. A direction may have a law of its own in place of the linear spring: its
+/// stiffness is then the law's tangent at rest, by which all that is linear goes. Of an elastic line the deformation in x is
+/// the elongation e, and what pulls along it acts across it and turns it by the gradient of e.
 struct JointLaw {
     Vector6 stiffness = Vector6::Zero();                         ///< [N/m, N m/rad]
     Vector6 damping = Vector6::Zero();                           ///< [N s/m, N m s/rad]
     Directions rigid;                                            ///< d = 0 there; stiffness and damping are not looked at
+    std::array<std::shared_ptr<const Law>, 6> laws;              ///< of directions that are not linear
     Foreshortening line;                                         ///< of the elastic line that it stands for
     double most_turn = std::numeric_limits<double>::infinity();  ///< |θ| up to which it holds [rad]
 
+    /// Gives a direction the law in place of a linear spring.
+    void set(int direction, std::shared_ptr<const Law> law);
+    bool has_laws() const;
+
     /// Directions with a stiffness or damping that is not rigid.
+    Directions resisting() const;
+    /// These, and those with a law.
     Directions elastic() const;
     /// Those in which the joint transmits a force.
     Directions carried() const { return elastic() | rigid; }

@@ -23,12 +23,20 @@ std::unique_ptr<const Element> make(const double* values) {
     return std::make_unique<const E>(std::span<const double, value_count>(values, value_count));
 }
 
+std::unique_ptr<const Element> make_spring_damper(const double* values) {
+    uint32_t count = 0;
+    for (uint32_t p = 0; p < SpringDamper::type().parameter_count; ++p) count += SpringDamper::type().parameters[p].count;
+    return std::make_unique<const SpringDamper>(std::span(values, count));
+}
+
 // One line per element, in both tables.
-const std::array kTypes = {SpringDamper::kType, ElasticHinge::kType, PointMass::kType,
-                           RigidBody::kType,    Beam::kType,         Rod::kType};
-constexpr std::array kMakers = {make<SpringDamper, 12>, make<ElasticHinge, 12>, make<PointMass, 1>,
-                                make<RigidBody, 10>,    make<Beam, 26>,         make<Rod, 22>};
-static_assert(kMakers.size() == std::tuple_size_v<decltype(kTypes)>);
+std::span<const dttmm_element_type> types() {
+    static const std::array all = {SpringDamper::type(), ElasticHinge::kType, PointMass::kType,
+                                   RigidBody::kType,     Beam::kType,         Rod::kType};
+    return all;
+}
+constexpr std::array kMakers = {make_spring_damper,  make<ElasticHinge, 12>, make<PointMass, 1>,
+                                make<RigidBody, 10>, make<Beam, 26>,         make<Rod, 22>};
 
 /// A number in its range, what a word stands for, or nothing where nothing may be given.
 bool is_allowed(const dttmm_parameter& parameter, double value) {
@@ -52,12 +60,12 @@ void check_values(const dttmm_element_type& type, const double* values) {
 
 }  // namespace
 
-std::span<const dttmm_element_type> element_types() { return kTypes; }
+std::span<const dttmm_element_type> element_types() { return types(); }
 
 std::unique_ptr<const Element> make_element(uint32_t type, const double* values) {
-    if (type >= kTypes.size()) throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("there is no element type {}", type));
+    if (type >= kMakers.size()) throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("there is no element type {}", type));
     if (values == nullptr) throw Error(DTTMM_ERROR_ARGUMENT, "the element has no values");
-    check_values(kTypes[type], values);
+    check_values(types()[type], values);
     return kMakers[type](values);
 }
 

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "element/spring_damper.h"
 
+#include <memory>
+#include <vector>
+
+#include "element/law_parameters.h"
 #include "element/parameters.h"
 
 namespace dttmm::plugin {
@@ -13,20 +17,42 @@ constexpr dttmm_parameter kParameters[] = {
     spread3("rotational_stiffness", "N*m/rad", "about x, y, z of the from end"),
     spread3("rotational_damping", "N*m*s/rad", "about x, y, z of the from end"),
 };
+constexpr size_t kLinearValues = 12;
 
 }  // namespace
 
-const dttmm_element_type SpringDamper::kType = {
-    "spring_damper", DTTMM_ENDS_FROM_TO, std::size(kParameters), kParameters,
-    "springs and dampers in three translations and three rotations; a direction without either is free"};
+const dttmm_element_type& SpringDamper::type() {
+    static const std::vector<dttmm_parameter> parameters = [] {
+        std::vector<dttmm_parameter> all(std::begin(kParameters), std::end(kParameters));
+        for (int d = 0; d < 6; ++d) {
+            const auto& own = LawParameters::of_direction(d).declared();
+            all.insert(all.end(), own.begin(), own.end());
+        }
+        return all;
+    }();
+    static const dttmm_element_type type = {
+        "spring_damper", DTTMM_ENDS_FROM_TO, static_cast<uint32_t>(parameters.size()), parameters.data(),
+        "springs and dampers in three translations and three rotations; a direction without either is free"};
+    return type;
+}
 
-SpringDamper::SpringDamper(std::span<const double, 12> values) {
+SpringDamper::SpringDamper(std::span<const double> values) {
     for (int i = 0; i < 3; ++i) {
         const auto at = [&](int group) { return values[static_cast<size_t>(3 * group + i)]; };
         law_.stiffness(i) = at(0);
         law_.damping(i) = at(1);
         law_.stiffness(3 + i) = at(2);
         law_.damping(3 + i) = at(3);
+    }
+    std::span<const double> rest = values.subspan(kLinearValues);
+    for (int d = 0; d < 6; ++d) {
+        const LawParameters& parameters = LawParameters::of_direction(d);
+        const std::span<const double> own = rest.first(parameters.declared().size());
+        rest = rest.subspan(own.size());
+        std::shared_ptr<const Law> law = parameters.make(own);
+        if (!law) continue;
+        if (law_.stiffness(d) > 0) parameters.refuse_stiffness(d < 3 ? "stiffness" : "rotational_stiffness");
+        law_.set(d, std::move(law));
     }
 }
 

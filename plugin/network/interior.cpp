@@ -106,7 +106,8 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
         if (massless_.is_settling(j)) settling_joints_.push_back(j);
     std::vector<size_t> plain;
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
-        const bool is_plain = near_index_[j] < 0 && rigid_index_[j] < 0 && !massless_.is_settling(j);
+        const bool is_plain =
+            near_index_[j] < 0 && rigid_index_[j] < 0 && !massless_.is_settling(j) && !mechanism.joints[j].has_laws();
         (is_plain ? plain : others_).push_back(j);
     }
     by_four_ = {mechanism, plain};
@@ -243,7 +244,9 @@ void Interior::choose_near(const Mechanism& mechanism) {
         const bool is_near = at_port[static_cast<size_t>(mechanism.joints[j].from())] ||
                              at_port[static_cast<size_t>(mechanism.joints[j].to())];
         near_index_.push_back(is_near ? static_cast<int>(near_joints_.size()) : -1);
-        if (is_near) near_joints_.push_back(j);
+        if (!is_near) continue;
+        near_joints_.push_back(j);
+        has_near_laws_ = has_near_laws_ || mechanism.joints[j].has_laws();
     }
     near_blocks_.resize(near_joints_.size());
     near_columns_.resize(near_joints_.size());
@@ -307,7 +310,7 @@ Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, const Jo
                     }
         return K;
     };
-    return {in_frames(joint.stiffness(pose, joint.gain(mechanism.scheme, deformation))),
+    return {in_frames(joint.stiffness(pose, joint.gain(mechanism.scheme, mechanism.states[j].deformation(), deformation))),
             in_frames(joint.acting_stiffness(pose, mechanism.scheme.elastic_weight(0) * acting))};
 }
 

@@ -332,6 +332,7 @@ private:
     int ports_ = 0, driven_ = 0, count_ = 0;
     Vector3 gravity_;
     bool has_free_parts_ = false;  ///< that can turn against each other
+    bool has_near_laws_ = false;   ///< a near joint is not linear
     std::vector<Inertia> inertias_;
     std::vector<double> reach_;        ///< of a frame's joints from its origin [m], at least its radius of gyration
     std::vector<double> turn_weight_;  ///< its square, and 1 by that: what makes one size of linear and angular motion, and

@@ -379,7 +379,7 @@ bool Interior::is_good_enough(double correction, double residual, const Solution
            (!has_free_parts_ || residual <= kTrusted * allowed);
 }
 
-bool Interior::is_never_linear() const { return has_free_parts_ || books_.port_turn > kTurnedPorts; }
+bool Interior::is_never_linear() const { return has_free_parts_ || has_near_laws_ || books_.port_turn > kTurnedPorts; }
 
 /// Whether the linear answer to port_change_ leaves no more over than is good enough.
 bool Interior::linear_answer_serves() const {

@@ -21,6 +21,7 @@ Joint::Joint(const JointSpec& spec, const Assembly& assembly)
     springs_.line = spec.law.line;
     springs_.is_line = spec.law.line.mixed != 0;
     is_damped_ = !spec.law.damping.isZero(0);
+    has_laws_ = spec.law.has_laws();
     const Pose& from = assembly.frames[static_cast<size_t>(from_)].pose;
     const Pose& to = assembly.frames[static_cast<size_t>(to_)].pose;
     seat_.from_axes = from.rotation.transpose() * spec.pose.rotation;
@@ -38,7 +39,7 @@ void Joint::set_scheme(const Scheme& scheme) {
         scheme.is_implicit() ? StepCoefficients{scheme.weight(0), scheme.rate(0)} : StepCoefficients{1, scheme.rate(1)};
     try {
         // f = [−q; m] of the input end against d = x_O − x_I: −∂q/∂x_O for forces, ∂m/∂θ_O for moments
-        const EndForces ends = solve_driven_ends(law_.transfer(step, Vector6::Zero()), law_.elastic());
+        const EndForces ends = solve_driven_ends(law_.transfer(step, Vector6::Zero()), law_.resisting());
         for (int i = 0; i < 3; ++i) {
             solved_[0](i) = -ends.S(i, 6 + i);
             solved_[1](i) = ends.S(3 + i, 9 + i);
@@ -111,9 +112,69 @@ Vector6 Joint::force(FrameView from, FrameView to, const Vector6& rate) const {
     return elastic(x) + damping(x, rate);
 }
 
-double Joint::strain_energy(const Vector3& d, const Vector3& theta) const {
-    return 0.5 * d.dot(springs_.halves[0].stiffness.cwiseProduct(d)) +
-           0.5 * theta.dot(springs_.halves[1].stiffness.cwiseProduct(theta));
+/// Of the springs along the deformations; translations as forces, rotations as the gradient by θ.
+Vector6 Joint::spring_force(const Vector6& x) const {
+    Vector6 f = law_.stiffness.cwiseProduct(x);
+    if (has_laws_)
+        for (int d = 0; d < 6; ++d)
+            if (const auto& law = law_.laws[static_cast<size_t>(d)]) f(d) = law->at(x(d)).force;
+    return f;
+}
+
+/// Its derivative by the deformations.
+Vector6 Joint::spring_tangent(const Vector6& x) const {
+    Vector6 k = law_.stiffness;
+    if (has_laws_)
+        for (int d = 0; d < 6; ++d)
+            if (const auto& law = law_.laws[static_cast<size_t>(d)]) k(d) = law->at(x(d)).tangent;
+    return k;
+}
+
+double Joint::strain_energy(const Vector6& x) const {
+    double stored = 0;
+    for (int d = 0; d < 6; ++d) {
+        const auto& law = law_.laws[static_cast<size_t>(d)];
+        stored += law ? law->at(x(d)).stored : 0.5 * law_.stiffness(d) * x(d) * x(d);
+    }
+    return stored;
+}
+
+/// What the laws add over the step from x to `end` to linear springs, along the deformations: the scheme's weight of the
+/// force there; numerical damping; what the mean along the path has more than the mean of the two ends.
+Joint::Beyond Joint::beyond(const Scheme& scheme, const Vector6& x, const Vector6& end) const {
+    Beyond beyond;
+    for (int d = 0; d < 6; ++d) {
+        const auto& law = law_.laws[static_cast<size_t>(d)];
+        if (!law) continue;
+        const double k = law_.stiffness(d), lag = scheme.lag();
+        const LawOnPath path = law->along(x(d), end(d));
+        const double start = law->at(x(d)).force;
+        beyond.at_end(d) = path.force - k * end(d);
+        beyond.mean(d) = path.mean - 0.5 * (start + path.force);
+        beyond.rate(d) = lag * (path.force - start - k * (end(d) - x(d))) + 0.5 * beyond.mean(d);
+        beyond.gain(d) = lag * (path.tangent - k) + 0.5 * (path.mean_tangent - 0.5 * path.tangent);
+    }
+    return beyond;
+}
+
+JointForce Joint::act(const JointPose& pose, const Vector6& x, const Vector6& f) const {
+    return springs_.act(pose, springs_.drawn(x.head<3>(), x.tail<3>()), x.tail<3>(), f.head<3>(), f.tail<3>(),
+                        Vector3::Zero());
+}
+
+Joint::Strained Joint::strain(Ends at, const JointPose& pose) const {
+    Strained strained = springs_.strain(pose, seat_.axes_at_to(at.to));
+    if (has_laws_) strained.elastic = act(pose, strained.deformation(), spring_force(strained.deformation()));
+    return strained;
+}
+
+JointForce Joint::weigh(const Scheme& scheme, const Strained& end, const JointPose& at_end, const JointState& state,
+                        const DamperState* damper) const {
+    JointForce force = springs_.weigh(scheme, end, at_end, state, damper);
+    if (!has_laws_ || !scheme.is_implicit()) return force;
+    const Beyond more = beyond(scheme, state.deformation(), end.deformation());
+    force.add(1, act(at_end, end.deformation(), scheme.elastic_weight(0) * more.at_end + more.rate));
+    return force;
 }
 
 Vector6 Joint::stretch(const Vector6& x) const {
@@ -131,15 +192,17 @@ Vector6 Joint::damping(const Vector6& x, const Vector6& rate) const {
     return f;
 }
 
-Matrix6 Joint::stiffness_tangent(const Vector6& x) const {
+Matrix6 Joint::stiffness_tangent(const Vector6& x) const { return along(x, spring_tangent(x)); }
+
+/// Of springs of the stiffness k along the deformations.
+Matrix6 Joint::along(const Vector6& x, const Vector6& k) const {
     Matrix6 K = Matrix6::Zero();
-    const Vector3& k = springs_.halves[0].stiffness;
     const Vector6 e = stretch(x);
-    K.diagonal().segment<2>(1) = k.tail<2>();
-    K += k.x() * e * e.transpose();
+    K.diagonal().segment<2>(1) = k.segment<2>(1);
+    K += k(0) * e * e.transpose();
     if (!turns()) return K;
     const Matrix3 inverse_J = rotation_vector_rate(x.tail<3>());
-    K.bottomRightCorner<3, 3>() += inverse_J.transpose() * springs_.halves[1].stiffness.asDiagonal() * inverse_J;
+    K.bottomRightCorner<3, 3>() += inverse_J.transpose() * k.tail<3>().asDiagonal() * inverse_J;
     return K;
 }
 
@@ -152,10 +215,11 @@ Matrix6 Joint::damping_tangent(const Vector6& x) const {
     return C;
 }
 
-Matrix6 Joint::gain(const Scheme& scheme, const Vector6& x) const {
+Matrix6 Joint::gain(const Scheme& scheme, const Vector6& now, const Vector6& x) const {
     // Beside the elastic force over the step there are its dampers, and the scheme's own
     const double weight = scheme.elastic_weight(0);
     Matrix6 gain = weight * stiffness_tangent(x);
+    if (has_laws_) gain += along(x, beyond(scheme, now, x).gain);
     Vector6 other;
     other << solved_[0] - weight * springs_.halves[0].stiffness, solved_[1] - weight * springs_.halves[1].stiffness;
     const Vector6 e = stretch(x);
@@ -253,8 +317,11 @@ JointForce Joint::damping_half_way(Ends trial, Ends now, double h, const JointSt
     const JointPose at_end = pose(next);
     const Strained end = strain(next, at_end);
     if (force) *force = weigh(scheme, end, at_end, state, damper);
+    const Vector6 start = state.deformation();
     springs_.advance(
         scheme, end, at_end, [&] { return pose(now); }, state, damper);
+    if (has_laws_ && scheme.is_implicit())
+        state.known.add(1, act(pose(now), start, beyond(scheme, start, end.deformation()).rate));
 }
 
 void Joint::refuse_large_rotation(FrameView from, FrameView to) const {

@@ -60,6 +60,8 @@ public:
     const JointSeat& seat() const { return seat_; }
     const SpringsOf<double>& springs() const { return springs_; }
     bool is_damped() const { return is_damped_; }
+    /// Whether a spring is not linear.
+    bool has_laws() const { return has_laws_; }
 
     /// Solves the transfer equations for the law at the scheme's step size. Throws Error naming the element.
     void set_scheme(const Scheme& scheme);
@@ -90,35 +92,27 @@ public:
     static void add_wrench(const JointForce& force, double* on_from, double* on_to);
 
     /// The elastic force of a deformation, [force; moment] on the `from` end in the joint's axes.
-    Vector6 elastic(const Vector3& d, const Vector3& theta) const {
-        Vector6 f;
-        Vector3 force = springs_.halves[0].stiffness.cwiseProduct(d);
-        f.tail<3>().setZero();
-        if (turns()) {
-            Vector3 by_theta = springs_.halves[1].stiffness.cwiseProduct(theta);
-            springs_.spread(springs_.drawn(d, theta), force, by_theta);
-            f.tail<3>() = moment_of_gradient(theta, by_theta);
-        }
-        f.head<3>() = force;
-        return f;
+    Vector6 elastic(const Vector6& deformation) const { return spread(deformation, spring_force(deformation)); }
+    /// Its mean over the step from the deformation x to `end` less the mean of the two: zero where springs are linear.
+    Vector6 beyond_mean(const Scheme& scheme, const Vector6& x, const Vector6& end) const {
+        return has_laws_ ? spread(x, beyond(scheme, x, end).mean) : Vector6(Vector6::Zero());
     }
-    Vector6 elastic(const Vector6& deformation) const { return elastic(deformation.head<3>(), deformation.tail<3>()); }
     /// Its energy [J].
-    double strain_energy(const Vector3& d, const Vector3& theta) const;
+    double strain_energy(const Vector6& deformation) const;
     /// The dampers' force of a rate [d; relative turn] likewise.
     Vector6 damping(const Vector6& deformation, const Vector6& rate) const;
     /// The force law at one instant: f [force; moment] on the `from` end in the joint's axes.
     Vector6 force(FrameView from, FrameView to, const Vector6& rate) const;
     using Strained = StrainedOf<double>;
     /// Its elastic part with the deformation it stems from.
-    Strained strain(Ends at, const JointPose& pose) const { return springs_.strain(pose, seat_.axes_at_to(at.to)); }
+    Strained strain(Ends at, const JointPose& pose) const;
 
     /// ∂(elastic force)/∂(deformation) and ∂(damping force)/∂(its rate) at one instant, joint axes, rotations in terms of
     /// the relative turn ε: what does not hang on a force that acts already. Symmetric.
     Matrix6 stiffness_tangent(const Vector6& deformation) const;
     Matrix6 damping_tangent(const Vector6& deformation) const;
-    /// ∂f/∂(deformation at its end) over a step likewise.
-    Matrix6 gain(const Scheme& scheme, const Vector6& deformation) const;
+    /// ∂f/∂(deformation at its end) over a step from the deformation `now` likewise.
+    Matrix6 gain(const Scheme& scheme, const Vector6& now, const Vector6& deformation) const;
     /// Of forces that grow with the deformation by `answer` (joint axes).
     EndBlocks stiffness(const JointPose& pose, const Matrix6& answer) const;
     /// Of a force already acting (world axes), which turns with the joint; symmetric part.
@@ -128,9 +122,7 @@ public:
                JointState& state, DamperState* damper) const;
     /// The force over the open step at a trial end of it, where the joint is at `at_end`; without rigid directions.
     JointForce weigh(const Scheme& scheme, const Strained& end, const JointPose& at_end, const JointState& state,
-                     const DamperState* damper) const {
-        return springs_.weigh(scheme, end, at_end, state, damper);
-    }
+                     const DamperState* damper) const;
     JointForce over_step(const Scheme& scheme, Ends trial, const JointState& state, const DamperState* damper) const {
         const JointPose at_end = pose(trial);
         return weigh(scheme, strain(trial, at_end), at_end, state, damper);
@@ -149,12 +141,32 @@ public:
     }
 
 private:
+    /// All along the deformations: forces in translations, gradients by θ in rotations.
+    struct Beyond {
+        Vector6 at_end = Vector6::Zero(), mean = Vector6::Zero(), rate = Vector6::Zero(), gain = Vector6::Zero();
+    };
+    Beyond beyond(const Scheme& scheme, const Vector6& x, const Vector6& end) const;
+    Vector6 spring_force(const Vector6& x) const;
+    Vector6 spring_tangent(const Vector6& x) const;
+    Matrix6 along(const Vector6& x, const Vector6& k) const;
+    /// Forces along the deformations as [force; moment] in the joint's axes, and as what they do to the frames.
+    Vector6 spread(const Vector6& x, Vector6 f) const {
+        Vector3 force = f.head<3>(), by_theta = f.tail<3>();
+        f.tail<3>().setZero();
+        if (turns()) {
+            springs_.spread(springs_.drawn(x.head<3>(), x.tail<3>()), force, by_theta);
+            f.tail<3>() = moment_of_gradient(Vector3(x.tail<3>()), by_theta);
+        }
+        f.head<3>() = force;
+        return f;
+    }
+    JointForce act(const JointPose& pose, const Vector6& x, const Vector6& f) const;
     void refuse_rotation(double angle) const;
     /// Columns of the elongation of a line by d and ε.
     Vector6 stretch(const Vector6& deformation) const;
 
     int element_, from_, to_;
-    bool is_damped_;
+    bool is_damped_, has_laws_;
     Directions rigid_;
     JointLaw law_;
     JointSeat seat_;

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <mutex>
 #include <unordered_set>
+#include <utility>
 
 #include "core/error.h"
 #include "core/rotation.h"
@@ -38,6 +39,7 @@ const char* keep(const std::string& name) {
 Network::Network(const dttmm_network& description) : mechanism_(description) {
     if (description.element_count == 0) throw Error(DTTMM_ERROR_MODEL, "a network without an element");
     if (mechanism_.assembly.inner_count() > 0) interior_ = std::make_unique<Interior>(mechanism_, description);
+    has_laws_ = std::ranges::any_of(mechanism_.joints, &Joint::has_laws);
     declare_channels(description);
     for (const Vector3& arm : mechanism_.assembly.port_arms) ports_.push_back({arm, Vector3::Zero(), nullptr});
     earlier_.assign(mechanism_.frames.begin(), mechanism_.frames.begin() + mechanism_.assembly.driven_count);
@@ -245,12 +247,13 @@ void Network::begin_step(const dttmm_step& step, const double* loads) {
     if (step.size != mechanism_.scheme.step_size())
         throw Error(DTTMM_ERROR_ARGUMENT, "begin_step: a new step size wants a new start");
     if (interior_) interior_->begin_step(mechanism_, loads);
-    open_ = true;
+    open_ = is_first_look_ = true;
 }
 
 bool Network::expect(const dttmm_motion* nodes) {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "expect: no step is open");
-    if (!interior_) return false;
+    // Where a spring is not linear, a rate of convergence of another step says nothing of this one
+    if (!interior_) return has_laws_ && std::exchange(is_first_look_, false);
     look(nodes);
     return interior_->expect(mechanism_, trial_ports());
 }
@@ -286,7 +289,9 @@ DTTMM_WIDE void Network::evaluate_joints(double* wrench, double* stiffness) cons
         if (stiffness) {
             const JointPose end = joint.pose(at);
             const Joint::Strained strained = joint.strain(at, end);
-            add_stiffness(joint, joint.stiffness(end, joint.gain(mechanism_.scheme, strained.deformation())), stiffness);
+            add_stiffness(joint,
+                          joint.stiffness(end, joint.gain(mechanism_.scheme, state.deformation(), strained.deformation())),
+                          stiffness);
             // The force that acts as at t_n: that of a trial far from the solution may be any
             const Vector3 acting = mechanism_.scheme.elastic_weight(0) * state.elastic.force;
             add_stiffness(joint, joint.acting_stiffness(end, acting), stiffness);
@@ -372,7 +377,8 @@ void Network::find_mean_wrenches() const {
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
         const JointState& state = mechanism_.states[j];  // d_before is that at t_n
-        Vector6 f = 0.5 * joint.elastic(state.d_before, state.theta_before);
+        Vector6 f = 0.5 * joint.elastic(state.deformation_before()) +
+                    joint.beyond_mean(mechanism_.scheme, state.deformation_before(), state.deformation());
         if (const DamperState* damper = mechanism_.damper(j)) {
             Vector6 rate;
             rate << damper->halves[0].delta[0], damper->halves[1].delta[0];
@@ -432,7 +438,7 @@ void Network::stand_by_port_velocities() const {
         const JointState& state = mechanism_.states[j];
         const auto from = static_cast<size_t>(joint.from()), to = static_cast<size_t>(joint.to());
         if (!is_implicit()) poses_[j] = joint.pose(mechanism_.before[from], mechanism_.before[to]);
-        Vector6& f = forces_[j] = joint.elastic(state.d_before, state.theta_before);
+        Vector6& f = forces_[j] = joint.elastic(state.deformation_before());
         if (mechanism_.damper(j)) f += joint.damping(state.deformation_before(), rate_at_start(j));
         if (joint.rigid().any()) f += interior_->rigid_force_at_start(mechanism_, j);
         Joint::add_wrench(poses_[j].act(f), wrenches_[from].data(), wrenches_[to].data());
@@ -519,8 +525,7 @@ double* Network::write_energies(double* out, int first, int last) const {
     double strain = 0, dissipated = 0;
     for (auto j = static_cast<size_t>(first); j < static_cast<size_t>(last); ++j) {
         const Joint& joint = mechanism_.joints[j];
-        const Vector3 &d = mechanism_.states[j].d_before, &theta = mechanism_.states[j].theta_before;
-        strain += joint.strain_energy(d, theta);
+        strain += joint.strain_energy(mechanism_.states[j].deformation_before());
         if (const DamperState* damper = mechanism_.damper(j)) dissipated += damper->dissipated;
     }
     out[0] = strain;

@@ -110,6 +110,8 @@ private:
     mutable std::vector<Port> ports_;
     mutable std::vector<FrameView> trial_ports_;
     bool started_ = false, open_ = false;
+    bool has_laws_ = false;       ///< a joint is not linear
+    bool is_first_look_ = false;  ///< nothing was asked of the open step
     // At t_n, the start of the step last committed:
     mutable std::vector<Twist> port_velocities_;
     mutable std::vector<JointPose> poses_;   ///< of the joints

@@ -29,6 +29,7 @@ struct JointStateOf {
     Vector3Of<Real> d_before, theta_before;  ///< at t_{n−1}
     JointForceOf<Real> elastic;              ///< at t_n
     JointForceOf<Real> known;                ///< what of the force over the open step does not depend on its end
+    Eigen::Matrix<Real, 6, 1> deformation() const { return (Eigen::Matrix<Real, 6, 1>() << d, theta).finished(); }
     Eigen::Matrix<Real, 6, 1> deformation_before() const {
         return (Eigen::Matrix<Real, 6, 1>() << d_before, theta_before).finished();
     }
@@ -119,7 +120,7 @@ struct SpringsOf {
 template <class Real>
 [[gnu::always_inline]] inline DrawnOf<Real> SpringsOf<Real>::drawn(const Vector3Of<Real>& d,
                                                                    const Vector3Of<Real>& theta) const {
-    Drawn e;
+    Drawn e{};
     if (!is_line) return e;
     e.by_y = line.mixed * theta.z() + 2 * line.sway_y * d.y();
     e.by_z = 2 * line.sway_z * d.z() - line.mixed * theta.y();

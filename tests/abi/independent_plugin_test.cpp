@@ -8,6 +8,7 @@
 
 #include "abi/joint_run.h"
 #include "support/paths.h"
+#include "support/spring_values.h"
 
 namespace dttmm::test {
 namespace {
@@ -23,7 +24,7 @@ const dttmm_plugin& independent() {
 }
 
 const std::vector<double> kSpring = {5e5, 7.3e6, 1.2e4, 1000, 0.7, 3300};
-const std::vector<double> kSpringDamper = {5e5, 7.3e6, 1.2e4, 1000, 0.7, 3300, 0, 0, 0, 0, 0, 0};
+const std::vector<double> kSpringDamper = spring_values({5e5, 7.3e6, 1.2e4, 1000, 0.7, 3300});
 
 constexpr Ends kAllEnds[] = {{true, true}, {false, true}, {true, false}};
 

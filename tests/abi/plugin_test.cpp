@@ -9,6 +9,7 @@
 
 #include "abi/joint_run.h"
 #include "support/paths.h"
+#include "support/spring_values.h"
 
 extern "C" const size_t dttmm_layout_in_c[12];
 
@@ -20,7 +21,7 @@ using testing::HasSubstr;
 const dttmm_plugin& table() { return *dttmm_plugin_entry(DTTMM_PLUGIN_MAJOR); }
 
 //                               stiffness           damping         rotational stiffness   rotational damping
-const std::vector<double> kUgly = {5e5, 7.3e6, 1.2e4, 100, 0.7, 330, 2e3, 8.1e4, 300, 5, 0.01, 90};
+const std::vector<double> kUgly = spring_values({5e5, 7.3e6, 1.2e4, 100, 0.7, 330, 2e3, 8.1e4, 300, 5, 0.01, 90});
 
 // Oracle: the same header compiled as C.
 TEST(Plugin, TheInterfaceHasOneLayoutInCAndCpp) {
@@ -199,7 +200,7 @@ TEST(Plugin, AStateOfAnotherSizeIsRefusedAndChangesNothing) {
 
 // Oracle: the same joint alone. The interleaved one differs in stiffness, scheme and ports and is one step ahead.
 TEST(Plugin, TwoInstancesSideBySideGiveTheBitsOfOneAlone) {
-    const std::vector<double> soft = {10, 20, 30, 1, 2, 3, 0, 0, 0, 0, 0, 0};
+    const std::vector<double> soft = spring_values({10, 20, 30, 1, 2, 3});
     JointRun alone(table(), 0, kUgly, DTTMM_SCHEME_CENTRED, {true, true});
     std::vector<Answer> expected;
     for (uint64_t n = 0; n < 7; ++n) expected.push_back(alone.step(n));

@@ -231,7 +231,7 @@ Model two_masses(const Plugins& plugins) {
     model.elements = {test::spring("foot", plugins, {}, {0, -1}, kStiffnesses[0], kDampings[0]),
                       test::spring("link", plugins, {0, -1}, {1, -1}, kStiffnesses[1], kDampings[1])};
     for (size_t i = 0; i < 2; ++i)  // along x only: no lever arms
-        model.elements[i].values = {kStiffnesses[i], 0, 0, kDampings[i], 0, 0, 0, 0, 0, 0, 0, 0};
+        model.elements[i].values = test::spring_values({kStiffnesses[i], 0, 0, kDampings[i]});
     return model;
 }
 

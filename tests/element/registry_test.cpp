@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "support/spring_values.h"
 
 namespace dttmm::plugin {
 namespace {
@@ -63,7 +64,8 @@ TEST(Registry, NamesAreUniqueAndWordsHaveOneNumber) {
 }
 
 TEST(Registry, ValuesOutsideTheDeclaredRangeAreRefused) {
-    double values[12] = {};
+    std::vector<double> list = test::spring_values({});
+    double* const values = list.data();
     EXPECT_EQ(status_of(0, values), DTTMM_OK);
     for (double bad : {-1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
         values[7] = bad;

@@ -7,6 +7,7 @@
 
 #include "core/discretisation.h"
 #include "core/state_vector.h"
+#include "support/spring_values.h"
 
 namespace dttmm::plugin {
 namespace {
@@ -16,7 +17,7 @@ constexpr std::array<double, 12> kUgly = {5e5, 7.3e8, 12, 100, 0.7, 33, 2e4, 8.1
 
 // Oracle: the unit relations of the sign convention: x_O = x_I − q/K and θ_O = θ_I + m/K', loads pass through.
 TEST(SpringDamper, StaticTransferMatrixFollowsTheSignConvention) {
-    const SpringDamper joint(kUgly);
+    const SpringDamper joint(test::spring_values(kUgly));
     const Matrix13 U = joint.law().transfer({1, 0}, Vector6::Zero());
     Matrix13 expected = Matrix13::Identity();
     for (int d = 0; d < 3; ++d) {
@@ -30,7 +31,7 @@ TEST(SpringDamper, StaticTransferMatrixFollowsTheSignConvention) {
 // hand.
 TEST(SpringDamper, FoxEulerTransferMatrixIsThePapersEquation4) {
     const double h = 1e-3, k = 5e5, c = 100;
-    const SpringDamper joint(std::array<double, 12>{k, k, k, c, c, c, 0, 0, 0, 0, 0, 0});
+    const SpringDamper joint(test::spring_values({k, k, k, c, c, c, 0, 0, 0, 0, 0, 0}));
     const double x_in_1 = 1e-4, v_in_1 = 0.3, x_out_1 = -2e-4, v_out_1 = -0.1;
     const double D_in = -2 / h * x_in_1 - v_in_1, D_out = -2 / h * x_out_1 - v_out_1;
     const double k_hat = k + c * 2 / h;
@@ -49,7 +50,7 @@ TEST(SpringDamper, FoxEulerTransferMatrixIsThePapersEquation4) {
 
 // Oracle: the closed form q = Khat (x_I − x_O) and m = Khat' (θ_O − θ_I); the elimination has 12 unknowns. Rounding only.
 TEST(SpringDamper, EliminationInSpaceEqualsTheClosedForm) {
-    const SpringDamper joint(kUgly);
+    const SpringDamper joint(test::spring_values(kUgly));
     const StepCoefficients step{0.25, 500};
     const Vector6 known = (Vector6() << 3, -1, 0.5, 2, -7, 0.1).finished();
     const EndForces ends = solve_driven_ends(joint.law().transfer(step, known), joint.law().carried());
@@ -67,7 +68,7 @@ TEST(SpringDamper, EliminationInSpaceEqualsTheClosedForm) {
 }
 
 TEST(SpringDamper, ADirectionWithoutStiffnessOrDampingIsFree) {
-    const SpringDamper joint(std::array<double, 12>{1, 0, 0, 0, 2, 0, 0, 3, 0, 0, 0, 4});
+    const SpringDamper joint(test::spring_values({1, 0, 0, 0, 2, 0, 0, 3, 0, 0, 0, 4}));
     EXPECT_EQ(joint.law().carried(), Directions(0b110011));
     EXPECT_TRUE(std::isinf(joint.law().transfer({1, 10}, Vector6::Zero())(state::kPosition + 2, state::kForce + 2)));
     const EndForces ends = solve_driven_ends(joint.law().transfer({1, 10}, Vector6::Zero()), joint.law().carried());

@@ -10,17 +10,18 @@
 
 #include "core/error.h"
 #include "core/rotation.h"
+#include "support/spring_values.h"
 
 namespace dttmm::plugin {
 namespace {
 
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using RowMajorX = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using Values = std::array<double, 12>;
+using Values = std::vector<double>;
 
 //                       stiffness           damping         rotational stiffness   rotational damping
-constexpr Values kUgly = {5e5, 7.3e6, 1.2e4, 100, 0.7, 330, 2e3, 8.1e4, 300, 5, 0.01, 90};
-constexpr Values kSoft = {1e3, 2e3, 3e3, 4, 5, 6, 0, 0, 0, 0, 0, 0};
+const Values kUgly = test::spring_values({5e5, 7.3e6, 1.2e4, 100, 0.7, 330, 2e3, 8.1e4, 300, 5, 0.01, 90});
+const Values kSoft = test::spring_values({1e3, 2e3, 3e3, 4, 5, 6, 0, 0, 0, 0, 0, 0});
 
 /// A pose and twist that a test moves around.
 struct Frame {
@@ -304,8 +305,7 @@ TEST(Network, StiffnessOfTheStepIsTheDerivativeOfItsWrench) {
 // Oracle: the same with springs far out of rest. Their forces have an energy, so that but for the axes to which small turns
 // are referred the derivative is symmetric, and its symmetric part the second derivative of the energy.
 TEST(Network, StiffnessOfTheStepHasThatOfTheForcesThatAct) {
-    constexpr Values kPulled = {5e5, 7.3e6, 1.2e4, 0, 0, 0, 0, 0, 0, 0, 0, 0},
-                     kFar = {1e3, 2e3, 3e3, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+    const Values kPulled = test::spring_values({5e5, 7.3e6, 1.2e4}), kFar = test::spring_values({1e3, 2e3, 3e3});
     const auto [difference, S] = stiffnesses(kPulled, kFar, 0.5);
     EXPECT_LT((S - 0.5 * (difference + difference.transpose())).norm(), 1e-7 * S.norm());
     EXPECT_LT((S - S.transpose()).norm(), 1e-14 * S.norm());
@@ -504,7 +504,7 @@ TEST(Network, StructuralFaultsAreFoundWhenBuilt) {
 // Oracle: a rotor that turns at a steady ω feels −c ω from a rotational damper, at every angle: half turns are no event.
 TEST(Network, ARotationalDamperMayTurnForEver) {
     const double c = 0.7, w = 40, h = 0.01;  // 0.4 rad a step: a turn every 16 steps
-    const Values values = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, c};
+    const Values values = test::spring_values({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, c});
     for (uint32_t scheme : {DTTMM_SCHEME_CENTRED, DTTMM_SCHEME_FOX_EULER}) {
         Network network = make_network(scheme, true, values);
         const Vector3 axis = kLeft.rotation.col(2);
@@ -538,7 +538,7 @@ TEST(Network, ARotationalSpringRefusesLargeRotations) {
 
 // A free joint is no fault: it carries nothing.
 TEST(Network, AnElementWithoutStiffnessCarriesNothing) {
-    constexpr Values kFree{};
+    const Values kFree = test::spring_values({});
     Network network = make_network(DTTMM_SCHEME_CENTRED, false, kFree);
     Frame left = kLeft, right = kRight;
     advance_twice(network, left, right);

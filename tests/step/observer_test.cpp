@@ -173,7 +173,7 @@ TEST(Observer, TwoJoinedTumblingBodiesAccountForTheirEnergyToSecondOrder) {
         model.bodies.push_back(body);
     }
     Element joint = test::spring("joint", plugins, {0, 0}, {1, 0}, 3e3, 1);
-    joint.values = {3e3, 4e3, 5e3, 1, 2, 0.5, 20, 30, 10, 0.02, 0.01, 0.03};
+    joint.values = test::spring_values({3e3, 4e3, 5e3, 1, 2, 0.5, 20, 30, 10, 0.02, 0.01, 0.03});
     model.elements.push_back(joint);
     for (Coupling coupling : {Coupling::implicit, Coupling::explicit_}) {
         model.simulation.coupling = coupling;

@@ -8,6 +8,7 @@
 #include "loader/plugins.h"
 #include "model/model.h"
 #include "support/bodies.h"
+#include "support/spring_values.h"
 
 namespace dttmm::test {
 
@@ -42,7 +43,7 @@ inline Element spring(const std::string& name, const Plugins& plugins, const Att
     element.name = name;
     element.type = plugins.catalogue().find("spring_damper");
     element.ends = {from, to};
-    element.values = {k, k, k, c, c, c, 0, 0, 0, 0, 0, 0};
+    element.values = spring_values({k, k, k, c, c, c});
     element.place = name;
     return element;
 }

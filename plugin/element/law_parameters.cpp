@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "element/law_parameters.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "core/error.h"
+#include "core/state_vector.h"
+#include "element/parameters.h"
+#include "law/registry.h"
+
+namespace dttmm::plugin {
+
+const LawParameters& LawParameters::of_direction(int direction) {
+    static const std::array<LawParameters, 6> all = {
+        LawParameters(kDirectionNames[0], false), LawParameters(kDirectionNames[1], false),
+        LawParameters(kDirectionNames[2], false), LawParameters(kDirectionNames[3], true),
+        LawParameters(kDirectionNames[4], true),  LawParameters(kDirectionNames[5], true)};
+    return all[static_cast<size_t>(direction)];
+}
+
+LawParameters::LawParameters(const std::string& key, bool is_rotation) : key_(key) {
+    std::vector<const LawParameter*> numbers;
+    for (const LawType& type : law_types()) {
+        words_.push_back({type.name, static_cast<double>(words_.size())});
+        for (const LawParameter& parameter : type.parameters) {
+            if (std::ranges::find(names_, parameter.name) != names_.end()) continue;
+            names_.push_back(parameter.name);
+            numbers.push_back(&parameter);
+        }
+    }
+    texts_.push_back(key + ".law");
+    for (const std::string& name : names_) texts_.push_back(key + "." + name);
+    declared_.push_back({texts_[0].c_str(), "1", 1, DTTMM_PARAMETER_WORDS_ONLY, kNotGiven, 0, kLargest, words_.data(),
+                         static_cast<uint32_t>(words_.size()),
+                         "law of the spring in that direction, in place of a stiffness"});
+    for (size_t i = 0; i < names_.size(); ++i)
+        declared_.push_back(optional(texts_[1 + i].c_str(), numbers[i]->unit[is_rotation], 1, numbers[i]->minimum, kLargest,
+                                     numbers[i]->documentation));
+}
+
+std::unique_ptr<const Law> LawParameters::make(std::span<const double> values) const {
+    const auto given = [&](size_t i) { return is_given(values[1 + i]); };
+    if (!is_given(values[0])) {
+        for (size_t i = 0; i < names_.size(); ++i)
+            if (given(i)) throw Error(DTTMM_ERROR_MODEL, fmt::format("{0}.{1} needs a law: add {0}.law", key_, names_[i]));
+        return nullptr;
+    }
+    const LawType& type = law_types()[static_cast<size_t>(values[0])];
+    std::vector<double> own;
+    for (const LawParameter& parameter : type.parameters) {
+        const auto i = static_cast<size_t>(std::ranges::find(names_, parameter.name) - names_.begin());
+        if (!given(i))
+            throw Error(DTTMM_ERROR_MODEL,
+                        fmt::format("{0}.{1} is missing: the law {2} needs it", key_, parameter.name, type.name));
+        own.push_back(values[1 + i]);
+    }
+    for (size_t i = 0; i < names_.size(); ++i) {
+        const bool is_own =
+            std::ranges::any_of(type.parameters, [&](const LawParameter& one) { return one.name == names_[i]; });
+        if (given(i) && !is_own)
+            throw Error(DTTMM_ERROR_MODEL,
+                        fmt::format("{0}.{1} does not belong to the law {2}: remove it", key_, names_[i], type.name));
+    }
+    return type.make(own.data());
+}
+
+void LawParameters::refuse_stiffness(const char* key) const {
+    throw Error(DTTMM_ERROR_MODEL, fmt::format("{0}: direction {1} has a law; put 0 there, or leave {1} out", key, key_));
+}
+
+}  // namespace dttmm::plugin

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "dttmm_plugin.h"
+#include "law/law.h"
+
+namespace dttmm::plugin {
+
+/// What the model file may say of the law of one direction, from the table of laws:
+///     z = { law = "cubic", stiffness = "4 N/mm", cubic = "80 N/mm^3" }
+/// One key names the law; then come the numbers that any law needs, each once.
+class LawParameters {
+public:
+    /// direction: of x y z rx ry rz.
+    static const LawParameters& of_direction(int direction);
+    LawParameters(const LawParameters&) = delete;
+
+    /// For the table of an element.
+    const std::vector<dttmm_parameter>& declared() const { return declared_; }
+    /// The law that the values of these name; none if they name none. Throws Error(DTTMM_ERROR_MODEL) where a number is
+    /// missing or belongs to another law.
+    std::unique_ptr<const Law> make(std::span<const double> values) const;
+    /// Throws Error(DTTMM_ERROR_MODEL): `key` gives the direction a linear spring too.
+    [[noreturn]] void refuse_stiffness(const char* key) const;
+
+private:
+    LawParameters(const std::string& key, bool is_rotation);
+
+    std::string key_;
+    std::vector<std::string> names_;  ///< of the numbers, without the key
+    std::vector<std::string> texts_;  ///< that declared_ points into
+    std::vector<dttmm_word> words_;
+    std::vector<dttmm_parameter> declared_;
+};
+
+}  // namespace dttmm::plugin

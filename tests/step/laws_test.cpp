@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Springs with laws of their own: between bodies, at nodes, in chains with beams.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "support/recorded_run.h"
+
+namespace dttmm::host {
+namespace {
+
+using test::RecordedRun;
+
+/// Time of a step: a period of x'' + x + x³ = 0 that starts at rest's place with the speed of the amplitude 2, divided. From
+/// nonlinear.md A7, confirmed below: ω = 1.97601636407125.
+constexpr double kPeriod = 2 * M_PI / 1.97601636407125;
+constexpr double kSpeed = 3.4641016151377544;  // √(a² + a⁴/2)
+constexpr double kMass = 2.5;
+
+enum class Held { body, node };
+
+/// The oscillator along an axis turned in space.
+std::string duffing(Held held, double step, double periods, const char* more = "") {
+    const Eigen::Vector3d way =
+        Eigen::AngleAxisd(0.7, Eigen::Vector3d(0.2, -0.6, 0.3).normalized()) * Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d v = kSpeed * way;
+    const std::string parts =
+        held == Held::body
+            ? fmt::format("[[body]]\nname = \"m\"\nmass = {}\ninertia = [1, 2, 3]\nvelocity = [{}, {}, {}]\n", kMass, v.x(),
+                          v.y(), v.z())
+            : fmt::format(
+                  "[nodes]\nm = {{ position = [0, 0, 0], velocity = [{}, {}, {}], fixed = [\"rx\", \"ry\", \"rz\"] }}\n"
+                  "[[element]]\nname = \"mass\"\ntype = \"point_mass\"\nat = \"m\"\nmass = {}\n",
+                  v.x(), v.y(), v.z(), kMass);
+    return fmt::format(R"(
+[simulation]
+step = {}
+duration = {}
+{}
+[output]
+step = {}
+{}
+[[element]]
+name = "spring"
+type = "spring_damper"
+from = "ground"
+to = "m"
+axes = {{ axis = [0.2, -0.6, 0.3], angle = 0.7 }}
+z = {{ law = "cubic", stiffness = {}, cubic = {} }}
+)",
+                       step, periods * kPeriod, more, step, parts, kMass, kMass);
+}
+
+double error_after_a_period(Held held, int steps) {
+    const RecordedRun run(duffing(held, kPeriod / steps, 1));
+    return run.last("m.position").norm();
+}
+
+// Oracle: the exact period 4 K(m)/√(1 + a²), m = a²/(2 (1 + a²)), by the arithmetic-geometric mean.
+TEST(LawsOfSprings, DuffingsPeriodIsMetToSecondOrder) {
+    double a = 1, g = std::sqrt(1 - 0.4);  // m = 4/10
+    for (int i = 0; i < 6; ++i) std::tie(a, g) = std::pair((a + g) / 2, std::sqrt(a * g));
+    EXPECT_NEAR(4 * (M_PI / (2 * a)) / std::sqrt(5), kPeriod, 1e-13);
+    for (Held held : {Held::body, Held::node}) {
+        double before = error_after_a_period(held, 50);
+        EXPECT_LT(before, 0.1);
+        for (int steps : {100, 200, 400, 800}) {
+            const double error = error_after_a_period(held, steps);
+            EXPECT_NEAR(before / error, 4, 0.1) << steps;
+            before = error;
+        }
+    }
+}
+
+/// Largest change of the energy as share of it.
+double lost_energy(Held held, double steps, double periods) {
+    const RecordedRun run(duffing(held, kPeriod / steps, periods));
+    double worst = 0;
+    for (size_t n = 0; n < run.count(); ++n) {
+        const double energy = run(n, "energy.kinetic") + run(n, "energy.strain");
+        worst = std::max(worst, std::abs(energy / (0.5 * kMass * kSpeed * kSpeed) - 1));
+    }
+    return worst;
+}
+
+// Oracle: conservation. The mean force along the way of a step does the work that the spring stores, at any step size: here
+// up to 0.27 of the period. What is left of it is what the solver leaves in every step.
+TEST(LawsOfSprings, EnergyIsKeptAtAnyStep) {
+    for (double steps : {100.0, 10.0, 3.7}) {
+        EXPECT_LT(lost_energy(Held::body, steps, 10), 5e-12) << steps;
+        EXPECT_LT(lost_energy(Held::body, steps, 100), 1e-10) << steps;
+    }
+}
+
+// Oracle: the balance at each instant: mass times acceleration is the recorded force, and the force is the law's.
+TEST(LawsOfSprings, ARowIsInBalance) {
+    for (Held held : {Held::body, Held::node}) {
+        const RecordedRun run(duffing(held, kPeriod / 37, 2));
+        for (size_t n = 0; n < run.count(); ++n) {
+            const double d = run(n, "spring.deflection.z"), f = run(n, "spring.force.z");
+            EXPECT_NEAR(f, kMass * (d + d * d * d), 1e-9);
+            EXPECT_NEAR(kMass * run.vector(n, "m.acceleration").norm(), std::abs(f), 1e-9 * 25);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace dttmm::host

@@ -76,7 +76,8 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
       gravity_(Eigen::Map<const Vector3>(description.gravity)),
       elimination_(count_, links_of(mechanism), least_lever(mechanism)),
       at_trial_(elimination_),
-      massless_(mechanism, massless_halves(mechanism)) {
+      massless_(mechanism, massless_halves(mechanism)),
+      laws_(mechanism, driven_) {
     if (!mechanism.scheme.is_implicit())
         throw Error(DTTMM_ERROR_MODEL,
                     "it hangs on a node that is no body, or has a mass of its own: that wants the implicit coupling", 0);
@@ -137,6 +138,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     anchor_.q.assign(rigid, 0);
     anchor_.q_change.assign(rigid, 0);
     anchor_.near.resize(near_joints_.size());
+    anchor_.laws.assign(laws_.count(), 0);
     other_ = anchor_;
     port_change_.setZero(6 * ports_);
     for (auto* list : {&wrench_, &end_wrench_, &damping_wrench_}) list->assign(mechanism.frames.size(), Vector6::Zero());
@@ -425,6 +427,8 @@ void Interior::form_matrix(const Mechanism& mechanism, const std::vector<Frame>&
     assemble(mechanism, at);
     factor(mechanism, DTTMM_ERROR_SINGULAR);
     find_responses(mechanism);
+    laws_.form(mechanism, at);
+    laws_.find_responses(elimination_, mechanism.scheme.step_size(), other_.change, other_.q_change);
     look_at_joints(mechanism);
     is_stale_ = false;
 }

@@ -8,6 +8,7 @@
 
 #include "network/elimination.h"
 #include "network/joints_by_four.h"
+#include "network/law_rows.h"
 #include "network/massless.h"
 #include "network/mechanism.h"
 #include "network/momentum.h"
@@ -219,6 +220,7 @@ private:
         std::vector<Vector6> change;   ///< last correction of it
         std::vector<double> q;         ///< forces of the rigid directions, before the correction [N, N m]
         std::vector<double> q_change;  ///< correction of them, times h
+        std::vector<double> laws;      ///< ψ of the last correction
         std::vector<JointForce> near;  ///< forces of near_joints_ over the step, before the correction
         Convergence motion, momentum;  ///< as in Books
         double scale = 0;              ///< likewise
@@ -271,7 +273,7 @@ private:
     void balance_massless(const Mechanism& mechanism, Solution& solution) const;
     Vector6 settled(const Mechanism& mechanism, size_t massless, const Vector6& load) const;
     Vector6 passed_on(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const;
-    double correct(const Elimination& matrix, Solution& solution) const;
+    double correct(const Mechanism& mechanism, const Elimination& matrix, Solution& solution) const;
     bool may_be_rough(double correction, const Solution& solution) const;
     bool is_good_enough(double correction, double residual, const Solution& solution) const;
     double speed_of_port_change() const;
@@ -364,6 +366,7 @@ private:
     std::vector<double> responses_;    ///< ∂u/∂(u of the ports) of every inner frame
     Eigen::MatrixXd rigid_responses_;  ///< the same of the forces of rigid directions, times h
     MasslessFrames massless_;
+    mutable LawRows laws_;  ///< mutable: it has working memory
 
     double stiffest_ = 0;    ///< what the matrix has most of against the shift of a frame [kg]
     bool is_stale_ = false;  ///< the factor no longer serves

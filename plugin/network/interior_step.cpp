@@ -272,8 +272,12 @@ Vector6 Interior::passed_on(const std::vector<Frame>& frames, size_t frame, cons
 }
 
 /// Solves for the correction and returns its size: the largest speed of a point.
-double Interior::correct(const Elimination& matrix, Solution& solution) const {
+double Interior::correct(const Mechanism& mechanism, const Elimination& matrix, Solution& solution) const {
     matrix.solve(solution.change, solution.q_change);
+    if (&matrix == &elimination_)
+        laws_.correct(mechanism, trial_, solution.change, solution.q_change, solution.laws);
+    else
+        std::fill(solution.laws.begin(), solution.laws.end(), 0.0);
     return largest_size(solution.change, turn_weight_);
 }
 
@@ -323,7 +327,7 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution, bool roughl
             solution.has_own_matrix = true;
         }
         const double residual = largest_size(solution.change, spin_weight_);  // the momentum that is lacking [N s]
-        const double correction = correct(*matrix, solution);
+        const double correction = correct(mechanism, *matrix, solution);
         if (!std::isfinite(correction + floor)) break;
         if (solution.correction > 0 && correction > floor) {
             rate = correction / solution.correction;
@@ -390,9 +394,9 @@ bool Interior::linear_answer_serves() const {
     if (stays_linear_) return change <= kStillLinear * kLargestRounding * anchor_.scale;
     if (change <= anchor_.floor) return true;
     if (!anchor_.answer.is_known_for(change)) return false;
-    const double share = change / anchor_.answer.speed;
-    return share * anchor_.answer.motion <= anchor_.tolerance &&
-           share * anchor_.answer.momentum <= kLinearly * kShare * anchor_.impulse;
+    const double part = change / anchor_.answer.speed;
+    return part * anchor_.answer.motion <= anchor_.tolerance &&
+           part * anchor_.answer.momentum <= kLinearly * kShare * anchor_.impulse;
 }
 
 /// Sets port_change_: what leads the ports from the anchor to where they are to go.
@@ -533,6 +537,7 @@ JointForce Interior::near_force(const Mechanism& mechanism, size_t k, const Solu
         on_from -= q * elimination_.rigid(static_cast<int>(j), i, 0);
         on_to += q * elimination_.rigid(static_cast<int>(j), i, 1);
     });
+    if (joint.has_laws()) laws_.add_force(j, solution.laws, on_from, on_to);
     const RowMajor3 R_from = mechanism.frame(joint.from()).axes(), R_to = mechanism.frame(joint.to()).axes();
     JointForce force = solution.near[k];
     force.add(1, {R_from * head(on_from), R_from * tail(on_from), R_to * tail(on_to)});

@@ -157,6 +157,15 @@ Joint::Beyond Joint::beyond(const Scheme& scheme, const Vector6& x, const Vector
     return beyond;
 }
 
+Joint::OnPath Joint::on_path(const Scheme& scheme, int direction, double now, double end) const {
+    const auto d = static_cast<size_t>(direction);
+    const double weight = scheme.elastic_weight(0), lag = scheme.lag(), k = law_.stiffness(direction);
+    const LawOnPath path = law_.laws[d]->along(now, end);
+    const double start = law_.laws[d]->at(now).force;
+    return {(weight + lag - 0.25) * path.force + 0.5 * path.mean - (lag + 0.25) * start - lag * k * (end - now),
+            (weight + lag - 0.25) * path.tangent + 0.5 * path.mean_tangent - lag * k};
+}
+
 JointForce Joint::act(const JointPose& pose, const Vector6& x, const Vector6& f) const {
     return springs_.act(pose, springs_.drawn(x.head<3>(), x.tail<3>()), x.tail<3>(), f.head<3>(), f.tail<3>(),
                         Vector3::Zero());

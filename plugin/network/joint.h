@@ -97,6 +97,12 @@ public:
     Vector6 beyond_mean(const Scheme& scheme, const Vector6& x, const Vector6& end) const {
         return has_laws_ ? spread(x, beyond(scheme, x, end).mean) : Vector6(Vector6::Zero());
     }
+    /// The force of a direction with a law over a step that takes its deformation from `now` to `end`, but for what linear
+    /// springs would have of numerical damping; and its derivative by `end`.
+    struct OnPath {
+        double force, gain;
+    };
+    OnPath on_path(const Scheme& scheme, int direction, double now, double end) const;
     /// Its energy [J].
     double strain_energy(const Vector6& deformation) const;
     /// The dampers' force of a rate [d; relative turn] likewise.

@@ -89,10 +89,11 @@ double lost_energy(Held held, double steps, double periods) {
 // Oracle: conservation. The mean force along the way of a step does the work that the spring stores, at any step size: here
 // up to 0.27 of the period. What is left of it is what the solver leaves in every step.
 TEST(LawsOfSprings, EnergyIsKeptAtAnyStep) {
-    for (double steps : {100.0, 10.0, 3.7}) {
-        EXPECT_LT(lost_energy(Held::body, steps, 10), 5e-12) << steps;
-        EXPECT_LT(lost_energy(Held::body, steps, 100), 1e-10) << steps;
-    }
+    for (Held held : {Held::body, Held::node})
+        for (double steps : {100.0, 10.0, 3.7}) {
+            EXPECT_LT(lost_energy(held, steps, 10), 5e-12) << steps;
+            EXPECT_LT(lost_energy(held, steps, 100), 1e-10) << steps;
+        }
 }
 
 // Oracle: the balance at each instant: mass times acceleration is the recorded force, and the force is the law's.

@@ -26,12 +26,27 @@ bool is_lasting(const Signal& signal, double duration) {
     return std::abs(sum) / (kSamples + 1) > 0.1 * largest;
 }
 
+/// Frequencies of springs that are not linear depend on the amplitude.
+void note_laws(const Model& model, const ElementCatalogue& catalogue, Warnings& warnings) {
+    std::vector<const Element*> with_laws;
+    for (const Element& element : model.elements)
+        if (has_law(*catalogue.types[static_cast<size_t>(element.type)], element.values)) with_laws.push_back(&element);
+    if (with_laws.empty()) return;
+    warnings.note(
+        "law-linearised",
+        fmt::format("{}: element \"{}\"{}: the frequencies are those of small vibrations: its springs that are not "
+                    "linear count with their stiffness at the start",
+                    with_laws[0]->place, with_laws[0]->name,
+                    with_laws.size() > 1 ? fmt::format(" and {} more", with_laws.size() - 1) : ""));
+}
+
 Model read(const Request& request, const Plugins& plugins, Warnings& warnings) {
     ModelOverrides overrides = request.overrides;
     overrides.purpose = Purpose::modes;
     Model model = read_model(request.model, plugins.catalogue(), overrides);
     warnings.add(model.warnings);
     warn_preload(model, warnings);
+    note_laws(model, plugins.catalogue(), warnings);
     return model;
 }
 

@@ -44,6 +44,19 @@ inline Bounds bounds_of(const dttmm_parameter& parameter) {
     return bounds;
 }
 
+/// Whether an element of the type has a law that is not linear: a word of its own for a parameter called `law`.
+inline bool has_law(const dttmm_element_type& type, const std::vector<double>& values) {
+    std::size_t at = 0;
+    for (const dttmm_parameter& parameter : std::span(type.parameters, type.parameter_count)) {
+        const auto* word = std::find_if(parameter.words, parameter.words + parameter.word_count,
+                                        [&](const dttmm_word& one) { return one.value == values[at]; });
+        at += parameter.count;
+        if (!std::string_view(parameter.name).ends_with(".law") || word == parameter.words + parameter.word_count) continue;
+        if (std::string_view(word->name) != "linear") return true;
+    }
+    return false;
+}
+
 /// A type with a section has its local x axis along its line; any other has the axes of its `from` end.
 inline bool is_line(const dttmm_element_type& type) {
     return std::ranges::any_of(std::span(type.parameters, type.parameter_count), [](const dttmm_parameter& parameter) {

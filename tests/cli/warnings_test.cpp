@@ -94,6 +94,20 @@ TEST(WarningsOf, ModesWithoutGravityAndLastingLoads) {
     EXPECT_THAT(codes("7", ""), ElementsAre("load-not-in-modes"));
 }
 
+TEST(WarningsOf, ModesOfSpringsThatAreNotLinear) {
+    const TemporaryFolder folder;
+    const auto modes = [&](const std::string& spring) {
+        std::string text = small_model_with("\"100 N\"", "0");
+        text.replace(text.find("stiffness = \"6e4 N/m\""), 21, spring);
+        write_text(folder / "model.toml", text);
+        const Ended ended = run_dttmm(folder.path(), {"modes", "model.toml", "-q", "-o", "out"});
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        return codes_in(folder / "out/summary.json");
+    };
+    EXPECT_THAT(modes("z = { law = \"cubic\", stiffness = 6e4, cubic = 1e9 }"), ElementsAre("law-linearised"));
+    EXPECT_THAT(modes("z = { law = \"linear\", stiffness = 6e4 }"), ElementsAre());
+}
+
 // Oracle: the numbers of cases with a stiffness of zero.
 TEST(WarningsOf, ASweepAreCountedPerCaseAndInItsLastLine) {
     const TemporaryFolder folder;

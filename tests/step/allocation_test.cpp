@@ -108,6 +108,56 @@ TEST(Allocation, NothingIsAllocatedInsideANetwork) {
     EXPECT_EQ(allocations - before, 0);
 }
 
+// The same with springs that are not linear, between bodies and at the end of a beam.
+TEST(Allocation, LawsAllocateNothing) {
+    const Plugins plugins;
+    const Model model = parse_model(R"(format = "dttmm/1"
+[simulation]
+step = 0.001
+duration = 1
+[nodes]
+root = { position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+tip = [1, 0, 0]
+[[body]]
+name = "block"
+mass = 5
+inertia = [0.1, 0.2, 0.3]
+position = [1, 0, 0]
+velocity = [0.3, 1, -2]
+[[element]]
+name = "strip"
+type = "beam"
+from = "root"
+to = "tip"
+segments = 5
+section = { circle = 0.03 }
+material = { E = 2.1e11, poisson = 0.3, density = 7850 }
+[[element]]
+name = "pad"
+type = "spring_damper"
+from = "tip"
+to = "block"
+rotational_stiffness = 1e3
+x = { law = "cubic", stiffness = 1e5, cubic = 1e11 }
+y = { law = "cubic", stiffness = 1e4, cubic = 1e9 }
+z = { law = "cubic", stiffness = 1e4, cubic = 1e9 }
+[[element]]
+name = "stop"
+type = "spring_damper"
+from = "ground"
+to = "block"
+y = { law = "cubic", stiffness = 0, cubic = 1e7 }
+)",
+                                    "model.toml", plugins.catalogue());
+    Simulation simulation(model, plugins);
+    Recorder recorder(simulation.channels());
+    simulation.record_to([&](std::span<const double> row) { recorder.close_row(row); });
+    for (int n = 0; n < 3; ++n) simulation.step();
+    const long before = allocations;
+    for (int n = 0; n < 300; ++n) simulation.step();
+    EXPECT_EQ(allocations - before, 0);
+}
+
 }  // namespace
 }  // namespace dttmm::host
 

@@ -108,5 +108,67 @@ TEST(LawsOfSprings, ARowIsInBalance) {
     }
 }
 
+/// A clamped rod, a spring along it, and a load F on its end that rises slowly; turned in space.
+std::string pulled(const std::string& spring, double load) {
+    return fmt::format(R"(
+[simulation]
+step = 0.001
+duration = 1
+[output]
+step = 0.01
+[nodes]
+root = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+middle = {{ position = [0.6, 0, 0.8], rotation = {{ axis = [0, -1, 0], angle = 0.9272952180016122 }} }}
+tip = {{ position = [0.6, 0, 0.8], fixed = ["rx", "ry", "rz"] }}
+[[element]]
+name = "bar"
+type = "beam"
+from = "root"
+to = "middle"
+segments = 7
+theory = "euler-bernoulli"
+section = {{ EA = 3e5, EIy = 900, EIz = 700, GJ = 500, mass = 2, inertia = 0.01 }}
+material = {{ stiffness_damping = 1e-3 }}
+[[element]]
+name = "spring"
+type = "spring_damper"
+from = "middle"
+to = "tip"
+{}
+[[load]]
+on = "tip"
+direction = [0.6, 0, 0.8]
+force = {{ type = "step", from = 0, to = {}, start = 0, end = 0.5 }}
+)",
+                       spring, load);
+}
+
+// Oracle: statics. The spring gives by the root of k d + k₃ d³ = F, the bar by F L/EA; a massless node takes part.
+TEST(LawsOfSprings, AChainRestsWhereStaticsHasIt) {
+    const double load = 500, k = 4000, k3 = 3e9;
+    const RecordedRun run(pulled(fmt::format("stiffness = [0, 9e3, 9e3]\nrotational_stiffness = 50\n"
+                                             "x = {{ law = \"cubic\", stiffness = {}, cubic = {} }}",
+                                             k, k3),
+                                 load));
+    double d = 0;
+    for (int i = 0; i < 60; ++i) d -= (k * d + k3 * d * d * d - load) / (k + 3 * k3 * d * d);
+    const size_t end = run.count() - 1;
+    EXPECT_NEAR(run(end, "spring.deflection.x"), d, 1e-6 * d);
+    EXPECT_NEAR(run(end, "spring.force.x"), load, 1e-6 * load);
+    EXPECT_NEAR(run(end, "bar.deflection.x"), load / 3e5, 1e-5 * load / 3e5);
+}
+
+// Oracle: the linear springs themselves, which go another way through the program.
+TEST(LawsOfSprings, ALinearLawIsASpring) {
+    const RecordedRun law(
+        pulled("y = { law = \"linear\", stiffness = 9e3 }\nz = { law = \"linear\", stiffness = 8e3 }\n"
+               "x = { law = \"cubic\", stiffness = 7e3, cubic = 0 }\nrotational_stiffness = 50",
+               400));
+    const RecordedRun spring(pulled("stiffness = [7e3, 9e3, 8e3]\nrotational_stiffness = 50", 400));
+    for (size_t n = 0; n < law.count(); ++n)
+        for (const char* channel : {"spring.force", "bar.force", "tip.position"})
+            EXPECT_LT((law.vector(n, channel) - spring.vector(n, channel)).norm(), 1e-9 * 400) << channel << " row " << n;
+}
+
 }  // namespace
 }  // namespace dttmm::host

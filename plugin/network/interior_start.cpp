@@ -64,7 +64,8 @@ JointForce Interior::start_force(const Mechanism& mechanism, const Joint& joint,
     const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
     const Twist v_from = start_velocity(joint.from(), ports), v_to = start_velocity(joint.to(), ports);
     const JointPose pose = joint.pose(from, to);
-    return pose.act(joint.force(from, to, joint.rate(from, v_from, to, v_to)));
+    const Vector6 x = joint.deformation(pose, to);
+    return pose.act(joint.force(x, joint.rate(from, v_from, to, v_to, x)));
 }
 
 /// Puts the ports where they are, the inside where it is at the start, and finds the velocities of the inside: those given,

@@ -52,13 +52,19 @@ void Joint::set_scheme(const Scheme& scheme) {
 // ---- Kinematics ---------------------------------------------------------------------------------------------------------
 
 Vector6 Joint::rate(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity) const {
+    const Vector6 x = springs_.is_line ? deformation(pose(from, to), to) : Vector6(Vector6::Zero());
+    return rate(from, from_velocity, to, to_velocity, x);
+}
+
+Vector6 Joint::rate(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity,
+                    const Vector6& x) const {
     // r = R_fromᵀ p,  p = p_to − p_from  =>  r' = R_fromᵀ (p' − ω_from × p)
     const Matrix3 R = axes(from);
     Vector6 rate;
     rate << R.transpose() * (to_velocity.linear + to_velocity.angular.cross(lever(to)) - from_velocity.linear -
                              from_velocity.angular.cross(arm(from, to))),
         R.transpose() * (to_velocity.angular - from_velocity.angular);
-    if (springs_.is_line) rate(0) = stretch(deformation(pose(from, to), to)).dot(rate);
+    if (springs_.is_line) rate(0) = stretch(x).dot(rate);
     return rate;
 }
 
@@ -107,9 +113,12 @@ Vector6 Joint::deformation(const JointPose& pose, FrameView to) const {
     return x;
 }
 
-Vector6 Joint::force(FrameView from, FrameView to, const Vector6& rate) const {
-    const Vector6 x = deformation(pose(from, to), to);
-    return elastic(x) + damping(x, rate);
+Vector6 Joint::force(const Vector6& x, const Vector6& rate, double elastic_share) const {
+    Vector6 f = elastic_share * spring_force(x);
+    f.head<3>() += springs_.halves[0].damping.cwiseProduct(rate.head<3>());
+    f = spread(x, f);
+    f.tail<3>() += springs_.halves[1].damping.cwiseProduct(rate.tail<3>());
+    return f;
 }
 
 /// Of the springs along the deformations; translations as forces, rotations as the gradient by θ.

@@ -81,6 +81,9 @@ public:
     Vector6 deformation(const JointPose& pose, FrameView to) const;
     /// Rates and second rates of the deformation, [d; relative turn], joint axes.
     Vector6 rate(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity) const;
+    /// The same where its deformation there is known already.
+    Vector6 rate(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity,
+                 const Vector6& deformation) const;
     Vector6 acceleration(FrameView from, const Twist& from_velocity, const Twist& from_acceleration, FrameView to,
                          const Twist& to_velocity, const Twist& to_acceleration) const;
 
@@ -95,7 +98,7 @@ public:
     Vector6 elastic(const Vector6& deformation) const { return spread(deformation, spring_force(deformation)); }
     /// Its mean over the step from the deformation x to `end` less the mean of the two: zero where springs are linear.
     Vector6 beyond_mean(const Scheme& scheme, const Vector6& x, const Vector6& end) const {
-        return has_laws_ ? spread(x, beyond(scheme, x, end).mean) : Vector6(Vector6::Zero());
+        return spread(x, beyond(scheme, x, end).mean);
     }
     /// The force of a direction with a law over a step that takes its deformation from `now` to `end`, but for what linear
     /// springs would have of numerical damping; and its derivative by `end`.
@@ -107,8 +110,8 @@ public:
     double strain_energy(const Vector6& deformation) const;
     /// The dampers' force of a rate [d; relative turn] likewise.
     Vector6 damping(const Vector6& deformation, const Vector6& rate) const;
-    /// The force law at one instant: f [force; moment] on the `from` end in the joint's axes.
-    Vector6 force(FrameView from, FrameView to, const Vector6& rate) const;
+    /// The force law at one instant: f [force; moment] on the `from` end in the joint's axes; of its springs a share.
+    Vector6 force(const Vector6& deformation, const Vector6& rate, double elastic_share = 1) const;
     using Strained = StrainedOf<double>;
     /// Its elastic part with the deformation it stems from.
     Strained strain(Ends at, const JointPose& pose) const;

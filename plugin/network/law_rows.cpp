@@ -111,6 +111,7 @@ bool LawRows::solve(const Mechanism& mechanism) {
 
 void LawRows::correct(const Mechanism& mechanism, const std::vector<Frame>& trial, std::span<Vector6> change,
                       std::span<double> q_change, std::vector<double>& psi) {
+    if (rows_.empty()) return;
     look(mechanism, trial, change);
     std::fill(psi.begin(), psi.end(), 0.0);
     if (!solve(mechanism)) return;

@@ -193,8 +193,8 @@ void Network::linearise_joints(const dttmm_motion* ports, double* wrench, double
         const FrameView from = seen(joint.from(), ports), to = seen(joint.to(), ports);
         const Twist v_from = velocity(joint.from(), ports), v_to = velocity(joint.to(), ports);
         const JointPose pose = joint.pose(from, to);
-        add_wrench(joint, pose.act(joint.force(from, to, joint.rate(from, v_from, to, v_to))), wrench);
         const Vector6 deformation = joint.deformation(pose, to);
+        add_wrench(joint, pose.act(joint.force(deformation, joint.rate(from, v_from, to, v_to, deformation))), wrench);
         if (stiffness) add_stiffness(joint, joint.stiffness(pose, joint.stiffness_tangent(deformation)), stiffness);
         if (damping) add_stiffness(joint, joint.stiffness(pose, joint.damping_tangent(deformation)), damping);
     }
@@ -351,9 +351,11 @@ Vector6 Network::rate_at_start(size_t j) const {
     const FrameView from = mechanism_.frame_before(joint.from()), to = mechanism_.frame_before(joint.to());
     const bool is_by_increments = by_increments_ || (interior_ && interior_->has_rigid_directions());
     if (!is_by_increments || mechanism_.steps == 1)
-        return joint.rate(from, velocity_at_start(joint.from()), to, velocity_at_start(joint.to()));
+        return joint.rate(from, velocity_at_start(joint.from()), to, velocity_at_start(joint.to()),
+                          mechanism_.states[j].deformation_before());
     const auto correction = [&](int frame) { return interior_ ? interior_->correction(frame) : Twist{}; };
-    Vector6 rate = joint.rate(from, correction(joint.from()), to, correction(joint.to()));
+    Vector6 rate =
+        joint.rate(from, correction(joint.from()), to, correction(joint.to()), mechanism_.states[j].deformation_before());
     const double per_step = 0.5 / mechanism_.scheme.step_size();
     if (const DamperState* damper = mechanism_.damper(j))
         for (int half : {0, 1})
@@ -377,13 +379,14 @@ void Network::find_mean_wrenches() const {
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
         const JointState& state = mechanism_.states[j];  // d_before is that at t_n
-        Vector6 f = 0.5 * joint.elastic(state.deformation_before()) +
-                    joint.beyond_mean(mechanism_.scheme, state.deformation_before(), state.deformation());
+        const Vector6 x = state.deformation_before();
+        Vector6 rate = Vector6::Zero();
         if (const DamperState* damper = mechanism_.damper(j)) {
-            Vector6 rate;
             rate << damper->halves[0].delta[0], damper->halves[1].delta[0];
-            f += joint.damping(state.deformation_before(), rate / h);
+            rate /= h;
         }
+        Vector6 f = joint.force(x, rate, 0.5);
+        if (joint.has_laws()) f += joint.beyond_mean(mechanism_.scheme, x, state.deformation());
         if (joint.rigid().any()) f += interior_->rigid_force(mechanism_, j);
         const auto from = static_cast<size_t>(joint.from()), to = static_cast<size_t>(joint.to());
         poses_[j] = joint.pose(mechanism_.before[from], mechanism_.before[to]);
@@ -438,8 +441,8 @@ void Network::stand_by_port_velocities() const {
         const JointState& state = mechanism_.states[j];
         const auto from = static_cast<size_t>(joint.from()), to = static_cast<size_t>(joint.to());
         if (!is_implicit()) poses_[j] = joint.pose(mechanism_.before[from], mechanism_.before[to]);
-        Vector6& f = forces_[j] = joint.elastic(state.deformation_before());
-        if (mechanism_.damper(j)) f += joint.damping(state.deformation_before(), rate_at_start(j));
+        Vector6& f = forces_[j] =
+            joint.force(state.deformation_before(), mechanism_.damper(j) ? rate_at_start(j) : Vector6(Vector6::Zero()));
         if (joint.rigid().any()) f += interior_->rigid_force_at_start(mechanism_, j);
         Joint::add_wrench(poses_[j].act(f), wrenches_[from].data(), wrenches_[to].data());
     }

@@ -113,21 +113,10 @@ Vector6 Joint::deformation(const JointPose& pose, FrameView to) const {
     return x;
 }
 
-Vector6 Joint::force(const Vector6& x, const Vector6& rate, double elastic_share) const {
-    Vector6 f = elastic_share * spring_force(x);
-    f.head<3>() += springs_.halves[0].damping.cwiseProduct(rate.head<3>());
-    f = spread(x, f);
-    f.tail<3>() += springs_.halves[1].damping.cwiseProduct(rate.tail<3>());
-    return f;
-}
-
-/// Of the springs along the deformations; translations as forces, rotations as the gradient by θ.
-Vector6 Joint::spring_force(const Vector6& x) const {
-    Vector6 f = law_.stiffness.cwiseProduct(x);
-    if (has_laws_)
-        for (int d = 0; d < 6; ++d)
-            if (const auto& law = law_.laws[static_cast<size_t>(d)]) f(d) = law->at(x(d)).force;
-    return f;
+/// The forces of laws in place of those of linear springs.
+void Joint::put_laws(const Vector6& x, Vector6& f) const {
+    for (int d = 0; d < 6; ++d)
+        if (const auto& law = law_.laws[static_cast<size_t>(d)]) f(d) = law->at(x(d)).force;
 }
 
 /// Its derivative by the deformations.
@@ -139,7 +128,7 @@ Vector6 Joint::spring_tangent(const Vector6& x) const {
     return k;
 }
 
-double Joint::strain_energy(const Vector6& x) const {
+double Joint::energy_of_laws(const Vector6& x) const {
     double stored = 0;
     for (int d = 0; d < 6; ++d) {
         const auto& law = law_.laws[static_cast<size_t>(d)];
@@ -180,19 +169,16 @@ JointForce Joint::act(const JointPose& pose, const Vector6& x, const Vector6& f)
                         Vector3::Zero());
 }
 
-Joint::Strained Joint::strain(Ends at, const JointPose& pose) const {
-    Strained strained = springs_.strain(pose, seat_.axes_at_to(at.to));
-    if (has_laws_) strained.elastic = act(pose, strained.deformation(), spring_force(strained.deformation()));
-    return strained;
+void Joint::strain_laws(const JointPose& pose, Strained& strained) const {
+    strained.elastic = act(pose, strained.deformation(), spring_force(strained.deformation()));
 }
 
-JointForce Joint::weigh(const Scheme& scheme, const Strained& end, const JointPose& at_end, const JointState& state,
-                        const DamperState* damper) const {
-    JointForce force = springs_.weigh(scheme, end, at_end, state, damper);
-    if (!has_laws_ || !scheme.is_implicit()) return force;
+/// Adds to the force over the step what laws do otherwise than linear springs.
+void Joint::add_laws(const Scheme& scheme, const Strained& end, const JointPose& at_end, const JointState& state,
+                     JointForce& force) const {
+    if (!scheme.is_implicit()) return;
     const Beyond more = beyond(scheme, state.deformation(), end.deformation());
     force.add(1, act(at_end, end.deformation(), scheme.elastic_weight(0) * more.at_end + more.rate));
-    return force;
 }
 
 Vector6 Joint::stretch(const Vector6& x) const {
@@ -332,14 +318,26 @@ JointForce Joint::damping_half_way(Ends trial, Ends now, double h, const JointSt
 
 [[gnu::flatten]] void Joint::advance(const Scheme& scheme, Ends next, Ends now, JointState& state, DamperState* damper,
                                      JointForce* force) const {
+    if (has_laws_) [[unlikely]]
+        return advance_with_laws(scheme, next, now, state, damper, force);
     const JointPose at_end = pose(next);
-    const Strained end = strain(next, at_end);
-    if (force) *force = weigh(scheme, end, at_end, state, damper);
-    const Vector6 start = state.deformation();
+    const Strained end = springs_.strain(at_end, seat_.axes_at_to(next.to));
+    if (force) *force = springs_.weigh(scheme, end, at_end, state, damper);
     springs_.advance(
         scheme, end, at_end, [&] { return pose(now); }, state, damper);
-    if (has_laws_ && scheme.is_implicit())
-        state.known.add(1, act(pose(now), start, beyond(scheme, start, end.deformation()).rate));
+}
+
+/// The same; what laws did over the step is known of the coming one too.
+void Joint::advance_with_laws(const Scheme& scheme, Ends next, Ends now, JointState& state, DamperState* damper,
+                              JointForce* force) const {
+    const JointPose at_end = pose(next), at_now = pose(now);
+    const Strained end = strain(next, at_end);
+    if (force) *force = weigh(scheme, end, at_end, state, damper);
+    springs_.advance(
+        scheme, end, at_end, [&] { return at_now; }, state, damper);
+    if (!scheme.is_implicit()) return;
+    const Vector6 start = state.deformation_before();
+    state.known.add(1, act(at_now, start, beyond(scheme, start, state.deformation()).rate));
 }
 
 void Joint::refuse_large_rotation(FrameView from, FrameView to) const {

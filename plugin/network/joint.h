@@ -58,6 +58,7 @@ public:
     const JointHalf& translation_half() const { return springs_.halves[0]; }
     const JointHalf& rotation_half() const { return springs_.halves[1]; }
     const JointSeat& seat() const { return seat_; }
+    bool is_line() const { return springs_.is_line; }
     const SpringsOf<double>& springs() const { return springs_; }
     bool is_damped() const { return is_damped_; }
     /// Whether a spring is not linear.
@@ -107,14 +108,30 @@ public:
     };
     OnPath on_path(const Scheme& scheme, int direction, double now, double end) const;
     /// Its energy [J].
-    double strain_energy(const Vector6& deformation) const;
+    double strain_energy(const Vector3& d, const Vector3& theta) const {
+        if (has_laws_) [[unlikely]]
+            return energy_of_laws((Vector6() << d, theta).finished());
+        return 0.5 * d.dot(springs_.halves[0].stiffness.cwiseProduct(d)) +
+               0.5 * theta.dot(springs_.halves[1].stiffness.cwiseProduct(theta));
+    }
     /// The dampers' force of a rate [d; relative turn] likewise.
     Vector6 damping(const Vector6& deformation, const Vector6& rate) const;
     /// The force law at one instant: f [force; moment] on the `from` end in the joint's axes; of its springs a share.
-    Vector6 force(const Vector6& deformation, const Vector6& rate, double elastic_share = 1) const;
+    [[gnu::always_inline]] Vector6 force(const Vector6& deformation, const Vector6& rate, double elastic_share = 1) const {
+        Vector6 f = elastic_share * spring_force(deformation);
+        f.head<3>() += springs_.halves[0].damping.cwiseProduct(rate.head<3>());
+        f = spread(deformation, f);
+        if (turns()) f.tail<3>() += springs_.halves[1].damping.cwiseProduct(rate.tail<3>());
+        return f;
+    }
     using Strained = StrainedOf<double>;
     /// Its elastic part with the deformation it stems from.
-    Strained strain(Ends at, const JointPose& pose) const;
+    Strained strain(Ends at, const JointPose& pose) const {
+        Strained strained = springs_.strain(pose, seat_.axes_at_to(at.to));
+        if (has_laws_) [[unlikely]]
+            strain_laws(pose, strained);
+        return strained;
+    }
 
     /// ∂(elastic force)/∂(deformation) and ∂(damping force)/∂(its rate) at one instant, joint axes, rotations in terms of
     /// the relative turn ε: what does not hang on a force that acts already. Symmetric.
@@ -131,8 +148,19 @@ public:
                JointState& state, DamperState* damper) const;
     /// The force over the open step at a trial end of it, where the joint is at `at_end`; without rigid directions.
     JointForce weigh(const Scheme& scheme, const Strained& end, const JointPose& at_end, const JointState& state,
-                     const DamperState* damper) const;
+                     const DamperState* damper) const {
+        JointForce force = springs_.weigh(scheme, end, at_end, state, damper);
+        if (has_laws_) [[unlikely]]
+            add_laws(scheme, end, at_end, state, force);
+        return force;
+    }
+    /// The same of a joint without laws: what every step does for most joints.
     JointForce over_step(const Scheme& scheme, Ends trial, const JointState& state, const DamperState* damper) const {
+        const JointPose at_end = pose(trial);
+        return springs_.weigh(scheme, springs_.strain(at_end, seat_.axes_at_to(trial.to)), at_end, state, damper);
+    }
+    [[gnu::noinline, gnu::cold]] JointForce over_step_with_laws(const Scheme& scheme, Ends trial, const JointState& state,
+                                                                const DamperState* damper) const {
         const JointPose at_end = pose(trial);
         return weigh(scheme, strain(trial, at_end), at_end, state, damper);
     }
@@ -155,7 +183,22 @@ private:
         Vector6 at_end = Vector6::Zero(), mean = Vector6::Zero(), rate = Vector6::Zero(), gain = Vector6::Zero();
     };
     Beyond beyond(const Scheme& scheme, const Vector6& x, const Vector6& end) const;
-    Vector6 spring_force(const Vector6& x) const;
+    // Not inlined: links with laws are few
+    [[gnu::noinline, gnu::cold]] void add_laws(const Scheme& scheme, const Strained& end, const JointPose& at_end,
+                                               const JointState& state, JointForce& force) const;
+    /// Of the springs along the deformations; translations as forces, rotations as the gradient by θ.
+    Vector6 spring_force(const Vector6& x) const {
+        Vector6 f;
+        f << springs_.halves[0].stiffness.cwiseProduct(x.head<3>()), springs_.halves[1].stiffness.cwiseProduct(x.tail<3>());
+        if (has_laws_) [[unlikely]]
+            put_laws(x, f);
+        return f;
+    }
+    [[gnu::noinline, gnu::cold]] void put_laws(const Vector6& x, Vector6& f) const;
+    [[gnu::noinline, gnu::cold]] void strain_laws(const JointPose& pose, Strained& strained) const;
+    [[gnu::noinline, gnu::cold]] void advance_with_laws(const Scheme& scheme, Ends next, Ends now, JointState& state,
+                                                        DamperState* damper, JointForce* force) const;
+    [[gnu::noinline, gnu::cold]] double energy_of_laws(const Vector6& x) const;
     Vector6 spring_tangent(const Vector6& x) const;
     Matrix6 along(const Vector6& x, const Vector6& k) const;
     /// Forces along the deformations as [force; moment] in the joint's axes, and as what they do to the frames.

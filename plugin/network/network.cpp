@@ -285,12 +285,15 @@ DTTMM_WIDE void Network::evaluate_joints(double* wrench, double* stiffness) cons
             continue;
         }
         const Ends at = {trial(joint.from()), trial(joint.to())};
-        add_wrench(joint, joint.over_step(mechanism_.scheme, at, state, mechanism_.damper(j)), wrench);
+        const DamperState* damper = mechanism_.damper(j);
+        if (joint.has_laws()) [[unlikely]]
+            add_wrench(joint, joint.over_step_with_laws(mechanism_.scheme, at, state, damper), wrench);
+        else
+            add_wrench(joint, joint.over_step(mechanism_.scheme, at, state, damper), wrench);
         if (stiffness) {
             const JointPose end = joint.pose(at);
-            const Joint::Strained strained = joint.strain(at, end);
-            add_stiffness(joint,
-                          joint.stiffness(end, joint.gain(mechanism_.scheme, state.deformation(), strained.deformation())),
+            const Vector6 deformation = joint.deformation(end, at.to);
+            add_stiffness(joint, joint.stiffness(end, joint.gain(mechanism_.scheme, state.deformation(), deformation)),
                           stiffness);
             // The force that acts as at t_n: that of a trial far from the solution may be any
             const Vector3 acting = mechanism_.scheme.elastic_weight(0) * state.elastic.force;
@@ -349,13 +352,15 @@ Twist Network::velocity_at_start(int frame) const {
 Vector6 Network::rate_at_start(size_t j) const {
     const Joint& joint = mechanism_.joints[j];
     const FrameView from = mechanism_.frame_before(joint.from()), to = mechanism_.frame_before(joint.to());
+    const auto rate_of = [&](const Twist& v_from, const Twist& v_to) {
+        if (!joint.is_line()) return joint.rate(from, v_from, to, v_to);
+        return joint.rate(from, v_from, to, v_to, mechanism_.states[j].deformation_before());
+    };
     const bool is_by_increments = by_increments_ || (interior_ && interior_->has_rigid_directions());
     if (!is_by_increments || mechanism_.steps == 1)
-        return joint.rate(from, velocity_at_start(joint.from()), to, velocity_at_start(joint.to()),
-                          mechanism_.states[j].deformation_before());
+        return rate_of(velocity_at_start(joint.from()), velocity_at_start(joint.to()));
     const auto correction = [&](int frame) { return interior_ ? interior_->correction(frame) : Twist{}; };
-    Vector6 rate =
-        joint.rate(from, correction(joint.from()), to, correction(joint.to()), mechanism_.states[j].deformation_before());
+    Vector6 rate = rate_of(correction(joint.from()), correction(joint.to()));
     const double per_step = 0.5 / mechanism_.scheme.step_size();
     if (const DamperState* damper = mechanism_.damper(j))
         for (int half : {0, 1})
@@ -528,7 +533,7 @@ double* Network::write_energies(double* out, int first, int last) const {
     double strain = 0, dissipated = 0;
     for (auto j = static_cast<size_t>(first); j < static_cast<size_t>(last); ++j) {
         const Joint& joint = mechanism_.joints[j];
-        strain += joint.strain_energy(mechanism_.states[j].deformation_before());
+        strain += joint.strain_energy(mechanism_.states[j].d_before, mechanism_.states[j].theta_before);
         if (const DamperState* damper = mechanism_.damper(j)) dissipated += damper->dissipated;
     }
     out[0] = strain;

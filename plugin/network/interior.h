@@ -108,6 +108,8 @@ public:
     }
     /// What that has added to the velocity of a frame's origin, world.
     Twist correction(int frame) const { return is_inner(frame) ? corrections_[at(frame)] : Twist{}; }
+    /// Whether nothing of mass (half 0) or inertia (1) is in a frame.
+    bool is_massless(int frame, int half) const { return is_inner(frame) && massless_.is_massless(at(frame), half); }
     bool has_rigid_directions() const { return elimination_.rigid_count() > 0; }
     /// Accelerations: of frames with mass by the wrenches of the joints at that instant, of massless ones by the velocities
     /// over the steps around it. At the start there is one step only: there those that dampers act on have the accelerations

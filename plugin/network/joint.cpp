@@ -137,6 +137,16 @@ double Joint::energy_of_laws(const Vector6& x) const {
     return stored;
 }
 
+LawOnPath Joint::law_on_path(int direction, double now, double end) const {
+    const Law& law = *law_.laws[static_cast<size_t>(direction)];
+    LawOnPath path = law.along(now, end);
+    if (takes_ends_[direction / 3]) {
+        path.mean = 0.5 * (law.at(now).force + path.force);
+        path.mean_tangent = 0.5 * path.tangent;
+    }
+    return path;
+}
+
 /// What the laws add over the step from x to `end` to linear springs, along the deformations: the scheme's weight of the
 /// force there; numerical damping; what the mean along the path has more than the mean of the two ends.
 Joint::Beyond Joint::beyond(const Scheme& scheme, const Vector6& x, const Vector6& end) const {
@@ -145,7 +155,7 @@ Joint::Beyond Joint::beyond(const Scheme& scheme, const Vector6& x, const Vector
         const auto& law = law_.laws[static_cast<size_t>(d)];
         if (!law) continue;
         const double k = law_.stiffness(d), lag = scheme.lag();
-        const LawOnPath path = law->along(x(d), end(d));
+        const LawOnPath path = law_on_path(d, x(d), end(d));
         const double start = law->at(x(d)).force;
         beyond.at_end(d) = path.force - k * end(d);
         beyond.mean(d) = path.mean - 0.5 * (start + path.force);
@@ -158,7 +168,7 @@ Joint::Beyond Joint::beyond(const Scheme& scheme, const Vector6& x, const Vector
 Joint::OnPath Joint::on_path(const Scheme& scheme, int direction, double now, double end) const {
     const auto d = static_cast<size_t>(direction);
     const double weight = scheme.elastic_weight(0), lag = scheme.lag(), k = law_.stiffness(direction);
-    const LawOnPath path = law_.laws[d]->along(now, end);
+    const LawOnPath path = law_on_path(direction, now, end);
     const double start = law_.laws[d]->at(now).force;
     return {(weight + lag - 0.25) * path.force + 0.5 * path.mean - (lag + 0.25) * start - lag * k * (end - now),
             (weight + lag - 0.25) * path.tangent + 0.5 * path.mean_tangent - lag * k};

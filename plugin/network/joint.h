@@ -61,6 +61,9 @@ public:
     bool is_line() const { return springs_.is_line; }
     const SpringsOf<double>& springs() const { return springs_; }
     bool is_damped() const { return is_damped_; }
+    /// Laws of its translations (0) or rotations count with the mean of the two ends of a step, not with that along the way:
+    /// as massless frames balance, at the ends.
+    void take_ends(int half) { takes_ends_[half] = true; }
     /// Whether a spring is not linear.
     bool has_laws() const { return has_laws_; }
 
@@ -182,6 +185,7 @@ private:
     struct Beyond {
         Vector6 at_end = Vector6::Zero(), mean = Vector6::Zero(), rate = Vector6::Zero(), gain = Vector6::Zero();
     };
+    LawOnPath law_on_path(int direction, double now, double end) const;
     Beyond beyond(const Scheme& scheme, const Vector6& x, const Vector6& end) const;
     // Not inlined: links with laws are few
     [[gnu::noinline, gnu::cold]] void add_laws(const Scheme& scheme, const Strained& end, const JointPose& at_end,
@@ -218,7 +222,7 @@ private:
     Vector6 stretch(const Vector6& deformation) const;
 
     int element_, from_, to_;
-    bool is_damped_, has_laws_;
+    bool is_damped_, has_laws_, takes_ends_[2] = {false, false};
     Directions rigid_;
     JointLaw law_;
     JointSeat seat_;

@@ -16,6 +16,8 @@ namespace dttmm::plugin {
 ///     z = z₀ − C ψ(z),   ψ(z) = Φ(s + z) − Φ(s) − D z,   C = h² G A⁻¹ Gᵀ,
 /// z = h G δ the change of their deformations s, Φ their forces over the step; then δ = δ₀ − h A⁻¹ Gᵀ ψ. So a pass finds the
 /// forces of laws as it finds linear ones, and the matrix is kept. (Woodbury's identity, for forces that are not linear.)
+/// These equations take the cube of the number of rows. Where that is more than some passes over the network none is taken:
+/// the iteration of the network then finds the laws by itself.
 class LawRows {
 public:
     /// driven: number of frames before the inner ones.

@@ -39,6 +39,10 @@ const char* keep(const std::string& name) {
 Network::Network(const dttmm_network& description) : mechanism_(description) {
     if (description.element_count == 0) throw Error(DTTMM_ERROR_MODEL, "a network without an element");
     if (mechanism_.assembly.inner_count() > 0) interior_ = std::make_unique<Interior>(mechanism_, description);
+    for (Joint& joint : mechanism_.joints)
+        for (int half : {0, 1})
+            if (interior_ && (interior_->is_massless(joint.from(), half) || interior_->is_massless(joint.to(), half)))
+                joint.take_ends(half);
     has_laws_ = std::ranges::any_of(mechanism_.joints, &Joint::has_laws);
     declare_channels(description);
     for (const Vector3& arm : mechanism_.assembly.port_arms) ports_.push_back({arm, Vector3::Zero(), nullptr});

@@ -218,8 +218,8 @@ void Networks::refuse_wrench(size_t network, size_t port) const {
         ExitCode::numerical_failure,
         fmt::format(
             "{} on body \"{}\" at t = {:.9g} s: force ({:.4g}, {:.4g}, {:.4g}) N, moment ({:.4g}, {:.4g}, "
-            "{:.4g}) N m is not finite or beyond the cap of {:.0e}; the run ends before it reaches ODE. Is the step too "
-            "long for an explicit coupling, or the plugin at fault?",
+            "{:.4g}) N m is not finite or beyond the cap of {:.0e}; the run ends before it reaches ODE. Try a smaller "
+            "step, or look for a fault of the plugin",
             instances_[network].label(), body_names_[static_cast<size_t>(ports_[port].body)], time_, wrench[0], wrench[1],
             wrench[2], wrench[3], wrench[4], wrench[5], World::kLargestWrench));
 }

@@ -257,9 +257,10 @@ void Network::begin_step(const dttmm_step& step, const double* loads) {
 bool Network::expect(const dttmm_motion* nodes) {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "expect: no step is open");
     // Where a spring is not linear, a rate of convergence of another step says nothing of this one
-    if (!interior_) return has_laws_ && std::exchange(is_first_look_, false);
+    const bool is_asked_again = has_laws_ && std::exchange(is_first_look_, false);
+    if (!interior_) return is_asked_again;
     look(nodes);
-    return interior_->expect(mechanism_, trial_ports());
+    return interior_->expect(mechanism_, trial_ports()) || is_asked_again;
 }
 
 void Network::evaluate(const dttmm_motion* nodes, double* wrench, double* stiffness) const {

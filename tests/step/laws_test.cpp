@@ -217,6 +217,50 @@ z = {{ law = "cubic", stiffness = 0, cubic = {} }}
     }
 }
 
+// Oracle: conservation, for a mass inside a network beside a body: the host's rates of convergence of steps before say
+// nothing of the next.
+TEST(LawsOfSprings, EnergyIsKeptBesideABody) {
+    for (double step : {2e-4, 1e-4, 5e-5}) {
+        const RecordedRun run(fmt::format(R"(
+[simulation]
+duration = 0.02
+step = {}
+[nodes]
+n = {{ position = [0, 0, 0], fixed = ["rx", "ry", "rz"] }}
+[[body]]
+name = "b"
+mass = 2
+inertia = [0.01, 0.01, 0.01]
+velocity = [0, 0, 0.5]
+[[element]]
+name = "lump"
+type = "point_mass"
+at = "n"
+mass = 0.5
+[[element]]
+name = "s1"
+type = "spring_damper"
+from = "ground"
+to = "n"
+stiffness = [1e6, 1e6, 0]
+z = {{ law = "cubic", stiffness = 0, cubic = 8e10 }}
+[[element]]
+name = "s2"
+type = "spring_damper"
+from = "n"
+to = "b"
+stiffness = [1e6, 1e6, 0]
+rotational_stiffness = 1e3
+z = {{ law = "cubic", stiffness = 0, cubic = 8e10 }}
+)",
+                                          step));
+        double worst = 0;
+        for (size_t n = 0; n < run.count(); ++n)
+            worst = std::max(worst, std::abs(run(n, "energy.kinetic") + run(n, "energy.strain") - 0.25));
+        EXPECT_LT(worst, 1e-9 * 0.25) << step;
+    }
+}
+
 /// A clamped rod, a spring along it, and a load F on its end that rises slowly; turned in space.
 std::string pulled(const std::string& spring, double load) {
     return fmt::format(R"(

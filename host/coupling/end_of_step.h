@@ -111,8 +111,8 @@ private:
         double scale_squared = 0;  ///< of the motion found before, slowly forgetting
         double speed_squared = 0;  ///< of the last pass: what a pass overshoots is no motion
         double size_squared() const { return std::max(scale_squared, speed_squared); }
-        double floor_squared = 0;       ///< what rounding of the held bodies' positions and of the joints' impulses feigns:
-                                        ///< nothing below can be asked for
+        double floor_squared = 0;  ///< apparent corrections from rounding of the held bodies' positions and of the joints'
+                                   ///< impulses: nothing below can be asked for
         double correction_squared = 0;  ///< of the last pass
         double previous_squared = 0;    ///< of the one before
         double rumour_squared = 0;      ///< of corrections that no longer fell, slowly forgetting: a floor as well

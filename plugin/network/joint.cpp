@@ -147,31 +147,30 @@ LawOnPath Joint::law_on_path(int direction, double now, double end) const {
     return path;
 }
 
-/// What the laws add over the step from x to `end` to linear springs, along the deformations: the scheme's weight of the
-/// force there; numerical damping; what the mean along the path has more than the mean of the two ends.
+Joint::OnPath Joint::on_path(const Scheme& scheme, int direction, double now, double end) const {
+    const double weight = scheme.elastic_weight(0), lag = scheme.lag(), k = law_.stiffness(direction);
+    const LawOnPath path = law_on_path(direction, now, end);
+    const double start = law_.laws[static_cast<size_t>(direction)]->at(now).force;
+    OnPath step;
+    step.mean = path.mean - 0.5 * (start + path.force);
+    step.rate = lag * (path.force - start - k * (end - now)) + 0.5 * step.mean;
+    step.rate_gain = lag * (path.tangent - k) + 0.5 * (path.mean_tangent - 0.5 * path.tangent);
+    step.force = weight * path.force + step.rate;
+    step.gain = weight * path.tangent + step.rate_gain;
+    return step;
+}
+
 Joint::Beyond Joint::beyond(const Scheme& scheme, const Vector6& x, const Vector6& end) const {
     Beyond beyond;
     for (int d = 0; d < 6; ++d) {
-        const auto& law = law_.laws[static_cast<size_t>(d)];
-        if (!law) continue;
-        const double k = law_.stiffness(d), lag = scheme.lag();
-        const LawOnPath path = law_on_path(d, x(d), end(d));
-        const double start = law->at(x(d)).force;
-        beyond.at_end(d) = path.force - k * end(d);
-        beyond.mean(d) = path.mean - 0.5 * (start + path.force);
-        beyond.rate(d) = lag * (path.force - start - k * (end(d) - x(d))) + 0.5 * beyond.mean(d);
-        beyond.gain(d) = lag * (path.tangent - k) + 0.5 * (path.mean_tangent - 0.5 * path.tangent);
+        if (!law_.laws[static_cast<size_t>(d)]) continue;
+        const OnPath step = on_path(scheme, d, x(d), end(d));
+        beyond.force(d) = step.force - scheme.elastic_weight(0) * law_.stiffness(d) * end(d);
+        beyond.mean(d) = step.mean;
+        beyond.rate(d) = step.rate;
+        beyond.gain(d) = step.rate_gain;
     }
     return beyond;
-}
-
-Joint::OnPath Joint::on_path(const Scheme& scheme, int direction, double now, double end) const {
-    const auto d = static_cast<size_t>(direction);
-    const double weight = scheme.elastic_weight(0), lag = scheme.lag(), k = law_.stiffness(direction);
-    const LawOnPath path = law_on_path(direction, now, end);
-    const double start = law_.laws[d]->at(now).force;
-    return {(weight + lag - 0.25) * path.force + 0.5 * path.mean - (lag + 0.25) * start - lag * k * (end - now),
-            (weight + lag - 0.25) * path.tangent + 0.5 * path.mean_tangent - lag * k};
 }
 
 JointForce Joint::act(const JointPose& pose, const Vector6& x, const Vector6& f) const {
@@ -188,7 +187,7 @@ void Joint::add_laws(const Scheme& scheme, const Strained& end, const JointPose&
                      JointForce& force) const {
     if (!scheme.is_implicit()) return;
     const Beyond more = beyond(scheme, state.deformation(), end.deformation());
-    force.add(1, act(at_end, end.deformation(), scheme.elastic_weight(0) * more.at_end + more.rate));
+    force.add(1, act(at_end, end.deformation(), more.force));
 }
 
 Vector6 Joint::stretch(const Vector6& x) const {

@@ -61,8 +61,8 @@ public:
     bool is_line() const { return springs_.is_line; }
     const SpringsOf<double>& springs() const { return springs_; }
     bool is_damped() const { return is_damped_; }
-    /// Laws of its translations (0) or rotations count with the mean of the two ends of a step, not with that along the way:
-    /// as massless frames balance, at the ends.
+    /// Laws of its translations (0) or rotations count with the mean of the two ends of a step, not with that along the
+    /// path: as massless frames balance, at the ends.
     void take_ends(int half) { takes_ends_[half] = true; }
     /// Whether a spring is not linear.
     bool has_laws() const { return has_laws_; }
@@ -104,10 +104,12 @@ public:
     Vector6 beyond_mean(const Scheme& scheme, const Vector6& x, const Vector6& end) const {
         return spread(x, beyond(scheme, x, end).mean);
     }
-    /// The force of a direction with a law over a step that takes its deformation from `now` to `end`, but for what linear
-    /// springs would have of numerical damping; and its derivative by `end`.
+    /// What a direction with a law does over a step that takes its deformation from `now` to `end` [N, N m], but for what a
+    /// linear spring would have of numerical damping; derivatives are those by `end` [N/m, N m/rad].
     struct OnPath {
-        double force, gain;
+        double force, gain;      ///< in all, and its derivative
+        double rate, rate_gain;  ///< of it all but the scheme's weight of the force at the end
+        double mean;             ///< of the force along the path, less the mean of its two ends
     };
     OnPath on_path(const Scheme& scheme, int direction, double now, double end) const;
     /// Its energy [J].
@@ -181,9 +183,9 @@ public:
     }
 
 private:
-    /// All along the deformations: forces in translations, gradients by θ in rotations.
+    /// What laws do over a step beyond linear springs, by direction as in OnPath; gradients by θ in rotations.
     struct Beyond {
-        Vector6 at_end = Vector6::Zero(), mean = Vector6::Zero(), rate = Vector6::Zero(), gain = Vector6::Zero();
+        Vector6 force = Vector6::Zero(), mean = Vector6::Zero(), rate = Vector6::Zero(), gain = Vector6::Zero();
     };
     LawOnPath law_on_path(int direction, double now, double end) const;
     Beyond beyond(const Scheme& scheme, const Vector6& x, const Vector6& end) const;

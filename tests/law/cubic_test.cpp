@@ -9,7 +9,7 @@ namespace dttmm::plugin {
 namespace {
 
 // Oracle: f = 4 d + 80 d³ by hand at d = 1/2: 2 + 10; stored 4/8 + 80/64; slope 4 + 60; from 0 the mean is the stored energy
-// by the way.
+// by the deformation.
 TEST(Cubic, IsDuffingsSpring) {
     const Cubic law(std::array{4.0, 80.0});
     const LawOnPath path = law.along(0, 0.5);

@@ -25,7 +25,7 @@ std::vector<std::unique_ptr<const Law>> all_laws() {
     return laws;
 }
 
-// Oracle: the energy: what a force stores along a path is its mean times the way.
+// Oracle: the energy: what a force stores along a path is its mean times the change of deformation.
 TEST(Laws, StoreWhatTheirMeanForceDoes) {
     for (const auto& law : all_laws()) {
         EXPECT_EQ(law->at(0).force, 0);
@@ -52,8 +52,8 @@ TEST(Laws, HaveTheTangentsOfTheirForces) {
     }
 }
 
-// Oracle: the rule itself: where the force hangs on the deformation alone, the way there does not matter.
-TEST(Laws, DoNotHangOnTheWay) {
+// Oracle: the rule itself: where the force depends on the deformation alone, the path does not matter.
+TEST(Laws, DoNotDependOnThePath) {
     for (const auto& law : all_laws()) {
         EXPECT_EQ(law->along(-0.3, 0.9).force, law->at(0.9).force);
         EXPECT_EQ(law->along(2.1, 0.9).stored, law->at(0.9).stored);

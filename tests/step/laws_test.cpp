@@ -86,7 +86,7 @@ double lost_energy(Held held, double steps, double periods) {
     return worst;
 }
 
-// Oracle: conservation. The mean force along the way of a step does the work that the spring stores, at any step size: here
+// Oracle: conservation. The mean force along the path of a step does the work that the spring stores, at any step size: here
 // up to 0.27 of the period. What is left of it is what the solver leaves in every step.
 TEST(LawsOfSprings, EnergyIsKeptAtAnyStep) {
     for (Held held : {Held::body, Held::node})

@@ -157,13 +157,14 @@ void print_conventions(const dttmm_element_type& type) {
         return;
     }
     fmt::print(
-        "\nForce and moment are positive when `to` is displaced in the positive direction against `from`: in tension.\n"
-        "A ground end coincides with the other end in place and axes.\n");
+        "\nForce and moment are positive when `to` is displaced in the positive direction against `from`: in tension.\n");
     if (is_line(type))
         fmt::print(
+            "Its ends are apart. An end at a point of the world is a node with all directions fixed, not \"ground\".\n"
             "Local x leads from `from` to `to`. Forces of the results act at the `from` end, in the local axes there.\n");
     else
         fmt::print(
+            "A ground end coincides with the other end in place and axes.\n"
             "Axes are those of the `from` end, or as `axes` says. Where the ends stand apart the force acts at `to`.\n");
 }
 

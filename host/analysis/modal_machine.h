@@ -40,6 +40,9 @@ public:
     /// Why one place does not move under a load at the other.
     std::string why_still(const ModalPlace& in, int in_direction, const ModalPlace& out, int out_direction) const;
 
+    /// Force of an element at the start whose stiffness is in the modes [N]; 0: none.
+    double force_at_start(size_t element) const { return instance_.force_at_start(static_cast<uint32_t>(element)); }
+
     std::string layout() { return instance_.layout(); }
     dttmm_overall overall(double frequency) { return instance_.overall(frequency); }
 

@@ -40,6 +40,24 @@ void note_laws(const Model& model, const ElementCatalogue& catalogue, Warnings& 
                     with_laws.size() > 1 ? fmt::format(" and {} more", with_laws.size() - 1) : ""));
 }
 
+/// Springs that have a force at the start stiffen or soften what they act on. What bears that force has one too.
+void note_forces(const Model& model, const ModalMachine& machine, Warnings& warnings) {
+    std::string first;
+    size_t count = 0;
+    for (size_t e = 0; e < model.elements.size(); ++e) {
+        const double force = machine.force_at_start(e);
+        if (force == 0) continue;
+        if (++count == 1)
+            first = fmt::format("{}: element \"{}\" has a force of {:.6g} N at the start", model.elements[e].place,
+                                model.elements[e].name, force);
+    }
+    if (count == 0) return;
+    warnings.note("force-at-start",
+                  fmt::format("{}{}: its stiffness is in the frequencies, but not that of the forces with which joints and "
+                              "other elements hold against it; whether the machine rests at the start is not looked at",
+                              first, count > 1 ? fmt::format(", and {} more", count - 1) : ""));
+}
+
 Model read(const Request& request, const Plugins& plugins, Warnings& warnings) {
     ModelOverrides overrides = request.overrides;
     overrides.purpose = Purpose::modes;
@@ -76,7 +94,9 @@ void warn_preload(const Model& model, Warnings& warnings) {
 }
 
 ModalSession::ModalSession(const Request& request, const Plugins& plugins, Warnings& warnings)
-    : model(read(request, plugins, warnings)), machine(model, plugins) {}
+    : model(read(request, plugins, warnings)), machine(model, plugins) {
+    note_forces(model, machine, warnings);
+}
 
 std::vector<ModalInstance::Mode> ModalSession::find_modes() {
     std::vector<ModalInstance::Mode> modes = machine.find_modes();

@@ -97,7 +97,7 @@ void describe_channels(const Recorder& recorder, const Wanted& wanted, const Tel
     std::unordered_map<std::string_view, size_t> index_of;
     for (size_t c = 1; c < recorder.channels().size(); ++c) {
         const Channel& channel = recorder.channels()[c];
-        if (channel.axis().empty() || !wanted(channel)) continue;
+        if (!wanted(channel)) continue;
         const size_t index = index_of.try_emplace(channel.owner(), channels_of.size()).first->second;
         if (index == channels_of.size()) channels_of.emplace_back();
         channels_of[index].push_back(c);
@@ -106,7 +106,8 @@ void describe_channels(const Recorder& recorder, const Wanted& wanted, const Tel
         Json quantities;
         for (size_t c : channels) {
             const Channel& channel = recorder.channels()[c];
-            quantities[std::string(channel.quantity())][std::string(channel.axis())] =
+            Json& quantity = quantities[std::string(channel.quantity())];
+            (channel.axis().empty() ? quantity : quantity[std::string(channel.axis())]) =
                 describe_statistics(recorder.statistics(static_cast<int>(c)));
         }
         tell(recorder.channels()[channels.front()].owner(), std::move(quantities));
@@ -120,25 +121,13 @@ void write_channels(JsonWriter& out, const char* section, const Recorder& record
     });
 }
 
-/// Whether a channel is a force or moment of an element, or of a joint.
-Wanted is_force_of(Channel::Of of) {
+/// Whether a channel is a force or moment of an element, or of a joint; its angle or travel; the length of an element.
+Wanted is_of(Channel::Of of) {
     return [of](const Channel& channel) {
-        return channel.of == of && (channel.quantity() == "force" || channel.quantity() == "moment");
+        const std::string_view quantity = channel.quantity();
+        return channel.of == of && (quantity == "force" || quantity == "moment" || quantity == "angle" ||
+                                    quantity == "travel" || quantity == "length");
     };
-}
-
-/// Forces and moments of the joints, with the angle or travel of each that has one.
-Json describe_joints(const Recorder& recorder) {
-    Json joints = Json::object();
-    describe_channels(recorder, is_force_of(Channel::Of::joint),
-                      [&](std::string_view owner, Json quantities) { joints[std::string(owner)] = std::move(quantities); });
-    for (size_t c = 1; c < recorder.channels().size(); ++c) {
-        const Channel& channel = recorder.channels()[c];
-        if (channel.of != Channel::Of::joint || !channel.axis().empty()) continue;
-        joints[std::string(channel.owner())][std::string(channel.quantity())] =
-            describe_statistics(recorder.statistics(static_cast<int>(c)));
-    }
-    return joints;
 }
 
 /// NaN, which JSON does not know, is null.
@@ -309,8 +298,8 @@ void write_run(JsonWriter& out, const Model& model, const Request& request, cons
                                      {"elements", describe_shares(simulation.fastest_mode())},
                                      {"explicit_limit", describe_limit(simulation)}});
     out.member("energy", describe_energy(recorder));
-    write_channels(out, "elements", recorder, is_force_of(Channel::Of::element));
-    out.member("joints", describe_joints(recorder));
+    write_channels(out, "elements", recorder, is_of(Channel::Of::element));
+    write_channels(out, "joints", recorder, is_of(Channel::Of::joint));
     write_channels(out, "positions", recorder, [](const Channel& channel) { return channel.quantity() == "position"; });
     write_channels(out, "accelerations", recorder,
                    [](const Channel& channel) { return channel.quantity() == "acceleration"; });

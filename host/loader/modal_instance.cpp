@@ -124,6 +124,17 @@ ModalInstance::Response ModalInstance::respond(double frequency, int body, int n
     return response;
 }
 
+double ModalInstance::force_at_start(uint32_t element) const {
+    const auto asked = plugin_.force_at_start();
+    double force = 0;
+    if (asked)
+        ask([&](dttmm_error*) {
+            force = asked(modal_.get(), element);
+            return DTTMM_OK;
+        });
+    return force;
+}
+
 void ModalInstance::check(dttmm_status status, const dttmm_error& error) const {
     if (status == DTTMM_OK) return;
     const size_t length = ::strnlen(error.text, sizeof error.text);

@@ -42,6 +42,9 @@ public:
     /// Per newton of a wrench on a body or a node (the other −1), at a point.
     Response respond(double frequency, int body, int node, const Eigen::Vector3d& point, const Vector6& wrench);
 
+    /// Of an element at the start, where its stiffness counts [N]; 0: none.
+    double force_at_start(uint32_t element) const;
+
 private:
     /// Calls the plugin. Throws what it says of a failure, or what it throws, or that it changed the arithmetic.
     template <class Action>

@@ -22,8 +22,8 @@ namespace {
 
 /// Of the table of a minor version: up to the members that the next one appended.
 constexpr size_t kSizeOfMinor0 = offsetof(dttmm_plugin, create_modal), kSizeOfMinor1 = offsetof(dttmm_plugin, expect),
-                 kSizeOfMinor2 = offsetof(dttmm_plugin, mean_wrench),
-                 kSizeOfMinor3 = offsetof(dttmm_plugin, stand) + sizeof(dttmm_plugin::stand);
+                 kSizeOfMinor2 = offsetof(dttmm_plugin, mean_wrench), kSizeOfMinor3 = offsetof(dttmm_plugin, force_at_start),
+                 kSizeOfMinor5 = kSizeOfMinor3 + sizeof(dttmm_plugin::force_at_start);
 
 [[noreturn]] void fail(const std::string& name, const std::string& fault) {
     throw Error(ExitCode::plugin_failure, fmt::format("plugin {}: {}", name, printable(fault)));
@@ -103,7 +103,7 @@ const dttmm_plugin* checked(const std::string& name, const dttmm_plugin* table) 
         const dttmm_element_type& type = table->element_types[t];
         if (!type.name || (type.parameter_count > 0 && !type.parameters))
             fail(name, fmt::format("element type {} has a null name or parameter list", t));
-        if (type.ends > DTTMM_ENDS_AT)
+        if (type.ends > DTTMM_ENDS_ALONG)
             fail(name, fmt::format("element type \"{}\": there is no kind {} of ends", type.name, type.ends));
         check_parameters(name, type);
     }
@@ -120,6 +120,10 @@ decltype(dttmm_plugin::expect) PluginLibrary::expect() const {
 }
 
 bool PluginLibrary::stands() const { return table_->size >= kSizeOfMinor3 && table_->mean_wrench && table_->stand; }
+
+decltype(dttmm_plugin::force_at_start) PluginLibrary::force_at_start() const {
+    return table_->size >= kSizeOfMinor5 ? table_->force_at_start : nullptr;
+}
 
 bool PluginLibrary::has_modes() const {
     return table_->size >= kSizeOfMinor1 && table_->create_modal && table_->destroy_modal && table_->find_modes &&

@@ -30,6 +30,8 @@ public:
     decltype(dttmm_plugin::expect) expect() const;
     /// Whether it tells what stands at an instant (mean_wrench, stand).
     bool stands() const;
+    /// NULL: no element of it has a force at the start.
+    decltype(dttmm_plugin::force_at_start) force_at_start() const;
     /// Whether it can find natural frequencies.
     bool has_modes() const;
 

@@ -51,17 +51,14 @@ inline bool has_law(const dttmm_element_type& type, const std::vector<double>& v
         const auto* word = std::find_if(parameter.words, parameter.words + parameter.word_count,
                                         [&](const dttmm_word& one) { return one.value == values[at]; });
         at += parameter.count;
-        if (!std::string_view(parameter.name).ends_with(".law") || word == parameter.words + parameter.word_count) continue;
+        const std::string_view name = parameter.name;
+        if ((name != "law" && !name.ends_with(".law")) || word == parameter.words + parameter.word_count) continue;
         if (std::string_view(word->name) != "linear") return true;
     }
     return false;
 }
 
-/// A type with a section has its local x axis along its line; any other has the axes of its `from` end.
-inline bool is_line(const dttmm_element_type& type) {
-    return std::ranges::any_of(std::span(type.parameters, type.parameter_count), [](const dttmm_parameter& parameter) {
-        return std::string_view(parameter.name).starts_with("section.");
-    });
-}
+/// Whether its local x lies along the line between its ends; otherwise it has the axes of its `from` end.
+inline bool is_line(const dttmm_element_type& type) { return type.ends == DTTMM_ENDS_ALONG; }
 
 }  // namespace dttmm::host

@@ -73,13 +73,6 @@ std::optional<Ends> read_from_to(const TableReader& table, const Attachments& at
     return Ends{*from, *to};
 }
 
-/// Elements that are divided lie along their ends and have axes of their own.
-bool has_own_axes(const dttmm_element_type& type) {
-    for (uint32_t p = 0; p < type.parameter_count; ++p)
-        if (std::string_view(type.parameters[p].name) == "segments") return true;
-    return false;
-}
-
 /// What the key `axes` says: "from", "to" or { axis, angle }, the turn from the world's axes at the start. None: those of
 /// the `from` end. Faults are reported.
 std::optional<Eigen::Matrix3d> read_axes(const TableReader& table, const dttmm_element_type& type, const Ends& ends,
@@ -91,7 +84,7 @@ std::optional<Eigen::Matrix3d> read_axes(const TableReader& table, const dttmm_e
         table.error(value.place, text);
         return std::nullopt;
     };
-    if (has_own_axes(type))
+    if (is_line(type))
         return fail(fmt::format("axes: a {} has axes of its own, x from end to end; leave the key out", type.name));
     std::optional<Eigen::Matrix3d> axes;
     if (value.is_table()) {

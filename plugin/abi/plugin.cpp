@@ -180,6 +180,8 @@ dttmm_status respond(dttmm_modal* modal, double frequency, int32_t on_body, int3
     });
 }
 
+double force_at_start(const dttmm_modal* modal, uint32_t element) { return modal->analysis.force_at_start(element); }
+
 const dttmm_plugin& table() {
     static const dttmm_plugin plugin = {
         sizeof(dttmm_plugin),
@@ -215,6 +217,7 @@ const dttmm_plugin& table() {
         expect,
         mean_wrench,
         stand,
+        force_at_start,
     };
     return plugin;
 }

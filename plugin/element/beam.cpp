@@ -69,10 +69,10 @@ void require(double value, const char* key) {
 
 }  // namespace
 
-const dttmm_element_type Beam::kType = {"beam", DTTMM_ENDS_FROM_TO, kBeamParameters.size(), kBeamParameters.data(),
+const dttmm_element_type Beam::kType = {"beam", DTTMM_ENDS_ALONG, kBeamParameters.size(), kBeamParameters.data(),
                                         "a uniform beam: axial force, torsion, bending and shear in both planes"};
 
-const dttmm_element_type Rod::kType = {"rod", DTTMM_ENDS_FROM_TO, kRodParameters.size(), kRodParameters.data(),
+const dttmm_element_type Rod::kType = {"rod", DTTMM_ENDS_ALONG, kRodParameters.size(), kRodParameters.data(),
                                        "a uniform bar with axial waves, rigid otherwise"};
 
 Beam::Beam(std::span<const double, 5 + kSectionValueCount> values)

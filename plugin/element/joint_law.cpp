@@ -4,12 +4,19 @@
 #include <algorithm>
 
 #include "core/state_vector.h"
+#include "law/linear.h"
 
 namespace dttmm::plugin {
 
 void JointLaw::set(int direction, std::shared_ptr<const Law> law) {
     stiffness(direction) = law->at(0).tangent;
     if (!law->is_linear()) laws[static_cast<size_t>(direction)] = std::move(law);
+}
+
+LawOnPath JointLaw::at(int direction, double deformation) const {
+    if (const auto& law = laws[static_cast<size_t>(direction)]) return law->at(deformation);
+    const double k[] = {stiffness(direction)};
+    return Linear(k).at(deformation);
 }
 
 bool JointLaw::has_laws() const {

@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include "core/driven_ends.h"
 #include "law/law.h"
@@ -27,23 +28,33 @@ struct ForeshorteningOf {
 };
 using Foreshortening = ForeshorteningOf<double>;
 
+/// The line between two points along which a joint acts.
+struct Axial {
+    double length;   ///< of the line at the start [m]
+    double natural;  ///< at which the joint is undeformed [m]
+};
+
 /// The law of a massless joint in its six directions, each a spring with a damper beside it, rigid, or free. Its deformation
 /// d (6×1: m, rad) is the motion of the `to` end relative to the `from` end in the axes of the joint, which go with the
 /// `from` end; its force f (6×1: N, N m) is positive in tension: it pulls the `to` end against d and the `from` end along d.
 /// In the letters of the state vector f = [−q; m]. A direction may have a law of its own in place of the linear spring: its
 /// stiffness is then the law's tangent at rest, by which all that is linear goes. Of an elastic line the deformation in x is
-/// the elongation e, and what pulls along it acts across it and turns it by the gradient of e.
+/// the elongation e, and what pulls along it acts across it and turns it by the gradient of e. A joint along a line has x
+/// only: its deformation is the length of the line, which may turn as it likes, less the natural one.
 struct JointLaw {
     Vector6 stiffness = Vector6::Zero();                         ///< [N/m, N m/rad]
     Vector6 damping = Vector6::Zero();                           ///< [N s/m, N m s/rad]
     Directions rigid;                                            ///< d = 0 there; stiffness and damping are not looked at
     std::array<std::shared_ptr<const Law>, 6> laws;              ///< of directions that are not linear
     Foreshortening line;                                         ///< of the elastic line that it stands for
+    std::optional<Axial> axial;                                  ///< it acts along a line, which its x goes with
     double most_turn = std::numeric_limits<double>::infinity();  ///< |θ| up to which it holds [rad]
 
     /// Gives a direction the law in place of a linear spring.
     void set(int direction, std::shared_ptr<const Law> law);
     bool has_laws() const;
+    /// The law of a direction, linear or not, at a deformation.
+    LawOnPath at(int direction, double deformation) const;
 
     /// Directions with a stiffness or damping that is not rigid.
     Directions resisting() const;

@@ -21,6 +21,11 @@ const LawParameters& LawParameters::of_direction(int direction) {
     return all[static_cast<size_t>(direction)];
 }
 
+const LawParameters& LawParameters::along_a_line() {
+    static const LawParameters one("", false);
+    return one;
+}
+
 LawParameters::LawParameters(const std::string& key, bool is_rotation) : key_(key) {
     std::vector<const LawParameter*> numbers;
     for (const LawType& type : law_types()) {
@@ -31,11 +36,12 @@ LawParameters::LawParameters(const std::string& key, bool is_rotation) : key_(ke
             numbers.push_back(&parameter);
         }
     }
-    texts_.push_back(key + ".law");
-    for (const std::string& name : names_) texts_.push_back(key + "." + name);
-    declared_.push_back({texts_[0].c_str(), "1", 1, DTTMM_PARAMETER_WORDS_ONLY, kNotGiven, 0, kLargest, words_.data(),
-                         static_cast<uint32_t>(words_.size()),
-                         "law of the spring in that direction, in place of a stiffness"});
+    texts_.push_back(full("law"));
+    for (const std::string& name : names_) texts_.push_back(full(name));
+    declared_.push_back(
+        {texts_[0].c_str(), "1", 1, DTTMM_PARAMETER_WORDS_ONLY, key.empty() ? 0 : kNotGiven, 0, kLargest, words_.data(),
+         static_cast<uint32_t>(words_.size()),
+         key.empty() ? "law of the spring" : "law of the spring in that direction, in place of a stiffness"});
     for (size_t i = 0; i < names_.size(); ++i)
         declared_.push_back(optional(texts_[1 + i].c_str(), numbers[i]->unit[is_rotation], 1, numbers[i]->minimum, kLargest,
                                      numbers[i]->documentation));
@@ -45,7 +51,8 @@ std::unique_ptr<const Law> LawParameters::make(std::span<const double> values) c
     const auto given = [&](size_t i) { return is_given(values[1 + i]); };
     if (!is_given(values[0])) {
         for (size_t i = 0; i < names_.size(); ++i)
-            if (given(i)) throw Error(DTTMM_ERROR_MODEL, fmt::format("{0}.{1} needs a law: add {0}.law", key_, names_[i]));
+            if (given(i))
+                throw Error(DTTMM_ERROR_MODEL, fmt::format("{} needs a law: add {}", full(names_[i]), full("law")));
         return nullptr;
     }
     const LawType& type = law_types()[static_cast<size_t>(values[0])];
@@ -54,7 +61,7 @@ std::unique_ptr<const Law> LawParameters::make(std::span<const double> values) c
         const auto i = static_cast<size_t>(std::ranges::find(names_, parameter.name) - names_.begin());
         if (!given(i))
             throw Error(DTTMM_ERROR_MODEL,
-                        fmt::format("{0}.{1} is missing: the law {2} needs it", key_, parameter.name, type.name));
+                        fmt::format("{} is missing: the law {} needs it", full(parameter.name), type.name));
         own.push_back(values[1 + i]);
     }
     for (size_t i = 0; i < names_.size(); ++i) {
@@ -62,7 +69,7 @@ std::unique_ptr<const Law> LawParameters::make(std::span<const double> values) c
             std::ranges::any_of(type.parameters, [&](const LawParameter& one) { return one.name == names_[i]; });
         if (given(i) && !is_own)
             throw Error(DTTMM_ERROR_MODEL,
-                        fmt::format("{0}.{1} does not belong to the law {2}: remove it", key_, names_[i], type.name));
+                        fmt::format("{} does not belong to the law {}: remove it", full(names_[i]), type.name));
     }
     return type.make(own.data());
 }

@@ -18,6 +18,8 @@ class LawParameters {
 public:
     /// direction: of x y z rx ry rz.
     static const LawParameters& of_direction(int direction);
+    /// Of an element that has one spring, between two points: keys without a direction, linear if no law is named.
+    static const LawParameters& along_a_line();
     LawParameters(const LawParameters&) = delete;
 
     /// For the table of an element.
@@ -29,7 +31,9 @@ public:
     [[noreturn]] void refuse_stiffness(const char* key) const;
 
 private:
+    /// key: of the direction; empty: none, and the law that is meant if none is named is the first.
     LawParameters(const std::string& key, bool is_rotation);
+    std::string full(const std::string& name) const { return key_.empty() ? name : key_ + "." + name; }
 
     std::string key_;
     std::vector<std::string> names_;  ///< of the numbers, without the key

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "element/axial_spring.h"
 #include "element/beam.h"
 #include "element/elastic_hinge.h"
 #include "element/mass.h"
@@ -23,20 +24,23 @@ std::unique_ptr<const Element> make(const double* values) {
     return std::make_unique<const E>(std::span<const double, value_count>(values, value_count));
 }
 
-std::unique_ptr<const Element> make_spring_damper(const double* values) {
+/// Of an element whose number of values the table of laws decides.
+template <class E>
+std::unique_ptr<const Element> make_counted(const double* values) {
     uint32_t count = 0;
-    for (uint32_t p = 0; p < SpringDamper::type().parameter_count; ++p) count += SpringDamper::type().parameters[p].count;
-    return std::make_unique<const SpringDamper>(std::span(values, count));
+    for (uint32_t p = 0; p < E::type().parameter_count; ++p) count += E::type().parameters[p].count;
+    return std::make_unique<const E>(std::span(values, count));
 }
 
 // One line per element, in both tables.
 std::span<const dttmm_element_type> types() {
-    static const std::array all = {SpringDamper::type(), ElasticHinge::kType, PointMass::kType,
-                                   RigidBody::kType,     Beam::kType,         Rod::kType};
+    static const std::array all = {SpringDamper::type(), ElasticHinge::kType, PointMass::kType,   RigidBody::kType,
+                                   Beam::kType,          Rod::kType,          AxialSpring::type()};
     return all;
 }
-constexpr std::array kMakers = {make_spring_damper,  make<ElasticHinge, 12>, make<PointMass, 1>,
-                                make<RigidBody, 10>, make<Beam, 26>,         make<Rod, 22>};
+constexpr std::array kMakers = {make_counted<SpringDamper>, make<ElasticHinge, 12>, make<PointMass, 1>,
+                                make<RigidBody, 10>,        make<Beam, 26>,         make<Rod, 22>,
+                                make_counted<AxialSpring>};
 
 /// A number in its range, what a word stands for, or nothing where nothing may be given.
 bool is_allowed(const dttmm_parameter& parameter, double value) {

@@ -34,7 +34,7 @@ extern "C" {
 #endif
 
 #define DTTMM_PLUGIN_MAJOR 1u
-#define DTTMM_PLUGIN_MINOR 4u
+#define DTTMM_PLUGIN_MINOR 5u
 
 /* The one symbol a plugin exports; declared at the end. */
 #define DTTMM_PLUGIN_ENTRY "dttmm_plugin_entry"
@@ -95,7 +95,8 @@ typedef struct dttmm_parameter {
 /* How an element hangs on its nodes. */
 enum {
     DTTMM_ENDS_FROM_TO = 0, /* the keys `from` and `to`: two nodes */
-    DTTMM_ENDS_AT = 1       /* the key `at`: one node, or a list of them */
+    DTTMM_ENDS_AT = 1,      /* the key `at`: one node, or a list of them */
+    DTTMM_ENDS_ALONG = 2    /* since minor 5: the keys `from` and `to`: two nodes apart, and x along the line between them */
 };
 
 typedef struct dttmm_element_type {
@@ -371,6 +372,10 @@ typedef struct dttmm_plugin {
      * instant. outputs() are then of that instant. [after mean_wrench of the same step; of an explicit scheme after a
      * commit] */
     dttmm_status (*stand)(dttmm_instance* instance, const dttmm_motion* ports, double* wrench, dttmm_error* error);
+
+    /* Since minor 5; NULL: no element does. The force that an element has at the start and whose stiffness is in the modes
+     * [N], positive in tension; 0: none. [after create_modal] */
+    double (*force_at_start)(const dttmm_modal* modal, uint32_t element);
 } dttmm_plugin;
 
 /* The entry, exported as DTTMM_PLUGIN_ENTRY: the table, or NULL if the plugin does not speak the host's major version. */

@@ -197,12 +197,18 @@ void FrequencyModel::add_joint(int element, int from, int to, const JointLaw& la
     bond.element = element;
     bond.from = from;
     bond.to = to;
-    bond.point = pose.position;
-    const auto by = [&](int frame) { return masked(at_point(pose.position, positions_[static_cast<size_t>(frame)])); };
-    if (from >= 0) bond.by_from = by(from);
-    if (to >= 0) bond.by_to = by(to);
+    bond.points[0] = bond.points[1] = pose.position;
     const Matrix6 axes = both(pose.rotation);
     Vector6 stiffness = law.stiffness, damping = law.damping;
+    if (law.axial) {
+        bond.points[0] -= law.axial->length * pose.rotation.col(0);
+        add_force(bond, law, pose.rotation.col(0), stiffness);
+    }
+    const auto by = [&](int frame, int end) {
+        return masked(at_point(bond.points[end], positions_[static_cast<size_t>(frame)]));
+    };
+    if (from >= 0) bond.by_from = by(from, 0);
+    if (to >= 0) bond.by_to = by(to, 1);
     for (size_t d = 0; d < 6; ++d) {
         const auto i = static_cast<Eigen::Index>(d);
         if (!law.rigid[d]) continue;
@@ -216,6 +222,27 @@ void FrequencyModel::add_joint(int element, int from, int to, const JointLaw& la
     bond.stiffness = axes * stiffness.asDiagonal() * axes.transpose();
     bond.damping = axes * damping.asDiagonal() * axes.transpose();
     bonds_.push_back(std::move(bond));
+}
+
+/// The law of a joint along a line where that is at the start, and what its force there adds: F/L across the line, and the
+/// levers of its points.
+void FrequencyModel::add_force(const Bond& bond, const JointLaw& law, const Vector3& along, Vector6& stiffness) {
+    const double elongation = law.axial->length - law.axial->natural;
+    const LawOnPath at_start = law.at(0, elongation);
+    stiffness(0) = at_start.tangent;
+    stiffness(1) = stiffness(2) = at_start.force / law.axial->length;
+    if (at_start.force == 0) return;
+    start_forces_.emplace_back(bond.element, at_start.force);
+    const int frames[2] = {bond.from, bond.to};
+    for (int end : {0, 1}) {
+        if (frames[end] < 0) continue;
+        const Vector3 arm = bond.points[end] - positions_[static_cast<size_t>(frames[end])];
+        const Matrix3 aF = skew(arm) * skew(at_start.force * along);
+        Lever lever{bond.element, frames[end], Matrix6::Zero()};
+        lever.stiffness.bottomRightCorner<3, 3>() = (end == 0 ? -0.5 : 0.5) * (aF + aF.transpose());
+        lever.stiffness = masked(lever.stiffness);
+        levers_.push_back(lever);
+    }
 }
 
 /// Displacement of the end of a line in its axes by the motion of a frame; of the ground none.
@@ -480,6 +507,7 @@ void FrequencyModel::set_matrices(double lambda, bool with_mass) {
             -lambda / 3 * pin.mass);
     for (const auto* list : {&masses_, &bar_masses_})
         for (const Mass& mass : *list) e.add_diagonal(mass.frame, -lambda * mask_ * mass.block * mask_);
+    for (const Lever& lever : levers_) e.add_diagonal(lever.frame, lever.stiffness);
     for (int f = 0; f < frame_count(); ++f) {
         Matrix6 idle = Matrix6::Zero();
         const Vector6 sizes = e.diagonal(f).diagonal().cwiseAbs();
@@ -527,6 +555,10 @@ FrequencyModel::Motion FrequencyModel::stiffness_times(const Motion& u) const {
             out[f] -= lambda_ * mask_ * (mass.block * (mask_ * u[f]));
         }
     add_pins(-lambda_, u, out);
+    for (const Lever& lever : levers_) {
+        const auto f = static_cast<size_t>(lever.frame);
+        out[f] += lever.stiffness * u[f];
+    }
     for (const Bond& bond : bonds_) {
         const Vector6 force = bond.stiffness * relative(bond, u);
         if (bond.from >= 0) out[static_cast<size_t>(bond.from)] -= bond.by_from.transpose() * force;
@@ -587,6 +619,21 @@ bool FrequencyModel::is_elastic() const {
     };
     return !lines_.empty() ||
            std::ranges::any_of(bonds_, [&](const Bond& b) { return gives(b, b.by_from) || gives(b, b.by_to); });
+}
+
+double FrequencyModel::force_at_start(size_t element) const {
+    const auto own =
+        std::ranges::find_if(start_forces_, [&](const auto& one) { return one.first == static_cast<int>(element); });
+    return own == start_forces_.end() ? 0 : own->second;
+}
+
+void FrequencyModel::refuse_growing(double lambda) {
+    const std::optional<int> growing = factor(lambda, false);
+    if (growing && *growing > 0)
+        throw Error(DTTMM_ERROR_MODEL,
+                    fmt::format("{} of its motions would grow, not vibrate: the forces of its springs at the start drive it "
+                                "away from there",
+                                *growing));
 }
 
 FrequencyModel::Whole FrequencyModel::move_whole(int direction) const {
@@ -654,6 +701,10 @@ std::vector<FrequencyModel::Strain> FrequencyModel::strain_energies(const Motion
         const Vector6 d =
             bond.axes.transpose() * relative(bond, u);  // where nothing holds there is no strain, not rounding of it
         add(bond.element, {0.5 * d.dot(bond.springs.cwiseProduct(d)), 0});
+    }
+    for (const Lever& lever : levers_) {
+        const Vector6& own = u[static_cast<size_t>(lever.frame)];
+        add(lever.element, {0.5 * own.dot(lever.stiffness * own), 0});
     }
     for_each_piece([&](int, const Piece& piece, const LineModel& line) {
         const auto& [D, M] = kinds_[line.kind].at_lambda.at(line.count);
@@ -811,6 +862,7 @@ std::vector<Eigen::Matrix<FrequencyModel::Frequency, 6, 1>> FrequencyModel::resp
     for (const auto* list : {&masses_, &bar_masses_})
         for (const Mass& mass : *list)
             add(mass.frame, mass.frame, (-omega * omega * mask_ * mass.block * mask_).cast<Frequency>());
+    for (const Lever& lever : levers_) add(lever.frame, lever.frame, lever.stiffness.cast<Frequency>());
     for (int f = 0; f < frames; ++f)
         for (int d = 0; d < 6; ++d)
             if (!directions_[static_cast<size_t>(d)]) entries.emplace_back(6 * f + d, 6 * f + d, 1.0);

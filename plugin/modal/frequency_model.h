@@ -61,6 +61,11 @@ public:
     };
     Whole move_whole(int direction) const;
     bool is_elastic() const;
+    /// Force of an element at the start whose stiffness is in D [N]; 0: none.
+    double force_at_start(size_t element) const;
+    bool has_start_forces() const { return !start_forces_.empty(); }
+    /// Throws Error(DTTMM_ERROR_MODEL) if motions grow faster than λ < 0 allows [1/s²].
+    void refuse_growing(double lambda);
     bool has_lines() const { return !lines_.empty(); }
     /// ω² of a motion by its strain and kinetic energy, as far as the elements tell them, and what of it may be rounding
     /// [1/s²].
@@ -113,7 +118,7 @@ public:
     /// A coupling of two frames (−1: the ground) by constant stiffness and damping of their relative displacement.
     struct Bond {
         int element, from, to;
-        Vector3 point;                                               ///< where its ends meet
+        Vector3 points[2];                                           ///< of its ends; one, but for a joint along a line
         Matrix6 by_from = Matrix6::Zero(), by_to = Matrix6::Zero();  ///< relative displacement = by_to u_to − by_from u_from
         Matrix6 stiffness, damping;                                  ///< world axes
         Matrix6 axes;                                                ///< its own, as columns in world
@@ -124,6 +129,11 @@ public:
     struct Mass {
         int frame;
         Matrix6 block;  ///< [kg, kg m², kg m] by the motion of the frame
+    };
+    /// What a force that acts at the start on a point of a frame adds to the stiffness as its lever arm turns.
+    struct Lever {
+        int element, frame;
+        Matrix6 stiffness;  ///< symmetric part, by the motion of the frame
     };
     /// A piece that stands on the ground with an end or both.
     struct HeldPiece {
@@ -152,6 +162,7 @@ public:
     const std::vector<Bond>& bonds() const { return bonds_; }
     const std::vector<LineModel>& lines() const { return lines_; }
     const std::vector<Mass>& masses() const { return masses_; }
+    const std::vector<Lever>& levers() const { return levers_; }
     int own_frame_count() const { return static_cast<int>(own_frames_); }  ///< without points along lines
     const Vector3& position(int frame) const { return positions_[static_cast<size_t>(frame)]; }
     const std::string& name(int frame) const { return names_[static_cast<size_t>(frame)]; }
@@ -166,6 +177,7 @@ private:
     void add_bodies(const dttmm_modal_model& model);
     void refer_to_inputs();
     void add_joint(int element, int from, int to, const JointLaw& law, const Pose& pose);
+    void add_force(const Bond& bond, const JointLaw& law, const Vector3& along, Vector6& stiffness);
     void add_line(const LineSpec& line);
     void add_rigid(std::vector<Rigid>& rows, const Rigid& row) const;
     Matrix6 masked(const Matrix6& by) const;
@@ -195,6 +207,8 @@ private:
     std::vector<int> elements_;  ///< one that hangs on each frame
     size_t own_frames_ = 0;      ///< without those along the lines
     std::vector<Mass> masses_, bar_masses_;
+    std::vector<Lever> levers_;
+    std::vector<std::pair<int, double>> start_forces_;  ///< by element
     std::vector<Bond> bonds_;
     std::vector<LineModel> lines_;
     std::vector<Piece> pieces_;

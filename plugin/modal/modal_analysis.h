@@ -31,6 +31,8 @@ public:
     void respond(double frequency, int on_body, int on_node, const Vector3& point, const Vector6& force, double* bodies,
                  double* nodes);
 
+    double force_at_start(size_t element) const { return model_.force_at_start(element); }
+
 private:
     using Response = std::vector<Eigen::Matrix<std::complex<double>, 6, 1>>;
     Response respond_at_rest(int free, int frame, const Vector3& point, const Vector6& force);

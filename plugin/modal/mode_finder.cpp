@@ -217,6 +217,7 @@ void ModeFinder::find_rigid(int count) {
     std::vector<Motion> shapes;
     for (int i = 0; i < count; ++i) shapes.push_back(random_motion());
     const double shift = -10 * lowest_ * lowest_;  // all is held there
+    if (model_.has_start_forces()) model_.refuse_growing(shift);
     // What slow modes leave in the shapes falls by shift/(shift + λ) per round: until nothing is strained any more, to
     // rounding
     double lambda = std::numeric_limits<double>::infinity();

@@ -46,7 +46,7 @@ OverallTransfer::OverallTransfer(const FrequencyModel& model) : model_(model) {
     for (int f = 0; f < model.own_frame_count(); ++f) add_vertex(f);
     for (size_t b = 0; b < model.bonds().size(); ++b) {
         const auto& bond = model.bonds()[b];
-        add_edge(false, b, bond.from, bond.to, bond.point, bond.point);
+        add_edge(false, b, bond.from, bond.to, bond.points[0], bond.points[1]);
     }
     for (size_t l = 0; l < model.lines().size(); ++l) {
         const auto& line = model.lines()[l];
@@ -202,7 +202,7 @@ OverallTransfer::Law OverallTransfer::law_of(const Edge& edge) const {
     const double largest = solver.eigenvalues().cwiseAbs().maxCoeff();
     for (Eigen::Index k = 0; k < solver.eigenvalues().size(); ++k) {
         const Eigen::VectorXd direction = N * solver.eigenvectors().col(k);
-        if (solver.eigenvalues()(k) > kFree * largest) {
+        if (std::abs(solver.eigenvalues()(k)) > kFree * largest) {
             law.compliance += direction * direction.transpose() / solver.eigenvalues()(k);
         } else {
             law.loose.conservativeResize(n, law.loose.cols() + 1);
@@ -274,8 +274,9 @@ OverallTransfer::Matrix OverallTransfer::assemble(double lambda) const {
         row += rows.rows();
     };
     std::vector<Matrix> handed_on(edges_.size());
-    std::vector<Matrix6> masses(static_cast<size_t>(model_.own_frame_count()), Matrix6::Zero());
-    for (const auto& mass : model_.masses()) masses[static_cast<size_t>(mass.frame)] += mass.block;
+    std::vector<Matrix6> inertial(static_cast<size_t>(model_.own_frame_count()), Matrix6::Zero());
+    for (const auto& mass : model_.masses()) inertial[static_cast<size_t>(mass.frame)] += lambda * mass.block;
+    for (const auto& lever : model_.levers()) inertial[static_cast<size_t>(lever.frame)] -= lever.stiffness;
     for (size_t k = order_.size(); k-- > 0;) {
         const Vertex& vertex = vertices_[static_cast<size_t>(order_[k])];
         if (vertex.edges.empty()) continue;
@@ -297,7 +298,7 @@ OverallTransfer::Matrix OverallTransfer::assemble(double lambda) const {
             const Boundary& boundary = boundaries_[static_cast<size_t>(b)];
             take(by_point(vertex, boundary.point), state_of(boundary));
         }
-        if (vertex.frame >= 0) load += lambda * restricted(masses[static_cast<size_t>(vertex.frame)]) * motion;
+        if (vertex.frame >= 0) load += restricted(inertial[static_cast<size_t>(vertex.frame)]) * motion;
         if (vertex.root >= 0) {
             add(stack(motion, load) - state_of(boundaries_[static_cast<size_t>(vertex.root)]));
             continue;

@@ -131,7 +131,7 @@ private:
     std::unique_ptr<const Element> make(int e) const {
         const dttmm_element& data = element(e);
         const auto types = element_types();
-        if (data.type < types.size() && types[data.type].ends == DTTMM_ENDS_FROM_TO) {
+        if (data.type < types.size() && types[data.type].ends != DTTMM_ENDS_AT) {
             if (data.end_count != 2) throw Error(DTTMM_ERROR_MODEL, "an element of this type has two ends", e);
             if (data.ends[0] == data.ends[1]) throw Error(DTTMM_ERROR_MODEL, "both ends are the same node", e);
         }

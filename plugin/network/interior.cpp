@@ -166,8 +166,8 @@ void Interior::set_reaches(const Mechanism& mechanism) {
             double& reach = is_inner(frame) ? reach_[at(frame)] : port_reach_[static_cast<size_t>(frame)];
             reach = std::max(reach, length);
         };
-        reach_out(joint.from(), joint.arm(from, to).norm());
-        reach_out(joint.to(), joint.lever(to).norm());
+        reach_out(joint.from(), joint.arm(0, from, to).norm());
+        reach_out(joint.to(), joint.arm(1, from, to).norm());
     }
     for (double reach : reach_) {
         turn_weight_.push_back(reach * reach);
@@ -292,12 +292,12 @@ Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, const st
     const FrameView from = at[static_cast<size_t>(joint.from())], to = at[static_cast<size_t>(joint.to())];
     const JointPose pose = joint.pose(from, to);
     const Vector3 acting = mechanism.pose(j).axes.transpose() * mechanism.states[j].elastic.force;
-    return blocks(mechanism, j, pose, joint.deformation(pose, to), pose.axes * acting, rigid_);
+    return blocks(mechanism, j, {from, to}, pose, joint.deformation(pose, from, to), pose.axes * acting, rigid_);
 }
 
 /// The same with the joint elsewhere, deformed, under the elastic force `acting`, its rigid directions carrying q.
-Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, const JointPose& pose, const Vector6& deformation,
-                                  Vector3 acting, const std::vector<double>& q) const {
+Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, Ends at, const JointPose& pose,
+                                  const Vector6& deformation, Vector3 acting, const std::vector<double>& q) const {
     const Joint& joint = mechanism.joints[j];
     if (joint.rigid().any()) acting += pose.axes * head(rigid_values(mechanism, j, q));
     const double h = mechanism.scheme.step_size();
@@ -313,7 +313,7 @@ Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, const Jo
         return K;
     };
     return {in_frames(joint.stiffness(pose, joint.gain(mechanism.scheme, mechanism.states[j].deformation(), deformation))),
-            in_frames(joint.acting_stiffness(pose, mechanism.scheme.elastic_weight(0) * acting))};
+            in_frames(joint.acting_stiffness(pose, at.from, at.to, mechanism.scheme.elastic_weight(0) * acting))};
 }
 
 void Interior::add_blocks(const Joint& joint, size_t j, const Blocks& K, Elimination& matrix) const {
@@ -379,7 +379,8 @@ bool Interior::form_at_trial(const Mechanism& mechanism) const {
         const FrameView from = trial_[static_cast<size_t>(joint.from())], to = trial_[static_cast<size_t>(joint.to())];
         const JointPose pose = joint.pose(from, to);
         const Joint::Strained strained = joint.strain({from, to}, pose);
-        add_blocks(joint, j, blocks(mechanism, j, pose, strained.deformation(), strained.elastic.force, q_), at_trial_);
+        add_blocks(joint, j, blocks(mechanism, j, {from, to}, pose, strained.deformation(), strained.elastic.force, q_),
+                   at_trial_);
         if (joint.rigid().any()) set_rigid_rows(mechanism, j, pose, strained.theta, at_trial_);
     }
     return !at_trial_.factor();

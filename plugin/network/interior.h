@@ -326,7 +326,7 @@ private:
         Matrix6 between(int row, int column) const { return own.at[row][column] + acting.at[row][column]; }
     };
     Blocks blocks(const Mechanism& mechanism, size_t joint, const std::vector<Frame>& at) const;
-    Blocks blocks(const Mechanism& mechanism, size_t joint, const JointPose& pose, const Vector6& deformation,
+    Blocks blocks(const Mechanism& mechanism, size_t joint, Ends at, const JointPose& pose, const Vector6& deformation,
                   Vector3 acting, const std::vector<double>& q) const;
     void add_blocks(const Joint& joint, size_t index, const Blocks& blocks, Elimination& matrix) const;
     void set_rigid_rows(const Mechanism& mechanism, size_t joint, const JointPose& pose, const Vector3& theta,

@@ -77,7 +77,7 @@ MasslessFrames::Acting Interior::rate_of_force(const Mechanism& mechanism, size_
         return frame < ports_ ? start_accelerations_[static_cast<size_t>(frame)] : Twist{};
     };
     const Vector6 rate = joint.rate(from, from_velocity, to, to_velocity);
-    const Vector3 w = joint.axes(from).transpose() * from_velocity.angular;
+    const Vector3 w = joint.turning(from, from_velocity, to, to_velocity);
     Vector6 other;
     other << w.cross(head(f)), w.cross(tail(f));
     other += joint.stiffness_tangent(mechanism.states[j].deformation_before()) * rate;

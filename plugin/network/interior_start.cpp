@@ -64,7 +64,7 @@ JointForce Interior::start_force(const Mechanism& mechanism, const Joint& joint,
     const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
     const Twist v_from = start_velocity(joint.from(), ports), v_to = start_velocity(joint.to(), ports);
     const JointPose pose = joint.pose(from, to);
-    const Vector6 x = joint.deformation(pose, to);
+    const Vector6 x = joint.deformation(pose, from, to);
     return pose.act(joint.force(x, joint.rate(from, v_from, to, v_to, x)));
 }
 
@@ -97,7 +97,7 @@ void Interior::balance_at_start(const Mechanism& mechanism, double h, const dttm
             const auto now = [&](int frame) {
                 return is_inner(frame) ? velocities_[at(frame)] : start_velocity(frame, ports);
             };
-            const Vector6 deformation = joint.deformation(joint.pose(from, to), to);
+            const Vector6 deformation = joint.deformation(joint.pose(from, to), from, to);
             return MasslessFrames::Acting{deformation, joint.rate(from, now(joint.from()), to, now(joint.to())),
                                           joint.elastic(deformation)};
         },

@@ -214,7 +214,7 @@ void Interior::form_residuals(const Mechanism& mechanism, Solution& solution) co
     for (size_t j : rigid_joints_) {
         const Joint& joint = mechanism.joints[j];
         const FrameView from = trial_[static_cast<size_t>(joint.from())], to = trial_[static_cast<size_t>(joint.to())];
-        const Vector6 d = joint.deformation(joint.pose(from, to), to);
+        const Vector6 d = joint.deformation(joint.pose(from, to), from, to);
         for_each_rigid(joint, [&](int i, int direction) { solution.q_change[rigid_row(j, i)] = -d(direction) / h; });
     }
 }

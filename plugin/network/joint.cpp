@@ -21,7 +21,7 @@ Joint::Joint(const JointSpec& spec, const Assembly& assembly)
     springs_.line = spec.law.line;
     springs_.is_line = spec.law.line.mixed != 0;
     is_damped_ = !spec.law.damping.isZero(0);
-    has_laws_ = spec.law.has_laws();
+    has_laws_ = spec.law.has_laws() || is_axial();
     const Pose& from = assembly.frames[static_cast<size_t>(from_)].pose;
     const Pose& to = assembly.frames[static_cast<size_t>(to_)].pose;
     seat_.from_axes = from.rotation.transpose() * spec.pose.rotation;
@@ -31,6 +31,9 @@ Joint::Joint(const JointSpec& spec, const Assembly& assembly)
     seat_.is_aligned = from.rotation == spec.pose.rotation;
     seat_.is_straight = to.rotation == spec.pose.rotation;
     seat_.has_lever = spec.pose.position != to.position;
+    if (!is_axial()) return;
+    const Vector3 start = spec.pose.position - law_.axial->length * spec.pose.rotation.col(0);
+    from_point_ = from.rotation.transpose() * (start - from.position);
 }
 
 void Joint::set_scheme(const Scheme& scheme) {
@@ -51,42 +54,71 @@ void Joint::set_scheme(const Scheme& scheme) {
 
 // ---- Kinematics ---------------------------------------------------------------------------------------------------------
 
+/// Its x along the line; where the others point is of no account.
+JointPose Joint::axial_pose(FrameView from, FrameView to) const {
+    const Vector3 line = way(from, to);
+    const double length = line.norm();
+    if (!(length > 0)) throw Error(DTTMM_ERROR_NUMERIC, "its ends have met: its force has no direction there", element_);
+    JointPose pose{Matrix3(), seat_.arm(from, to), seat_.lever(to)};
+    pose.axes.col(0) = line / length;
+    pose.axes.col(1) = pose.axes.col(0).unitOrthogonal();
+    pose.axes.col(2) = pose.axes.col(0).cross(pose.axes.col(1));
+    return pose;
+}
+
 Vector6 Joint::rate(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity) const {
-    const Vector6 x = springs_.is_line ? deformation(pose(from, to), to) : Vector6(Vector6::Zero());
+    const Vector6 x = springs_.is_line ? deformation(pose(from, to), from, to) : Vector6(Vector6::Zero());
     return rate(from, from_velocity, to, to_velocity, x);
 }
 
 Vector6 Joint::rate(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity,
                     const Vector6& x) const {
     // r = R_fromᵀ p,  p = p_to − p_from  =>  r' = R_fromᵀ (p' − ω_from × p)
-    const Matrix3 R = axes(from);
+    const auto& [R, arm, lever] = pose(from, to);
     Vector6 rate;
-    rate << R.transpose() * (to_velocity.linear + to_velocity.angular.cross(lever(to)) - from_velocity.linear -
-                             from_velocity.angular.cross(arm(from, to))),
+    rate << R.transpose() * (to_velocity.linear + to_velocity.angular.cross(lever) - from_velocity.linear -
+                             from_velocity.angular.cross(arm)),
         R.transpose() * (to_velocity.angular - from_velocity.angular);
     if (springs_.is_line) rate(0) = stretch(x).dot(rate);
+    if (is_axial()) rate.tail<5>().setZero();
     return rate;
 }
 
 Vector6 Joint::acceleration(FrameView from, const Twist& from_velocity, const Twist& from_acceleration, FrameView to,
                             const Twist& to_velocity, const Twist& to_acceleration) const {
     // r'' = R_fromᵀ (p'' − α × p − ω × (ω × p) − 2 ω × (p' − ω × p)),   ω and α of the `from` end
-    const Vector3 p = arm(from, to), l = lever(to);
+    const auto& [R, p, l] = pose(from, to);
     const Vector3 &w = from_velocity.angular, &w_to = to_velocity.angular;
     const Vector3 p_rate = to_velocity.linear + w_to.cross(l) - from_velocity.linear;
     const Vector3 a = to_acceleration.linear + to_acceleration.angular.cross(l) + w_to.cross(w_to.cross(l)) -
                       (from_acceleration.linear + from_acceleration.angular.cross(p) + w.cross(w.cross(p)) +
                        2 * w.cross(p_rate - w.cross(p)));
     const Vector3 alpha = to_acceleration.angular - (from_acceleration.angular + w.cross(w_to));
-    const Matrix3 R = axes(from);
     Vector6 acceleration;
+    if (is_axial()) {  // L'' = n · r'' + |r' across the line|²/L,   r from point to point
+        const Vector3 o = arm_of_line(from), r_rate = p_rate - w.cross(o);
+        const Vector3 across = r_rate - R.col(0) * R.col(0).dot(r_rate);
+        const Vector3 r_second = to_acceleration.linear + to_acceleration.angular.cross(l) + w_to.cross(w_to.cross(l)) -
+                                 (from_acceleration.linear + from_acceleration.angular.cross(o) + w.cross(w.cross(o)));
+        acceleration << R.col(0).dot(r_second) + across.squaredNorm() / way(from, to).norm(), 0, 0, 0, 0, 0;
+        return acceleration;
+    }
     acceleration << R.transpose() * a, R.transpose() * alpha;
     if (springs_.is_line) {  // of second degree: its second rate has twice its value for the rates
         const Vector3 slide = R.transpose() * (p_rate - w.cross(p)), turn = R.transpose() * (w_to - w);
         acceleration(0) =
-            stretch(deformation(pose(from, to), to)).dot(acceleration) + 2 * springs_.drawn(slide, turn).elongation;
+            stretch(deformation(pose(from, to), from, to)).dot(acceleration) + 2 * springs_.drawn(slide, turn).elongation;
     }
     return acceleration;
+}
+
+Vector3 Joint::turning(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity) const {
+    const auto& [R, arm, lever] = pose(from, to);
+    if (!is_axial()) return R.transpose() * from_velocity.angular;
+    const Vector3 line = way(from, to);
+    const Vector3 rate = to_velocity.linear + to_velocity.angular.cross(lever) - from_velocity.linear -
+                         from_velocity.angular.cross(arm_of_line(from));
+    return R.transpose() * line.cross(rate) / line.squaredNorm();
 }
 
 Matrix6 Joint::by_from(const JointPose& pose) const {
@@ -105,8 +137,12 @@ Matrix6 Joint::by_to(const JointPose& pose) const {
 
 // ---- The force law ------------------------------------------------------------------------------------------------------
 
-Vector6 Joint::deformation(const JointPose& pose, FrameView to) const {
+Vector6 Joint::deformation(const JointPose& pose, FrameView from, FrameView to) const {
     Vector6 x;
+    if (is_axial()) {
+        x << way(from, to).norm() - law_.axial->natural, 0, 0, 0, 0, 0;
+        return x;
+    }
     x << pose.axes.transpose() * pose.arm - springs_.rest, Vector3::Zero();
     if (turns()) x.tail<3>() = rotation_vector(Matrix3(pose.axes.transpose() * seat_.axes_at_to(to)));
     if (springs_.is_line) x(0) += springs_.drawn(x.head<3>(), x.tail<3>()).elongation;
@@ -115,25 +151,19 @@ Vector6 Joint::deformation(const JointPose& pose, FrameView to) const {
 
 /// The forces of laws in place of those of linear springs.
 void Joint::put_laws(const Vector6& x, Vector6& f) const {
-    for (int d = 0; d < 6; ++d)
-        if (const auto& law = law_.laws[static_cast<size_t>(d)]) f(d) = law->at(x(d)).force;
+    for (int d = 0; d < 6; ++d) f(d) = law_.at(d, x(d)).force;
 }
 
 /// Its derivative by the deformations.
 Vector6 Joint::spring_tangent(const Vector6& x) const {
-    Vector6 k = law_.stiffness;
-    if (has_laws_)
-        for (int d = 0; d < 6; ++d)
-            if (const auto& law = law_.laws[static_cast<size_t>(d)]) k(d) = law->at(x(d)).tangent;
+    Vector6 k;
+    for (int d = 0; d < 6; ++d) k(d) = law_.at(d, x(d)).tangent;
     return k;
 }
 
 double Joint::energy_of_laws(const Vector6& x) const {
     double stored = 0;
-    for (int d = 0; d < 6; ++d) {
-        const auto& law = law_.laws[static_cast<size_t>(d)];
-        stored += law ? law->at(x(d)).stored : 0.5 * law_.stiffness(d) * x(d) * x(d);
-    }
+    for (int d = 0; d < 6; ++d) stored += law_.at(d, x(d)).stored;
     return stored;
 }
 
@@ -178,7 +208,8 @@ JointForce Joint::act(const JointPose& pose, const Vector6& x, const Vector6& f)
                         Vector3::Zero());
 }
 
-void Joint::strain_laws(const JointPose& pose, Strained& strained) const {
+void Joint::strain_laws(Ends at, const JointPose& pose, Strained& strained) const {
+    if (is_axial()) strained.d = deformation(pose, at.from, at.to).head<3>();
     strained.elastic = act(pose, strained.deformation(), spring_force(strained.deformation()));
 }
 
@@ -250,7 +281,27 @@ EndBlocks Joint::stiffness(const JointPose& pose, const Matrix6& answer) const {
     return K;
 }
 
-EndBlocks Joint::acting_stiffness(const JointPose& pose, const Vector3& force) const {
+/// A force of a line turns with it, and its points with the frames: F = n f, δF = f/L (δr − n (n·δr)).
+EndBlocks Joint::axial_stiffness(FrameView from, FrameView to, const Vector3& force) const {
+    const Vector3 line = way(from, to), n = line.normalized();
+    const Vector3 arms[2] = {arm_of_line(from), seat_.lever(to)};
+    const Matrix3 across = force.dot(line) / line.squaredNorm() * (Matrix3::Identity() - n * n.transpose());
+    Eigen::Matrix<double, 3, 6> G[2];
+    for (int end : {0, 1}) {
+        const double sign = end == 0 ? -1 : 1;
+        G[end] << sign * Matrix3::Identity(), -sign * skew(arms[end]);
+    }
+    EndBlocks K;
+    for (int i : {0, 1}) {
+        for (int j : {0, 1}) K.at[i][j] = G[i].transpose() * across * G[j];
+        const Matrix3 aF = skew(arms[i]) * skew(force);
+        K.at[i][i].bottomRightCorner<3, 3>() += (i == 0 ? -0.5 : 0.5) * (aF + aF.transpose());
+    }
+    return K;
+}
+
+EndBlocks Joint::acting_stiffness(const JointPose& pose, FrameView from, FrameView to, const Vector3& force) const {
+    if (is_axial()) return axial_stiffness(from, to, force);
     // F goes with the axes of `from`, its point with `to`: δF = δθ_from × F, δp = δx_to + δθ_to × l
     const Matrix3 F = skew(force), aF = skew(pose.arm) * F, lF = skew(pose.lever) * F;
     EndBlocks K;
@@ -314,7 +365,7 @@ void Joint::start(const Scheme& scheme, FrameView from, FrameView to, const Vect
 JointForce Joint::damping_half_way(Ends trial, Ends now, double h, const JointState& state,
                                    const DamperState& damper) const {
     const JointPose at = pose(now), end = pose(trial);
-    const Vector6 x = deformation(end, trial.to);
+    const Vector6 x = deformation(end, trial.from, trial.to);
     const Vector3 slide = (springs_.halves[0].damping / h).cwiseProduct(x.head<3>() - state.d);
     Vector3 turn = Vector3::Zero();
     if (turns())
@@ -329,11 +380,11 @@ JointForce Joint::damping_half_way(Ends trial, Ends now, double h, const JointSt
                                      JointForce* force) const {
     if (has_laws_) [[unlikely]]
         return advance_with_laws(scheme, next, now, state, damper, force);
-    const JointPose at_end = pose(next);
+    const JointPose at_end = seat_.pose(next.from, next.to);
     const Strained end = springs_.strain(at_end, seat_.axes_at_to(next.to));
     if (force) *force = springs_.weigh(scheme, end, at_end, state, damper);
     springs_.advance(
-        scheme, end, at_end, [&] { return pose(now); }, state, damper);
+        scheme, end, at_end, [&] { return seat_.pose(now.from, now.to); }, state, damper);
 }
 
 /// The same; what laws did over the step is known of the coming one too.

@@ -64,25 +64,30 @@ public:
     /// Laws of its translations (0) or rotations count with the mean of the two ends of a step, not with that along the
     /// path: as massless frames balance, at the ends.
     void take_ends(int half) { takes_ends_[half] = true; }
-    /// Whether a spring is not linear.
+    /// Whether a spring is not linear, or acts along a line that turns: neither is for the lanes.
     bool has_laws() const { return has_laws_; }
+    bool is_axial() const { return law_.axial.has_value(); }
 
     /// Solves the transfer equations for the law at the scheme's step size. Throws Error naming the element.
     void set_scheme(const Scheme& scheme);
 
-    /// Kinematics at given frames: from the `from` origin to the point of the `to` end, world axes; from the `to` origin to
-    /// that point; the joint's axes; its deformation; its attitude; its rotation θ.
-    Vector3 arm(FrameView from, FrameView to) const { return seat_.arm(from, to); }
-    Vector3 lever(FrameView to) const { return seat_.lever(to); }
-    Matrix3 axes(FrameView from) const { return seat_.axes(from); }
-    JointPose pose(FrameView from, FrameView to) const { return seat_.pose(from, to); }
+    /// Kinematics at given frames: its pose; its attitude; its rotation θ.
+    JointPose pose(FrameView from, FrameView to) const {
+        if (is_axial()) [[unlikely]]
+            return axial_pose(from, to);
+        return seat_.pose(from, to);
+    }
     JointPose pose(Ends at) const { return pose(at.from, at.to); }
-    Matrix3 attitude(FrameView from, FrameView to) const { return axes(from).transpose() * seat_.axes_at_to(to); }
+    /// From the origin of its `from` frame (0) or `to` frame (1) to the point where its force acts on that [m], world axes.
+    Vector3 arm(int end, FrameView from, FrameView to) const {
+        return end == 1 ? seat_.lever(to) : is_axial() ? arm_of_line(from) : seat_.arm(from, to);
+    }
+    Matrix3 attitude(FrameView from, FrameView to) const { return seat_.axes(from).transpose() * seat_.axes_at_to(to); }
     Vector3 rotation(FrameView from, FrameView to) const {
         return turns() ? rotation_vector(attitude(from, to)) : Vector3(Vector3::Zero());
     }
-    /// Its deformation [d; θ].
-    Vector6 deformation(const JointPose& pose, FrameView to) const;
+    /// Its deformation [d; θ] in a pose between its frames.
+    Vector6 deformation(const JointPose& pose, FrameView from, FrameView to) const;
     /// Rates and second rates of the deformation, [d; relative turn], joint axes.
     Vector6 rate(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity) const;
     /// The same where its deformation there is known already.
@@ -90,6 +95,8 @@ public:
                  const Vector6& deformation) const;
     Vector6 acceleration(FrameView from, const Twist& from_velocity, const Twist& from_acceleration, FrameView to,
                          const Twist& to_velocity, const Twist& to_acceleration) const;
+    /// Angular velocity of its axes, in these.
+    Vector3 turning(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity) const;
 
     /// Columns of [d; θ], joint axes, by the pose of the `from` or the `to` frame, world axes; for small relative rotations.
     Matrix6 by_from(const JointPose& pose) const;
@@ -134,7 +141,7 @@ public:
     Strained strain(Ends at, const JointPose& pose) const {
         Strained strained = springs_.strain(pose, seat_.axes_at_to(at.to));
         if (has_laws_) [[unlikely]]
-            strain_laws(pose, strained);
+            strain_laws(at, pose, strained);
         return strained;
     }
 
@@ -147,7 +154,7 @@ public:
     /// Of forces that grow with the deformation by `answer` (joint axes).
     EndBlocks stiffness(const JointPose& pose, const Matrix6& answer) const;
     /// Of a force already acting (world axes), which turns with the joint; symmetric part.
-    EndBlocks acting_stiffness(const JointPose& pose, const Vector3& force) const;
+    EndBlocks acting_stiffness(const JointPose& pose, FrameView from, FrameView to, const Vector3& force) const;
 
     void start(const Scheme& scheme, FrameView from, FrameView to, const Vector6& rate, const Vector6& acceleration,
                JointState& state, DamperState* damper) const;
@@ -161,7 +168,7 @@ public:
     }
     /// The same of a joint without laws: what every step does for most joints.
     JointForce over_step(const Scheme& scheme, Ends trial, const JointState& state, const DamperState* damper) const {
-        const JointPose at_end = pose(trial);
+        const JointPose at_end = seat_.pose(trial.from, trial.to);
         return springs_.weigh(scheme, springs_.strain(at_end, seat_.axes_at_to(trial.to)), at_end, state, damper);
     }
     [[gnu::noinline, gnu::cold]] JointForce over_step_with_laws(const Scheme& scheme, Ends trial, const JointState& state,
@@ -201,7 +208,12 @@ private:
         return f;
     }
     [[gnu::noinline, gnu::cold]] void put_laws(const Vector6& x, Vector6& f) const;
-    [[gnu::noinline, gnu::cold]] void strain_laws(const JointPose& pose, Strained& strained) const;
+    [[gnu::noinline, gnu::cold]] void strain_laws(Ends at, const JointPose& pose, Strained& strained) const;
+    [[gnu::noinline, gnu::cold]] JointPose axial_pose(FrameView from, FrameView to) const;
+    /// From the first point of its line to the second, world axes; from the `from` origin to the first.
+    Vector3 way(FrameView from, FrameView to) const { return seat_.arm(from, to) - arm_of_line(from); }
+    Vector3 arm_of_line(FrameView from) const { return from.axes() * from_point_; }
+    EndBlocks axial_stiffness(FrameView from, FrameView to, const Vector3& force) const;
     [[gnu::noinline, gnu::cold]] void advance_with_laws(const Scheme& scheme, Ends next, Ends now, JointState& state,
                                                         DamperState* damper, JointForce* force) const;
     [[gnu::noinline, gnu::cold]] double energy_of_laws(const Vector6& x) const;
@@ -228,6 +240,7 @@ private:
     Directions rigid_;
     JointLaw law_;
     JointSeat seat_;
+    Vector3 from_point_ = Vector3::Zero();  ///< of a line: its first point in the axes of the `from` frame [m]
     SpringsOf<double> springs_;
     Vector3 solved_[2];  ///< k̂ = ∂f/∂d of the solved transfer equations, translations, rotations [N/m, N m/rad]
 };

@@ -32,7 +32,7 @@ void LawRows::form(const Mechanism& mechanism, const std::vector<Frame>& at) {
         const Joint& joint = mechanism.joints[row.joint];
         const FrameView from = at[static_cast<size_t>(joint.from())], to = at[static_cast<size_t>(joint.to())];
         const JointPose pose = joint.pose(from, to);
-        const Vector6 x = joint.deformation(pose, to);
+        const Vector6 x = joint.deformation(pose, from, to);
         for (int end : {0, 1})
             row.G[end] = rigid_rows(x.tail<3>(), local_columns(mechanism, row.joint, pose, end)).row(row.direction);
         row.gain = joint
@@ -77,7 +77,7 @@ void LawRows::look(const Mechanism& mechanism, const std::vector<Frame>& trial, 
         const Row& row = rows_[static_cast<size_t>(r)];
         const Joint& joint = mechanism.joints[row.joint];
         const FrameView from = trial[static_cast<size_t>(joint.from())], to = trial[static_cast<size_t>(joint.to())];
-        start_(r) = joint.deformation(joint.pose(from, to), to)(row.direction);
+        start_(r) = joint.deformation(joint.pose(from, to), from, to)(row.direction);
         base_(r) = on_path(mechanism, r, 0).force;
         wanted_(r) = 0;
         for (int end : {0, 1})

@@ -71,11 +71,17 @@ void Network::declare_channels(const dttmm_network& description) {
         const int first = assembly.first_joint[e], count = assembly.first_joint[e + 1] - first;
         chains_.push_back({});
         if (count == 0) continue;
-        declare_vectors("", {{"force", "N"}, {"moment", "N*m"}, {"deflection", "m"}}, DTTMM_OF_ELEMENT, e,
-                        DTTMM_ROLE_RESULT);
-        // Where nothing resists it a rotation may go on for ever, and its vector then jumps
-        const bool turns = count > 1 || mechanism_.joints[static_cast<size_t>(first)].turns();
-        declare_vectors("", {{"rotation", "rad"}}, DTTMM_OF_ELEMENT, e, turns ? DTTMM_ROLE_RESULT : DTTMM_ROLE_ON_REQUEST);
+        if (count == 1 && mechanism_.joints[static_cast<size_t>(first)].is_axial()) {
+            declare("force", "N", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_RESULT);
+            declare("length", "m", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_RESULT);
+        } else {
+            declare_vectors("", {{"force", "N"}, {"moment", "N*m"}, {"deflection", "m"}}, DTTMM_OF_ELEMENT, e,
+                            DTTMM_ROLE_RESULT);
+            // Where nothing resists it a rotation may go on for ever, and its vector then jumps
+            const bool turns = count > 1 || mechanism_.joints[static_cast<size_t>(first)].turns();
+            declare_vectors("", {{"rotation", "rad"}}, DTTMM_OF_ELEMENT, e,
+                            turns ? DTTMM_ROLE_RESULT : DTTMM_ROLE_ON_REQUEST);
+        }
         declare("strain_energy", "J", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_STRAIN_ENERGY);
         declare("dissipated_energy", "J", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_DISSIPATED_ENERGY);
         if (count == 1) continue;
@@ -197,7 +203,7 @@ void Network::linearise_joints(const dttmm_motion* ports, double* wrench, double
         const FrameView from = seen(joint.from(), ports), to = seen(joint.to(), ports);
         const Twist v_from = velocity(joint.from(), ports), v_to = velocity(joint.to(), ports);
         const JointPose pose = joint.pose(from, to);
-        const Vector6 deformation = joint.deformation(pose, to);
+        const Vector6 deformation = joint.deformation(pose, from, to);
         add_wrench(joint, pose.act(joint.force(deformation, joint.rate(from, v_from, to, v_to, deformation))), wrench);
         if (stiffness) add_stiffness(joint, joint.stiffness(pose, joint.stiffness_tangent(deformation)), stiffness);
         if (damping) add_stiffness(joint, joint.stiffness(pose, joint.damping_tangent(deformation)), damping);
@@ -297,12 +303,12 @@ DTTMM_WIDE void Network::evaluate_joints(double* wrench, double* stiffness) cons
             add_wrench(joint, joint.over_step(mechanism_.scheme, at, state, damper), wrench);
         if (stiffness) {
             const JointPose end = joint.pose(at);
-            const Vector6 deformation = joint.deformation(end, at.to);
+            const Vector6 deformation = joint.deformation(end, at.from, at.to);
             add_stiffness(joint, joint.stiffness(end, joint.gain(mechanism_.scheme, state.deformation(), deformation)),
                           stiffness);
             // The force that acts as at t_n: that of a trial far from the solution may be any
             const Vector3 acting = mechanism_.scheme.elastic_weight(0) * state.elastic.force;
-            add_stiffness(joint, joint.acting_stiffness(end, acting), stiffness);
+            add_stiffness(joint, joint.acting_stiffness(end, at.from, at.to, acting), stiffness);
         }
     }
 }
@@ -525,9 +531,14 @@ void Network::restore_state(const void* buffer, size_t size) {
 // ---- Results ------------------------------------------------------------------------------------------------------------
 
 double* Network::write_joint(double* out, size_t j) const {
+    const Joint& joint = mechanism_.joints[j];
+    if (joint.is_axial()) {
+        out[0] = forces_[j](0);
+        out[1] = mechanism_.states[j].d_before(0) + joint.law().axial->natural;
+        return out + 2;
+    }
     Eigen::Map<Vector6>{out} = forces_[j];
     Map3{out + 6} = mechanism_.states[j].d_before;
-    const Joint& joint = mechanism_.joints[j];
     const FrameView from = mechanism_.frame_before(joint.from()), to = mechanism_.frame_before(joint.to());
     Map3{out + 9} = joint.turns() ? mechanism_.states[j].theta_before : rotation_vector(joint.attitude(from, to));
     return out + 12;

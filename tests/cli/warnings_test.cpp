@@ -108,6 +108,46 @@ TEST(WarningsOf, ModesOfSpringsThatAreNotLinear) {
     EXPECT_THAT(modes("z = { law = \"linear\", stiffness = 6e4 }"), ElementsAre());
 }
 
+// A spring that has a force at the start is told with the force; one that has none is not.
+TEST(WarningsOf, ModesOfSpringsWithAForceAtTheStart) {
+    const TemporaryFolder folder;
+    for (const char* natural : {"0.5", "0.8"}) {
+        const std::string model = R"(format = "dttmm/1"
+[simulation]
+duration = 1
+[nodes]
+a = { position = [0, 0, 0.8], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+[[body]]
+name = "b"
+mass = 2
+box = [0.1, 0.2, 0.3]
+[[element]]
+name = "s"
+type = "axial_spring"
+from = "a"
+to = "b"
+stiffness = 1000
+natural_length = )" + std::string(natural);
+        write_text(folder / "model.toml", model);
+        for (const char* command : {"modes", "frf"}) {
+            std::vector<std::string> words = {command, "model.toml", "-q", "-o", "out"};
+            if (command == std::string("frf"))
+                words.insert(words.end(), {"--in", "b.z", "--out", "b.z", "--from", "1", "--to", "2", "--points", "2"});
+            const Ended ended = run_dttmm(folder.path(), words);
+            EXPECT_EQ(ended.code, 0) << ended.err;
+            const auto codes = codes_in(folder / "out/summary.json");
+            if (natural == std::string("0.8")) {
+                EXPECT_THAT(codes, testing::Not(testing::Contains("force-at-start"))) << command;
+            } else {
+                EXPECT_THAT(codes, testing::Contains("force-at-start")) << command;
+            }
+        }
+    }
+    write_text(folder / "model.toml", read_text(folder / "model.toml") + "\nlaw = \"cubic\"\ncubic = 5\n");
+    run_dttmm(folder.path(), {"modes", "model.toml", "-q", "-o", "out"});
+    EXPECT_THAT(codes_in(folder / "out/summary.json"), testing::Contains("law-linearised"));
+}
+
 // Oracle: the numbers of cases with a stiffness of zero.
 TEST(WarningsOf, ASweepAreCountedPerCaseAndInItsLastLine) {
     const TemporaryFolder folder;

@@ -32,6 +32,7 @@ std::map<std::string, std::vector<double>> needed_of(const std::string& type) {
                 {"material.poisson", {0.3}},
                 {"material.density", {7850}}};
     if (type == "rod") return {{"section.EA", {1e9}}, {"section.mass", {30}}};
+    if (type == "axial_spring") return {{"stiffness", {400}}};
     return {};
 }
 

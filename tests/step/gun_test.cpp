@@ -31,18 +31,18 @@ using Row = Eigen::Matrix<double, 7, 1>;
 enum Quantity { muzzle_x, muzzle_z, muzzle_angle, mount_x, mount_z, mount_moment, recoil };
 const char* const kChannels[] = {"muzzle.position.x", "muzzle.position.z", "muzzle.rotation.y",    "mount.force.x",
                                  "mount.force.z",     "mount.moment.y",    "recoil_spring.force.x"};
-using History = std::vector<Row>;  ///< a row per step
+using GunHistory = std::vector<Row>;  ///< a row per step
 
 Model gun(const Plugins& plugins) {
     return read_model(std::filesystem::path(test::paths::source_dir()) / "examples/gun/model.toml", plugins.catalogue());
 }
 
-History run(Model model, const Plugins& plugins) {
+GunHistory run(Model model, const Plugins& plugins) {
     model.output.every = 1;
     Simulation simulation(model, plugins);
     std::map<std::string, size_t> column;
     for (size_t c = 0; c < simulation.channels().size(); ++c) column[simulation.channels()[c].name] = c;
-    History history;
+    GunHistory history;
     simulation.record_to([&](std::span<const double> values) {
         Row row;
         for (Eigen::Index i = 0; i < row.size(); ++i) row(i) = values[column.at(kChannels[i])];
@@ -83,9 +83,9 @@ public:
     }
 
     /// Rows at 0, step, 2 step, … of 0.5 s.
-    History history(double step) const {
+    GunHistory history(double step) const {
         test::ExactPulses motion(machine_, step);
-        History rows;
+        GunHistory rows;
         for (long n = 0; n <= std::lround(0.5 / step); ++n) {
             rows.emplace_back();
             rows.back() << muzzle_ * motion.q(), forces_ * motion.q() + rates_ * motion.rate();
@@ -135,15 +135,15 @@ private:
 };
 
 /// Largest difference of each quantity; `stride`: rows of the second per row of the first.
-Row difference(const History& one, const History& two, size_t stride = 1) {
+Row difference(const GunHistory& one, const GunHistory& two, size_t stride = 1) {
     Row most = Row::Zero();
     EXPECT_EQ(two.size(), (one.size() - 1) * stride + 1);
     for (size_t n = 0; n < one.size(); ++n) most = most.cwiseMax((one[n] - two[n * stride]).cwiseAbs());
     return most;
 }
 /// What each is measured by: its largest value, displacements and forces of either direction that of both.
-Row scale(const History& history) {
-    Row most = difference(history, History(history.size(), Row::Zero()));
+Row scale(const GunHistory& history) {
+    Row most = difference(history, GunHistory(history.size(), Row::Zero()));
     most(muzzle_x) = most(muzzle_z) = std::max(most(muzzle_x), most(muzzle_z));
     most(mount_x) = most(mount_z) = std::max(most(mount_x), most(mount_z));
     return most;
@@ -168,7 +168,7 @@ Model weak_gun(const Plugins& plugins, double share) {
 // 60 kN on a receiver inclined by 2.7 mrad have 160 N across the slide, which the linearised machine does not know.
 TEST(Gun, FollowsTheLinearisedMachine) {
     const Plugins plugins;
-    const History exact = LinearGun(24).history(1e-4);
+    const GunHistory exact = LinearGun(24).history(1e-4);
     const Row error = difference(exact, run(gun(plugins), plugins)), all = scale(exact);
     EXPECT_NEAR(all(muzzle_z), 15.4e-3, 0.1e-3);
     for (Eigen::Index i = 0; i < error.size(); ++i)
@@ -181,12 +181,12 @@ TEST(Gun, FollowsTheLinearisedMachine) {
 TEST(Gun, DifferenceFromTheLinearisedMachineVanishesWithTheLoad) {
     const Plugins plugins;
     const auto relative_error = [&](double share) {
-        const History exact = LinearGun(24, 60e3 * share, 9.81 * share).history(1e-4);
+        const GunHistory exact = LinearGun(24, 60e3 * share, 9.81 * share).history(1e-4);
         return Row(difference(exact, run(weak_gun(plugins, share), plugins)).cwiseQuotient(scale(exact)));
     };
     Model half = weak_gun(plugins, 0.01);
     half.simulation.step *= 0.5;
-    const History history = run(weak_gun(plugins, 0.01), plugins);
+    const GunHistory history = run(weak_gun(plugins, 0.01), plugins);
     const Row of_step = 4.0 / 3 * difference(history, run(half, plugins), 2).cwiseQuotient(scale(history));
     EXPECT_LT(of_step.maxCoeff(), 2e-3);
     const Row whole = relative_error(1);
@@ -200,7 +200,7 @@ TEST(Gun, DifferenceFromTheLinearisedMachineVanishesWithTheLoad) {
 // Half the step and twice the segments: the history stays, to 1 % of its largest value.
 TEST(Gun, StepAndSegmentsAreFineEnough) {
     const Plugins plugins;
-    const History history = run(gun(plugins), plugins);
+    const GunHistory history = run(gun(plugins), plugins);
     Model half = gun(plugins), fine = gun(plugins);
     half.simulation.step *= 0.5;
     const auto barrel = std::ranges::find(fine.elements, "barrel", &Element::name);

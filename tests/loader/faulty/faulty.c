@@ -304,7 +304,7 @@ static const dttmm_parameter parameters[] = {
      FAULT == bad_parameter ? 200 : -100, 100, NULL, FAULT == bad_words, "any number: the status of a create that fails"},
 };
 static const dttmm_element_type types[] = {
-    {FAULT == builtin_name ? "spring_damper" : "faulty", FAULT == bad_ends ? DTTMM_ENDS_AT + 1 : DTTMM_ENDS_FROM_TO, 1, parameters, "an element with a fault"},
+    {FAULT == builtin_name ? "spring_damper" : "faulty", FAULT == bad_ends ? DTTMM_ENDS_ALONG + 1 : DTTMM_ENDS_FROM_TO, 1, parameters, "an element with a fault"},
 };
 
 static const dttmm_plugin table = {
@@ -342,6 +342,7 @@ static const dttmm_plugin table = {
     NULL,
     FAULT == rough || FAULT == always_rough || FAULT == minor_1 ? expect : NULL,
     NULL, /* rows by the means over two steps */
+    NULL,
     NULL,
 };
 

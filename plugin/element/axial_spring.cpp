@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "element/axial_spring.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "core/error.h"
+#include "element/beam.h"
+#include "element/law_parameters.h"
+#include "element/parameters.h"
+
+namespace dttmm::plugin {
+
+namespace {
+
+constexpr dttmm_parameter kParameters[] = {
+    zero_by_default("damping", "N*s/m", 0, "of the rate of its length"),
+    optional("natural_length", "m", 1, 0, kLargest, "at which its law has no force; otherwise that at the start"),
+    optional("preload", "N", 1, -kLargest, kLargest,
+             "force at the start, positive in tension; in place of a natural length")};
+
+/// The deformation nearest to zero at which a law has a force [m].
+double deformation_at(const Law& law, double force) {
+    constexpr double kNearest = 1e-12, kFarthest = 1e3, kGrowth = 1.1;  // [m]
+    if (force == 0) return 0;
+    const double sign = std::copysign(1, force);
+    const auto reaches = [&](double d) { return sign * law.at(sign * d).force >= std::abs(force); };
+    double low = 0, high = kNearest;
+    while (!reaches(high)) {
+        low = high;
+        high *= kGrowth;
+        if (high > kFarthest)
+            throw Error(DTTMM_ERROR_MODEL, fmt::format("preload: no elongation up to {:g} m gives its law a force of {:g} N",
+                                                       kFarthest, force));
+    }
+    for (double middle = 0.5 * (low + high); middle > low && middle < high; middle = 0.5 * (low + high))
+        (reaches(middle) ? high : low) = middle;
+    return sign * high;
+}
+
+}  // namespace
+
+const dttmm_element_type& AxialSpring::type() {
+    static const std::vector<dttmm_parameter> parameters = [] {
+        std::vector<dttmm_parameter> all(std::begin(kParameters), std::end(kParameters));
+        const auto& own = LawParameters::along_a_line().declared();
+        all.insert(all.end(), own.begin(), own.end());
+        return all;
+    }();
+    static const dttmm_element_type type = {
+        "axial_spring", DTTMM_ENDS_ALONG, static_cast<uint32_t>(parameters.size()), parameters.data(),
+        "a spring and a damper along the line between two points, which may move far and turn"};
+    return type;
+}
+
+AxialSpring::AxialSpring(std::span<const double> values) {
+    law_.damping(0) = values[0];
+    if (is_given(values[1]) && is_given(values[2]))
+        throw Error(DTTMM_ERROR_MODEL, "natural_length and preload say the same: leave one out");
+    if (is_given(values[1])) natural_length_ = values[1];
+    const std::shared_ptr<const Law> law = LawParameters::along_a_line().make(values.subspan(std::size(kParameters)));
+    if (is_given(values[2])) elongation_ = deformation_at(*law, values[2]);
+    law_.set(0, law);
+}
+
+Parts AxialSpring::discretise(std::span<const Pose> ends) const {
+    const Matrix3 axes = beam_axes(ends[0].position, ends[1].position, Vector3::Constant(kNotGiven));
+    const double length = (ends[1].position - ends[0].position).norm();
+    JointLaw law = law_;
+    law.axial = {length, natural_length_.value_or(length - elongation_)};
+    return {{}, {{0, 1, law, {ends[1].position, axes}}}, {}};
+}
+
+}  // namespace dttmm::plugin

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Springs along lines with a force at the start: its stiffness is in the modes.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <numbers>
+
+#include "core/error.h"
+#include "core/rotation.h"
+#include "modal/modal_analysis.h"
+#include "support/network_model.h"
+
+namespace dttmm::plugin {
+namespace {
+
+using test::NetworkModel;
+using testing::HasSubstr;
+
+dttmm_modal_model all_of(const dttmm_network& network) { return {&network, 0, nullptr, nullptr, 0, nullptr, 0b111111, 0}; }
+
+/// A bead of 0.3 kg between two springs of ugly lengths along one line, under a force.
+NetworkModel bead(double force) {
+    const Vector3 way = Vector3(0.3, -0.7, 0.5).normalized(), at(0.4, 0.1, -0.2);
+    NetworkModel network;
+    network.node("a", DTTMM_NODE_GROUND, at - 0.7 * way);
+    network.node("b", DTTMM_NODE_GROUND, at + 1.1 * way);
+    network.node("m", DTTMM_NODE_INNER, at).fixed = 0b111000;
+    network.element("bead", "point_mass", {"m"}, {{"mass", {0.3}}});
+    network.element("first", "axial_spring", {"a", "m"}, {{"stiffness", {500}}, {"preload", {force}}});
+    network.element("second", "axial_spring", {"m", "b"},
+                    {{"law", {1}}, {"stiffness", {200}}, {"cubic", {3e5}}, {"preload", {force}}});
+    return network;
+}
+
+// Oracle: closed form. Across, a string under tension: F (1/L1 + 1/L2); along it the tangents of the laws, of the cubic one
+// at the elongation at which it has the force.
+TEST(ForcesAtStart, ABeadOnAStringVibratesAcrossByItsTension) {
+    constexpr double kForce = 40;
+    double d = 0.05;
+    for (int i = 0; i < 20; ++i) d -= (200 * d + 3e5 * d * d * d - kForce) / (200 + 9e5 * d * d);
+    const double across = std::sqrt(kForce * (1 / 0.7 + 1 / 1.1) / 0.3) / (2 * std::numbers::pi),
+                 along = std::sqrt((500 + 200 + 9e5 * d * d) / 0.3) / (2 * std::numbers::pi);
+    const NetworkModel model = bead(kForce);
+    const dttmm_network network = model.description();
+    ModalAnalysis analysis(all_of(network));
+    ASSERT_EQ(analysis.find_modes(3, 0), 3u);
+    const double expected[] = {across, across, along};
+    for (uint32_t m = 0; m < 3; ++m) {
+        dttmm_mode mode;
+        analysis.mode(m, &mode, nullptr, nullptr, nullptr);
+        EXPECT_NEAR(mode.frequency, expected[m], 1e-9 * expected[m]) << m;
+        EXPECT_LT(mode.residual, 1e-6);  // of the overall transfer equation
+    }
+    EXPECT_NEAR(analysis.force_at_start(1), kForce, 1e-12 * kForce);
+    EXPECT_EQ(analysis.force_at_start(0), 0);
+    // At rest the response is that of the stiffness
+    std::vector<double> nodes(36);
+    const Vector3 side = Vector3(0.3, -0.7, 0.5).unitOrthogonal(), point(0.4, 0.1, -0.2);
+    Vector6 push = Vector6::Zero();
+    push.head<3>() = side;
+    analysis.respond(0, -1, 2, point, push, nullptr, nodes.data());
+    const Vector3 answer(nodes[24], nodes[26], nodes[28]);
+    EXPECT_LT((answer - side / (kForce * (1 / 0.7 + 1 / 1.1))).norm(), 1e-12);
+}
+
+// A compressed one gives way to the side: that is said, and no frequency invented.
+TEST(ForcesAtStart, WhatWouldGrowIsRefused) {
+    const NetworkModel model = bead(-15);
+    const dttmm_network network = model.description();
+    for (bool is_response : {false, true}) {
+        ModalAnalysis analysis(all_of(network));
+        std::vector<double> nodes(36);
+        try {
+            if (is_response)
+                analysis.respond(3, -1, 2, Vector3(0.4, 0.1, -0.2), Vector6::UnitX(), nullptr, nodes.data());
+            else
+                analysis.find_modes(3, 0);
+            FAIL() << "accepted";
+        } catch (const Error& error) {
+            EXPECT_EQ(error.status(), DTTMM_ERROR_MODEL);
+            EXPECT_THAT(error.what(), HasSubstr("2 of its motions would grow"));
+        }
+    }
+}
+
+/// A body in space on five springs, each with another force, at points off its centre.
+struct Rope {
+    Vector3 ground, point;  ///< world, at the start
+    double stiffness, force;
+};
+const Rope kRopes[] = {{{1.0, 0.2, 0.9}, {0.21, 0.03, 0.12}, 900, 60},
+                       {{-0.8, 0.5, 0.7}, {-0.17, 0.11, 0.05}, 1400, 35},
+                       {{0.1, -1.2, -0.4}, {0.02, -0.19, -0.07}, 700, 80},
+                       {{0.3, 0.9, -1.1}, {0.09, 0.14, -0.13}, 1100, -12},
+                       {{-0.9, -0.6, -0.5}, {-0.11, -0.08, 0.16}, 800, 45}};
+const Vector3 kCentre(0.013, -0.021, 0.017);
+
+/// Their energy when the body has moved by u and turned by a rotation vector about its centre.
+double energy(const Vector6& u) {
+    double sum = 0;
+    for (const Rope& rope : kRopes) {
+        const Vector3 point = kCentre + u.head<3>() + rotation_from_vector(Vector3(u.tail<3>())) * (rope.point - kCentre);
+        const double natural = (rope.point - rope.ground).norm() - rope.force / rope.stiffness;
+        sum += 0.5 * rope.stiffness * std::pow((point - rope.ground).norm() - natural, 2);
+    }
+    return sum;
+}
+
+// Oracle: the second differences of the springs' energy.
+TEST(ForcesAtStart, LeversTurnWithTheBody) {
+    NetworkModel model;
+    Matrix3 inertia;
+    inertia << 0.021, 0.004, -0.002, 0.004, 0.033, 0.003, -0.002, 0.003, 0.027;
+    // Every point is a node of the body; the first is that in whose axes it is given
+    std::vector<std::string> points;
+    for (size_t r = 0; r < std::size(kRopes); ++r) {
+        model.node("g" + std::to_string(r), DTTMM_NODE_GROUND, kRopes[r].ground);
+        points.push_back("p" + std::to_string(r));
+        model.node(points.back(), DTTMM_NODE_INNER, kRopes[r].point);
+    }
+    const Vector3 centre = kCentre - kRopes[0].point;
+    model.element("body", "rigid_body", points,
+                  {{"mass", {2.3}},
+                   {"center_of_mass", {centre.x(), centre.y(), centre.z()}},
+                   {"inertia.xx", {inertia(0, 0)}},
+                   {"inertia.yy", {inertia(1, 1)}},
+                   {"inertia.zz", {inertia(2, 2)}},
+                   {"inertia.xy", {inertia(0, 1)}},
+                   {"inertia.xz", {inertia(0, 2)}},
+                   {"inertia.yz", {inertia(1, 2)}}});
+    for (size_t r = 0; r < std::size(kRopes); ++r) {
+        // Some from the ground to the body, some the other way
+        const std::string ground = "g" + std::to_string(r);
+        model.element("rope" + std::to_string(r), "axial_spring",
+                      r % 2 == 0 ? std::vector{ground, points[r]} : std::vector{points[r], ground},
+                      {{"stiffness", {kRopes[r].stiffness}}, {"preload", {kRopes[r].force}}});
+    }
+    constexpr double e = 2e-4;
+    Matrix6 K, M = Matrix6::Zero();
+    for (int i = 0; i < 6; ++i)
+        for (int j = 0; j < 6; ++j) {
+            const auto at = [&](double a, double b) { return energy(a * e * Vector6::Unit(i) + b * e * Vector6::Unit(j)); };
+            K(i, j) = (at(1, 1) - at(1, -1) - at(-1, 1) + at(-1, -1)) / (4 * e * e);
+        }
+    M.diagonal().head<3>().setConstant(2.3);
+    M.bottomRightCorner<3, 3>() = inertia;
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6> exact(0.5 * (K + K.transpose()), M);
+    const dttmm_network network = model.description();
+    ModalAnalysis analysis(all_of(network));
+    ASSERT_EQ(analysis.find_modes(6, 0), 6u);
+    for (uint32_t m = 0; m < 6; ++m) {
+        dttmm_mode mode;
+        std::vector<double> shares(network.element_count);
+        analysis.mode(m, &mode, nullptr, nullptr, shares.data());
+        EXPECT_NEAR(std::pow(2 * std::numbers::pi * mode.frequency, 2) / exact.eigenvalues()(m), 1, 1e-6) << m;
+        double sum = 0;
+        for (double share : shares) sum += share;
+        EXPECT_NEAR(sum, 1, 1e-9);
+    }
+}
+
+}  // namespace
+}  // namespace dttmm::plugin

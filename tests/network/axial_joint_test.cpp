@@ -90,5 +90,46 @@ TEST(AxialJoint, StiffnessOfTheStepHasThatOfItsForce) {
     }
 }
 
+// Oracle: differences of its length along motions with constant accelerations.
+TEST(AxialJoint, RatesAreThoseOfItsLength) {
+    const Place start[2] = {{Vector3(0.3, -0.1, 0.2), rotation_from_vector(Vector3(0.4, -0.8, 1.3))},
+                            {Vector3(0.6, 0.25, -0.1), rotation_from_vector(Vector3(-1.1, 0.2, 0.6))}};
+    const Twist velocity[2] = {{Vector3(0.7, -1.2, 0.4), Vector3(0.9, 1.4, -0.6)},
+                               {Vector3(-0.3, 0.8, 1.1), Vector3(-1.3, 0.5, 0.7)}},
+                acceleration[2] = {{Vector3(2, 1, -3), Vector3(-1, 2, 4)}, {Vector3(-1, 3, 2), Vector3(5, -2, 1)}};
+    NetworkModel model;
+    const Vector3 arms[2] = {{0.07, -0.11, 0.05}, {-0.13, 0.04, 0.09}};
+    for (int p : {0, 1}) {
+        dttmm_node& node = model.node(p == 0 ? "a" : "b", DTTMM_NODE_PORT, start[p].position, start[p].rotation);
+        Eigen::Map<Vector3>{node.arm} = arms[p];
+    }
+    model.element("s", "axial_spring", {"a", "b"}, {{"stiffness", {1}}, {"natural_length", {0.2}}});
+    const Assembly assembly = assemble(model.description());
+    const Joint joint(assembly.joints[0], assembly);
+    // The frames lie at the centres of mass. θ' = ω to second order as ω + ½ α t turns about the start
+    const auto frame_at = [&](int p, double t) {
+        const Vector3 centre = start[p].position - start[p].rotation * arms[p];
+        const Vector3 turn = t * velocity[p].angular + 0.5 * t * t * acceleration[p].angular;
+        return make_frame({centre + t * velocity[p].linear + 0.5 * t * t * acceleration[p].linear,
+                           rotation_from_vector(turn) * start[p].rotation});
+    };
+    const auto elongation = [&](double t) {
+        const Frame from = frame_at(0, t), to = frame_at(1, t);
+        return joint.deformation(joint.pose(from, to), from, to)(0);
+    };
+    const Frame from = frame_at(0, 0), to = frame_at(1, 0);
+    EXPECT_NEAR(elongation(0), (start[1].position - start[0].position).norm() - 0.2, 1e-15);
+    constexpr double e = 1e-4;
+    const Vector6 rate = joint.rate(from, velocity[0], to, velocity[1]);
+    EXPECT_NEAR(rate(0), (elongation(e) - elongation(-e)) / (2 * e), 1e-7);
+    EXPECT_EQ(rate.tail<5>().norm(), 0);
+    const Vector6 second = joint.acceleration(from, velocity[0], acceleration[0], to, velocity[1], acceleration[1]);
+    EXPECT_NEAR(second(0), (elongation(e) - 2 * elongation(0) + elongation(-e)) / (e * e), 1e-5);
+    // Its axes turn as the line does
+    const auto axis = [&](double t) { return Vector3(joint.pose(frame_at(0, t), frame_at(1, t)).axes.col(0)); };
+    const Vector3 turning = joint.pose(from, to).axes * joint.turning(from, velocity[0], to, velocity[1]);
+    EXPECT_LT((turning.cross(axis(0)) - (axis(e) - axis(-e)) / (2 * e)).norm(), 1e-6);
+}
+
 }  // namespace
 }  // namespace dttmm::plugin

@@ -71,7 +71,7 @@ Parts AxialSpring::discretise(std::span<const Pose> ends) const {
     const double length = (ends[1].position - ends[0].position).norm();
     JointLaw law = law_;
     law.axial = {length, natural_length_.value_or(length - elongation_)};
-    return {{}, {{0, 1, law, {ends[1].position, axes}}}, {}};
+    return {{}, {{0, 1, std::make_shared<const JointLaw>(law), {ends[1].position, axes}}}, {}};
 }
 
 }  // namespace dttmm::plugin

@@ -52,13 +52,13 @@ Parts lay_out(std::span<const Pose> ends, const Matrix3& axes, int segments, con
         parts.lumps.push_back(lump);
         parts.lumps.back().pose = {point(i + 0.5) + axes * offset, axes};
     }
+    const auto law = std::make_shared<const JointLaw>(law_of_length(length)),
+               law_of_half = std::make_shared<const JointLaw>(law_of_length(0.5 * length));
     for (int i = 0; i <= segments; ++i) {
         const bool half = i == 0 || i == segments;
         const double middle = i == 0 ? 0.25 : i == segments ? segments - 0.25 : i;
-        parts.joints.push_back({i == 0 ? 0 : 1 + i,
-                                i == segments ? 1 : 2 + i,
-                                law_of_length(half ? 0.5 * length : length),
-                                {point(middle), axes}});
+        parts.joints.push_back(
+            {i == 0 ? 0 : 1 + i, i == segments ? 1 : 2 + i, half ? law_of_half : law, {point(middle), axes}});
     }
     return parts;
 }

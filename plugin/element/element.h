@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -21,8 +22,8 @@ struct Lump {
 /// A massless joint of an element between two stations. Stations 0, 1, … are the element's ends, after them come its lumps.
 struct JointPart {
     int from = 0, to = 1;
-    JointLaw law;
-    Pose pose;  ///< the point at which its ends meet at the start, and its axes, world
+    std::shared_ptr<const JointLaw> law;  ///< one for all joints that are alike
+    Pose pose;                            ///< the point at which its ends meet at the start, and its axes, world
 };
 
 /// What an element is made of in time.

@@ -10,7 +10,7 @@ class SingleJoint : public Element {
 public:
     const JointLaw& law() const { return law_; }
     Parts discretise(std::span<const Pose> ends) const override {
-        return {{}, {{0, 1, law_, {ends[1].position, ends[0].rotation}}}, {}};
+        return {{}, {{0, 1, std::make_shared<const JointLaw>(law_), {ends[1].position, ends[0].rotation}}}, {}};
     }
 
 protected:

@@ -115,7 +115,7 @@ FrequencyModel::FrequencyModel(const dttmm_modal_model& model)
     if (!directions_.all()) refer_to_inputs();
     const auto frame = [&](int f) { return frame_of_[static_cast<size_t>(f)]; };
     for (const JointSpec& joint : assembly_.joints)
-        add_joint(joint.element, frame(joint.from), frame(joint.to), joint.law, joint.pose);
+        add_joint(joint.element, frame(joint.from), frame(joint.to), *joint.law, joint.pose);
     for (uint32_t c = 0; c < model.constraint_count; ++c) {
         const dttmm_constraint& constraint = model.constraints[c];
         JointLaw law;

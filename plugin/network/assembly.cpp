@@ -180,7 +180,7 @@ private:
         for (JointSpec& joint : assembly_.joints) {
             joint.from = frame_of[static_cast<size_t>(joint.from)];
             joint.to = frame_of[static_cast<size_t>(joint.to)];
-            check_ends(joint.from, joint.to, joint.law.rigid, joint.element);
+            check_ends(joint.from, joint.to, joint.law->rigid, joint.element);
         }
         for (LineSpec& line : assembly_.lines) {
             line.from = frame_of[static_cast<size_t>(line.from)];
@@ -248,7 +248,9 @@ private:
             JointSpec joint;
             joint.element = parts_[n].frame.element;
             joint.from = ground_at(parts_[n].pose.position);
-            joint.law.rigid = Directions(fixed);
+            JointLaw law;
+            law.rigid = Directions(fixed);
+            joint.law = std::make_shared<const JointLaw>(law);
             joint.pose = {parts_[n].pose.position, Matrix3::Identity()};
             joint.to = assembly_.nodes[n].frame;
             assembly_.joints.push_back(joint);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,7 @@ struct FrameSpec {
 struct JointSpec {
     int element = 0;
     int from = 0, to = 0;  ///< frames
-    JointLaw law;
+    std::shared_ptr<const JointLaw> law;
     Pose pose;  ///< the point where its ends meet at the start, and its axes
 };
 

@@ -12,16 +12,17 @@
 namespace dttmm::plugin {
 
 Joint::Joint(const JointSpec& spec, const Assembly& assembly)
-    : element_(spec.element), from_(spec.from), to_(spec.to), rigid_(spec.law.rigid), law_(spec.law) {
+    : element_(spec.element), from_(spec.from), to_(spec.to), rigid_(spec.law->rigid), law_(spec.law) {
     for (int half : {0, 1}) {
-        springs_.halves[half].stiffness = spec.law.stiffness.segment<3>(3 * half);
-        springs_.halves[half].damping = spec.law.damping.segment<3>(3 * half);
+        springs_.halves[half].stiffness = law_->stiffness.segment<3>(3 * half);
+        springs_.halves[half].damping = law_->damping.segment<3>(3 * half);
     }
-    springs_.turns = (spec.law.carried() >> 3).any();
-    springs_.line = spec.law.line;
-    springs_.is_line = spec.law.line.mixed != 0;
-    is_damped_ = !spec.law.damping.isZero(0);
-    has_laws_ = spec.law.has_laws() || is_axial();
+    springs_.turns = (law_->carried() >> 3).any();
+    springs_.line = law_->line;
+    springs_.is_line = law_->line.mixed != 0;
+    is_damped_ = !law_->damping.isZero(0);
+    is_axial_ = law_->axial.has_value();
+    has_laws_ = law_->has_laws() || is_axial_;
     const Pose& from = assembly.frames[static_cast<size_t>(from_)].pose;
     const Pose& to = assembly.frames[static_cast<size_t>(to_)].pose;
     seat_.from_axes = from.rotation.transpose() * spec.pose.rotation;
@@ -32,7 +33,7 @@ Joint::Joint(const JointSpec& spec, const Assembly& assembly)
     seat_.is_straight = to.rotation == spec.pose.rotation;
     seat_.has_lever = spec.pose.position != to.position;
     if (!is_axial()) return;
-    const Vector3 start = spec.pose.position - law_.axial->length * spec.pose.rotation.col(0);
+    const Vector3 start = spec.pose.position - law_->axial->length * spec.pose.rotation.col(0);
     from_point_ = from.rotation.transpose() * (start - from.position);
 }
 
@@ -42,7 +43,7 @@ void Joint::set_scheme(const Scheme& scheme) {
         scheme.is_implicit() ? StepCoefficients{scheme.weight(0), scheme.rate(0)} : StepCoefficients{1, scheme.rate(1)};
     try {
         // f = [−q; m] of the input end against d = x_O − x_I: −∂q/∂x_O for forces, ∂m/∂θ_O for moments
-        const EndForces ends = solve_driven_ends(law_.transfer(step, Vector6::Zero()), law_.resisting());
+        const EndForces ends = solve_driven_ends(law_->transfer(step, Vector6::Zero()), law_->resisting());
         for (int i = 0; i < 3; ++i) {
             solved_[0](i) = -ends.S(i, 6 + i);
             solved_[1](i) = ends.S(3 + i, 9 + i);
@@ -140,7 +141,7 @@ Matrix6 Joint::by_to(const JointPose& pose) const {
 Vector6 Joint::deformation(const JointPose& pose, FrameView from, FrameView to) const {
     Vector6 x;
     if (is_axial()) {
-        x << way(from, to).norm() - law_.axial->natural, 0, 0, 0, 0, 0;
+        x << way(from, to).norm() - law_->axial->natural, 0, 0, 0, 0, 0;
         return x;
     }
     x << pose.axes.transpose() * pose.arm - springs_.rest, Vector3::Zero();
@@ -151,24 +152,24 @@ Vector6 Joint::deformation(const JointPose& pose, FrameView from, FrameView to) 
 
 /// The forces of laws in place of those of linear springs.
 void Joint::put_laws(const Vector6& x, Vector6& f) const {
-    for (int d = 0; d < 6; ++d) f(d) = law_.at(d, x(d)).force;
+    for (int d = 0; d < 6; ++d) f(d) = law_->at(d, x(d)).force;
 }
 
 /// Its derivative by the deformations.
 Vector6 Joint::spring_tangent(const Vector6& x) const {
     Vector6 k;
-    for (int d = 0; d < 6; ++d) k(d) = law_.at(d, x(d)).tangent;
+    for (int d = 0; d < 6; ++d) k(d) = law_->at(d, x(d)).tangent;
     return k;
 }
 
 double Joint::energy_of_laws(const Vector6& x) const {
     double stored = 0;
-    for (int d = 0; d < 6; ++d) stored += law_.at(d, x(d)).stored;
+    for (int d = 0; d < 6; ++d) stored += law_->at(d, x(d)).stored;
     return stored;
 }
 
 LawOnPath Joint::law_on_path(int direction, double now, double end) const {
-    const Law& law = *law_.laws[static_cast<size_t>(direction)];
+    const Law& law = *law_->laws[static_cast<size_t>(direction)];
     LawOnPath path = law.along(now, end);
     if (takes_ends_[direction / 3]) {
         path.mean = 0.5 * (law.at(now).force + path.force);
@@ -178,9 +179,9 @@ LawOnPath Joint::law_on_path(int direction, double now, double end) const {
 }
 
 Joint::OnPath Joint::on_path(const Scheme& scheme, int direction, double now, double end) const {
-    const double weight = scheme.elastic_weight(0), lag = scheme.lag(), k = law_.stiffness(direction);
+    const double weight = scheme.elastic_weight(0), lag = scheme.lag(), k = law_->stiffness(direction);
     const LawOnPath path = law_on_path(direction, now, end);
-    const double start = law_.laws[static_cast<size_t>(direction)]->at(now).force;
+    const double start = law_->laws[static_cast<size_t>(direction)]->at(now).force;
     OnPath step;
     step.mean = path.mean - 0.5 * (start + path.force);
     step.rate = lag * (path.force - start - k * (end - now)) + 0.5 * step.mean;
@@ -193,9 +194,9 @@ Joint::OnPath Joint::on_path(const Scheme& scheme, int direction, double now, do
 Joint::Beyond Joint::beyond(const Scheme& scheme, const Vector6& x, const Vector6& end) const {
     Beyond beyond;
     for (int d = 0; d < 6; ++d) {
-        if (!law_.laws[static_cast<size_t>(d)]) continue;
+        if (!law_->laws[static_cast<size_t>(d)]) continue;
         const OnPath step = on_path(scheme, d, x(d), end(d));
-        beyond.force(d) = step.force - scheme.elastic_weight(0) * law_.stiffness(d) * end(d);
+        beyond.force(d) = step.force - scheme.elastic_weight(0) * law_->stiffness(d) * end(d);
         beyond.mean(d) = step.mean;
         beyond.rate(d) = step.rate;
         beyond.gain(d) = step.rate_gain;

@@ -54,7 +54,7 @@ public:
     /// Whether it carries a moment: otherwise rotations are not worked out.
     bool turns() const { return springs_.turns; }
     Directions rigid() const { return rigid_; }
-    const JointLaw& law() const { return law_; }
+    const JointLaw& law() const { return *law_; }
     const JointHalf& translation_half() const { return springs_.halves[0]; }
     const JointHalf& rotation_half() const { return springs_.halves[1]; }
     const JointSeat& seat() const { return seat_; }
@@ -66,7 +66,7 @@ public:
     void take_ends(int half) { takes_ends_[half] = true; }
     /// Whether a spring is not linear, or acts along a line that turns: neither is for the lanes.
     bool has_laws() const { return has_laws_; }
-    bool is_axial() const { return law_.axial.has_value(); }
+    bool is_axial() const { return is_axial_; }
 
     /// Solves the transfer equations for the law at the scheme's step size. Throws Error naming the element.
     void set_scheme(const Scheme& scheme);
@@ -236,9 +236,9 @@ private:
     Vector6 stretch(const Vector6& deformation) const;
 
     int element_, from_, to_;
-    bool is_damped_, has_laws_, takes_ends_[2] = {false, false};
+    bool is_damped_, is_axial_, has_laws_, takes_ends_[2] = {false, false};
     Directions rigid_;
-    JointLaw law_;
+    std::shared_ptr<const JointLaw> law_;
     JointSeat seat_;
     Vector3 from_point_ = Vector3::Zero();  ///< of a line: its first point in the axes of the `from` frame [m]
     SpringsOf<double> springs_;

@@ -26,7 +26,7 @@ JointPart part_of(const test::Given& given, const Pose& from = kFirst, const Pos
 
 /// Force at the start [N].
 double start_force(const test::Given& given) {
-    const JointLaw law = part_of(given).law;
+    const JointLaw law = *part_of(given).law;
     return law.at(0, law.axial->length - law.axial->natural).force;
 }
 
@@ -48,9 +48,9 @@ TEST(AxialSpring, LiesAlongTheLineBetweenItsEnds) {
     EXPECT_EQ(part.pose.position, kSecond.position);
     EXPECT_LT((part.pose.rotation.col(0) - Vector3(0.4, 0.6, -1.2) / kApart).norm(), 1e-15);
     EXPECT_LT((part.pose.rotation.transpose() * part.pose.rotation - Matrix3::Identity()).norm(), 1e-15);
-    EXPECT_NEAR(part.law.axial->length, kApart, 1e-15);
-    EXPECT_EQ(part.law.stiffness, 800 * Vector6::UnitX());
-    EXPECT_EQ(part.law.damping, 3 * Vector6::UnitX());
+    EXPECT_NEAR(part.law->axial->length, kApart, 1e-15);
+    EXPECT_EQ(part.law->stiffness, 800 * Vector6::UnitX());
+    EXPECT_EQ(part.law->damping, 3 * Vector6::UnitX());
 }
 
 // Oracle: k (L − L0) of a length or a force that is given; k d + k3 d³ turned round.
@@ -68,7 +68,7 @@ TEST(AxialSpring, HasItsNaturalLengthOrItsPreload) {
 
 // Oracle: a spring that softens, 3 d − d³, bears 1.9 first at the least root of d³ − 3 d + 1.9 = 0.
 TEST(AxialSpring, APreloadIsThatOfTheLeastElongation) {
-    const JointLaw law = part_of({{"law", {kCubicLaw}}, {"stiffness", {3}}, {"cubic", {-1}}, {"preload", {-1.9}}}).law;
+    const JointLaw law = *part_of({{"law", {kCubicLaw}}, {"stiffness", {3}}, {"cubic", {-1}}, {"preload", {-1.9}}}).law;
     const double d = law.axial->natural - law.axial->length;
     EXPECT_NEAR(3 * d - d * d * d, 1.9, 1e-14);
     EXPECT_LT(d, 1);

@@ -173,7 +173,7 @@ TEST(Beam, AMassOffsetMovesTheLumpsAndNothingElse) {
     EXPECT_LT((R.transpose() * sum.tensor * R - expected).norm(), 1e-14 * expected.norm());
     for (size_t j = 0; j < parts.joints.size(); ++j) {
         EXPECT_EQ(parts.joints[j].pose.position, centred.joints[j].pose.position);
-        EXPECT_EQ(parts.joints[j].law.stiffness, centred.joints[j].law.stiffness);
+        EXPECT_EQ(parts.joints[j].law->stiffness, centred.joints[j].law->stiffness);
     }
 }
 
@@ -189,9 +189,9 @@ Matrix6 compliance(const Parts& parts, const Vector3& end) {
         Matrix6 turn = Matrix6::Zero();
         turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = joint.pose.rotation.transpose();
         T = turn * T;
-        Vector6 c = joint.law.stiffness.cwiseInverse();
+        Vector6 c = joint.law->stiffness.cwiseInverse();
         for (size_t d = 0; d < 6; ++d)
-            if (joint.law.rigid[d]) c(static_cast<int>(d)) = 0;
+            if (joint.law->rigid[d]) c(static_cast<int>(d)) = 0;
         sum += T.transpose() * c.asDiagonal() * T;
     }
     return sum;
@@ -252,8 +252,8 @@ TEST(Beam, ItsJointsFormAChainThroughTheLumps) {
 TEST(Beam, StiffnessDampingIsProportional) {
     const Parts parts = between(kFrom, kTo, beam(4, with(kUneven, {{"material.stiffness_damping", {3e-5}}})));
     for (const JointPart& joint : parts.joints) {
-        EXPECT_EQ(joint.law.damping, 3e-5 * joint.law.stiffness);
-        EXPECT_TRUE(joint.law.rigid.none());
+        EXPECT_EQ(joint.law->damping, 3e-5 * joint.law->stiffness);
+        EXPECT_TRUE(joint.law->rigid.none());
     }
 }
 
@@ -291,8 +291,8 @@ TEST(Beam, TurnsWithItsEnds) {
     for (size_t j = 0; j < 4; ++j) {
         EXPECT_LT((other.joints[j].pose.position - Q * parts.joints[j].pose.position).norm(), 1e-15);
         EXPECT_LT((other.joints[j].pose.rotation - Q * parts.joints[j].pose.rotation).norm(), 1e-14);
-        EXPECT_LT((other.joints[j].law.stiffness - parts.joints[j].law.stiffness).norm(),
-                  1e-14 * parts.joints[j].law.stiffness.norm());
+        EXPECT_LT((other.joints[j].law->stiffness - parts.joints[j].law->stiffness).norm(),
+                  1e-14 * parts.joints[j].law->stiffness.norm());
     }
 }
 
@@ -334,8 +334,8 @@ TEST(Rod, StretchesAndIsRigidOtherwise) {
         ASSERT_EQ(parts.lumps.size(), static_cast<size_t>(segments));
         ASSERT_EQ(parts.joints.size(), static_cast<size_t>(segments) + 1);
         for (const JointPart& joint : parts.joints) {
-            EXPECT_EQ(joint.law.rigid, Directions(0b111110));
-            EXPECT_EQ(joint.law.damping(0), 2e-5 * joint.law.stiffness(0));
+            EXPECT_EQ(joint.law->rigid, Directions(0b111110));
+            EXPECT_EQ(joint.law->damping(0), 2e-5 * joint.law->stiffness(0));
         }
         Matrix6 expected = Matrix6::Zero();
         expected(0, 0) = L / 3.1e8;
@@ -385,7 +385,7 @@ struct Free {
                 G.block<3, 3>(0, at + 3) = -sign * axes * skew(arm);
                 G.block<3, 3>(3, at + 3) = sign * axes;
             }
-            K += G.transpose() * joint.law.stiffness.asDiagonal() * G;
+            K += G.transpose() * joint.law->stiffness.asDiagonal() * G;
         }
     }
 

@@ -86,7 +86,7 @@ TEST(ElasticHinge, ItsJointStandsAtTheToEndInTheAxesOfTheFromEnd) {
     const JointPart& joint = parts.joints[0];
     EXPECT_EQ(joint.from, 0);
     EXPECT_EQ(joint.to, 1);
-    EXPECT_EQ(joint.law.rigid, Directions(0b011111));
+    EXPECT_EQ(joint.law->rigid, Directions(0b011111));
     EXPECT_EQ(joint.pose.position, ends[1].position);
     EXPECT_EQ(joint.pose.rotation, ends[0].rotation);
 }

@@ -77,8 +77,8 @@ private:
             G.middleCols<6>(6 * (index - driven_)) += sign * point;
         }
         for (int half : {0, 3}) G.middleRows<3>(half) = (joint.pose.rotation.transpose() * G.middleRows<3>(half)).eval();
-        K_ += stiffness_of(G, joint.law.stiffness);
-        C_ += stiffness_of(G, joint.law.damping);
+        K_ += stiffness_of(G, joint.law->stiffness);
+        C_ += stiffness_of(G, joint.law->damping);
     }
 
     void build(const Eigen::VectorXd& p) {

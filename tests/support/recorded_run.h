@@ -27,6 +27,7 @@ public:
         while (simulation.index() < simulation.step_count()) simulation.step();
     }
     size_t count() const { return rows_.size(); }
+    bool has(const std::string& channel) const { return columns_.count(channel) > 0; }
     double operator()(size_t n, const std::string& channel) const { return rows_[n][columns_.at(channel)]; }
     Eigen::Vector3d vector(size_t n, const std::string& channel) const {
         const size_t c = columns_.at(channel + ".x");

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Runs random machines with two programs and tells how far their histories are apart.
+#include <fmt/format.h>
+#include <sys/wait.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "support/random_machine.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct History {
+    std::vector<std::string> units;  ///< of the columns
+    std::vector<std::vector<double>> rows;
+};
+
+History read(const fs::path& file) {
+    History history;
+    std::ifstream in(file);
+    std::string line;
+    std::getline(in, line);  // names
+    std::getline(in, line);
+    std::stringstream units(line);
+    for (std::string unit; std::getline(units, unit, ',');) history.units.push_back(unit);
+    while (std::getline(in, line)) {
+        std::stringstream numbers(line);
+        history.rows.emplace_back();
+        for (std::string number; std::getline(numbers, number, ',');) history.rows.back().push_back(std::stod(number));
+    }
+    return history;
+}
+
+/// Largest difference of a value, as share of the largest value of its unit.
+double difference(const History& a, const History& b) {
+    if (a.units != b.units || a.rows.size() != b.rows.size()) return HUGE_VAL;
+    std::map<std::string, double> scale, apart;
+    for (size_t n = 0; n < a.rows.size(); ++n)
+        for (size_t c = 0; c < a.units.size(); ++c) {
+            const double x = a.rows[n][c], y = b.rows[n][c];
+            scale[a.units[c]] = std::max({scale[a.units[c]], std::abs(x), std::abs(y)});
+            apart[a.units[c]] = std::max(apart[a.units[c]], std::abs(x - y));
+        }
+    double worst = 0;
+    for (const auto& [unit, size] : scale)
+        if (size > 0) worst = std::max(worst, apart[unit] / size);
+    return worst;
+}
+
+/// Exit code of a run.
+int run(const std::string& program, const fs::path& model, const fs::path& out) {
+    fs::remove_all(out);
+    const std::string command =
+        fmt::format("'{}' run '{}' -q -o '{}' > '{}.log' 2>&1", program, model.string(), out.string(), out.string());
+    const int status = std::system(command.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc < 5) {
+        fmt::print(stderr, "compare_machines PROGRAM OTHER FIRST_SEED COUNT [TOLERANCE]\n");
+        return 2;
+    }
+    const uint64_t first = std::strtoull(argv[3], nullptr, 10), count = std::strtoull(argv[4], nullptr, 10);
+    const double tolerance = argc > 5 ? std::atof(argv[5]) : 1e-9;
+    const fs::path folder = fs::temp_directory_path() / fmt::format("compare_machines_{}", first);
+    fs::create_directories(folder);
+    size_t both = 0, neither = 0, changed = 0;
+    std::map<int, size_t> decades;
+    for (uint64_t seed = first; seed < first + count; ++seed) {
+        const fs::path model = folder / "model.toml";
+        std::ofstream(model) << "format = \"dttmm/1\"\n" << dttmm::test::RandomMachine(seed).text();
+        const int code = run(argv[1], model, folder / "one"), other = run(argv[2], model, folder / "other");
+        if (code != other) {
+            fmt::print("{}: ends with code {}, the other with {}\n", seed, code, other);
+            ++changed;
+        } else if (code != 0) {
+            ++neither;
+        } else {
+            const double apart = difference(read(folder / "one/history.csv"), read(folder / "other/history.csv"));
+            ++both;
+            ++decades[apart > 0 ? static_cast<int>(std::floor(std::log10(apart))) : -99];
+            if (!(apart <= tolerance)) {
+                fmt::print("{}: {:.1e} apart\n", seed, apart);
+                ++changed;
+            }
+        }
+    }
+    fmt::print("{} machines: {} run by both, {} refused by both, {} differ; largest difference by decade:", count, both,
+               neither, changed);
+    for (const auto& [decade, number] : decades)
+        fmt::print("{}: {}", decade == -99 ? " same" : fmt::format(" 1e{}", decade), number);
+    fmt::print("\n");
+    fs::remove_all(folder);
+    return changed > 0;
+}

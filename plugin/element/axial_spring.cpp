@@ -27,7 +27,7 @@ double deformation_at(const Law& law, double force) {
     constexpr double kNearest = 1e-12, kFarthest = 1e3, kGrowth = 1.1;  // [m]
     if (force == 0) return 0;
     const double sign = std::copysign(1, force);
-    const auto reaches = [&](double d) { return sign * law.at(sign * d).force >= std::abs(force); };
+    const auto reaches = [&](double d) { return sign * law.first(sign * d).force >= std::abs(force); };
     double low = 0, high = kNearest;
     while (!reaches(high)) {
         low = high;

@@ -9,14 +9,26 @@
 namespace dttmm::plugin {
 
 void JointLaw::set(int direction, std::shared_ptr<const Law> law) {
-    stiffness(direction) = law->at(0).tangent;
+    stiffness(direction) = law->first(0).tangent;
     if (!law->is_linear()) laws[static_cast<size_t>(direction)] = std::move(law);
 }
 
-LawOnPath JointLaw::at(int direction, double deformation) const {
-    if (const auto& law = laws[static_cast<size_t>(direction)]) return law->at(deformation);
+size_t JointLaw::memory_before(int direction) const {
+    size_t size = 0;
+    for (int d = 0; d < direction; ++d)
+        if (const auto& law = laws[static_cast<size_t>(d)]) size += law->memory_size();
+    return size;
+}
+
+LawOnPath JointLaw::along(int direction, LawPath path) const {
+    if (const auto& law = laws[static_cast<size_t>(direction)]) {
+        const size_t own = memory_before(direction);
+        if (path.memory) path.memory += own;
+        if (path.after) path.after += own;
+        return law->along(path);
+    }
     const double k[] = {stiffness(direction)};
-    return Linear(k).at(deformation);
+    return Linear(k).along(path);
 }
 
 bool JointLaw::has_laws() const {

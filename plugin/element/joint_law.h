@@ -53,8 +53,14 @@ struct JointLaw {
     /// Gives a direction the law in place of a linear spring.
     void set(int direction, std::shared_ptr<const Law> law);
     bool has_laws() const;
-    /// The law of a direction, linear or not, at a deformation.
-    LawOnPath at(int direction, double deformation) const;
+    /// Numbers that the laws before a direction remember; of all for direction 6.
+    size_t memory_before(int direction) const;
+    /// The law of a direction, linear or not, at an instant; memory: of all laws, NULL where none has one.
+    LawOnPath at(int direction, double deformation, const double* memory) const {
+        return along(direction, {deformation, deformation, 0, memory});
+    }
+    /// The same along a path; its memories are those of all laws.
+    LawOnPath along(int direction, LawPath path) const;
 
     /// Directions with a stiffness or damping that is not rigid.
     Directions resisting() const;

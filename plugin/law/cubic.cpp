@@ -15,11 +15,15 @@ constexpr LawParameter kParameters[] = {
 
 const LawType Cubic::kType = {"cubic", kParameters, make_law<Cubic, std::size(kParameters)>};
 
-LawOnPath Cubic::along(double from, double to) const {
+LawOnPath Cubic::along(const LawPath& path) const {
     // (b⁴ − a⁴)/(4 (b − a)) without the division
-    const double a = from, b = to, squares = a * a + b * b;
-    return {k_ * b + k3_ * b * b * b, k_ + 3 * k3_ * b * b, 0.5 * k_ * (a + b) + 0.25 * k3_ * (a + b) * squares,
-            0.5 * k_ + 0.25 * k3_ * (squares + 2 * b * (a + b)), 0.5 * k_ * b * b + 0.25 * k3_ * b * b * b * b};
+    const double a = path.from, b = path.to, squares = a * a + b * b;
+    return {k_ * b + k3_ * b * b * b,
+            k_ + 3 * k3_ * b * b,
+            0.5 * k_ * (a + b) + 0.25 * k3_ * (a + b) * squares,
+            0.5 * k_ + 0.25 * k3_ * (squares + 2 * b * (a + b)),
+            0.5 * k_ * b * b + 0.25 * k3_ * b * b * b * b,
+            0};
 }
 
 }  // namespace dttmm::plugin

@@ -13,7 +13,7 @@ class Cubic final : public Law {
 public:
     /// values: k, k₃.
     explicit Cubic(std::span<const double, 2> values) : k_(values[0]), k3_(values[1]) {}
-    LawOnPath along(double from, double to) const override;
+    LawOnPath along(const LawPath& path) const override;
 
     static const LawType kType;
 

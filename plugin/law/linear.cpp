@@ -13,8 +13,8 @@ constexpr LawParameter kParameters[] = {{"stiffness", {"N/m", "N*m/rad"}, 0, "k 
 
 const LawType Linear::kType = {"linear", kParameters, make_law<Linear, std::size(kParameters)>};
 
-LawOnPath Linear::along(double from, double to) const {
-    return {k_ * to, k_, 0.5 * k_ * (from + to), 0.5 * k_, 0.5 * k_ * to * to};
+LawOnPath Linear::along(const LawPath& path) const {
+    return {k_ * path.to, k_, 0.5 * k_ * (path.from + path.to), 0.5 * k_, 0.5 * k_ * path.to * path.to, 0};
 }
 
 }  // namespace dttmm::plugin

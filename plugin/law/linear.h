@@ -13,7 +13,7 @@ class Linear final : public Law {
 public:
     /// values: k.
     explicit Linear(std::span<const double, 1> values) : k_(values[0]) {}
-    LawOnPath along(double from, double to) const override;
+    LawOnPath along(const LawPath& path) const override;
     bool is_linear() const override { return true; }
 
     static const LawType kType;

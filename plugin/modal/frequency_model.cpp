@@ -7,6 +7,7 @@
 #include <Eigen/SparseLU>
 #include <Eigen/SparseQR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <tuple>
@@ -228,7 +229,9 @@ void FrequencyModel::add_joint(int element, int from, int to, const JointLaw& la
 /// levers of its points.
 void FrequencyModel::add_force(const Bond& bond, const JointLaw& law, const Vector3& along, Vector6& stiffness) {
     const double elongation = law.axial->length - law.axial->natural;
-    const LawOnPath at_start = law.at(0, elongation);
+    std::array<double, Law::kMostMemory> memory{};
+    law.along(0, {0, elongation, 0, memory.data(), memory.data()});
+    const LawOnPath at_start = law.at(0, elongation, memory.data());
     stiffness(0) = at_start.tangent;
     stiffness(1) = stiffness(2) = at_start.force / law.axial->length;
     if (at_start.force == 0) return;

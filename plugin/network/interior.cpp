@@ -61,7 +61,7 @@ Mechanism at_rest(const Mechanism& mechanism, double step_size) {
         Joint& joint = rest.joints[j];
         joint.set_scheme(rest.scheme);
         joint.start(rest.scheme, rest.frame(joint.from()), rest.frame(joint.to()), Vector6::Zero(), Vector6::Zero(),
-                    rest.states[j], rest.damper(j));
+                    rest.states[j], rest.damper(j), rest.law_memory_of(j));
         rest.states[j].elastic = {};
     }
     return rest;
@@ -312,7 +312,8 @@ Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, Ends at,
                     }
         return K;
     };
-    return {in_frames(joint.stiffness(pose, joint.gain(mechanism.scheme, mechanism.states[j].deformation(), deformation))),
+    return {in_frames(joint.stiffness(
+                pose, joint.gain(mechanism.scheme, mechanism.states[j].deformation(), deformation, mechanism.memory(j)))),
             in_frames(joint.acting_stiffness(pose, at.from, at.to, mechanism.scheme.elastic_weight(0) * acting))};
 }
 
@@ -378,7 +379,8 @@ bool Interior::form_at_trial(const Mechanism& mechanism) const {
         const Joint& joint = mechanism.joints[j];
         const FrameView from = trial_[static_cast<size_t>(joint.from())], to = trial_[static_cast<size_t>(joint.to())];
         const JointPose pose = joint.pose(from, to);
-        const Joint::Strained strained = joint.strain({from, to}, pose);
+        const Joint::Strained strained =
+            joint.strain(mechanism.scheme, {from, to}, pose, mechanism.states[j], mechanism.memory(j));
         add_blocks(joint, j, blocks(mechanism, j, {from, to}, pose, strained.deformation(), strained.elastic.force, q_),
                    at_trial_);
         if (joint.rigid().any()) set_rigid_rows(mechanism, j, pose, strained.theta, at_trial_);

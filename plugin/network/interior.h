@@ -101,8 +101,9 @@ public:
             mechanism, mechanism.scheme.step_size(), mechanism.before,
             [&](size_t j) {
                 const JointState& state = mechanism.states[j];
-                return MasslessFrames::Acting{state.deformation_before(), rate(j),
-                                              mechanism.joints[j].elastic(state.deformation_before())};
+                return MasslessFrames::Acting{
+                    state.deformation_before(), rate(j),
+                    mechanism.joints[j].elastic(state.deformation_before(), mechanism.memory_before(j))};
             },
             [&](size_t i) { return frame_load(i).load[2]; }, velocities_, corrections_, rigid_at_start_);
     }
@@ -254,7 +255,7 @@ private:
     [[noreturn]] void refuse(const Mechanism& mechanism, const Elimination::Fault& fault, dttmm_status status) const;
     void find_responses(const Mechanism& mechanism);
     Twist start_velocity(int frame, const dttmm_motion* ports) const;
-    JointForce start_force(const Mechanism& mechanism, const Joint& joint, const dttmm_motion* ports) const;
+    JointForce start_force(const Mechanism& mechanism, size_t joint, const dttmm_motion* ports) const;
     void settle_at_start(Mechanism& mechanism, const dttmm_motion* ports);
     void find_start_velocities(const Mechanism& mechanism, const dttmm_motion* ports);
     void balance_at_start(const Mechanism& mechanism, double h, const dttmm_motion* ports);

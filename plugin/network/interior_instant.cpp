@@ -80,7 +80,7 @@ MasslessFrames::Acting Interior::rate_of_force(const Mechanism& mechanism, size_
     const Vector3 w = joint.turning(from, from_velocity, to, to_velocity);
     Vector6 other;
     other << w.cross(head(f)), w.cross(tail(f));
-    other += joint.stiffness_tangent(mechanism.states[j].deformation_before()) * rate;
+    other += joint.stiffness_tangent(mechanism.states[j].deformation_before(), mechanism.memory_before(j)) * rate;
     return {
         mechanism.states[j].deformation_before(),
         joint.acceleration(from, from_velocity, acceleration_of(joint.from()), to, to_velocity, acceleration_of(joint.to())),

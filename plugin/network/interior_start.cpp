@@ -41,8 +41,7 @@ void Interior::linearise(const Mechanism& mechanism, const dttmm_motion* ports, 
     std::fill_n(wrench, size, 0.0);
     for (size_t j : port_joints_) {
         const Joint& joint = sample.joints[j];
-        Joint::add_wrench(scratch.start_force(sample, joint, ports),
-                          joint.from() < ports_ ? wrench + 6 * joint.from() : nullptr,
+        Joint::add_wrench(scratch.start_force(sample, j, ports), joint.from() < ports_ ? wrench + 6 * joint.from() : nullptr,
                           joint.to() < ports_ ? wrench + 6 * joint.to() : nullptr);
     }
     if (damping) std::fill_n(damping, size * size, 0.0);
@@ -60,12 +59,13 @@ Twist Interior::start_velocity(int frame, const dttmm_motion* ports) const {
 }
 
 /// What a joint does at the start, when the frames are where they are; without rigid directions.
-JointForce Interior::start_force(const Mechanism& mechanism, const Joint& joint, const dttmm_motion* ports) const {
+JointForce Interior::start_force(const Mechanism& mechanism, size_t j, const dttmm_motion* ports) const {
+    const Joint& joint = mechanism.joints[j];
     const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
     const Twist v_from = start_velocity(joint.from(), ports), v_to = start_velocity(joint.to(), ports);
     const JointPose pose = joint.pose(from, to);
     const Vector6 x = joint.deformation(pose, from, to);
-    return pose.act(joint.force(x, joint.rate(from, v_from, to, v_to, x)));
+    return pose.act(joint.force(x, joint.rate(from, v_from, to, v_to, x), mechanism.memory(j)));
 }
 
 /// Puts the ports where they are, the inside where it is at the start, and finds the velocities of the inside: those given,
@@ -99,7 +99,7 @@ void Interior::balance_at_start(const Mechanism& mechanism, double h, const dttm
             };
             const Vector6 deformation = joint.deformation(joint.pose(from, to), from, to);
             return MasslessFrames::Acting{deformation, joint.rate(from, now(joint.from()), to, now(joint.to())),
-                                          joint.elastic(deformation)};
+                                          joint.elastic(deformation, mechanism.memory(j))};
         },
         [&](size_t i) { return frame_load(i).load[1]; }, velocities_, corrections_, rigid_at_start_);
     for (size_t i = 0; i < given_.size(); ++i) {
@@ -199,9 +199,11 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
 
     // Forces of the start, for the momentum half a step before it and the accelerations
     std::vector<Vector6> wrench(mechanism.frames.size(), Vector6::Zero());
-    for (const Joint& joint : mechanism.joints)
-        Joint::add_wrench(start_force(mechanism, joint, ports), wrench[static_cast<size_t>(joint.from())].data(),
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const Joint& joint = mechanism.joints[j];
+        Joint::add_wrench(start_force(mechanism, j, ports), wrench[static_cast<size_t>(joint.from())].data(),
                           wrench[static_cast<size_t>(joint.to())].data());
+    }
     std::vector<Twist> acceleration(inertias_.size());
     for (size_t i = 0; i < inertias_.size(); ++i) {
         const Twist& velocity = past_.velocity[i];

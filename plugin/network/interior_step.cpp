@@ -149,7 +149,8 @@ JointForce Interior::rigid_action(const Mechanism& mechanism, size_t j, const Jo
 JointForce Interior::force_over_step(const Mechanism& mechanism, size_t j, const JointPose& at_end,
                                      const Joint::Strained& end) const {
     const Joint& joint = mechanism.joints[j];
-    JointForce force = joint.weigh(mechanism.scheme, end, at_end, mechanism.states[j], mechanism.damper(j));
+    JointForce force =
+        joint.weigh(mechanism.scheme, end, at_end, mechanism.states[j], mechanism.damper(j), mechanism.memory(j));
     if (joint.rigid().any()) force.add(1, rigid_action(mechanism, j, at_end, end.theta, rigid_values(mechanism, j, q_)));
     return force;
 }
@@ -169,7 +170,7 @@ void Interior::find_forces(const Mechanism& mechanism, Solution& solution) const
         const auto a = static_cast<size_t>(joint.from()), b = static_cast<size_t>(joint.to());
         const Ends trial = {trial_[a], trial_[b]};
         const JointPose at_end = joint.pose(trial);
-        const Joint::Strained end = joint.strain(trial, at_end);
+        const Joint::Strained end = joint.strain(mechanism.scheme, trial, at_end, mechanism.states[j], mechanism.memory(j));
         const JointForce force = force_over_step(mechanism, j, at_end, end);
         largest = std::max(largest, force.force.squaredNorm());
         Joint::add_wrench(force, wrench_[a].data(), wrench_[b].data());
@@ -661,7 +662,7 @@ void Interior::take_forces(Mechanism& mechanism, const Solution& solution) {
             rigid = rigid_action(mechanism, j, joint.pose(next), joint.rotation(next.from, next.to),
                                  rigid_values(mechanism, j, rigid_));
         joint.advance(mechanism.scheme, next, mechanism.ends(j), mechanism.states[j], mechanism.damper(j),
-                      near < 0 ? &force : nullptr);
+                      mechanism.law_memory_of(j), near < 0 ? &force : nullptr);
         if (near >= 0)
             force = near_force(mechanism, static_cast<size_t>(near), solution);
         else if (joint.rigid().any())

@@ -151,37 +151,37 @@ Vector6 Joint::deformation(const JointPose& pose, FrameView from, FrameView to) 
 }
 
 /// The forces of laws in place of those of linear springs.
-void Joint::put_laws(const Vector6& x, Vector6& f) const {
-    for (int d = 0; d < 6; ++d) f(d) = law_->at(d, x(d)).force;
+void Joint::put_laws(const LawsAt& from, const Vector6& x, Vector6& f) const {
+    for (int d = 0; d < 6; ++d) f(d) = law_->along(d, {from.x(d), x(d), from.time, from.memory}).force;
 }
 
 /// Its derivative by the deformations.
-Vector6 Joint::spring_tangent(const Vector6& x) const {
+Vector6 Joint::spring_tangent(const LawsAt& from, const Vector6& x) const {
+    if (!has_laws_) return law_->stiffness;
     Vector6 k;
-    for (int d = 0; d < 6; ++d) k(d) = law_->at(d, x(d)).tangent;
+    for (int d = 0; d < 6; ++d) k(d) = law_->along(d, {from.x(d), x(d), from.time, from.memory}).tangent;
     return k;
 }
 
-double Joint::energy_of_laws(const Vector6& x) const {
+double Joint::energy_of_laws(const Vector6& x, const double* memory) const {
     double stored = 0;
-    for (int d = 0; d < 6; ++d) stored += law_->at(d, x(d)).stored;
+    for (int d = 0; d < 6; ++d) stored += law_->at(d, x(d), memory).stored;
     return stored;
 }
 
-LawOnPath Joint::law_on_path(int direction, double now, double end) const {
-    const Law& law = *law_->laws[static_cast<size_t>(direction)];
-    LawOnPath path = law.along(now, end);
+LawOnPath Joint::law_on_path(int direction, const LawPath& path) const {
+    LawOnPath on_path = law_->along(direction, path);
     if (takes_ends_[direction / 3]) {
-        path.mean = 0.5 * (law.at(now).force + path.force);
-        path.mean_tangent = 0.5 * path.tangent;
+        on_path.mean = 0.5 * (law_->at(direction, path.from, path.memory).force + on_path.force);
+        on_path.mean_tangent = 0.5 * on_path.tangent;
     }
-    return path;
+    return on_path;
 }
 
-Joint::OnPath Joint::on_path(const Scheme& scheme, int direction, double now, double end) const {
+Joint::OnPath Joint::on_path(const Scheme& scheme, int direction, double now, double end, const double* memory) const {
     const double weight = scheme.elastic_weight(0), lag = scheme.lag(), k = law_->stiffness(direction);
-    const LawOnPath path = law_on_path(direction, now, end);
-    const double start = law_->laws[static_cast<size_t>(direction)]->at(now).force;
+    const LawOnPath path = law_on_path(direction, {now, end, scheme.step_size(), memory});
+    const double start = law_->at(direction, now, memory).force;
     OnPath step;
     step.mean = path.mean - 0.5 * (start + path.force);
     step.rate = lag * (path.force - start - k * (end - now)) + 0.5 * step.mean;
@@ -191,11 +191,11 @@ Joint::OnPath Joint::on_path(const Scheme& scheme, int direction, double now, do
     return step;
 }
 
-Joint::Beyond Joint::beyond(const Scheme& scheme, const Vector6& x, const Vector6& end) const {
+Joint::Beyond Joint::beyond(const Scheme& scheme, const Vector6& x, const Vector6& end, const double* memory) const {
     Beyond beyond;
     for (int d = 0; d < 6; ++d) {
         if (!law_->laws[static_cast<size_t>(d)]) continue;
-        const OnPath step = on_path(scheme, d, x(d), end(d));
+        const OnPath step = on_path(scheme, d, x(d), end(d), memory);
         beyond.force(d) = step.force - scheme.elastic_weight(0) * law_->stiffness(d) * end(d);
         beyond.mean(d) = step.mean;
         beyond.rate(d) = step.rate;
@@ -209,16 +209,31 @@ JointForce Joint::act(const JointPose& pose, const Vector6& x, const Vector6& f)
                         Vector3::Zero());
 }
 
-void Joint::strain_laws(Ends at, const JointPose& pose, Strained& strained) const {
+void Joint::strain_laws(Ends at, const JointPose& pose, const LawsAt& from, Strained& strained) const {
     if (is_axial()) strained.d = deformation(pose, at.from, at.to).head<3>();
-    strained.elastic = act(pose, strained.deformation(), spring_force(strained.deformation()));
+    const Vector6 x = strained.deformation();
+    Vector6 f;
+    put_laws(from, x, f);
+    strained.elastic = act(pose, x, f);
+}
+
+/// Laws come to where the joint is at the start on the straight way.
+void Joint::start_laws(Ends at, const JointPose& pose, LawMemory memory, Strained& strained) const {
+    const Vector6 x = deformation(pose, at.from, at.to);
+    if (is_axial()) strained.d = x.head<3>();
+    const size_t size = law_->memory_before(6);
+    std::fill_n(memory.before, size, 0.0);
+    std::fill_n(memory.now, size, 0.0);
+    for (int d = 0; d < 6; ++d) law_->along(d, {0, x(d), 0, memory.before, memory.now});
+    std::copy_n(memory.now, size, memory.before);
+    strained.elastic = act(pose, x, spring_force(x, memory.now));
 }
 
 /// Adds to the force over the step what laws do otherwise than linear springs.
 void Joint::add_laws(const Scheme& scheme, const Strained& end, const JointPose& at_end, const JointState& state,
-                     JointForce& force) const {
+                     const double* memory, JointForce& force) const {
     if (!scheme.is_implicit()) return;
-    const Beyond more = beyond(scheme, state.deformation(), end.deformation());
+    const Beyond more = beyond(scheme, state.deformation(), end.deformation(), memory);
     force.add(1, act(at_end, end.deformation(), more.force));
 }
 
@@ -237,7 +252,9 @@ Vector6 Joint::damping(const Vector6& x, const Vector6& rate) const {
     return f;
 }
 
-Matrix6 Joint::stiffness_tangent(const Vector6& x) const { return along(x, spring_tangent(x)); }
+Matrix6 Joint::stiffness_tangent(const Vector6& x, const double* memory) const {
+    return along(x, spring_tangent({x, memory, 0}, x));
+}
 
 /// Of springs of the stiffness k along the deformations.
 Matrix6 Joint::along(const Vector6& x, const Vector6& k) const {
@@ -260,11 +277,11 @@ Matrix6 Joint::damping_tangent(const Vector6& x) const {
     return C;
 }
 
-Matrix6 Joint::gain(const Scheme& scheme, const Vector6& now, const Vector6& x) const {
+Matrix6 Joint::gain(const Scheme& scheme, const Vector6& now, const Vector6& x, const double* memory) const {
     // Beside the elastic force over the step there are its dampers, and the scheme's own
     const double weight = scheme.elastic_weight(0);
-    Matrix6 gain = weight * stiffness_tangent(x);
-    if (has_laws_) gain += along(x, beyond(scheme, now, x).gain);
+    Matrix6 gain = weight * along(x, spring_tangent({now, memory, scheme.step_size()}, x));
+    if (has_laws_) gain += along(x, beyond(scheme, now, x, memory).gain);
     Vector6 other;
     other << solved_[0] - weight * springs_.halves[0].stiffness, solved_[1] - weight * springs_.halves[1].stiffness;
     const Vector6 e = stretch(x);
@@ -334,10 +351,11 @@ EndBlocks Joint::acting_stiffness(const JointPose& pose, FrameView from, FrameVi
 /// The past before the start is the parabola through it, which suits every explicit scheme; for the centred one the elastic
 /// force before the start counts as that at the start.
 void Joint::start(const Scheme& scheme, FrameView from, FrameView to, const Vector6& rate, const Vector6& acceleration,
-                  JointState& state, DamperState* damper) const {
+                  JointState& state, DamperState* damper, LawMemory memory) const {
     const double h = scheme.step_size();
     const JointPose now = pose(from, to);
-    const Strained strained = strain({from, to}, now);
+    Strained strained = springs_.strain(now, seat_.axes_at_to(to));
+    if (has_laws_) start_laws({from, to}, now, memory, strained);
     state.elastic = strained.elastic;
     state.d = strained.d;
     state.theta = strained.theta;
@@ -378,9 +396,9 @@ JointForce Joint::damping_half_way(Ends trial, Ends now, double h, const JointSt
 }
 
 [[gnu::flatten]] void Joint::advance(const Scheme& scheme, Ends next, Ends now, JointState& state, DamperState* damper,
-                                     JointForce* force) const {
+                                     LawMemory memory, JointForce* force) const {
     if (has_laws_) [[unlikely]]
-        return advance_with_laws(scheme, next, now, state, damper, force);
+        return advance_with_laws(scheme, next, now, state, damper, memory, force);
     const JointPose at_end = seat_.pose(next.from, next.to);
     const Strained end = springs_.strain(at_end, seat_.axes_at_to(next.to));
     if (force) *force = springs_.weigh(scheme, end, at_end, state, damper);
@@ -390,15 +408,17 @@ JointForce Joint::damping_half_way(Ends trial, Ends now, double h, const JointSt
 
 /// The same; what laws did over the step is known of the coming one too.
 void Joint::advance_with_laws(const Scheme& scheme, Ends next, Ends now, JointState& state, DamperState* damper,
-                              JointForce* force) const {
+                              LawMemory memory, JointForce* force) const {
     const JointPose at_end = pose(next), at_now = pose(now);
-    const Strained end = strain(next, at_end);
-    if (force) *force = weigh(scheme, end, at_end, state, damper);
+    const Strained end = strain(scheme, next, at_end, state, memory.now);
+    if (force) *force = weigh(scheme, end, at_end, state, damper, memory.now);
     springs_.advance(
         scheme, end, at_end, [&] { return at_now; }, state, damper);
-    if (!scheme.is_implicit()) return;
-    const Vector6 start = state.deformation_before();
-    state.known.add(1, act(at_now, start, beyond(scheme, start, state.deformation()).rate));
+    const Vector6 start = state.deformation_before(), x = state.deformation();
+    if (scheme.is_implicit()) state.known.add(1, act(at_now, start, beyond(scheme, start, x, memory.now).rate));
+    std::copy_n(memory.now, law_->memory_before(6), memory.before);
+    for (int d = 0; d < 6; ++d)
+        damper->last_loss += law_->along(d, {start(d), x(d), scheme.step_size(), memory.before, memory.now}).dissipated;
 }
 
 void Joint::refuse_large_rotation(FrameView from, FrameView to) const {

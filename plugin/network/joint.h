@@ -35,6 +35,11 @@ struct EndBlocks {
     Matrix6 at[2][2];
 };
 
+/// What the laws of a joint remember at t_n, and at t_{n−1}; NULL where none has a memory.
+struct LawMemory {
+    double *now = nullptr, *before = nullptr;
+};
+
 /// A massless joint at work between two frames: its rest configuration, its law solved for the step size, its kinematics. It
 /// measures its deformation in its axes, which go with the `from` frame; the wrenches on its two ends balance exactly, lever
 /// arms included. A rotational stiffness holds for relative rotations θ up to kLargestRotation. A rotational damper may turn
@@ -106,10 +111,12 @@ public:
     static void add_wrench(const JointForce& force, double* on_from, double* on_to);
 
     /// The elastic force of a deformation, [force; moment] on the `from` end in the joint's axes.
-    Vector6 elastic(const Vector6& deformation) const { return spread(deformation, spring_force(deformation)); }
+    Vector6 elastic(const Vector6& deformation, const double* memory) const {
+        return spread(deformation, spring_force(deformation, memory));
+    }
     /// Its mean over the step from the deformation x to `end` less the mean of the two: zero where springs are linear.
-    Vector6 beyond_mean(const Scheme& scheme, const Vector6& x, const Vector6& end) const {
-        return spread(x, beyond(scheme, x, end).mean);
+    Vector6 beyond_mean(const Scheme& scheme, const Vector6& x, const Vector6& end, const double* memory) const {
+        return spread(x, beyond(scheme, x, end, memory).mean);
     }
     /// What a direction with a law does over a step that takes its deformation from `now` to `end` [N, N m], but for what a
     /// linear spring would have of numerical damping; derivatives are those by `end` [N/m, N m/rad].
@@ -118,19 +125,20 @@ public:
         double rate, rate_gain;  ///< of it all but the scheme's weight of the force at the end
         double mean;             ///< of the force along the path, less the mean of its two ends
     };
-    OnPath on_path(const Scheme& scheme, int direction, double now, double end) const;
+    OnPath on_path(const Scheme& scheme, int direction, double now, double end, const double* memory) const;
     /// Its energy [J].
-    double strain_energy(const Vector3& d, const Vector3& theta) const {
+    double strain_energy(const Vector3& d, const Vector3& theta, const double* memory) const {
         if (has_laws_) [[unlikely]]
-            return energy_of_laws((Vector6() << d, theta).finished());
+            return energy_of_laws((Vector6() << d, theta).finished(), memory);
         return 0.5 * d.dot(springs_.halves[0].stiffness.cwiseProduct(d)) +
                0.5 * theta.dot(springs_.halves[1].stiffness.cwiseProduct(theta));
     }
     /// The dampers' force of a rate [d; relative turn] likewise.
     Vector6 damping(const Vector6& deformation, const Vector6& rate) const;
     /// The force law at one instant: f [force; moment] on the `from` end in the joint's axes; of its springs a share.
-    [[gnu::always_inline]] Vector6 force(const Vector6& deformation, const Vector6& rate, double elastic_share = 1) const {
-        Vector6 f = elastic_share * spring_force(deformation);
+    [[gnu::always_inline]] Vector6 force(const Vector6& deformation, const Vector6& rate, const double* memory,
+                                         double elastic_share = 1) const {
+        Vector6 f = elastic_share * spring_force(deformation, memory);
         f.head<3>() += springs_.halves[0].damping.cwiseProduct(rate.head<3>());
         f = spread(deformation, f);
         if (turns()) f.tail<3>() += springs_.halves[1].damping.cwiseProduct(rate.tail<3>());
@@ -138,32 +146,36 @@ public:
     }
     using Strained = StrainedOf<double>;
     /// Its elastic part with the deformation it stems from.
-    Strained strain(Ends at, const JointPose& pose) const {
+    Strained strain(const Scheme& scheme, Ends at, const JointPose& pose, const JointState& state,
+                    const double* memory) const {
         Strained strained = springs_.strain(pose, seat_.axes_at_to(at.to));
         if (has_laws_) [[unlikely]]
-            strain_laws(at, pose, strained);
+            strain_laws(at, pose, {state.deformation(), memory, scheme.step_size()}, strained);
         return strained;
     }
 
     /// ∂(elastic force)/∂(deformation) and ∂(damping force)/∂(its rate) at one instant, joint axes, rotations in terms of
     /// the relative turn ε: what does not hang on a force that acts already. Symmetric.
-    Matrix6 stiffness_tangent(const Vector6& deformation) const;
+    Matrix6 stiffness_tangent(const Vector6& deformation, const double* memory) const;
     Matrix6 damping_tangent(const Vector6& deformation) const;
     /// ∂f/∂(deformation at its end) over a step from the deformation `now` likewise.
-    Matrix6 gain(const Scheme& scheme, const Vector6& now, const Vector6& deformation) const;
+    Matrix6 gain(const Scheme& scheme, const Vector6& now, const Vector6& deformation, const double* memory) const;
     /// Of forces that grow with the deformation by `answer` (joint axes).
     EndBlocks stiffness(const JointPose& pose, const Matrix6& answer) const;
     /// Of a force already acting (world axes), which turns with the joint; symmetric part.
     EndBlocks acting_stiffness(const JointPose& pose, FrameView from, FrameView to, const Vector3& force) const;
 
+    /// Takes laws to where the joint is at the start on the straight way from the undeformed state; `strained` takes where
+    /// that is, and the elastic force there.
+    void start_laws(Ends at, const JointPose& pose, LawMemory memory, Strained& strained) const;
     void start(const Scheme& scheme, FrameView from, FrameView to, const Vector6& rate, const Vector6& acceleration,
-               JointState& state, DamperState* damper) const;
+               JointState& state, DamperState* damper, LawMemory memory) const;
     /// The force over the open step at a trial end of it, where the joint is at `at_end`; without rigid directions.
     JointForce weigh(const Scheme& scheme, const Strained& end, const JointPose& at_end, const JointState& state,
-                     const DamperState* damper) const {
+                     const DamperState* damper, const double* memory) const {
         JointForce force = springs_.weigh(scheme, end, at_end, state, damper);
         if (has_laws_) [[unlikely]]
-            add_laws(scheme, end, at_end, state, force);
+            add_laws(scheme, end, at_end, state, memory, force);
         return force;
     }
     /// The same of a joint without laws: what every step does for most joints.
@@ -172,15 +184,16 @@ public:
         return springs_.weigh(scheme, springs_.strain(at_end, seat_.axes_at_to(trial.to)), at_end, state, damper);
     }
     [[gnu::noinline, gnu::cold]] JointForce over_step_with_laws(const Scheme& scheme, Ends trial, const JointState& state,
-                                                                const DamperState* damper) const {
+                                                                const DamperState* damper, const double* memory) const {
         const JointPose at_end = pose(trial);
-        return weigh(scheme, strain(trial, at_end), at_end, state, damper);
+        return weigh(scheme, strain(scheme, trial, at_end, state, memory), at_end, state, damper, memory);
     }
     /// The damping force from the start of the open step to a trial end of it: the mean rate in the mean of the axes.
     JointForce damping_half_way(Ends trial, Ends now, double h, const JointState& state, const DamperState& damper) const;
     /// Moves the memory on to the accepted end of the step. force: if given, takes the force over the step as over_step
     /// finds it.
-    void advance(const Scheme& scheme, Ends next, Ends now, JointState& state, DamperState* damper, JointForce* force) const;
+    void advance(const Scheme& scheme, Ends next, Ends now, JointState& state, DamperState* damper, LawMemory memory,
+                 JointForce* force) const;
 
     /// Throws Error(DTTMM_ERROR_NUMERIC) when a rotational stiffness has turned too far.
     void refuse_large_rotation(FrameView from, FrameView to) const;
@@ -194,30 +207,37 @@ private:
     struct Beyond {
         Vector6 force = Vector6::Zero(), mean = Vector6::Zero(), rate = Vector6::Zero(), gain = Vector6::Zero();
     };
-    LawOnPath law_on_path(int direction, double now, double end) const;
-    Beyond beyond(const Scheme& scheme, const Vector6& x, const Vector6& end) const;
+    /// Where laws stand, and the time of the path that begins there.
+    struct LawsAt {
+        Vector6 x;
+        const double* memory;
+        double time;
+    };
+    LawOnPath law_on_path(int direction, const LawPath& path) const;
+    Beyond beyond(const Scheme& scheme, const Vector6& x, const Vector6& end, const double* memory) const;
     // Not inlined: links with laws are few
     [[gnu::noinline, gnu::cold]] void add_laws(const Scheme& scheme, const Strained& end, const JointPose& at_end,
-                                               const JointState& state, JointForce& force) const;
+                                               const JointState& state, const double* memory, JointForce& force) const;
     /// Of the springs along the deformations; translations as forces, rotations as the gradient by θ.
-    Vector6 spring_force(const Vector6& x) const {
+    Vector6 spring_force(const Vector6& x, const double* memory) const {
         Vector6 f;
         f << springs_.halves[0].stiffness.cwiseProduct(x.head<3>()), springs_.halves[1].stiffness.cwiseProduct(x.tail<3>());
         if (has_laws_) [[unlikely]]
-            put_laws(x, f);
+            put_laws({x, memory, 0}, x, f);
         return f;
     }
-    [[gnu::noinline, gnu::cold]] void put_laws(const Vector6& x, Vector6& f) const;
-    [[gnu::noinline, gnu::cold]] void strain_laws(Ends at, const JointPose& pose, Strained& strained) const;
+    [[gnu::noinline, gnu::cold]] void put_laws(const LawsAt& from, const Vector6& x, Vector6& f) const;
+    [[gnu::noinline, gnu::cold]] void strain_laws(Ends at, const JointPose& pose, const LawsAt& from,
+                                                  Strained& strained) const;
     [[gnu::noinline, gnu::cold]] JointPose axial_pose(FrameView from, FrameView to) const;
     /// From the first point of its line to the second, world axes; from the `from` origin to the first.
     Vector3 way(FrameView from, FrameView to) const { return seat_.arm(from, to) - arm_of_line(from); }
     Vector3 arm_of_line(FrameView from) const { return from.axes() * from_point_; }
     EndBlocks axial_stiffness(FrameView from, FrameView to, const Vector3& force) const;
     [[gnu::noinline, gnu::cold]] void advance_with_laws(const Scheme& scheme, Ends next, Ends now, JointState& state,
-                                                        DamperState* damper, JointForce* force) const;
-    [[gnu::noinline, gnu::cold]] double energy_of_laws(const Vector6& x) const;
-    Vector6 spring_tangent(const Vector6& x) const;
+                                                        DamperState* damper, LawMemory memory, JointForce* force) const;
+    [[gnu::noinline, gnu::cold]] double energy_of_laws(const Vector6& x, const double* memory) const;
+    Vector6 spring_tangent(const LawsAt& from, const Vector6& x) const;
     Matrix6 along(const Vector6& x, const Vector6& k) const;
     /// Forces along the deformations as [force; moment] in the joint's axes, and as what they do to the frames.
     Vector6 spread(const Vector6& x, Vector6 f) const {

@@ -37,7 +37,7 @@ void LawRows::form(const Mechanism& mechanism, const std::vector<Frame>& at) {
             row.G[end] = rigid_rows(x.tail<3>(), local_columns(mechanism, row.joint, pose, end)).row(row.direction);
         row.gain = joint
                        .on_path(mechanism.scheme, row.direction, mechanism.states[row.joint].deformation()(row.direction),
-                                x(row.direction))
+                                x(row.direction), mechanism.memory(row.joint))
                        .gain;
     }
 }
@@ -68,7 +68,8 @@ void LawRows::find_responses(const Elimination& matrix, double step_size, std::v
 Joint::OnPath LawRows::on_path(const Mechanism& mechanism, Eigen::Index r, double z) const {
     const Row& row = rows_[static_cast<size_t>(r)];
     const double now = mechanism.states[row.joint].deformation()(row.direction);
-    return mechanism.joints[row.joint].on_path(mechanism.scheme, row.direction, now, start_(r) + z);
+    return mechanism.joints[row.joint].on_path(mechanism.scheme, row.direction, now, start_(r) + z,
+                                               mechanism.memory(row.joint));
 }
 
 /// Where the laws are, and what they are asked for.

@@ -245,7 +245,8 @@ void MasslessFrames::add_balance(const Mechanism& mechanism, const Cluster& clus
     const auto& [deformation, rate, other] = acting;
     const Vector3 theta = tail(deformation);
     const Vector6 force = other + joint.damping(deformation, rate);
-    const Matrix6 per_rate = joint.damping_tangent(deformation), per_deformation = joint.stiffness_tangent(deformation);
+    const Matrix6 per_rate = joint.damping_tangent(deformation),
+                  per_deformation = joint.stiffness_tangent(deformation, mechanism.memory_before(j));
     Matrix6 G[2] = {joint.by_from(pose), joint.by_to(pose)};
     // A lever that is deformation alone damps no rotation to speak of
     if (joint.springs().rest.isZero(1e-9)) G[0].topRightCorner<3, 3>().setZero();

@@ -23,6 +23,19 @@ struct Mechanism {
     std::vector<Frame> before;  ///< all at t_{n−1}
     uint64_t steps = 0;         ///< committed since the start
 
+    std::vector<double> law_memory, law_memory_before;  ///< of the laws of all joints, at t_n and at t_{n−1}
+    std::vector<int> memory_of;                         ///< where each joint's begins in them; −1: its laws keep none
+
+    /// What the laws of a joint remember at t_n, at t_{n−1}; NULL: nothing.
+    const double* memory(size_t joint) const { return at_memory(law_memory, joint); }
+    const double* memory_before(size_t joint) const { return at_memory(law_memory_before, joint); }
+    LawMemory law_memory_of(size_t joint) {
+        const auto open = [&](std::vector<double>& all) { return const_cast<double*>(at_memory(all, joint)); };
+        return {open(law_memory), open(law_memory_before)};
+    }
+    const double* at_memory(const std::vector<double>& all, size_t joint) const {
+        return memory_of[joint] < 0 ? nullptr : &all[static_cast<size_t>(memory_of[joint])];
+    }
     DamperState* damper(size_t joint) {
         return damper_of[joint] < 0 ? nullptr : &dampers[static_cast<size_t>(damper_of[joint])];
     }
@@ -40,7 +53,7 @@ struct Mechanism {
             const Twist v_from = velocity(joint.from()), v_to = velocity(joint.to());
             joint.start(scheme, from, to, joint.rate(from, v_from, to, v_to),
                         joint.acceleration(from, v_from, acceleration(joint.from()), to, v_to, acceleration(joint.to())),
-                        states[j], damper(j));
+                        states[j], damper(j), law_memory_of(j));
         }
     }
     /// A joint at t_n.

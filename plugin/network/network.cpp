@@ -199,13 +199,18 @@ void Network::linearise_joints(const dttmm_motion* ports, double* wrench, double
     std::fill_n(wrench, n, 0.0);
     if (stiffness) std::fill_n(stiffness, n * n, 0.0);
     if (damping) std::fill_n(damping, n * n, 0.0);
-    for (const Joint& joint : mechanism_.joints) {
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const Joint& joint = mechanism_.joints[j];
         const FrameView from = seen(joint.from(), ports), to = seen(joint.to(), ports);
         const Twist v_from = velocity(joint.from(), ports), v_to = velocity(joint.to(), ports);
         const JointPose pose = joint.pose(from, to);
         const Vector6 deformation = joint.deformation(pose, from, to);
-        add_wrench(joint, pose.act(joint.force(deformation, joint.rate(from, v_from, to, v_to, deformation))), wrench);
-        if (stiffness) add_stiffness(joint, joint.stiffness(pose, joint.stiffness_tangent(deformation)), stiffness);
+        add_wrench(joint,
+                   pose.act(joint.force(deformation, joint.rate(from, v_from, to, v_to, deformation), mechanism_.memory(j))),
+                   wrench);
+        if (stiffness)
+            add_stiffness(joint, joint.stiffness(pose, joint.stiffness_tangent(deformation, mechanism_.memory(j))),
+                          stiffness);
         if (damping) add_stiffness(joint, joint.stiffness(pose, joint.damping_tangent(deformation)), damping);
     }
 }
@@ -298,14 +303,16 @@ DTTMM_WIDE void Network::evaluate_joints(double* wrench, double* stiffness) cons
         const Ends at = {trial(joint.from()), trial(joint.to())};
         const DamperState* damper = mechanism_.damper(j);
         if (joint.has_laws()) [[unlikely]]
-            add_wrench(joint, joint.over_step_with_laws(mechanism_.scheme, at, state, damper), wrench);
+            add_wrench(joint, joint.over_step_with_laws(mechanism_.scheme, at, state, damper, mechanism_.memory(j)), wrench);
         else
             add_wrench(joint, joint.over_step(mechanism_.scheme, at, state, damper), wrench);
         if (stiffness) {
             const JointPose end = joint.pose(at);
             const Vector6 deformation = joint.deformation(end, at.from, at.to);
-            add_stiffness(joint, joint.stiffness(end, joint.gain(mechanism_.scheme, state.deformation(), deformation)),
-                          stiffness);
+            add_stiffness(
+                joint,
+                joint.stiffness(end, joint.gain(mechanism_.scheme, state.deformation(), deformation, mechanism_.memory(j))),
+                stiffness);
             // The force that acts as at t_n: that of a trial far from the solution may be any
             const Vector3 acting = mechanism_.scheme.elastic_weight(0) * state.elastic.force;
             add_stiffness(joint, joint.acting_stiffness(end, at.from, at.to, acting), stiffness);
@@ -331,7 +338,7 @@ void Network::commit_joints() {
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
         joint.advance(mechanism_.scheme, {trial(joint.from()), trial(joint.to())}, mechanism_.ends(j), mechanism_.states[j],
-                      mechanism_.damper(j), nullptr);
+                      mechanism_.damper(j), mechanism_.law_memory_of(j), nullptr);
     }
     earlier_.swap(mechanism_.before);
     mechanism_.before.swap(mechanism_.frames);
@@ -401,8 +408,8 @@ void Network::find_mean_wrenches() const {
             rate << damper->halves[0].delta[0], damper->halves[1].delta[0];
             rate /= h;
         }
-        Vector6 f = joint.force(x, rate, 0.5);
-        if (joint.has_laws()) f += joint.beyond_mean(mechanism_.scheme, x, state.deformation());
+        Vector6 f = joint.force(x, rate, mechanism_.memory_before(j), 0.5);
+        if (joint.has_laws()) f += joint.beyond_mean(mechanism_.scheme, x, state.deformation(), mechanism_.memory_before(j));
         if (joint.rigid().any()) f += interior_->rigid_force(mechanism_, j);
         const auto from = static_cast<size_t>(joint.from()), to = static_cast<size_t>(joint.to());
         poses_[j] = joint.pose(mechanism_.before[from], mechanism_.before[to]);
@@ -458,7 +465,8 @@ void Network::stand_by_port_velocities() const {
         const auto from = static_cast<size_t>(joint.from()), to = static_cast<size_t>(joint.to());
         if (!is_implicit()) poses_[j] = joint.pose(mechanism_.before[from], mechanism_.before[to]);
         Vector6& f = forces_[j] =
-            joint.force(state.deformation_before(), mechanism_.damper(j) ? rate_at_start(j) : Vector6(Vector6::Zero()));
+            joint.force(state.deformation_before(), mechanism_.damper(j) ? rate_at_start(j) : Vector6(Vector6::Zero()),
+                        mechanism_.memory_before(j));
         if (joint.rigid().any()) f += interior_->rigid_force_at_start(mechanism_, j);
         Joint::add_wrench(poses_[j].act(f), wrenches_[from].data(), wrenches_[to].data());
     }
@@ -477,7 +485,9 @@ std::vector<std::pair<void*, size_t>> Network::state_parts() const {
     std::vector<std::pair<void*, size_t>> parts = {
         {&mechanism.steps, sizeof mechanism.steps},
         {mechanism.states.data(), mechanism.states.size() * sizeof(JointState)},
-        {mechanism.dampers.data(), mechanism.dampers.size() * sizeof(DamperState)}};
+        {mechanism.dampers.data(), mechanism.dampers.size() * sizeof(DamperState)},
+        {mechanism.law_memory.data(), mechanism.law_memory.size() * sizeof(double)},
+        {mechanism.law_memory_before.data(), mechanism.law_memory_before.size() * sizeof(double)}};
     const auto ports = static_cast<size_t>(port_count()), driven = static_cast<size_t>(mechanism.assembly.driven_count);
     for (std::vector<Frame>* frames : {&mechanism.frames, &mechanism.before}) {
         parts.emplace_back(frames->data(), ports * sizeof(Frame));  // the ground behind them stays where it is
@@ -549,7 +559,8 @@ double* Network::write_energies(double* out, int first, int last) const {
     double strain = 0, dissipated = 0;
     for (auto j = static_cast<size_t>(first); j < static_cast<size_t>(last); ++j) {
         const Joint& joint = mechanism_.joints[j];
-        strain += joint.strain_energy(mechanism_.states[j].d_before, mechanism_.states[j].theta_before);
+        strain += joint.strain_energy(mechanism_.states[j].d_before, mechanism_.states[j].theta_before,
+                                      mechanism_.memory_before(j));
         if (const DamperState* damper = mechanism_.damper(j)) dissipated += damper->dissipated;
     }
     out[0] = strain;

@@ -27,7 +27,7 @@ JointPart part_of(const test::Given& given, const Pose& from = kFirst, const Pos
 /// Force at the start [N].
 double start_force(const test::Given& given) {
     const JointLaw law = *part_of(given).law;
-    return law.at(0, law.axial->length - law.axial->natural).force;
+    return law.at(0, law.axial->length - law.axial->natural, nullptr).force;
 }
 
 std::string spring_fault(const test::Given& given, const Pose& to = kSecond) {

@@ -35,7 +35,7 @@ TEST(LawParameters, GiveEachDirectionItsLaw) {
                                  {"rz.cubic", {-2}}});
     EXPECT_EQ(law.stiffness, (Vector6() << 7, 5, 0, 0, 0, 3).finished());
     for (size_t d = 0; d < 6; ++d) EXPECT_EQ(law.laws[d] != nullptr, d == 5) << d;
-    EXPECT_EQ(law.laws[5]->at(0.5).force, 3 * 0.5 - 2 * 0.125);
+    EXPECT_EQ(law.laws[5]->first(0.5).force, 3 * 0.5 - 2 * 0.125);
 }
 
 // A law of no stiffness at rest carries its direction all the same.

@@ -12,7 +12,7 @@ namespace {
 // by the deformation.
 TEST(Cubic, IsDuffingsSpring) {
     const Cubic law(std::array{4.0, 80.0});
-    const LawOnPath path = law.along(0, 0.5);
+    const LawOnPath path = law.along({0, 0.5});
     EXPECT_EQ(path.force, 12);
     EXPECT_EQ(path.tangent, 64);
     EXPECT_EQ(path.stored, 1.75);

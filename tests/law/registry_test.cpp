@@ -28,11 +28,11 @@ std::vector<std::unique_ptr<const Law>> all_laws() {
 // Oracle: the energy: what a force stores along a path is its mean times the change of deformation.
 TEST(Laws, StoreWhatTheirMeanForceDoes) {
     for (const auto& law : all_laws()) {
-        EXPECT_EQ(law->at(0).force, 0);
-        EXPECT_EQ(law->at(0).stored, 0);
+        EXPECT_EQ(law->first(0).force, 0);
+        EXPECT_EQ(law->first(0).stored, 0);
         for (const auto& [a, b] : kPaths) {
-            const LawOnPath path = law->along(a, b);
-            EXPECT_NEAR(path.mean * (b - a), path.stored - law->at(a).stored, 1e-14);
+            const LawOnPath path = law->along({a, b});
+            EXPECT_NEAR(path.mean * (b - a), path.stored - law->first(a).stored, 1e-14);
             if (a == b) {
                 EXPECT_NEAR(path.mean, path.force, 1e-14);
             }
@@ -45,7 +45,7 @@ TEST(Laws, HaveTheTangentsOfTheirForces) {
     for (const auto& law : all_laws()) {
         for (const auto& [a, b] : kPaths) {
             constexpr double e = 1e-5;
-            const LawOnPath path = law->along(a, b), more = law->along(a, b + e), less = law->along(a, b - e);
+            const LawOnPath path = law->along({a, b}), more = law->along({a, b + e}), less = law->along({a, b - e});
             EXPECT_NEAR(path.tangent, (more.force - less.force) / (2 * e), 1e-8);
             EXPECT_NEAR(path.mean_tangent, (more.mean - less.mean) / (2 * e), 1e-8);
         }
@@ -55,10 +55,10 @@ TEST(Laws, HaveTheTangentsOfTheirForces) {
 // Oracle: the rule itself: where the force depends on the deformation alone, the path does not matter.
 TEST(Laws, DoNotDependOnThePath) {
     for (const auto& law : all_laws()) {
-        EXPECT_EQ(law->along(-0.3, 0.9).force, law->at(0.9).force);
-        EXPECT_EQ(law->along(2.1, 0.9).stored, law->at(0.9).stored);
+        EXPECT_EQ(law->along({-0.3, 0.9}).force, law->first(0.9).force);
+        EXPECT_EQ(law->along({2.1, 0.9}).stored, law->first(0.9).stored);
         if (law->is_linear()) {
-            EXPECT_EQ(law->at(0.9).tangent, law->at(-0.4).tangent);
+            EXPECT_EQ(law->first(0.9).tangent, law->first(-0.4).tangent);
         }
     }
 }

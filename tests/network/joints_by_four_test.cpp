@@ -129,7 +129,7 @@ Answer one_by_one(const SomeJoints& model, std::span<const size_t> joints) {
         answer.largest = std::max(answer.largest, force.force.squaredNorm());
         Joint::add_wrench(force, answer.forces[a].data(), answer.forces[b].data());
         JointForce committed;
-        joint.advance(m.scheme, trial, m.ends(j), answer.after.states[j], answer.after.damper(j), &committed);
+        joint.advance(m.scheme, trial, m.ends(j), answer.after.states[j], answer.after.damper(j), {}, &committed);
         Joint::add_wrench(committed, answer.committed[a].data(), answer.committed[b].data());
     }
     return answer;

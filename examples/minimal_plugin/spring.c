@@ -166,6 +166,6 @@ static const dttmm_plugin plugin = {
     sizeof(dttmm_plugin), DTTMM_PLUGIN_MAJOR, DTTMM_PLUGIN_MINOR, "minimal plugin", "1.0", 1, types, create, destroy, linearise,
     start, begin_step, evaluate, commit_step, discard_step, is_implicit, load_weights, state_size, save_state, restore_state,
     channel_count, channels, outputs, NULL, NULL, NULL, NULL, NULL, NULL, NULL, /* histories only, no modes */ NULL, /* nothing to expect */
-    mean_wrench, stand, NULL};
+    mean_wrench, stand, NULL, NULL};
 
 const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major) { return host_major == DTTMM_PLUGIN_MAJOR ? &plugin : NULL; }

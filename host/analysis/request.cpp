@@ -28,6 +28,8 @@ void set_parameter(Request& request, const std::string& text) {
 constexpr Option kOptions[] = {
     {"--set", Kind::list, kEveryModel, "name=value: another value for a parameter of the model; repeated for others", true,
      true, set_parameter},
+    {"--set", Kind::list, kCheckLaw, "name=value: of a parameter of the law, instead of random ones; repeated for others",
+     false, false, set_parameter},
     {"--step", Kind::text, kTime, "time step instead of the model's, e.g. \"0.5 ms\"", true, true,
      [](Request& request, const std::string& value) { request.overrides.step = value; }},
     {"--tolerance", Kind::text, kTime, "halve the step until results are within, e.g. \"0.1 %\", instead of the model's",

@@ -34,7 +34,7 @@ struct Request {
     bool is_logarithmic = false;  ///< frf: spaced by equal factors
 
     std::vector<std::string> patterns;  ///< channels: those to list; none: all
-    std::vector<std::string> words;     ///< help: the topic; new: the folder; completion: the shell
+    std::vector<std::string> words;     ///< help: the topic; new: the folder; completion: the shell; check-law: the library
 
     std::string command_line;  ///< as typed, for summary.json
     /// The options given, with their values as typed; a flag has an empty one.
@@ -53,7 +53,8 @@ enum Command : unsigned {
     kSchema = 128,
     kNew = 256,
     kCompletion = 512,
-    kManual = 1024
+    kManual = 1024,
+    kCheckLaw = 2048
 };
 
 /// An option of the command line. The commands, the words of a sweep's cases and what decides whether a case is run again

@@ -14,6 +14,7 @@
 
 #include "analysis/channel_list.h"
 #include "analysis/check.h"
+#include "analysis/check_law.h"
 #include "analysis/frf.h"
 #include "analysis/help.h"
 #include "analysis/modes.h"
@@ -86,6 +87,7 @@ const CommandLine kCommands[] = {
      }},
     {kFrf, "frf", "frequency response of a model", Given::model, find_response},
     {kChannels, "channels", "list what a run of a model can record", Given::model_and_patterns, plain<print_channels>},
+    {kCheckLaw, "check-law", "test the force laws of a library", Given::library, plain<check_law>},
     {kNew, "new", "make a folder with a first model", Given::folder, plain<make_new>},
     {kHelp, "help", "keys of a table or an element type, with a complete model", Given::topic, plain<print_help>},
     {kElements, "elements", "list element types and their parameters", Given::topic, plain<print_elements>},
@@ -144,6 +146,9 @@ void add_given(CLI::App& command, Given given, Request& request) {
             break;
         case Given::shell:
             command.add_option("SHELL", request.words, "bash, zsh or fish")->required()->expected(1);
+            break;
+        case Given::library:
+            command.add_option("FILE", request.words, "shared library with laws (dttmm_law.h)")->required()->expected(1);
             break;
         case Given::nothing:
             break;

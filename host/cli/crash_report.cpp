@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "loader/law_library.h"
 #include "loader/plugin_call.h"
 #include "model/error.h"
 #include "record/csv_writer.h"
@@ -74,7 +75,11 @@ const char* name_of(int signal) {
 
 /// "plugin x.so, element "bolt1", t = 0.999 s: "
 void name_plugin(Line& line, const PluginCall& call) {
-    line << "dttmm: plugin " << call.plugin();
+    const dttmm_law* const law = *LawLibrary::at_work();
+    if (law)
+        line << "dttmm: law \"" << law->name << "\" of " << LawLibrary::file_of(law);
+    else
+        line << "dttmm: plugin " << call.plugin();
     if (call.element()) line << (call.is_network() ? ", network of element \"" : ", element \"") << call.element() << "\"";
     if (PluginCall::time() >= 0) line << ", t = " << PluginCall::time() << " s";
     line << ": ";

@@ -48,6 +48,8 @@ const char* given_text(Given given) {
             return " FOLDER";
         case Given::shell:
             return " SHELL";
+        case Given::library:
+            return " FILE";
         case Given::nothing:
             break;
     }

@@ -3,7 +3,6 @@
 
 #include <dlfcn.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include <set>
 #include <span>
 
+#include "loader/law_library.h"
 #include "loader/plugin_call.h"
 #include "model/error.h"
 #include "model/wording.h"
@@ -23,17 +23,10 @@ namespace {
 /// Of the table of a minor version: up to the members that the next one appended.
 constexpr size_t kSizeOfMinor0 = offsetof(dttmm_plugin, create_modal), kSizeOfMinor1 = offsetof(dttmm_plugin, expect),
                  kSizeOfMinor2 = offsetof(dttmm_plugin, mean_wrench), kSizeOfMinor3 = offsetof(dttmm_plugin, force_at_start),
-                 kSizeOfMinor5 = kSizeOfMinor3 + sizeof(dttmm_plugin::force_at_start);
+                 kSizeOfMinor5 = offsetof(dttmm_plugin, add_law) + sizeof(dttmm_plugin::add_law);
 
 [[noreturn]] void fail(const std::string& name, const std::string& fault) {
     throw Error(ExitCode::plugin_failure, fmt::format("plugin {}: {}", name, printable(fault)));
-}
-
-void check_file(const std::filesystem::path& file) {
-    struct stat status {};
-    if (::stat(file.c_str(), &status) != 0) fail(file, "there is no such file; --plugin wants the path of a shared library");
-    if (!S_ISREG(status.st_mode)) fail(file, "this is no regular file");
-    if (status.st_mode & S_IWOTH) fail(file, "everybody may write to this file; it is not loaded (chmod o-w)");
 }
 
 /// Words are one text for one number, each its own, none that reads as a number.
@@ -151,27 +144,27 @@ std::filesystem::path PluginLibrary::built_in_file() {
     return ::dladdr(reinterpret_cast<void*>(&dttmm_plugin_entry), &info) && info.dli_fname ? info.dli_fname : "";
 }
 
-PluginLibrary PluginLibrary::load(const std::filesystem::path& file) {
-    check_file(file);
-    const std::filesystem::path path = std::filesystem::absolute(file);  // a bare name would be searched on the library path
-    const std::string name = file;
+PluginLibrary PluginLibrary::load(const SharedLibrary& library) {
+    const std::string& name = library.name();
     const PluginCall at_work(name);
-    const auto close = [name](void* h) {
-        const PluginCall closing(name);
-        if (h) dlclose(h);
-    };
-    std::shared_ptr<void> handle;  // outlives what the library throws
+    const auto entry = reinterpret_cast<dttmm_plugin_entry_function>(library.symbol(DTTMM_PLUGIN_ENTRY));
+    if (!entry)
+        fail(name, fmt::format("it exports neither {} nor {}: not a dttmm plugin", DTTMM_PLUGIN_ENTRY, DTTMM_LAW_ENTRY));
     try {
-        handle.reset(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL), close);
-        if (!handle) fail(name, dlerror());
-        const auto entry = reinterpret_cast<dttmm_plugin_entry_function>(dlsym(handle.get(), DTTMM_PLUGIN_ENTRY));
-        if (!entry) fail(file, fmt::format("it exports no {}: not a dttmm plugin", DTTMM_PLUGIN_ENTRY));
-        return {file, entry(DTTMM_PLUGIN_MAJOR), handle};
+        return {name, entry(DTTMM_PLUGIN_MAJOR), library.handle()};
     } catch (const Error&) {
         throw;
     } catch (...) {
-        fail(file, describe_exception());
+        fail(name, describe_exception());
     }
+}
+
+bool PluginLibrary::add_law(const dttmm_law& law) const {
+    if (table_->size < kSizeOfMinor5 || !table_->add_law) return false;
+    const PluginCall at_work(name_);
+    dttmm_error error{-1, {}};
+    if (table_->add_law(&law, LawLibrary::at_work(), &error) != DTTMM_OK) fail(name_, error.text);
+    return true;
 }
 
 }  // namespace dttmm::host

@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "dttmm_law.h"
 #include "dttmm_plugin.h"
+#include "loader/shared_library.h"
 
 namespace dttmm::host {
 
@@ -20,9 +22,9 @@ public:
     /// The file of its code; empty if that cannot be made out.
     static std::filesystem::path built_in_file();
 
-    /// Loads `file`. Throws Error(plugin_failure) when it is missing, no regular file, writable for everybody, no library of
-    /// this machine, without the entry symbol, of another major version, or incomplete.
-    static PluginLibrary load(const std::filesystem::path& file);
+    /// Throws Error(plugin_failure) when the library is without the entry symbol, of another major version, or incomplete.
+    static PluginLibrary load(const SharedLibrary& library);
+    static PluginLibrary load(const std::filesystem::path& file) { return load(SharedLibrary(file)); }
 
     const dttmm_plugin& table() const { return *table_; }
     const std::string& name() const { return name_; }
@@ -32,6 +34,8 @@ public:
     bool stands() const;
     /// NULL: no element of it has a force at the start.
     decltype(dttmm_plugin::force_at_start) force_at_start() const;
+    /// Gives its elements one more law; false: they take none. Throws Error(plugin_failure) with what it says of the law.
+    bool add_law(const dttmm_law& law) const;
     /// Whether it can find natural frequencies.
     bool has_modes() const;
 

@@ -3,13 +3,24 @@
 
 #include <fmt/format.h>
 
+#include "loader/law_library.h"
 #include "model/error.h"
 
 namespace dttmm::host {
 
 Plugins::Plugins(const std::vector<std::string>& files) {
-    add(PluginLibrary::built_in());
-    for (const std::string& file : files) add(PluginLibrary::load(file));
+    std::vector<PluginLibrary> plugins = {PluginLibrary::built_in()};
+    std::vector<const dttmm_law*> laws;
+    for (const std::string& file : files) {
+        const SharedLibrary library(file);
+        const std::vector<const dttmm_law*> own = LawLibrary::laws_of(library);
+        laws.insert(laws.end(), own.begin(), own.end());
+        if (own.empty() || library.symbol(DTTMM_PLUGIN_ENTRY)) plugins.push_back(PluginLibrary::load(library));
+    }
+    // Before the element types are read: these have the parameters of the laws
+    for (const dttmm_law* law : laws)
+        for (const PluginLibrary& plugin : plugins) plugin.add_law(*law);
+    for (PluginLibrary& plugin : plugins) add(std::move(plugin));
 }
 
 void Plugins::add(PluginLibrary library) {

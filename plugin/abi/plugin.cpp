@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "dttmm_plugin.h"
 #include "element/registry.h"
+#include "law/registry.h"
 #include "modal/modal_analysis.h"
 #include "network/network.h"
 
@@ -182,8 +183,10 @@ dttmm_status respond(dttmm_modal* modal, double frequency, int32_t on_body, int3
 
 double force_at_start(const dttmm_modal* modal, uint32_t element) { return modal->analysis.force_at_start(element); }
 
-const dttmm_plugin& table() {
-    static const dttmm_plugin plugin = {
+dttmm_status add_law(const dttmm_law* law, const dttmm_law* volatile* at_work, dttmm_error* error);
+
+dttmm_plugin& table() {
+    static dttmm_plugin plugin = {
         sizeof(dttmm_plugin),
         DTTMM_PLUGIN_MAJOR,
         DTTMM_PLUGIN_MINOR,
@@ -218,8 +221,19 @@ const dttmm_plugin& table() {
         mean_wrench,
         stand,
         force_at_start,
+        add_law,
     };
     return plugin;
+}
+
+dttmm_status add_law(const dttmm_law* law, const dttmm_law* volatile* at_work, dttmm_error* error) {
+    return guard(error, [&] {
+        if (law == nullptr || at_work == nullptr) throw Error(DTTMM_ERROR_ARGUMENT, "no law");
+        dttmm::plugin::add_law(*law, at_work);
+        const auto types = dttmm::plugin::element_types();
+        table().element_type_count = static_cast<uint32_t>(types.size());
+        table().element_types = types.data();
+    });
 }
 
 }  // namespace

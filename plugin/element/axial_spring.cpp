@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <memory>
-#include <vector>
 
 #include "core/error.h"
 #include "element/beam.h"
@@ -44,16 +43,10 @@ double deformation_at(const Law& law, double force) {
 }  // namespace
 
 const dttmm_element_type& AxialSpring::type() {
-    static const std::vector<dttmm_parameter> parameters = [] {
-        std::vector<dttmm_parameter> all(std::begin(kParameters), std::end(kParameters));
-        const auto& own = LawParameters::along_a_line().declared();
-        all.insert(all.end(), own.begin(), own.end());
-        return all;
-    }();
-    static const dttmm_element_type type = {
-        "axial_spring", DTTMM_ENDS_ALONG, static_cast<uint32_t>(parameters.size()), parameters.data(),
-        "a spring and a damper along the line between two points, which may move far and turn"};
-    return type;
+    static TypeWithLaws type({"axial_spring", DTTMM_ENDS_ALONG, 0, nullptr,
+                              "a spring and a damper along the line between two points, which may move far and turn"},
+                             kParameters, [](auto add) { add(LawParameters::along_a_line()); });
+    return type.get();
 }
 
 AxialSpring::AxialSpring(std::span<const double> values) {

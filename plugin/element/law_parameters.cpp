@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <deque>
 
 #include "core/error.h"
 #include "core/state_vector.h"
@@ -14,17 +14,19 @@
 namespace dttmm::plugin {
 
 const LawParameters& LawParameters::of_direction(int direction) {
-    static const std::array<LawParameters, 6> all = {
-        LawParameters(kDirectionNames[0], false), LawParameters(kDirectionNames[1], false),
-        LawParameters(kDirectionNames[2], false), LawParameters(kDirectionNames[3], true),
-        LawParameters(kDirectionNames[4], true),  LawParameters(kDirectionNames[5], true)};
-    return all[static_cast<size_t>(direction)];
+    // Anew where a law was added; what was handed out stays
+    static std::deque<std::vector<std::unique_ptr<const LawParameters>>> all;
+    static size_t laws = 0;
+    if (laws != law_types().size()) {
+        laws = law_types().size();
+        auto& own = all.emplace_back();
+        for (int d = 0; d < 6; ++d) own.emplace_back(new LawParameters(kDirectionNames[static_cast<size_t>(d)], d >= 3));
+        own.emplace_back(new LawParameters("", false));
+    }
+    return *all.back()[static_cast<size_t>(direction)];
 }
 
-const LawParameters& LawParameters::along_a_line() {
-    static const LawParameters one("", false);
-    return one;
-}
+const LawParameters& LawParameters::along_a_line() { return of_direction(6); }
 
 LawParameters::LawParameters(const std::string& key, bool is_rotation) : key_(key) {
     std::vector<const LawParameter*> numbers;
@@ -72,6 +74,17 @@ std::unique_ptr<const Law> LawParameters::make(std::span<const double> values) c
                         fmt::format("{} does not belong to the law {}: remove it", full(names_[i]), type.name));
     }
     return type.make(own.data());
+}
+
+const dttmm_element_type& TypeWithLaws::get() {
+    if (laws_ != law_types().size()) {
+        laws_ = law_types().size();
+        std::vector<dttmm_parameter>& all = all_.emplace_back(own_.begin(), own_.end());
+        take_([&](const LawParameters& law) { all.insert(all.end(), law.declared().begin(), law.declared().end()); });
+        type_.parameter_count = static_cast<uint32_t>(all.size());
+        type_.parameters = all.data();
+    }
+    return type_;
 }
 
 void LawParameters::refuse_stiffness(const char* key) const {

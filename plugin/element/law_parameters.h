@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <deque>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -16,7 +18,7 @@ namespace dttmm::plugin {
 /// One key names the law; then come the numbers that any law needs, each once.
 class LawParameters {
 public:
-    /// direction: of x y z rx ry rz.
+    /// direction: of x y z rx ry rz; good until a law is added, as what it declares.
     static const LawParameters& of_direction(int direction);
     /// Of an element that has one spring, between two points: keys without a direction, linear if no law is named.
     static const LawParameters& along_a_line();
@@ -40,6 +42,24 @@ private:
     std::vector<std::string> texts_;  ///< that declared_ points into
     std::vector<dttmm_word> words_;
     std::vector<dttmm_parameter> declared_;
+};
+
+/// An element type that has the parameters of laws behind its own: as many as there are laws.
+class TypeWithLaws {
+public:
+    using Add = std::function<void(const LawParameters&)>;
+    /// take(add): calls add for every direction that may have a law.
+    TypeWithLaws(const dttmm_element_type& type, std::span<const dttmm_parameter> own, void (*take)(Add add))
+        : type_(type), own_(own), take_(take) {}
+    /// Good until a law is added.
+    const dttmm_element_type& get();
+
+private:
+    dttmm_element_type type_;
+    std::span<const dttmm_parameter> own_;
+    void (*take_)(Add);
+    size_t laws_ = 0;
+    std::deque<std::vector<dttmm_parameter>> all_;  ///< what was handed out stays
 };
 
 }  // namespace dttmm::plugin

@@ -12,35 +12,55 @@
 #include "element/elastic_hinge.h"
 #include "element/mass.h"
 #include "element/spring_damper.h"
+#include "law/registry.h"
 
 namespace dttmm::plugin {
 
 namespace {
 
-using Maker = std::unique_ptr<const Element> (*)(const double* values);
-
-template <class E, size_t value_count>
-std::unique_ptr<const Element> make(const double* values) {
-    return std::make_unique<const E>(std::span<const double, value_count>(values, value_count));
-}
-
-/// Of an element whose number of values the table of laws decides.
 template <class E>
-std::unique_ptr<const Element> make_counted(const double* values) {
-    uint32_t count = 0;
-    for (uint32_t p = 0; p < E::type().parameter_count; ++p) count += E::type().parameters[p].count;
-    return std::make_unique<const E>(std::span(values, count));
+const dttmm_element_type& type_of() {
+    if constexpr (requires { E::type(); })
+        return E::type();
+    else
+        return E::kType;
 }
 
-// One line per element, in both tables.
-std::span<const dttmm_element_type> types() {
-    static const std::array all = {SpringDamper::type(), ElasticHinge::kType, PointMass::kType,   RigidBody::kType,
-                                   Beam::kType,          Rod::kType,          AxialSpring::type()};
-    return all;
+/// The values of an element, as many as it takes.
+struct Values {
+    const double* data;
+    size_t count;
+    template <size_t fixed>
+    operator std::span<const double, fixed>() const {
+        return std::span<const double, fixed>(data, fixed == std::dynamic_extent ? count : fixed);
+    }
+};
+
+template <class E>
+std::unique_ptr<const Element> make(const double* values) {
+    const dttmm_element_type& type = type_of<E>();
+    size_t count = 0;
+    for (uint32_t p = 0; p < type.parameter_count; ++p) count += type.parameters[p].count;
+    return std::make_unique<const E>(Values{values, count});
 }
-constexpr std::array kMakers = {make_counted<SpringDamper>, make<ElasticHinge, 12>, make<PointMass, 1>,
-                                make<RigidBody, 10>,        make<Beam, 26>,         make<Rod, 22>,
-                                make_counted<AxialSpring>};
+
+struct Entry {
+    const dttmm_element_type& (*type)();
+    std::unique_ptr<const Element> (*make)(const double* values);
+};
+template <class E>
+constexpr Entry entry{type_of<E>, make<E>};
+
+// One line per element.
+constexpr Entry kEntries[] = {
+    entry<SpringDamper>,  //
+    entry<ElasticHinge>,  //
+    entry<PointMass>,     //
+    entry<RigidBody>,     //
+    entry<Beam>,          //
+    entry<Rod>,           //
+    entry<AxialSpring>,
+};
 
 /// A number in its range, what a word stands for, or nothing where nothing may be given.
 bool is_allowed(const dttmm_parameter& parameter, double value) {
@@ -64,13 +84,21 @@ void check_values(const dttmm_element_type& type, const double* values) {
 
 }  // namespace
 
-std::span<const dttmm_element_type> element_types() { return types(); }
+std::span<const dttmm_element_type> element_types() {
+    static size_t laws = 0;
+    static std::array<dttmm_element_type, std::size(kEntries)> types;
+    if (laws != law_types().size()) {  // their parameters are in them
+        laws = law_types().size();
+        for (size_t t = 0; t < types.size(); ++t) types[t] = kEntries[t].type();
+    }
+    return types;
+}
 
 std::unique_ptr<const Element> make_element(uint32_t type, const double* values) {
-    if (type >= kMakers.size()) throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("there is no element type {}", type));
+    if (type >= std::size(kEntries)) throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("there is no element type {}", type));
     if (values == nullptr) throw Error(DTTMM_ERROR_ARGUMENT, "the element has no values");
-    check_values(types()[type], values);
-    return kMakers[type](values);
+    check_values(kEntries[type].type(), values);
+    return kEntries[type].make(values);
 }
 
 }  // namespace dttmm::plugin

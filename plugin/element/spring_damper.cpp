@@ -2,7 +2,6 @@
 #include "element/spring_damper.h"
 
 #include <memory>
-#include <vector>
 
 #include "element/law_parameters.h"
 #include "element/parameters.h"
@@ -22,18 +21,13 @@ constexpr size_t kLinearValues = 12;
 }  // namespace
 
 const dttmm_element_type& SpringDamper::type() {
-    static const std::vector<dttmm_parameter> parameters = [] {
-        std::vector<dttmm_parameter> all(std::begin(kParameters), std::end(kParameters));
-        for (int d = 0; d < 6; ++d) {
-            const auto& own = LawParameters::of_direction(d).declared();
-            all.insert(all.end(), own.begin(), own.end());
-        }
-        return all;
-    }();
-    static const dttmm_element_type type = {
-        "spring_damper", DTTMM_ENDS_FROM_TO, static_cast<uint32_t>(parameters.size()), parameters.data(),
-        "springs and dampers in three translations and three rotations; a direction without either is free"};
-    return type;
+    static TypeWithLaws type(
+        {"spring_damper", DTTMM_ENDS_FROM_TO, 0, nullptr,
+         "springs and dampers in three translations and three rotations; a direction without either is free"},
+        kParameters, [](auto add) {
+            for (int d = 0; d < 6; ++d) add(LawParameters::of_direction(d));
+        });
+    return type.get();
 }
 
 SpringDamper::SpringDamper(std::span<const double> values) {

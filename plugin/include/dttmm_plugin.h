@@ -261,6 +261,8 @@ typedef struct dttmm_overall {
     double sign, log10_determinant; /* of the square matrix that is left */
 } dttmm_overall;
 
+struct dttmm_law; /* dttmm_law.h */
+
 typedef struct dttmm_plugin {
     uint32_t size;         /* sizeof(dttmm_plugin) as the plugin was compiled */
     uint32_t major, minor; /* DTTMM_PLUGIN_MAJOR, DTTMM_PLUGIN_MINOR as the plugin was compiled */
@@ -376,6 +378,12 @@ typedef struct dttmm_plugin {
     /* Since minor 5; NULL: no element does. The force that an element has at the start and whose stiffness is in the modes
      * [N], positive in tension; 0: none. [after create_modal] */
     double (*force_at_start)(const dttmm_modal* modal, uint32_t element);
+
+    /* Since minor 5; NULL: its elements take no laws but their own. Adds a force law (dttmm_law.h) to those that its
+     * elements may have; the library of the law stays loaded. Afterwards the element types may have more parameters: they
+     * are to be read anew. *at_work is the law while it is asked, NULL otherwise: for whoever reports a crash. [before a
+     * model is read] */
+    dttmm_status (*add_law)(const struct dttmm_law* law, const struct dttmm_law* volatile* at_work, dttmm_error* error);
 } dttmm_plugin;
 
 /* The entry, exported as DTTMM_PLUGIN_ENTRY: the table, or NULL if the plugin does not speak the host's major version. */

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <memory>
 #include <span>
@@ -24,7 +25,7 @@ struct LawParameter {
 struct LawType {
     const char* name;
     std::span<const LawParameter> parameters;
-    std::unique_ptr<const Law> (*make)(const double* values);
+    std::function<std::unique_ptr<const Law>(const double* values)> make;
 };
 
 template <class L, std::size_t count>

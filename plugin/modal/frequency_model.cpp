@@ -115,8 +115,11 @@ FrequencyModel::FrequencyModel(const dttmm_modal_model& model)
     }
     if (!directions_.all()) refer_to_inputs();
     const auto frame = [&](int f) { return frame_of_[static_cast<size_t>(f)]; };
-    for (const JointSpec& joint : assembly_.joints)
-        add_joint(joint.element, frame(joint.from), frame(joint.to), *joint.law, joint.pose);
+    for (const JointSpec& joint : assembly_.joints) try {
+            add_joint(joint.element, frame(joint.from), frame(joint.to), *joint.law, joint.pose);
+        } catch (const Error& error) {
+            throw Error(error.status(), error.what(), joint.element);
+        }
     for (uint32_t c = 0; c < model.constraint_count; ++c) {
         const dttmm_constraint& constraint = model.constraints[c];
         JointLaw law;

@@ -150,29 +150,38 @@ Vector6 Joint::deformation(const JointPose& pose, FrameView from, FrameView to) 
     return x;
 }
 
+/// What the law of a direction answers; a fault names the element.
+LawOnPath Joint::ask(int direction, const LawPath& path) const {
+    try {
+        return law_->along(direction, path);
+    } catch (const Error& error) {
+        throw Error(error.status(), error.what(), element_);
+    }
+}
+
 /// The forces of laws in place of those of linear springs.
 void Joint::put_laws(const LawsAt& from, const Vector6& x, Vector6& f) const {
-    for (int d = 0; d < 6; ++d) f(d) = law_->along(d, {from.x(d), x(d), from.time, from.memory}).force;
+    for (int d = 0; d < 6; ++d) f(d) = ask(d, {from.x(d), x(d), from.time, from.memory}).force;
 }
 
 /// Its derivative by the deformations.
 Vector6 Joint::spring_tangent(const LawsAt& from, const Vector6& x) const {
     if (!has_laws_) return law_->stiffness;
     Vector6 k;
-    for (int d = 0; d < 6; ++d) k(d) = law_->along(d, {from.x(d), x(d), from.time, from.memory}).tangent;
+    for (int d = 0; d < 6; ++d) k(d) = ask(d, {from.x(d), x(d), from.time, from.memory}).tangent;
     return k;
 }
 
 double Joint::energy_of_laws(const Vector6& x, const double* memory) const {
     double stored = 0;
-    for (int d = 0; d < 6; ++d) stored += law_->at(d, x(d), memory).stored;
+    for (int d = 0; d < 6; ++d) stored += ask(d, {x(d), x(d), 0, memory}).stored;
     return stored;
 }
 
 LawOnPath Joint::law_on_path(int direction, const LawPath& path) const {
-    LawOnPath on_path = law_->along(direction, path);
+    LawOnPath on_path = ask(direction, path);
     if (takes_ends_[direction / 3]) {
-        on_path.mean = 0.5 * (law_->at(direction, path.from, path.memory).force + on_path.force);
+        on_path.mean = 0.5 * (ask(direction, {path.from, path.from, 0, path.memory}).force + on_path.force);
         on_path.mean_tangent = 0.5 * on_path.tangent;
     }
     return on_path;
@@ -181,7 +190,7 @@ LawOnPath Joint::law_on_path(int direction, const LawPath& path) const {
 Joint::OnPath Joint::on_path(const Scheme& scheme, int direction, double now, double end, const double* memory) const {
     const double weight = scheme.elastic_weight(0), lag = scheme.lag(), k = law_->stiffness(direction);
     const LawOnPath path = law_on_path(direction, {now, end, scheme.step_size(), memory});
-    const double start = law_->at(direction, now, memory).force;
+    const double start = ask(direction, {now, now, 0, memory}).force;
     OnPath step;
     step.mean = path.mean - 0.5 * (start + path.force);
     step.rate = lag * (path.force - start - k * (end - now)) + 0.5 * step.mean;
@@ -224,7 +233,7 @@ void Joint::start_laws(Ends at, const JointPose& pose, LawMemory memory, Straine
     const size_t size = law_->memory_before(6);
     std::fill_n(memory.before, size, 0.0);
     std::fill_n(memory.now, size, 0.0);
-    for (int d = 0; d < 6; ++d) law_->along(d, {0, x(d), 0, memory.before, memory.now});
+    for (int d = 0; d < 6; ++d) ask(d, {0, x(d), 0, memory.before, memory.now});
     std::copy_n(memory.now, size, memory.before);
     strained.elastic = act(pose, x, spring_force(x, memory.now));
 }
@@ -418,7 +427,7 @@ void Joint::advance_with_laws(const Scheme& scheme, Ends next, Ends now, JointSt
     if (scheme.is_implicit()) state.known.add(1, act(at_now, start, beyond(scheme, start, x, memory.now).rate));
     std::copy_n(memory.now, law_->memory_before(6), memory.before);
     for (int d = 0; d < 6; ++d)
-        damper->last_loss += law_->along(d, {start(d), x(d), scheme.step_size(), memory.before, memory.now}).dissipated;
+        damper->last_loss += ask(d, {start(d), x(d), scheme.step_size(), memory.before, memory.now}).dissipated;
 }
 
 void Joint::refuse_large_rotation(FrameView from, FrameView to) const {

@@ -183,11 +183,6 @@ public:
         const JointPose at_end = seat_.pose(trial.from, trial.to);
         return springs_.weigh(scheme, springs_.strain(at_end, seat_.axes_at_to(trial.to)), at_end, state, damper);
     }
-    [[gnu::noinline, gnu::cold]] JointForce over_step_with_laws(const Scheme& scheme, Ends trial, const JointState& state,
-                                                                const DamperState* damper, const double* memory) const {
-        const JointPose at_end = pose(trial);
-        return weigh(scheme, strain(scheme, trial, at_end, state, memory), at_end, state, damper, memory);
-    }
     /// The damping force from the start of the open step to a trial end of it: the mean rate in the mean of the axes.
     JointForce damping_half_way(Ends trial, Ends now, double h, const JointState& state, const DamperState& damper) const;
     /// Moves the memory on to the accepted end of the step. force: if given, takes the force over the step as over_step
@@ -213,6 +208,7 @@ private:
         const double* memory;
         double time;
     };
+    LawOnPath ask(int direction, const LawPath& path) const;
     LawOnPath law_on_path(int direction, const LawPath& path) const;
     Beyond beyond(const Scheme& scheme, const Vector6& x, const Vector6& end, const double* memory) const;
     // Not inlined: links with laws are few

@@ -289,34 +289,55 @@ void Network::evaluate(const dttmm_motion* nodes, double* wrench, double* stiffn
     }
 }
 
-DTTMM_WIDE void Network::evaluate_joints(double* wrench, double* stiffness) const {
+void Network::evaluate_joints(double* wrench, double* stiffness) const {
     const size_t n = 6 * static_cast<size_t>(port_count());
     std::fill_n(wrench, n, 0.0);
     if (stiffness) std::fill_n(stiffness, n * n, 0.0);
+    if (!is_implicit()) {  // the trial is not looked at
+        for (size_t j = 0; j < mechanism_.joints.size(); ++j)
+            add_wrench(mechanism_.joints[j], mechanism_.states[j].known, wrench);
+    } else if (has_laws_) {
+        evaluate_joints_with_laws(wrench, stiffness);
+    } else {
+        evaluate_linear_joints(wrench, stiffness);
+    }
+}
+
+[[gnu::always_inline]] inline void Network::add_joint_stiffness(size_t j, Ends at, double* stiffness) const {
+    const Joint& joint = mechanism_.joints[j];
+    const JointState& state = mechanism_.states[j];
+    const JointPose end = joint.pose(at);
+    const Vector6 deformation = joint.deformation(end, at.from, at.to);
+    add_stiffness(
+        joint, joint.stiffness(end, joint.gain(mechanism_.scheme, state.deformation(), deformation, mechanism_.memory(j))),
+        stiffness);
+    // The force that acts as at t_n: that of a trial far from the solution may be any
+    const Vector3 acting = mechanism_.scheme.elastic_weight(0) * state.elastic.force;
+    add_stiffness(joint, joint.acting_stiffness(end, at.from, at.to, acting), stiffness);
+}
+
+DTTMM_WIDE void Network::evaluate_linear_joints(double* wrench, double* stiffness) const {
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
-        const JointState& state = mechanism_.states[j];
-        if (!is_implicit()) {  // the trial is not looked at
-            add_wrench(joint, state.known, wrench);
-            continue;
-        }
         const Ends at = {trial(joint.from()), trial(joint.to())};
-        const DamperState* damper = mechanism_.damper(j);
-        if (joint.has_laws()) [[unlikely]]
-            add_wrench(joint, joint.over_step_with_laws(mechanism_.scheme, at, state, damper, mechanism_.memory(j)), wrench);
-        else
-            add_wrench(joint, joint.over_step(mechanism_.scheme, at, state, damper), wrench);
-        if (stiffness) {
-            const JointPose end = joint.pose(at);
-            const Vector6 deformation = joint.deformation(end, at.from, at.to);
-            add_stiffness(
-                joint,
-                joint.stiffness(end, joint.gain(mechanism_.scheme, state.deformation(), deformation, mechanism_.memory(j))),
-                stiffness);
-            // The force that acts as at t_n: that of a trial far from the solution may be any
-            const Vector3 acting = mechanism_.scheme.elastic_weight(0) * state.elastic.force;
-            add_stiffness(joint, joint.acting_stiffness(end, at.from, at.to, acting), stiffness);
-        }
+        add_wrench(joint, joint.over_step(mechanism_.scheme, at, mechanism_.states[j], mechanism_.damper(j)), wrench);
+        if (stiffness) add_joint_stiffness(j, at, stiffness);
+    }
+}
+
+/// Not wide: what throws must not pass a function that is compiled for several processors (g++ 12 ends the process then).
+void Network::evaluate_joints_with_laws(double* wrench, double* stiffness) const {
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const Joint& joint = mechanism_.joints[j];
+        const Ends at = {trial(joint.from()), trial(joint.to())};
+        const JointPose at_end = joint.pose(at);
+        const JointState& state = mechanism_.states[j];
+        const double* const memory = mechanism_.memory(j);
+        add_wrench(joint,
+                   joint.weigh(mechanism_.scheme, joint.strain(mechanism_.scheme, at, at_end, state, memory), at_end, state,
+                               mechanism_.damper(j), memory),
+                   wrench);
+        if (stiffness) add_joint_stiffness(j, at, stiffness);
     }
 }
 

@@ -78,6 +78,9 @@ private:
     void add_stiffness(const Joint& joint, const EndBlocks& blocks, double* stiffness) const;
     void linearise_joints(const dttmm_motion* ports, double* wrench, double* stiffness, double* damping) const;
     void evaluate_joints(double* wrench, double* stiffness) const;
+    void evaluate_linear_joints(double* wrench, double* stiffness) const;
+    void evaluate_joints_with_laws(double* wrench, double* stiffness) const;
+    void add_joint_stiffness(size_t joint, Ends at, double* stiffness) const;
     void start_joints(const dttmm_motion* ports, const double* accelerations);
     void commit_joints();
 

@@ -540,6 +540,7 @@ static const dttmm_plugin table = {
     NULL,                 NULL,               NULL,
     NULL,                 NULL,
     mean_wrench,          stand,              NULL,
+    NULL,
 };
 
 const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major) { return host_major == DTTMM_PLUGIN_MAJOR ? &table : NULL; }

@@ -56,6 +56,7 @@ nlohmann::json run_example(const std::string& name, const std::string& options) 
     std::vector<std::string> words = words_of(options);
     if (words.empty() || words.front().starts_with("-")) words.insert(words.begin(), "run");
     words.insert(words.begin() + 1, {model, "-q", "-o", folder.path() / "results"});
+    if (name == "minimal_law") words.insert(words.end(), {"--plugin", test::paths::jenkins()});
     if (name == "minimal_plugin") words.insert(words.end(), {"--plugin", test::paths::c_spring()});
     const Ended ended = run_dttmm(folder.path(), words);
     EXPECT_EQ(ended.code, 0) << ended.err;

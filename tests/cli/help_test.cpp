@@ -137,6 +137,8 @@ TEST(Schema, IsTheOneBesideTheExamples) {
     EXPECT_EQ(schema, read_text(examples / "model.schema.json")) << "run: dttmm schema > examples/model.schema.json";
     EXPECT_EQ(run_dttmm("/", {"schema", "--plugin", test::paths::c_spring()}).out,
               read_text(examples / "minimal_plugin/model.schema.json"));
+    EXPECT_EQ(run_dttmm("/", {"schema", "--plugin", test::paths::jenkins()}).out,
+              read_text(examples / "minimal_law/model.schema.json"));
     const nlohmann::json json = nlohmann::json::parse(schema);
     std::set<std::string> references;
     collect_references(json, references);
@@ -145,7 +147,7 @@ TEST(Schema, IsTheOneBesideTheExamples) {
         EXPECT_TRUE(json.contains(nlohmann::json::json_pointer(reference.substr(1)))) << reference;
     for (const auto& folder : fs::directory_iterator(examples)) {
         if (!folder.is_directory()) continue;
-        const bool is_foreign = folder.path().filename() == "minimal_plugin";
+        const bool is_foreign = folder.path().filename().string().starts_with("minimal_");
         EXPECT_TRUE(read_text(folder.path() / "model.toml")
                         .starts_with(is_foreign ? "#:schema ./model.schema.json\n" : "#:schema ../model.schema.json\n"))
             << folder.path();
@@ -177,7 +179,7 @@ TEST(Schema, LintersTakeTheExamplesAndFindFaults) {
             return std::system(fmt::format("cd {} && {} > lint.out 2>&1", folder.path().string(), linter).c_str()) == 0;
         };
         for (const auto& example : fs::directory_iterator(examples)) {
-            if (!example.is_directory() || example.path().filename() == "minimal_plugin") continue;
+            if (!example.is_directory() || example.path().filename().string().starts_with("minimal_")) continue;
             EXPECT_TRUE(passes(read_text(example.path() / "model.toml")))
                 << example.path() << read_text(folder / "lint.out");
         }
@@ -204,7 +206,7 @@ TEST(Completion, KnowsCommandsOptionsTopicsAndWhatIsInTheModel) {
         EXPECT_EQ(ended.err, "");
         return lines(ended.out);
     };
-    EXPECT_THAT(complete({"c"}), ElementsAre("check", "channels", "completion"));
+    EXPECT_THAT(complete({"c"}), ElementsAre("check", "channels", "check-law", "completion"));
     EXPECT_THAT(complete({"run", "--to"}), ElementsAre("--tolerance"));
     EXPECT_THAT(complete({"run", "small.toml", "--se"}), ElementsAre("--set"));
     EXPECT_THAT(complete({"run", "small.toml", "--set", ""}), Contains("mass="));

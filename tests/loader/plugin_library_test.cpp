@@ -55,7 +55,7 @@ TEST(PluginLibrary, WhatIsNoLibraryIsRefused) {
 TEST(PluginLibrary, ABareNameIsNotSearchedOnTheLibraryPath) { expect_refused("libc.so.6", "there is no such file"); }
 
 TEST(PluginLibrary, ALibraryThatIsNoPluginOfThisVersionIsRefused) {
-    expect_refused(faulty_plugin("no_entry"), "it exports no dttmm_plugin_entry");
+    expect_refused(faulty_plugin("no_entry"), "it exports neither dttmm_plugin_entry nor dttmm_law_entry");
     expect_refused(faulty_plugin("null_table"), "does not support version 1");
     expect_refused(faulty_plugin("other_major"), "built for version 2");
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "support/paths.h"
 #include "support/recorded_run.h"
 
 namespace dttmm::host {
@@ -321,6 +322,53 @@ TEST(LawsOfSprings, ALinearLawIsASpring) {
     for (size_t n = 0; n < law.count(); ++n)
         for (const char* channel : {"spring.force", "bar.force", "tip.position"})
             EXPECT_LT((law.vector(n, channel) - spring.vector(n, channel)).norm(), 1e-9 * 400) << channel << " row " << n;
+}
+
+// ---- Laws that remember: the slider and spring of examples/minimal_law
+// ----------------------------------------------------
+
+constexpr double kSlipStiffness = 1e6, kSlip = 100, kThrown = 0.5;  // N/m, N, m/s
+
+/// A body thrown against it.
+RecordedRun thrown(Held held, double step, double duration) {
+    const std::string parts =
+        held == Held::body
+            ? fmt::format("[[body]]\nname = \"m\"\nmass = {}\ninertia = [1, 2, 3]\nvelocity = [0, 0, {}]\n", kMass, kThrown)
+            : fmt::format(
+                  "[nodes]\nm = {{ position = [0, 0, 0], velocity = [0, 0, {}], fixed = [\"x\", \"y\", \"rx\", \"ry\", "
+                  "\"rz\"] }}\n[[element]]\nname = \"mass\"\ntype = \"point_mass\"\nat = \"m\"\nmass = {}\n",
+                  kThrown, kMass);
+    return RecordedRun(
+        fmt::format("[simulation]\nstep = {}\nduration = {}\n[output]\nstep = {}\n{}\n[[element]]\nname = "
+                    "\"pad\"\ntype = \"spring_damper\"\nfrom = \"ground\"\nto = \"m\"\nz = {{ law = \"jenkins\", "
+                    "stiffness = {}, slip = {} }}\n",
+                    step, duration, step, parts, kSlipStiffness, kSlip),
+        {test::paths::jenkins()});
+}
+
+// Oracle: closed form. It sticks up to 100 N, then slides under that force until its energy but the stored ½ F²/k is gone,
+// at F/k + (½ m v² − ½ F²/k)/F, and swings about F/k before that for ever.
+TEST(LawsWithMemory, AThrownBodySlidesAsFarAsItsEnergyLasts) {
+    const double stored = 0.5 * kSlip * kSlip / kSlipStiffness, energy = 0.5 * kMass * kThrown * kThrown;
+    const double turn = kSlip / kSlipStiffness + (energy - stored) / kSlip;
+    for (Held held : {Held::body, Held::node}) {
+        for (double step : {2e-4, 1e-4}) {
+            const RecordedRun run = thrown(held, step, 0.03);
+            double farthest = 0, nearest = 1;
+            for (size_t n = 0; n < run.count(); ++n) {
+                const double z = run(n, "m.position.z");
+                farthest = std::max(farthest, z);
+                if (run(n, "time") > 0.02) nearest = std::min(nearest, z);
+                EXPECT_LE(std::abs(run(n, "pad.force.z")), kSlip * (1 + 1e-12));
+                EXPECT_NEAR(run(n, "energy.kinetic") + run(n, "energy.strain") + run(n, "energy.dissipated"), energy,
+                            1e-9 * energy);
+            }
+            const double slack = 40 * step * step;  // of second order
+            EXPECT_NEAR(farthest, turn, slack);
+            EXPECT_NEAR(nearest, turn - 2 * kSlip / kSlipStiffness, slack);
+            EXPECT_NEAR(run(run.count() - 1, "energy.dissipated"), energy - stored, 2 * kSlip * slack);
+        }
+    }
 }
 
 }  // namespace

@@ -12,6 +12,7 @@ std::string binary_dir();
 std::string command();             ///< dttmm
 std::string library();             ///< the built-in plugin
 std::string chain();               ///< tests/loader/chain
+std::string jenkins();             ///< examples/minimal_law
 std::string c_spring();            ///< examples/minimal_plugin
 std::string faulty_plugins();      ///< the folder of those of tests/loader/faulty
 std::string independent_spring();  ///< tests/abi/independent_spring.c

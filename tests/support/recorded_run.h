@@ -18,8 +18,8 @@ using namespace host;
 class RecordedRun {
 public:
     /// text: a model without its format.
-    explicit RecordedRun(const std::string& text) {
-        const Plugins plugins;
+    explicit RecordedRun(const std::string& text, const std::vector<std::string>& libraries = {}) {
+        const Plugins plugins(libraries);
         const Model model = parse_model("format = \"dttmm/1\"\n" + text, "model.toml", plugins.catalogue());
         Simulation simulation(model, plugins);
         for (size_t c = 0; c < simulation.channels().size(); ++c) columns_[simulation.channels()[c].name] = c;

@@ -344,6 +344,7 @@ static const dttmm_plugin table = {
     NULL, /* rows by the means over two steps */
     NULL,
     NULL,
+    NULL,
 };
 
 const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major) {

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/check_law.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "loader/law_library.h"
+#include "loader/plugin_call.h"
+#include "loader/plugin_library.h"
+#include "model/error.h"
+#include "model/units.h"
+
+namespace dttmm::host {
+
+namespace {
+
+using Answer = dttmm_law_answer;
+using Memory = std::vector<double>;
+
+constexpr int kSets = 60, kPaths = 25;
+/// Reach of the deformations, and of parameters that are not given [SI]: decades.
+constexpr double kLeastReach = -6, kMostReach = -1, kLeastValue = -1, kMostValue = 6;
+/// Of the differences that stand for tangents, as share of the reach, and how near a tangent must be to one.
+constexpr double kDifference = 1e-6, kNear = 1e-4;
+/// Of energies and forces, as share of the largest: rounding of a few operations.
+constexpr double kRounding = 1e-9;
+
+/// Asks one law, and remembers the first fault of each kind.
+class Examination {
+public:
+    Examination(const dttmm_law& law, const Request& request) : law_(law), request_(request) {}
+
+    void run() {
+        for (int set = 0; set < kSets; ++set) {
+            draw_values();
+            walk(std::pow(10, uniform(kLeastReach, kMostReach)));
+        }
+    }
+    size_t paths() const { return paths_; }
+    const std::map<std::string, std::string>& faults() const { return faults_; }
+
+private:
+    struct Asked {
+        Answer answer;
+        Memory after;
+    };
+
+    double uniform(double low, double high) { return low + (high - low) * static_cast<double>(random_() >> 11) * 0x1p-53; }
+
+    void draw_values() {
+        values_.clear();
+        for (const dttmm_law_parameter& parameter : std::span(law_.parameters, law_.parameter_count)) {
+            const double size = std::pow(10, uniform(kLeastValue, kMostValue));
+            double value = parameter.minimum < 0 && uniform(0, 1) < 0.5 ? -size : size;
+            for (const auto& [name, text] : request_.overrides.parameters)
+                if (name == parameter.name) value = parse_quantity(text, parameter.unit);
+            values_.push_back(std::max(value, parameter.minimum));
+        }
+    }
+
+    Asked ask(double from, double to, const Memory& memory) {
+        Asked asked{{}, Memory(law_.memory_count, 0)};
+        const Memory given = memory;
+        const dttmm_law_path path{from, to, from == to ? 0 : 1e-3, memory.data(), asked.after.data()};
+        *LawLibrary::at_work() = &law_;
+        law_.along(values_.data(), &path, &asked.answer);
+        *LawLibrary::at_work() = nullptr;
+        if (given != memory) fault("it changes the memory it is given", "");
+        return asked;
+    }
+
+    void fault(const char* rule, const std::string& figures) {
+        if (faults_.contains(rule)) return;
+        std::string given;
+        for (size_t p = 0; p < values_.size(); ++p)
+            given += fmt::format("{}{} = {:.6g}", p > 0 ? ", " : "", law_.parameters[p].name, values_[p]);
+        faults_[rule] = fmt::format("{}{}{}", figures, figures.empty() || given.empty() ? "" : "; ", given);
+    }
+
+    static bool is_finite(const Asked& asked) {
+        const Answer& a = asked.answer;
+        return std::isfinite(a.force) && std::isfinite(a.tangent) && std::isfinite(a.mean) &&
+               std::isfinite(a.mean_tangent) && std::isfinite(a.stored) && std::isfinite(a.dissipated) &&
+               std::ranges::all_of(asked.after, [](double x) { return std::isfinite(x); });
+    }
+    static bool is_same(const Asked& a, const Asked& b) {
+        const Answer &p = a.answer, &q = b.answer;
+        return p.force == q.force && p.tangent == q.tangent && p.mean == q.mean && p.mean_tangent == q.mean_tangent &&
+               p.stored == q.stored && p.dissipated == q.dissipated && a.after == b.after;
+    }
+
+    /// Between the differences to either side, where the law has a kink.
+    static bool is_derivative(double tangent, double at, double less, double more, double e, double scale) {
+        const double left = (at - less) / e, right = (more - at) / e;
+        const double slack = kNear * std::max({std::abs(left), std::abs(right), std::abs(tangent)}) + 1e-14 * scale / e;
+        return tangent >= std::min(left, right) - slack && tangent <= std::max(left, right) + slack;
+    }
+
+    /// A random way of straight paths within a reach, from the undeformed state.
+    void walk(double reach) {
+        Memory memory(law_.memory_count, 0);
+        Answer before = ask(0, 0, memory).answer;
+        if (before.force != 0 || before.stored != 0)
+            fault("undeformed it has a force or energy", fmt::format("{:.6g}, {:.6g}", before.force, before.stored));
+        double from = 0, force = 0, energy = 0;  // largest
+        for (int path = 0; path < kPaths; ++path) {
+            const double to = uniform(-reach, reach);
+            ++paths_;
+            const Asked asked = ask(from, to, memory);
+            if (!is_finite(asked)) return fault("its answer is not finite", fmt::format("path {:.6g} to {:.6g}", from, to));
+            force = std::max({force, std::abs(asked.answer.force), std::abs(asked.answer.mean)});
+            energy = std::max({energy, std::abs(asked.answer.stored), std::abs(asked.answer.mean * (to - from))});
+            look_at_rest(from, before, memory, force);
+            look_at_path(from, to, before, memory, asked, reach, force, energy);
+            before = asked.answer;
+            memory = asked.after;
+            from = to;
+        }
+    }
+
+    /// A path of no length changes nothing.
+    void look_at_rest(double at, const Answer& before, const Memory& memory, double force) {
+        const Asked rest = ask(at, at, memory);
+        if (!is_finite(rest)) return fault("its answer is not finite", fmt::format("path of no length at {:.6g}", at));
+        if (std::abs(rest.answer.force - before.force) > kRounding * force)
+            fault("a path of no length changes its force",
+                  fmt::format("from {:.6g} to {:.6g}", before.force, rest.answer.force));
+        for (size_t m = 0; m < memory.size(); ++m)
+            if (std::abs(rest.after[m] - memory[m]) > kRounding * (std::abs(memory[m]) + std::abs(at)))
+                fault("a path of no length changes its memory",
+                      fmt::format("from {:.6g} to {:.6g}", memory[m], rest.after[m]));
+    }
+
+    void look_at_path(double from, double to, const Answer& before, const Memory& memory, const Asked& asked, double reach,
+                      double force, double energy) {
+        const Answer& now = asked.answer;
+        const double e = kDifference * reach;
+        const Answer less = ask(from, to - e, memory).answer, more = ask(from, to + e, memory).answer;
+        if (!is_same(asked, ask(from, to, memory))) fault("it answers the same question in two ways", "");
+        if (!is_derivative(now.tangent, now.force, less.force, more.force, e, force))
+            fault("its tangent is not the derivative of its force",
+                  fmt::format("{:.6g}; differences {:.6g} and {:.6g}", now.tangent, (now.force - less.force) / e,
+                              (more.force - now.force) / e));
+        if (std::abs(to - from) > 100 * e && !is_derivative(now.mean_tangent, now.mean, less.mean, more.mean, e, force))
+            fault("its mean_tangent is not the derivative of its mean force",
+                  fmt::format("{:.6g}; differences {:.6g} and {:.6g}", now.mean_tangent, (now.mean - less.mean) / e,
+                              (more.mean - now.mean) / e));
+        if (now.dissipated < -kRounding * energy)
+            fault("it dissipates less than nothing", fmt::format("{:.6g}", now.dissipated));
+        const double work = now.mean * (to - from), kept = now.stored - before.stored + now.dissipated;
+        if (std::abs(work - kept) > kRounding * energy)
+            fault("its mean force does not do what it stores and dissipates", fmt::format("{:.6g}, {:.6g}", work, kept));
+        if (law_.memory_count > 0) return;
+        // Elastic: the way does not matter, and a way round does no work
+        const double other = uniform(-reach, reach);
+        const Answer back = ask(to, other, memory).answer, round = ask(other, from, memory).answer,
+                     elsewhere = ask(other, to, memory).answer;
+        if (std::abs(elsewhere.force - now.force) > kRounding * force)
+            fault("it is elastic, but its force depends on the way",
+                  fmt::format("{:.6g}, {:.6g}", now.force, elsewhere.force));
+        const double loop = work + back.mean * (other - to) + round.mean * (from - other);
+        if (std::abs(loop) > kRounding * energy)
+            fault("it is elastic, but does work on the way round", fmt::format("{:.6g} of {:.6g}", loop, energy));
+    }
+
+    const dttmm_law& law_;
+    const Request& request_;
+    std::mt19937_64 random_{1};
+    std::vector<double> values_;
+    std::map<std::string, std::string> faults_;  ///< by rule, with figures
+    size_t paths_ = 0;
+};
+
+}  // namespace
+
+void check_law(const Request& request) {
+    const SharedLibrary library(request.words.front());
+    const std::vector<const dttmm_law*> laws = LawLibrary::laws_of(library);
+    if (laws.empty())
+        throw Error(ExitCode::plugin_failure,
+                    fmt::format("{}: it exports no {}: there is no law in it", library.name(), DTTMM_LAW_ENTRY));
+    for (const dttmm_law* law : laws) PluginLibrary::built_in().add_law(*law);  // looks at how it is declared
+    for (const auto& [name, text] : request.overrides.parameters)
+        if (std::ranges::none_of(laws, [&, own = name](const dttmm_law* law) {
+                return std::ranges::any_of(std::span(law->parameters, law->parameter_count),
+                                           [&](const dttmm_law_parameter& one) { return own == one.name; });
+            }))
+            throw Error(ExitCode::usage, fmt::format("--set {}: no law has a parameter of that name", name));
+    std::string faults;
+    for (const dttmm_law* law : laws) {
+        Examination examination(*law, request);
+        const PluginCall at_work(library.name());
+        examination.run();
+        if (examination.faults().empty())
+            fmt::print("law \"{}\": keeps all rules, {} paths with {} sets of parameters\n", law->name, examination.paths(),
+                       kSets);
+        for (const auto& [rule, figures] : examination.faults())
+            faults += fmt::format("{}law \"{}\": {}{}", faults.empty() ? "" : "\n", law->name, rule,
+                                  figures.empty() ? "" : fmt::format(" ({})", figures));
+    }
+    if (!faults.empty()) throw Error(ExitCode::plugin_failure, fmt::format("{}: {}", library.name(), faults));
+}
+
+}  // namespace dttmm::host

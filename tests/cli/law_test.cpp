@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Laws of other people: tested by check-law, and what becomes of a run with a bad one.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "process.h"
+#include "support/paths.h"
+
+namespace dttmm::host {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string faulty_law(const std::string& fault) { return test::paths::binary_dir() + "/tests/faulty/law_" + fault + ".so"; }
+
+TEST(CheckLaw, PassesALawThatKeepsTheRules) {
+    for (const std::string& law : {test::paths::jenkins(), faulty_law("none")}) {
+        const Ended ended = run_dttmm("/", {"check-law", law});
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        EXPECT_THAT(ended.out, HasSubstr(": keeps all rules, 1500 paths"));
+    }
+    EXPECT_EQ(run_dttmm("/", {"check-law", test::paths::jenkins(), "--set", "slip=2 kN", "--set", "stiffness=3 kN/mm"}).code,
+              0);
+    EXPECT_THAT(run_dttmm("/", {"check-law", test::paths::jenkins(), "--set", "slop=2"}).err,
+                HasSubstr("--set slop: no law has a parameter of that name"));
+}
+
+// Oracle: planted faults.
+TEST(CheckLaw, FindsEveryPlantedFault) {
+    const std::pair<const char*, const char*> faults[] = {
+        {"wrong_tangent", "its tangent is not the derivative of its force"},
+        {"impure", "it answers the same question in two ways"},
+        {"force_at_zero", "a path of no length changes its force"},
+        {"negative_dissipation", "it dissipates less than nothing"},
+        {"open_loop", "it is elastic, but does work on the way round"},
+        {"not_a_number", "its answer is not finite"},
+        {"writes_memory", "it changes the memory it is given"},
+        {"other_major", "law \"faulty\": it is of another version"},
+        {"no_name", "its name must be letters, digits and underscores"},
+        {"taken_name", "there is another law of this name"},
+        {"much_memory", "it remembers more than 256 numbers"},
+        {"other_unit", "another law has a parameter of the same name with another unit"}};
+    for (const auto& [fault, says] : faults) {
+        const Ended ended = run_dttmm("/", {"check-law", faulty_law(fault)});
+        EXPECT_EQ(ended.code, 7) << fault;
+        EXPECT_THAT(ended.err, HasSubstr(says)) << fault;
+        EXPECT_EQ(ended.out, "") << fault;
+    }
+    EXPECT_THAT(run_dttmm("/", {"check-law", test::paths::c_spring()}).err, HasSubstr("there is no law in it"));
+    EXPECT_EQ(run_dttmm("/", {"check-law", "/nowhere.so"}).code, 7);
+}
+
+constexpr const char* kModel = R"(format = "dttmm/1"
+[simulation]
+duration = "20 ms"
+step = "1 ms"
+[[body]]
+name = "b"
+mass = 2
+box = [0.1, 0.2, 0.3]
+velocity = [0, 0, 0.1]
+[[element]]
+name = "pad"
+type = "spring_damper"
+from = "ground"
+to = "b"
+stiffness = [1e4, 1e4, 0]
+rotational_stiffness = [10, 10, 10]
+z = { law = "faulty", stiffness = 2e4 }
+)";
+
+// Oracle: the linear spring that it is.
+TEST(ForeignLaw, RunsAsTheSpringThatItIs) {
+    const TemporaryFolder folder;
+    const std::string linear = kModel;
+    write_text(folder / "law.toml", linear);
+    write_text(folder / "linear.toml", std::string(linear).replace(linear.find("faulty"), 6, "linear"));
+    EXPECT_EQ(run_dttmm(folder.path(), {"run", "law.toml", "-q", "-o", "law", "--plugin", faulty_law("none")}).code, 0);
+    EXPECT_EQ(run_dttmm(folder.path(), {"run", "linear.toml", "-q", "-o", "linear"}).code, 0);
+    const auto law = read_history(folder / "law/history.csv"), own = read_history(folder / "linear/history.csv");
+    ASSERT_EQ(law.size(), own.size());
+    for (size_t n = 0; n < law.size(); ++n)
+        for (size_t c = 0; c < law[n].size(); ++c) EXPECT_NEAR(law[n][c], own[n][c], 1e-9 * (1 + std::abs(own[n][c])));
+}
+
+TEST(ForeignLaw, ThatBreaksIsNamedWithElementAndTime) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", kModel);
+    Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out", "--plugin", faulty_law("not_a_number")});
+    EXPECT_EQ(ended.code, 7);
+    EXPECT_THAT(ended.err, AllOf(HasSubstr("t = 0.001 s: element \"pad\""),
+                                 HasSubstr("law \"faulty\": its answer is not finite"), HasSubstr("rows recorded in out")));
+    ended = run_dttmm(folder.path(), {"modes", "model.toml", "-q", "-o", "out2", "--plugin", faulty_law("other_major")});
+    EXPECT_EQ(ended.code, 7);
+    EXPECT_THAT(ended.err, HasSubstr("law \"faulty\": it is of another version"));
+#ifndef __SANITIZE_ADDRESS__
+    ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out3", "--plugin", faulty_law("segmentation")});
+    EXPECT_EQ(ended.code, 7);
+    EXPECT_THAT(ended.err, AllOf(HasSubstr("dttmm: law \"faulty\" of "), HasSubstr("element \"pad\", t = 0.001 s"),
+                                 HasSubstr("the rows written stay")));
+#endif
+}
+
+}  // namespace
+}  // namespace dttmm::host

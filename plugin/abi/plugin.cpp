@@ -11,7 +11,7 @@
 #include "element/registry.h"
 #include "law/registry.h"
 #include "modal/modal_analysis.h"
-#include "network/network.h"
+#include "time/network.h"
 
 struct dttmm_instance {
     dttmm::plugin::Network network;

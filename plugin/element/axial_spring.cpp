@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "core/error.h"
-#include "element/beam.h"
+#include "element/divided_line.h"
 #include "element/law_parameters.h"
 #include "element/parameters.h"
 

@@ -35,25 +35,4 @@ private:
     Section section_;
 };
 
-/// A bar that stretches and shortens; against every other deformation it is rigid.
-class Rod : public Element {
-public:
-    /// values: segments, then those of make_section.
-    explicit Rod(std::span<const double, 1 + kSectionValueCount> values);
-
-    static const dttmm_element_type kType;
-
-    const Section& section() const { return section_; }
-    Parts discretise(std::span<const Pose> ends) const override;
-    std::optional<Line> line(std::span<const Pose> ends) const override;
-
-private:
-    int segments_;
-    Section section_;
-};
-
-/// Local axes of a straight element. Throws Error(DTTMM_ERROR_MODEL) where it has no length or `up` lies along it; an `up`
-/// that is not a number leaves the choice as above.
-Matrix3 beam_axes(const Vector3& from, const Vector3& to, const Vector3& up);
-
 }  // namespace dttmm::plugin

@@ -34,4 +34,12 @@ constexpr dttmm_parameter zero_by_default(const char* name, const char* unit, do
     return {name, unit, 1, 0, 0, minimum, kLargest, nullptr, 0, documentation};
 }
 
+/// The host's bounds for masses and places: beyond them numbers drown one another, or overflow.
+inline constexpr double kHeaviestMass = 1e12, kFarthestPlace = 1e6,
+                        kLargestInertia = kHeaviestMass * kFarthestPlace * kFarthestPlace;
+
+/// The mass of an element that is one.
+inline constexpr dttmm_parameter kMassParameter = {
+    "mass", "kg", 1, DTTMM_PARAMETER_REQUIRED, 0, kPositive, kHeaviestMass, nullptr, 0, "of the mass"};
+
 }  // namespace dttmm::plugin

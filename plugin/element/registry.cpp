@@ -10,7 +10,9 @@
 #include "element/axial_spring.h"
 #include "element/beam.h"
 #include "element/elastic_hinge.h"
-#include "element/mass.h"
+#include "element/point_mass.h"
+#include "element/rigid_body.h"
+#include "element/rod.h"
 #include "element/spring_damper.h"
 #include "law/registry.h"
 

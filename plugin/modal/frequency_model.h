@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "mechanism/assembly.h"
 #include "modal/line_waves.h"
-#include "network/assembly.h"
-#include "network/elimination.h"
+#include "solve/elimination.h"
 
 namespace dttmm::plugin {
 

@@ -9,43 +9,22 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "core/rotation.h"
-#include "support/element_values.h"
+#include "element/line_parts.h"
 #include "support/exact_timoshenko.h"
 #include "support/linear_algebra.h"
 
 namespace dttmm::plugin {
 namespace {
 
+using namespace test_lines;
 using test::ExactTimoshenko;
-using test::Given;
 using test::with;
 using testing::HasSubstr;
-
-/// The bond-space paper's tube, and a section that differs in every direction.
-const Given kTube = {
-    {"section.tube", {0.05, 0.03}}, {"material.E", {204e9}}, {"material.poisson", {0.26}}, {"material.density", {7800}}};
-const Given kUneven = {{"section.EA", {3.1e8}},  {"section.EIy", {5.2e4}},  {"section.EIz", {7.7e3}},
-                       {"section.GJ", {1.9e4}},  {"section.GAy", {6e6}},    {"section.GAz", {8.5e7}},
-                       {"section.mass", {13.7}}, {"section.inertia", {0.2}}};
-
-const Vector3 kFrom(0.3, -0.1, 0.2), kTo(0.9, 0.7, -0.5), kNotGiven3 = Vector3::Constant(kNotGiven);
 
 Beam beam(int segments, const Given& given) {
     const std::vector<double> values = test::values_of(Beam::kType, with(given, {{"segments", {1.0 * segments}}}));
     return Beam(std::span<const double, 5 + kSectionValueCount>(values));
 }
-Rod rod(int segments, const Given& given) {
-    const std::vector<double> values = test::values_of(Rod::kType, with(given, {{"segments", {1.0 * segments}}}));
-    return Rod(std::span<const double, 1 + kSectionValueCount>(values));
-}
-
-/// Parts between two points; the axes of the nodes there are nobody's business.
-Parts between(const Vector3& from, const Vector3& to, const Element& element) {
-    const Pose ends[] = {{from, rotation_from_vector({0.4, -0.8, 1.3})}, {to, rotation_from_vector({-1.1, 0.2, 0.6})}};
-    return element.discretise(ends);
-}
-
 /// Text of the error with which an element refuses.
 template <class Call>
 std::string refusal(const Call& call) {
@@ -58,81 +37,7 @@ std::string refusal(const Call& call) {
     }
 }
 
-// ---- Axes ---------------------------------------------------------------------------------------------------------------
-
-// Oracle: the rule in words, x along, z as near to world z as can be; for simple directions the axes written down.
-TEST(BeamAxes, ZIsAsNearToTheWorldsAsCanBe) {
-    const auto axes = [](const Vector3& way) { return beam_axes(kFrom, kFrom + way, kNotGiven3); };
-    Matrix3 along_y, down_x;
-    along_y << 0, -1, 0, 1, 0, 0, 0, 0, 1;          // x → Y, y → −X, z → Z
-    down_x << -0.6, 0, 0.8, 0, -1, 0, 0.8, 0, 0.6;  // columns: x = (−0.6, 0, 0.8), y, z
-    EXPECT_LT((axes({2, 0, 0}) - Matrix3::Identity()).norm(), 1e-15);
-    EXPECT_LT((axes({0, 0.3, 0}) - along_y).norm(), 1e-15);
-    EXPECT_LT((axes({-3, 0, 4}) - down_x).norm(), 1e-15);
-    for (const Vector3& way : {Vector3(1, 2, 3), Vector3(-1, 0.4, -7), Vector3(1e-3, -2e-3, 1e-4), Vector3(1, 1, 1e5)}) {
-        const Matrix3 R = axes(way);
-        EXPECT_LT((R.transpose() * R - Matrix3::Identity()).norm(), 1e-14);
-        EXPECT_GT(R.determinant(), 0);
-        EXPECT_LT((R.col(0) - way.normalized()).norm(), 1e-12);
-        EXPECT_LT(std::abs(R(2, 1)), 1e-12) << "y is horizontal";
-        EXPECT_GT(R(2, 2), 0);
-    }
-}
-
-// For a vertical beam z is the world's x, upwards and downwards.
-TEST(BeamAxes, OfAVerticalBeamZIsTheWorldsX) {
-    for (double way : {0.7, -0.7}) {
-        const Matrix3 R = beam_axes(kFrom, kFrom + Vector3(0, 0, way), kNotGiven3);
-        EXPECT_EQ(R.col(2), Vector3::UnitX());
-        EXPECT_LT((R.col(0) - Vector3(0, 0, way / 0.7)).norm(), 1e-15);
-        EXPECT_LT((R.col(1) - Vector3(0, -way / 0.7, 0)).norm(), 1e-15);
-    }
-}
-
-// `up` of any length, and not square to the beam: z is what of it is square, y square to both.
-TEST(BeamAxes, UpIsWhereZPoints) {
-    const Vector3 up(-30, 12, 7), way = kTo - kFrom;
-    const Matrix3 R = beam_axes(kFrom, kTo, up);
-    EXPECT_LT((R.col(0) - way.normalized()).norm(), 1e-15);
-    EXPECT_LT(std::abs(R.col(1).dot(up)), 1e-13);
-    EXPECT_GT(R.col(2).dot(up), 0);
-    EXPECT_LT((R.transpose() * R - Matrix3::Identity()).norm(), 1e-14);
-    EXPECT_GT(R.determinant(), 0);
-    // Nearly along the beam, as far as that is allowed
-    const Matrix3 S = beam_axes(kFrom, kTo, way + 2e-6 * Vector3(1, 0, 0));
-    EXPECT_LT((S.transpose() * S - Matrix3::Identity()).norm(), 1e-14);
-    EXPECT_GT(S.col(2).x(), 0);
-}
-
-TEST(BeamAxes, NoLengthAndNoUpAreRefused) {
-    EXPECT_THAT(refusal([] { beam_axes(kFrom, kFrom, kNotGiven3); }), HasSubstr("0 m apart"));
-    EXPECT_THAT(refusal([] { beam_axes(kFrom, kFrom + Vector3(0, 9e-7, 0), kNotGiven3); }), HasSubstr("9e-07 m apart"));
-    EXPECT_THAT(refusal([] { beam_axes(kFrom, kTo, 3 * (kTo - kFrom)); }), HasSubstr("up:"));
-    EXPECT_THAT(refusal([] { beam_axes(kFrom, kTo, kFrom - kTo); }), HasSubstr("must not lie along the beam"));
-    EXPECT_THAT(refusal([] { beam_axes(kFrom, kTo, Vector3::Zero()); }), HasSubstr("must have a length"));
-    EXPECT_NO_THROW(beam_axes(kFrom, kFrom + Vector3(0, 2e-6, 0), kNotGiven3));
-}
-
 // ---- Masses -------------------------------------------------------------------------------------------------------------
-
-struct Inertia {
-    double mass = 0;
-    Vector3 centre = Vector3::Zero();
-    Matrix3 tensor = Matrix3::Zero();  ///< about `about`, world axes
-};
-
-Inertia total(const Parts& parts, const Vector3& about) {
-    Inertia sum;
-    for (const Lump& lump : parts.lumps) {
-        const Vector3 arm = lump.pose.position - about;
-        const Matrix3& R = lump.pose.rotation;
-        sum.mass += lump.mass;
-        sum.centre += lump.mass * lump.pose.position;
-        sum.tensor += R * lump.inertia * R.transpose() - lump.mass * skew(arm) * skew(arm);
-    }
-    sum.centre /= sum.mass;
-    return sum;
-}
 
 // Oracle: a uniform bar: mass ρA L, inertia about its middle ρA L³/12 + ρI L across, polar L along. The lumps with inertias
 // of their segments make it exactly, whatever their number.
@@ -178,30 +83,6 @@ TEST(Beam, AMassOffsetMovesTheLumpsAndNothingElse) {
 }
 
 // ---- Static compliance --------------------------------------------------------------------------------------------------
-
-/// Motion of the `to` end of a clamped chain of joints per wrench on it, world axes: the compliance of every joint carried
-/// from where it stands to the end.
-Matrix6 compliance(const Parts& parts, const Vector3& end) {
-    Matrix6 sum = Matrix6::Zero();
-    for (const JointPart& joint : parts.joints) {
-        Matrix6 T = Matrix6::Identity();  // wrench at the end → wrench at the joint, in its axes
-        T.bottomLeftCorner<3, 3>() = skew(end - joint.pose.position);
-        Matrix6 turn = Matrix6::Zero();
-        turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = joint.pose.rotation.transpose();
-        T = turn * T;
-        Vector6 c = joint.law->stiffness.cwiseInverse();
-        for (size_t d = 0; d < 6; ++d)
-            if (joint.law->rigid[d]) c(static_cast<int>(d)) = 0;
-        sum += T.transpose() * c.asDiagonal() * T;
-    }
-    return sum;
-}
-
-Matrix6 in_axes(const Matrix3& R, const Matrix6& world) {
-    Matrix6 turn = Matrix6::Zero();
-    turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = R;
-    return turn.transpose() * world * turn;
-}
 
 /// Timoshenko's cantilever by its closed form, axes of the beam: [x y z rx ry rz] of the tip per wrench on it.
 Matrix6 cantilever(const Section& s, double l) {
@@ -308,52 +189,6 @@ TEST(Beam, StiffnessesThatTimeNeedsAreNamed) {
         }
     }
     EXPECT_THAT(refusal([] { between(kFrom, kFrom, beam(3, kUneven)); }), HasSubstr("0 m apart"));
-}
-
-// ---- Rods ---------------------------------------------------------------------------------------------------------------
-
-TEST(Rod, AMassOffItsAxisIsRefused) {
-    try {
-        rod(3, {{"section.EA", {1e8}}, {"section.mass", {7}}, {"section.mass_offset", {0, 0.01}}});
-        FAIL();
-    } catch (const Error& error) {
-        EXPECT_EQ(error.status(), DTTMM_ERROR_MODEL);
-        EXPECT_NE(std::string(error.what()).find("section.mass_offset"), std::string::npos) << error.what();
-    }
-}
-
-// Oracle: compliance L/EA along and nothing else; mass and inertia of a thin bar, exactly.
-TEST(Rod, StretchesAndIsRigidOtherwise) {
-    const double L = (kTo - kFrom).norm();
-    const Vector3 middle = 0.5 * (kFrom + kTo);
-    const Matrix3 R = beam_axes(kFrom, kTo, kNotGiven3);
-    for (int segments : {1, 2, 6}) {
-        const Parts parts = between(
-            kFrom, kTo,
-            rod(segments, {{"section.EA", {3.1e8}}, {"section.mass", {13.7}}, {"material.stiffness_damping", {2e-5}}}));
-        ASSERT_EQ(parts.lumps.size(), static_cast<size_t>(segments));
-        ASSERT_EQ(parts.joints.size(), static_cast<size_t>(segments) + 1);
-        for (const JointPart& joint : parts.joints) {
-            EXPECT_EQ(joint.law->rigid, Directions(0b111110));
-            EXPECT_EQ(joint.law->damping(0), 2e-5 * joint.law->stiffness(0));
-        }
-        Matrix6 expected = Matrix6::Zero();
-        expected(0, 0) = L / 3.1e8;
-        EXPECT_LT((in_axes(R, compliance(parts, kTo)) - expected).norm(), 1e-14 * expected.norm());
-        const Inertia sum = total(parts, middle);
-        EXPECT_NEAR(sum.mass, 13.7 * L, 1e-14 * sum.mass);
-        EXPECT_LT((sum.centre - middle).norm(), 1e-15);
-        const double across = 13.7 * L * L * L / 12;
-        EXPECT_LT((R.transpose() * sum.tensor * R - Matrix3(Vector3(0, across, across).asDiagonal())).norm(),
-                  1e-14 * across);
-    }
-}
-
-TEST(Rod, OfAShapeHasItsPolarInertia) {
-    const Rod element = rod(4, kTube);
-    const double L = (kTo - kFrom).norm();
-    const Matrix3 R = beam_axes(kFrom, kTo, kNotGiven3), J = total(between(kFrom, kTo, element), 0.5 * (kFrom + kTo)).tensor;
-    EXPECT_NEAR((R.transpose() * J * R)(0, 0), element.section().inertia * L, 1e-13 * element.section().inertia * L);
 }
 
 // ---- The free beam ------------------------------------------------------------------------------------------------------

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "network/assembly.h"
+#include "mechanism/assembly.h"
 #include "support/linear_algebra.h"
 
 namespace dttmm::test {

@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mechanism/assembly.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <memory>
+#include <numeric>
+
+#include "core/error.h"
+#include "core/state_vector.h"
+#include "element/registry.h"
+#include "mechanism/frame.h"
+
+namespace dttmm::plugin {
+
+namespace {
+
+constexpr double kSamePoint = 1e-9;  // [m]: nearer than this is rounding
+
+bool is_rotation(const Matrix3& R) {
+    return R.allFinite() && (R * R.transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff() < 1e-9 && R.determinant() > 0;
+}
+
+/// What becomes one frame: nodes and lumps that are rigidly one.
+struct Part {
+    FrameSpec frame;
+    Pose pose;                      ///< axes and, without a mass, the origin of the frame
+    Vector3 arm = Vector3::Zero();  ///< from there to the pose, its axes; of ports
+};
+
+class Assembler {
+public:
+    Assembler(const dttmm_network& description, Waves waves) : description_(description), waves_(waves) {
+        place_nodes();
+        for (uint32_t e = 0; e < description.element_count; ++e) take_apart(static_cast<int>(e));
+        weld();
+        hold_fixed_nodes();
+    }
+
+    Assembly take() { return std::move(assembly_); }
+
+private:
+    const dttmm_node& node(int n) const { return description_.nodes[n]; }
+    const dttmm_element& element(int e) const { return description_.elements[e]; }
+
+    void place_nodes() {
+        for (uint32_t n = 0; n < description_.node_count; ++n) {
+            const dttmm_node& node = description_.nodes[n];
+            if (node.kind > DTTMM_NODE_INNER)
+                throw Error(DTTMM_ERROR_MODEL, fmt::format("node \"{}\": there is no node kind {}", node.name, node.kind));
+            const Pose pose{Eigen::Map<const Vector3>(node.position), Eigen::Map<const RowMajor3>(node.rotation)};
+            const Eigen::Map<const Vector3> arm(node.arm);
+            if (!pose.position.allFinite() || !is_rotation(pose.rotation) || !arm.allFinite())
+                throw Error(DTTMM_ERROR_ARGUMENT,
+                            fmt::format("node \"{}\": its position must be finite and its axes orthonormal", node.name));
+            Part part;
+            part.pose = pose;
+            if (node.kind == DTTMM_NODE_PORT) {
+                part.arm = arm;
+                assembly_.port_arms.push_back(arm);
+            }
+            part.frame.name = fmt::format("node \"{}\"", node.name);
+            part.frame.kind = node.kind == DTTMM_NODE_PORT                           ? FrameSpec::Kind::port
+                              : node.kind == DTTMM_NODE_GROUND || node.fixed == 0x3f ? FrameSpec::Kind::ground
+                                                                                     : FrameSpec::Kind::inner;
+            parts_.push_back(part);
+        }
+    }
+
+    /// What `body` returns; an error it throws names the element.
+    template <class Body>
+    static auto at(int e, const Body& body) {
+        try {
+            return body();
+        } catch (const Error& error) {
+            throw Error(error.status(), error.what(), e);
+        }
+    }
+
+    /// The element's joints and lumps; its ends that are mounted on a lump become one with it.
+    void take_apart(int e) {
+        const dttmm_element& data = element(e);
+        std::vector<Pose> ends;
+        for (uint32_t i = 0; i < data.end_count; ++i) {
+            if (data.ends[i] >= description_.node_count)
+                throw Error(DTTMM_ERROR_MODEL, "an end is no node of the network", e);
+            Part& part = parts_[data.ends[i]];
+            ends.push_back(part.pose);
+            if (part.frame.element < 0) part.frame.element = e;
+        }
+        const std::unique_ptr<const Element> made = make(e);
+        const std::optional<Line> line = waves_ == Waves::exact ? at(e, [&] { return made->line(ends); }) : std::nullopt;
+        if (line) {
+            assembly_.first_joint.push_back(static_cast<int>(assembly_.joints.size()));
+            assembly_.lines.push_back({e, static_cast<int>(data.ends[0]), static_cast<int>(data.ends[1]), ends[0].position,
+                                       ends[1].position, *line});
+            return;
+        }
+        const Parts parts = at(e, [&] { return made->discretise(ends); });
+
+        const int first_lump = static_cast<int>(parts_.size());
+        for (size_t l = 0; l < parts.lumps.size(); ++l) {
+            const Lump& lump = parts.lumps[l];
+            FrameSpec frame;
+            frame.name = fmt::format("segment {} of element \"{}\"", l + 1, data.name);
+            frame.element = e;
+            frame.mass = lump.mass;
+            frame.inertia = lump.inertia;
+            parts_.push_back({frame, lump.pose});
+        }
+        for (size_t i = 0; i < parts.mounted.size(); ++i) {
+            if (parts.mounted[i] < 0) continue;
+            const int end = static_cast<int>(data.ends[i]);
+            if (parts_[static_cast<size_t>(end)].frame.kind != FrameSpec::Kind::inner)
+                throw Error(DTTMM_ERROR_MODEL,
+                            fmt::format("{}: a mass there would have no effect, or belongs to the body",
+                                        parts_[static_cast<size_t>(end)].frame.name),
+                            e);
+            welds_.emplace_back(first_lump + parts.mounted[i], end);
+        }
+        const auto station = [&](int s) {
+            return s < static_cast<int>(data.end_count) ? static_cast<int>(data.ends[s])
+                                                        : first_lump + s - static_cast<int>(data.end_count);
+        };
+        assembly_.first_joint.push_back(static_cast<int>(assembly_.joints.size()));
+        for (const JointPart& joint : parts.joints)
+            assembly_.joints.push_back({e, station(joint.from), station(joint.to), joint.law, joint.pose});
+    }
+
+    std::unique_ptr<const Element> make(int e) const {
+        const dttmm_element& data = element(e);
+        const auto types = element_types();
+        if (data.type < types.size() && types[data.type].ends != DTTMM_ENDS_AT) {
+            if (data.end_count != 2) throw Error(DTTMM_ERROR_MODEL, "an element of this type has two ends", e);
+            if (data.ends[0] == data.ends[1]) throw Error(DTTMM_ERROR_MODEL, "both ends are the same node", e);
+        }
+        if (data.end_count == 0) throw Error(DTTMM_ERROR_ARGUMENT, "an element without an end", e);
+        return at(e, [&] { return make_element(data.type, data.values); });
+    }
+
+    /// Makes frames of the parts, and points the joints and nodes at them.
+    void weld() {
+        std::vector<int> root(parts_.size());
+        std::iota(root.begin(), root.end(), 0);
+        const auto find = [&](int p) {
+            while (root[static_cast<size_t>(p)] != p) p = root[static_cast<size_t>(p)];
+            return p;
+        };
+        for (const auto& [a, b] : welds_) {
+            const int i = find(a), j = find(b);
+            root[static_cast<size_t>(std::max(i, j))] = std::min(i, j);
+        }
+        std::vector<std::vector<int>> groups(parts_.size());
+        for (size_t p = 0; p < parts_.size(); ++p)
+            groups[static_cast<size_t>(find(static_cast<int>(p)))].push_back(static_cast<int>(p));
+
+        std::vector<int> frame_of(parts_.size(), -1);
+        for (const auto kind : {FrameSpec::Kind::port, FrameSpec::Kind::ground, FrameSpec::Kind::inner}) {
+            for (size_t p = 0; p < parts_.size(); ++p) {
+                if (groups[p].empty() || parts_[p].frame.kind != kind) continue;
+                for (int member : groups[p])
+                    frame_of[static_cast<size_t>(member)] = static_cast<int>(assembly_.frames.size());
+                assembly_.frames.push_back(merge(groups[p]));
+            }
+            const int count = static_cast<int>(assembly_.frames.size());
+            if (kind == FrameSpec::Kind::port) assembly_.port_count = count;
+            if (kind == FrameSpec::Kind::ground) assembly_.driven_count = count;
+        }
+        for (uint32_t n = 0; n < description_.node_count; ++n) {
+            NodeSpec spec;
+            spec.frame = frame_of[n];
+            const Pose& frame = assembly_.frames[static_cast<size_t>(spec.frame)].pose;
+            spec.offset = frame.rotation.transpose() * (parts_[n].pose.position - frame.position);
+            spec.rotation = frame.rotation.transpose() * parts_[n].pose.rotation;
+            spec.name = parts_[n].frame.name;
+            spec.element = parts_[n].frame.element;
+            assembly_.nodes.push_back(spec);
+        }
+        for (JointSpec& joint : assembly_.joints) {
+            joint.from = frame_of[static_cast<size_t>(joint.from)];
+            joint.to = frame_of[static_cast<size_t>(joint.to)];
+            check_ends(joint.from, joint.to, joint.law->rigid, joint.element);
+        }
+        for (LineSpec& line : assembly_.lines) {
+            line.from = frame_of[static_cast<size_t>(line.from)];
+            line.to = frame_of[static_cast<size_t>(line.to)];
+            check_ends(line.from, line.to, {}, line.element);
+        }
+    }
+
+    FrameSpec merge(const std::vector<int>& members) const {
+        const Part& first = parts_[static_cast<size_t>(members.front())];
+        FrameSpec frame = first.frame;
+        frame.pose = first.pose;
+        frame.pose.position -= first.pose.rotation * first.arm;
+        Vector3 moment = Vector3::Zero();
+        frame.mass = 0;
+        for (int member : members) {
+            const Part& part = parts_[static_cast<size_t>(member)];
+            frame.mass += part.frame.mass;
+            moment += part.frame.mass * part.pose.position;
+        }
+        if (frame.mass == 0) return frame;
+        frame.pose.position = moment / frame.mass;
+        frame.inertia.setZero();
+        for (int member : members) {
+            const Part& part = parts_[static_cast<size_t>(member)];
+            const Matrix3 axes = frame.pose.rotation.transpose() * part.pose.rotation;
+            Vector3 arm = frame.pose.rotation.transpose() * (part.pose.position - frame.pose.position);
+            if (arm.norm() < kSamePoint) arm.setZero();
+            frame.inertia += axes * part.frame.inertia * axes.transpose() - part.frame.mass * skew(arm) * skew(arm);
+        }
+        return frame;
+    }
+
+    void check_ends(int from, int to, Directions rigid, int element) const {
+        if (from == to) throw Error(DTTMM_ERROR_MODEL, "both ends are on the same rigid body: nothing can deform", element);
+        const auto is_ground = [&](int frame) {
+            return assembly_.frames[static_cast<size_t>(frame)].kind == FrameSpec::Kind::ground;
+        };
+        if (is_ground(from) && is_ground(to)) throw Error(DTTMM_ERROR_MODEL, "both ends are on the ground", element);
+        const bool is_driven = from < assembly_.driven_count && to < assembly_.driven_count;
+        if (is_driven && rigid.any() && waves_ == Waves::lumped)
+            throw Error(
+                DTTMM_ERROR_MODEL,
+                fmt::format("it is rigid in {} and both its ends are driven: a body or the ground at each; give it a "
+                            "stiffness there, or make it a joint of the model",
+                            list(rigid)),
+                element);
+    }
+
+    static std::string list(Directions directions) {
+        std::string text;
+        for (size_t d = 0; d < 6; ++d)
+            if (directions[d]) text += (text.empty() ? "" : ", ") + std::string(kDirectionNames[d]);
+        return text;
+    }
+
+    /// A node held in some directions hangs on the ground by a joint rigid in these.
+    void hold_fixed_nodes() {
+        assembly_.first_joint.push_back(static_cast<int>(assembly_.joints.size()));
+        for (uint32_t n = 0; n < description_.node_count; ++n) {
+            const uint32_t fixed = node(static_cast<int>(n)).fixed;
+            if (node(static_cast<int>(n)).kind != DTTMM_NODE_INNER || fixed == 0) continue;
+            refuse_moving(n);
+            if (fixed == 0x3f) continue;
+            JointSpec joint;
+            joint.element = parts_[n].frame.element;
+            joint.from = ground_at(parts_[n].pose.position);
+            JointLaw law;
+            law.rigid = Directions(fixed);
+            joint.law = std::make_shared<const JointLaw>(law);
+            joint.pose = {parts_[n].pose.position, Matrix3::Identity()};
+            joint.to = assembly_.nodes[n].frame;
+            assembly_.joints.push_back(joint);
+        }
+    }
+
+    /// A velocity and a direction held where it is exclude each other.
+    void refuse_moving(uint32_t n) const {
+        const dttmm_node& data = node(static_cast<int>(n));
+        if (!data.moves) return;
+        for (size_t d = 0; d < 6; ++d) {
+            const double speed = d < 3 ? data.velocity[d] : data.angular_velocity[d - 3];
+            if ((data.fixed >> d & 1) == 0 || speed == 0) continue;
+            throw Error(DTTMM_ERROR_MODEL,
+                        fmt::format("{}: its {} at the start moves it in {}, which is fixed; give none there",
+                                    parts_[n].frame.name, d < 3 ? "velocity" : "angular velocity", kDirectionNames[d]),
+                        parts_[n].frame.element);
+        }
+    }
+
+    /// A frame of the ground at a point; the frames behind it move up by one.
+    int ground_at(const Vector3& point) {
+        FrameSpec frame;
+        frame.kind = FrameSpec::Kind::ground;
+        frame.name = "the ground";
+        frame.pose.position = point;
+        const int index = assembly_.driven_count++;
+        assembly_.frames.insert(assembly_.frames.begin() + index, frame);
+        for (JointSpec& joint : assembly_.joints) {
+            joint.from += joint.from >= index;
+            joint.to += joint.to >= index;
+        }
+        for (LineSpec& line : assembly_.lines) {
+            line.from += line.from >= index;
+            line.to += line.to >= index;
+        }
+        for (NodeSpec& spec : assembly_.nodes) spec.frame += spec.frame >= index;
+        return index;
+    }
+
+    const dttmm_network& description_;
+    const Waves waves_;
+    std::vector<Part> parts_;  ///< the nodes, then the lumps of the elements
+    std::vector<std::pair<int, int>> welds_;
+    Assembly assembly_;
+};
+
+}  // namespace
+
+Assembly assemble(const dttmm_network& description, Waves waves) { return Assembler(description, waves).take(); }
+
+}  // namespace dttmm::plugin

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "mechanism/mechanism.h"
+
+namespace dttmm::plugin {
+
+/// Joints without rigid directions worked out four at a time: what a long chain spends its steps on. The formulas are those
+/// of a single Joint; only rounding differs, where sums run in another order or a four has mixed seats. Holds copies of what
+/// of the joints never changes.
+class JointsByFour {
+public:
+    JointsByFour() = default;
+    /// joints: those that may be taken. Four go together that carry moments alike and keep rates alike.
+    JointsByFour(const Mechanism& mechanism, std::span<const size_t> joints);
+
+    /// Number of joints taken.
+    size_t size() const { return Lanes::kCount * fours_.size(); }
+    /// Those of the joints that were left over, ascending.
+    const std::vector<size_t>& others() const { return others_; }
+
+    /// Adds their forces over the open step, when it ends with the frames at `trial`, to the wrenches on all frames; returns
+    /// the largest one's square [N²].
+    double add_forces(const Mechanism& mechanism, const std::vector<Frame>& trial, std::vector<Vector6>& wrench) const;
+    /// The same forces when the step does end there; the joints' memory moves on. mechanism.frames: still at t_n.
+    void advance(Mechanism& mechanism, const std::vector<Frame>& next, std::vector<Vector6>& wrench) const;
+
+private:
+    struct Four {
+        size_t joint[Lanes::kCount];
+        size_t from[Lanes::kCount], to[Lanes::kCount];  ///< frames
+        bool keeps_rates;                               ///< they have a DamperState
+        SpringsOf<Lanes> springs;
+        JointSeatOf<Lanes> seat;
+    };
+    std::vector<Four> fours_;
+    std::vector<size_t> others_;
+};
+
+}  // namespace dttmm::plugin

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "mechanism/assembly.h"
+#include "mechanism/joint.h"
+#include "mechanism/scheme.h"
+
+namespace dttmm::plugin {
+
+/// The frames and joints of a network with their memory: what its phases work on.
+struct Mechanism {
+    explicit Mechanism(const dttmm_network& description);
+
+    Assembly assembly;
+    Scheme scheme;
+    std::vector<Joint> joints;
+    std::vector<JointState> states;
+    std::vector<int> damper_of;  ///< index of each joint's DamperState; −1: it has none
+    std::vector<DamperState> dampers;
+    std::vector<Frame> frames;  ///< all at t_n
+    std::vector<Frame> before;  ///< all at t_{n−1}
+    uint64_t steps = 0;         ///< committed since the start
+
+    std::vector<double> law_memory, law_memory_before;  ///< of the laws of all joints, at t_n and at t_{n−1}
+    std::vector<int> memory_of;                         ///< where each joint's begins in them; −1: its laws keep none
+
+    /// What the laws of a joint remember at t_n, at t_{n−1}; NULL: nothing.
+    const double* memory(size_t joint) const { return at_memory(law_memory, joint); }
+    const double* memory_before(size_t joint) const { return at_memory(law_memory_before, joint); }
+    LawMemory law_memory_of(size_t joint) {
+        const auto open = [&](std::vector<double>& all) { return const_cast<double*>(at_memory(all, joint)); };
+        return {open(law_memory), open(law_memory_before)};
+    }
+    const double* at_memory(const std::vector<double>& all, size_t joint) const {
+        return memory_of[joint] < 0 ? nullptr : &all[static_cast<size_t>(memory_of[joint])];
+    }
+    DamperState* damper(size_t joint) {
+        return damper_of[joint] < 0 ? nullptr : &dampers[static_cast<size_t>(damper_of[joint])];
+    }
+    const DamperState* damper(size_t joint) const {
+        return damper_of[joint] < 0 ? nullptr : &dampers[static_cast<size_t>(damper_of[joint])];
+    }
+    /// Rotation θ of a joint at t_n [rad], its axes; zero where it carries no moment.
+    const Vector3& theta(size_t joint) const { return states[joint].theta; }
+    /// Sets the memory of all joints by what velocity(frame) and acceleration(frame) say of their frames at the start.
+    template <class Velocity, class Acceleration>
+    void start_joints(const Velocity& velocity, const Acceleration& acceleration) {
+        for (size_t j = 0; j < joints.size(); ++j) {
+            const Joint& joint = joints[j];
+            const auto [from, to] = ends(j);
+            const Twist v_from = velocity(joint.from()), v_to = velocity(joint.to());
+            joint.start(scheme, from, to, joint.rate(from, v_from, to, v_to),
+                        joint.acceleration(from, v_from, acceleration(joint.from()), to, v_to, acceleration(joint.to())),
+                        states[j], damper(j), law_memory_of(j));
+        }
+    }
+    /// A joint at t_n.
+    JointPose pose(size_t joint) const { return joints[joint].pose(ends(joint)); }
+    Ends ends(size_t joint) const { return {frame(joints[joint].from()), frame(joints[joint].to())}; }
+    FrameView frame(int index) const { return frames[static_cast<size_t>(index)]; }
+    FrameView frame_before(int index) const { return before[static_cast<size_t>(index)]; }
+};
+
+/// Velocity of a port's motion.
+inline Twist twist(const dttmm_motion& motion) {
+    return {Eigen::Map<const Vector3>(motion.velocity), Eigen::Map<const Vector3>(motion.angular_velocity)};
+}
+
+}  // namespace dttmm::plugin

@@ -1,0 +1,548 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solve/elimination.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <set>
+
+#include "core/error.h"
+#include "core/six.h"
+
+namespace dttmm::plugin {
+
+namespace {
+
+/// Order of elimination: frames with one neighbour left as long as there are any, in the order in which they come up, so
+/// that a chain is eaten from both tips; among them those held by something known last, so that the frames of a tree that
+/// hangs there find the frame which carries them; where only loops are left, the frame with the fewest neighbours. `graph`
+/// is filled in on the way.
+std::vector<int> find_order(std::vector<std::set<int>>& graph, const std::vector<bool>& is_held) {
+    const size_t n = graph.size();
+    std::vector<std::set<int>> left = graph;
+    std::vector<bool> done(n), queued(n);
+    std::deque<int> free_tips, held_tips;
+    std::set<std::pair<size_t, int>> by_degree;
+    const auto queue_if_tip = [&](size_t f) {
+        if (left[f].size() > 1 || queued[f]) return;
+        (is_held[f] ? held_tips : free_tips).push_back(static_cast<int>(f));
+        queued[f] = true;
+    };
+    for (size_t f = 0; f < n; ++f) {
+        by_degree.emplace(left[f].size(), static_cast<int>(f));
+        queue_if_tip(f);
+    }
+    std::vector<int> order;
+    while (order.size() < n) {
+        int frame;
+        if (std::deque<int>& tips = free_tips.empty() ? held_tips : free_tips; !tips.empty()) {
+            frame = tips.front();
+            tips.pop_front();
+        } else {
+            frame = by_degree.begin()->second;
+        }
+        const auto f = static_cast<size_t>(frame);
+        if (done[f]) continue;
+        done[f] = true;
+        order.push_back(frame);
+        by_degree.erase({left[f].size(), frame});
+        const std::set<int> neighbours = left[f];
+        for (int a : neighbours) {
+            auto& of_a = left[static_cast<size_t>(a)];
+            by_degree.erase({of_a.size(), a});
+            of_a.erase(frame);
+            for (int b : neighbours)
+                if (a != b) {
+                    of_a.insert(b);
+                    graph[static_cast<size_t>(a)].insert(b);
+                }
+            by_degree.emplace(of_a.size(), a);
+            queue_if_tip(static_cast<size_t>(a));
+        }
+    }
+    return order;
+}
+
+/// Indices of rows independent of each other, the most independent first; a row whose rest is below `threshold` is left out.
+template <class Matrix>
+void choose_independent(Matrix rows, double threshold, std::vector<int>& choice, std::vector<int>& rest) {
+    choice.clear();
+    rest.clear();
+    for (int k = 0; k < rows.rows(); ++k) rest.push_back(k);
+    while (!rest.empty()) {
+        const auto longest = std::max_element(rest.begin(), rest.end(),
+                                              [&](int a, int b) { return rows.row(a).norm() < rows.row(b).norm(); });
+        const int next = *longest;
+        const double length = rows.row(next).norm();
+        if (!(length > threshold)) return;
+        choice.push_back(next);
+        rest.erase(longest);
+        rows.row(next) /= length;
+        for (int k : rest) rows.row(k) -= rows.row(k).dot(rows.row(next)) * rows.row(next);
+    }
+}
+
+}  // namespace
+
+Elimination::Elimination(int frame_count, const std::vector<Link>& links, double least_lever)
+    : least_turning_(least_lever * least_lever) {
+    const auto n = static_cast<size_t>(frame_count);
+    diagonal_.assign(n, Matrix6::Zero());
+    acting_.assign(n, Vector6::Zero());
+    work_.assign(n, Matrix6::Zero());
+    std::vector<std::set<int>> graph(n);
+    std::vector<bool> is_held(n);
+    for (const Link& link : links) {
+        if (link.from < 0 || link.to < 0) {
+            if (link.rigid_count > 0) is_held[static_cast<size_t>(std::max(link.from, link.to))] = true;
+        } else if (link.from != link.to) {
+            graph[static_cast<size_t>(link.from)].insert(link.to);
+            graph[static_cast<size_t>(link.to)].insert(link.from);
+        }
+    }
+    const std::vector<int> order = find_order(graph, is_held);
+    order_.resize(n);
+    for (size_t k = 0; k < n; ++k) order_[static_cast<size_t>(order[k])] = static_cast<int>(k);
+    const auto earlier = [&](int a, int b) { return order_[static_cast<size_t>(a)] < order_[static_cast<size_t>(b)]; };
+
+    // Couplings of later frames with each frame, the fills included
+    std::vector<std::vector<std::pair<int, int>>> later(n);  // (frame, coupling)
+    for (size_t f = 0; f < n; ++f) {
+        for (int other : graph[f]) {
+            if (!earlier(static_cast<int>(f), other)) continue;
+            later[f].emplace_back(other, static_cast<int>(couplings_.size()));
+            couplings_.push_back({static_cast<int>(f), other});
+        }
+    }
+    const auto coupling_of = [&](int a, int b) {
+        if (!earlier(a, b)) std::swap(a, b);
+        for (const auto& [frame, coupling] : later[static_cast<size_t>(a)])
+            if (frame == b) return coupling;
+        return -1;
+    };
+    for (size_t l = 0; l < links.size(); ++l) {
+        const Link& link = links[l];
+        const bool inside = link.from >= 0 && link.to >= 0 && link.from != link.to;
+        link_coupling_.push_back(inside ? coupling_of(link.from, link.to) : -1);
+        link_transposed_.push_back(inside && !earlier(link.from, link.to));
+        rigid_begin_.push_back(rigid_total_);
+        rigid_total_ += link.rigid_count;
+        for (int i = 0; i < link.rigid_count; ++i)
+            rigid_rows_.push_back({static_cast<int>(l), i, {link.from, link.to}, {Vector6::Zero(), Vector6::Zero()}});
+    }
+
+    pivots_.resize(n);
+    for (size_t k = 0; k < n; ++k) {
+        Pivot& pivot = pivots_[k];
+        pivot.frame = order[k];
+        for (const auto& [frame, coupling] : later[static_cast<size_t>(pivot.frame)])
+            pivot.neighbours.push_back({frame, coupling});
+        for (size_t i = 0; i < pivot.neighbours.size(); ++i)
+            for (size_t j = i + 1; j < pivot.neighbours.size(); ++j)
+                pivot.fills.push_back(coupling_of(pivot.neighbours[i].frame, pivot.neighbours[j].frame));
+    }
+    const auto reserve = [](OpenRows& open, size_t frames) {
+        open.rows.reserve(kMostRows);
+        open.by.resize(frames);
+    };
+    size_t most_neighbours = 0;
+    for (size_t row = 0; row < rigid_rows_.size(); ++row) {
+        const RigidRow& rigid = rigid_rows_[row];
+        int first = std::max(rigid.frames[0], rigid.frames[1]);
+        if (rigid.frames[0] >= 0 && rigid.frames[1] >= 0)
+            first = earlier(rigid.frames[0], rigid.frames[1]) ? rigid.frames[0] : rigid.frames[1];
+        pivots_[static_cast<size_t>(order_[static_cast<size_t>(first)])].rigid.push_back(static_cast<int>(row));
+    }
+    for (size_t k = 0; k < n; ++k) {
+        Pivot& pivot = pivots_[k];
+        pivot.is_plain = pivot.rigid.empty() && pivot.children.empty() && pivot.neighbours.size() <= 1;
+        pivot.index = static_cast<int>(pivot.is_plain ? plain_.size() : general_.size());
+        plain_index_.push_back(pivot.is_plain ? pivot.index : -1);
+        // The rigid directions of one joint are independent of each other: nothing to pass on
+        const auto link_of = [&](int row) { return rigid_rows_[static_cast<size_t>(row)].link; };
+        const bool of_one_joint = pivot.rigid.empty() || link_of(pivot.rigid.front()) == link_of(pivot.rigid.back());
+        if (!pivot.neighbours.empty() && (!of_one_joint || !pivot.children.empty())) {
+            pivot.passed = static_cast<int>(passed_.size());
+            passed_.emplace_back();
+            reserve(passed_.back().open, pivot.neighbours.size());
+            int next = static_cast<int>(n);
+            for (const Neighbour& neighbour : pivot.neighbours)
+                next = std::min(next, order_[static_cast<size_t>(neighbour.frame)]);
+            pivots_[static_cast<size_t>(next)].children.push_back(static_cast<int>(k));
+        }
+        if (pivot.is_plain) {
+            plain_.push_back({pivot.frame, pivot.neighbours.empty() ? -1 : pivot.neighbours.front().frame});
+            continue;
+        }
+        General general;
+        general.gains.resize(pivot.neighbours.size());
+        general.kept.reserve(kMostRows);
+        general_.push_back(std::move(general));
+        most_neighbours = std::max(most_neighbours, pivot.neighbours.size());
+    }
+    reserve(open_, 1 + most_neighbours);
+    columns_.resize(general_.size());
+    inverses_.assign(plain_.size(), Matrix6::Zero());
+    gains_ = inverses_;
+}
+
+void Elimination::set_zero() {
+    for (Matrix6& block : diagonal_) block.setZero();
+    for (Vector6& acting : acting_) acting.setZero();
+    for (Coupling& coupling : couplings_) coupling.original.setZero();
+}
+
+void Elimination::add_coupling(int link, const Matrix6& block) {
+    const int coupling = link_coupling_[static_cast<size_t>(link)];
+    if (coupling < 0) return;
+    Matrix6& into = couplings_[static_cast<size_t>(coupling)].original;
+    if (link_transposed_[static_cast<size_t>(link)])
+        into += block.transpose();
+    else
+        into += block;
+}
+
+void Elimination::set_rigid(int link, int i, const Vector6& by_from, const Vector6& by_to) {
+    RigidRow& row = rigid_rows_[static_cast<size_t>(rigid_begin(link) + i)];
+    row.by[0] = by_from;
+    row.by[1] = by_to;
+}
+
+// ---- The factor ---------------------------------------------------------------------------------------------------------
+
+std::optional<Elimination::Fault> Elimination::factor() {
+    negatives_ = 0;
+    work_ = diagonal_;
+    for (Coupling& coupling : couplings_) coupling.block = coupling.original;
+    Fault fault;
+    for (size_t k = 0; k < pivots_.size(); ++k) {
+        const Pivot& pivot = pivots_[k];
+        if (!(pivot.is_plain ? factor_plain(pivot, fault) : factor_general(k, fault))) return fault;
+    }
+    return std::nullopt;
+}
+
+/// The rows of J that the elimination of a frame has in its hands: those first met here and those passed on to it. `by`: the
+/// motion of the frame itself, then of its neighbours. False if they are too many.
+bool Elimination::gather(const Pivot& pivot, OpenRows& open) const {
+    open.rows.assign(pivot.rigid.begin(), pivot.rigid.end());
+    const auto own = static_cast<Eigen::Index>(pivot.rigid.size());
+    Eigen::Index count = own;
+    for (int child : pivot.children) {
+        const OpenRows& passed = passed_[static_cast<size_t>(pivots_[static_cast<size_t>(child)].passed)].open;
+        count += static_cast<Eigen::Index>(passed.rows.size());
+        if (count > kMostRows) return false;
+        open.rows.insert(open.rows.end(), passed.rows.begin(), passed.rows.end());
+    }
+    if (count > kMostRows) return false;
+    open.among.setZero(count, count);
+    open.among_size.setZero(count);
+    for (size_t i = 0; i <= pivot.neighbours.size(); ++i) {
+        const int frame = i == 0 ? pivot.frame : pivot.neighbours[i - 1].frame;
+        Rows& by = open.by[i];
+        by.setZero(count, 6);
+        for (Eigen::Index k = 0; k < own; ++k) {
+            const RigidRow& row = rigid_rows_[static_cast<size_t>(open.rows[static_cast<size_t>(k)])];
+            for (int end : {0, 1})
+                if (row.frames[end] == frame) by.row(k) = row.by[end].transpose();
+        }
+        Eigen::Index at = own;
+        for (int c : pivot.children) {
+            const Pivot& child = pivots_[static_cast<size_t>(c)];
+            const OpenRows& passed = passed_[static_cast<size_t>(child.passed)].open;
+            const auto rows = static_cast<Eigen::Index>(passed.rows.size());
+            for (size_t k = 0; k < child.neighbours.size(); ++k) {
+                if (child.neighbours[k].frame == frame) by.middleRows(at, rows) = passed.by[k];
+            }
+            if (i == 0) {
+                open.among.block(at, at, rows, rows) = passed.among;
+                open.among_size.segment(at, rows) = passed.among_size;
+            }
+            at += rows;
+        }
+    }
+    return true;
+}
+
+/// Units of a pivot's motions: what stood on the diagonal before anything was eliminated. What is left of a motion that
+/// nothing holds is small beside that. A direction without anything of its own is measured by what it got from others,
+/// or, if that is next to nothing, by the other directions of its kind; and if these have no more than rounding (a node that
+/// rigid directions alone keep from turning), by those of the other kind on a lever of a metre.
+Vector6 Elimination::motion_scale(const Pivot& pivot) const {
+    constexpr double kNothing = 1e-6, kRounding = 1e-14, kRoundingOfOther = 1e-16;
+    const auto f = static_cast<size_t>(pivot.frame);
+    Vector6 own = (diagonal_[f].diagonal() - acting_[f]).cwiseAbs();
+    Vector6 size = own.cwiseMax((work_[f].diagonal() - acting_[f]).cwiseAbs());
+    for (Vector6* entries : {&own, &size}) {
+        const double least = least_turning_ * size.head<3>().maxCoeff();
+        for (double& entry : entries->tail<3>())
+            if (entry <= least) entry = 0;
+    }
+    const auto largest = [](const Vector6& of, Eigen::Index half) { return of.segment<3>(half).maxCoeff(); };
+    Vector6 scale;
+    for (Eigen::Index i = 0; i < 6; ++i) {
+        const Eigen::Index half = 3 * (i / 3);
+        const double own_kind = largest(own, half), kind = largest(size, half), other = largest(size, 3 - half);
+        const bool is_rounding = own_kind == 0 && kind <= kRoundingOfOther * other;
+        const bool has_own = own(i) > kRounding * own_kind;
+        const double measure = is_rounding ? other : !has_own && size(i) < kNothing * kind ? kind : size(i);
+        scale(i) = measure > 0 ? 1 / std::sqrt(measure) : 1;
+    }
+    return scale;
+}
+
+/// Beside rows a rotation with next to nothing of its own must drown neither the translation in them, which see both, nor
+/// them in what acts already.
+Vector6 Elimination::scale_with_rows(const Pivot& pivot) const {
+    constexpr double kMost = 1e4;          // ratio of scaled entries in a row; squared it is far from the condition allowed
+    constexpr double kLongestLever = 1e6;  // [m]; a row with a longer one is of rotation alone
+    Vector6 scale = motion_scale(pivot);
+    const Vector6& acting = acting_[static_cast<size_t>(pivot.frame)];
+    for (Eigen::Index i = 0; i < 6; ++i)
+        if (std::abs(acting(i)) * scale(i) * scale(i) > 1) scale(i) = 1 / std::sqrt(std::abs(acting(i)));
+    for (Eigen::Index k = 0; k < open_.by[0].rows(); ++k) {
+        const Eigen::Matrix<double, 1, 6> row = open_.by[0].row(k);
+        if (row.head<3>().norm() * kLongestLever <= row.tail<3>().norm()) continue;
+        const double translation = row.transpose().cwiseProduct(scale).head<3>().cwiseAbs().maxCoeff();
+        for (Eigen::Index i = 3; i < 6; ++i)
+            if (std::abs(row(i)) * scale(i) > kMost * translation) scale(i) = kMost * translation / std::abs(row(i));
+    }
+    return scale;
+}
+
+/// Full-pivot elimination of a pivot's block in the units of `scale`; rows: those of J in it. smallest: of its eigenvalues,
+/// where they are counted, as share of the largest; less is at fault.
+bool Elimination::decompose(const Pivot& pivot, const Block& block, const Column& scale, std::span<const int> rows,
+                            double smallest, Fault& fault) {
+    constexpr double kSmallestCondition = 1e-13;
+    const Eigen::Index n = block.rows();
+    scale_ = scale;
+    const Block scaled = scale.asDiagonal() * block * scale.asDiagonal();
+    lu_.setThreshold(0);
+    lu_.compute(scaled);
+    if (counts_ && scaled.allFinite()) {
+        const Column eigenvalues = Eigen::SelfAdjointEigenSolver<Block>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
+        const Column sizes = eigenvalues.cwiseAbs();
+        if (sizes.minCoeff() > smallest * sizes.maxCoeff()) {
+            negatives_ += static_cast<int>((eigenvalues.array() < 0).count());
+            inverse_ = lu_.inverse();
+            return true;
+        }
+    } else if (scaled.allFinite() && lu_.matrixLU()(n - 1, n - 1) != 0) {
+        // The condition from the inverse, which is wanted anyway: the library's estimate allocates
+        inverse_ = lu_.inverse();
+        const auto norm = [](const Block& matrix) { return matrix.cwiseAbs().colwise().sum().maxCoeff(); };
+        if (norm(scaled) * norm(inverse_) < 1 / kSmallestCondition) return true;
+    }
+    const auto weakest = static_cast<int>(lu_.permutationQ().indices()(n - 1));
+    fault = {};
+    fault.frame = pivot.frame;
+    if (weakest < 6) {
+        fault.direction = weakest;
+    } else {
+        const RigidRow& row = rigid_rows_[static_cast<size_t>(rows[static_cast<size_t>(weakest - 6)])];
+        fault.link = row.link;
+        fault.rigid = row.index;
+    }
+    return false;
+}
+
+Elimination::Block Elimination::inverse() const {
+    return scale_.asDiagonal() * (0.5 * (inverse_ + inverse_.transpose())) * scale_.asDiagonal();
+}
+
+/// Of the block at hand. Not by its inverse: where a block is stiff in one direction and soft in another, what the inverse
+/// owes to the soft one would swamp what is handed on of the stiff one.
+template <class Columns>
+Columns Elimination::solve_block(const Columns& B) const {
+    const Columns scaled = scale_.asDiagonal() * B;
+    return scale_.asDiagonal() * Columns(lu_.solve(scaled));
+}
+
+bool Elimination::factor_plain(const Pivot& pivot, Fault& fault) {
+    if (!decompose(pivot, work_[static_cast<size_t>(pivot.frame)], motion_scale(pivot), {}, smallest_ratio_, fault))
+        return false;
+    const auto index = static_cast<size_t>(pivot.index);
+    inverses_[index] = inverse();
+    if (plain_[index].neighbour < 0) return true;
+    const Matrix6& B = couplings_[static_cast<size_t>(pivot.neighbours.front().coupling)].block;
+    gains_[index] = solve_block(B);
+    work_[static_cast<size_t>(plain_[index].neighbour)] -= B.transpose() * gains_[index];
+    return true;
+}
+
+bool Elimination::factor_general(size_t index, Fault& fault) {
+    constexpr double kPoor = 1e-9;  // of eigenvalues: what a frame that rows hold too little would leave
+    const Pivot& pivot = pivots_[index];
+    General& general = general_[static_cast<size_t>(pivot.index)];
+    if (!gather(pivot, open_)) {
+        const RigidRow& row = rigid_rows_[static_cast<size_t>(open_.rows.back())];
+        fault = {pivot.frame, -1, row.link, row.index, true};
+        return false;
+    }
+    const Vector6 motions = scale_with_rows(pivot);
+    const auto count = static_cast<Eigen::Index>(open_.rows.size());
+    // Of a row by its size when it was met: what is left of one that is held already is small beside it
+    Column row_scale(count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+        const double largest =
+            std::max(open_.by[0].row(k).transpose().cwiseProduct(motions).cwiseAbs().maxCoeff(), open_.among_size(k));
+        row_scale(k) = largest > 0 ? 1 / largest : 1;
+    }
+
+    // Its own block with the rows that are independent of each other by this frame's motion; all of them where there is no
+    // other. Few to begin with; all that can be told apart if that leaves the frame free.
+    const auto take = [&](const std::vector<int>& choice, double smallest) {
+        const auto n = static_cast<Eigen::Index>(6 + choice.size());
+        Block block = Block::Zero(n, n);
+        Column scale(n);
+        block.topLeftCorner<6, 6>() = work_[static_cast<size_t>(pivot.frame)];
+        scale.head<6>() = motions;
+        general.kept.clear();
+        for (Eigen::Index i = 6; i < n; ++i) {
+            const int k = choice[static_cast<size_t>(i - 6)];
+            block.block<1, 6>(i, 0) = open_.by[0].row(k);
+            block.block<6, 1>(0, i) = open_.by[0].row(k).transpose();
+            for (Eigen::Index j = 6; j < n; ++j) block(i, j) = open_.among(k, choice[static_cast<size_t>(j - 6)]);
+            scale(i) = row_scale(k);
+            general.kept.push_back(open_.rows[static_cast<size_t>(k)]);
+        }
+        return decompose(pivot, block, scale, general.kept, smallest, fault);
+    };
+    choice_.clear();
+    rest_.clear();
+    Passed* const on = pivot.passed >= 0 ? &passed_[static_cast<size_t>(pivot.passed)] : nullptr;
+    if (on) {
+        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, kMostRows, kLargestBlock> rows(count,
+                                                                                                              6 + count);
+        rows.leftCols<6>() = row_scale.asDiagonal() * open_.by[0] * motions.asDiagonal();
+        rows.rightCols(count) = row_scale.asDiagonal() * open_.among * row_scale.asDiagonal();
+        choose_independent(rows, 1e-2, choice_, rest_);
+        if (!take(choice_, std::max(smallest_ratio_, kPoor))) {
+            choose_independent(rows, 1e-8, choice_, rest_);
+            if (!take(choice_, smallest_ratio_)) return false;
+        }
+    } else {
+        for (int k = 0; k < count; ++k) choice_.push_back(k);
+        if (!take(choice_, smallest_ratio_)) return false;
+    }
+
+    general.inverse = inverse();
+    const auto n = static_cast<Eigen::Index>(6 + choice_.size()), passed = static_cast<Eigen::Index>(rest_.size());
+    const auto coupling_rows = [&](size_t i) {
+        Rows B = Rows::Zero(n, 6);
+        B.topRows<6>() = couplings_[static_cast<size_t>(pivot.neighbours[i].coupling)].block;
+        for (Eigen::Index k = 6; k < n; ++k) B.row(k) = open_.by[i + 1].row(choice_[static_cast<size_t>(k - 6)]);
+        return B;
+    };
+    // Rows passed on are coupled with what is eliminated here like a neighbour
+    Block& E = passed_columns_;
+    if (on) {
+        E.setZero(n, passed);
+        on->open.rows.clear();
+        on->open.among.resize(passed, passed);
+        on->open.among_size.resize(passed);
+        for (Eigen::Index p = 0; p < passed; ++p) {
+            const int k = rest_[static_cast<size_t>(p)];
+            on->open.rows.push_back(open_.rows[static_cast<size_t>(k)]);
+            E.col(p).head<6>() = open_.by[0].row(k).transpose();
+            for (Eigen::Index i = 6; i < n; ++i) E(i, p) = open_.among(choice_[static_cast<size_t>(i - 6)], k);
+            for (Eigen::Index q = 0; q < passed; ++q) on->open.among(p, q) = open_.among(k, rest_[static_cast<size_t>(q)]);
+            const double own = open_.by[0].row(k).transpose().cwiseProduct(motions).norm();
+            on->open.among_size(p) = std::hypot(open_.among_size(k), own);
+        }
+        on->gain = solve_block(E);
+        on->open.among -= E.transpose() * on->gain;
+    }
+    size_t fill = 0;
+    for (size_t i = 0; i < pivot.neighbours.size(); ++i) {
+        const Rows B = coupling_rows(i);
+        general.gains[i] = solve_block(B);
+        work_[static_cast<size_t>(pivot.neighbours[i].frame)] -= B.transpose() * general.gains[i];
+        if (!on) continue;
+        Rows& by = on->open.by[i];
+        by.resize(passed, 6);
+        for (Eigen::Index p = 0; p < passed; ++p) {
+            const int k = rest_[static_cast<size_t>(p)];
+            by.row(p) = open_.by[i + 1].row(k) - E.col(p).transpose() * general.gains[i];
+        }
+    }
+    for (size_t i = 0; i < pivot.neighbours.size(); ++i) {
+        const Rows B = coupling_rows(i);
+        for (size_t j = i + 1; j < pivot.neighbours.size(); ++j) {
+            Coupling& coupling = couplings_[static_cast<size_t>(pivot.fills[fill++])];
+            const Matrix6 update = B.transpose() * general.gains[j];
+            if (coupling.row == pivot.neighbours[i].frame)
+                coupling.block -= update;
+            else
+                coupling.block -= update.transpose();
+        }
+    }
+    return true;
+}
+
+// ---- Solutions ----------------------------------------------------------------------------------------------------------
+
+DTTMM_WIDE void Elimination::solve(std::span<Vector6> r, std::span<double> g) const {
+    for (size_t k = 0; k < pivots_.size(); ++k) {
+        if (plain_index_[k] < 0) [[unlikely]] {
+            eliminate(pivots_[k], r, g);
+            continue;
+        }
+        const auto index = static_cast<size_t>(plain_index_[k]);
+        const Plain plain = plain_[index];
+        if (plain.neighbour < 0) continue;
+        double* const next = r[static_cast<size_t>(plain.neighbour)].data();
+        (Six(next) - transposed_product(gains_[index].data(), r[static_cast<size_t>(plain.frame)].data())).store(next);
+    }
+    for (size_t k = pivots_.size(); k-- > 0;) {
+        if (plain_index_[k] < 0) [[unlikely]] {
+            substitute(pivots_[k], r, g);
+            continue;
+        }
+        const auto index = static_cast<size_t>(plain_index_[k]);
+        const Plain plain = plain_[index];
+        double* const own = r[static_cast<size_t>(plain.frame)].data();
+        const Six held = product(inverses_[index].data(), own);
+        if (plain.neighbour < 0)
+            held.store(own);
+        else
+            (held - product(gains_[index].data(), r[static_cast<size_t>(plain.neighbour)].data())).store(own);
+    }
+}
+
+void Elimination::eliminate(const Pivot& pivot, std::span<Vector6> r, std::span<double> g) const {
+    const General& general = general_[static_cast<size_t>(pivot.index)];
+    Column& z = columns_[static_cast<size_t>(pivot.index)];
+    z.resize(general.inverse.rows());
+    z.head<6>() = r[static_cast<size_t>(pivot.frame)];
+    for (size_t i = 0; i < general.kept.size(); ++i)
+        z(static_cast<Eigen::Index>(6 + i)) = g[static_cast<size_t>(general.kept[i])];
+    for (size_t i = 0; i < pivot.neighbours.size(); ++i)
+        r[static_cast<size_t>(pivot.neighbours[i].frame)] -= general.gains[i].transpose() * z;
+    if (pivot.passed >= 0) {
+        const Passed& on = passed_[static_cast<size_t>(pivot.passed)];
+        for (size_t p = 0; p < on.open.rows.size(); ++p)
+            g[static_cast<size_t>(on.open.rows[p])] -= on.gain.col(static_cast<Eigen::Index>(p)).dot(z);
+    }
+    z = (general.inverse * z).eval();
+}
+
+void Elimination::substitute(const Pivot& pivot, std::span<Vector6> r, std::span<double> g) const {
+    const General& general = general_[static_cast<size_t>(pivot.index)];
+    Column& z = columns_[static_cast<size_t>(pivot.index)];
+    for (size_t i = 0; i < pivot.neighbours.size(); ++i)
+        z -= general.gains[i] * r[static_cast<size_t>(pivot.neighbours[i].frame)];
+    if (pivot.passed >= 0) {
+        const Passed& on = passed_[static_cast<size_t>(pivot.passed)];
+        for (size_t p = 0; p < on.open.rows.size(); ++p)
+            z -= on.gain.col(static_cast<Eigen::Index>(p)) * g[static_cast<size_t>(on.open.rows[p])];
+    }
+    r[static_cast<size_t>(pivot.frame)] = z.head<6>();
+    for (size_t i = 0; i < general.kept.size(); ++i)
+        g[static_cast<size_t>(general.kept[i])] = z(static_cast<Eigen::Index>(6 + i));
+}
+
+}  // namespace dttmm::plugin

@@ -1,0 +1,587 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// What a network has inside, its matrix and its results; its start and its steps are in files of their own.
+#include "time/interior.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/rotation.h"
+#include "core/state_vector.h"
+#include "time/interior_parts.h"
+
+namespace dttmm::plugin {
+
+namespace {
+
+/// Radius of gyration below which a mass is a point [m].
+constexpr double kSmallestGyration = 1e-7;
+/// Of a step at which a network is first looked at, to see that it can be solved.
+constexpr double kTrialStep = 1e-3;
+
+std::vector<Link> links_of(const Mechanism& mechanism) {
+    const int driven = mechanism.assembly.driven_count;
+    std::vector<Link> links;
+    for (const Joint& joint : mechanism.joints)
+        links.push_back({std::max(joint.from() - driven, -1), std::max(joint.to() - driven, -1),
+                         static_cast<int>(joint.rigid().count())});
+    return links;
+}
+
+/// Levers shorter than this are rounding of places [m].
+double least_lever(const Mechanism& mechanism) {
+    constexpr double kRounding = 1e-14;  // 45 epsilon: sums and turns of a handful of places
+    double size = 1;
+    for (const FrameSpec& frame : mechanism.assembly.frames) size = std::max(size, frame.pose.position.norm());
+    return kRounding * size;
+}
+
+/// Translation and rotation of every inner frame: whether it has no mass, no inertia.
+std::vector<std::array<bool, 2>> massless_halves(const Mechanism& mechanism) {
+    std::vector<std::array<bool, 2>> halves;
+    for (auto f = static_cast<size_t>(mechanism.assembly.driven_count); f < mechanism.assembly.frames.size(); ++f) {
+        const FrameSpec& frame = mechanism.assembly.frames[f];
+        halves.push_back({frame.mass == 0, frame.inertia.trace() <= kSmallestGyration * kSmallestGyration * frame.mass});
+    }
+    return halves;
+}
+
+}  // namespace
+
+/// Nothing moves, and no force that acts already has a stiffness of its own.
+Mechanism at_rest(const Mechanism& mechanism, double step_size) {
+    Mechanism rest = mechanism;
+    rest.scheme.set_step_size(step_size);
+    for (size_t j = 0; j < rest.joints.size(); ++j) {
+        Joint& joint = rest.joints[j];
+        joint.set_scheme(rest.scheme);
+        joint.start(rest.scheme, rest.frame(joint.from()), rest.frame(joint.to()), Vector6::Zero(), Vector6::Zero(),
+                    rest.states[j], rest.damper(j), rest.law_memory_of(j));
+        rest.states[j].elastic = {};
+    }
+    return rest;
+}
+
+// ---- Construction -------------------------------------------------------------------------------------------------------
+
+Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
+    : ports_(mechanism.assembly.port_count),
+      driven_(mechanism.assembly.driven_count),
+      count_(mechanism.assembly.inner_count()),
+      gravity_(Eigen::Map<const Vector3>(description.gravity)),
+      elimination_(count_, links_of(mechanism), least_lever(mechanism)),
+      at_trial_(elimination_),
+      massless_(mechanism, massless_halves(mechanism)),
+      laws_(mechanism, driven_) {
+    if (!mechanism.scheme.is_implicit())
+        throw Error(DTTMM_ERROR_MODEL,
+                    "it hangs on a node that is no body, or has a mass of its own: that wants the implicit coupling", 0);
+    const auto n = static_cast<size_t>(count_);
+    for (uint32_t i = 0; i < description.node_count; ++i) {
+        if (description.nodes[i].kind != DTTMM_NODE_INNER) continue;
+        inner_nodes_.push_back(static_cast<int>(i));
+        const dttmm_node& node = description.nodes[i];
+        given_.push_back(
+            {node.moves != 0, {Eigen::Map<const Vector3>(node.velocity), Eigen::Map<const Vector3>(node.angular_velocity)}});
+    }
+    for (int f = 0; f < count_; ++f) {
+        const FrameSpec& frame = mechanism.assembly.frames[static_cast<size_t>(driven_ + f)];
+        inertias_.push_back({frame.mass, frame.inertia});
+    }
+    set_reaches(mechanism);
+    choose_heirs(mechanism);
+    choose_near(mechanism);
+    for (size_t j = 0; j < mechanism.joints.size(); ++j)
+        if (mechanism.joints[j].from() < ports_ || mechanism.joints[j].to() < ports_) port_joints_.push_back(j);
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const bool is_rigid = mechanism.joints[j].rigid().any();
+        rigid_index_.push_back(is_rigid ? static_cast<int>(rigid_joints_.size()) : -1);
+        if (is_rigid) rigid_joints_.push_back(j);
+    }
+    for (size_t j = 0; j < mechanism.joints.size(); ++j)
+        if (massless_.is_settling(j)) settling_joints_.push_back(j);
+    std::vector<size_t> plain;
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const bool is_plain =
+            near_index_[j] < 0 && rigid_index_[j] < 0 && !massless_.is_settling(j) && !mechanism.joints[j].has_laws();
+        (is_plain ? plain : others_).push_back(j);
+    }
+    by_four_ = {mechanism, plain};
+    others_.insert(others_.end(), by_four_.others().begin(), by_four_.others().end());
+    std::sort(others_.begin(), others_.end());
+    has_free_parts_ = has_free_parts(mechanism);
+    rigid_known_.resize(rigid_joints_.size());
+    for (auto* list : {&past_.u, &past_.u_before}) list->assign(n, Vector6::Zero());
+    for (auto* list : {&past_.velocity, &past_.velocity_before}) list->resize(n);
+    momenta_.assign(n, Vector6::Zero());
+    for (auto* list : {&velocities_, &corrections_, &accelerations_}) list->resize(n);
+    for (size_t i = 0; i < n; ++i)
+        inverse_moments_.push_back(massless_.is_massless(i, 1) ? Matrix3(Matrix3::Zero())
+                                                               : Matrix3(inertias_[i].moment.inverse()));
+    choose_loaded(mechanism);
+    const auto rigid = static_cast<size_t>(elimination_.rigid_count()), ports = static_cast<size_t>(ports_);
+    rigid_.assign(rigid, 0);
+    rigid_at_start_ = rigid_rates_ = rigid_;
+    wrench_rates_.resize(n);
+    start_accelerations_.resize(ports);
+    q_ = rigid_;
+    for (auto* list : {&port_u_, &port_u_before_}) list->assign(ports, Vector6::Zero());
+    anchor_.ports.assign(mechanism.frames.begin(), mechanism.frames.begin() + ports_);
+    motion_.assign(n, Vector6::Zero());
+    anchor_.u.assign(n, Vector6::Zero());
+    anchor_.change.assign(n, Vector6::Zero());
+    anchor_.q.assign(rigid, 0);
+    anchor_.q_change.assign(rigid, 0);
+    anchor_.near.resize(near_joints_.size());
+    anchor_.laws.assign(laws_.count(), 0);
+    other_ = anchor_;
+    port_change_.setZero(6 * ports_);
+    for (auto* list : {&wrench_, &end_wrench_, &damping_wrench_}) list->assign(mechanism.frames.size(), Vector6::Zero());
+    massless_residuals_.resize(massless_.frames().size());
+    node_loads_.assign(inner_nodes_.size(), Vector6::Zero());
+    trial_ = mechanism.frames;
+    responses_.assign(36 * n * ports, 0);
+    rigid_change_.setZero(static_cast<Eigen::Index>(rigid));
+    rigid_responses_.setZero(static_cast<Eigen::Index>(rigid), 6 * ports_);
+
+    const Mechanism sample = at_rest(mechanism, kTrialStep);
+    assemble(sample, sample.frames);
+    factor(sample, DTTMM_ERROR_MODEL);
+    form_at_trial(sample);  // its working memory is then there when a step wants it
+}
+
+void Interior::set_reaches(const Mechanism& mechanism) {
+    port_reach_.assign(static_cast<size_t>(ports_), 0);
+    for (const Inertia& inertia : inertias_)
+        reach_.push_back(inertia.mass > 0 ? std::sqrt(inertia.moment.trace() / inertia.mass) : 0);
+    for (const Joint& joint : mechanism.joints) {
+        const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
+        const auto reach_out = [&](int frame, double length) {
+            if (frame >= ports_ && !is_inner(frame)) return;
+            double& reach = is_inner(frame) ? reach_[at(frame)] : port_reach_[static_cast<size_t>(frame)];
+            reach = std::max(reach, length);
+        };
+        reach_out(joint.from(), joint.arm(0, from, to).norm());
+        reach_out(joint.to(), joint.arm(1, from, to).norm());
+    }
+    for (double reach : reach_) {
+        turn_weight_.push_back(reach * reach);
+        spin_weight_.push_back(reach > 0 ? 1 / (reach * reach) : 0);
+    }
+}
+
+/// Whether some joint leaves a frame free to turn that has an attitude: an inertia, or a joint that carries a moment.
+bool Interior::has_free_parts(const Mechanism& mechanism) const {
+    std::vector<bool> has_attitude(mechanism.frames.size(), false);
+    for (int f = 0; f < driven_ + count_; ++f)
+        has_attitude[static_cast<size_t>(f)] = is_inner(f) ? !massless_.is_massless(at(f), 1) : f < ports_;
+    for (const Joint& joint : mechanism.joints)
+        for (int frame : {joint.from(), joint.to()})
+            if (joint.turns()) has_attitude[static_cast<size_t>(frame)] = true;
+    return std::ranges::any_of(mechanism.joints, [&](const Joint& joint) {
+        if (!has_attitude[static_cast<size_t>(joint.from())] && !has_attitude[static_cast<size_t>(joint.to())]) return false;
+        for (size_t d = 0; d < 3; ++d)
+            if (!joint.rigid()[3 + d] && !(joint.rotation_half().stiffness(static_cast<Eigen::Index>(d)) > 0)) return true;
+        return false;
+    });
+}
+
+void Interior::choose_loaded(const Mechanism& mechanism) {
+    load_of_.assign(inertias_.size(), -1);
+    const auto choose = [&](size_t frame) {
+        if (load_of_[frame] >= 0) return;
+        load_of_[frame] = static_cast<int>(loaded_.size());
+        loaded_.push_back(frame);
+    };
+    for (int node : inner_nodes_) {
+        const int frame = mechanism.assembly.nodes[static_cast<size_t>(node)].frame;
+        if (is_inner(frame)) choose(at(frame));
+    }
+    for (size_t i : massless_.frames()) choose(i);
+    frame_loads_.resize(loaded_.size());
+    for (size_t n = 0; n < inner_nodes_.size(); ++n) {
+        const NodeSpec& node = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[n])];
+        if (is_inner(node.frame) && !node.offset.isZero(0))
+            levers_.push_back({static_cast<size_t>(load_of_[at(node.frame)]), n, node.offset});
+    }
+}
+
+/// The nearest frame over joints that has mass and inertia, or a body of the host.
+void Interior::choose_heirs(const Mechanism& mechanism) {
+    const auto inherits = [&](int frame) {
+        if (!is_inner(frame)) return frame < ports_;
+        return massless_.index_of(at(frame)) < 0;
+    };
+    std::vector<int> receiver(mechanism.frames.size(), -1);
+    for (size_t f = 0; f < receiver.size(); ++f)
+        if (inherits(static_cast<int>(f))) receiver[f] = static_cast<int>(f);
+    for (bool grows = true; grows;) {
+        grows = false;
+        for (const Joint& joint : mechanism.joints) {
+            int &a = receiver[static_cast<size_t>(joint.from())], &b = receiver[static_cast<size_t>(joint.to())];
+            if ((a < 0) == (b < 0)) continue;
+            (a < 0 ? a : b) = std::max(a, b);
+            grows = true;
+        }
+    }
+    for (int f = driven_; f < driven_ + count_; ++f)
+        receivers_.push_back(inherits(f) ? -1 : receiver[static_cast<size_t>(f)]);
+}
+
+/// What the ports feel: their own joints, and those of the frames whose receivers they are.
+void Interior::choose_near(const Mechanism& mechanism) {
+    std::vector<bool> at_port(mechanism.frames.size(), false);
+    for (int f = 0; f < static_cast<int>(at_port.size()); ++f) {
+        const bool is_estate = is_inner(f) && receivers_[at(f)] >= 0 && receivers_[at(f)] < ports_;
+        if (f >= ports_ && !is_estate) continue;
+        at_port[static_cast<size_t>(f)] = true;
+        port_frames_.push_back(f);
+    }
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const bool is_near = at_port[static_cast<size_t>(mechanism.joints[j].from())] ||
+                             at_port[static_cast<size_t>(mechanism.joints[j].to())];
+        near_index_.push_back(is_near ? static_cast<int>(near_joints_.size()) : -1);
+        if (!is_near) continue;
+        near_joints_.push_back(j);
+        has_near_laws_ = has_near_laws_ || mechanism.joints[j].has_laws();
+    }
+    near_blocks_.resize(near_joints_.size());
+    near_columns_.resize(near_joints_.size());
+}
+
+// ---- The matrix ---------------------------------------------------------------------------------------------------------
+
+Matrix6 local_columns(const Mechanism& mechanism, size_t j, int end) {
+    return local_columns(mechanism, j, mechanism.pose(j), end);
+}
+
+Matrix6 local_columns(const Mechanism& mechanism, size_t j, const JointPose& pose, int end) {
+    const Joint& joint = mechanism.joints[j];
+    Matrix6 G = end == 0 ? joint.by_from(pose) : joint.by_to(pose);
+    const FrameView frame = mechanism.frame(end == 0 ? joint.from() : joint.to());
+    for (int c : {0, 3}) G.middleCols<3>(c) = (G.middleCols<3>(c) * frame.axes()).eval();
+    return G;
+}
+
+Matrix6 rigid_rows(const Mechanism& mechanism, size_t j, const Matrix6& columns) {
+    return rigid_rows(mechanism.theta(j), columns);
+}
+
+Matrix6 rigid_rows(const Vector3& theta, const Matrix6& columns) {
+    Matrix6 rows = columns;
+    rows.bottomRows<3>() = rotation_vector_rate(theta) * columns.bottomRows<3>();
+    return rows;
+}
+
+Matrix6 Interior::mass_matrix(size_t frame) const {
+    Matrix6 M = Matrix6::Zero();
+    M.topLeftCorner<3, 3>().diagonal().setConstant(inertias_[frame].mass);
+    M.bottomRightCorner<3, 3>() = inertias_[frame].moment;
+    return M;
+}
+
+/// h² times −∂(wrench over a step)/∂(pose at its end) of a joint's frames, in their axes at t_n, when `at` has them at its
+/// end: what is elastic or damped, and what stems from forces that act at t_n, which turn with the joint.
+Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, const std::vector<Frame>& at) const {
+    const Joint& joint = mechanism.joints[j];
+    const FrameView from = at[static_cast<size_t>(joint.from())], to = at[static_cast<size_t>(joint.to())];
+    const JointPose pose = joint.pose(from, to);
+    const Vector3 acting = mechanism.pose(j).axes.transpose() * mechanism.states[j].elastic.force;
+    return blocks(mechanism, j, {from, to}, pose, joint.deformation(pose, from, to), pose.axes * acting, rigid_);
+}
+
+/// The same with the joint elsewhere, deformed, under the elastic force `acting`, its rigid directions carrying q.
+Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, Ends at, const JointPose& pose,
+                                  const Vector6& deformation, Vector3 acting, const std::vector<double>& q) const {
+    const Joint& joint = mechanism.joints[j];
+    if (joint.rigid().any()) acting += pose.axes * head(rigid_values(mechanism, j, q));
+    const double h = mechanism.scheme.step_size();
+    const Matrix3 R[2] = {mechanism.frame(joint.from()).axes(), mechanism.frame(joint.to()).axes()};
+    const auto in_frames = [&](EndBlocks K) {
+        for (int i : {0, 1})
+            for (int k : {0, 1})
+                for (int row : {0, 3})
+                    for (int column : {0, 3}) {
+                        auto block = K.at[i][k].block<3, 3>(row, column);
+                        block = (h * h * R[i].transpose() * block * R[k]).eval();
+                    }
+        return K;
+    };
+    return {in_frames(joint.stiffness(
+                pose, joint.gain(mechanism.scheme, mechanism.states[j].deformation(), deformation, mechanism.memory(j)))),
+            in_frames(joint.acting_stiffness(pose, at.from, at.to, mechanism.scheme.elastic_weight(0) * acting))};
+}
+
+void Interior::add_blocks(const Joint& joint, size_t j, const Blocks& K, Elimination& matrix) const {
+    const int frames[2] = {joint.from(), joint.to()};
+    for (int end : {0, 1}) {
+        if (!is_inner(frames[end])) continue;
+        matrix.add_diagonal(frames[end] - driven_, K.own.at[end][end]);
+        matrix.add_acting(frames[end] - driven_, K.acting.at[end][end]);
+    }
+    if (is_inner(frames[0]) && is_inner(frames[1])) matrix.add_coupling(static_cast<int>(j), K.between(0, 1));
+}
+
+/// at: the frames at the end of the step, as far as they are known.
+void Interior::assemble(const Mechanism& mechanism, const std::vector<Frame>& at) {
+    elimination_.set_zero();
+    for (int i = 0; i < count_; ++i) elimination_.add_diagonal(i, mass_matrix(static_cast<size_t>(i)));
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const Blocks K = blocks(mechanism, j, at);
+        add_blocks(mechanism.joints[j], j, K, elimination_);
+        if (near_index_[j] < 0) continue;
+        const auto k = static_cast<size_t>(near_index_[j]);
+        for (int row : {0, 1})
+            for (int column : {0, 1}) near_blocks_[k].at[row][column] = K.between(row, column);
+        for (int end : {0, 1}) near_columns_[k].at[end] = local_columns(mechanism, j, end);
+    }
+    for (size_t j : rigid_joints_) set_rigid_rows(mechanism, j, mechanism.pose(j), mechanism.theta(j), elimination_);
+    stiffest_ = 0;
+    for (int i = 0; i < count_; ++i)
+        stiffest_ = std::max(stiffest_, elimination_.diagonal(i).diagonal().head<3>().maxCoeff());
+}
+
+/// Adds to every inertia so much that it shows beside the stiffness that holds its frame: over a long step it may otherwise
+/// vanish in rounding, and a motion that nothing else resists be undetermined.
+void Interior::make_heavier() {
+    constexpr double kLeastShare = 1e-9;  // with 1e-11 rigid directions are lost to 1e-3 in rods of a centimetre
+    for (int i = 0; i < count_; ++i) {
+        const Matrix6 own = elimination_.diagonal(i);
+        const double shift = own.topLeftCorner<3, 3>().trace(), arm = reach_[static_cast<size_t>(i)];
+        const double held[2] = {shift, std::max(own.bottomRightCorner<3, 3>().trace(), arm * arm * shift)};
+        Vector6 more = Vector6::Zero();
+        for (int half : {0, 1})
+            if (!massless_.is_massless(static_cast<size_t>(i), half))
+                more.segment<3>(3 * half).setConstant(kLeastShare * held[half]);
+        elimination_.add_diagonal(i, more.asDiagonal());
+    }
+}
+
+void Interior::set_rigid_rows(const Mechanism& mechanism, size_t j, const JointPose& pose, const Vector3& theta,
+                              Elimination& matrix) const {
+    const Matrix6 rows[2] = {rigid_rows(theta, local_columns(mechanism, j, pose, 0)),
+                             rigid_rows(theta, local_columns(mechanism, j, pose, 1))};
+    for_each_rigid(mechanism.joints[j], [&](int i, int d) {
+        matrix.set_rigid(static_cast<int>(j), i, rows[0].row(d).transpose(), rows[1].row(d).transpose());
+    });
+}
+
+/// The matrix where the frames are on trial, into at_trial_. False if it is singular.
+bool Interior::form_at_trial(const Mechanism& mechanism) const {
+    at_trial_.set_zero();
+    for (int i = 0; i < count_; ++i) at_trial_.add_diagonal(i, mass_matrix(static_cast<size_t>(i)));
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const Joint& joint = mechanism.joints[j];
+        const FrameView from = trial_[static_cast<size_t>(joint.from())], to = trial_[static_cast<size_t>(joint.to())];
+        const JointPose pose = joint.pose(from, to);
+        const Joint::Strained strained =
+            joint.strain(mechanism.scheme, {from, to}, pose, mechanism.states[j], mechanism.memory(j));
+        add_blocks(joint, j, blocks(mechanism, j, {from, to}, pose, strained.deformation(), strained.elastic.force, q_),
+                   at_trial_);
+        if (joint.rigid().any()) set_rigid_rows(mechanism, j, pose, strained.theta, at_trial_);
+    }
+    return !at_trial_.factor();
+}
+
+void Interior::factor(const Mechanism& mechanism, dttmm_status status) {
+    ++factorisations_;
+    if (const auto fault = elimination_.factor()) refuse(mechanism, *fault, status);
+}
+
+void Interior::refuse(const Mechanism& mechanism, const Elimination::Fault& fault, dttmm_status status) const {
+    const FrameSpec& frame = mechanism.assembly.frames[static_cast<size_t>(driven_ + fault.frame)];
+    if (fault.direction >= 0) {
+        const bool is_massless = fault.direction < 3 ? frame.mass == 0 : frame.inertia.isZero(0);
+        throw Error(status,
+                    fmt::format("{}: nothing determines its motion in {} (its own axes): {}no element holds it there; give "
+                                "it a stiffness, a mass or "
+                                "a `fixed` direction",
+                                frame.name, kDirectionNames[static_cast<size_t>(fault.direction)],
+                                is_massless ? "it has no mass, and " : ""),
+                    frame.element);
+    }
+    const Joint& joint = mechanism.joints[static_cast<size_t>(fault.link)];
+    int direction = 0;
+    for_each_rigid(joint, [&](int i, int d) {
+        if (i == fault.rigid) direction = d;
+    });
+    throw Error(status,
+                fmt::format("its rigid direction {} is driven from both ends: what it joins is held there by other rigid "
+                            "directions too; give one of them a stiffness",
+                            kDirectionNames[static_cast<size_t>(direction)]),
+                joint.element());
+}
+
+void Interior::refactor(const Mechanism& mechanism) {
+    predict(mechanism);
+    std::copy(anchor_.ports.begin(), anchor_.ports.end(), trial_.begin());
+    for (size_t i = 0; i < inertias_.size(); ++i) place(mechanism, i, anchor_.u[i]);
+    form_matrix(mechanism, trial_);
+    is_fresh_ = true;
+}
+
+void Interior::form_matrix(const Mechanism& mechanism, const std::vector<Frame>& at) {
+    is_stale_ = true;
+    assemble(mechanism, at);
+    factor(mechanism, DTTMM_ERROR_SINGULAR);
+    find_responses(mechanism);
+    laws_.form(mechanism, at);
+    laws_.find_responses(elimination_, mechanism.scheme.step_size(), other_.change, other_.q_change);
+    look_at_joints(mechanism);
+    is_stale_ = false;
+}
+
+/// Factors the matrix of `slow`: nothing moves, over a step so long that inertias do not resist, unless nothing else does:
+/// then they are made heavier and it is factored again. hold: adds to the matrix before it is factored, each time.
+void Interior::factor_static(const Mechanism& slow, const std::function<void()>& hold) {
+    assemble(slow, slow.frames);
+    hold();
+    ++factorisations_;
+    if (!elimination_.factor()) return;
+    assemble(slow, slow.frames);
+    make_heavier();
+    hold();
+    factor(slow, DTTMM_ERROR_SINGULAR);
+}
+
+/// How the inside follows a unit motion of each port.
+void Interior::find_responses(const Mechanism& mechanism) {
+    std::vector<Vector6>& r = other_.change;
+    std::vector<double>& g = other_.q_change;
+    for (int column = 0; column < 6 * ports_; ++column) {
+        const int port = column / 6, c = column % 6;
+        std::fill(r.begin(), r.end(), Vector6::Zero());
+        std::fill(g.begin(), g.end(), 0.0);
+        for (size_t j : port_joints_) {
+            const Joint& joint = mechanism.joints[j];
+            if (joint.from() != port && joint.to() != port) continue;
+            const int end = joint.from() == port ? 0 : 1;
+            const int other = end == 0 ? joint.to() : joint.from();
+            const EndBlocks& K = near_blocks_[static_cast<size_t>(near_index_[j])];
+            if (is_inner(other)) r[at(other)] -= K.at[1 - end][end].col(c);
+            for_each_rigid(joint,
+                           [&](int i, int) { g[rigid_row(j, i)] = -elimination_.rigid(static_cast<int>(j), i, end)(c); });
+        }
+        elimination_.solve(r, g);
+        for (size_t i = 0; i < r.size(); ++i) {
+            Eigen::Map<Vector6>{&responses_[36 * i * static_cast<size_t>(ports_) + 6 * static_cast<size_t>(column)]} = r[i];
+        }
+        rigid_responses_.col(column) = Eigen::Map<const Eigen::VectorXd>(g.data(), static_cast<Eigen::Index>(g.size()));
+    }
+}
+
+void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) const {
+    // −δ(h W_p) = Σ K δu + Jᵀ q over the ends of the joints of port p
+    const double h = mechanism.scheme.step_size();
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    Eigen::Map<RowMajor> S(stiffness, 6 * ports_, 6 * ports_);
+    S.setZero();
+    for (size_t j : port_joints_) {
+        const Joint& joint = mechanism.joints[j];
+        const EndBlocks& K = near_blocks_[static_cast<size_t>(near_index_[j])];
+        const int frames[2] = {joint.from(), joint.to()};
+        for (int row : {0, 1}) {
+            if (frames[row] >= ports_) continue;
+            for (int column = 0; column < ports_; ++column) {
+                auto block = S.block<6, 6>(6 * frames[row], 6 * column);
+                for (int end : {0, 1}) {
+                    if (is_inner(frames[end])) block += K.at[row][end] * response(at(frames[end])).middleCols<6>(6 * column);
+                    if (frames[end] == column) block += K.at[row][end];
+                }
+                for_each_rigid(joint, [&](int i, int) {
+                    block += elimination_.rigid(static_cast<int>(j), i, row) *
+                             rigid_responses_.block<1, 6>(static_cast<Eigen::Index>(rigid_row(j, i)), 6 * column);
+                });
+            }
+        }
+    }
+    for (int row = 0; row < 2 * ports_; ++row)
+        for (int column = 0; column < 2 * ports_; ++column) {
+            auto block = S.block<3, 3>(3 * row, 3 * column);
+            block =
+                (mechanism.frame(row / 2).axes() * block * mechanism.frame(column / 2).axes().transpose() / (h * h)).eval();
+        }
+}
+
+// ---- Results ------------------------------------------------------------------------------------------------------------
+
+double Interior::work(const Mechanism& mechanism) const {
+    double work = books_.load_work;
+    for (size_t i = 0; i < inertias_.size(); ++i) {
+        const Vector3& start = mechanism.assembly.frames[static_cast<size_t>(driven_) + i].pose.position;
+        work += inertias_[i].mass * gravity_.dot(mechanism.frame_before(driven_ + static_cast<int>(i)).origin() - start);
+    }
+    return work;
+}
+
+Twist Interior::momentum(const Mechanism& mechanism) const {
+    // x_n × p = x_{n−1} × p, for p is along what leads from one to the other
+    Twist total;
+    for (size_t i = 0; i < inertias_.size(); ++i) {
+        const Vector3 p = head(momenta_[i]);
+        total.linear += p;
+        total.angular += mechanism.frame(driven_ + static_cast<int>(i)).origin().cross(p) + tail(momenta_[i]);
+    }
+    return total;
+}
+
+Twist Interior::newmark_momentum(const Mechanism& mechanism) const {
+    // With F the elastic force on a frame, y = x − β h² F/m and P − β h (F_n − F_{n−1}) move in leap-frog by F_n alone.
+    // Their moment does not change: y × F = x × F.
+    const Scheme& scheme = mechanism.scheme;
+    std::vector<Vector6> now(mechanism.frames.size(), Vector6::Zero()), before = now;
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const auto a = static_cast<size_t>(mechanism.joints[j].from()), b = static_cast<size_t>(mechanism.joints[j].to());
+        Joint::add_wrench(mechanism.states[j].elastic, now[a].data(), now[b].data());
+        JointForce force = mechanism.states[j].known;  // without a damper (1 − 2s) F_n + s F_{n−1}
+        force.add(-scheme.elastic_weight(1), mechanism.states[j].elastic);
+        JointForce earlier;
+        earlier.add(1 / scheme.elastic_weight(2), force);
+        Joint::add_wrench(earlier, before[a].data(), before[b].data());
+    }
+    for (size_t i : massless_.frames()) {
+        if (!is_inner(receivers_[i])) continue;
+        const auto f = static_cast<size_t>(driven_) + i, receiver = static_cast<size_t>(receivers_[i]);
+        now[receiver] += passed_on(mechanism.frames, i, massless_part(i, now[f]));
+        before[receiver] += passed_on(mechanism.before, i, massless_part(i, before[f]));
+    }
+    const double h = mechanism.scheme.step_size(), beta = mechanism.scheme.elastic_weight(0);
+    Twist total;
+    for (size_t i = 0; i < inertias_.size(); ++i) {
+        if (massless_.is_massless(i, 0)) continue;
+        const auto f = static_cast<size_t>(driven_) + i;
+        Vector6 P = momenta_[i] - beta * h * (now[f] - before[f]);
+        if (massless_.is_massless(i, 1)) P.tail<3>().setZero();
+        const Vector3 y = FrameView(mechanism.frames[f]).origin() - beta * h * h / inertias_[i].mass * head(now[f]);
+        total.linear += head(P);
+        total.angular += y.cross(head(P)) + tail(P);
+    }
+    return total;
+}
+
+/// Forces of a joint's rigid directions out of those of all, joint axes.
+Vector6 Interior::rigid_values(const Mechanism& mechanism, size_t j, const std::vector<double>& q) const {
+    Vector6 f = Vector6::Zero();
+    for_each_rigid(mechanism.joints[j], [&](int i, int d) { f(d) = q[rigid_row(j, i)]; });
+    return f;
+}
+
+void Interior::add_state_parts(std::vector<std::pair<void*, size_t>>& parts) {
+    for (auto* list : {&past_.u, &past_.u_before}) parts.emplace_back(list->data(), list->size() * sizeof(Vector6));
+    for (auto* list : {&past_.velocity, &past_.velocity_before})
+        parts.emplace_back(list->data(), list->size() * sizeof(Twist));
+    parts.emplace_back(momenta_.data(), momenta_.size() * sizeof(Vector6));
+    parts.emplace_back(frame_loads_.data(), frame_loads_.size() * sizeof(FrameLoad));
+    parts.emplace_back(rigid_.data(), rigid_.size() * sizeof(double));
+    parts.emplace_back(port_u_.data(), port_u_.size() * sizeof(Vector6));
+    parts.emplace_back(port_u_before_.data(), port_u_before_.size() * sizeof(Vector6));
+    parts.emplace_back(start_accelerations_.data(), start_accelerations_.size() * sizeof(Twist));
+    parts.emplace_back(&books_, sizeof books_);
+}
+
+}  // namespace dttmm::plugin

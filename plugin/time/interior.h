@@ -1,0 +1,420 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "mechanism/joints_by_four.h"
+#include "mechanism/mechanism.h"
+#include "mechanism/momentum.h"
+#include "solve/elimination.h"
+#include "time/law_rows.h"
+#include "time/massless.h"
+
+namespace dttmm::plugin {
+
+/// What moves inside a network between its ports: lumps, rigid masses and massless nodes, on the joints between them. For a
+/// given motion of the ports over a step it finds its own,
+///     P(u) = P− + h (f(x + h u) + weight + loads),     massless: 0 = f + loads,     rigid directions: d(x + h u) = 0,
+/// u = [v; ω] of every frame over the step in the frame's own axes at t_n, P = [m v; L(ω)] its momentum, L half way through
+/// the step as the host has it. f is the centred force of the joints: the same recursion as the host's, DT-TMM with
+/// A = 1/h², C = γ/h. A rigid direction has one force over the whole step, in the weighted mean of its axes at the three
+/// instants.
+///
+/// Newton's iteration with the matrix M + h² S, in the frames' axes, in which it changes with the deformations only, not
+/// with the motion of the whole: it is factored once per step size and kept until it converges slowly, or joints at ports
+/// or rigid directions have turned. Elastic directions enter it where the step ends if all goes on, for only their forces
+/// there hang on the motion: by those of t_n, k h²/m times what a hinge turns in a step would be missing across it, and k
+/// h²/m is in the thousands where it is stiff. Rigid directions enter it where they are at t_n, in the middle of the three
+/// instants.
+///
+/// Passes start from the extrapolated motion; a solution is accepted when θ/(1 − θ) × (last correction), θ the rate of
+/// convergence, is below kShare of its first correction and of the motion, and, in the same way, what is left of the
+/// momentum is below kShare of the largest impulse of a joint: a stiff joint makes much of a small motion, and would feed
+/// its own vibration with what is left, step after step. (Where parts are free to turn, what is lacking before the last
+/// correction may not be much more either.) What is below the rounding of places, or no longer falls, is accepted too. The
+/// forces where it ends then move the momentum, in pairs that balance exactly, so that it is kept however few passes were
+/// taken; what the motion lacks to it is made up for in the next step.
+///
+/// Where the host expects the ports to end the step it is solved for them (the anchor), and solved on wherever it expects
+/// them next: one iteration with the host's own. The answer to another motion of the ports is the linear one from there, as
+/// long as that is good enough, by what it left over when the anchor moved there in this step; not where joints at ports
+/// turn (the error of the force they tell grows with their stiffness) or parts are free to turn: there the anchor stays, and
+/// every motion is solved for from it. It stays too where the host does not come to rest in a few moves, and what is then
+/// rounding of the motion is answered linearly. At the first motion that is expected one pass may do, where passes are known
+/// to converge: the host is told to come again. A step of small vibrations takes two passes or three, whatever the number of
+/// frames.
+///
+/// What a massless frame leaves unbalanced over a step by its own rule (MasslessFrames) its receiver takes over, a frame
+/// nearby with a mass, so that no momentum is lost: force and moment about where the frame is at t_n, in the equations of
+/// the motion and in the momentum alike. (Once the momentum had, in place of that, the elastic force on the frame with the
+/// lever arms l of its own instants. Under a lasting load P on a node at the end of a beam that force is −P at every
+/// instant, so the moment on the last lump was l_n × P in the momentum and (l_{n+1} + 2 l_n + l_{n−1})/4 × P in the motion.
+/// With θ the turn of the lump and g = P l its stiffness by the load that is
+///     J (θ_{n+1} − 2θ_n + θ_{n−1})/h² = −g (θ_{n+1} + θ_n + 3θ_{n−1} − θ_{n−2})/4
+/// in place of (θ_{n+1} + 2θ_n + θ_{n−1})/4: not symmetric in time, a negative damping in proportion to P, and a bar at rest
+/// under a pull began to swing.)
+class Interior {
+public:
+    static constexpr double kShare = 1e-6;  ///< that may be left over, of the measures named above
+    static constexpr int kMostPasses = 30;
+
+    /// Throws Error(DTTMM_ERROR_MODEL) naming what cannot move as described: a massless node that nothing holds in some
+    /// direction, a rigid direction that is driven from both its ends; or a scheme that is explicit.
+    Interior(const Mechanism& mechanism, const dttmm_network& description);
+
+    /// The force law at one instant with the inside at its start: wrenches on the ports, and −∂(wrench)/∂(pose of the ports)
+    /// when the inside follows without inertia.
+    void linearise(const Mechanism& mechanism, const dttmm_motion* ports, double* wrench, double* stiffness,
+                   double* damping) const;
+
+    /// Throws Error(DTTMM_ERROR_MODEL) naming a node whose given velocity rigid directions, or other nodes on its rigid
+    /// body, forbid.
+    void start(Mechanism& mechanism, const dttmm_motion* ports, const double* accelerations, const double* loads);
+    /// loads: NULL: none. Forms the matrix anew where the last step has left it stale; throws Error, nothing being changed,
+    /// if that is singular or a rotational spring has turned too far.
+    void begin_step(const Mechanism& mechanism, const double* loads);
+    /// Where the ports will end the open step, as far as is known. Whether the answer there is rough still: to be told
+    /// again. Throws Error(DTTMM_ERROR_NUMERIC) where no motion is found.
+    bool expect(const Mechanism& mechanism, std::span<const FrameView> ports);
+    /// Wrenches on the ports over the open step, at a trial end of it. Throws as expect().
+    void evaluate(const Mechanism& mechanism, std::span<const FrameView> ports, double* wrench) const;
+    /// −∂(wrench)/∂(pose), 6P × 6P row-major.
+    void write_stiffness(const Mechanism& mechanism, double* stiffness) const;
+    /// Throws Error(DTTMM_ERROR_NUMERIC), nothing being changed, naming what is farther or faster than the host has its
+    /// bodies, or turns more than half a turn over the step.
+    void commit(Mechanism& mechanism, std::span<const FrameView> ports);
+
+    // At t_n, the start of the step last committed, in this order:
+    /// Velocities of frames with mass: Newmark's, those over the step less half of what its mean wrenches (of the joints, on
+    /// all frames) add per step. The others have the mean of those over the two steps.
+    void find_velocities(const Mechanism& mechanism, std::span<const Vector6> mean_wrenches);
+    /// Velocities of massless frames where dampers act, and the forces of rigid directions on massless frames: by the
+    /// balance of the instant. rate(j): of the joints' deformations, as known.
+    template <class Rate>
+    void find_massless_velocities(const Mechanism& mechanism, const Rate& rate) {
+        std::fill(corrections_.begin(), corrections_.end(), Twist{});
+        if (!massless_.has_balances()) return;
+        massless_.find_instant(
+            mechanism, mechanism.scheme.step_size(), mechanism.before,
+            [&](size_t j) {
+                const JointState& state = mechanism.states[j];
+                return MasslessFrames::Acting{
+                    state.deformation_before(), rate(j),
+                    mechanism.joints[j].elastic(state.deformation_before(), mechanism.memory_before(j))};
+            },
+            [&](size_t i) { return frame_load(i).load[2]; }, velocities_, corrections_, rigid_at_start_);
+    }
+    /// What that has added to the velocity of a frame's origin, world.
+    Twist correction(int frame) const { return is_inner(frame) ? corrections_[at(frame)] : Twist{}; }
+    /// Whether nothing of mass (half 0) or inertia (1) is in a frame.
+    bool is_massless(int frame, int half) const { return is_inner(frame) && massless_.is_massless(at(frame), half); }
+    bool has_rigid_directions() const { return elimination_.rigid_count() > 0; }
+    /// Accelerations: of frames with mass by the wrenches of the joints at that instant, of massless ones by the velocities
+    /// over the steps around it. At the start there is one step only: there those that dampers act on have the accelerations
+    /// that keep their forces in balance. velocity(frame), force(joint): at that instant, the force in the joint's axes.
+    template <class Velocity, class Force>
+    void find_accelerations(const Mechanism& mechanism, std::span<const Vector6> wrenches, const Velocity& velocity,
+                            const Force& force) {
+        find_accelerations(mechanism, wrenches);
+        if (mechanism.steps > 1 || !massless_.has_balances()) return;
+        take_load_rates(mechanism);
+        const auto ends = [&](size_t j) {
+            return std::pair{velocity(mechanism.joints[j].from()), velocity(mechanism.joints[j].to())};
+        };
+        for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+            const auto [from, to] = ends(j);
+            add_arm_rates(mechanism, j, from, to, force(j));
+        }
+        massless_.find_instant(
+            mechanism, mechanism.scheme.step_size(), mechanism.before,
+            [&](size_t j) {
+                const auto [from, to] = ends(j);
+                return rate_of_force(mechanism, j, from, to, force(j));
+            },
+            [&](size_t i) { return wrench_rates_[i]; }, accelerations_, corrections_, rigid_rates_);
+    }
+    /// Force of a joint's rigid directions at that instant, its axes.
+    Vector6 rigid_force_at_start(const Mechanism& mechanism, size_t joint) const;
+    /// Of a frame's origin, world.
+    Twist velocity(int frame) const { return is_inner(frame) ? velocities_[at(frame)] : Twist{}; }
+    /// A point of a frame in its axes.
+    Twist velocity(const Mechanism& mechanism, int frame, const Vector3& offset) const;
+    Twist acceleration(const Mechanism& mechanism, int frame, const Vector3& offset) const;
+    double kinetic_energy(const Mechanism& mechanism) const;
+    double work(const Mechanism& mechanism) const;  ///< of gravity and loads since the start
+    /// Force of a joint's rigid directions over the step last committed, its axes [force; moment].
+    Vector6 rigid_force(const Mechanism& mechanism, size_t joint) const;
+
+    /// Momentum and angular momentum about the world's origin of all that is inside, over the step before t_n.
+    Twist momentum(const Mechanism& mechanism) const;
+    /// The same as Newmark's rule keeps it: at t_n, of y = x − β h² F/m in place of x (Kane et al. 2000, Int. J. Numer.
+    /// Meth. Eng. 49, 1295–1325). It differs by a part of order h² that does not grow. For networks without dampers.
+    Twist newmark_momentum(const Mechanism& mechanism) const;
+
+    /// Solutions of the linear equations over all steps so far, and factorisations.
+    long passes() const { return passes_; }
+    long factorisations() const { return factorisations_; }
+
+    /// Everything that changes from step to step, as pieces of memory; the factor goes with them by refactor(), for the step
+    /// to come.
+    void add_state_parts(std::vector<std::pair<void*, size_t>>& parts);
+    void refactor(const Mechanism& mechanism);
+
+private:
+    void find_accelerations(const Mechanism& mechanism, std::span<const Vector6> wrenches);
+    void take_load_rates(const Mechanism& mechanism);
+    void add_arm_rates(const Mechanism& mechanism, size_t joint, const Twist& from, const Twist& to, const Vector6& f);
+    MasslessFrames::Acting rate_of_force(const Mechanism& mechanism, size_t joint, const Twist& from_velocity,
+                                         const Twist& to_velocity, const Vector6& f) const;
+    /// What changes from step to step for a frame with a node on it, or with a massless half: the others take no load.
+    struct FrameLoad {
+        Vector6 load[3];     ///< at the frame's origin, world, at t_{n+1} (forces off the origin left out), t_n, t_{n−1}
+        Vector6 elastic[3];  ///< elastic forces on a massless frame, the same; at t_{n+1} once the step is taken
+        Vector6 settled;     ///< ψ of MasslessFrames at t_n, axes of the frame
+        FrameLoad() {
+            for (Vector6* list : {load, elastic}) std::fill_n(list, 3, Vector6::Zero());
+            settled.setZero();
+        }
+    };
+    /// A load on a node that is not at its frame's origin.
+    struct Lever {
+        size_t loaded, node;
+        Vector3 offset;  ///< axes of the frame
+    };
+    /// How fast passes converge, in one measure. A larger correction than the one it was measured at turns the joints' axes
+    /// more, and contracts less in proportion.
+    struct Convergence {
+        double contraction = 1;  ///< θ/(1 − θ), θ the rate
+        double measured_at = 0;  ///< correction after which it was measured; 0: not yet
+        /// What remains after a correction.
+        double left(double correction) const {
+            if (correction > measured_at) {
+                if (measured_at == 0) return correction;
+                return std::min(contraction * (correction / measured_at), 1.0) * correction;
+            }
+            return std::min(contraction, 1.0) * correction;
+        }
+        void measure(double rate, double previous) { *this = {rate < 1 ? rate / (1 - rate) : 1e3, previous}; }
+        void forget(double factor) { contraction = std::min(factor * contraction, 1.0); }
+    };
+    /// What the linear answer left over when the ports moved last within a step; the same share, or less, of a smaller move.
+    struct LinearAnswer {
+        double speed = 0;     ///< of the move, the largest of a point [m/s]; 0: there was none
+        double motion = 0;    ///< still to be corrected [m/s]
+        double momentum = 0;  ///< lacking, but for what rounding feigns [N s]
+        bool is_known_for(double change) const { return change <= speed; }
+    };
+    struct Books {
+        double port_turn =
+            0;  ///< of the joints at ports in the last step, since the matrix was formed, as share of their arms
+        Convergence motion, momentum;  ///< in [m/s] and [N s]
+        double scale = 0;              ///< size of the motion, slowly forgetting [m/s]
+        double first_correction = 0;   ///< the largest first one of the last step [m/s]
+        double load_work = 0;          ///< of the loads up to t_{n−1} [J]
+        double last_work = 0;          ///< over the step from there to t_n [J]
+    };
+    /// The motion inside for one motion of the ports, linear about the last pass: u + change.
+    struct Solution {
+        std::vector<Frame> ports;      ///< at the end of the step
+        std::vector<Vector6> u;        ///< of the inner frames, at which the forces were worked out [m/s, rad/s]
+        std::vector<Vector6> change;   ///< last correction of it
+        std::vector<double> q;         ///< forces of the rigid directions, before the correction [N, N m]
+        std::vector<double> q_change;  ///< correction of them, times h
+        std::vector<double> laws;      ///< ψ of the last correction
+        std::vector<JointForce> near;  ///< forces of near_joints_ over the step, before the correction
+        Convergence motion, momentum;  ///< as in Books
+        double scale = 0;              ///< likewise
+        double correction = 0;         ///< size of the last one [m/s]
+        double first_correction = 0;   ///< largest of those with which solutions of the step began [m/s]
+        double residual = 0;           ///< of the momentum before it [N s]
+        LinearAnswer answer;           ///< that it began with
+        bool is_rough = false;         ///< not good enough yet
+        double impulse = 0;            ///< of a joint over the step, at most [N s]
+        bool has_own_matrix = false;   ///< the one kept did not serve
+        double slowest_rate = 0;       ///< largest θ in this step; 0: not measured
+        double tolerance = 0;          ///< of what remains to be corrected [m/s]
+        double floor = 0;              ///< corrections below are rounding [m/s]
+    };
+
+    size_t at(int frame) const { return static_cast<size_t>(frame - driven_); }
+    bool is_inner(int frame) const { return frame >= driven_; }
+
+    void set_reaches(const Mechanism& mechanism);
+    void choose_heirs(const Mechanism& mechanism);
+    void choose_near(const Mechanism& mechanism);
+    void choose_loaded(const Mechanism& mechanism);
+    bool has_free_parts(const Mechanism& mechanism) const;
+    FrameLoad& frame_load(size_t frame) { return frame_loads_[static_cast<size_t>(load_of_[frame])]; }
+    const FrameLoad& frame_load(size_t frame) const { return frame_loads_[static_cast<size_t>(load_of_[frame])]; }
+    void assemble(const Mechanism& mechanism, const std::vector<Frame>& at);
+    void make_heavier();
+    void factor(const Mechanism& mechanism, dttmm_status status);
+    [[noreturn]] void refuse(const Mechanism& mechanism, const Elimination::Fault& fault, dttmm_status status) const;
+    void find_responses(const Mechanism& mechanism);
+    Twist start_velocity(int frame, const dttmm_motion* ports) const;
+    JointForce start_force(const Mechanism& mechanism, size_t joint, const dttmm_motion* ports) const;
+    void settle_at_start(Mechanism& mechanism, const dttmm_motion* ports);
+    void find_start_velocities(const Mechanism& mechanism, const dttmm_motion* ports);
+    void balance_at_start(const Mechanism& mechanism, double h, const dttmm_motion* ports);
+    void refuse_forbidden_velocities(const Mechanism& mechanism, const dttmm_motion* ports) const;
+    void read_loads(const Mechanism& mechanism, const double* loads);
+    void set_elastic(const Mechanism& mechanism);
+
+    void place(const Mechanism& mechanism, std::span<const Vector6> u) const;
+    void place(const Mechanism& mechanism, size_t frame, const Vector6& u) const;
+    JointForce rigid_action(const Mechanism& mechanism, size_t joint, const JointPose& at_end, const Vector3& theta,
+                            const Vector6& q) const;
+    JointForce force_over_step(const Mechanism& mechanism, size_t joint, const JointPose& at_end,
+                               const Joint::Strained& end) const;
+    void find_forces(const Mechanism& mechanism, Solution& solution) const;
+    Vector6 load_at_end(size_t loaded, FrameView frame) const;
+    Vector6 load_over_step(const Scheme& scheme, size_t loaded, FrameView frame) const;
+    void form_residuals(const Mechanism& mechanism, Solution& solution) const;
+    void balance_massless(const Mechanism& mechanism, Solution& solution) const;
+    Vector6 settled(const Mechanism& mechanism, size_t massless, const Vector6& load) const;
+    Vector6 passed_on(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const;
+    double correct(const Mechanism& mechanism, const Elimination& matrix, Solution& solution) const;
+    bool may_be_rough(double correction, const Solution& solution) const;
+    bool is_good_enough(double correction, double residual, const Solution& solution) const;
+    double speed_of_port_change() const;
+    /// Whether every motion of the ports is solved for.
+    bool is_never_linear() const;
+    bool linear_answer_serves() const;
+    Vector3 mean_velocity(const Mechanism& mechanism, const Solution& solution) const;
+    void take_measures(const Mechanism& mechanism, Solution& solution) const;
+    void solve(const Mechanism& mechanism, Solution& solution, bool roughly) const;
+    [[noreturn]] void refuse_lack_of_convergence(const Mechanism& mechanism, const Solution& solution) const;
+    void look_at_joints(const Mechanism& mechanism);
+    void form_matrix(const Mechanism& mechanism, const std::vector<Frame>& at);
+    void factor_static(const Mechanism& slow, const std::function<void()>& hold);
+    void hold_given(const Mechanism& slow, std::vector<Vector6>& load);
+    void predict(const Mechanism& mechanism);
+    void open_anchor(const Mechanism& mechanism);
+    void take_port_change(const Mechanism& mechanism, std::span<const FrameView> ports) const;
+    void begin_solution(const Mechanism& mechanism, std::span<const FrameView> ports, Solution& solution) const;
+    const Solution& respond(const Mechanism& mechanism, std::span<const FrameView> ports, bool finally) const;
+    /// The motion of all inner frames over the step, with the linear answer to the ports.
+    void find_motion(const Solution& solution, std::span<Vector6> motion) const;
+    Vector6 motion_of(size_t frame, const Solution& solution) const;
+    Eigen::Map<const Eigen::Matrix<double, 6, Eigen::Dynamic>> response(size_t frame) const {
+        return {&responses_[frame * 36 * static_cast<size_t>(ports_)], 6, 6 * ports_};
+    }
+    Vector6 change_of(int frame, const Solution& solution) const;
+    JointForce near_force(const Mechanism& mechanism, size_t near, const Solution& solution) const;
+    void find_rigid_forces(const Mechanism& mechanism, const Solution& solution) const;
+    Vector6 massless_part(size_t frame, Vector6 wrench) const;
+    Vector6 estate(const Mechanism& mechanism, size_t frame, FrameView end) const;
+    bool rigid_directions_have_turned(const Mechanism& mechanism) const;
+    double turn_at_ports(const Mechanism& mechanism) const;
+    void find_end(const Mechanism& mechanism, const Solution& solution) const;
+    [[noreturn]] void refuse_divergence(const Mechanism& mechanism, size_t frame) const;
+    void take_forces(Mechanism& mechanism, const Solution& solution);
+    void take_momenta(const Mechanism& mechanism);
+    void take_loads(const Mechanism& mechanism);
+    void take_motion(Mechanism& mechanism);
+
+    Matrix6 mass_matrix(size_t frame) const;
+    /// Index of rigid direction number i of a joint among those of all.
+    size_t rigid_row(size_t joint, int i) const {
+        return static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(joint)) + i);
+    }
+    Vector6 rigid_values(const Mechanism& mechanism, size_t joint, const std::vector<double>& q) const;
+    struct Blocks {
+        EndBlocks own, acting;
+        Matrix6 between(int row, int column) const { return own.at[row][column] + acting.at[row][column]; }
+    };
+    Blocks blocks(const Mechanism& mechanism, size_t joint, const std::vector<Frame>& at) const;
+    Blocks blocks(const Mechanism& mechanism, size_t joint, Ends at, const JointPose& pose, const Vector6& deformation,
+                  Vector3 acting, const std::vector<double>& q) const;
+    void add_blocks(const Joint& joint, size_t index, const Blocks& blocks, Elimination& matrix) const;
+    void set_rigid_rows(const Mechanism& mechanism, size_t joint, const JointPose& pose, const Vector3& theta,
+                        Elimination& matrix) const;
+    bool form_at_trial(const Mechanism& mechanism) const;
+
+    int ports_ = 0, driven_ = 0, count_ = 0;
+    Vector3 gravity_;
+    bool has_free_parts_ = false;  ///< that can turn against each other
+    bool has_near_laws_ = false;   ///< a near joint is not linear
+    std::vector<Inertia> inertias_;
+    std::vector<double> reach_;        ///< of a frame's joints from its origin [m], at least its radius of gyration
+    std::vector<double> turn_weight_;  ///< its square, and 1 by that: what makes one size of linear and angular motion, and
+    std::vector<double> spin_weight_;  ///< of linear and angular momentum; 0: nothing reaches out
+    std::vector<int> receivers_;       ///< frame nearby that takes over what a massless one leaves unbalanced; −1: none
+    std::vector<int> inner_nodes_;     ///< nodes of the description that loads and motions go by
+    /// How a node is to start.
+    struct Given {
+        bool moves;
+        Twist velocity;
+    };
+    std::vector<Given> given_;            ///< to inner_nodes_
+    std::vector<size_t> port_joints_;     ///< of the ports
+    std::vector<size_t> near_joints_;     ///< whose forces the ports feel
+    std::vector<int> near_index_;         ///< of every joint among them; −1: it is not
+    std::vector<EndBlocks> near_blocks_;  ///< their stiffness as in the matrix, frames' axes
+    struct Columns {
+        Matrix6 at[2];
+    };
+    std::vector<Columns> near_columns_;    ///< of their deformation by either frame, when the matrix was formed
+    std::vector<int> port_frames_;         ///< the ports, and massless frames whose receivers they are
+    std::vector<size_t> rigid_joints_;     ///< joints with rigid directions
+    std::vector<int> rigid_index_;         ///< of every joint among them; −1: it has none
+    std::vector<size_t> settling_joints_;  ///< joints of massless frames
+    JointsByFour by_four_;                 ///< joints that are neither near nor rigid nor settling
+    std::vector<size_t> others_;           ///< all joints it does not take, ascending
+    Elimination elimination_;
+    mutable Elimination at_trial_;     ///< where the matrix kept does not serve
+    std::vector<double> responses_;    ///< ∂u/∂(u of the ports) of every inner frame
+    Eigen::MatrixXd rigid_responses_;  ///< the same of the forces of rigid directions, times h
+    MasslessFrames massless_;
+    mutable LawRows laws_;  ///< mutable: it has working memory
+
+    double stiffest_ = 0;    ///< what the matrix has most of against the shift of a frame [kg]
+    bool is_stale_ = false;  ///< the factor no longer serves
+    bool is_fresh_ = false;  ///< it was formed for the open step
+
+    std::vector<Twist> velocities_, corrections_, accelerations_;  ///< at the start of the step last committed, world
+    // For accelerations at the start of a run:
+    std::vector<Twist> start_accelerations_;  ///< of the ports
+    std::vector<Vector6> wrench_rates_;       ///< on the inner frames, known ones
+    std::vector<double> rigid_rates_;         ///< of forces of rigid directions
+    std::vector<Matrix3> inverse_moments_;    ///< of inertia, axes of the frames; zero where there is none
+    std::vector<double> rigid_at_start_;      ///< forces of the rigid directions then
+
+    PastMotion past_;
+    std::vector<Vector6> momenta_;  ///< over the step before t_n, world
+    std::vector<FrameLoad> frame_loads_;
+    std::vector<size_t> loaded_;  ///< the frame of each
+    std::vector<int> load_of_;    ///< and the other way round; −1: none
+    std::vector<Lever> levers_;
+    std::vector<double> rigid_;  ///< forces of the rigid directions over the step before t_n
+    Books books_;
+
+    // Of the open step
+    std::vector<RigidMap> rigid_known_;            ///< of rigid_joints_: what the two instants before the end contribute
+    std::vector<Vector6> node_loads_;              ///< at the end of the step
+    std::vector<Vector6> port_u_, port_u_before_;  ///< of the ports over the two steps before, world [m/s, rad/s]
+    std::vector<double> port_reach_;
+    double size_ = 0;            ///< of the network and its way from the world's origin, at t_n [m]
+    Solution anchor_;            ///< where the ports are expected
+    bool is_solved_ = false;     ///< the anchor; before that it is where everything goes on as it has
+    int moves_ = 0;              ///< of the anchor
+    bool stays_linear_ = false;  ///< it moves no more, and all answers are linear
+
+    // Working memory
+    mutable Solution other_;
+    mutable Eigen::VectorXd port_change_;   ///< from the solution in use to the end of the step asked for, 6 per port, local
+    mutable Eigen::VectorXd rigid_change_;  ///< what it changes in the forces of rigid directions, times h
+    mutable std::vector<Frame> trial_;
+    mutable std::vector<Vector6> motion_;  ///< of the inner frames over the step that is committed, each in its axes at t_n
+    mutable std::vector<Vector6> wrench_;  ///< over the step, on every frame at its origin at t_n, world
+    mutable std::vector<Vector6> end_wrench_, damping_wrench_;  ///< on massless frames at the end, and half way
+    mutable std::vector<MasslessFrames::Residual> massless_residuals_;
+    mutable std::vector<double> q_;
+    mutable long passes_ = 0;
+    mutable long factorisations_ = 0;
+};
+
+}  // namespace dttmm::plugin

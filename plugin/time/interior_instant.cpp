@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// What stands inside a network at t_n, the start of the step last committed: results are of that instant.
+#include <Eigen/Geometry>
+
+#include "core/rotation.h"
+#include "time/interior.h"
+#include "time/interior_parts.h"
+
+namespace dttmm::plugin {
+
+void Interior::find_velocities(const Mechanism& mechanism, std::span<const Vector6> mean_wrenches) {
+    const double half_step = 0.5 * mechanism.scheme.step_size();
+    for (size_t i = 0; i < inertias_.size(); ++i) {
+        const size_t f = static_cast<size_t>(driven_) + i;
+        Vector6 wrench = mean_wrenches[f];
+        if (load_of_[i] >= 0) wrench += 0.5 * (frame_load(i).load[1] + frame_load(i).load[2]);
+        Twist& v = velocities_[i] = past_.mean(i);  // at the start the initial velocities
+        if (mechanism.steps == 1) continue;
+        if (!massless_.is_massless(i, 0))
+            v.linear = past_.velocity[i].linear - half_step * (head(wrench) / inertias_[i].mass + gravity_);
+        if (massless_.is_massless(i, 1)) continue;
+        // L_n = L_{n+1/2} - h/2 T, ω = (R J Rᵀ)⁻¹ L
+        const RowMajor3 R = FrameView(mechanism.before[f]).axes();
+        v.angular = R * (inverse_moments_[i] * (R.transpose() * (tail(momenta_[i]) - half_step * tail(wrench))));
+    }
+    rigid_at_start_ = rigid_;
+    if (mechanism.steps == 1)  // the first step carries half the weight of its start
+        for (double& q : rigid_at_start_) q *= 2;
+}
+
+void Interior::find_accelerations(const Mechanism& mechanism, std::span<const Vector6> wrenches) {
+    const double h = mechanism.scheme.step_size();
+    for (size_t i = 0; i < inertias_.size(); ++i) {
+        const size_t f = static_cast<size_t>(driven_) + i;
+        Vector6 wrench = wrenches[f];
+        if (load_of_[i] >= 0) wrench += frame_load(i).load[2];
+        const Twist &later = past_.velocity[i], &earlier = past_.velocity_before[i];
+        Twist& a = accelerations_[i];
+        a.linear = massless_.is_massless(i, 0) ? Vector3((later.linear - earlier.linear) / h)
+                                               : Vector3(head(wrench) / inertias_[i].mass + gravity_);
+        if (massless_.is_massless(i, 1)) {
+            a.angular = (later.angular - earlier.angular) / h;
+            continue;
+        }
+        const RowMajor3 R = FrameView(mechanism.before[f]).axes();
+        const Vector3 spin = R.transpose() * velocities_[i].angular;
+        a.angular = R * (inverse_moments_[i] * (R.transpose() * tail(wrench) - spin.cross(inertias_[i].moment * spin)));
+    }
+}
+
+/// Rates of the loads on massless frames.
+void Interior::take_load_rates(const Mechanism& mechanism) {
+    std::fill(wrench_rates_.begin(), wrench_rates_.end(), Vector6::Zero());
+    for (size_t i : massless_.frames())
+        wrench_rates_[i] = (frame_load(i).load[1] - frame_load(i).load[2]) / mechanism.scheme.step_size();
+    std::fill(rigid_rates_.begin(), rigid_rates_.end(), 0.0);
+}
+
+/// Adds the rates of the moments that a joint's force has on its frames, as far as its lever arms make them.
+void Interior::add_arm_rates(const Mechanism& mechanism, size_t j, const Twist& from, const Twist& to, const Vector6& f) {
+    const Joint& joint = mechanism.joints[j];
+    const JointPose pose = joint.pose(mechanism.frame_before(joint.from()), mechanism.frame_before(joint.to()));
+    const Vector3 force = pose.axes * head(f), lever_rate = to.angular.cross(pose.lever);
+    const Vector3 arm_rate = to.linear + lever_rate - from.linear;
+    const auto on = [&](int frame) { return is_inner(frame) ? wrench_rates_[at(frame)].data() : nullptr; };
+    Joint::add_wrench({Vector3::Zero(), arm_rate.cross(force), lever_rate.cross(force)}, on(joint.from()), on(joint.to()));
+}
+
+/// Rate of a joint's force at the start, where it is at rest but for its rate: f' + ω × f in its axes, and what makes it.
+MasslessFrames::Acting Interior::rate_of_force(const Mechanism& mechanism, size_t j, const Twist& from_velocity,
+                                               const Twist& to_velocity, const Vector6& f) const {
+    const Joint& joint = mechanism.joints[j];
+    const FrameView from = mechanism.frame_before(joint.from()), to = mechanism.frame_before(joint.to());
+    const auto acceleration_of = [&](int frame) {
+        if (is_inner(frame)) return accelerations_[at(frame)];
+        return frame < ports_ ? start_accelerations_[static_cast<size_t>(frame)] : Twist{};
+    };
+    const Vector6 rate = joint.rate(from, from_velocity, to, to_velocity);
+    const Vector3 w = joint.turning(from, from_velocity, to, to_velocity);
+    Vector6 other;
+    other << w.cross(head(f)), w.cross(tail(f));
+    other += joint.stiffness_tangent(mechanism.states[j].deformation_before(), mechanism.memory_before(j)) * rate;
+    return {
+        mechanism.states[j].deformation_before(),
+        joint.acceleration(from, from_velocity, acceleration_of(joint.from()), to, to_velocity, acceleration_of(joint.to())),
+        other};
+}
+
+Vector6 Interior::rigid_force(const Mechanism& mechanism, size_t j) const {
+    Vector6 q = rigid_values(mechanism, j, rigid_);
+    if (mechanism.steps == 1) q *= 2;
+    q.tail<3>() = moment_of_gradient(mechanism.states[j].theta_before, q.tail<3>()).eval();
+    return q;
+}
+
+Vector6 Interior::rigid_force_at_start(const Mechanism& mechanism, size_t j) const {
+    Vector6 q = rigid_values(mechanism, j, rigid_at_start_);
+    q.tail<3>() = moment_of_gradient(mechanism.states[j].theta_before, q.tail<3>()).eval();
+    return q;
+}
+
+Twist Interior::velocity(const Mechanism& mechanism, int frame, const Vector3& offset) const {
+    const Twist v = velocity(frame);
+    return {v.linear + v.angular.cross(mechanism.frame_before(frame).axes() * offset), v.angular};
+}
+
+Twist Interior::acceleration(const Mechanism& mechanism, int frame, const Vector3& offset) const {
+    const Twist &a = accelerations_[at(frame)], &v = velocities_[at(frame)];
+    const Vector3 arm = mechanism.frame_before(frame).axes() * offset;
+    return {a.linear + a.angular.cross(arm) + v.angular.cross(v.angular.cross(arm)), a.angular};
+}
+
+double Interior::kinetic_energy(const Mechanism& mechanism) const {
+    double twice = 0;
+    for (size_t i = 0; i < inertias_.size(); ++i) {
+        const Twist& v = velocities_[i];
+        const Vector3 w = mechanism.frame_before(driven_ + static_cast<int>(i)).axes().transpose() * v.angular;
+        twice += inertias_[i].mass * v.linear.squaredNorm() + w.dot(inertias_[i].moment * w);
+    }
+    return 0.5 * twice;
+}
+
+}  // namespace dttmm::plugin

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "mechanism/mechanism.h"
+
+namespace dttmm::plugin {
+
+/// What the sources of Interior share.
+
+using Map3 = Eigen::Map<Vector3>;
+using MapR = Eigen::Map<RowMajor3>;
+
+inline Vector3 head(const Vector6& v) { return v.head<3>(); }
+inline Vector3 tail(const Vector6& v) { return v.tail<3>(); }
+inline Vector6 joined(const Twist& twist) {
+    Vector6 v;
+    v << twist.linear, twist.angular;
+    return v;
+}
+/// A motion or wrench, world axes, in those of a frame.
+inline Vector6 in_axes(FrameView frame, const Vector6& v) {
+    Vector6 local;
+    local << frame.axes().transpose() * v.head<3>(), frame.axes().transpose() * v.tail<3>();
+    return local;
+}
+
+/// Rigid directions of a joint, ascending.
+template <class Function>
+void for_each_rigid(const Joint& joint, const Function& function) {
+    int i = 0;
+    for (int d = 0; d < 6; ++d)
+        if (joint.rigid()[static_cast<size_t>(d)]) function(i++, d);
+}
+
+/// Columns of [d; relative turn] of a joint at t_n by the motion of its `from` (0) or `to` (1) frame, in that frame's axes.
+Matrix6 local_columns(const Mechanism& mechanism, size_t joint, int end);
+/// The same with the joint elsewhere.
+Matrix6 local_columns(const Mechanism& mechanism, size_t joint, const JointPose& pose, int end);
+/// From these those of [d; θ] that rigid directions hold: δθ = J⁻¹ ε.
+Matrix6 rigid_rows(const Mechanism& mechanism, size_t joint, const Matrix6& columns);
+Matrix6 rigid_rows(const Vector3& theta, const Matrix6& columns);
+
+/// The mechanism with its joints where its frames are and nothing moving, at a step size.
+Mechanism at_rest(const Mechanism& mechanism, double step_size);
+
+}  // namespace dttmm::plugin

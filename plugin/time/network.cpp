@@ -1,0 +1,660 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "time/network.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <mutex>
+#include <unordered_set>
+#include <utility>
+
+#include "core/error.h"
+#include "core/rotation.h"
+
+namespace dttmm::plugin {
+
+namespace {
+
+using Map3 = Eigen::Map<Vector3>;
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+constexpr const char* kAxes[] = {"x", "y", "z"};
+
+/// One copy of every channel's name, for as long as the plugin is loaded: a machine may have 10^5 times "force.x".
+const char* keep(const std::string& name) {
+    static std::mutex mutex;
+    static std::unordered_set<std::string> names;
+    const std::lock_guard lock(mutex);
+    return names.insert(name).first->c_str();
+}
+
+}  // namespace
+
+// ---- Construction -------------------------------------------------------------------------------------------------------
+
+Network::Network(const dttmm_network& description) : mechanism_(description) {
+    if (description.element_count == 0) throw Error(DTTMM_ERROR_MODEL, "a network without an element");
+    if (mechanism_.assembly.inner_count() > 0) interior_ = std::make_unique<Interior>(mechanism_, description);
+    for (Joint& joint : mechanism_.joints)
+        for (int half : {0, 1})
+            if (interior_ && (interior_->is_massless(joint.from(), half) || interior_->is_massless(joint.to(), half)))
+                joint.take_ends(half);
+    has_laws_ = std::ranges::any_of(mechanism_.joints, &Joint::has_laws);
+    declare_channels(description);
+    for (const Vector3& arm : mechanism_.assembly.port_arms) ports_.push_back({arm, Vector3::Zero(), nullptr});
+    earlier_.assign(mechanism_.frames.begin(), mechanism_.frames.begin() + mechanism_.assembly.driven_count);
+    port_velocities_.resize(ports_.size());
+    start_velocities_.resize(ports_.size());
+    forces_.assign(mechanism_.joints.size(), Vector6::Zero());
+    poses_.resize(mechanism_.joints.size());
+    wrenches_.assign(mechanism_.frames.size(), Vector6::Zero());
+    trial_ports_.reserve(ports_.size());
+}
+
+void Network::declare(const std::string& name, const char* unit, uint32_t of, uint32_t index, uint32_t role) {
+    channels_.push_back({keep(name), unit, of, index, role});
+}
+
+void Network::declare_vectors(const std::string& prefix, std::initializer_list<std::pair<const char*, const char*>> vectors,
+                              uint32_t of, uint32_t index, uint32_t role) {
+    for (const auto& [name, unit] : vectors)
+        for (const char* axis : kAxes) declare(fmt::format("{}{}.{}", prefix, name, axis), unit, of, index, role);
+}
+
+void Network::declare_channels(const dttmm_network& description) {
+    const Assembly& assembly = mechanism_.assembly;
+    for (uint32_t e = 0; e < description.element_count; ++e) {
+        const int first = assembly.first_joint[e], count = assembly.first_joint[e + 1] - first;
+        chains_.push_back({});
+        if (count == 0) continue;
+        if (count == 1 && mechanism_.joints[static_cast<size_t>(first)].is_axial()) {
+            declare("force", "N", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_RESULT);
+            declare("length", "m", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_RESULT);
+        } else {
+            declare_vectors("", {{"force", "N"}, {"moment", "N*m"}, {"deflection", "m"}}, DTTMM_OF_ELEMENT, e,
+                            DTTMM_ROLE_RESULT);
+            // Where nothing resists it a rotation may go on for ever, and its vector then jumps
+            const bool turns = count > 1 || mechanism_.joints[static_cast<size_t>(first)].turns();
+            declare_vectors("", {{"rotation", "rad"}}, DTTMM_OF_ELEMENT, e,
+                            turns ? DTTMM_ROLE_RESULT : DTTMM_ROLE_ON_REQUEST);
+        }
+        declare("strain_energy", "J", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_STRAIN_ENERGY);
+        declare("dissipated_energy", "J", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_DISSIPATED_ENERGY);
+        if (count == 1) continue;
+        if (has_limit(first)) declare("turn_to_limit", "1", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_LIMIT);
+        for (int k = 0; k < count; ++k)
+            declare_vectors(fmt::format("section{}.", k), {{"force", "N"}, {"moment", "N*m"}}, DTTMM_OF_ELEMENT, e,
+                            DTTMM_ROLE_ON_REQUEST);
+        ChainView& chain = chains_.back();
+        chain.from_node = static_cast<int>(description.elements[e].ends[0]);
+        chain.to_node = static_cast<int>(description.elements[e].ends[1]);
+        const Matrix3& axes = assembly.joints[static_cast<size_t>(first)].pose.rotation;
+        const auto pose = [&](int node) -> const Pose& {
+            return assembly.frames[static_cast<size_t>(assembly.nodes[static_cast<size_t>(node)].frame)].pose;
+        };
+        chain.from_axes = pose(chain.from_node).rotation.transpose() * axes;
+        chain.to_axes = pose(chain.to_node).rotation.transpose() * axes;
+        const auto place = [&](int node) { return Vector3(Eigen::Map<const Vector3>(description.nodes[node].position)); };
+        chain.rest = axes.transpose() * (place(chain.to_node) - place(chain.from_node));
+    }
+    if (!interior_) return;
+    for (uint32_t n = 0; n < description.node_count; ++n) {
+        if (description.nodes[n].kind != DTTMM_NODE_INNER || assembly.nodes[n].frame < assembly.driven_count) continue;
+        shown_nodes_.push_back(static_cast<int>(n));
+        declare_vectors("",
+                        {{"position", "m"},
+                         {"velocity", "m/s"},
+                         {"acceleration", "m/s^2"},
+                         {"rotation", "rad"},
+                         {"angular_velocity", "rad/s"}},
+                        DTTMM_OF_NODE, n, DTTMM_ROLE_RESULT);
+    }
+    declare("kinetic_energy", "J", DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_KINETIC_ENERGY);
+    declare("work", "J", DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_WORK);
+}
+
+void Network::load_weights(double weights[3]) const {
+    for (int back : {0, 1, 2}) weights[back] = mechanism_.scheme.weight(back);
+}
+
+// ---- What the joints do --------------------------------------------------------------------------------------------------
+
+void Network::add_wrench(const Joint& joint, const JointForce& force, double* wrench) const {
+    Joint::add_wrench(force, joint.from() < port_count() ? wrench + 6 * joint.from() : nullptr,
+                      joint.to() < port_count() ? wrench + 6 * joint.to() : nullptr);
+}
+
+/// Adds a joint's blocks to the stiffness that the ports feel.
+void Network::add_stiffness(const Joint& joint, const EndBlocks& blocks, double* stiffness) const {
+    const int size = 6 * port_count(), ports = port_count();
+    Eigen::Map<RowMajor> S(stiffness, size, size);
+    const int frames[2] = {joint.from(), joint.to()};
+    for (int i : {0, 1})
+        for (int j : {0, 1})
+            if (frames[i] < ports && frames[j] < ports) S.block<6, 6>(6 * frames[i], 6 * frames[j]) += blocks.at[i][j];
+}
+
+// ---- Ports and the centres of mass of their bodies -----------------------------------------------------------------------
+
+/// Motions of the centres of mass at an instant, with the axes of the ports.
+std::vector<dttmm_motion> Network::at_centres(const dttmm_motion* nodes) const {
+    std::vector<dttmm_motion> centres(nodes, nodes + port_count());
+    for (size_t p = 0; p < centres.size(); ++p) {
+        const Vector3 arm = FrameView(nodes[p]).axes() * ports_[p].arm;
+        Map3{centres[p].position} -= arm;
+        Map3{centres[p].velocity} -= Map3{centres[p].angular_velocity}.cross(arm);
+    }
+    return centres;
+}
+
+/// Finds the centres of mass where the ports are at a trial end of the step.
+void Network::look(const dttmm_motion* nodes) const {
+    for (size_t p = 0; p < ports_.size(); ++p) {
+        const FrameView node = nodes[p];
+        ports_[p].centre = node.origin() - node.axes() * ports_[p].arm;
+        ports_[p].rotation = node.rotation;
+    }
+}
+
+/// A wrench at the centre of mass as one at the port, when the port has the axes of a frame.
+void Network::refer_wrench(size_t port, FrameView at, double* wrench) const {
+    const Vector3 arm = at.axes() * ports_[port].arm;
+    Map3{wrench + 6 * port + 3} -= arm.cross(Map3{wrench + 6 * port});
+}
+
+/// The same of −∂(wrench)/∂(motion) of all ports, if there is one.
+void Network::refer_matrix(size_t port, FrameView at, double* matrix) const {
+    if (!matrix) return;
+    // Pose of the centre by that of the port: δc = δp + arm~ δθ; wrenches by the transpose
+    const int size = 6 * port_count(), p = 6 * static_cast<int>(port);
+    Eigen::Map<RowMajor> S(matrix, size, size);
+    const Matrix3 axes = at.axes(), arm = skew(axes * ports_[port].arm);
+    for (int row = 0; row < size; row += 3) S.block<3, 3>(row, p + 3) += (S.block<3, 3>(row, p) * arm).eval();
+    for (int column = 0; column < size; column += 3) S.block<3, 3>(p + 3, column) -= (arm * S.block<3, 3>(p, column)).eval();
+}
+
+// ---- The force law at one instant ---------------------------------------------------------------------------------------
+
+void Network::linearise(const dttmm_motion* nodes, double* wrench, double* stiffness, double* damping) const {
+    const std::vector<dttmm_motion> centres = at_centres(nodes);
+    const dttmm_motion* ports = centres.data();
+    if (interior_) {
+        interior_->linearise(mechanism_, ports, wrench, stiffness, damping);
+    } else {
+        linearise_joints(ports, wrench, stiffness, damping);
+    }
+    for (size_t p = 0; p < ports_.size(); ++p) {
+        refer_wrench(p, nodes[p], wrench);
+        refer_matrix(p, nodes[p], stiffness);
+        refer_matrix(p, nodes[p], damping);
+    }
+}
+
+void Network::linearise_joints(const dttmm_motion* ports, double* wrench, double* stiffness, double* damping) const {
+    const size_t n = 6 * static_cast<size_t>(port_count());
+    std::fill_n(wrench, n, 0.0);
+    if (stiffness) std::fill_n(stiffness, n * n, 0.0);
+    if (damping) std::fill_n(damping, n * n, 0.0);
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const Joint& joint = mechanism_.joints[j];
+        const FrameView from = seen(joint.from(), ports), to = seen(joint.to(), ports);
+        const Twist v_from = velocity(joint.from(), ports), v_to = velocity(joint.to(), ports);
+        const JointPose pose = joint.pose(from, to);
+        const Vector6 deformation = joint.deformation(pose, from, to);
+        add_wrench(joint,
+                   pose.act(joint.force(deformation, joint.rate(from, v_from, to, v_to, deformation), mechanism_.memory(j))),
+                   wrench);
+        if (stiffness)
+            add_stiffness(joint, joint.stiffness(pose, joint.stiffness_tangent(deformation, mechanism_.memory(j))),
+                          stiffness);
+        if (damping) add_stiffness(joint, joint.stiffness(pose, joint.damping_tangent(deformation)), damping);
+    }
+}
+
+// ---- Time steps ---------------------------------------------------------------------------------------------------------
+
+void Network::start(const dttmm_step& step, const dttmm_motion* nodes, const double* node_accelerations,
+                    const double* loads) {
+    if (open_) throw Error(DTTMM_ERROR_PHASE, "start: a step is open");
+    if (!(step.size > 0) || !std::isfinite(step.size))
+        throw Error(DTTMM_ERROR_ARGUMENT, "start: the step size must be positive");
+    const std::vector<dttmm_motion> centres = at_centres(nodes);
+    const dttmm_motion* ports = centres.data();
+    std::vector<double> at_centre(node_accelerations, node_accelerations + 6 * ports_.size());
+    for (size_t p = 0; p < ports_.size(); ++p) {  // a − α × arm − ω × (ω × arm)
+        const Vector3 arm = FrameView(nodes[p]).axes() * ports_[p].arm;
+        const Eigen::Map<const Vector3> w(nodes[p].angular_velocity);
+        Map3{&at_centre[6 * p]} -= Map3{&at_centre[6 * p + 3]}.cross(arm) + w.cross(w.cross(arm));
+    }
+    const double* accelerations = at_centre.data();
+    for (const Joint& joint : mechanism_.joints)
+        joint.refuse_large_rotation(seen(joint.from(), ports), seen(joint.to(), ports));
+    mechanism_.steps = 0;
+    mechanism_.scheme.set_step_size(step.size);
+    for (Joint& joint : mechanism_.joints) joint.set_scheme(mechanism_.scheme);
+    if (interior_) {
+        interior_->start(mechanism_, ports, accelerations, loads);
+    } else {
+        start_joints(ports, accelerations);
+    }
+    for (size_t p = 0; p < ports_.size(); ++p) start_velocities_[p] = twist(ports[p]);
+    started_ = true;
+    stands_ = false;
+}
+
+void Network::start_joints(const dttmm_motion* ports, const double* accelerations) {
+    for (int p = 0; p < port_count(); ++p) mechanism_.frames[static_cast<size_t>(p)] = FrameView(ports[p]).copy();
+    const auto acceleration = [&](int frame) {
+        if (frame >= port_count()) return Twist{};
+        const double* a = accelerations + 6 * frame;
+        return Twist{Eigen::Map<const Vector3>(a), Eigen::Map<const Vector3>(a + 3)};
+    };
+    mechanism_.start_joints([&](int frame) { return velocity(frame, ports); }, acceleration);
+}
+
+void Network::begin_step(const dttmm_step& step, const double* loads) {
+    if (!started_) throw Error(DTTMM_ERROR_PHASE, "begin_step: start has not been called");
+    if (open_) throw Error(DTTMM_ERROR_PHASE, "begin_step: the step before is still open");
+    if (step.size != mechanism_.scheme.step_size())
+        throw Error(DTTMM_ERROR_ARGUMENT, "begin_step: a new step size wants a new start");
+    if (interior_) interior_->begin_step(mechanism_, loads);
+    open_ = is_first_look_ = true;
+}
+
+bool Network::expect(const dttmm_motion* nodes) {
+    if (!open_) throw Error(DTTMM_ERROR_PHASE, "expect: no step is open");
+    // Where a spring is not linear, a rate of convergence of another step says nothing of this one
+    const bool is_asked_again = has_laws_ && std::exchange(is_first_look_, false);
+    if (!interior_) return is_asked_again;
+    look(nodes);
+    return interior_->expect(mechanism_, trial_ports()) || is_asked_again;
+}
+
+void Network::evaluate(const dttmm_motion* nodes, double* wrench, double* stiffness) const {
+    if (!open_) throw Error(DTTMM_ERROR_PHASE, "evaluate: no step is open");
+    if (is_implicit()) look(nodes);
+    if (interior_) {
+        interior_->evaluate(mechanism_, trial_ports(), wrench);
+        if (stiffness) interior_->write_stiffness(mechanism_, stiffness);
+    } else {
+        evaluate_joints(wrench, stiffness);
+    }
+    for (size_t p = 0; p < ports_.size(); ++p) {  // with the arms of t_n, as the host has it: its own symmetric part stays
+        refer_wrench(p, mechanism_.frames[p], wrench);
+        refer_matrix(p, mechanism_.frames[p], stiffness);
+    }
+}
+
+void Network::evaluate_joints(double* wrench, double* stiffness) const {
+    const size_t n = 6 * static_cast<size_t>(port_count());
+    std::fill_n(wrench, n, 0.0);
+    if (stiffness) std::fill_n(stiffness, n * n, 0.0);
+    if (!is_implicit()) {  // the trial is not looked at
+        for (size_t j = 0; j < mechanism_.joints.size(); ++j)
+            add_wrench(mechanism_.joints[j], mechanism_.states[j].known, wrench);
+    } else if (has_laws_) {
+        evaluate_joints_with_laws(wrench, stiffness);
+    } else {
+        evaluate_linear_joints(wrench, stiffness);
+    }
+}
+
+[[gnu::always_inline]] inline void Network::add_joint_stiffness(size_t j, Ends at, double* stiffness) const {
+    const Joint& joint = mechanism_.joints[j];
+    const JointState& state = mechanism_.states[j];
+    const JointPose end = joint.pose(at);
+    const Vector6 deformation = joint.deformation(end, at.from, at.to);
+    add_stiffness(
+        joint, joint.stiffness(end, joint.gain(mechanism_.scheme, state.deformation(), deformation, mechanism_.memory(j))),
+        stiffness);
+    // The force that acts as at t_n: that of a trial far from the solution may be any
+    const Vector3 acting = mechanism_.scheme.elastic_weight(0) * state.elastic.force;
+    add_stiffness(joint, joint.acting_stiffness(end, at.from, at.to, acting), stiffness);
+}
+
+DTTMM_WIDE void Network::evaluate_linear_joints(double* wrench, double* stiffness) const {
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const Joint& joint = mechanism_.joints[j];
+        const Ends at = {trial(joint.from()), trial(joint.to())};
+        add_wrench(joint, joint.over_step(mechanism_.scheme, at, mechanism_.states[j], mechanism_.damper(j)), wrench);
+        if (stiffness) add_joint_stiffness(j, at, stiffness);
+    }
+}
+
+/// Not wide: what throws must not pass a function that is compiled for several processors (g++ 12 ends the process then).
+void Network::evaluate_joints_with_laws(double* wrench, double* stiffness) const {
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const Joint& joint = mechanism_.joints[j];
+        const Ends at = {trial(joint.from()), trial(joint.to())};
+        const JointPose at_end = joint.pose(at);
+        const JointState& state = mechanism_.states[j];
+        const double* const memory = mechanism_.memory(j);
+        add_wrench(joint,
+                   joint.weigh(mechanism_.scheme, joint.strain(mechanism_.scheme, at, at_end, state, memory), at_end, state,
+                               mechanism_.damper(j), memory),
+                   wrench);
+        if (stiffness) add_joint_stiffness(j, at, stiffness);
+    }
+}
+
+void Network::commit_step(const dttmm_motion* nodes) {
+    if (!open_) throw Error(DTTMM_ERROR_PHASE, "commit_step: no step is open");
+    look(nodes);
+    if (interior_) {
+        std::copy_n(mechanism_.before.begin(), ports_.size(), earlier_.begin());
+        interior_->commit(mechanism_, trial_ports());
+    } else {
+        commit_joints();
+    }
+    ++mechanism_.steps;
+    open_ = stands_ = false;
+}
+
+void Network::commit_joints() {
+    for (const Joint& joint : mechanism_.joints) joint.refuse_large_rotation(trial(joint.from()), trial(joint.to()));
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const Joint& joint = mechanism_.joints[j];
+        joint.advance(mechanism_.scheme, {trial(joint.from()), trial(joint.to())}, mechanism_.ends(j), mechanism_.states[j],
+                      mechanism_.damper(j), mechanism_.law_memory_of(j), nullptr);
+    }
+    earlier_.swap(mechanism_.before);
+    mechanism_.before.swap(mechanism_.frames);
+    for (size_t p = 0; p < ports_.size(); ++p) mechanism_.frames[p] = trial(static_cast<int>(p)).copy();
+}
+
+/// The ports where they were last seen.
+std::span<const FrameView> Network::trial_ports() const {
+    trial_ports_.clear();
+    for (int p = 0; p < port_count(); ++p) trial_ports_.push_back(trial(p));
+    return trial_ports_;
+}
+
+void Network::discard_step() {
+    if (!open_) throw Error(DTTMM_ERROR_PHASE, "discard_step: no step is open");
+    open_ = false;
+}
+
+// ---- What stands at t_n -------------------------------------------------------------------------------------------------
+
+Twist Network::velocity_at_start(int frame) const {
+    if (frame < port_count()) return port_velocities_[static_cast<size_t>(frame)];
+    return interior_ ? interior_->velocity(frame) : Twist{};
+}
+
+/// Of a joint's deformation. Where rigid directions act, whose forces are known over the step only, velocities of the
+/// instant differ from each other by what these lack, of which a stiff damper would make forces: there the increments tell
+/// the rate.
+Vector6 Network::rate_at_start(size_t j) const {
+    const Joint& joint = mechanism_.joints[j];
+    const FrameView from = mechanism_.frame_before(joint.from()), to = mechanism_.frame_before(joint.to());
+    const auto rate_of = [&](const Twist& v_from, const Twist& v_to) {
+        if (!joint.is_line()) return joint.rate(from, v_from, to, v_to);
+        return joint.rate(from, v_from, to, v_to, mechanism_.states[j].deformation_before());
+    };
+    const bool is_by_increments = by_increments_ || (interior_ && interior_->has_rigid_directions());
+    if (!is_by_increments || mechanism_.steps == 1)
+        return rate_of(velocity_at_start(joint.from()), velocity_at_start(joint.to()));
+    const auto correction = [&](int frame) { return interior_ ? interior_->correction(frame) : Twist{}; };
+    Vector6 rate = rate_of(correction(joint.from()), correction(joint.to()));
+    const double per_step = 0.5 / mechanism_.scheme.step_size();
+    if (const DamperState* damper = mechanism_.damper(j))
+        for (int half : {0, 1})
+            rate.segment<3>(3 * half) += per_step * (damper->halves[half].delta[0] + damper->halves[half].delta[1]);
+    return rate;
+}
+
+/// Of the ports, referred to where they are at t_n.
+void Network::write_wrenches(double* wrench) const {
+    for (size_t p = 0; p < ports_.size(); ++p) {
+        Eigen::Map<Vector6>{wrench + 6 * p} = wrenches_[p];
+        refer_wrench(p, mechanism_.before[p], wrench);
+    }
+}
+
+/// Newmark's rule has (a_n + a_{n+1})/2 as the acceleration over a step, so elastic forces are means of its two ends and
+/// dampers have the mean rate.
+void Network::find_mean_wrenches() const {
+    const double h = mechanism_.scheme.step_size();
+    std::fill(wrenches_.begin(), wrenches_.end(), Vector6::Zero());
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const Joint& joint = mechanism_.joints[j];
+        const JointState& state = mechanism_.states[j];  // d_before is that at t_n
+        const Vector6 x = state.deformation_before();
+        Vector6 rate = Vector6::Zero();
+        if (const DamperState* damper = mechanism_.damper(j)) {
+            rate << damper->halves[0].delta[0], damper->halves[1].delta[0];
+            rate /= h;
+        }
+        Vector6 f = joint.force(x, rate, mechanism_.memory_before(j), 0.5);
+        if (joint.has_laws()) f += joint.beyond_mean(mechanism_.scheme, x, state.deformation(), mechanism_.memory_before(j));
+        if (joint.rigid().any()) f += interior_->rigid_force(mechanism_, j);
+        const auto from = static_cast<size_t>(joint.from()), to = static_cast<size_t>(joint.to());
+        poses_[j] = joint.pose(mechanism_.before[from], mechanism_.before[to]);
+        JointForce force = poses_[j].act(f);
+        force.add(0.5, state.elastic);
+        Joint::add_wrench(force, wrenches_[from].data(), wrenches_[to].data());
+    }
+    if (interior_) interior_->find_velocities(mechanism_, wrenches_);
+}
+
+void Network::mean_wrench(double* wrench) const {
+    if (mechanism_.steps == 0 || open_) throw Error(DTTMM_ERROR_PHASE, "mean_wrench: only after a commit");
+    find_mean_wrenches();
+    write_wrenches(wrench);
+}
+
+void Network::stand(const dttmm_motion* nodes, double* wrench) const {
+    if (mechanism_.steps == 0 || open_) throw Error(DTTMM_ERROR_PHASE, "stand: only after a commit");
+    for (size_t p = 0; p < ports_.size(); ++p) {
+        const Vector3 arm = FrameView(mechanism_.before[p]).axes() * ports_[p].arm;
+        port_velocities_[p] = twist(nodes[p]);
+        port_velocities_[p].linear -= port_velocities_[p].angular.cross(arm);
+    }
+    stand_by_port_velocities();
+    write_wrenches(wrench);
+}
+
+/// For a host that does not say how the ports move at t_n.
+void Network::stand_by_centred_velocities() const {
+    find_mean_wrenches();
+    const double per_step = 0.5 / mechanism_.scheme.step_size();
+    for (size_t p = 0; p < ports_.size(); ++p) {
+        if (mechanism_.steps == 1) {
+            port_velocities_[p] = start_velocities_[p];
+            continue;
+        }
+        const FrameView earlier = earlier_[p], at = mechanism_.before[p], later = mechanism_.frames[p];
+        port_velocities_[p] = {per_step * (later.origin() - earlier.origin()),
+                               per_step * (rotation_vector(later.axes() * at.axes().transpose()) +
+                                           rotation_vector(at.axes() * earlier.axes().transpose()))};
+    }
+    by_increments_ = true;
+    stand_by_port_velocities();
+    by_increments_ = false;
+}
+
+void Network::stand_by_port_velocities() const {
+    if (interior_) interior_->find_massless_velocities(mechanism_, [&](size_t j) { return rate_at_start(j); });
+    std::fill(wrenches_.begin(), wrenches_.end(), Vector6::Zero());
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const Joint& joint = mechanism_.joints[j];
+        const JointState& state = mechanism_.states[j];
+        const auto from = static_cast<size_t>(joint.from()), to = static_cast<size_t>(joint.to());
+        if (!is_implicit()) poses_[j] = joint.pose(mechanism_.before[from], mechanism_.before[to]);
+        Vector6& f = forces_[j] =
+            joint.force(state.deformation_before(), mechanism_.damper(j) ? rate_at_start(j) : Vector6(Vector6::Zero()),
+                        mechanism_.memory_before(j));
+        if (joint.rigid().any()) f += interior_->rigid_force_at_start(mechanism_, j);
+        Joint::add_wrench(poses_[j].act(f), wrenches_[from].data(), wrenches_[to].data());
+    }
+    if (interior_)
+        interior_->find_accelerations(
+            mechanism_, wrenches_, [&](int frame) { return velocity_at_start(frame); },
+            [&](size_t j) -> const Vector6& { return forces_[j]; });
+    stands_ = true;
+}
+
+// ---- State --------------------------------------------------------------------------------------------------------------
+
+/// Everything that changes from step to step, as pieces of memory; in a saved state the step size comes before them.
+std::vector<std::pair<void*, size_t>> Network::state_parts() const {
+    auto& mechanism = const_cast<Mechanism&>(mechanism_);
+    std::vector<std::pair<void*, size_t>> parts = {
+        {&mechanism.steps, sizeof mechanism.steps},
+        {mechanism.states.data(), mechanism.states.size() * sizeof(JointState)},
+        {mechanism.dampers.data(), mechanism.dampers.size() * sizeof(DamperState)},
+        {mechanism.law_memory.data(), mechanism.law_memory.size() * sizeof(double)},
+        {mechanism.law_memory_before.data(), mechanism.law_memory_before.size() * sizeof(double)}};
+    const auto ports = static_cast<size_t>(port_count()), driven = static_cast<size_t>(mechanism.assembly.driven_count);
+    for (std::vector<Frame>* frames : {&mechanism.frames, &mechanism.before}) {
+        parts.emplace_back(frames->data(), ports * sizeof(Frame));  // the ground behind them stays where it is
+        parts.emplace_back(frames->data() + driven, (frames->size() - driven) * sizeof(Frame));
+    }
+    parts.emplace_back(const_cast<Frame*>(earlier_.data()), ports * sizeof(Frame));
+    parts.emplace_back(const_cast<Twist*>(start_velocities_.data()), start_velocities_.size() * sizeof(Twist));
+    if (interior_) interior_->add_state_parts(parts);
+    return parts;
+}
+
+size_t Network::state_size() const {
+    size_t size = sizeof(double);  // of the step size
+    for (const auto& [data, bytes] : state_parts()) size += bytes;
+    return size;
+}
+
+void Network::save_state(void* buffer, size_t size) const {
+    if (!started_ || open_) throw Error(DTTMM_ERROR_PHASE, "save_state: only between steps, after start");
+    if (size != state_size())
+        throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("save_state: the state has {} bytes, not {}", state_size(), size));
+    char* out = static_cast<char*>(buffer);
+    const double step_size = mechanism_.scheme.step_size();
+    std::memcpy(out, &step_size, sizeof step_size);
+    out += sizeof step_size;
+    for (const auto& [data, bytes] : state_parts()) {
+        if (bytes > 0) std::memcpy(out, data, bytes);
+        out += bytes;
+    }
+    if (interior_) interior_->refactor(mechanism_);  // as a restored one does: both futures are then the same to the bit
+}
+
+void Network::restore_state(const void* buffer, size_t size) {
+    if (!started_ || open_) throw Error(DTTMM_ERROR_PHASE, "restore_state: only between steps, after start");
+    if (size != state_size())
+        throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("restore_state: the state has {} bytes, not {}", state_size(), size));
+    const char* in = static_cast<const char*>(buffer);
+    double saved;
+    std::memcpy(&saved, in, sizeof saved);
+    in += sizeof saved;
+    if (saved != mechanism_.scheme.step_size())
+        throw Error(DTTMM_ERROR_ARGUMENT, "restore_state: saved at another step size, or by another network");
+    for (const auto& [data, bytes] : state_parts()) {
+        if (bytes > 0) std::memcpy(data, in, bytes);
+        in += bytes;
+    }
+    if (interior_) interior_->refactor(mechanism_);
+    stands_ = false;
+}
+
+// ---- Results ------------------------------------------------------------------------------------------------------------
+
+double* Network::write_joint(double* out, size_t j) const {
+    const Joint& joint = mechanism_.joints[j];
+    if (joint.is_axial()) {
+        out[0] = forces_[j](0);
+        out[1] = mechanism_.states[j].d_before(0) + joint.law().axial->natural;
+        return out + 2;
+    }
+    Eigen::Map<Vector6>{out} = forces_[j];
+    Map3{out + 6} = mechanism_.states[j].d_before;
+    const FrameView from = mechanism_.frame_before(joint.from()), to = mechanism_.frame_before(joint.to());
+    Map3{out + 9} = joint.turns() ? mechanism_.states[j].theta_before : rotation_vector(joint.attitude(from, to));
+    return out + 12;
+}
+
+/// Strain and dissipated energy of joints first … last − 1.
+double* Network::write_energies(double* out, int first, int last) const {
+    double strain = 0, dissipated = 0;
+    for (auto j = static_cast<size_t>(first); j < static_cast<size_t>(last); ++j) {
+        const Joint& joint = mechanism_.joints[j];
+        strain += joint.strain_energy(mechanism_.states[j].d_before, mechanism_.states[j].theta_before,
+                                      mechanism_.memory_before(j));
+        if (const DamperState* damper = mechanism_.damper(j)) dissipated += damper->dissipated;
+    }
+    out[0] = strain;
+    out[1] = dissipated;
+    return out + 2;
+}
+
+/// A beam or rod: force and moment at its `from` end, motion of its `to` end against that, then what its sections carry.
+double* Network::write_chain(double* out, size_t element) const {
+    const Assembly& assembly = mechanism_.assembly;
+    const ChainView& chain = chains_[element];
+    const int first = assembly.first_joint[element], last = assembly.first_joint[element + 1];
+    double* const total = out;
+    const NodeSpec &from_node = assembly.nodes[static_cast<size_t>(chain.from_node)],
+                   &to_node = assembly.nodes[static_cast<size_t>(chain.to_node)];
+    const FrameView from = mechanism_.frame_before(from_node.frame), to = mechanism_.frame_before(to_node.frame);
+    const Matrix3 axes = from.axes() * chain.from_axes;
+    const Vector3 way = to.origin() + to.axes() * to_node.offset - from.origin() - from.axes() * from_node.offset;
+    Map3{total + 6} = axes.transpose() * way - chain.rest;
+    Map3{total + 9} = rotation_vector(axes.transpose() * to.axes() * chain.to_axes);
+    out = write_energies(total + 12, first, last);
+    double none = 0;
+    double& turn_to_limit = has_limit(first) ? *out++ : none;
+    turn_to_limit = 0;
+
+    // The joints of whole segments sit at the sections; those of the half segments at the ends, a quarter segment off
+    const double quarter = chain.rest.norm() / (4 * (last - first - 1));
+    for (int j = first; j < last; ++j) {
+        Vector6 f = forces_[static_cast<size_t>(j)];
+        turn_to_limit = std::max(turn_to_limit, mechanism_.states[static_cast<size_t>(j)].theta_before.norm() /
+                                                    mechanism_.joints[static_cast<size_t>(j)].law().most_turn);
+        const double way_to_joint = j == first ? quarter : j == last - 1 ? -quarter : 0;
+        f.tail<3>() += Vector3(way_to_joint, 0, 0).cross(Vector3(f.head<3>()));
+        Eigen::Map<Vector6>{out} = f;
+        if (j == first) Eigen::Map<Vector6>{total} = f;
+        out += 6;
+    }
+    return out;
+}
+
+double* Network::write_node(double* out, size_t node) const {
+    const NodeSpec& spec = mechanism_.assembly.nodes[node];
+    const FrameView before = mechanism_.frame_before(spec.frame);
+    const Matrix3& start = mechanism_.assembly.frames[static_cast<size_t>(spec.frame)].pose.rotation;
+    const Twist v = interior_->velocity(mechanism_, spec.frame, spec.offset);
+    const Twist a = interior_->acceleration(mechanism_, spec.frame, spec.offset);
+    const Vector3 turned = rotation_vector(before.axes() * start.transpose());
+    for (const Vector3& vector :
+         {Vector3(before.origin() + before.axes() * spec.offset), v.linear, a.linear, turned, v.angular}) {
+        Map3{out} = vector;
+        out += 3;
+    }
+    return out;
+}
+
+void Network::outputs(double* values) const {
+    if (mechanism_.steps == 0) throw Error(DTTMM_ERROR_PHASE, "outputs: no step has been committed");
+    if (!stands_) stand_by_centred_velocities();
+    const std::vector<int>& first_joint = mechanism_.assembly.first_joint;
+    double* out = values;
+    for (size_t e = 0; e + 1 < first_joint.size(); ++e) {
+        const int count = first_joint[e + 1] - first_joint[e];
+        if (count == 1) {
+            out = write_joint(out, static_cast<size_t>(first_joint[e]));
+            out = write_energies(out, first_joint[e], first_joint[e + 1]);
+        } else if (count > 1) {
+            out = write_chain(out, e);
+        }
+    }
+    if (!interior_) return;
+    for (int node : shown_nodes_) out = write_node(out, static_cast<size_t>(node));
+    out[0] = interior_->kinetic_energy(mechanism_);
+    out[1] = interior_->work(mechanism_);
+}
+
+}  // namespace dttmm::plugin

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mechanism/joints_by_four.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <memory>
+#include <random>
+#include <span>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "core/rotation.h"
+#include "support/network_model.h"
+
+namespace dttmm::plugin {
+namespace {
+
+using test::NetworkModel;
+using test::tube;
+
+const Matrix3 kTilted = rotation_from_vector(Vector3(0.4, -0.8, 1.3));
+
+/// Two beams, one of them damped, and five springs on odd axes, all of them strained and moving.
+class SomeJoints {
+public:
+    SomeJoints(double beta, double gamma, double largest_turn) : model_(DTTMM_SCHEME_CENTRED, beta, gamma) {
+        model_.node("root", DTTMM_NODE_GROUND, Vector3(0.1, 0.2, -0.3));
+        model_.node("tip", DTTMM_NODE_INNER, Vector3(1.3, -0.4, 0.9), kTilted);
+        model_.node("end", DTTMM_NODE_INNER, Vector3(-0.9, 1.1, 0.4));
+        model_.element("slim", "beam", {"root", "tip"}, tube(14));
+        model_.element("damped", "beam", {"root", "end"}, tube(11, 1e-4));
+        for (int i = 0; i < 5; ++i)
+            model_.element("spring" + std::to_string(i), "spring_damper", {"tip", "end"},
+                           {{"stiffness", {1e4 + i, 2e4, 3e4}}, {"damping", {5, 6.0 + i, 7}}});
+        mechanism_ = std::make_unique<Mechanism>(model_.description());
+        mechanism_->scheme.set_step_size(1e-4);
+        for (Joint& joint : mechanism_->joints) joint.set_scheme(mechanism_->scheme);
+        shake(mechanism_->frames, 1e-3);
+        const auto twist = [&](int) { return Twist{any(2), any(30)}; };
+        mechanism_->start_joints(twist, twist);
+        mechanism_->steps = 3;
+        trial_ = mechanism_->frames;
+        shake(trial_, 1e-4);
+        // One frame turns far: its joints leave the small angles of the rest
+        const Frame now = trial_[7];
+        Eigen::Map<RowMajor3>{trial_[7].rotation} = rotation_from_vector(Vector3(largest_turn, 0, 0)) * now.axes();
+    }
+
+    const Mechanism& mechanism() const { return *mechanism_; }
+    const std::vector<Frame>& trial() const { return trial_; }
+    /// All joints; or, if alike, those with both axes along their frames' and a lever, as most of a beam.
+    std::vector<size_t> joints(bool alike) const {
+        std::vector<size_t> list;
+        for (size_t j = 0; j < mechanism_->joints.size(); ++j) {
+            const JointSeat& seat = mechanism_->joints[j].seat();
+            if (!alike || (seat.is_aligned && seat.is_straight && seat.has_lever)) list.push_back(j);
+        }
+        return list;
+    }
+
+private:
+    Vector3 any(double size) { return size * Vector3(normal_(random_), normal_(random_), normal_(random_)); }
+    void shake(std::vector<Frame>& frames, double size) {
+        for (Frame& frame : frames) {
+            Eigen::Map<Vector3>{frame.position} += any(size);
+            const Matrix3 R = frame.axes();
+            Eigen::Map<RowMajor3>{frame.rotation} = rotation_from_vector(any(size)) * R;
+        }
+    }
+
+    NetworkModel model_;
+    std::unique_ptr<Mechanism> mechanism_;
+    std::vector<Frame> trial_;
+    std::mt19937 random_{3};
+    std::normal_distribution<double> normal_;
+};
+
+/// Whether triples of numbers, each of one unit, agree to a share of their largest; false for NaN.
+bool agree(const double* a, const double* b, size_t count, double share) {
+    for (size_t n = 0; n < count; n += 3) {
+        double error = 0, size = 0;
+        for (size_t i = n; i < std::min(n + 3, count); ++i) {
+            if (!std::isfinite(a[i])) return false;
+            error = std::max(error, std::abs(a[i] - b[i]));
+            size = std::max(size, std::abs(b[i]));
+        }
+        if (!(error <= share * size)) return false;
+    }
+    return true;
+}
+
+struct Answer {
+    std::vector<Vector6> forces, committed;  ///< wrenches on all frames
+    Mechanism after;
+    double largest = 0;
+
+    explicit Answer(const SomeJoints& model)
+        : forces(model.trial().size(), Vector6::Zero()), committed(forces), after(model.mechanism()) {}
+
+    void expect_like(const Answer& other, double share) const {
+        const size_t wrenches = 6 * forces.size();
+        EXPECT_TRUE(agree(forces[0].data(), other.forces[0].data(), wrenches, share));
+        EXPECT_TRUE(agree(committed[0].data(), other.committed[0].data(), wrenches, share));
+        EXPECT_LE(std::abs(largest - other.largest), share * other.largest);
+        const auto numbers = [](const auto& state) { return reinterpret_cast<const double*>(&state); };
+        for (size_t j = 0; j < after.states.size(); ++j) {
+            EXPECT_TRUE(agree(numbers(after.states[j]), numbers(other.after.states[j]), JointState::kNumbers, share)) << j;
+            const DamperState *mine = after.damper(j), *its = other.after.damper(j);
+            if (!mine) continue;
+            EXPECT_TRUE(agree(numbers(*mine), numbers(*its), DamperState::kNumbers - 2, share)) << j;
+            EXPECT_LE(std::abs(mine->dissipated - its->dissipated), share * its->dissipated) << j;
+            EXPECT_LE(std::abs(mine->last_loss - its->last_loss), share * its->last_loss) << j;
+        }
+    }
+};
+
+Answer one_by_one(const SomeJoints& model, std::span<const size_t> joints) {
+    Answer answer(model);
+    const Mechanism& m = model.mechanism();
+    for (size_t j : joints) {
+        const Joint& joint = m.joints[j];
+        const auto a = static_cast<size_t>(joint.from()), b = static_cast<size_t>(joint.to());
+        const Ends trial = {model.trial()[a], model.trial()[b]};
+        const JointForce force = joint.over_step(m.scheme, trial, m.states[j], m.damper(j));
+        answer.largest = std::max(answer.largest, force.force.squaredNorm());
+        Joint::add_wrench(force, answer.forces[a].data(), answer.forces[b].data());
+        JointForce committed;
+        joint.advance(m.scheme, trial, m.ends(j), answer.after.states[j], answer.after.damper(j), {}, &committed);
+        Joint::add_wrench(committed, answer.committed[a].data(), answer.committed[b].data());
+    }
+    return answer;
+}
+
+Answer by_four(const SomeJoints& model, std::span<const size_t> joints) {
+    Answer answer(model);
+    const JointsByFour four(model.mechanism(), joints);
+    answer.largest = four.add_forces(model.mechanism(), model.trial(), answer.forces);
+    four.advance(answer.after, model.trial(), answer.committed);
+    return answer;
+}
+
+/// Of a list, those that go by four.
+std::vector<size_t> taken(const SomeJoints& model, const std::vector<size_t>& joints) {
+    const JointsByFour four(model.mechanism(), joints);
+    std::vector<size_t> list;
+    std::ranges::set_difference(joints, four.others(), std::back_inserter(list));
+    return list;
+}
+
+/// γ, how far one frame turns [rad], whether only joints that sit alike.
+class ByFour : public ::testing::TestWithParam<std::tuple<double, double, bool>> {};
+
+// Oracle: one joint after the other. Positions of 1 m round by 2e-16 m, the smallest deformations are of 1e-4 m or so.
+TEST_P(ByFour, JointsAnswerAsOneByOne) {
+    const auto [gamma, turn, alike] = GetParam();
+    const SomeJoints model(0.25 * (gamma + 0.5) * (gamma + 0.5), gamma, turn);
+    const std::vector<size_t> joints = taken(model, model.joints(alike));
+    // Of 15 + 12 + 5 joints; alike without the first and the last of either beam and the springs: 13 + 10
+    ASSERT_EQ(joints.size(), alike ? 12U + 8U : 12U + 12U + 4U);
+    const Answer together = by_four(model, joints);
+    together.expect_like(one_by_one(model, joints), 1e-10);
+    double largest = 0;
+    for (size_t j : joints) largest = std::max(largest, together.after.states[j].theta.norm());
+    EXPECT_EQ(largest > 0.1, turn > 0) << "no joint leaves the small angles";
+}
+
+INSTANTIATE_TEST_SUITE_P(JointsByFour, ByFour,
+                         ::testing::Combine(::testing::Values(0.5, 0.6), ::testing::Values(0.0, 0.5, 2.0),
+                                            ::testing::Bool()));
+
+TEST(JointsByFour, EveryJointIsTakenOrLeft) {
+    const SomeJoints model(0.25, 0.5, 0);
+    const std::vector<size_t> all = model.joints(false), some(all.begin(), all.begin() + 3);
+    const JointsByFour four(model.mechanism(), all);
+    EXPECT_EQ(four.size() + four.others().size(), all.size());
+    EXPECT_TRUE(std::ranges::is_sorted(four.others()));
+    EXPECT_EQ(JointsByFour(model.mechanism(), some).others(), some);
+    EXPECT_EQ(JointsByFour(model.mechanism(), {}).size(), 0U);
+}
+
+}  // namespace
+}  // namespace dttmm::plugin

@@ -13,15 +13,16 @@ namespace dttmm::host {
 
 namespace {
 
-[[noreturn]] void fail(const std::string& name, const std::string& fault) {
+[[noreturn]] void refuse_library(const std::string& name, const std::string& fault) {
     throw Error(ExitCode::plugin_failure, fmt::format("plugin {}: {}", name, printable(fault)));
 }
 
 void check_file(const std::filesystem::path& file) {
     struct stat status {};
-    if (::stat(file.c_str(), &status) != 0) fail(file, "there is no such file; --plugin wants the path of a shared library");
-    if (!S_ISREG(status.st_mode)) fail(file, "this is no regular file");
-    if (status.st_mode & S_IWOTH) fail(file, "everybody may write to this file; it is not loaded (chmod o-w)");
+    if (::stat(file.c_str(), &status) != 0)
+        refuse_library(file, "there is no such file; --plugin wants the path of a shared library");
+    if (!S_ISREG(status.st_mode)) refuse_library(file, "this is no regular file");
+    if (status.st_mode & S_IWOTH) refuse_library(file, "everybody may write to this file; it is not loaded (chmod o-w)");
 }
 
 }  // namespace
@@ -37,9 +38,9 @@ SharedLibrary::SharedLibrary(const std::filesystem::path& file) : name_(file) {
     try {
         handle_.reset(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL), close);
     } catch (...) {
-        fail(name_, describe_exception());
+        refuse_library(name_, describe_exception());
     }
-    if (!handle_) fail(name_, dlerror());
+    if (!handle_) refuse_library(name_, dlerror());
 }
 
 void* SharedLibrary::symbol(const char* name) const { return dlsym(handle_.get(), name); }

@@ -43,7 +43,7 @@ constexpr Option kOptions[] = {
     {"--channels", Kind::list, kTime,
      "pattern of channels to record instead of the model's, e.g. \"bolt*.force\"; repeated for more", true, true,
      [](Request& request, const std::string& value) { request.overrides.channels.push_back(value); }},
-    {"--plugin", Kind::list, kEveryModel | kElements | kHelp | kSchema | kNew, "shared library with more element types",
+    {"--plugin", Kind::list, kEveryModel | kElements | kHelp | kSchema | kNew, "shared library with more element types or force laws",
      true, true, [](Request& request, const std::string& value) { request.plugins.push_back(value); }},
     {"--force", Kind::flag, kTime, "run an explicit coupling beyond its stable step", true, true,
      [](Request& request, const std::string&) { request.force = true; }},

@@ -29,11 +29,9 @@ struct Mechanism {
     /// What the laws of a joint remember at t_n, at t_{n−1}; NULL: nothing.
     const double* memory(size_t joint) const { return at_memory(law_memory, joint); }
     const double* memory_before(size_t joint) const { return at_memory(law_memory_before, joint); }
-    LawMemory law_memory_of(size_t joint) {
-        const auto open = [&](std::vector<double>& all) { return const_cast<double*>(at_memory(all, joint)); };
-        return {open(law_memory), open(law_memory_before)};
-    }
-    const double* at_memory(const std::vector<double>& all, size_t joint) const {
+    LawMemory law_memory_of(size_t joint) { return {at_memory(law_memory, joint), at_memory(law_memory_before, joint)}; }
+    template <class List>
+    auto at_memory(List& all, size_t joint) const -> decltype(all.data()) {
         return memory_of[joint] < 0 ? nullptr : &all[static_cast<size_t>(memory_of[joint])];
     }
     DamperState* damper(size_t joint) {

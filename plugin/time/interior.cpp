@@ -571,17 +571,4 @@ Vector6 Interior::rigid_values(const Mechanism& mechanism, size_t j, const std::
     return f;
 }
 
-void Interior::add_state_parts(std::vector<std::pair<void*, size_t>>& parts) {
-    for (auto* list : {&past_.u, &past_.u_before}) parts.emplace_back(list->data(), list->size() * sizeof(Vector6));
-    for (auto* list : {&past_.velocity, &past_.velocity_before})
-        parts.emplace_back(list->data(), list->size() * sizeof(Twist));
-    parts.emplace_back(momenta_.data(), momenta_.size() * sizeof(Vector6));
-    parts.emplace_back(frame_loads_.data(), frame_loads_.size() * sizeof(FrameLoad));
-    parts.emplace_back(rigid_.data(), rigid_.size() * sizeof(double));
-    parts.emplace_back(port_u_.data(), port_u_.size() * sizeof(Vector6));
-    parts.emplace_back(port_u_before_.data(), port_u_before_.size() * sizeof(Vector6));
-    parts.emplace_back(start_accelerations_.data(), start_accelerations_.size() * sizeof(Twist));
-    parts.emplace_back(&books_, sizeof books_);
-}
-
 }  // namespace dttmm::plugin

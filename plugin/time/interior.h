@@ -160,7 +160,21 @@ public:
 
     /// Everything that changes from step to step, as pieces of memory; the factor goes with them by refactor(), for the step
     /// to come.
-    void add_state_parts(std::vector<std::pair<void*, size_t>>& parts);
+    /// Shows the memory of what changes from step to step, piece by piece, as spans; self: an Interior, constant or not.
+    template <class Self, class Visit>
+    static void for_each_state(Self& self, const Visit& visit) {
+        visit(std::span(self.past_.u));
+        visit(std::span(self.past_.u_before));
+        visit(std::span(self.past_.velocity));
+        visit(std::span(self.past_.velocity_before));
+        visit(std::span(self.momenta_));
+        visit(std::span(self.frame_loads_));
+        visit(std::span(self.rigid_));
+        visit(std::span(self.port_u_));
+        visit(std::span(self.port_u_before_));
+        visit(std::span(self.start_accelerations_));
+        visit(std::span(&self.books_, 1));
+    }
     void refactor(const Mechanism& mechanism);
 
 private:

@@ -500,29 +500,28 @@ void Network::stand_by_port_velocities() const {
 
 // ---- State --------------------------------------------------------------------------------------------------------------
 
-/// Everything that changes from step to step, as pieces of memory; in a saved state the step size comes before them.
-std::vector<std::pair<void*, size_t>> Network::state_parts() const {
-    auto& mechanism = const_cast<Mechanism&>(mechanism_);
-    std::vector<std::pair<void*, size_t>> parts = {
-        {&mechanism.steps, sizeof mechanism.steps},
-        {mechanism.states.data(), mechanism.states.size() * sizeof(JointState)},
-        {mechanism.dampers.data(), mechanism.dampers.size() * sizeof(DamperState)},
-        {mechanism.law_memory.data(), mechanism.law_memory.size() * sizeof(double)},
-        {mechanism.law_memory_before.data(), mechanism.law_memory_before.size() * sizeof(double)}};
-    const auto ports = static_cast<size_t>(port_count()), driven = static_cast<size_t>(mechanism.assembly.driven_count);
-    for (std::vector<Frame>* frames : {&mechanism.frames, &mechanism.before}) {
-        parts.emplace_back(frames->data(), ports * sizeof(Frame));  // the ground behind them stays where it is
-        parts.emplace_back(frames->data() + driven, (frames->size() - driven) * sizeof(Frame));
+/// Everything that changes from step to step, piece by piece; in a saved state the step size comes before it.
+template <class Self, class Visit>
+void Network::for_each_state(Self& self, const Visit& visit) {
+    auto& mechanism = self.mechanism_;
+    visit(std::span(&mechanism.steps, 1));
+    visit(std::span(mechanism.states));
+    visit(std::span(mechanism.dampers));
+    visit(std::span(mechanism.law_memory));
+    visit(std::span(mechanism.law_memory_before));
+    const auto ports = static_cast<size_t>(self.port_count()), driven = static_cast<size_t>(mechanism.assembly.driven_count);
+    for (auto* frames : {&mechanism.frames, &mechanism.before}) {  // the ground behind the ports stays where it is
+        visit(std::span(*frames).first(ports));
+        visit(std::span(*frames).subspan(driven));
     }
-    parts.emplace_back(const_cast<Frame*>(earlier_.data()), ports * sizeof(Frame));
-    parts.emplace_back(const_cast<Twist*>(start_velocities_.data()), start_velocities_.size() * sizeof(Twist));
-    if (interior_) interior_->add_state_parts(parts);
-    return parts;
+    visit(std::span(self.earlier_).first(ports));
+    visit(std::span(self.start_velocities_));
+    if (self.interior_) Interior::for_each_state(*self.interior_, visit);
 }
 
 size_t Network::state_size() const {
     size_t size = sizeof(double);  // of the step size
-    for (const auto& [data, bytes] : state_parts()) size += bytes;
+    for_each_state(*this, [&](auto piece) { size += piece.size_bytes(); });
     return size;
 }
 
@@ -534,10 +533,10 @@ void Network::save_state(void* buffer, size_t size) const {
     const double step_size = mechanism_.scheme.step_size();
     std::memcpy(out, &step_size, sizeof step_size);
     out += sizeof step_size;
-    for (const auto& [data, bytes] : state_parts()) {
-        if (bytes > 0) std::memcpy(out, data, bytes);
-        out += bytes;
-    }
+    for_each_state(*this, [&](auto piece) {
+        if (!piece.empty()) std::memcpy(out, piece.data(), piece.size_bytes());
+        out += piece.size_bytes();
+    });
     if (interior_) interior_->refactor(mechanism_);  // as a restored one does: both futures are then the same to the bit
 }
 
@@ -551,10 +550,10 @@ void Network::restore_state(const void* buffer, size_t size) {
     in += sizeof saved;
     if (saved != mechanism_.scheme.step_size())
         throw Error(DTTMM_ERROR_ARGUMENT, "restore_state: saved at another step size, or by another network");
-    for (const auto& [data, bytes] : state_parts()) {
-        if (bytes > 0) std::memcpy(data, in, bytes);
-        in += bytes;
-    }
+    for_each_state(*this, [&](auto piece) {
+        if (!piece.empty()) std::memcpy(static_cast<void*>(piece.data()), in, piece.size_bytes());
+        in += piece.size_bytes();
+    });
     if (interior_) interior_->refactor(mechanism_);
     stands_ = false;
 }

@@ -100,7 +100,8 @@ private:
     double* write_node(double* out, size_t node) const;
     double* write_energies(double* out, int first, int last) const;
 
-    std::vector<std::pair<void*, size_t>> state_parts() const;
+    template <class Self, class Visit>
+    static void for_each_state(Self& self, const Visit& visit);
 
     Mechanism mechanism_;
     std::unique_ptr<Interior> interior_;  ///< none where everything is joints between bodies and ground

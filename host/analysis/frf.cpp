@@ -68,8 +68,10 @@ ExitCode find_response(const Request& request) {
     ModalSession session(request, plugins, warnings);
     const Model& model = session.model;
     ModalMachine& machine = session.machine;
-    const auto [in, in_direction] = place_and_direction(model, machine, "--in", request.input);
-    const auto [out, out_direction] = place_and_direction(model, machine, "--out", request.response);
+    const std::pair input_place = place_and_direction(model, machine, "--in", request.input),
+                    output_place = place_and_direction(model, machine, "--out", request.response);
+    const auto& [in, in_direction] = input_place;
+    const auto& [out, out_direction] = output_place;
 
     const char* input = in_direction < 3 ? "N" : "(N*m)";
     const char* unit = out_direction < 3 ? "m" : "rad";
@@ -77,7 +79,9 @@ ExitCode find_response(const Request& request) {
         const double part = static_cast<double>(i) / (request.points - 1);
         return request.is_logarithmic ? from * std::pow(to / from, part) : from + part * (to - from);
     };
-    const auto respond = [&](double f) { return machine.respond(f, *in, in_direction, *out, out_direction); };
+    const auto respond = [&](double f) {
+        return machine.respond(f, *input_place.first, input_place.second, *output_place.first, output_place.second);
+    };
     std::complex<double> H = respond(frequency_at(0));  // before the folder is touched: it may be refused
 
     const ResultsFolder folder(results_path(request, "-frf"));

@@ -47,7 +47,7 @@ class World::Library {
 public:
     Library() {
         dInitODE2(0);
-        dAllocateODEDataForThread(dAllocateMaskAll);
+        dAllocateODEDataForThread(static_cast<unsigned>(dAllocateMaskAll));
         dSetMessageHandler(on_message);
         dSetErrorHandler(on_failure);
         dSetDebugHandler(on_failure);

@@ -10,6 +10,7 @@
 #include <random>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "loader/law_library.h"
@@ -40,11 +41,13 @@ public:
 
     void run() {
         for (int set = 0; set < kSets; ++set) {
-            draw_values();
-            walk(std::pow(10, uniform(kLeastReach, kMostReach)));
+            const double reach = std::pow(10, uniform(kLeastReach, kMostReach));
+            draw_values(reach);
+            walk(reach);
         }
     }
     size_t paths() const { return paths_; }
+    size_t paths_with_force() const { return paths_with_force_; }
     const std::map<std::string, std::string>& faults() const { return faults_; }
 
 private:
@@ -55,10 +58,13 @@ private:
 
     double uniform(double low, double high) { return low + (high - low) * static_cast<double>(random_() >> 11) * 0x1p-53; }
 
-    void draw_values() {
+    /// Lengths are drawn about the reach of the deformations.
+    void draw_values(double reach) {
         values_.clear();
         for (const dttmm_law_parameter& parameter : std::span(law_.parameters, law_.parameter_count)) {
-            const double size = std::pow(10, uniform(kLeastValue, kMostValue));
+            const bool is_length = std::string_view(parameter.unit) == "m";
+            const double size =
+                is_length ? reach * std::pow(10, uniform(-1.5, 0.5)) : std::pow(10, uniform(kLeastValue, kMostValue));
             double value = parameter.minimum < 0 && uniform(0, 1) < 0.5 ? -size : size;
             for (const auto& [name, text] : request_.overrides.parameters)
                 if (name == parameter.name) value = parse_quantity(text, parameter.unit);
@@ -67,13 +73,20 @@ private:
     }
 
     Asked ask(double from, double to, const Memory& memory) {
-        Asked asked{{}, Memory(law_.memory_count, 0)};
+        constexpr size_t kGuard = 64;  // numbers behind the memory that must stay
+        constexpr double kUntouched = -7.25;
+        Asked asked{{}, Memory(law_.memory_count + kGuard, kUntouched)};
+        std::fill_n(asked.after.begin(), law_.memory_count, 0.0);
         const Memory given = memory;
-        const dttmm_law_path path{from, to, from == to ? 0 : 1e-3, memory.data(), asked.after.data()};
+        const dttmm_law_path path{from, to, from == to ? 0 : time_, memory.data(), asked.after.data()};
         *LawLibrary::at_work() = &law_;
         law_.along(values_.data(), &path, &asked.answer);
         *LawLibrary::at_work() = nullptr;
         if (given != memory) fault("it changes the memory it is given", "");
+        if (std::any_of(asked.after.begin() + law_.memory_count, asked.after.end(),
+                        [](double x) { return x != kUntouched; }))
+            fault("it writes more numbers than its memory has", "");
+        asked.after.resize(law_.memory_count);
         return asked;
     }
 
@@ -113,12 +126,14 @@ private:
         double from = 0, force = 0, energy = 0;  // largest
         for (int path = 0; path < kPaths; ++path) {
             const double to = uniform(-reach, reach);
+            time_ = std::pow(10, uniform(-6, 0));
             ++paths_;
             const Asked asked = ask(from, to, memory);
             if (!is_finite(asked)) return fault("its answer is not finite", fmt::format("path {:.6g} to {:.6g}", from, to));
             force = std::max({force, std::abs(asked.answer.force), std::abs(asked.answer.mean)});
             energy = std::max({energy, std::abs(asked.answer.stored), std::abs(asked.answer.mean * (to - from))});
-            look_at_rest(from, before, memory, force);
+            paths_with_force_ += asked.answer.force != 0;
+            look_at_rest(from, before, memory, kDifference * reach, force, energy);
             look_at_path(from, to, before, memory, asked, reach, force, energy);
             before = asked.answer;
             memory = asked.after;
@@ -127,12 +142,23 @@ private:
     }
 
     /// A path of no length changes nothing.
-    void look_at_rest(double at, const Answer& before, const Memory& memory, double force) {
+    void look_at_rest(double at, const Answer& before, const Memory& memory, double e, double force, double energy) {
         const Asked rest = ask(at, at, memory);
         if (!is_finite(rest)) return fault("its answer is not finite", fmt::format("path of no length at {:.6g}", at));
         if (std::abs(rest.answer.force - before.force) > kRounding * force)
             fault("a path of no length changes its force",
                   fmt::format("from {:.6g} to {:.6g}", before.force, rest.answer.force));
+        const double time = std::exchange(time_, 1e-15);  // at once: no rate has an effect
+        const Answer less = ask(at, at - e, memory).answer, more = ask(at, at + e, memory).answer;
+        time_ = time;
+        if (!is_derivative(rest.answer.tangent, rest.answer.force, less.force, more.force, e, force))
+            fault("on a path of no length its tangent is not that of unloading",
+                  fmt::format("{:.6g}; differences {:.6g} and {:.6g}", rest.answer.tangent,
+                              (rest.answer.force - less.force) / e, (more.force - rest.answer.force) / e));
+        if (std::abs(rest.answer.mean - rest.answer.force) > kRounding * force ||
+            std::abs(rest.answer.dissipated) > kRounding * energy)
+            fault("on a path of no length its mean force is not its force, or it dissipates",
+                  fmt::format("{:.6g}, {:.6g}, {:.6g}", rest.answer.mean, rest.answer.force, rest.answer.dissipated));
         for (size_t m = 0; m < memory.size(); ++m)
             if (std::abs(rest.after[m] - memory[m]) > kRounding * (std::abs(memory[m]) + std::abs(at)))
                 fault("a path of no length changes its memory",
@@ -162,9 +188,11 @@ private:
         // Elastic: the way does not matter, and a way round does no work
         const double other = uniform(-reach, reach);
         const Answer back = ask(to, other, memory).answer, round = ask(other, from, memory).answer,
-                     elsewhere = ask(other, to, memory).answer;
+                     elsewhere = (time_ *= 0.37, ask(other, to, memory).answer);
+        energy = std::max(
+            {energy, std::abs(back.stored), std::abs(back.mean * (other - to)), std::abs(round.mean * (from - other))});
         if (std::abs(elsewhere.force - now.force) > kRounding * force)
-            fault("it is elastic, but its force depends on the way",
+            fault("it is elastic, but its force depends on the way or the time",
                   fmt::format("{:.6g}, {:.6g}", now.force, elsewhere.force));
         const double loop = work + back.mean * (other - to) + round.mean * (from - other);
         if (std::abs(loop) > kRounding * energy)
@@ -176,8 +204,18 @@ private:
     std::mt19937_64 random_{1};
     std::vector<double> values_;
     std::map<std::string, std::string> faults_;  ///< by rule, with figures
-    size_t paths_ = 0;
+    size_t paths_ = 0, paths_with_force_ = 0;
+    double time_ = 1e-3;  ///< of a path [s]
 };
+
+void refuse_values_out_of_range(const std::vector<const dttmm_law*>& laws, const Request& request) {
+    for (const dttmm_law* law : laws)
+        for (const dttmm_law_parameter& parameter : std::span(law->parameters, law->parameter_count))
+            for (const auto& [name, text] : request.overrides.parameters)
+                if (name == parameter.name && !(parse_quantity(text, parameter.unit) >= parameter.minimum))
+                    throw Error(ExitCode::usage, fmt::format("--set {}={}: it must be at least {:g} {}", name, text,
+                                                             parameter.minimum, parameter.unit));
+}
 
 }  // namespace
 
@@ -194,14 +232,16 @@ void check_law(const Request& request) {
                                            [&](const dttmm_law_parameter& one) { return own == one.name; });
             }))
             throw Error(ExitCode::usage, fmt::format("--set {}: no law has a parameter of that name", name));
+    refuse_values_out_of_range(laws, request);
     std::string faults;
     for (const dttmm_law* law : laws) {
         Examination examination(*law, request);
         const PluginCall at_work(library.name());
         examination.run();
+        refuse_changed_arithmetic();
         if (examination.faults().empty())
-            fmt::print("law \"{}\": keeps all rules, {} paths with {} sets of parameters\n", law->name, examination.paths(),
-                       kSets);
+            fmt::print("law \"{}\": keeps all rules, {} paths with {} sets of parameters, {} of them with a force\n",
+                       law->name, examination.paths(), kSets, examination.paths_with_force());
         for (const auto& [rule, figures] : examination.faults())
             faults += fmt::format("{}law \"{}\": {}{}", faults.empty() ? "" : "\n", law->name, rule,
                                   figures.empty() ? "" : fmt::format(" ({})", figures));

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <deque>
 #include <utility>
 
@@ -17,7 +18,7 @@ constexpr uint32_t kMostLaws = 1000;
 
 /// The laws in use and their libraries. Read by signal handlers.
 std::deque<std::pair<const dttmm_law*, SharedLibrary>>& known() {
-    static std::deque<std::pair<const dttmm_law*, SharedLibrary>> laws;
+    static auto& laws = *new std::deque<std::pair<const dttmm_law*, SharedLibrary>>;  // never gone: exit() may be reported
     return laws;
 }
 
@@ -31,6 +32,10 @@ std::vector<const dttmm_law*> LawLibrary::laws_of(const SharedLibrary& library) 
     for (uint32_t i = 0; i < kMostLaws; ++i) {
         const dttmm_law* law = entry(DTTMM_LAW_MAJOR, i);
         if (!law) break;
+        if (std::ranges::find(laws, law) != laws.end() || i + 1 == kMostLaws)
+            throw Error(
+                ExitCode::plugin_failure,
+                fmt::format("plugin {}: its list of laws does not end; return NULL behind the last", library.name()));
         laws.push_back(law);
         known().emplace_back(law, library);
     }

@@ -31,6 +31,9 @@ bool is_key(const char* name) {
            });
 }
 
+/// Keys of an axial_spring, beside which the parameters of its law stand.
+constexpr std::string_view kTaken[] = {"name", "type", "from", "to", "axes", "damping", "natural_length", "preload"};
+
 [[noreturn]] void refuse(const dttmm_law& law, const char* fault) {
     throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("law \"{}\": {}", is_key(law.name) ? law.name : "?", fault));
 }
@@ -53,8 +56,14 @@ void check(const dttmm_law& law) {
     if (law.memory_count > Law::kMostMemory) refuse(law, "it remembers more than 256 numbers");
     if (law.parameter_count > 100) refuse(law, "it has more than 100 parameters");
     for (const dttmm_law_parameter& parameter : std::span(law.parameters, law.parameter_count)) {
-        if (!is_key(parameter.name) || !parameter.unit || !parameter.rotation_unit || std::isnan(parameter.minimum))
+        if (!is_key(parameter.name) || !parameter.unit || !parameter.rotation_unit || !std::isfinite(parameter.minimum))
             refuse(law, "a parameter is not well declared");
+        if (std::ranges::count_if(std::span(law.parameters, law.parameter_count), [&](const dttmm_law_parameter& other) {
+                return other.name && std::string_view(other.name) == parameter.name;
+            }) > 1)
+            refuse(law, "two of its parameters have one name");
+        if (std::ranges::find(kTaken, std::string_view(parameter.name)) != std::end(kTaken))
+            refuse(law, "a parameter has the name of a key of elements: rename it");
         if (is_known_otherwise(parameter))
             refuse(law, "another law has a parameter of the same name with another unit or a narrower range: rename it");
     }

@@ -44,6 +44,9 @@ Network::Network(const dttmm_network& description) : mechanism_(description) {
             if (interior_ && (interior_->is_massless(joint.from(), half) || interior_->is_massless(joint.to(), half)))
                 joint.take_ends(half);
     has_laws_ = std::ranges::any_of(mechanism_.joints, &Joint::has_laws);
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j)
+        for (int d = 0; d < 6; ++d)
+            if (mechanism_.joints[j].law().laws[static_cast<size_t>(d)]) law_looks_.push_back({j, d, 0, 0, 0});
     declare_channels(description);
     for (const Vector3& arm : mechanism_.assembly.port_arms) ports_.push_back({arm, Vector3::Zero(), nullptr});
     earlier_.assign(mechanism_.frames.begin(), mechanism_.frames.begin() + mechanism_.assembly.driven_count);
@@ -268,10 +271,33 @@ void Network::begin_step(const dttmm_step& step, const double* loads) {
 bool Network::expect(const dttmm_motion* nodes) {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "expect: no step is open");
     // Where a spring is not linear, a rate of convergence of another step says nothing of this one
-    const bool is_asked_again = has_laws_ && std::exchange(is_first_look_, false);
-    if (!interior_) return is_asked_again;
+    bool is_asked_again = has_laws_ && std::exchange(is_first_look_, false);
+    if (!interior_ && !has_laws_) return false;
     look(nodes);
-    return interior_->expect(mechanism_, trial_ports()) || is_asked_again;
+    if (interior_) return interior_->expect(mechanism_, trial_ports()) || is_asked_again;
+    if (!laws_are_as_foretold()) is_asked_again = true;
+    return is_asked_again;
+}
+
+/// Whether the laws do at this trial what their gains at the trial before let expect. Newton's corrections are trusted from
+/// there on only: a kink between two trials makes another force of the last one.
+bool Network::laws_are_as_foretold() {
+    constexpr double kAsForetold = 1e-6;  // of the force
+    bool are = true;
+    for (LawLook& last : law_looks_) {
+        const Joint& joint = mechanism_.joints[last.joint];
+        const Ends at = {trial(joint.from()), trial(joint.to())};
+        const double x = joint.deformation(joint.pose(at), at.from, at.to)(last.direction),
+                     now = mechanism_.states[last.joint].deformation()(last.direction);
+        const Joint::OnPath path = joint.on_path(mechanism_.scheme, last.direction, now, x, mechanism_.memory(last.joint));
+        const double foretold = last.force + last.gain * (x - last.x);
+        if (!(std::abs(path.force - foretold) <= kAsForetold * std::max(std::abs(path.force), std::abs(foretold))))
+            are = false;
+        last.x = x;
+        last.force = path.force;
+        last.gain = path.gain;
+    }
+    return are;
 }
 
 void Network::evaluate(const dttmm_motion* nodes, double* wrench, double* stiffness) const {

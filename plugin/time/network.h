@@ -80,6 +80,7 @@ private:
     void evaluate_joints(double* wrench, double* stiffness) const;
     void evaluate_linear_joints(double* wrench, double* stiffness) const;
     void evaluate_joints_with_laws(double* wrench, double* stiffness) const;
+    bool laws_are_as_foretold();
     void add_joint_stiffness(size_t joint, Ends at, double* stiffness) const;
     void start_joints(const dttmm_motion* ports, const double* accelerations);
     void commit_joints();
@@ -114,7 +115,14 @@ private:
     mutable std::vector<Port> ports_;
     mutable std::vector<FrameView> trial_ports_;
     bool started_ = false, open_ = false;
-    bool has_laws_ = false;       ///< a joint is not linear
+    bool has_laws_ = false;  ///< a joint is not linear
+    /// A direction with a law at the trial last looked at: its deformation, force over the step and gain.
+    struct LawLook {
+        size_t joint;
+        int direction;
+        double x, force, gain;
+    };
+    std::vector<LawLook> law_looks_;
     bool is_first_look_ = false;  ///< nothing was asked of the open step
     // At t_n, the start of the step last committed:
     mutable std::vector<Twist> port_velocities_;

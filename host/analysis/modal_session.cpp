@@ -53,8 +53,9 @@ void note_forces(const Model& model, const ModalMachine& machine, Warnings& warn
     }
     if (count == 0) return;
     warnings.note("force-at-start",
-                  fmt::format("{}{}: its stiffness is in the frequencies, but not that of the forces with which joints and "
-                              "other elements hold against it; whether the machine rests at the start is not looked at",
+                  fmt::format("{}{}: its stiffness is in the frequencies, with that of the reactions of joints and rigid "
+                              "directions, but not that of forces with which other elements hold against it; whether the "
+                              "machine rests at the start is not looked at",
                               first, count > 1 ? fmt::format(", and {} more", count - 1) : ""));
 }
 

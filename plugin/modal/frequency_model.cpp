@@ -242,13 +242,48 @@ void FrequencyModel::add_force(const Bond& bond, const JointLaw& law, const Vect
     const int frames[2] = {bond.from, bond.to};
     for (int end : {0, 1}) {
         if (frames[end] < 0) continue;
-        const Vector3 arm = bond.points[end] - positions_[static_cast<size_t>(frames[end])];
-        const Matrix3 aF = skew(arm) * skew(at_start.force * along);
-        Lever lever{bond.element, frames[end], Matrix6::Zero()};
-        lever.stiffness.bottomRightCorner<3, 3>() = (end == 0 ? -0.5 : 0.5) * (aF + aF.transpose());
-        lever.stiffness = masked(lever.stiffness);
-        levers_.push_back(lever);
+        acting_.push_back({frames[end], bond.points[end] - positions_[static_cast<size_t>(frames[end])],
+                           (end == 0 ? at_start.force : -at_start.force) * along});
+        add_lever(bond.element, acting_.back());
     }
+}
+
+/// A force that keeps its direction while its lever arm turns: the symmetric part of −∂(a × F)/∂θ.
+void FrequencyModel::add_lever(int element, const StartForce& acting) {
+    const Matrix3 aF = skew(acting.arm) * skew(acting.force);
+    Lever lever{element, acting.frame, Matrix6::Zero()};
+    lever.stiffness.bottomRightCorner<3, 3>() = -0.5 * (aF + aF.transpose());
+    lever.stiffness = masked(lever.stiffness);
+    levers_.push_back(lever);
+}
+
+/// What rigid directions bear of the forces at the start, as masses at rest leave it to them, has levers too: without them a
+/// body on a hinge would turn about its centre of mass.
+void FrequencyModel::add_reactions() {
+    constexpr double kInertial = 1e6;  // −λ M beside K
+    has_reactions_ = true;
+    set_matrices(total_mass_ > 0 ? -kInertial * largest_stiffness() / total_mass_ : -1, false);
+    if (elimination_->factor()) return;
+    Motion r(static_cast<size_t>(frame_count()), Vector6::Zero());
+    for (const StartForce& acting : acting_) {
+        Vector6 wrench;
+        wrench << acting.force, acting.arm.cross(acting.force);
+        r[static_cast<size_t>(acting.frame)] += mask_ * wrench;
+    }
+    std::vector<double> q(static_cast<size_t>(elimination_->rigid_count()));
+    elimination_->solve(r, q);
+    size_t row = 0;
+    for (const Bond& bond : bonds_)
+        for (const Rigid& rigid : bond.rigid) {
+            const double force = -q[row++];
+            if (bond.from >= 0)
+                add_lever(start_forces_.front().first,
+                          {bond.from, bond.points[0] - positions_[static_cast<size_t>(bond.from)],
+                           force * rigid.by_from.head<3>()});
+            if (bond.to >= 0)
+                add_lever(start_forces_.front().first, {bond.to, bond.points[1] - positions_[static_cast<size_t>(bond.to)],
+                                                        force * rigid.by_to.head<3>()});
+        }
 }
 
 /// Displacement of the end of a line in its axes by the motion of a frame; of the ground none.
@@ -333,6 +368,7 @@ void FrequencyModel::cut(double omega) {
         cut_line(line, count);
     }
     build();
+    if (!acting_.empty() && !has_reactions_) add_reactions();
 }
 
 void FrequencyModel::cut_line(LineModel& line, int count) {

@@ -177,6 +177,13 @@ private:
     void add_bodies(const dttmm_modal_model& model);
     void refer_to_inputs();
     void add_joint(int element, int from, int to, const JointLaw& law, const Pose& pose);
+    /// A force that acts on a frame at the start: where from its origin [m], and what [N], world.
+    struct StartForce {
+        int frame;
+        Vector3 arm, force;
+    };
+    void add_lever(int element, const StartForce& acting);
+    void add_reactions();
     void add_force(const Bond& bond, const JointLaw& law, const Vector3& along, Vector6& stiffness);
     void add_line(const LineSpec& line);
     void add_rigid(std::vector<Rigid>& rows, const Rigid& row) const;
@@ -209,6 +216,8 @@ private:
     std::vector<Mass> masses_, bar_masses_;
     std::vector<Lever> levers_;
     std::vector<std::pair<int, double>> start_forces_;  ///< by element
+    std::vector<StartForce> acting_;
+    bool has_reactions_ = false;  ///< those of rigid directions to them are among the levers
     std::vector<Bond> bonds_;
     std::vector<LineModel> lines_;
     std::vector<Piece> pieces_;

@@ -162,5 +162,42 @@ TEST(ForcesAtStart, LeversTurnWithTheBody) {
     }
 }
 
+// Oracle: the second difference of the spring's energy by the angle of a flap on a hinge. The reaction of the hinge has a
+// lever too: without it the flap would turn about its centre of mass, and tension would seem to stiffen what it softens.
+TEST(ForcesAtStart, AHingeBearsThem) {
+    const Vector3 pivot(0.2, -0.1, 0.4), centre(0.31, 0.03, -0.02), ball(0.19, 0.05, -0.015), anchor(0.06, 0.02, -0.24);
+    const Matrix3 turned = rotation_from_vector(Vector3(0.3, -0.5, 0.2));
+    const double stiffness = 3500, mass = 6.4, about = 0.21;
+    for (double preload : {140.0, -140.0}) {
+        NetworkModel model;
+        model.node("wall", DTTMM_NODE_GROUND, pivot, turned);
+        model.node("frame", DTTMM_NODE_GROUND, pivot + turned * anchor, turned);
+        model.node("pivot", DTTMM_NODE_INNER, pivot, turned);
+        model.node("ball", DTTMM_NODE_INNER, pivot + turned * ball, turned);
+        model.element("flap", "rigid_body", {"pivot", "ball"},
+                      {{"mass", {mass}},
+                       {"center_of_mass", {centre.x(), centre.y(), centre.z()}},
+                       {"inertia.xx", {0.05}},
+                       {"inertia.yy", {about}},
+                       {"inertia.zz", {0.24}}});
+        model.element("hinge", "elastic_hinge", {"wall", "pivot"}, {{"stiffness.ry", {0}}});
+        model.element("spring", "axial_spring", {"frame", "ball"}, {{"stiffness", {stiffness}}, {"preload", {preload}}});
+        const double natural = (ball - anchor).norm() - preload / stiffness;
+        const auto energy_at = [&](double angle) {
+            const Vector3 at = rotation_from_vector(Vector3(0, angle, 0)) * ball;
+            return 0.5 * stiffness * std::pow((at - anchor).norm() - natural, 2);
+        };
+        constexpr double e = 1e-3;
+        const double k = (energy_at(e) - 2 * energy_at(0) + energy_at(-e)) / (e * e),
+                     inertia = about + mass * (centre.x() * centre.x() + centre.z() * centre.z());
+        const dttmm_network network = model.description();
+        ModalAnalysis analysis(all_of(network));
+        ASSERT_EQ(analysis.find_modes(1, 0), 1u);
+        dttmm_mode mode;
+        analysis.mode(0, &mode, nullptr, nullptr, nullptr);
+        EXPECT_NEAR(mode.frequency, std::sqrt(k / inertia) / (2 * std::numbers::pi), 2e-5 * mode.frequency) << preload;
+    }
+}
+
 }  // namespace
 }  // namespace dttmm::plugin

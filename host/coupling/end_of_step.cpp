@@ -355,6 +355,36 @@ void EndOfStep::correct(const std::vector<BodyState>& now) {
     }
 }
 
+/// What the equations of motion lack at the trial, as twice the energy that it would give the bodies at rest [J].
+double EndOfStep::lack(const std::vector<BodyState>& now) const {
+    double sum = 0;
+    for (size_t b = 0; b < now.size(); ++b) {
+        Vector6 r = free_momentum_[b] + h_ * Eigen::Map<const Vector6>(&wrenches_[6 * b]);
+        r.head<3>() -= bodies_[b].inertia.mass * u_[b].head<3>();
+        r.tail<3>() -= momentum_over_step(b, now[b].rotation, u_[b].tail<3>());
+        sum += r.dot(bodies_[b].inertia.block(now[b].rotation).ldlt().solve(r));
+    }
+    return sum;
+}
+
+void EndOfStep::remember(const std::vector<BodyState>& now) {
+    base_u_ = u_;
+    base_lack_ = lack(now);
+}
+
+/// If the correction last made has made it worse: half of it. The force is a derivative of an energy, so that a part of
+/// Newton's correction small enough makes it better.
+bool EndOfStep::go_back(const std::vector<BodyState>& now) {
+    constexpr double kRumoured = 1e4;  // of the floor: less says nothing
+    bool is_felt = false;
+    for (size_t b = 0; b < u_.size(); ++b)
+        is_felt = is_felt || speed_squared(b, u_[b] - base_u_[b]) > kRumoured * groups_[bodies_[b].group].floor_squared;
+    if (!is_felt || lack(now) <= base_lack_) return false;
+    for (size_t b = 0; b < u_.size(); ++b) u_[b] = 0.5 * (u_[b] + base_u_[b]);
+    stiffness_wanted_ = true;
+    return true;
+}
+
 /// Opens the books of a step: what rounding feigns, and how far the rates of convergence of old are trusted.
 void EndOfStep::open_groups(const std::vector<BodyState>& now) {
     const double least_contraction = system_.empty() ? 0 : JointSystem::kProximal;
@@ -454,19 +484,32 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
     }
     // A pass finds the multipliers to kProximal only, and that does not show in its own correction: so two with joints.
     int first_trusted = has_joints ? 1 : 0;
+    constexpr int kMostHalvings = 500;  // beside the passes
+    bool done = false, has_gone_back = false;
+    int halvings = 0;
     for (int pass = 0; pass < kMostPasses; ++pass) {
         if (networks.is_implicit() || has_joints) place_trial(now);
+        stiffness_wanted_ = stiffness_wanted_ || has_gone_back;
         if (pass == 0 || networks.is_implicit() || stiffness_wanted_) evaluate(now, networks);
+        // Where springs have kinks, Newton's tangents may lead from one side to the other for ever
+        const bool may_go_back = !has_joints && (networks.rough() != Networks::kNone || has_gone_back);
+        if (may_go_back && pass > 0 && go_back(now)) {
+            has_gone_back = true;
+            if (++halvings < kMostHalvings) --pass;
+            continue;
+        }
+        if (may_go_back) remember(now);
         correct(now);
         if (has_joints) raise_floors();
-        if (!judge(pass) || pass < first_trusted || networks.rough() != Networks::kNone) continue;
+        done = judge(pass);
+        if (!done || pass < first_trusted || networks.rough() != Networks::kNone) continue;
         if (!revise_stops(now)) {
             form_feedback(now);
             return feedback_;
         }
         first_trusted = pass + 2;
     }
-    if (networks.rough() != Networks::kNone)
+    if (done && networks.rough() != Networks::kNone)
         throw Error(ExitCode::plugin_failure,
                     fmt::format("t = {:.9g} s: element \"{}\": its plugin calls its answers rough after {} passes still",
                                 time_, networks.instances()[networks.rough()].element_name(0), kMostPasses));

@@ -130,6 +130,9 @@ private:
     bool has_impact(const std::vector<BodyState>& now, const std::vector<BodyState>& after) const;
     void refuse_opening_joints(const std::vector<BodyState>& at) const;
     void correct(const std::vector<BodyState>& now);
+    double lack(const std::vector<BodyState>& now) const;
+    void remember(const std::vector<BodyState>& now);
+    bool go_back(const std::vector<BodyState>& now);
     void open_groups(const std::vector<BodyState>& now);
     void raise_floors();
     bool judge(int pass);
@@ -147,6 +150,8 @@ private:
     long steps_ = 0;                   ///< begun since the start
     std::vector<Joint> descriptions_;  ///< of the joints
     std::vector<Coupled> bodies_;
+    std::vector<Vector6> base_u_;                       ///< before the correction last made
+    double base_lack_ = 0;                              ///< there
     std::vector<Vector6> u_, previous_u_, correction_;  ///< motion over the step, over the one before, last change of it
     std::vector<Vector6> free_momentum_;                ///< P− + h f_loads
     std::vector<double> wrenches_;

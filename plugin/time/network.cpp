@@ -271,12 +271,11 @@ void Network::begin_step(const dttmm_step& step, const double* loads) {
 bool Network::expect(const dttmm_motion* nodes) {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "expect: no step is open");
     // Where a spring is not linear, a rate of convergence of another step says nothing of this one
-    bool is_asked_again = has_laws_ && std::exchange(is_first_look_, false);
+    const bool is_first = has_laws_ && std::exchange(is_first_look_, false);
     if (!interior_ && !has_laws_) return false;
     look(nodes);
-    if (interior_) return interior_->expect(mechanism_, trial_ports()) || is_asked_again;
-    if (!laws_are_as_foretold()) is_asked_again = true;
-    return is_asked_again;
+    if (interior_) return interior_->expect(mechanism_, trial_ports()) || is_first;
+    return !laws_are_as_foretold() || is_first;
 }
 
 /// Whether the laws do at this trial what their gains at the trial before let expect. Newton's corrections are trusted from
@@ -291,8 +290,7 @@ bool Network::laws_are_as_foretold() {
                      now = mechanism_.states[last.joint].deformation()(last.direction);
         const Joint::OnPath path = joint.on_path(mechanism_.scheme, last.direction, now, x, mechanism_.memory(last.joint));
         const double foretold = last.force + last.gain * (x - last.x);
-        if (!(std::abs(path.force - foretold) <= kAsForetold * std::max(std::abs(path.force), std::abs(foretold))))
-            are = false;
+        are = are && std::abs(path.force - foretold) <= kAsForetold * std::max(std::abs(path.force), std::abs(foretold));
         last.x = x;
         last.force = path.force;
         last.gain = path.gain;

@@ -371,5 +371,55 @@ TEST(LawsWithMemory, AThrownBodySlidesAsFarAsItsEnergyLasts) {
     }
 }
 
+// Oracle: conservation, through impacts on a stop 1e4.7 times as stiff as the step can follow: a trial that lands beyond the
+// kink must not be taken for the end.
+TEST(LawsWithKinks, ABodyBouncesWithoutGainingEnergy) {
+    for (double speed : {0.344, 0.21, 0.127, 0.0371}) {
+        const RecordedRun run(
+            fmt::format("[simulation]\nstep = 1e-3\nduration = 0.05\n[output]\nstep = 1e-3\n[[body]]\nname = \"b\"\nmass = "
+                        "2\ninertia "
+                        "= [1, 1, 1]\nvelocity = [0, 0, {}]\n[[element]]\nname = \"stop\"\ntype = \"spring_damper\"\nfrom = "
+                        "\"ground\"\nto = \"b\"\nstiffness = [0, 0, 0]\nz = {{ law = \"faulty\", stiffness = 1e11 }}\n",
+                        speed),
+            {test::paths::binary_dir() + "/tests/faulty/law_gap.so"});
+        const double energy = speed * speed;
+        double most = 0;
+        for (size_t n = 0; n < run.count(); ++n) {
+            EXPECT_NEAR(run(n, "energy.kinetic") + run(n, "energy.strain"), energy, 1e-8 * energy) << speed << " " << n;
+            most = std::max(most, run(n, "stop.force.z"));
+        }
+        EXPECT_GT(most, 0);
+    }
+}
+
+// Oracle: the energy that the slider takes and the spring keeps; from springs that the step follows to ones 70 times too
+// stiff for it, where Newton's tangents lead from sticking to sliding and back for ever.
+TEST(LawsWithKinks, StiffFrictionIsFound) {
+    for (double stiffness : {1e7, 3e7, 1e8, 1e9, 1e10})
+        for (double speed : {0.02, 0.1, 0.5, 2.0}) {
+            const RecordedRun run(
+                fmt::format("[simulation]\nstep = 1e-3\nduration = 0.02\n[[body]]\nname = \"b\"\nmass = 2\ninertia = [1, 1, "
+                            "1]\nvelocity = [0, 0, {}]\n[[element]]\nname = \"pad\"\ntype = \"spring_damper\"\nfrom = "
+                            "\"ground\"\nto = \"b\"\nz = {{ law = \"jenkins\", stiffness = {}, slip = 1e3 }}\n",
+                            speed, stiffness),
+                {test::paths::jenkins()});
+            const size_t last = run.count() - 1;
+            EXPECT_NEAR(run(last, "energy.kinetic") + run(last, "energy.strain") + run(last, "energy.dissipated"),
+                        speed * speed, 1e-7 * speed * speed)
+                << stiffness << " " << speed;
+        }
+}
+
+// Oracle: conservation, where the first of Newton's trials is beyond all bounds: 1e15 N/m³.
+TEST(LawsWithKinks, AHardCubicSpringIsFound) {
+    const RecordedRun run(
+        "[simulation]\nstep = 1e-3\nduration = 0.02\n[[body]]\nname = \"b\"\nmass = 2\ninertia = [1, 1, 1]\nvelocity = [0, "
+        "0, "
+        "2.7]\n[[element]]\nname = \"pad\"\ntype = \"spring_damper\"\nfrom = \"ground\"\nto = \"b\"\nz = { law = \"cubic\", "
+        "stiffness = 1e3, cubic = 1e15 }\n");
+    for (size_t n = 0; n < run.count(); ++n)
+        EXPECT_NEAR(run(n, "energy.kinetic") + run(n, "energy.strain"), 2.7 * 2.7, 1e-7 * 2.7 * 2.7) << n;
+}
+
 }  // namespace
 }  // namespace dttmm::host

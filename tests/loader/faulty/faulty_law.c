@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * A law with one fault, FAULT: a spring k d beside what is wrong with it. */
+ * A law with one fault, FAULT, or none: a spring k d beside what is wrong with it. */
 #include <stddef.h>
 #include <stdint.h>
 
@@ -20,10 +20,13 @@ enum {
     no_name,
     taken_name,
     much_memory,
-    other_unit
+    other_unit,
+    gap
 };
 
 static const dttmm_law_parameter parameters[] = {{"stiffness", FAULT == other_unit ? "N*s/m" : "N/m", "N*m/rad", 0, "k"}};
+
+static double beyond(double d) { return d > 1e-4 ? d - 1e-4 : d < -1e-4 ? d + 1e-4 : 0; }
 
 static void along(const double* values, const dttmm_law_path* path, dttmm_law_answer* answer) {
     const double k = values[0], way = path->to - path->from;
@@ -33,6 +36,14 @@ static void along(const double* values, const dttmm_law_path* path, dttmm_law_an
     answer->mean_tangent = 0.5 * k;
     answer->stored = 0.5 * k * path->to * path->to;
     answer->dissipated = 0;
+    if (FAULT == gap) { /* no fault: play of 0.1 mm to either side */
+        const double a = beyond(path->from), b = beyond(path->to);
+        answer->force = k * b;
+        answer->tangent = b != 0 ? k : 0;
+        answer->stored = 0.5 * k * b * b;
+        answer->mean = way != 0 ? 0.5 * k * (b + a) * ((b - a) / way) : k * b;
+        answer->mean_tangent = way != 0 ? (k * b - answer->mean) / way : 0.5 * answer->tangent;
+    }
     if (FAULT == wrong_tangent) answer->tangent = 1.001 * k;
     if (FAULT == impure) {
         static int calls = 0;

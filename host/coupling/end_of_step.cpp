@@ -92,7 +92,8 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks)
         bodies_.push_back({Inertia(body), body.name, holders[b], least, reach, group[b]});
     }
     groups_.resize(n == 0 ? 0 : 1 + *std::max_element(group.begin(), group.end()));
-    for (auto* list : {&u_, &previous_u_, &correction_, &free_momentum_, &feedback_}) list->assign(n, Vector6::Zero());
+    for (auto* list : {&u_, &previous_u_, &base_u_, &correction_, &free_momentum_, &feedback_})
+        list->assign(n, Vector6::Zero());
     wrenches_.resize(6 * n);
     for (Eigen::VectorXd* list : {&right_hand_side_, &solution_, &multipliers_, &instant_multipliers_})
         list->setZero(matrix_.size());

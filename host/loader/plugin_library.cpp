@@ -163,7 +163,7 @@ bool PluginLibrary::add_law(const dttmm_law& law) const {
     if (table_->size < kSizeOfMinor5 || !table_->add_law) return false;
     const PluginCall at_work(name_);
     dttmm_error error{-1, {}};
-    if (table_->add_law(&law, LawLibrary::at_work(), &error) != DTTMM_OK) fail(name_, error.text);
+    if (table_->add_law(&law, LawLibrary::at_work(), &error) != DTTMM_OK) fail(LawLibrary::file_of(&law), error.text);
     return true;
 }
 

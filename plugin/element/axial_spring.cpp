@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -24,16 +25,19 @@ constexpr dttmm_parameter kParameters[] = {
 /// The deformation nearest to zero at which a law has a force [m].
 double deformation_at(const Law& law, double force) {
     constexpr double kNearest = 1e-12, kFarthest = 1e3, kGrowth = 1.1;  // [m]
+    double largest = 0;
     if (force == 0) return 0;
     const double sign = std::copysign(1, force);
     const auto reaches = [&](double d) { return sign * law.first(sign * d).force >= std::abs(force); };
     double low = 0, high = kNearest;
     while (!reaches(high)) {
+        largest = std::max(largest, sign * law.first(sign * high).force);
         low = high;
         high *= kGrowth;
         if (high > kFarthest)
-            throw Error(DTTMM_ERROR_MODEL, fmt::format("preload: no elongation up to {:g} m gives its law a force of {:g} N",
-                                                       kFarthest, force));
+            throw Error(DTTMM_ERROR_MODEL,
+                        fmt::format("preload: its law has no force of {:g} N up to {:g} m; the largest is {:.3g} N", force,
+                                    kFarthest, sign * largest));
     }
     for (double middle = 0.5 * (low + high); middle > low && middle < high; middle = 0.5 * (low + high))
         (reaches(middle) ? high : low) = middle;

@@ -80,7 +80,7 @@ TEST(AxialSpring, FaultsHaveTheirCure) {
     EXPECT_EQ(spring_fault({{"stiffness", {1}}, {"natural_length", {1}}, {"preload", {1}}}),
               "natural_length and preload say the same: leave one out");
     EXPECT_EQ(spring_fault({{"law", {kCubicLaw}}, {"stiffness", {3}}, {"cubic", {-1}}, {"preload", {2.1}}}),
-              "preload: no elongation up to 1000 m gives its law a force of 2.1 N");
+              "preload: its law has no force of 2.1 N up to 1000 m; the largest is 2 N");
     EXPECT_THAT(spring_fault({{"stiffness", {1}}}, kFirst), HasSubstr("its ends are 0 m apart"));
 }
 

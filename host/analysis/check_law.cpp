@@ -117,7 +117,7 @@ private:
         return tangent >= std::min(left, right) - slack && tangent <= std::max(left, right) + slack;
     }
 
-    /// A random way of straight paths within a reach, from the undeformed state.
+    /// Random straight paths, one after the other, within a reach, from the undeformed state.
     void walk(double reach) {
         Memory memory(law_.memory_count, 0);
         Answer before = ask(0, 0, memory).answer;
@@ -185,18 +185,18 @@ private:
         if (std::abs(work - kept) > kRounding * energy)
             fault("its mean force does not do what it stores and dissipates", fmt::format("{:.6g}, {:.6g}", work, kept));
         if (law_.memory_count > 0) return;
-        // Elastic: the way does not matter, and a way round does no work
+        // Elastic: the path does not matter, and a closed path does no work
         const double other = uniform(-reach, reach);
         const Answer back = ask(to, other, memory).answer, round = ask(other, from, memory).answer,
                      elsewhere = (time_ *= 0.37, ask(other, to, memory).answer);
         energy = std::max(
             {energy, std::abs(back.stored), std::abs(back.mean * (other - to)), std::abs(round.mean * (from - other))});
         if (std::abs(elsewhere.force - now.force) > kRounding * force)
-            fault("it is elastic, but its force depends on the way or the time",
+            fault("it is elastic, but its force depends on the path or the time",
                   fmt::format("{:.6g}, {:.6g}", now.force, elsewhere.force));
         const double loop = work + back.mean * (other - to) + round.mean * (from - other);
         if (std::abs(loop) > kRounding * energy)
-            fault("it is elastic, but does work on the way round", fmt::format("{:.6g} of {:.6g}", loop, energy));
+            fault("it is elastic, but does work on a closed path", fmt::format("{:.6g} of {:.6g}", loop, energy));
     }
 
     const dttmm_law& law_;

@@ -52,11 +52,12 @@ void note_forces(const Model& model, const ModalMachine& machine, Warnings& warn
                                 model.elements[e].name, force);
     }
     if (count == 0) return;
-    warnings.note("force-at-start",
-                  fmt::format("{}{}: its stiffness is in the frequencies, with that of the reactions of joints and rigid "
-                              "directions, but not that of forces with which other elements hold against it; whether the "
-                              "machine rests at the start is not looked at",
-                              first, count > 1 ? fmt::format(", and {} more", count - 1) : ""));
+    warnings.note(
+        "force-at-start",
+        fmt::format("{}{}: its stiffness is in the frequencies, with that of the reaction forces of joints (not of "
+                    "their moments), but not that of forces with which other elements hold against it; whether the "
+                    "machine rests at the start is not looked at",
+                    first, count > 1 ? fmt::format(", and {} more", count - 1) : ""));
 }
 
 Model read(const Request& request, const Plugins& plugins, Warnings& warnings) {

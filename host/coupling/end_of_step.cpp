@@ -376,10 +376,9 @@ void EndOfStep::remember(const std::vector<BodyState>& now) {
 /// If the correction last made has made it worse: half of it. The force is a derivative of an energy, so that a part of
 /// Newton's correction small enough makes it better.
 bool EndOfStep::go_back(const std::vector<BodyState>& now) {
-    constexpr double kRumoured = 1e4;  // of the floor: less says nothing
     bool is_felt = false;
     for (size_t b = 0; b < u_.size(); ++b)
-        is_felt = is_felt || speed_squared(b, u_[b] - base_u_[b]) > kRumoured * groups_[bodies_[b].group].floor_squared;
+        is_felt = is_felt || speed_squared(b, u_[b] - base_u_[b]) > groups_[bodies_[b].group].floor_squared;
     if (!is_felt || lack(now) <= base_lack_) return false;
     for (size_t b = 0; b < u_.size(); ++b) u_[b] = 0.5 * (u_[b] + base_u_[b]);
     stiffness_wanted_ = true;
@@ -485,9 +484,7 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
     }
     // A pass finds the multipliers to kProximal only, and that does not show in its own correction: so two with joints.
     int first_trusted = has_joints ? 1 : 0;
-    constexpr int kMostHalvings = 500;  // beside the passes
     bool done = false, has_gone_back = false;
-    int halvings = 0;
     for (int pass = 0; pass < kMostPasses; ++pass) {
         if (networks.is_implicit() || has_joints) place_trial(now);
         stiffness_wanted_ = stiffness_wanted_ || has_gone_back;
@@ -496,7 +493,7 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
         const bool may_go_back = !has_joints && (networks.rough() != Networks::kNone || has_gone_back);
         if (may_go_back && pass > 0 && go_back(now)) {
             has_gone_back = true;
-            if (++halvings < kMostHalvings) --pass;
+            --pass;  // halving ends where the correction is no longer felt
             continue;
         }
         if (may_go_back) remember(now);

@@ -232,8 +232,8 @@ void FrequencyModel::add_joint(int element, int from, int to, const JointLaw& la
 /// levers of its points.
 void FrequencyModel::add_force(const Bond& bond, const JointLaw& law, const Vector3& along, Vector6& stiffness) {
     const double elongation = law.axial->length - law.axial->natural;
-    std::array<double, Law::kMostMemory> memory{};
-    law.along(0, {0, elongation, 0, memory.data(), memory.data()});
+    std::array<double, Law::kMostMemory> nothing{}, memory{};
+    law.along(0, {0, elongation, 0, nothing.data(), memory.data()});
     const LawOnPath at_start = law.at(0, elongation, memory.data());
     stiffness(0) = at_start.tangent;
     stiffness(1) = stiffness(2) = at_start.force / law.axial->length;
@@ -260,10 +260,10 @@ void FrequencyModel::add_lever(int element, const StartForce& acting) {
 /// What rigid directions bear of the forces at the start, as masses at rest leave it to them, has levers too: without them a
 /// body on a hinge would turn about its centre of mass.
 void FrequencyModel::add_reactions() {
-    constexpr double kInertial = 1e6;  // −λ M beside K
+    constexpr double kInertial = 1e6;  // −λ M over K: the flap on a hinge has one frequency to 1e-5 from 1e4 to 1e8
     has_reactions_ = true;
     set_matrices(total_mass_ > 0 ? -kInertial * largest_stiffness() / total_mass_ : -1, false);
-    if (elimination_->factor()) return;
+    if (const auto fault = elimination_->factor()) refuse(*fault);
     Motion r(static_cast<size_t>(frame_count()), Vector6::Zero());
     for (const StartForce& acting : acting_) {
         Vector6 wrench;

@@ -140,7 +140,9 @@ void ModalAnalysis::respond(double frequency, int on_body, int on_node, const Ve
         model_.cut(cut_);
         at_ = -1;
     }
-    if (model_.has_start_forces()) model_.refuse_growing(-1e-11 * model_.largest_stiffness() / model_.total_mass());
+    if (model_.has_start_forces() && !is_stable_)
+        model_.refuse_growing(-1e-11 * model_.largest_stiffness() / model_.total_mass());
+    is_stable_ = true;
     const Response motion =
         free > 0 ? respond_at_rest(free, frame, point, force) : model_.respond(omega, frame, point, force);
     const auto write = [](const Eigen::Matrix<std::complex<double>, 6, 1>& u, double* out) {

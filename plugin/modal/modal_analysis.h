@@ -44,8 +44,9 @@ private:
     OverallTransfer topology_;
     size_t element_count_;
     std::vector<Mode> modes_;
-    double cut_ = 0;  ///< [rad/s] for which the lines are cut; 0: not known
-    long at_ = -1;    ///< mode that the model stands at; −1: none
+    double cut_ = 0;          ///< [rad/s] for which the lines are cut; 0: not known
+    bool is_stable_ = false;  ///< it was found that nothing grows
+    long at_ = -1;            ///< mode that the model stands at; −1: none
 };
 
 }  // namespace dttmm::plugin

@@ -275,13 +275,13 @@ bool Network::expect(const dttmm_motion* nodes) {
     if (!interior_ && !has_laws_) return false;
     look(nodes);
     if (interior_) return interior_->expect(mechanism_, trial_ports()) || is_first;
-    return !laws_are_as_foretold() || is_first;
+    return !laws_follow_prediction() || is_first;
 }
 
 /// Whether the laws do at this trial what their gains at the trial before let expect. Newton's corrections are trusted from
 /// there on only: a kink between two trials makes another force of the last one.
-bool Network::laws_are_as_foretold() {
-    constexpr double kAsForetold = 1e-6;  // of the force
+bool Network::laws_follow_prediction() {
+    constexpr double kPredicted = 1e-6;  // of the force; 1e-4 to 1e-9 find the same ends in the tests of kinks
     bool are = true;
     for (LawLook& last : law_looks_) {
         const Joint& joint = mechanism_.joints[last.joint];
@@ -289,8 +289,8 @@ bool Network::laws_are_as_foretold() {
         const double x = joint.deformation(joint.pose(at), at.from, at.to)(last.direction),
                      now = mechanism_.states[last.joint].deformation()(last.direction);
         const Joint::OnPath path = joint.on_path(mechanism_.scheme, last.direction, now, x, mechanism_.memory(last.joint));
-        const double foretold = last.force + last.gain * (x - last.x);
-        are = are && std::abs(path.force - foretold) <= kAsForetold * std::max(std::abs(path.force), std::abs(foretold));
+        const double predicted = last.force + last.gain * (x - last.x);
+        are = are && std::abs(path.force - predicted) <= kPredicted * std::max(std::abs(path.force), std::abs(predicted));
         last.x = x;
         last.force = path.force;
         last.gain = path.gain;

@@ -80,7 +80,7 @@ private:
     void evaluate_joints(double* wrench, double* stiffness) const;
     void evaluate_linear_joints(double* wrench, double* stiffness) const;
     void evaluate_joints_with_laws(double* wrench, double* stiffness) const;
-    bool laws_are_as_foretold();
+    bool laws_follow_prediction();
     void add_joint_stiffness(size_t joint, Ends at, double* stiffness) const;
     void start_joints(const dttmm_motion* ports, const double* accelerations);
     void commit_joints();

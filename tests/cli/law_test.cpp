@@ -36,7 +36,7 @@ TEST(CheckLaw, FindsEveryPlantedFault) {
         {"impure", "it answers the same question in two ways"},
         {"force_at_zero", "a path of no length changes its force"},
         {"negative_dissipation", "it dissipates less than nothing"},
-        {"open_loop", "it is elastic, but does work on the way round"},
+        {"open_loop", "it is elastic, but does work on a closed path"},
         {"not_a_number", "its answer is not finite"},
         {"writes_memory", "it changes the memory it is given"},
         {"other_major", "law \"faulty\": it is of another version"},

@@ -371,7 +371,7 @@ TEST(LawsWithMemory, AThrownBodySlidesAsFarAsItsEnergyLasts) {
     }
 }
 
-// Oracle: conservation, through impacts on a stop 1e4.7 times as stiff as the step can follow: a trial that lands beyond the
+// Oracle: conservation, through impacts on a stop with k h^2/m of 5e4: a trial that lands beyond the
 // kink must not be taken for the end.
 TEST(LawsWithKinks, ABodyBouncesWithoutGainingEnergy) {
     for (double speed : {0.344, 0.21, 0.127, 0.0371}) {

@@ -80,7 +80,7 @@ void name_plugin(Line& line, const PluginCall& call) {
         line << "dttmm: law \"" << law->name << "\" of " << LawLibrary::file_of(law);
     else
         line << "dttmm: plugin " << call.plugin();
-    if (call.element()) line << (call.is_network() ? ", network of element \"" : ", element \"") << call.element() << "\"";
+    if (call.element()) line << ", element \"" << call.element() << "\"";
     if (PluginCall::time() >= 0) line << ", t = " << PluginCall::time() << " s";
     line << ": ";
 }

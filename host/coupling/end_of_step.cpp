@@ -238,7 +238,7 @@ const Instant& EndOfStep::find_instant(const std::vector<BodyState>& now, const 
     if (!networks.stand()) return instant_;
     factor_instant(now);
     std::fill(wrenches_.begin(), wrenches_.end(), 0.0);
-    if (networks.is_implicit()) networks.add_mean_wrenches(now, wrenches_.data());
+    if (networks.is_implicit()) networks.add_mean_wrenches(wrenches_.data());
     if (steps_ == 1) {
         instant_.at = start_;  // the initial conditions
     } else if (is_newmark) {
@@ -297,11 +297,12 @@ void EndOfStep::evaluate(const std::vector<BodyState>& now, Networks& networks) 
         return;
     }
     matrix_.set_zero();
-    networks.evaluate(trial_, wrenches_.data(), [this](int row, int column, const BlockMatrix::Block& S) {
+    const Networks::StiffnessSink add = [this](int row, int column, const BlockMatrix::Block& S) {
         // Symmetric part: away from rest S is not quite symmetric
         matrix_.add(row, column, 0.5 * h_ * h_ * S);
         matrix_.add(column, row, 0.5 * h_ * h_ * S.transpose());
-    });
+    };
+    networks.evaluate(trial_, wrenches_.data(), &add);
     factor(now);
     ++factorisations_;
     stiffness_wanted_ = false;
@@ -490,7 +491,7 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
         stiffness_wanted_ = stiffness_wanted_ || has_gone_back;
         if (pass == 0 || networks.is_implicit() || stiffness_wanted_) evaluate(now, networks);
         // Where springs have kinks, Newton's tangents may lead from one side to the other for ever
-        const bool may_go_back = !has_joints && (networks.rough() != Networks::kNone || has_gone_back);
+        const bool may_go_back = !has_joints && (networks.unconverged() || has_gone_back);
         if (may_go_back && pass > 0 && go_back(now)) {
             has_gone_back = true;
             --pass;  // halving ends where the correction is no longer felt
@@ -500,17 +501,19 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
         correct(now);
         if (has_joints) raise_floors();
         done = judge(pass);
-        if (!done || pass < first_trusted || networks.rough() != Networks::kNone) continue;
+        if (!done || pass < first_trusted || networks.unconverged()) continue;
         if (!revise_stops(now)) {
             form_feedback(now);
             return feedback_;
         }
         first_trusted = pass + 2;
     }
-    if (done && networks.rough() != Networks::kNone)
-        throw Error(ExitCode::plugin_failure,
-                    fmt::format("t = {:.9g} s: element \"{}\": its plugin calls its answers rough after {} passes still",
-                                time_, networks.instances()[networks.rough()].element_name(0), kMostPasses));
+    if (done && networks.unconverged())
+        throw Error(
+            ExitCode::plugin_failure,
+            fmt::format(
+                "t = {:.9g} s: element \"{}\": its plugin says after {} passes still that its answers have not converged",
+                time_, *networks.unconverged(), kMostPasses));
     fail(kMostPasses);
 }
 

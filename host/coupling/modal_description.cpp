@@ -5,7 +5,6 @@
 
 #include <Eigen/Geometry>
 #include <bitset>
-#include <numeric>
 
 #include "model/error.h"
 
@@ -15,13 +14,20 @@ namespace {
 
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-std::vector<size_t> all_elements(const Model& model) {
-    if (model.elements.empty())
+std::vector<size_t> all_elements(const Model& model, const Plugins& plugins) {
+    const std::vector<std::vector<size_t>> groups = split_by_plugin(model, plugins);
+    if (groups.empty())
         throw Error(ExitCode::model_invalid,
                     fmt::format("{}: no element: nothing is elastic, nothing vibrates", model.path));
-    std::vector<size_t> elements(model.elements.size());
-    std::iota(elements.begin(), elements.end(), size_t{0});
-    return elements;
+    if (groups.size() > 1) {
+        const Element &first = model.elements[groups[0].front()], &other = model.elements[groups[1].front()];
+        throw Error(ExitCode::model_invalid,
+                    fmt::format("{}: element \"{}\" (plugin {}) and element \"{}\" (plugin {}): one plugin must have all "
+                                "elements of a machine to know its small vibrations",
+                                other.place, first.name, plugins.resolve(first.type).first->name(), other.name,
+                                plugins.resolve(other.type).first->name()));
+    }
+    return groups.front();
 }
 
 /// Directions that a joint does not give, in axes whose x is its axis and whose y is its second one.
@@ -54,18 +60,10 @@ Eigen::Matrix3d axes_of(const Joint& joint) {
 }  // namespace
 
 ModalDescription::ModalDescription(const Model& model, const Plugins& plugins)
-    : description_(model, plugins, all_elements(model)),
+    : description_(model, plugins, all_elements(model, plugins)),
       network_(description_.network()),
       directions_(static_cast<uint32_t>(model.modes.directions.to_ulong())),
       lumped_beams_(model.modes.are_beams_lumped) {
-    for (const Body& body : model.bodies) {
-        dttmm_body out{body.name.c_str(), {}, body.mass, {}};
-        Eigen::Map<Eigen::Vector3d>{out.position} = body.position + body.rotation * body.center_of_mass;
-        Eigen::Map<RowMajor3>{out.inertia} = body.rotation * body.inertia * body.rotation.transpose();
-        bodies_.push_back(out);
-    }
-    for (const NetworkDescription::Port& port : description_.ports())
-        port_bodies_.push_back(static_cast<uint32_t>(port.at.body));
     for (const Joint& joint : model.joints) {
         dttmm_constraint out{joint.first, joint.second, {}, {}, static_cast<uint32_t>(rigid_of(joint.type).to_ulong())};
         Eigen::Map<Eigen::Vector3d>{out.position} = joint.anchor;
@@ -75,14 +73,7 @@ ModalDescription::ModalDescription(const Model& model, const Plugins& plugins)
 }
 
 dttmm_modal_model ModalDescription::model() const {
-    return {&network_,
-            static_cast<uint32_t>(bodies_.size()),
-            bodies_.data(),
-            port_bodies_.data(),
-            static_cast<uint32_t>(constraints_.size()),
-            constraints_.data(),
-            directions_,
-            lumped_beams_};
+    return {&network_, static_cast<uint32_t>(constraints_.size()), constraints_.data(), directions_, lumped_beams_};
 }
 
 }  // namespace dttmm::host

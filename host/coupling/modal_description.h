@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "coupling/network_description.h"
+#include "dttmm_modal.h"
 
 namespace dttmm::host {
 
@@ -22,8 +23,6 @@ public:
 private:
     NetworkDescription description_;
     dttmm_network network_;
-    std::vector<dttmm_body> bodies_;
-    std::vector<uint32_t> port_bodies_;
     std::vector<dttmm_constraint> constraints_;
     uint32_t directions_, lumped_beams_;
 };

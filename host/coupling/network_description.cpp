@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 
 #include "model/error.h"
 
@@ -49,31 +48,31 @@ std::string name_of(const Model& model, const Attachment& at) {
 
 }  // namespace
 
-std::vector<std::vector<size_t>> split_into_networks(const Model& model) {
-    // Every element points to an earlier one of its network, or to itself.
-    std::vector<size_t> root(model.elements.size());
-    std::iota(root.begin(), root.end(), size_t{0});
-    const auto find = [&](size_t e) {
-        while (root[e] != e) e = root[e] = root[root[e]];
-        return e;
-    };
-    std::vector<size_t> first_at(model.nodes.size(), root.size());  // element on every node
-    for (size_t e = 0; e < root.size(); ++e)
-        for (const Attachment& end : model.elements[e].ends) {
+std::vector<std::vector<size_t>> split_by_plugin(const Model& model, const Plugins& plugins) {
+    std::vector<std::vector<size_t>> groups;
+    std::map<const PluginLibrary*, size_t> numbers;
+    std::vector<int> first_at(model.nodes.size(), -1);  // element on every node
+    for (size_t e = 0; e < model.elements.size(); ++e) {
+        const Element& element = model.elements[e];
+        const PluginLibrary* plugin = plugins.resolve(element.type).first;
+        const auto [number, is_new] = numbers.try_emplace(plugin, groups.size());
+        if (is_new) groups.emplace_back();
+        groups[number->second].push_back(e);
+        for (const Attachment& end : element.ends) {
             if (end.node < 0) continue;
-            size_t& other = first_at[static_cast<size_t>(end.node)];
-            if (other == root.size()) other = e;
-            const auto [low, high] = std::minmax({find(e), find(other)});  // by value: find returns no lvalue
-            root[high] = low;
+            int& first = first_at[static_cast<size_t>(end.node)];
+            if (first < 0) first = static_cast<int>(e);
+            const Element& other = model.elements[static_cast<size_t>(first)];
+            const PluginLibrary* own = plugins.resolve(other.type).first;
+            if (own != plugin)
+                throw Error(ExitCode::model_invalid,
+                            fmt::format("{}: element \"{}\" (plugin {}) hangs together with element \"{}\" (plugin {}) "
+                                        "through node \"{}\"; one plugin must solve them both, so put a body between them",
+                                        element.place, element.name, plugin->name(), other.name, own->name(),
+                                        model.nodes[static_cast<size_t>(end.node)].name));
         }
-    std::vector<std::vector<size_t>> networks;
-    std::map<size_t, size_t> numbers;
-    for (size_t e = 0; e < root.size(); ++e) {
-        const auto [number, is_new] = numbers.try_emplace(find(e), networks.size());
-        if (is_new) networks.emplace_back();
-        networks[number->second].push_back(e);
     }
-    return networks;
+    return groups;
 }
 
 Frame frame_at_start(const Model& model, const Attachment& at) {
@@ -88,21 +87,24 @@ Frame frame_at_start(const Model& model, const Attachment& at) {
 
 NetworkDescription::NetworkDescription(const Model& model, const Plugins& plugins, const std::vector<size_t>& elements)
     : model_(model) {
+    for (const Body& body : model.bodies) add_body(body);
     for (size_t e : elements) {
         const Element& element = model.elements[e];
         const auto [plugin, type] = plugins.resolve(element.type);
-        if (plugin_ && plugin != plugin_)
-            throw Error(ExitCode::model_invalid,
-                        fmt::format("{}: element \"{}\" (plugin {}) hangs together with element \"{}\" (plugin {}) through "
-                                    "nodes; one plugin must solve them both, so put a body between them",
-                                    element.place, element.name, plugin->name(), model.elements[elements.front()].name,
-                                    plugin_->name()));
         plugin_ = plugin;
         add_element(element);
         elements_.back().type = type;
     }
     for (size_t e = 0; e < elements_.size(); ++e) elements_[e].ends = ends_[e].data();
     for (size_t n = 0; n < nodes_.size(); ++n) nodes_[n].name = node_names_[n].c_str();
+}
+
+void NetworkDescription::add_body(const Body& body) {
+    dttmm_body out{body.name.c_str(), {}, {}, body.mass, {}};
+    Eigen::Map<Eigen::Vector3d>{out.position} = body.position + body.rotation * body.center_of_mass;
+    Eigen::Map<RowMajor3>{out.rotation} = body.rotation;
+    Eigen::Map<RowMajor3>{out.inertia} = body.rotation * body.inertia * body.rotation.transpose();
+    bodies_.push_back(out);
 }
 
 void NetworkDescription::add_element(const Element& element) {
@@ -122,11 +124,11 @@ uint32_t NetworkDescription::find_or_add_node(const Attachment& end, const Attac
         const Frame frame = frame_at_start(model_, other);
         return add_node("ground", DTTMM_NODE_GROUND, frame.position, axes.value_or(frame.rotation));
     }
-    if (end.body >= 0 && axes) return add_port(end, *axes);
+    if (end.body >= 0 && axes) return add_node_on_body(end, *axes);
     const auto [found, is_new] = nodes_at_.try_emplace(end, static_cast<uint32_t>(nodes_.size()));
     if (!is_new) return found->second;
     const Frame frame = frame_at_start(model_, end);
-    if (end.body >= 0) return add_port(end, frame.rotation);
+    if (end.body >= 0) return add_node_on_body(end, frame.rotation);
     inner_nodes_.push_back(end.node);
     const Node& node = model_.nodes[static_cast<size_t>(end.node)];
     const uint32_t index = add_node(node.name, DTTMM_NODE_INNER, frame.position, frame.rotation);
@@ -138,20 +140,16 @@ uint32_t NetworkDescription::find_or_add_node(const Attachment& end, const Attac
     return index;
 }
 
-/// axes: of the port, in the world at the start.
-uint32_t NetworkDescription::add_port(const Attachment& end, const Eigen::Matrix3d& axes) {
-    const Body& body = model_.bodies[static_cast<size_t>(end.body)];
-    ports_.push_back({end, body.rotation.transpose() * axes});
-    const Eigen::Vector3d position = frame_at_start(model_, end).position;
-    const uint32_t index = add_node(name_of(model_, end), DTTMM_NODE_PORT, position, axes);
-    const Eigen::Vector3d centre = body.position + body.rotation * body.center_of_mass;
-    Eigen::Map<Eigen::Vector3d>{nodes_[index].arm} = axes.transpose() * (position - centre);
+/// axes: of the node, in the world at the start.
+uint32_t NetworkDescription::add_node_on_body(const Attachment& end, const Eigen::Matrix3d& axes) {
+    const uint32_t index = add_node(name_of(model_, end), DTTMM_NODE_ON_BODY, frame_at_start(model_, end).position, axes);
+    nodes_[index].body = static_cast<uint32_t>(end.body);
     return index;
 }
 
 uint32_t NetworkDescription::add_node(const std::string& name, uint32_t kind, const Eigen::Vector3d& position,
                                       const Eigen::Matrix3d& rotation) {
-    dttmm_node node{nullptr, kind, {}, {}, 0, 0, {}, {}, {}};
+    dttmm_node node{nullptr, kind, 0, {}, {}, 0, 0, {}, {}};
     Eigen::Map<Eigen::Vector3d>{node.position} = position;
     Eigen::Map<RowMajor3>{node.rotation} = rotation;
     nodes_.push_back(node);
@@ -168,6 +166,8 @@ std::optional<size_t> NetworkDescription::node_at(const Attachment& place) const
 dttmm_network NetworkDescription::network() const {
     const Newmark newmark = scheme_with_radius(model_.simulation.spectral_radius);
     dttmm_network network{};
+    network.body_count = static_cast<uint32_t>(bodies_.size());
+    network.bodies = bodies_.data();
     network.node_count = static_cast<uint32_t>(nodes_.size());
     network.nodes = nodes_.data();
     network.element_count = static_cast<uint32_t>(elements_.size());

@@ -6,7 +6,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "world/block_factor.h"
 #include "world/block_matrix.h"
@@ -86,7 +85,7 @@ public:
           K_(static_cast<int>(model.bodies.size()), networks.neighbours(), joints_.nodes()),
           C_(K_),
           M_(model, joints_, K_, at) {
-        hand_out([&](size_t, int row, int column, const BlockMatrix::Block& K, const BlockMatrix::Block& C) {
+        hand_out([&](int row, int column, const BlockMatrix::Block& K, const BlockMatrix::Block& C) {
             K_.add(row, column, K);
             C_.add(row, column, C);
         });
@@ -142,14 +141,15 @@ public:
             mode.body = model_.bodies[body].name;
         }
 
-        std::vector<double> energies(networks_.instances().size());
-        hand_out([&](size_t network, int row, int column, const BlockMatrix::Block& K, const BlockMatrix::Block& C) {
-            const auto left = u.segment<6>(K_.index(row)), right = u.segment<6>(K_.index(column));
-            energies[network] += left.dot((a * K + b * C) * right);
-        });
-        const double total = std::accumulate(energies.begin(), energies.end(), 0.0);
-        for (size_t network = 0; network < energies.size(); ++network)
-            mode.elements.push_back({networks_.name(network), energies[network] / total});
+        std::vector<double> motion(6 * model_.bodies.size());
+        for (size_t body = 0; body < model_.bodies.size(); ++body)
+            std::copy_n(u.data() + K_.index(static_cast<int>(body)), 6, &motion[6 * body]);
+        double total = 0;
+        for (const Networks::TakenUp& taken : networks_.take_up(at_, motion.data())) {
+            mode.elements.push_back({taken.element, a * taken.elastic + b * taken.damped});
+            total += mode.elements.back().share;
+        }
+        for (ElementShare& element : mode.elements) element.share /= total;
         // What only rounding tells apart stays in the order of the model
         std::stable_sort(mode.elements.begin(), mode.elements.end(), [](const ElementShare& x, const ElementShare& y) {
             return std::round(1000 * x.share) > std::round(1000 * y.share);

@@ -25,7 +25,7 @@ void no_destroy(dttmm_modal*) {}
 
 template <class Action>
 void ModalInstance::ask(Action&& action) const {
-    const PluginCall at_work(plugin_.name(), element_names_.empty() ? nullptr : &element_names_.front(), true);
+    const PluginCall at_work(plugin_.name(), &element_names_, &at_work_);
     dttmm_error error = cleared();
     dttmm_status status = DTTMM_OK;
     try {
@@ -45,17 +45,21 @@ ModalInstance::~ModalInstance() {
 
 ModalInstance::ModalInstance(const PluginLibrary& plugin, const dttmm_modal_model& model)
     : plugin_(plugin),
-      table_(&plugin.table()),
+      table_(plugin.modal()),
       modal_(nullptr, no_destroy),
-      body_count_(model.body_count),
+      body_count_(model.network->body_count),
       node_count_(model.network->node_count) {
-    if (!plugin.has_modes())
+    if (!table_)
         throw Error(ExitCode::plugin_failure,
                     fmt::format("plugin {} knows histories only, no natural frequencies", plugin.name()));
     for (uint32_t e = 0; e < model.network->element_count; ++e) element_names_.emplace_back(model.network->elements[e].name);
+    dttmm_network network = *model.network;
+    network.at_work = &at_work_;
+    dttmm_modal_model watched = model;
+    watched.network = &network;
     dttmm_modal* modal = nullptr;
-    ask([&](dttmm_error* error) { return table_->create_modal(&model, &modal, error); });
-    modal_ = {modal, table_->destroy_modal};
+    ask([&](dttmm_error* error) { return table_->create(&watched, &modal, error); });
+    modal_ = {modal, table_->destroy};
 }
 
 uint32_t ModalInstance::find_modes(uint32_t count, double below) {
@@ -110,6 +114,9 @@ dttmm_overall ModalInstance::overall(double frequency) {
 
 ModalInstance::Response ModalInstance::respond(double frequency, int body, int node, const Eigen::Vector3d& point,
                                                const Vector6& wrench) {
+    if (!plugin_.response())
+        throw Error(ExitCode::plugin_failure,
+                    fmt::format("plugin {} knows natural frequencies only, no response", plugin_.name()));
     Response response;
     response.bodies.resize(body_count_);
     response.nodes.resize(node_count_);
@@ -118,18 +125,17 @@ ModalInstance::Response ModalInstance::respond(double frequency, int body, int n
         return list.empty() ? nullptr : reinterpret_cast<double*>(list.front().data());
     };
     ask([&](dttmm_error* error) {
-        return table_->respond(modal_.get(), frequency, body, node, point.data(), wrench.data(), data(response.bodies),
-                               data(response.nodes), error);
+        return plugin_.response()->respond(modal_.get(), frequency, body, node, point.data(), wrench.data(),
+                                           data(response.bodies), data(response.nodes), error);
     });
     return response;
 }
 
 double ModalInstance::force_at_start(uint32_t element) const {
-    const auto asked = plugin_.force_at_start();
     double force = 0;
-    if (asked)
+    if (table_->force_at_start)
         ask([&](dttmm_error*) {
-            force = asked(modal_.get(), element);
+            force = table_->force_at_start(modal_.get(), element);
             return DTTMM_OK;
         });
     return force;

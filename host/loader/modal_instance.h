@@ -12,7 +12,7 @@
 namespace dttmm::host {
 
 /// The small vibrations of a machine inside a plugin: the C interface as a C++ object. Arguments and units are those of
-/// dttmm_plugin.h; failures become NetworkError as with NetworkInstance.
+/// dttmm_modal.h; failures become NetworkError as with NetworkInstance.
 class ModalInstance {
 public:
     using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -52,9 +52,10 @@ private:
     void check(dttmm_status status, const dttmm_error& error) const;
 
     PluginLibrary plugin_;
-    const dttmm_plugin* table_;
+    const dttmm_modal_table* table_;
     std::unique_ptr<dttmm_modal, void (*)(dttmm_modal*)> modal_;
     std::vector<std::string> element_names_;
+    mutable volatile int32_t at_work_ = -1;  ///< the element that the plugin works on
     size_t body_count_, node_count_;
 };
 

@@ -37,22 +37,23 @@ ExitCode exit_code_of(dttmm_status status) {
 }
 
 NetworkInstance::NetworkInstance(const PluginLibrary& plugin, const dttmm_network& network)
-    : plugin_(plugin), table_(&plugin.table()), expect_(plugin.expect()), instance_(nullptr, table_->destroy) {
-    for (uint32_t n = 0; n < network.node_count; ++n) port_count_ += network.nodes[n].kind == DTTMM_NODE_PORT;
+    : plugin_(plugin), table_(&plugin.table()), instance_(nullptr, table_->destroy) {
     for (uint32_t n = 0; n < network.node_count; ++n) node_names_.emplace_back(network.nodes[n].name);
     for (uint32_t e = 0; e < network.element_count; ++e) element_names_.emplace_back(network.elements[e].name);
     PluginCall::set_time(std::numeric_limits<double>::quiet_NaN());
+    dttmm_network watched = network;
+    watched.at_work = at_work_.get();
     dttmm_instance* instance = nullptr;
-    ask([&](dttmm_error* error) { return table_->create(&network, &instance, error); });
+    ask([&](dttmm_error* error) { return table_->create(&watched, &instance, error); });
     if (instance == nullptr) fail(DTTMM_ERROR_INTERNAL, -1, "create returned no instance");
     instance_.reset(instance);
+    read_blocks(network);
     read_channels(network);
 }
 
 NetworkInstance::~NetworkInstance() {
     if (!instance_) return;
-    const PluginCall at_work(plugin_.name(), element_names_.empty() ? nullptr : &element_names_.front(),
-                             element_names_.size() > 1);
+    const PluginCall at_work(plugin_.name(), &element_names_, at_work_.get());
     instance_.reset();
 }
 
@@ -74,6 +75,22 @@ bool NetworkInstance::is_declared(const dttmm_channel& channel, const dttmm_netw
            (is_energy || network.nodes[channel.index].kind == DTTMM_NODE_INNER);
 }
 
+void NetworkInstance::read_blocks(const dttmm_network& network) {
+    uint32_t count = 0;
+    const dttmm_block* blocks = call([&] { return table_->blocks(instance_.get(), &count); });
+    const int32_t last = *at_work_;
+    const PluginCall at_work(plugin_.name(), &element_names_, at_work_.get());  // its list may end too soon
+    *at_work_ = last;
+    std::set<std::pair<uint32_t, uint32_t>> pairs;
+    for (uint32_t b = 0; b < count; ++b) {
+        if (!blocks || blocks[b].row >= network.body_count || blocks[b].column >= network.body_count ||
+            !pairs.emplace(blocks[b].row, blocks[b].column).second)
+            fail(DTTMM_ERROR_INTERNAL, -1,
+                 fmt::format("block {} of its matrices is no pair of bodies, or is there twice", b));
+        blocks_.push_back(blocks[b]);
+    }
+}
+
 /// Asks once and keeps a copy: a plugin may say something else the next time.
 void NetworkInstance::read_channels(const dttmm_network& network) {
     const uint32_t count = call([&] { return table_->channel_count(instance_.get()); });
@@ -81,29 +98,19 @@ void NetworkInstance::read_channels(const dttmm_network& network) {
         fail(DTTMM_ERROR_INTERNAL, -1,
              fmt::format("it declares {} output channels; at most {} are taken", count, kMostChannels));
     const dttmm_channel* channels = call([&] { return table_->channels(instance_.get()); });
-    const PluginCall at_work(plugin_.name(), element_names_.empty() ? nullptr : &element_names_.front(),
-                             element_names_.size() > 1);  // its list may end too soon
-    std::vector<dttmm_channel> list;
+    const int32_t last = *at_work_;
+    const PluginCall at_work(plugin_.name(), &element_names_, at_work_.get());  // its list may end too soon
+    *at_work_ = last;
+    channels_.reserve(count);
     std::set<std::tuple<uint32_t, uint32_t, std::string_view>> names;
     for (uint32_t c = 0; c < count; ++c) {
         if (!channels || !is_declared(channels[c], network)) fail(DTTMM_ERROR_INTERNAL, -1, kBadChannel);
-        list.push_back(channels[c]);
-        list.back().name = plugin_.keep(channels[c].name);
-        list.back().unit = plugin_.keep(channels[c].unit);
-        if (!names.emplace(list.back().of, list.back().index, list.back().name).second)
-            fail(DTTMM_ERROR_INTERNAL, -1, kBadChannel);
+        channels_.push_back(channels[c]);
+        dttmm_channel& own = channels_.back();
+        own.name = plugin_.keep(own.name);
+        own.unit = plugin_.keep(own.unit);
+        if (!names.emplace(own.of, own.index, own.name).second) fail(DTTMM_ERROR_INTERNAL, -1, kBadChannel);
     }
-    channels_ = plugin_.keep(std::move(list));
-}
-
-std::vector<unsigned char> NetworkInstance::save_state() const {
-    std::vector<unsigned char> state(call([&] { return table_->state_size(instance_.get()); }));
-    ask([&](dttmm_error* error) { return table_->save_state(instance_.get(), state.data(), state.size(), error); });
-    return state;
-}
-
-void NetworkInstance::restore_state(const std::vector<unsigned char>& state) {
-    ask([&](dttmm_error* error) { return table_->restore_state(instance_.get(), state.data(), state.size(), error); });
 }
 
 void NetworkInstance::fail_by_exception() const { fail(DTTMM_ERROR_INTERNAL, -1, describe_exception()); }
@@ -113,17 +120,20 @@ void NetworkInstance::fail(dttmm_status status, const dttmm_error& error) const 
     fail(status, error.element, text.empty() ? fmt::format("status {} without a text", status) : printable(text));
 }
 
-void NetworkInstance::fail(dttmm_status status, int element, const std::string& text) const {
-    const bool is_named = element >= 0 && static_cast<size_t>(element) < element_names_.size();
-    const std::string place =
-        is_named ? fmt::format("element \"{}\"", element_names_[static_cast<size_t>(element)]) : label();
-    throw NetworkError(exit_code_of(status), fmt::format("{} (plugin {}): {}", place, plugin_.name(), text),
-                       is_named ? element : -1);
+void NetworkInstance::fail(dttmm_status status, int blamed, const std::string& text) const {
+    const int element = culprit(blamed);
+    throw NetworkError(exit_code_of(status), fmt::format("{}: {}", whose(element), text), element);
 }
 
-std::string NetworkInstance::label() const {
-    if (element_names_.empty()) return "network without elements";
-    return fmt::format("{}element \"{}\"", element_names_.size() > 1 ? "network of " : "", element_names_.front());
+void NetworkInstance::blame(const std::string& text) const { fail(DTTMM_ERROR_INTERNAL, -1, text); }
+
+std::string NetworkInstance::whose(int element) const {
+    if (element < 0) return fmt::format("plugin {}", plugin_.name());
+    return fmt::format("element \"{}\" (plugin {})", element_names_[static_cast<size_t>(element)], plugin_.name());
+}
+
+std::string NetworkInstance::name() const {
+    return element_names_.size() == 1 ? element_names_.front() : fmt::format("elements of plugin {}", plugin_.name());
 }
 
 }  // namespace dttmm::host

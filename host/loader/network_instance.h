@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <memory>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -26,17 +28,18 @@ private:
 /// create refuses, resource_limit for memory, plugin_failure for the rest.
 ExitCode exit_code_of(dttmm_status status);
 
-/// One network inside a plugin: the C interface as a C++ object. Arguments, units and phases are those of dttmm_plugin.h.
-/// A failure becomes NetworkError with its exit code. Its text begins with the plugin's and, where known, the element's
-/// name. The calls of a step are inline: an indirect call, one compare and a handful of stores each. An exception that a
-/// plugin throws across the interface is a failure of the plugin.
+/// The elements of a model that are of one plugin, inside that: the C interface as a C++ object. Arguments, units and phases
+/// are those of dttmm_plugin.h. A failure becomes NetworkError with its exit code. Its text begins with the plugin's and,
+/// where known, the element's name. The calls of a step are inline: an indirect call, one compare and a handful of stores
+/// each. An exception that a plugin throws across the interface is a failure of the plugin.
 class NetworkInstance {
 public:
     NetworkInstance(const PluginLibrary& plugin, const dttmm_network& network);
     NetworkInstance(NetworkInstance&&) noexcept = default;  // no assignment: an instance must go before its library
     ~NetworkInstance();
 
-    int port_count() const { return port_count_; }
+    /// As it was when the instance was made: the plugin is not asked again.
+    std::span<const dttmm_block> blocks() const { return blocks_; }
     bool is_implicit() const {
         return call([&] { return table_->is_implicit(instance_.get()); }) != 0;
     }
@@ -44,27 +47,28 @@ public:
         call([&] { table_->load_weights(instance_.get(), weights); });
     }
 
-    void linearise(const dttmm_motion* ports, double* wrench, double* stiffness, double* damping) const {
+    void linearise(const dttmm_motion* bodies, double* wrench, double* stiffness, double* damping) const {
         ask([&](dttmm_error* error) {
-            return table_->linearise(instance_.get(), ports, wrench, stiffness, damping, error);
+            return table_->linearise(instance_.get(), bodies, wrench, stiffness, damping, error);
         });
     }
-    void start(const dttmm_step& step, const dttmm_motion* ports, const double* accelerations, const double* loads) {
+    void start(const dttmm_step& step, const dttmm_motion* bodies, const double* accelerations, const double* loads) {
         PluginCall::set_time(step.time);
-        ask([&](dttmm_error* error) { return table_->start(instance_.get(), &step, ports, accelerations, loads, error); });
+        ask([&](dttmm_error* error) { return table_->start(instance_.get(), &step, bodies, accelerations, loads, error); });
     }
     void begin_step(const dttmm_step& step, const double* loads) {
         PluginCall::set_time(step.time);
         ask([&](dttmm_error* error) { return table_->begin_step(instance_.get(), &step, loads, error); });
     }
-    /// Does nothing if the plugin does not want to know. Whether to expect once more before the step is committed.
-    bool expect(const dttmm_motion* trial) {
-        if (!expect_) return false;
+    /// Does nothing if the plugin does not want to know. An element for which to expect once more before the step is
+    /// committed; NULL: none.
+    const std::string* expect(const dttmm_motion* trial) {
+        if (!table_->expect) return nullptr;
         dttmm_error error;
-        const dttmm_status status = call([&] { return expect_(instance_.get(), trial, cleared(error)); });
-        if (status == DTTMM_AGAIN) return true;
+        const dttmm_status status = call([&] { return table_->expect(instance_.get(), trial, cleared(error)); });
+        if (status == DTTMM_AGAIN) return &element_names_[static_cast<size_t>(std::max(culprit(error.element), 0))];
         check(status, error);
-        return false;
+        return nullptr;
     }
     void evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const {
         ask([&](dttmm_error* error) { return table_->evaluate(instance_.get(), trial, wrench, stiffness, error); });
@@ -77,27 +81,31 @@ public:
     }
 
     /// Whether the plugin has the two that follow.
-    bool stands() const { return plugin_.stands(); }
+    bool stands() const { return table_->mean_wrench && table_->stand; }
     void mean_wrench(double* wrench) {
         ask([&](dttmm_error* error) { return table_->mean_wrench(instance_.get(), wrench, error); });
     }
-    void stand(const dttmm_motion* ports, double* wrench) {
-        ask([&](dttmm_error* error) { return table_->stand(instance_.get(), ports, wrench, error); });
+    void stand(const dttmm_motion* bodies, double* wrench) {
+        ask([&](dttmm_error* error) { return table_->stand(instance_.get(), bodies, wrench, error); });
+    }
+    /// Whether the plugin tells elements apart.
+    bool takes_up() const { return table_->take_up; }
+    void take_up(const double* motion, double* elastic, double* damped) const {
+        ask([&](dttmm_error* error) { return table_->take_up(instance_.get(), motion, elastic, damped, error); });
     }
 
-    std::vector<unsigned char> save_state() const;
-    void restore_state(const std::vector<unsigned char>& state);
-
     /// As they were when the instance was made: the plugin is not asked again.
-    uint32_t channel_count() const { return static_cast<uint32_t>(channels_->size()); }
-    const dttmm_channel& channel(uint32_t index) const { return (*channels_)[index]; }
+    uint32_t channel_count() const { return static_cast<uint32_t>(channels_.size()); }
+    const dttmm_channel& channel(uint32_t index) const { return channels_[index]; }
     void outputs(double* values) const {
         ask([&](dttmm_error* error) { return table_->outputs(instance_.get(), values, error); });
     }
     size_t element_count() const { return element_names_.size(); }
     const std::string& element_name(uint32_t element) const { return element_names_[element]; }
-    /// How messages call it: `element "bolt1"`, or `network of element "barrel"` if it has several.
-    std::string label() const;
+    /// How messages call all of it: `bolt1`, or `elements of plugin spring.so`.
+    std::string name() const;
+    /// Throws NetworkError(plugin_failure) of what the plugin has done in its last call, naming the element if it is known.
+    [[noreturn]] void blame(const std::string& text) const;
     /// Name of the element or node that a channel belongs to.
     const std::string& owner_of(const dttmm_channel& channel) const {
         return (channel.of == DTTMM_OF_NODE ? node_names_ : element_names_)[channel.index];
@@ -116,8 +124,7 @@ private:
     /// What `action`, one call of the plugin, returns.
     template <class Action>
     std::invoke_result_t<Action> call(Action&& action) const {
-        const PluginCall at_work(plugin_.name(), element_names_.empty() ? nullptr : &element_names_.front(),
-                                 element_names_.size() > 1);
+        const PluginCall at_work(plugin_.name(), &element_names_, at_work_.get());
         try {
             return action();
         } catch (...) {
@@ -133,16 +140,24 @@ private:
     [[noreturn]] void fail_by_exception() const;
     [[noreturn]] void fail(dttmm_status status, const dttmm_error& error) const;
     [[noreturn]] void fail(dttmm_status status, int element, const std::string& text) const;
+    /// The element that the plugin blames, or else works on, or its only one; −1: that is not known.
+    int culprit(int blamed) const {
+        if (is_named(blamed)) return blamed;
+        return element_names_.size() == 1 ? 0 : is_named(*at_work_) ? *at_work_ : -1;
+    }
+    bool is_named(int element) const { return element >= 0 && static_cast<size_t>(element) < element_names_.size(); }
+    std::string whose(int element) const;
+    void read_blocks(const dttmm_network& network);
     void read_channels(const dttmm_network& network);
     bool is_declared(const dttmm_channel& channel, const dttmm_network& network) const;
 
     PluginLibrary plugin_;
     const dttmm_plugin* table_;
-    decltype(dttmm_plugin::expect) expect_;
+    std::unique_ptr<volatile int32_t> at_work_ = std::make_unique<volatile int32_t>(-1);  ///< the element it works on
     std::unique_ptr<dttmm_instance, void (*)(dttmm_instance*)> instance_;
-    int port_count_ = 0;
     std::vector<std::string> element_names_, node_names_;
-    std::shared_ptr<const std::vector<dttmm_channel>> channels_;
+    std::vector<dttmm_block> blocks_;
+    std::vector<dttmm_channel> channels_;
 };
 
 }  // namespace dttmm::host

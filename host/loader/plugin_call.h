@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <string>
+#include <vector>
 
 namespace dttmm::host {
 
@@ -10,9 +12,12 @@ namespace dttmm::host {
 /// names it. Costs a handful of stores. Read by signal handlers: nothing here allocates.
 class PluginCall {
 public:
-    /// element: the first of the network at work, which may have several; null: none. Both texts must outlive the call.
-    explicit PluginCall(const std::string& plugin, const std::string* element = nullptr, bool is_network = false) noexcept
-        : plugin_(plugin), element_(element), is_network_(is_network), before_(current_) {
+    /// elements: those of the instance at work, and where the plugin writes the index of the one it works on; null: none.
+    /// All must outlive the call.
+    explicit PluginCall(const std::string& plugin, const std::vector<std::string>* elements = nullptr,
+                        volatile int32_t* element = nullptr) noexcept
+        : plugin_(plugin), elements_(elements), element_(element), before_(current_) {
+        if (element) *element = -1;
         current_ = this;
     }
     ~PluginCall() { current_ = before_; }
@@ -26,13 +31,19 @@ public:
     static void set_time(double time) noexcept { time_ = time; }
 
     const char* plugin() const noexcept { return plugin_.c_str(); }
-    const char* element() const noexcept { return element_ ? element_->c_str() : nullptr; }
-    bool is_network() const noexcept { return is_network_; }
+    /// The element at work; null where the plugin has several and does not say which.
+    const char* element() const noexcept {
+        if (!elements_ || elements_->empty()) return nullptr;
+        if (elements_->size() == 1) return elements_->front().c_str();
+        const int32_t element = element_ ? *element_ : -1;
+        if (element < 0 || static_cast<size_t>(element) >= elements_->size()) return nullptr;
+        return (*elements_)[static_cast<size_t>(element)].c_str();
+    }
 
 private:
     const std::string& plugin_;
-    const std::string* element_;
-    bool is_network_;
+    const std::vector<std::string>* elements_;
+    volatile int32_t* element_;
     const PluginCall* before_;
 
     static inline const PluginCall* volatile current_ = nullptr;

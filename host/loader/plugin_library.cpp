@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <cstring>
 #include <set>
 #include <span>
@@ -19,11 +18,6 @@
 namespace dttmm::host {
 
 namespace {
-
-/// Of the table of a minor version: up to the members that the next one appended.
-constexpr size_t kSizeOfMinor0 = offsetof(dttmm_plugin, create_modal), kSizeOfMinor1 = offsetof(dttmm_plugin, expect),
-                 kSizeOfMinor2 = offsetof(dttmm_plugin, mean_wrench), kSizeOfMinor3 = offsetof(dttmm_plugin, force_at_start),
-                 kSizeOfMinor5 = offsetof(dttmm_plugin, add_law) + sizeof(dttmm_plugin::add_law);
 
 [[noreturn]] void fail(const std::string& name, const std::string& fault) {
     throw Error(ExitCode::plugin_failure, fmt::format("plugin {}: {}", name, printable(fault)));
@@ -83,14 +77,14 @@ const dttmm_plugin* checked(const std::string& name, const dttmm_plugin* table) 
     if (table->major != DTTMM_PLUGIN_MAJOR)
         fail(name, fmt::format("it was built for version {} of the interface, this host speaks version {}", table->major,
                                DTTMM_PLUGIN_MAJOR));
-    if (table->size < kSizeOfMinor0)
+    if (table->size < sizeof(dttmm_plugin))
         fail(name, fmt::format("its table has {} bytes, version {}.0 wants at least {}", table->size, DTTMM_PLUGIN_MAJOR,
-                               kSizeOfMinor0));
-    const bool whole = table->name && table->version && table->create && table->destroy && table->linearise &&
-                       table->start && table->begin_step && table->evaluate && table->commit_step && table->discard_step &&
-                       table->is_implicit && table->load_weights && table->state_size && table->save_state &&
-                       table->restore_state && table->channel_count && table->channels && table->outputs;
-    if (!whole) fail(name, "its table has a null entry; every function of the interface is required");
+                               sizeof(dttmm_plugin)));
+    const bool whole = table->name && table->version && table->create && table->destroy && table->blocks &&
+                       table->linearise && table->start && table->begin_step && table->evaluate && table->commit_step &&
+                       table->discard_step && table->is_implicit && table->load_weights && table->channel_count &&
+                       table->channels && table->outputs;
+    if (!whole) fail(name, "its table has a null entry; only extension, expect, mean_wrench, stand and take_up may be null");
     if (table->element_type_count > 0 && table->element_types == nullptr) fail(name, "its list of element types is null");
     for (uint32_t t = 0; t < table->element_type_count; ++t) {
         const dttmm_element_type& type = table->element_types[t];
@@ -103,38 +97,35 @@ const dttmm_plugin* checked(const std::string& name, const dttmm_plugin* table) 
     return table;
 }
 
+/// The table of an extension, whole; null: the plugin has it not.
+template <class Table>
+const Table* extension(const std::string& name, const dttmm_plugin& plugin, const char* wanted) {
+    if (!plugin.extension) return nullptr;
+    const auto* table = static_cast<const Table*>(plugin.extension(wanted));
+    if (table && table->size < sizeof(Table))
+        fail(name, fmt::format("its table of extension {} has {} bytes, at least {} are wanted", wanted, table->size,
+                               sizeof(Table)));
+    return table;
+}
+
 }  // namespace
 
 PluginLibrary::PluginLibrary(std::string name, const dttmm_plugin* table, std::shared_ptr<void> handle)
-    : name_(std::move(name)), table_(checked(name_, table)), handle_(std::move(handle)) {}
-
-decltype(dttmm_plugin::expect) PluginLibrary::expect() const {
-    return table_->size >= kSizeOfMinor2 ? table_->expect : nullptr;
-}
-
-bool PluginLibrary::stands() const { return table_->size >= kSizeOfMinor3 && table_->mean_wrench && table_->stand; }
-
-decltype(dttmm_plugin::force_at_start) PluginLibrary::force_at_start() const {
-    return table_->size >= kSizeOfMinor5 ? table_->force_at_start : nullptr;
-}
-
-bool PluginLibrary::has_modes() const {
-    return table_->size >= kSizeOfMinor1 && table_->create_modal && table_->destroy_modal && table_->find_modes &&
-           table_->mode && table_->mode_along && table_->overall && table_->respond;
+    : name_(std::move(name)),
+      table_(checked(name_, table)),
+      modal_(extension<dttmm_modal_table>(name_, *table, DTTMM_MODAL)),
+      response_(extension<dttmm_response_table>(name_, *table, DTTMM_RESPONSE)),
+      laws_(extension<dttmm_laws_table>(name_, *table, DTTMM_LAWS)),
+      handle_(std::move(handle)) {
+    const bool whole = (!modal_ || (modal_->create && modal_->destroy && modal_->find_modes && modal_->mode &&
+                                    modal_->mode_along && modal_->overall)) &&
+                       (!response_ || (response_->respond && modal_)) && (!laws_ || laws_->add_law);
+    if (!whole) fail(name_, "an extension of it has a null entry, or is without the one that it stands on");
 }
 
 const char* PluginLibrary::keep(const char* text) const {
     const auto found = kept_->texts.find(std::string_view(text));
     return (found != kept_->texts.end() ? found : kept_->texts.emplace(text).first)->c_str();
-}
-
-std::shared_ptr<const std::vector<dttmm_channel>> PluginLibrary::keep(std::vector<dttmm_channel> list) const {
-    const auto equal = [](const dttmm_channel& a, const dttmm_channel& b) {
-        return a.name == b.name && a.unit == b.unit && a.of == b.of && a.index == b.index && a.role == b.role;
-    };
-    if (!kept_->channels || !std::ranges::equal(list, *kept_->channels, equal))
-        kept_->channels = std::make_shared<const std::vector<dttmm_channel>>(std::move(list));
-    return kept_->channels;
 }
 
 PluginLibrary PluginLibrary::built_in() { return {"built in", dttmm_plugin_entry(DTTMM_PLUGIN_MAJOR), nullptr}; }
@@ -160,10 +151,10 @@ PluginLibrary PluginLibrary::load(const SharedLibrary& library) {
 }
 
 bool PluginLibrary::add_law(const dttmm_law& law) const {
-    if (table_->size < kSizeOfMinor5 || !table_->add_law) return false;
+    if (!laws_) return false;
     const PluginCall at_work(name_);
     dttmm_error error{-1, {}};
-    if (table_->add_law(&law, LawLibrary::at_work(), &error) != DTTMM_OK) fail(LawLibrary::file_of(&law), error.text);
+    if (laws_->add_law(&law, LawLibrary::at_work(), &error) != DTTMM_OK) fail(LawLibrary::file_of(&law), error.text);
     return true;
 }
 

@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "dttmm_law.h"
+#include "dttmm_laws.h"
+#include "dttmm_modal.h"
 #include "dttmm_plugin.h"
+#include "dttmm_response.h"
 #include "loader/shared_library.h"
 
 namespace dttmm::host {
@@ -28,30 +30,26 @@ public:
 
     const dttmm_plugin& table() const { return *table_; }
     const std::string& name() const { return name_; }
-    /// The function of that name, NULL if it has none.
-    decltype(dttmm_plugin::expect) expect() const;
-    /// Whether it tells what stands at an instant (mean_wrench, stand).
-    bool stands() const;
-    /// NULL: no element of it has a force at the start.
-    decltype(dttmm_plugin::force_at_start) force_at_start() const;
+    /// Its extensions; NULL: it has it not.
+    const dttmm_modal_table* modal() const { return modal_; }
+    const dttmm_response_table* response() const { return response_; }
+    const dttmm_laws_table* laws() const { return laws_; }
     /// Gives its elements one more law; false: they take none. Throws Error(plugin_failure) with what it says of the law.
     bool add_law(const dttmm_law& law) const;
-    /// Whether it can find natural frequencies.
-    bool has_modes() const;
 
     /// A text of the plugin, copied once for all of its instances; stays as long as this library.
     const char* keep(const char* text) const;
-    /// A list of channels with such texts; equal to the one kept before, as those of like elements are, it is that one.
-    std::shared_ptr<const std::vector<dttmm_channel>> keep(std::vector<dttmm_channel> list) const;
 
 private:
     struct Kept {
         std::set<std::string, std::less<>> texts;
-        std::shared_ptr<const std::vector<dttmm_channel>> channels;
     };
     PluginLibrary(std::string name, const dttmm_plugin* table, std::shared_ptr<void> handle);
     std::string name_;
     const dttmm_plugin* table_;
+    const dttmm_modal_table* modal_ = nullptr;
+    const dttmm_response_table* response_ = nullptr;
+    const dttmm_laws_table* laws_ = nullptr;
     std::shared_ptr<void> handle_;
     std::shared_ptr<Kept> kept_ = std::make_shared<Kept>();
 };

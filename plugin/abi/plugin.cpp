@@ -1,20 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The C interface of the built-in plugin: every function forwards to a Network and turns exceptions into a status and a
-// text.
+// The C interface of the built-in plugin: every function forwards to a Machine or a ModalAnalysis and turns exceptions into
+// a status and a text.
 #include <algorithm>
 #include <cstring>
 #include <new>
+#include <string_view>
 
 #include "core/error.h"
+#include "dttmm_laws.h"
+#include "dttmm_modal.h"
 #include "dttmm_plugin.h"
+#include "dttmm_response.h"
+#include "dttmm_state.h"
 #include "element/registry.h"
 #include "law/registry.h"
 #include "modal/modal_analysis.h"
-#include "time/network.h"
+#include "time/machine.h"
 
 struct dttmm_instance {
-    dttmm::plugin::Network network;
+    dttmm::plugin::Machine machine;
 };
 
 struct dttmm_modal {
@@ -60,76 +65,92 @@ dttmm_status guard(dttmm_error* error, Body&& body) noexcept {
 dttmm_status create(const dttmm_network* network, dttmm_instance** instance, dttmm_error* error) {
     *instance = nullptr;
     return guard(error, [&] {
-        if (network == nullptr || network->nodes == nullptr || network->elements == nullptr)
-            throw Error(DTTMM_ERROR_ARGUMENT, "create: no network, or one without nodes or elements");
-        *instance = new dttmm_instance{dttmm::plugin::Network(*network)};
+        if (network == nullptr || network->nodes == nullptr || network->elements == nullptr ||
+            (network->bodies == nullptr && network->body_count > 0))
+            throw Error(DTTMM_ERROR_ARGUMENT, "create: no network, or one without bodies, nodes or elements");
+        *instance = new dttmm_instance{dttmm::plugin::Machine(*network)};
     });
 }
 
 void destroy(dttmm_instance* instance) { delete instance; }
 
-dttmm_status linearise(const dttmm_instance* instance, const dttmm_motion* ports, double* wrench, double* stiffness,
-                       double* damping, dttmm_error* error) {
-    return guard(error, [&] { instance->network.linearise(ports, wrench, stiffness, damping); });
+const dttmm_block* blocks(const dttmm_instance* instance, uint32_t* count) {
+    const auto list = instance->machine.blocks();
+    *count = static_cast<uint32_t>(list.size());
+    return list.data();
 }
 
-dttmm_status start(dttmm_instance* instance, const dttmm_step* step, const dttmm_motion* ports, const double* accelerations,
+dttmm_status linearise(const dttmm_instance* instance, const dttmm_motion* bodies, double* wrench, double* stiffness,
+                       double* damping, dttmm_error* error) {
+    return guard(error, [&] { instance->machine.linearise(bodies, wrench, stiffness, damping); });
+}
+
+dttmm_status start(dttmm_instance* instance, const dttmm_step* step, const dttmm_motion* bodies, const double* accelerations,
                    const double* loads, dttmm_error* error) {
-    return guard(error, [&] { instance->network.start(*step, ports, accelerations, loads); });
+    return guard(error, [&] { instance->machine.start(*step, bodies, accelerations, loads); });
 }
 
 dttmm_status begin_step(dttmm_instance* instance, const dttmm_step* step, const double* loads, dttmm_error* error) {
-    return guard(error, [&] { instance->network.begin_step(*step, loads); });
+    return guard(error, [&] { instance->machine.begin_step(*step, loads); });
 }
 
 dttmm_status evaluate(const dttmm_instance* instance, const dttmm_motion* trial, double* wrench, double* stiffness,
                       dttmm_error* error) {
-    return guard(error, [&] { instance->network.evaluate(trial, wrench, stiffness); });
+    return guard(error, [&] { instance->machine.evaluate(trial, wrench, stiffness); });
 }
 
 dttmm_status commit_step(dttmm_instance* instance, const dttmm_motion* accepted, dttmm_error* error) {
-    return guard(error, [&] { instance->network.commit_step(accepted); });
+    return guard(error, [&] { instance->machine.commit_step(accepted); });
 }
 
 dttmm_status discard_step(dttmm_instance* instance, dttmm_error* error) {
-    return guard(error, [&] { instance->network.discard_step(); });
+    return guard(error, [&] { instance->machine.discard_step(); });
 }
 
-int32_t is_implicit(const dttmm_instance* instance) { return instance->network.is_implicit() ? 1 : 0; }
+int32_t is_implicit(const dttmm_instance* instance) { return instance->machine.is_implicit() ? 1 : 0; }
 
-void load_weights(const dttmm_instance* instance, double weights[3]) { instance->network.load_weights(weights); }
+void load_weights(const dttmm_instance* instance, double weights[3]) { instance->machine.load_weights(weights); }
 
-size_t state_size(const dttmm_instance* instance) { return instance->network.state_size(); }
+size_t state_size(const dttmm_instance* instance) { return instance->machine.state_size(); }
 
 dttmm_status save_state(const dttmm_instance* instance, void* buffer, size_t size, dttmm_error* error) {
-    return guard(error, [&] { instance->network.save_state(buffer, size); });
+    return guard(error, [&] { instance->machine.save_state(buffer, size); });
 }
 
 dttmm_status restore_state(dttmm_instance* instance, const void* buffer, size_t size, dttmm_error* error) {
-    return guard(error, [&] { instance->network.restore_state(buffer, size); });
+    return guard(error, [&] { instance->machine.restore_state(buffer, size); });
 }
 
-uint32_t channel_count(const dttmm_instance* instance) { return static_cast<uint32_t>(instance->network.channels().size()); }
+uint32_t channel_count(const dttmm_instance* instance) { return static_cast<uint32_t>(instance->machine.channels().size()); }
 
-const dttmm_channel* channels(const dttmm_instance* instance) { return instance->network.channels().data(); }
+const dttmm_channel* channels(const dttmm_instance* instance) { return instance->machine.channels().data(); }
 
 dttmm_status outputs(const dttmm_instance* instance, double* values, dttmm_error* error) {
-    return guard(error, [&] { instance->network.outputs(values); });
+    return guard(error, [&] { instance->machine.outputs(values); });
 }
 
 dttmm_status expect(dttmm_instance* instance, const dttmm_motion* trial, dttmm_error* error) {
-    bool is_rough = false;
-    const dttmm_status status = guard(error, [&] { is_rough = instance->network.expect(trial); });
-    return status == DTTMM_OK && is_rough ? DTTMM_AGAIN : status;
+    int32_t again = -1;
+    const dttmm_status status = guard(error, [&] { again = instance->machine.expect(trial); });
+    if (again < 0 || status != DTTMM_OK) return status;
+    error->element = again;
+    return DTTMM_AGAIN;
 }
 
 dttmm_status mean_wrench(dttmm_instance* instance, double* wrench, dttmm_error* error) {
-    return guard(error, [&] { instance->network.mean_wrench(wrench); });
+    return guard(error, [&] { instance->machine.mean_wrench(wrench); });
 }
 
-dttmm_status stand(dttmm_instance* instance, const dttmm_motion* ports, double* wrench, dttmm_error* error) {
-    return guard(error, [&] { instance->network.stand(ports, wrench); });
+dttmm_status stand(dttmm_instance* instance, const dttmm_motion* bodies, double* wrench, dttmm_error* error) {
+    return guard(error, [&] { instance->machine.stand(bodies, wrench); });
 }
+
+dttmm_status take_up(const dttmm_instance* instance, const double* motion, double* elastic, double* damped,
+                     dttmm_error* error) {
+    return guard(error, [&] { instance->machine.take_up(motion, elastic, damped); });
+}
+
+// ---- Extensions ---------------------------------------------------------------------------------------------------------
 
 dttmm_status create_modal(const dttmm_modal_model* model, dttmm_modal** modal, dttmm_error* error) {
     *modal = nullptr;
@@ -183,7 +204,31 @@ dttmm_status respond(dttmm_modal* modal, double frequency, int32_t on_body, int3
 
 double force_at_start(const dttmm_modal* modal, uint32_t element) { return modal->analysis.force_at_start(element); }
 
-dttmm_status add_law(const dttmm_law* law, const dttmm_law* volatile* at_work, dttmm_error* error);
+dttmm_plugin& table();
+
+dttmm_status add_law(const dttmm_law* law, const dttmm_law* volatile* at_work, dttmm_error* error) {
+    return guard(error, [&] {
+        if (law == nullptr || at_work == nullptr) throw Error(DTTMM_ERROR_ARGUMENT, "no law");
+        dttmm::plugin::add_law(*law, at_work);
+        const auto types = dttmm::plugin::element_types();
+        table().element_type_count = static_cast<uint32_t>(types.size());
+        table().element_types = types.data();
+    });
+}
+
+const void* extension(const char* name) {
+    static constexpr dttmm_modal_table kModal = {
+        sizeof(dttmm_modal_table), create_modal, destroy_modal, find_modes, mode, mode_along, overall, force_at_start};
+    static constexpr dttmm_response_table kResponse = {sizeof(dttmm_response_table), respond};
+    static constexpr dttmm_state_table kState = {sizeof(dttmm_state_table), state_size, save_state, restore_state};
+    static constexpr dttmm_laws_table kLaws = {sizeof(dttmm_laws_table), add_law};
+    const std::string_view wanted = name;
+    if (wanted == DTTMM_MODAL) return &kModal;
+    if (wanted == DTTMM_RESPONSE) return &kResponse;
+    if (wanted == DTTMM_STATE) return &kState;
+    if (wanted == DTTMM_LAWS) return &kLaws;
+    return nullptr;
+}
 
 dttmm_plugin& table() {
     static dttmm_plugin plugin = {
@@ -196,6 +241,7 @@ dttmm_plugin& table() {
         dttmm::plugin::element_types().data(),
         create,
         destroy,
+        blocks,
         linearise,
         start,
         begin_step,
@@ -204,36 +250,16 @@ dttmm_plugin& table() {
         discard_step,
         is_implicit,
         load_weights,
-        state_size,
-        save_state,
-        restore_state,
         channel_count,
         channels,
         outputs,
-        create_modal,
-        destroy_modal,
-        find_modes,
-        mode,
-        mode_along,
-        overall,
-        respond,
+        extension,
         expect,
         mean_wrench,
         stand,
-        force_at_start,
-        add_law,
+        take_up,
     };
     return plugin;
-}
-
-dttmm_status add_law(const dttmm_law* law, const dttmm_law* volatile* at_work, dttmm_error* error) {
-    return guard(error, [&] {
-        if (law == nullptr || at_work == nullptr) throw Error(DTTMM_ERROR_ARGUMENT, "no law");
-        dttmm::plugin::add_law(*law, at_work);
-        const auto types = dttmm::plugin::element_types();
-        table().element_type_count = static_cast<uint32_t>(types.size());
-        table().element_types = types.data();
-    });
 }
 
 }  // namespace

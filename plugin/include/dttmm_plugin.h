@@ -2,26 +2,29 @@
  * Copyright (c) 2026 the dttmm authors
  *
  * The C interface between the dttmm host, which owns the rigid bodies, and a plugin, which solves the elastic network
- * between them. Both halves include this header and nothing else of each other. Plain C11.
+ * between them. Both halves include this header, those of its extensions (dttmm_modal.h, dttmm_response.h, dttmm_state.h,
+ * dttmm_laws.h) and nothing else of each other. Plain C11.
  *
  * Conventions, valid for every declaration below
  * ----------------------------------------------
  * - Units: SI: m, kg, s, rad, N, N m.
  * - Frame: world axes, right-handed, unless a comment says otherwise. Matrices are row-major.
  * - Order: a pose change is [translation x y z; rotation x y z], a wrench [force x y z; moment x y z].
- * - Wrench of a port: acts on the host's body, at the port's position at t_n, the start of the step (linearise: at the given
- *   instant). Where the forces of one instant make it up, those on all ports must balance there, or angular momentum is
- *   lost; where those of several do, each must balance at its own.
+ * - Bodies: poses and velocities are those of their centres of mass. A wrench on a body is about its centre of mass, with
+ * the lever arms of the instant at which its forces act: where forces of several instants make up a wrench, each has its
+ * own. At every instant they must balance, or angular momentum is lost.
+ * - Matrices over the bodies are lists of 6x6 blocks, those that the instance declares (blocks).
  * - Memory: whoever calls owns every buffer it passes; what a plugin returns by pointer lives as long as the instance or,
- *   for the table and what it points to, as long as the library stays loaded. No allocated memory crosses.
+ *   for tables and what they point to, as long as the library stays loaded. No allocated memory crosses.
  * - Errors: every function that can fail returns a dttmm_status; on anything but DTTMM_OK (and DTTMM_AGAIN) it has filled
  *   *error (which the caller owns and which is never NULL) and the instance is as before the call. No exception crosses.
  * - Threads: one thread at a time per instance; different instances may be used by different threads. No statics.
  * - Phases: create -> [linearise] -> start -> { begin_step -> { [expect ->] evaluate }* -> commit_step | discard_step }* ->
  *   destroy; after a commit [mean_wrench, stand ->] outputs. A comment in [brackets] names the phases in which a function
  * may be called.
- * - Versions: the table starts with its size and version. Minor versions append members to it; a host reads only what `size`
- *   covers. The other structures stay as they are within a major version.
+ * - Versions: the tables start with their size. Minor versions append members to them; a host reads only what `size` covers.
+ *   The other structures stay as they are within a major version.
+ * - Extensions: tables of their own, asked for by name. A plugin has those that it can serve.
  */
 #ifndef DTTMM_PLUGIN_H
 #define DTTMM_PLUGIN_H
@@ -33,8 +36,8 @@
 extern "C" {
 #endif
 
-#define DTTMM_PLUGIN_MAJOR 1u
-#define DTTMM_PLUGIN_MINOR 5u
+#define DTTMM_PLUGIN_MAJOR 2u
+#define DTTMM_PLUGIN_MINOR 0u
 
 /* The one symbol a plugin exports; declared at the end. */
 #define DTTMM_PLUGIN_ENTRY "dttmm_plugin_entry"
@@ -49,7 +52,7 @@ typedef int32_t dttmm_status;
 enum {
     DTTMM_OK = 0,
     DTTMM_DISCARD = 1,         /* this step cannot be done; the instance is unchanged, the host may discard and retry */
-    DTTMM_AGAIN = 2,           /* only of expect: call it again before the step is committed */
+    DTTMM_AGAIN = 2,           /* only of expect: call it again before the step is committed; error->element: for which */
     DTTMM_ERROR_ARGUMENT = -1, /* a null pointer, a size or a value outside its range */
     DTTMM_ERROR_PHASE = -2,    /* called out of order */
     DTTMM_ERROR_MODEL = -3,    /* the network cannot be solved as described: error->element names the element */
@@ -96,7 +99,7 @@ typedef struct dttmm_parameter {
 enum {
     DTTMM_ENDS_FROM_TO = 0, /* the keys `from` and `to`: two nodes */
     DTTMM_ENDS_AT = 1,      /* the key `at`: one node, or a list of them */
-    DTTMM_ENDS_ALONG = 2    /* since minor 5: the keys `from` and `to`: two nodes apart, and x along the line between them */
+    DTTMM_ENDS_ALONG = 2    /* the keys `from` and `to`: two nodes apart, and x along the line between them */
 };
 
 typedef struct dttmm_element_type {
@@ -107,26 +110,33 @@ typedef struct dttmm_element_type {
     const char* documentation; /* one line */
 } dttmm_element_type;
 
-/* ---- The network: a connected set of elements, solved together ---- */
+/* ---- The network: all elements of the model that are of this plugin, and the bodies between them ---- */
+
+/* A rigid body of the host at the start. */
+typedef struct dttmm_body {
+    const char* name;
+    double position[3]; /* of the centre of mass [m] */
+    double rotation[9]; /* of the body's axes: v_world = rotation * v_body */
+    double mass;        /* [kg] */
+    double inertia[9];  /* about the centre of mass, world axes [kg m^2] */
+} dttmm_body;
 
 enum {
-    DTTMM_NODE_GROUND = 0, /* fixed in the world */
-    DTTMM_NODE_PORT = 1,   /* moves with a body of the host */
-    DTTMM_NODE_INNER = 2   /* a point of the network: moves as the elements have it */
+    DTTMM_NODE_GROUND = 0,  /* fixed in the world */
+    DTTMM_NODE_ON_BODY = 1, /* a point of a body */
+    DTTMM_NODE_INNER = 2    /* a point of the network: moves as the elements have it */
 };
 
 typedef struct dttmm_node {
     const char* name;
     uint32_t kind;      /* DTTMM_NODE_... */
+    uint32_t body;      /* of DTTMM_NODE_ON_BODY: index into dttmm_network.bodies */
     double position[3]; /* at the start [m] */
     double rotation[9]; /* axes of the node in the world at the start: v_world = rotation * v_node */
     /* Of inner nodes only: */
     uint32_t fixed; /* bit d set: direction d of x y z rx ry rz (world axes) is held where it is at the start */
     int32_t moves;  /* non-zero: it starts with the velocities below; otherwise as straining the network least */
     double velocity[3], angular_velocity[3];
-    /* Of ports only: from the centre of mass of the body to the node, in the axes of the node. A scheme that weighs forces
-     * of several instants can give each the lever arm of its own; nothing else needs it. */
-    double arm[3];
 } dttmm_node;
 
 typedef struct dttmm_element {
@@ -160,18 +170,28 @@ enum {
 };
 
 typedef struct dttmm_network {
+    uint32_t body_count;
+    const dttmm_body* bodies; /* all bodies of the model */
     uint32_t node_count;
-    const dttmm_node* nodes; /* port p of every call below is the p-th node of kind DTTMM_NODE_PORT */
+    const dttmm_node* nodes;
     uint32_t element_count;
     const dttmm_element* elements;
     uint32_t scheme;    /* DTTMM_SCHEME_... */
     double beta, gamma; /* of the centred scheme */
     double gravity[3];  /* on the masses of the network [m/s^2] */
+    /* Where the plugin may write the index of the element it works on, for whoever reports a crash. It stays; NULL: not
+     * wanted. */
+    volatile int32_t* at_work;
 } dttmm_network;
 
 typedef struct dttmm_instance dttmm_instance;
 
-/* Motion of a port at the end of a step of size h. The velocities are those over the step: `position` has moved by
+/* A block of the matrices over the bodies: what of the wrench on body `row` hangs on the pose of body `column`. */
+typedef struct dttmm_block {
+    uint32_t row, column;
+} dttmm_block;
+
+/* Motion of a body at the end of a step of size h. The velocities are those over the step: `position` has moved by
  * h * velocity, `rotation` has turned by the rotation vector h * angular_velocity (world axes).
  * In linearise and start, which have no step before them: the velocities at that instant. */
 typedef struct dttmm_motion {
@@ -197,8 +217,8 @@ enum {
     DTTMM_ROLE_KINETIC_ENERGY = 3,
     DTTMM_ROLE_DISSIPATED_ENERGY = 4, /* since the start */
     DTTMM_ROLE_WORK = 5,              /* of gravity and of the loads on inner nodes, since the start */
-    DTTMM_ROLE_LIMIT = 6 /* since minor 4: share of what the element's law holds for. Recorded when asked for; the host
-                            warns where it exceeds 1 */
+    DTTMM_ROLE_LIMIT = 6 /* share of what the element's law holds for. Recorded when asked for; the host warns where it
+                            exceeds 1 */
 };
 
 typedef struct dttmm_channel {
@@ -209,60 +229,6 @@ typedef struct dttmm_channel {
     uint32_t role;  /* DTTMM_ROLE_... */
 } dttmm_channel;
 
-/* ---- Small vibrations about the start: natural frequencies, shapes, frequency response (minor 1) ---- */
-
-/* A rigid body of the host at the start. */
-typedef struct dttmm_body {
-    const char* name;
-    double position[3]; /* of the centre of mass [m] */
-    double mass;        /* [kg] */
-    double inertia[9];  /* about the centre of mass, world axes [kg m^2] */
-} dttmm_body;
-
-/* An ideal joint between two bodies, or a body and the ground. */
-typedef struct dttmm_constraint {
-    int32_t first, second; /* indices into dttmm_modal_model.bodies; -1: the ground */
-    double position[3];    /* the point of both at the start [m] */
-    double axes[9];        /* v_world = axes * v_joint */
-    uint32_t rigid;        /* bit d set: direction d of x y z rx ry rz (of these axes) does not give */
-} dttmm_constraint;
-
-typedef struct dttmm_modal_model {
-    const dttmm_network* network; /* all elements of the machine; may be without nodes and elements */
-    uint32_t body_count;
-    const dttmm_body* bodies;
-    const uint32_t* port_bodies; /* the body of every port of the network */
-    uint32_t constraint_count;
-    const dttmm_constraint* constraints;
-    uint32_t directions;   /* bit d set: bodies and nodes move in direction d of x y z rx ry rz (world axes) */
-    uint32_t lumped_beams; /* non-zero: beams as the time solver has them, otherwise exact */
-} dttmm_modal_model;
-
-typedef struct dttmm_modal dttmm_modal;
-
-/* A natural frequency. Equal ones are listed once each, rigid-body modes first. */
-typedef struct dttmm_mode {
-    double frequency; /* [Hz]; 0 for a rigid-body mode */
-    double bracket; /* the count of frequencies changes by the multiplicity within this relative distance, and what rounding
-                       of stiff parts may have moved lies within it too */
-    uint32_t multiplicity;
-    double residual;         /* smallest singular value of the overall transfer matrix as share of what it is 0.1 % beside;
-                                where the machine is too large for that, what the quotient leaves by which the frequency was
-                                refined */
-    double mass;             /* modal mass of the shape as scaled: its largest displacement is 1 m [kg]. Shapes of equal
-                                frequencies are at right angles by mass. */
-    double participation[6]; /* share of the moved mass or inertia (about the origin) that takes part per direction */
-} dttmm_mode;
-
-/* The overall transfer equation U_all Z_all = 0 at a frequency. */
-typedef struct dttmm_overall {
-    uint32_t rows, columns;         /* before the known boundary entries are struck out */
-    double smallest;                /* singular value as share of the largest, in balanced units */
-    double sign, log10_determinant; /* of the square matrix that is left */
-} dttmm_overall;
-
-struct dttmm_law; /* dttmm_law.h */
-
 typedef struct dttmm_plugin {
     uint32_t size;         /* sizeof(dttmm_plugin) as the plugin was compiled */
     uint32_t major, minor; /* DTTMM_PLUGIN_MAJOR, DTTMM_PLUGIN_MINOR as the plugin was compiled */
@@ -271,31 +237,35 @@ typedef struct dttmm_plugin {
     uint32_t element_type_count;
     const dttmm_element_type* element_types;
 
-    /* Builds an instance for a network. Copies what it needs: the description may go after the call. Structural faults are
+    /* Builds the instance for a network. Copies what it needs: the description may go after the call. Structural faults are
      * found here. On failure *instance is NULL. */
     dttmm_status (*create)(const dttmm_network* network, dttmm_instance** instance, dttmm_error* error);
 
     /* Frees an instance; NULL is allowed. [any] */
     void (*destroy)(dttmm_instance* instance);
 
-    /* The force law at one instant, no time scheme in it: wrench (6 per port) at the given poses and velocities and, where
-     * not NULL, stiffness = -d(wrench)/d(pose) and damping = -d(wrench)/d(velocity), each 6P x 6P row-major for P ports.
+    /* The blocks of all matrices over the bodies, each pair once: the pairs of bodies, and bodies with themselves, whose
+     * forces hang on each other. *count: how many. [after create] */
+    const dttmm_block* (*blocks)(const dttmm_instance* instance, uint32_t* count);
+
+    /* The force law at one instant, no time scheme in it: wrench (6 per body) at the given poses and velocities and, where
+     * not NULL, stiffness = -d(wrench)/d(pose) and damping = -d(wrench)/d(velocity), 36 numbers per block, row-major.
      * What stems from a force already acting only changing its direction may be left out. Pure. [after create] */
-    dttmm_status (*linearise)(const dttmm_instance* instance, const dttmm_motion* ports, double* wrench, double* stiffness,
+    dttmm_status (*linearise)(const dttmm_instance* instance, const dttmm_motion* bodies, double* wrench, double* stiffness,
                               double* damping, dttmm_error* error);
 
     /* Sets the memory of the scheme to the initial conditions at step->time: poses, velocities and accelerations of the
-     * ports (6 per port: linear, angular) at that instant, and the loads on the inner nodes then. [after create; may be
+     * bodies (6 per body: linear, angular) at that instant, and the loads on the inner nodes then. [after create; may be
      * called again to start anew] */
-    dttmm_status (*start)(dttmm_instance* instance, const dttmm_step* step, const dttmm_motion* ports,
+    dttmm_status (*start)(dttmm_instance* instance, const dttmm_step* step, const dttmm_motion* bodies,
                           const double* accelerations, const double* loads, dttmm_error* error);
 
     /* Opens the step from step->time to step->time + step->size. `loads`: 6 per inner node (wrench in world axes, at the
      * node) as they are at the end of the step; NULL: none. [after start, no step open] */
     dttmm_status (*begin_step)(dttmm_instance* instance, const dttmm_step* step, const double* loads, dttmm_error* error);
 
-    /* The wrench on every port (6 per port) that acts over the open step if the ports end it as in `trial`, and, where not
-     * NULL, stiffness = -d(wrench)/d(trial pose), 6P x 6P row-major. The host uses it to find the end of the step; an
+    /* The wrench on every body (6 per body) that acts over the open step if the bodies end it as in `trial`, and, where not
+     * NULL, stiffness = -d(wrench)/d(trial pose), 36 numbers per block. The host uses it to find the end of the step; an
      * approximation costs passes, not accuracy. Pure: any number of calls in any order. [step open] */
     dttmm_status (*evaluate)(const dttmm_instance* instance, const dttmm_motion* trial, double* wrench, double* stiffness,
                              dttmm_error* error);
@@ -313,12 +283,6 @@ typedef struct dttmm_plugin {
      * weights[0] at the end of the step, [1] at its start, [2] one step before. [after create] */
     void (*load_weights)(const dttmm_instance* instance, double weights[3]);
 
-    /* The whole state that changes from step to step, exact to the bit; restored only into an instance of the same network,
-     * started with the same step size. [after start, no step open] */
-    size_t (*state_size)(const dttmm_instance* instance);
-    dttmm_status (*save_state)(const dttmm_instance* instance, void* buffer, size_t size, dttmm_error* error);
-    dttmm_status (*restore_state)(dttmm_instance* instance, const void* buffer, size_t size, dttmm_error* error);
-
     /* Named results. The values stand at the start t_n of the step last committed, the latest instant whose centred
      * velocity is known. An element's force is positive when its `to` end is displaced in the positive direction relative
      * to `from`, in the axes of the `from` end. [channels: after create; outputs: after a commit] */
@@ -326,64 +290,35 @@ typedef struct dttmm_plugin {
     const dttmm_channel* (*channels)(const dttmm_instance* instance);
     dttmm_status (*outputs)(const dttmm_instance* instance, double* values, dttmm_error* error);
 
-    /* Since minor 1; NULL: the plugin cannot. Builds the linear model; on failure *modal is NULL. Its description may go
-     * after the call. */
-    dttmm_status (*create_modal)(const dttmm_modal_model* model, dttmm_modal** modal, dttmm_error* error);
-    void (*destroy_modal)(dttmm_modal* modal);
+    /* The table of an extension, by the name in its header; NULL: the plugin has it not. The member itself may be NULL. */
+    const void* (*extension)(const char* name);
 
-    /* Finds all natural frequencies up to `below` [Hz], or, where `below` is 0, the first `count` (more where the last is
-     * multiple); proves by an independent count that none is missing. */
-    dttmm_status (*find_modes)(dttmm_modal* modal, uint32_t count, double below, uint32_t* found, dttmm_error* error);
-    /* One of them, and its shape: 6 per body (at its centre of mass), 6 per node of the network; shares of its strain
-     * energy, one per element. Any pointer may be NULL. */
-    dttmm_status (*mode)(dttmm_modal* modal, uint32_t index, dttmm_mode* mode, double* bodies, double* nodes, double* shares,
-                         dttmm_error* error);
-    /* Displacement [6, world] of a mode at `count` equally spaced stations of a beam, its ends included; *length: of the
-     * beam, 0 for an element that is no line. */
-    dttmm_status (*mode_along)(dttmm_modal* modal, uint32_t index, uint32_t element, uint32_t count, double* length,
-                               double* shape, dttmm_error* error);
-
-    /* The overall transfer equation, and how it is laid out as a zero-terminated text of at most `size` bytes (NULL: not
-     * wanted). */
-    dttmm_status (*overall)(dttmm_modal* modal, double frequency, dttmm_overall* overall, char* layout, uint32_t size,
-                            dttmm_error* error);
-
-    /* Steady motion under unit harmonic wrenches, damping as the elements have it: `force` (6: force and moment, world) at
-     * a point of body `on_body`, or of node `on_node` of the network (the other is -1); response: displacement per newton as
-     * real and imaginary part, 12 per body and 12 per node. */
-    dttmm_status (*respond)(dttmm_modal* modal, double frequency, int32_t on_body, int32_t on_node, const double* point,
-                            const double* force, double* bodies, double* nodes, dttmm_error* error);
-
-    /* Since minor 2; NULL: the plugin need not know. The ports will end the open step near `trial`; told before every
-     * evaluate of an implicit network, as the host comes to know it. The plugin may move there the point from which it works
-     * out its answers, which then differ by what it takes for good enough; evaluate stays pure from one such call to the
-     * next. On an error its answers are again those of a step of which it has been told nothing. Returns DTTMM_AGAIN where
-     * they are still rough: good enough for a trial, but to be told once more before the step is committed. Who always says
-     * so ends the run. [step open] */
+    /* NULL: the plugin need not know. The bodies will end the open step near `trial`; said before every evaluate of an
+     * implicit network, as the host comes to know it. The plugin may move there the point from which it works out its
+     * answers, which then differ by what it takes for good enough; evaluate stays pure from one such call to the next. On an
+     * error its answers are again those of a step of which it has been told nothing. Returns DTTMM_AGAIN where they have not
+     * converged: good enough for a trial, but to be called once more before the step is committed. Who always says so ends
+     * the run. [step open] */
     dttmm_status (*expect)(dttmm_instance* instance, const dttmm_motion* trial, dttmm_error* error);
 
-    /* Since minor 3; NULL: the host takes the mean of the velocities over the two steps around an instant as the velocity
-     * there, and linearise for the wrench. They serve rows of results only, which are to be in balance: mass times
-     * acceleration equals loads plus the forces recorded at that instant.
+    /* NULL: the host takes the mean of the velocities over the two steps around an instant as the velocity there, and
+     * linearise for the wrench. They serve rows of results only, which are to be in balance: mass times acceleration equals
+     * loads plus the forces recorded at that instant.
      *
-     * The mean wrench on the ports (6 per port) over the step last committed: the mean of the elastic forces at its two
+     * The mean wrench on the bodies (6 per body) over the step last committed: the mean of the elastic forces at its two
      * ends, dampers at the mean rate. From it the host finds the velocities at the start t_n of that step,
      * v_n = (velocity over the step) - h/2 (mean wrench)/mass, which are Newmark's own. [after a commit] */
     dttmm_status (*mean_wrench)(dttmm_instance* instance, double* wrench, dttmm_error* error);
-    /* What stands at t_n when the ports have the poses and the velocities of `ports` there; wrench: on the ports at that
+    /* What stands at t_n when the bodies have the poses and the velocities of `bodies` there; wrench: on them at that
      * instant. outputs() are then of that instant. [after mean_wrench of the same step; of an explicit scheme after a
      * commit] */
-    dttmm_status (*stand)(dttmm_instance* instance, const dttmm_motion* ports, double* wrench, dttmm_error* error);
+    dttmm_status (*stand)(dttmm_instance* instance, const dttmm_motion* bodies, double* wrench, dttmm_error* error);
 
-    /* Since minor 5; NULL: no element does. The force that an element has at the start and whose stiffness is in the modes
-     * [N], positive in tension; 0: none. [after create_modal] */
-    double (*force_at_start)(const dttmm_modal* modal, uint32_t element);
-
-    /* Since minor 5; NULL: its elements take no laws but their own. Adds a force law (dttmm_law.h) to those that its
-     * elements may have; the library of the law stays loaded. Afterwards the element types may have more parameters: they
-     * are to be read anew. *at_work is the law while it is asked, NULL otherwise: for whoever reports a crash. [before a
-     * model is read] */
-    dttmm_status (*add_law)(const struct dttmm_law* law, const struct dttmm_law* volatile* at_work, dttmm_error* error);
+    /* NULL: unknown. What every element takes up in a small motion of the bodies from where they start (6 per body): u K u
+     * and u C u of its stiffness and its damping, inner nodes following without inertia. Tells the user which elements make
+     * a motion. [after create] */
+    dttmm_status (*take_up)(const dttmm_instance* instance, const double* motion, double* elastic, double* damped,
+                            dttmm_error* error);
 } dttmm_plugin;
 
 /* The entry, exported as DTTMM_PLUGIN_ENTRY: the table, or NULL if the plugin does not speak the host's major version. */

@@ -25,13 +25,14 @@ bool is_rotation(const Matrix3& R) {
 /// What becomes one frame: nodes and lumps that are rigidly one.
 struct Part {
     FrameSpec frame;
-    Pose pose;                      ///< axes and, without a mass, the origin of the frame
-    Vector3 arm = Vector3::Zero();  ///< from there to the pose, its axes; of ports
+    Pose pose;      ///< axes and, without a mass, the origin of the frame
+    int body = -1;  ///< that it is a point of
 };
 
 class Assembler {
 public:
     Assembler(const dttmm_network& description, Waves waves) : description_(description), waves_(waves) {
+        place_bodies();
         place_nodes();
         for (uint32_t e = 0; e < description.element_count; ++e) take_apart(static_cast<int>(e));
         weld();
@@ -44,24 +45,39 @@ private:
     const dttmm_node& node(int n) const { return description_.nodes[n]; }
     const dttmm_element& element(int e) const { return description_.elements[e]; }
 
+    void place_bodies() {
+        for (uint32_t b = 0; b < description_.body_count; ++b) {
+            const dttmm_body& body = description_.bodies[b];
+            FrameSpec frame;
+            frame.kind = FrameSpec::Kind::port;
+            frame.name = fmt::format("body \"{}\"", body.name);
+            frame.pose = {Eigen::Map<const Vector3>(body.position), Eigen::Map<const RowMajor3>(body.rotation)};
+            if (!frame.pose.position.allFinite() || !is_rotation(frame.pose.rotation))
+                throw Error(DTTMM_ERROR_ARGUMENT,
+                            fmt::format("{}: its position must be finite and its axes orthonormal", frame.name));
+            assembly_.frames.push_back(frame);
+        }
+        assembly_.port_count = static_cast<int>(assembly_.frames.size());
+    }
+
     void place_nodes() {
         for (uint32_t n = 0; n < description_.node_count; ++n) {
             const dttmm_node& node = description_.nodes[n];
             if (node.kind > DTTMM_NODE_INNER)
                 throw Error(DTTMM_ERROR_MODEL, fmt::format("node \"{}\": there is no node kind {}", node.name, node.kind));
             const Pose pose{Eigen::Map<const Vector3>(node.position), Eigen::Map<const RowMajor3>(node.rotation)};
-            const Eigen::Map<const Vector3> arm(node.arm);
-            if (!pose.position.allFinite() || !is_rotation(pose.rotation) || !arm.allFinite())
+            if (!pose.position.allFinite() || !is_rotation(pose.rotation))
                 throw Error(DTTMM_ERROR_ARGUMENT,
                             fmt::format("node \"{}\": its position must be finite and its axes orthonormal", node.name));
             Part part;
             part.pose = pose;
-            if (node.kind == DTTMM_NODE_PORT) {
-                part.arm = arm;
-                assembly_.port_arms.push_back(arm);
+            if (node.kind == DTTMM_NODE_ON_BODY) {
+                if (node.body >= description_.body_count)
+                    throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("node \"{}\": it is on no body", node.name));
+                part.body = static_cast<int>(node.body);
             }
             part.frame.name = fmt::format("node \"{}\"", node.name);
-            part.frame.kind = node.kind == DTTMM_NODE_PORT                           ? FrameSpec::Kind::port
+            part.frame.kind = node.kind == DTTMM_NODE_ON_BODY                        ? FrameSpec::Kind::port
                               : node.kind == DTTMM_NODE_GROUND || node.fixed == 0x3f ? FrameSpec::Kind::ground
                                                                                      : FrameSpec::Kind::inner;
             parts_.push_back(part);
@@ -156,16 +172,20 @@ private:
             groups[static_cast<size_t>(find(static_cast<int>(p)))].push_back(static_cast<int>(p));
 
         std::vector<int> frame_of(parts_.size(), -1);
-        for (const auto kind : {FrameSpec::Kind::port, FrameSpec::Kind::ground, FrameSpec::Kind::inner}) {
+        for (size_t p = 0; p < parts_.size(); ++p) {
+            if (parts_[p].body < 0) continue;
+            frame_of[p] = parts_[p].body;
+            int& element = assembly_.frames[static_cast<size_t>(frame_of[p])].element;
+            if (element < 0) element = parts_[p].frame.element;
+        }
+        for (const auto kind : {FrameSpec::Kind::ground, FrameSpec::Kind::inner}) {
             for (size_t p = 0; p < parts_.size(); ++p) {
                 if (groups[p].empty() || parts_[p].frame.kind != kind) continue;
                 for (int member : groups[p])
                     frame_of[static_cast<size_t>(member)] = static_cast<int>(assembly_.frames.size());
                 assembly_.frames.push_back(merge(groups[p]));
             }
-            const int count = static_cast<int>(assembly_.frames.size());
-            if (kind == FrameSpec::Kind::port) assembly_.port_count = count;
-            if (kind == FrameSpec::Kind::ground) assembly_.driven_count = count;
+            if (kind == FrameSpec::Kind::ground) assembly_.driven_count = static_cast<int>(assembly_.frames.size());
         }
         for (uint32_t n = 0; n < description_.node_count; ++n) {
             NodeSpec spec;
@@ -193,7 +213,6 @@ private:
         const Part& first = parts_[static_cast<size_t>(members.front())];
         FrameSpec frame = first.frame;
         frame.pose = first.pose;
-        frame.pose.position -= first.pose.rotation * first.arm;
         Vector3 moment = Vector3::Zero();
         frame.mass = 0;
         for (int member : members) {

@@ -18,7 +18,7 @@ struct FrameSpec {
     Kind kind = Kind::inner;
     std::string name;                   ///< for messages: node "muzzle", segment 3 of element "barrel"
     int element = -1;                   ///< one that hangs on it
-    Pose pose;                          ///< at the start; of a port its node's axes at the body's centre of mass
+    Pose pose;                          ///< at the start; of a port that of its body
     double mass = 0;                    ///< [kg]
     Matrix3 inertia = Matrix3::Zero();  ///< about the origin, axes of the frame [kg m²]
 };
@@ -48,12 +48,12 @@ struct NodeSpec {
     int element = -1;                        ///< one that hangs on it
 };
 
-/// A network taken apart into frames and joints. The ports come first among the frames, in their order, then the ground,
-/// then what is inside; the joints are in the order of the elements, within an element from its `from` end to its `to` end.
+/// A network taken apart into frames and joints. The ports, which are the bodies, come first among the frames, in their
+/// order, then the ground, then what is inside; the joints are in the order of the elements, within an element from its
+/// `from` end to its `to` end.
 struct Assembly {
     std::vector<FrameSpec> frames;
     int port_count = 0, driven_count = 0;  ///< ports; ports and ground
-    std::vector<Vector3> port_arms;        ///< of every port from its frame, its body's centre of mass, axes of the frame
     std::vector<JointSpec> joints;
     std::vector<LineSpec> lines;   ///< with Waves::exact
     std::vector<NodeSpec> nodes;   ///< in the order of the description
@@ -64,8 +64,8 @@ struct Assembly {
 /// What becomes of elements whose mass is spread along them: lumps and joints, or lines.
 enum class Waves { lumped, exact };
 
-/// Throws Error naming element or node: an end that is no node, a mass on a body, both ends of a joint on one frame, a
-/// velocity in a fixed direction, a number that is not finite.
+/// Throws Error naming element or node: an end that is no node, a node on a body that there is not, a mass on a body, both
+/// ends of a joint on one frame, a velocity in a fixed direction, a number that is not finite.
 Assembly assemble(const dttmm_network& description, Waves waves = Waves::lumped);
 
 }  // namespace dttmm::plugin

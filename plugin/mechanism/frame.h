@@ -49,6 +49,17 @@ struct Twist {
 };
 static_assert(sizeof(Twist) == 6 * sizeof(double));
 
+/// The bodies that a network hangs on, in the arrays of the host: port p is body bodies[p].
+struct Ports {
+    const dttmm_motion* motions;
+    const uint32_t* bodies;
+    const dttmm_motion& motion(int port) const { return motions[bodies[port]]; }
+    FrameView operator[](size_t port) const { return motions[bodies[port]]; }
+    Twist twist(int port) const {
+        return {Eigen::Map<const Vector3>(motion(port).velocity), Eigen::Map<const Vector3>(motion(port).angular_velocity)};
+    }
+};
+
 /// The frame of a pose.
 Frame make_frame(const Pose& pose);
 

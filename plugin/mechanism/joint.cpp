@@ -152,6 +152,7 @@ Vector6 Joint::deformation(const JointPose& pose, FrameView from, FrameView to) 
 
 /// What the law of a direction answers; a fault names the element.
 LawOnPath Joint::ask(int direction, const LawPath& path) const {
+    if (at_work_) *at_work_ = reported_;
     try {
         return law_->along(direction, path);
     } catch (const Error& error) {

@@ -73,6 +73,12 @@ public:
     bool has_laws() const { return has_laws_; }
     bool is_axial() const { return is_axial_; }
 
+    /// Where to write the element's index while its law is asked; NULL: nowhere.
+    void report_work(volatile int32_t* at_work, uint32_t element) {
+        at_work_ = at_work;
+        reported_ = static_cast<int32_t>(element);
+    }
+
     /// Solves the transfer equations for the law at the scheme's step size. Throws Error naming the element.
     void set_scheme(const Scheme& scheme);
 
@@ -252,6 +258,8 @@ private:
     Vector6 stretch(const Vector6& deformation) const;
 
     int element_, from_, to_;
+    volatile int32_t* at_work_ = nullptr;
+    int32_t reported_ = 0;
     bool is_damped_, is_axial_, has_laws_, takes_ends_[2] = {false, false};
     Directions rigid_;
     std::shared_ptr<const JointLaw> law_;

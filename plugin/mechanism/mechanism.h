@@ -61,9 +61,4 @@ struct Mechanism {
     FrameView frame_before(int index) const { return before[static_cast<size_t>(index)]; }
 };
 
-/// Velocity of a port's motion.
-inline Twist twist(const dttmm_motion& motion) {
-    return {Eigen::Map<const Vector3>(motion.velocity), Eigen::Map<const Vector3>(motion.angular_velocity)};
-}
-
 }  // namespace dttmm::plugin

@@ -100,8 +100,7 @@ FrequencyModel::FrequencyModel(const dttmm_modal_model& model)
         const FrameSpec& frame = assembly_.frames[static_cast<size_t>(f)];
         int& own = frame_of_[static_cast<size_t>(f)];
         if (f < assembly_.port_count) {
-            own = static_cast<int>(model.port_bodies[f]);
-            if (own >= body_count_) throw Error(DTTMM_ERROR_ARGUMENT, "a port of no body");
+            own = f;
         } else if (frame.kind == FrameSpec::Kind::inner) {
             own = static_cast<int>(positions_.size());
             positions_.push_back(frame.pose.position);
@@ -133,9 +132,9 @@ FrequencyModel::FrequencyModel(const dttmm_modal_model& model)
 }
 
 void FrequencyModel::add_bodies(const dttmm_modal_model& model) {
-    body_count_ = static_cast<int>(model.body_count);
-    for (uint32_t b = 0; b < model.body_count; ++b) {
-        const dttmm_body& body = model.bodies[b];
+    body_count_ = static_cast<int>(model.network->body_count);
+    for (uint32_t b = 0; b < model.network->body_count; ++b) {
+        const dttmm_body& body = model.network->bodies[b];
         const Eigen::Map<const Vector3> position(body.position);
         const Eigen::Map<const RowMajor3> inertia(body.inertia);
         if (!position.allFinite() || !inertia.allFinite() || !(body.mass > 0 && std::isfinite(body.mass)))

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "dttmm_modal.h"
 #include "mechanism/assembly.h"
 #include "modal/line_waves.h"
 #include "solve/elimination.h"

@@ -224,7 +224,7 @@ void Interior::choose_heirs(const Mechanism& mechanism) {
         grows = false;
         for (const Joint& joint : mechanism.joints) {
             int &a = receiver[static_cast<size_t>(joint.from())], &b = receiver[static_cast<size_t>(joint.to())];
-            if ((a < 0) == (b < 0)) continue;
+            if ((a < 0) == (b < 0) || !is_inner(a < 0 ? joint.from() : joint.to())) continue;  // not across the ground
             (a < 0 ? a : b) = std::max(a, b);
             grows = true;
         }

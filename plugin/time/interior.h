@@ -67,25 +67,29 @@ public:
 
     /// The force law at one instant with the inside at its start: wrenches on the ports, and −∂(wrench)/∂(pose of the ports)
     /// when the inside follows without inertia.
-    void linearise(const Mechanism& mechanism, const dttmm_motion* ports, double* wrench, double* stiffness,
-                   double* damping) const;
+    /// Wrenches are added, 6 per body; stiffness: 6P × 6P row-major.
+    void linearise(const Mechanism& mechanism, Ports ports, double* wrench, double* stiffness) const;
+    /// Adds to the small motions of the ports from the start, 6 per frame, world axes, those of the inside, which follows
+    /// without inertia.
+    void follow(const Mechanism& mechanism, std::span<Vector6> motion) const;
 
     /// Throws Error(DTTMM_ERROR_MODEL) naming a node whose given velocity rigid directions, or other nodes on its rigid
     /// body, forbid.
-    void start(Mechanism& mechanism, const dttmm_motion* ports, const double* accelerations, const double* loads);
+    void start(Mechanism& mechanism, Ports ports, const double* accelerations, const double* loads);
     /// loads: NULL: none. Forms the matrix anew where the last step has left it stale; throws Error, nothing being changed,
     /// if that is singular or a rotational spring has turned too far.
     void begin_step(const Mechanism& mechanism, const double* loads);
     /// Where the ports will end the open step, as far as is known. Whether the answer there is rough still: to be told
     /// again. Throws Error(DTTMM_ERROR_NUMERIC) where no motion is found.
-    bool expect(const Mechanism& mechanism, std::span<const FrameView> ports);
-    /// Wrenches on the ports over the open step, at a trial end of it. Throws as expect().
-    void evaluate(const Mechanism& mechanism, std::span<const FrameView> ports, double* wrench) const;
+    bool expect(const Mechanism& mechanism, Ports ports);
+    /// Finds the wrenches on the ports over the open step, at a trial end of it. Throws as expect().
+    void evaluate(const Mechanism& mechanism, Ports ports) const;
+    const Vector6& wrench(int port) const { return wrench_[static_cast<size_t>(port)]; }
     /// −∂(wrench)/∂(pose), 6P × 6P row-major.
     void write_stiffness(const Mechanism& mechanism, double* stiffness) const;
     /// Throws Error(DTTMM_ERROR_NUMERIC), nothing being changed, naming what is farther or faster than the host has its
     /// bodies, or turns more than half a turn over the step.
-    void commit(Mechanism& mechanism, std::span<const FrameView> ports);
+    void commit(Mechanism& mechanism, Ports ports);
 
     // At t_n, the start of the step last committed, in this order:
     /// Velocities of frames with mass: Newmark's, those over the step less half of what its mean wrenches (of the joints, on
@@ -268,12 +272,12 @@ private:
     void factor(const Mechanism& mechanism, dttmm_status status);
     [[noreturn]] void refuse(const Mechanism& mechanism, const Elimination::Fault& fault, dttmm_status status) const;
     void find_responses(const Mechanism& mechanism);
-    Twist start_velocity(int frame, const dttmm_motion* ports) const;
-    JointForce start_force(const Mechanism& mechanism, size_t joint, const dttmm_motion* ports) const;
-    void settle_at_start(Mechanism& mechanism, const dttmm_motion* ports);
-    void find_start_velocities(const Mechanism& mechanism, const dttmm_motion* ports);
-    void balance_at_start(const Mechanism& mechanism, double h, const dttmm_motion* ports);
-    void refuse_forbidden_velocities(const Mechanism& mechanism, const dttmm_motion* ports) const;
+    Twist start_velocity(int frame, Ports ports) const;
+    JointForce start_force(const Mechanism& mechanism, size_t joint, Ports ports) const;
+    void settle_at_start(Mechanism& mechanism, Ports ports);
+    void find_start_velocities(const Mechanism& mechanism, Ports ports);
+    void balance_at_start(const Mechanism& mechanism, double h, Ports ports);
+    void refuse_forbidden_velocities(const Mechanism& mechanism, Ports ports) const;
     void read_loads(const Mechanism& mechanism, const double* loads);
     void set_elastic(const Mechanism& mechanism);
 
@@ -307,9 +311,9 @@ private:
     void hold_given(const Mechanism& slow, std::vector<Vector6>& load);
     void predict(const Mechanism& mechanism);
     void open_anchor(const Mechanism& mechanism);
-    void take_port_change(const Mechanism& mechanism, std::span<const FrameView> ports) const;
-    void begin_solution(const Mechanism& mechanism, std::span<const FrameView> ports, Solution& solution) const;
-    const Solution& respond(const Mechanism& mechanism, std::span<const FrameView> ports, bool finally) const;
+    void take_port_change(const Mechanism& mechanism, Ports ports) const;
+    void begin_solution(const Mechanism& mechanism, Ports ports, Solution& solution) const;
+    const Solution& respond(const Mechanism& mechanism, Ports ports, bool finally) const;
     /// The motion of all inner frames over the step, with the linear answer to the ports.
     void find_motion(const Solution& solution, std::span<Vector6> motion) const;
     Vector6 motion_of(size_t frame, const Solution& solution) const;

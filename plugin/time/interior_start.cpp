@@ -30,36 +30,49 @@ std::string text_of(Vector3 velocity, double least) {
 
 }  // namespace
 
-void Interior::linearise(const Mechanism& mechanism, const dttmm_motion* ports, double* wrench, double* stiffness,
-                         double* damping) const {
+void Interior::linearise(const Mechanism& mechanism, Ports ports, double* wrench, double* stiffness) const {
     Mechanism sample = mechanism;
     sample.scheme.set_step_size(kLongStep);
     Interior scratch = *this;
     scratch.settle_at_start(sample, ports);
     scratch.balance_at_start(sample, 0, ports);
-    const auto size = 6 * static_cast<size_t>(ports_);
-    std::fill_n(wrench, size, 0.0);
+    const auto on = [&](int frame) { return frame < ports_ ? wrench + 6 * ports.bodies[frame] : nullptr; };
     for (size_t j : port_joints_) {
         const Joint& joint = sample.joints[j];
-        Joint::add_wrench(scratch.start_force(sample, j, ports), joint.from() < ports_ ? wrench + 6 * joint.from() : nullptr,
-                          joint.to() < ports_ ? wrench + 6 * joint.to() : nullptr);
+        Joint::add_wrench(scratch.start_force(sample, j, ports), on(joint.from()), on(joint.to()));
     }
-    if (damping) std::fill_n(damping, size * size, 0.0);
     if (!stiffness) return;
     const Mechanism slow = at_rest(sample, kLongStep);
     scratch.factor_static(slow, [] {});
     scratch.find_responses(slow);
     scratch.write_stiffness(slow, stiffness);
-    Eigen::Map<Eigen::VectorXd>(stiffness, static_cast<Eigen::Index>(size * size)) /= mechanism.scheme.weight(0);
+    const Eigen::Index size = 6 * ports_;
+    Eigen::Map<Eigen::VectorXd>(stiffness, size * size) /= mechanism.scheme.weight(0);
 }
 
-Twist Interior::start_velocity(int frame, const dttmm_motion* ports) const {
+void Interior::follow(const Mechanism& mechanism, std::span<Vector6> motion) const {
+    Mechanism sample = mechanism;
+    for (size_t f = 0; f < sample.frames.size(); ++f) sample.frames[f] = make_frame(sample.assembly.frames[f].pose);
+    Interior scratch = *this;
+    const Mechanism slow = at_rest(sample, kLongStep);
+    scratch.factor_static(slow, [] {});
+    scratch.find_responses(slow);
+    Eigen::VectorXd u(6 * ports_);
+    for (int p = 0; p < ports_; ++p) u.segment<6>(6 * p) = in_axes(slow.frame(p), motion[static_cast<size_t>(p)]);
+    for (int f = driven_; f < driven_ + count_; ++f) {
+        const Vector6 v = scratch.response(at(f)) * u;
+        const RowMajor3 R = slow.frame(f).axes();
+        motion[static_cast<size_t>(f)] << R * head(v), R * tail(v);
+    }
+}
+
+Twist Interior::start_velocity(int frame, Ports ports) const {
     if (is_inner(frame)) return past_.velocity[at(frame)];
-    return frame < ports_ ? twist(ports[frame]) : Twist{};
+    return frame < ports_ ? ports.twist(frame) : Twist{};
 }
 
 /// What a joint does at the start, when the frames are where they are; without rigid directions.
-JointForce Interior::start_force(const Mechanism& mechanism, size_t j, const dttmm_motion* ports) const {
+JointForce Interior::start_force(const Mechanism& mechanism, size_t j, Ports ports) const {
     const Joint& joint = mechanism.joints[j];
     const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
     const Twist v_from = start_velocity(joint.from(), ports), v_to = start_velocity(joint.to(), ports);
@@ -70,12 +83,12 @@ JointForce Interior::start_force(const Mechanism& mechanism, size_t j, const dtt
 
 /// Puts the ports where they are, the inside where it is at the start, and finds the velocities of the inside: those given,
 /// the rest such as to strain the network least.
-void Interior::settle_at_start(Mechanism& mechanism, const dttmm_motion* ports) {
+void Interior::settle_at_start(Mechanism& mechanism, Ports ports) {
     for (size_t f = 0; f < mechanism.frames.size(); ++f) mechanism.frames[f] = make_frame(mechanism.assembly.frames[f].pose);
     bool moves = false;
     for (int p = 0; p < ports_; ++p) {
-        mechanism.frames[static_cast<size_t>(p)] = FrameView(ports[p]).copy();
-        const Twist velocity = twist(ports[p]);
+        mechanism.frames[static_cast<size_t>(p)] = ports[static_cast<size_t>(p)].copy();
+        const Twist velocity = ports.twist(p);
         moves = moves || !velocity.linear.isZero(0) || !velocity.angular.isZero(0);
     }
     std::fill(past_.velocity.begin(), past_.velocity.end(), Twist{});
@@ -85,7 +98,7 @@ void Interior::settle_at_start(Mechanism& mechanism, const dttmm_motion* ports) 
 }
 
 /// Gives massless frames between dampers the velocities at which these balance, unless they are given.
-void Interior::balance_at_start(const Mechanism& mechanism, double h, const dttmm_motion* ports) {
+void Interior::balance_at_start(const Mechanism& mechanism, double h, Ports ports) {
     if (!massless_.has_balances()) return;
     velocities_ = past_.velocity;
     std::fill(rigid_at_start_.begin(), rigid_at_start_.end(), 0.0);
@@ -109,7 +122,7 @@ void Interior::balance_at_start(const Mechanism& mechanism, double h, const dttm
     past_.velocity = velocities_;
 }
 
-void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_motion* ports) {
+void Interior::find_start_velocities(const Mechanism& mechanism, Ports ports) {
     const Mechanism slow = at_rest(mechanism, kLongStep);
     std::vector<Vector6> pull(inertias_.size(), Vector6::Zero()), r;
     std::vector<double> g(rigid_.size(), 0);
@@ -119,7 +132,7 @@ void Interior::find_start_velocities(const Mechanism& mechanism, const dttmm_mot
         const Blocks K = blocks(slow, j, slow.frames);
         for (int end : {0, 1}) {
             if (frames[end] >= ports_) continue;
-            const Vector6 u = in_axes(slow.frame(frames[end]), joined(twist(ports[frames[end]])));
+            const Vector6 u = in_axes(slow.frame(frames[end]), joined(ports.twist(frames[end])));
             if (is_inner(frames[1 - end])) pull[at(frames[1 - end])] -= K.between(1 - end, end) * u;
             const Vector6 held = rigid_rows(slow, j, local_columns(slow, j, end)) * u;
             for_each_rigid(joint, [&](int i, int direction) { g[rigid_row(j, i)] -= held(direction); });
@@ -159,10 +172,10 @@ void Interior::hold_given(const Mechanism& slow, std::vector<Vector6>& load) {
 }
 
 /// Of the velocities given to nodes, those that the rest of what is rigid has not left as they are.
-void Interior::refuse_forbidden_velocities(const Mechanism& mechanism, const dttmm_motion* ports) const {
+void Interior::refuse_forbidden_velocities(const Mechanism& mechanism, Ports ports) const {
     double largest = 0;
     const auto look_at = [&](const Twist& v) { largest = std::max({largest, v.linear.norm(), v.angular.norm()}); };
-    for (int p = 0; p < ports_; ++p) look_at(twist(ports[p]));
+    for (int p = 0; p < ports_; ++p) look_at(ports.twist(p));
     for (const Twist& velocity : past_.velocity) look_at(velocity);
     for (const Given& given : given_)
         if (given.moves) look_at(given.velocity);
@@ -184,7 +197,7 @@ void Interior::refuse_forbidden_velocities(const Mechanism& mechanism, const dtt
     }
 }
 
-void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const double* accelerations, const double* loads) {
+void Interior::start(Mechanism& mechanism, Ports ports, const double* accelerations, const double* loads) {
     const double h = mechanism.scheme.step_size();
     settle_at_start(mechanism, ports);
     refuse_forbidden_velocities(mechanism, ports);
@@ -227,8 +240,8 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
     const auto acceleration_of = [&](int frame) {
         if (is_inner(frame)) return acceleration[at(frame)];
         if (frame >= ports_) return Twist{};
-        return Twist{Eigen::Map<const Vector3>(accelerations + 6 * frame),
-                     Eigen::Map<const Vector3>(accelerations + 6 * frame + 3)};
+        const double* a = accelerations + 6 * ports.bodies[frame];
+        return Twist{Eigen::Map<const Vector3>(a), Eigen::Map<const Vector3>(a + 3)};
     };
     mechanism.start_joints([&](int frame) { return start_velocity(frame, ports); }, acceleration_of);
     for (int p = 0; p < ports_; ++p) start_accelerations_[static_cast<size_t>(p)] = acceleration_of(p);
@@ -240,7 +253,7 @@ void Interior::start(Mechanism& mechanism, const dttmm_motion* ports, const doub
         own.elastic[1] = own.elastic[2] = own.elastic[0];
         own.settled = -in_axes(mechanism.frame(driven_ + static_cast<int>(frame)), own.elastic[0]);
     }
-    for (size_t p = 0; p < port_u_.size(); ++p) port_u_[p] = joined(twist(ports[p]));
+    for (size_t p = 0; p < port_u_.size(); ++p) port_u_[p] = joined(ports.twist(static_cast<int>(p)));
     port_u_before_ = port_u_;
     trial_ = mechanism.frames;
     refactor(mechanism);

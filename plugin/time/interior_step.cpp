@@ -401,7 +401,7 @@ bool Interior::linear_answer_serves() const {
 }
 
 /// Sets port_change_: what leads the ports from the anchor to where they are to go.
-void Interior::take_port_change(const Mechanism& mechanism, std::span<const FrameView> ports) const {
+void Interior::take_port_change(const Mechanism& mechanism, Ports ports) const {
     for (size_t p = 0; p < port_u_.size(); ++p) {
         const FrameView now = mechanism.frames[p], anchor = anchor_.ports[p], trial = ports[p];
         auto change = port_change_.segment<6>(static_cast<Eigen::Index>(6 * p));
@@ -425,7 +425,7 @@ double Interior::speed_of_port_change() const {
 }
 
 /// Begins a solution for ports port_change_ away from the anchor by the linear answer. `solution` may be the anchor itself.
-void Interior::begin_solution(const Mechanism& mechanism, std::span<const FrameView> ports, Solution& solution) const {
+void Interior::begin_solution(const Mechanism& mechanism, Ports ports, Solution& solution) const {
     for (size_t p = 0; p < port_u_.size(); ++p) solution.ports[p] = ports[p].copy();
     const bool is_as_foreseen = &solution == &anchor_ && moves_ == 0 && port_change_.isZero(0);
     if (!is_as_foreseen) find_motion(anchor_, solution.u);
@@ -437,7 +437,7 @@ void Interior::begin_solution(const Mechanism& mechanism, std::span<const FrameV
     port_change_.setZero();
 }
 
-bool Interior::expect(const Mechanism& mechanism, std::span<const FrameView> ports) {
+bool Interior::expect(const Mechanism& mechanism, Ports ports) {
     // Where parts turn, or trials do not come to rest, all answers are worked out from one point: smooth, as the host wants
     if (is_solved_ && !anchor_.is_rough && is_never_linear()) return false;
     take_port_change(mechanism, ports);
@@ -470,8 +470,7 @@ bool Interior::expect(const Mechanism& mechanism, std::span<const FrameView> por
 
 /// The solution for a motion of the ports: the anchored one, to which port_change_ is to be added linearly, if that is good
 /// enough, else one of its own.
-const Interior::Solution& Interior::respond(const Mechanism& mechanism, std::span<const FrameView> ports,
-                                            bool finally) const {
+const Interior::Solution& Interior::respond(const Mechanism& mechanism, Ports ports, bool finally) const {
     take_port_change(mechanism, ports);
     if (linear_answer_serves() && !(finally && anchor_.is_rough)) return anchor_;
     other_.motion = anchor_.motion;
@@ -545,7 +544,7 @@ JointForce Interior::near_force(const Mechanism& mechanism, size_t k, const Solu
     return force;
 }
 
-void Interior::evaluate(const Mechanism& mechanism, std::span<const FrameView> ports, double* wrench) const {
+void Interior::evaluate(const Mechanism& mechanism, Ports ports) const {
     const Solution& solution = respond(mechanism, ports, false);
     find_rigid_forces(mechanism, solution);
     for (int frame : port_frames_) wrench_[static_cast<size_t>(frame)].setZero();
@@ -560,10 +559,9 @@ void Interior::evaluate(const Mechanism& mechanism, std::span<const FrameView> p
         wrench_[static_cast<size_t>(receivers_[at(frame)])] +=
             passed_on(mechanism.frames, at(frame), estate(mechanism, at(frame), trial_[static_cast<size_t>(frame)]));
     }
-    for (int p = 0; p < ports_; ++p) Eigen::Map<Vector6>{wrench + 6 * p} = wrench_[static_cast<size_t>(p)];
 }
 
-void Interior::commit(Mechanism& mechanism, std::span<const FrameView> ports) {
+void Interior::commit(Mechanism& mechanism, Ports ports) {
     const Solution& solution = respond(mechanism, ports, true);
     find_rigid_forces(mechanism, solution);
     find_end(mechanism, solution);

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <mutex>
+#include <numeric>
 #include <unordered_set>
 #include <utility>
 
@@ -21,6 +23,7 @@ namespace {
 using Map3 = Eigen::Map<Vector3>;
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using RowMajor6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
@@ -32,34 +35,50 @@ const char* keep(const std::string& name) {
     return names.insert(name).first->c_str();
 }
 
+Places all_places(const dttmm_network& description) {
+    Places places;
+    for (auto& [list, count] : {std::pair{&places.bodies, description.body_count},
+                                {&places.nodes, description.node_count},
+                                {&places.elements, description.element_count}}) {
+        list->resize(count);
+        std::iota(list->begin(), list->end(), 0u);
+    }
+    return places;
+}
+
 }  // namespace
 
 // ---- Construction -------------------------------------------------------------------------------------------------------
 
-Network::Network(const dttmm_network& description) : mechanism_(description) {
+Network::Network(const dttmm_network& description) : Network(description, all_places(description)) {}
+
+Network::Network(const dttmm_network& description, Places places) : places_(std::move(places)), mechanism_(description) {
     if (description.element_count == 0) throw Error(DTTMM_ERROR_MODEL, "a network without an element");
     if (mechanism_.assembly.inner_count() > 0) interior_ = std::make_unique<Interior>(mechanism_, description);
     for (Joint& joint : mechanism_.joints)
         for (int half : {0, 1})
             if (interior_ && (interior_->is_massless(joint.from(), half) || interior_->is_massless(joint.to(), half)))
                 joint.take_ends(half);
-    has_laws_ = std::ranges::any_of(mechanism_.joints, &Joint::has_laws);
-    for (size_t j = 0; j < mechanism_.joints.size(); ++j)
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        mechanism_.joints[j].report_work(description.at_work,
+                                         places_.elements[static_cast<size_t>(mechanism_.joints[j].element())]);
+        (mechanism_.joints[j].has_laws() ? joints_with_laws_ : linear_joints_).push_back(j);
         for (int d = 0; d < 6; ++d)
             if (mechanism_.joints[j].law().laws[static_cast<size_t>(d)]) law_looks_.push_back({j, d, 0, 0, 0});
+    }
+    choose_blocks();
     declare_channels(description);
-    for (const Vector3& arm : mechanism_.assembly.port_arms) ports_.push_back({arm, Vector3::Zero(), nullptr});
     earlier_.assign(mechanism_.frames.begin(), mechanism_.frames.begin() + mechanism_.assembly.driven_count);
-    port_velocities_.resize(ports_.size());
-    start_velocities_.resize(ports_.size());
+    port_velocities_.resize(places_.bodies.size());
+    start_velocities_.resize(places_.bodies.size());
     forces_.assign(mechanism_.joints.size(), Vector6::Zero());
     poses_.resize(mechanism_.joints.size());
     wrenches_.assign(mechanism_.frames.size(), Vector6::Zero());
-    trial_ports_.reserve(ports_.size());
 }
 
 void Network::declare(const std::string& name, const char* unit, uint32_t of, uint32_t index, uint32_t role) {
-    channels_.push_back({keep(name), unit, of, index, role});
+    const uint32_t at = (of == DTTMM_OF_ELEMENT ? places_.elements : places_.nodes)[index];
+    channels_.push_back({keep(name), unit, of, at, role});
 }
 
 void Network::declare_vectors(const std::string& prefix, std::initializer_list<std::pair<const char*, const char*>> vectors,
@@ -72,6 +91,7 @@ void Network::declare_channels(const dttmm_network& description) {
     const Assembly& assembly = mechanism_.assembly;
     for (uint32_t e = 0; e < description.element_count; ++e) {
         const int first = assembly.first_joint[e], count = assembly.first_joint[e + 1] - first;
+        piece_begin_.push_back(channels_.size());
         chains_.push_back({});
         if (count == 0) continue;
         if (count == 1 && mechanism_.joints[static_cast<size_t>(first)].is_axial()) {
@@ -104,7 +124,15 @@ void Network::declare_channels(const dttmm_network& description) {
         const auto place = [&](int node) { return Vector3(Eigen::Map<const Vector3>(description.nodes[node].position)); };
         chain.rest = axes.transpose() * (place(chain.to_node) - place(chain.from_node));
     }
+    piece_begin_.push_back(channels_.size());
+    declare_inner(description);
+    piece_begin_.push_back(channels_.size());
+    output_places_.assign(piece_begin_.begin(), piece_begin_.end() - 1);
+}
+
+void Network::declare_inner(const dttmm_network& description) {
     if (!interior_) return;
+    const Assembly& assembly = mechanism_.assembly;
     for (uint32_t n = 0; n < description.node_count; ++n) {
         if (description.nodes[n].kind != DTTMM_NODE_INNER || assembly.nodes[n].frame < assembly.driven_count) continue;
         shown_nodes_.push_back(static_cast<int>(n));
@@ -126,137 +154,126 @@ void Network::load_weights(double weights[3]) const {
 
 // ---- What the joints do --------------------------------------------------------------------------------------------------
 
-void Network::add_wrench(const Joint& joint, const JointForce& force, double* wrench) const {
-    Joint::add_wrench(force, joint.from() < port_count() ? wrench + 6 * joint.from() : nullptr,
-                      joint.to() < port_count() ? wrench + 6 * joint.to() : nullptr);
+/// Of an interior all pairs of ports, row by row; of joints the pairs that they join.
+void Network::choose_blocks() {
+    const auto ports = static_cast<uint32_t>(port_count());
+    const auto place = [&](uint32_t port) { return places_.bodies[port]; };
+    if (interior_) {
+        for (uint32_t row = 0; row < ports; ++row)
+            for (uint32_t column = 0; column < ports; ++column) blocks_.push_back({place(row), place(column)});
+        dense_.resize(36 * static_cast<size_t>(ports) * ports);
+    } else {
+        std::map<std::pair<int, int>, int> found;
+        for (const Joint& joint : mechanism_.joints) {
+            JointBlocks& own = joint_blocks_.emplace_back();
+            for (int i : {0, 1})
+                for (int j : {0, 1}) {
+                    const int row = joint.frame(i), column = joint.frame(j);
+                    own.at[i][j] = -1;
+                    if (row >= port_count() || column >= port_count()) continue;
+                    const auto [entry, is_new] = found.try_emplace({row, column}, static_cast<int>(blocks_.size()));
+                    if (is_new) blocks_.push_back({place(static_cast<uint32_t>(row)), place(static_cast<uint32_t>(column))});
+                    own.at[i][j] = entry->second;
+                }
+        }
+    }
+    block_places_.resize(blocks_.size());
+    std::iota(block_places_.begin(), block_places_.end(), size_t{0});
 }
 
-/// Adds a joint's blocks to the stiffness that the ports feel.
-void Network::add_stiffness(const Joint& joint, const EndBlocks& blocks, double* stiffness) const {
-    const int size = 6 * port_count(), ports = port_count();
-    Eigen::Map<RowMajor> S(stiffness, size, size);
-    const int frames[2] = {joint.from(), joint.to()};
+/// Adds a joint's blocks to the stiffness that the bodies feel.
+void Network::add_stiffness(size_t joint, const EndBlocks& blocks, double* stiffness) const {
     for (int i : {0, 1})
         for (int j : {0, 1})
-            if (frames[i] < ports && frames[j] < ports) S.block<6, 6>(6 * frames[i], 6 * frames[j]) += blocks.at[i][j];
+            if (const int block = joint_blocks_[joint].at[i][j]; block >= 0)
+                Eigen::Map<RowMajor6>(stiffness + 36 * block_places_[static_cast<size_t>(block)]) += blocks.at[i][j];
 }
 
-// ---- Ports and the centres of mass of their bodies -----------------------------------------------------------------------
-
-/// Motions of the centres of mass at an instant, with the axes of the ports.
-std::vector<dttmm_motion> Network::at_centres(const dttmm_motion* nodes) const {
-    std::vector<dttmm_motion> centres(nodes, nodes + port_count());
-    for (size_t p = 0; p < centres.size(); ++p) {
-        const Vector3 arm = FrameView(nodes[p]).axes() * ports_[p].arm;
-        Map3{centres[p].position} -= arm;
-        Map3{centres[p].velocity} -= Map3{centres[p].angular_velocity}.cross(arm);
-    }
-    return centres;
-}
-
-/// Finds the centres of mass where the ports are at a trial end of the step.
-void Network::look(const dttmm_motion* nodes) const {
-    for (size_t p = 0; p < ports_.size(); ++p) {
-        const FrameView node = nodes[p];
-        ports_[p].centre = node.origin() - node.axes() * ports_[p].arm;
-        ports_[p].rotation = node.rotation;
-    }
-}
-
-/// A wrench at the centre of mass as one at the port, when the port has the axes of a frame.
-void Network::refer_wrench(size_t port, FrameView at, double* wrench) const {
-    const Vector3 arm = at.axes() * ports_[port].arm;
-    Map3{wrench + 6 * port + 3} -= arm.cross(Map3{wrench + 6 * port});
-}
-
-/// The same of −∂(wrench)/∂(motion) of all ports, if there is one.
-void Network::refer_matrix(size_t port, FrameView at, double* matrix) const {
-    if (!matrix) return;
-    // Pose of the centre by that of the port: δc = δp + arm~ δθ; wrenches by the transpose
-    const int size = 6 * port_count(), p = 6 * static_cast<int>(port);
-    Eigen::Map<RowMajor> S(matrix, size, size);
-    const Matrix3 axes = at.axes(), arm = skew(axes * ports_[port].arm);
-    for (int row = 0; row < size; row += 3) S.block<3, 3>(row, p + 3) += (S.block<3, 3>(row, p) * arm).eval();
-    for (int column = 0; column < size; column += 3) S.block<3, 3>(p + 3, column) -= (arm * S.block<3, 3>(p, column)).eval();
+/// Adds a matrix over all ports.
+void Network::add_dense(const double* matrix, double* stiffness) const {
+    const Eigen::Index ports = port_count();
+    const Eigen::Map<const RowMajor> S(matrix, 6 * ports, 6 * ports);
+    for (Eigen::Index b = 0; b < ports * ports; ++b)
+        Eigen::Map<RowMajor6>(stiffness + 36 * block_places_[static_cast<size_t>(b)]) +=
+            S.block<6, 6>(6 * (b / ports), 6 * (b % ports));
 }
 
 // ---- The force law at one instant ---------------------------------------------------------------------------------------
 
-void Network::linearise(const dttmm_motion* nodes, double* wrench, double* stiffness, double* damping) const {
-    const std::vector<dttmm_motion> centres = at_centres(nodes);
-    const dttmm_motion* ports = centres.data();
-    if (interior_) {
-        interior_->linearise(mechanism_, ports, wrench, stiffness, damping);
-    } else {
-        linearise_joints(ports, wrench, stiffness, damping);
-    }
-    for (size_t p = 0; p < ports_.size(); ++p) {
-        refer_wrench(p, nodes[p], wrench);
-        refer_matrix(p, nodes[p], stiffness);
-        refer_matrix(p, nodes[p], damping);
-    }
+void Network::linearise(const dttmm_motion* bodies, double* wrench, double* stiffness, double* damping) const {
+    if (!interior_) return linearise_joints(bodies, wrench, stiffness, damping);
+    std::vector<double> own(stiffness ? dense_.size() : 0);
+    interior_->linearise(mechanism_, ports(bodies), wrench, stiffness ? own.data() : nullptr);
+    if (stiffness) add_dense(own.data(), stiffness);
 }
 
-void Network::linearise_joints(const dttmm_motion* ports, double* wrench, double* stiffness, double* damping) const {
-    const size_t n = 6 * static_cast<size_t>(port_count());
-    std::fill_n(wrench, n, 0.0);
-    if (stiffness) std::fill_n(stiffness, n * n, 0.0);
-    if (damping) std::fill_n(damping, n * n, 0.0);
+void Network::linearise_joints(const dttmm_motion* bodies, double* wrench, double* stiffness, double* damping) const {
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
-        const FrameView from = seen(joint.from(), ports), to = seen(joint.to(), ports);
-        const Twist v_from = velocity(joint.from(), ports), v_to = velocity(joint.to(), ports);
+        const auto [from, to] = seen(joint, bodies);
+        const Twist v_from = velocity(joint.from(), bodies), v_to = velocity(joint.to(), bodies);
         const JointPose pose = joint.pose(from, to);
         const Vector6 deformation = joint.deformation(pose, from, to);
         add_wrench(joint,
                    pose.act(joint.force(deformation, joint.rate(from, v_from, to, v_to, deformation), mechanism_.memory(j))),
                    wrench);
         if (stiffness)
-            add_stiffness(joint, joint.stiffness(pose, joint.stiffness_tangent(deformation, mechanism_.memory(j))),
-                          stiffness);
-        if (damping) add_stiffness(joint, joint.stiffness(pose, joint.damping_tangent(deformation)), damping);
+            add_stiffness(j, joint.stiffness(pose, joint.stiffness_tangent(deformation, mechanism_.memory(j))), stiffness);
+        if (damping) add_stiffness(j, joint.stiffness(pose, joint.damping_tangent(deformation)), damping);
+    }
+}
+
+void Network::take_up(const double* motion, double* elastic, double* damped) const {
+    std::vector<Vector6> u;
+    for (int p = 0; p < port_count(); ++p)
+        u.emplace_back(Eigen::Map<const Vector6>(motion + 6 * places_.bodies[static_cast<size_t>(p)]));
+    u.resize(mechanism_.frames.size(), Vector6::Zero());
+    if (interior_) interior_->follow(mechanism_, u);
+    std::vector<Frame> at;
+    for (const FrameSpec& frame : mechanism_.assembly.frames) at.push_back(make_frame(frame.pose));
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const Joint& joint = mechanism_.joints[j];
+        const auto f = static_cast<size_t>(joint.from()), t = static_cast<size_t>(joint.to());
+        const JointPose pose = joint.pose(at[f], at[t]);
+        const Vector6 x = joint.deformation(pose, at[f], at[t]);
+        const Vector6 q = joint.by_from(pose) * u[f] + joint.by_to(pose) * u[t];
+        const size_t element = places_.elements[static_cast<size_t>(joint.element())];
+        elastic[element] += q.dot(joint.stiffness_tangent(x, mechanism_.memory(j)) * q);
+        if (!interior_) damped[element] += q.dot(joint.damping_tangent(x) * q);
     }
 }
 
 // ---- Time steps ---------------------------------------------------------------------------------------------------------
 
-void Network::start(const dttmm_step& step, const dttmm_motion* nodes, const double* node_accelerations,
-                    const double* loads) {
+void Network::start(const dttmm_step& step, const dttmm_motion* bodies, const double* accelerations, const double* loads) {
     if (open_) throw Error(DTTMM_ERROR_PHASE, "start: a step is open");
     if (!(step.size > 0) || !std::isfinite(step.size))
         throw Error(DTTMM_ERROR_ARGUMENT, "start: the step size must be positive");
-    const std::vector<dttmm_motion> centres = at_centres(nodes);
-    const dttmm_motion* ports = centres.data();
-    std::vector<double> at_centre(node_accelerations, node_accelerations + 6 * ports_.size());
-    for (size_t p = 0; p < ports_.size(); ++p) {  // a − α × arm − ω × (ω × arm)
-        const Vector3 arm = FrameView(nodes[p]).axes() * ports_[p].arm;
-        const Eigen::Map<const Vector3> w(nodes[p].angular_velocity);
-        Map3{&at_centre[6 * p]} -= Map3{&at_centre[6 * p + 3]}.cross(arm) + w.cross(w.cross(arm));
+    for (const Joint& joint : mechanism_.joints) {
+        const auto [from, to] = seen(joint, bodies);
+        joint.refuse_large_rotation(from, to);
     }
-    const double* accelerations = at_centre.data();
-    for (const Joint& joint : mechanism_.joints)
-        joint.refuse_large_rotation(seen(joint.from(), ports), seen(joint.to(), ports));
     mechanism_.steps = 0;
     mechanism_.scheme.set_step_size(step.size);
     for (Joint& joint : mechanism_.joints) joint.set_scheme(mechanism_.scheme);
     if (interior_) {
-        interior_->start(mechanism_, ports, accelerations, loads);
+        interior_->start(mechanism_, ports(bodies), accelerations, loads);
     } else {
-        start_joints(ports, accelerations);
+        start_joints(bodies, accelerations);
     }
-    for (size_t p = 0; p < ports_.size(); ++p) start_velocities_[p] = twist(ports[p]);
+    for (int p = 0; p < port_count(); ++p) start_velocities_[static_cast<size_t>(p)] = ports(bodies).twist(p);
     started_ = true;
     stands_ = false;
 }
 
-void Network::start_joints(const dttmm_motion* ports, const double* accelerations) {
-    for (int p = 0; p < port_count(); ++p) mechanism_.frames[static_cast<size_t>(p)] = FrameView(ports[p]).copy();
+void Network::start_joints(const dttmm_motion* bodies, const double* accelerations) {
+    for (int p = 0; p < port_count(); ++p) mechanism_.frames[static_cast<size_t>(p)] = seen(p, bodies).copy();
     const auto acceleration = [&](int frame) {
         if (frame >= port_count()) return Twist{};
-        const double* a = accelerations + 6 * frame;
+        const double* a = accelerations + 6 * places_.bodies[static_cast<size_t>(frame)];
         return Twist{Eigen::Map<const Vector3>(a), Eigen::Map<const Vector3>(a + 3)};
     };
-    mechanism_.start_joints([&](int frame) { return velocity(frame, ports); }, acceleration);
+    mechanism_.start_joints([&](int frame) { return velocity(frame, bodies); }, acceleration);
 }
 
 void Network::begin_step(const dttmm_step& step, const double* loads) {
@@ -268,24 +285,22 @@ void Network::begin_step(const dttmm_step& step, const double* loads) {
     open_ = is_first_look_ = true;
 }
 
-bool Network::expect(const dttmm_motion* nodes) {
+bool Network::expect(const dttmm_motion* trial) {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "expect: no step is open");
     // Where a spring is not linear, a rate of convergence of another step says nothing of this one
-    const bool is_first = has_laws_ && std::exchange(is_first_look_, false);
-    if (!interior_ && !has_laws_) return false;
-    look(nodes);
-    if (interior_) return interior_->expect(mechanism_, trial_ports()) || is_first;
-    return !laws_follow_prediction() || is_first;
+    const bool is_first = !joints_with_laws_.empty() && std::exchange(is_first_look_, false);
+    if (interior_) return interior_->expect(mechanism_, ports(trial)) || is_first;
+    return !laws_follow_prediction(trial) || is_first;
 }
 
 /// Whether the laws do at this trial what their gains at the trial before let expect. Newton's corrections are trusted from
 /// there on only: a kink between two trials makes another force of the last one.
-bool Network::laws_follow_prediction() {
+bool Network::laws_follow_prediction(const dttmm_motion* bodies) {
     constexpr double kPredicted = 1e-6;  // of the force; 1e-4 to 1e-9 find the same ends in the tests of kinks
     bool are = true;
     for (LawLook& last : law_looks_) {
         const Joint& joint = mechanism_.joints[last.joint];
-        const Ends at = {trial(joint.from()), trial(joint.to())};
+        const Ends at = seen(joint, bodies);
         const double x = joint.deformation(joint.pose(at), at.from, at.to)(last.direction),
                      now = mechanism_.states[last.joint].deformation()(last.direction);
         const Joint::OnPath path = joint.on_path(mechanism_.scheme, last.direction, now, x, mechanism_.memory(last.joint));
@@ -298,33 +313,24 @@ bool Network::laws_follow_prediction() {
     return are;
 }
 
-void Network::evaluate(const dttmm_motion* nodes, double* wrench, double* stiffness) const {
+void Network::evaluate(const dttmm_motion* bodies, double* wrench, double* stiffness) const {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "evaluate: no step is open");
-    if (is_implicit()) look(nodes);
-    if (interior_) {
-        interior_->evaluate(mechanism_, trial_ports(), wrench);
-        if (stiffness) interior_->write_stiffness(mechanism_, stiffness);
-    } else {
-        evaluate_joints(wrench, stiffness);
-    }
-    for (size_t p = 0; p < ports_.size(); ++p) {  // with the arms of t_n, as the host has it: its own symmetric part stays
-        refer_wrench(p, mechanism_.frames[p], wrench);
-        refer_matrix(p, mechanism_.frames[p], stiffness);
-    }
+    if (!interior_) return evaluate_joints(bodies, wrench, stiffness);
+    interior_->evaluate(mechanism_, ports(bodies));
+    for (int p = 0; p < port_count(); ++p) Eigen::Map<Vector6>{on_body(p, wrench)} += interior_->wrench(p);
+    if (!stiffness) return;
+    interior_->write_stiffness(mechanism_, dense_.data());
+    add_dense(dense_.data(), stiffness);
 }
 
-void Network::evaluate_joints(double* wrench, double* stiffness) const {
-    const size_t n = 6 * static_cast<size_t>(port_count());
-    std::fill_n(wrench, n, 0.0);
-    if (stiffness) std::fill_n(stiffness, n * n, 0.0);
-    if (!is_implicit()) {  // the trial is not looked at
-        for (size_t j = 0; j < mechanism_.joints.size(); ++j)
-            add_wrench(mechanism_.joints[j], mechanism_.states[j].known, wrench);
-    } else if (has_laws_) {
-        evaluate_joints_with_laws(wrench, stiffness);
-    } else {
-        evaluate_linear_joints(wrench, stiffness);
+void Network::evaluate_joints(const dttmm_motion* bodies, double* wrench, double* stiffness) const {
+    if (is_implicit()) {
+        evaluate_linear_joints(bodies, wrench, stiffness);
+        evaluate_joints_with_laws(bodies, wrench, stiffness);
+        return;
     }
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j)  // the trial is not looked at
+        add_wrench(mechanism_.joints[j], mechanism_.states[j].known, wrench);
 }
 
 [[gnu::always_inline]] inline void Network::add_joint_stiffness(size_t j, Ends at, double* stiffness) const {
@@ -333,27 +339,27 @@ void Network::evaluate_joints(double* wrench, double* stiffness) const {
     const JointPose end = joint.pose(at);
     const Vector6 deformation = joint.deformation(end, at.from, at.to);
     add_stiffness(
-        joint, joint.stiffness(end, joint.gain(mechanism_.scheme, state.deformation(), deformation, mechanism_.memory(j))),
+        j, joint.stiffness(end, joint.gain(mechanism_.scheme, state.deformation(), deformation, mechanism_.memory(j))),
         stiffness);
     // The force that acts as at t_n: that of a trial far from the solution may be any
     const Vector3 acting = mechanism_.scheme.elastic_weight(0) * state.elastic.force;
-    add_stiffness(joint, joint.acting_stiffness(end, at.from, at.to, acting), stiffness);
+    add_stiffness(j, joint.acting_stiffness(end, at.from, at.to, acting), stiffness);
 }
 
-DTTMM_WIDE void Network::evaluate_linear_joints(double* wrench, double* stiffness) const {
-    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+DTTMM_WIDE void Network::evaluate_linear_joints(const dttmm_motion* bodies, double* wrench, double* stiffness) const {
+    for (size_t j : linear_joints_) {
         const Joint& joint = mechanism_.joints[j];
-        const Ends at = {trial(joint.from()), trial(joint.to())};
+        const Ends at = seen(joint, bodies);
         add_wrench(joint, joint.over_step(mechanism_.scheme, at, mechanism_.states[j], mechanism_.damper(j)), wrench);
         if (stiffness) add_joint_stiffness(j, at, stiffness);
     }
 }
 
 /// Not wide: what throws must not pass a function that is compiled for several processors (g++ 12 ends the process then).
-void Network::evaluate_joints_with_laws(double* wrench, double* stiffness) const {
-    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+void Network::evaluate_joints_with_laws(const dttmm_motion* bodies, double* wrench, double* stiffness) const {
+    for (size_t j : joints_with_laws_) {
         const Joint& joint = mechanism_.joints[j];
-        const Ends at = {trial(joint.from()), trial(joint.to())};
+        const Ends at = seen(joint, bodies);
         const JointPose at_end = joint.pose(at);
         const JointState& state = mechanism_.states[j];
         const double* const memory = mechanism_.memory(j);
@@ -365,36 +371,31 @@ void Network::evaluate_joints_with_laws(double* wrench, double* stiffness) const
     }
 }
 
-void Network::commit_step(const dttmm_motion* nodes) {
+void Network::commit_step(const dttmm_motion* bodies) {
     if (!open_) throw Error(DTTMM_ERROR_PHASE, "commit_step: no step is open");
-    look(nodes);
     if (interior_) {
-        std::copy_n(mechanism_.before.begin(), ports_.size(), earlier_.begin());
-        interior_->commit(mechanism_, trial_ports());
+        std::copy_n(mechanism_.before.begin(), port_count(), earlier_.begin());
+        interior_->commit(mechanism_, ports(bodies));
     } else {
-        commit_joints();
+        commit_joints(bodies);
     }
     ++mechanism_.steps;
     open_ = stands_ = false;
 }
 
-void Network::commit_joints() {
-    for (const Joint& joint : mechanism_.joints) joint.refuse_large_rotation(trial(joint.from()), trial(joint.to()));
+void Network::commit_joints(const dttmm_motion* bodies) {
+    for (const Joint& joint : mechanism_.joints) {
+        const auto [from, to] = seen(joint, bodies);
+        joint.refuse_large_rotation(from, to);
+    }
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
-        joint.advance(mechanism_.scheme, {trial(joint.from()), trial(joint.to())}, mechanism_.ends(j), mechanism_.states[j],
-                      mechanism_.damper(j), mechanism_.law_memory_of(j), nullptr);
+        joint.advance(mechanism_.scheme, seen(joint, bodies), mechanism_.ends(j), mechanism_.states[j], mechanism_.damper(j),
+                      mechanism_.law_memory_of(j), nullptr);
     }
     earlier_.swap(mechanism_.before);
     mechanism_.before.swap(mechanism_.frames);
-    for (size_t p = 0; p < ports_.size(); ++p) mechanism_.frames[p] = trial(static_cast<int>(p)).copy();
-}
-
-/// The ports where they were last seen.
-std::span<const FrameView> Network::trial_ports() const {
-    trial_ports_.clear();
-    for (int p = 0; p < port_count(); ++p) trial_ports_.push_back(trial(p));
-    return trial_ports_;
+    for (int p = 0; p < port_count(); ++p) mechanism_.frames[static_cast<size_t>(p)] = seen(p, bodies).copy();
 }
 
 void Network::discard_step() {
@@ -431,12 +432,8 @@ Vector6 Network::rate_at_start(size_t j) const {
     return rate;
 }
 
-/// Of the ports, referred to where they are at t_n.
-void Network::write_wrenches(double* wrench) const {
-    for (size_t p = 0; p < ports_.size(); ++p) {
-        Eigen::Map<Vector6>{wrench + 6 * p} = wrenches_[p];
-        refer_wrench(p, mechanism_.before[p], wrench);
-    }
+void Network::add_wrenches(double* wrench) const {
+    for (int p = 0; p < port_count(); ++p) Eigen::Map<Vector6>{on_body(p, wrench)} += wrenches_[static_cast<size_t>(p)];
 }
 
 /// Newmark's rule has (a_n + a_{n+1})/2 as the acceleration over a step, so elastic forces are means of its two ends and
@@ -468,25 +465,21 @@ void Network::find_mean_wrenches() const {
 void Network::mean_wrench(double* wrench) const {
     if (mechanism_.steps == 0 || open_) throw Error(DTTMM_ERROR_PHASE, "mean_wrench: only after a commit");
     find_mean_wrenches();
-    write_wrenches(wrench);
+    add_wrenches(wrench);
 }
 
-void Network::stand(const dttmm_motion* nodes, double* wrench) const {
+void Network::stand(const dttmm_motion* bodies, double* wrench) const {
     if (mechanism_.steps == 0 || open_) throw Error(DTTMM_ERROR_PHASE, "stand: only after a commit");
-    for (size_t p = 0; p < ports_.size(); ++p) {
-        const Vector3 arm = FrameView(mechanism_.before[p]).axes() * ports_[p].arm;
-        port_velocities_[p] = twist(nodes[p]);
-        port_velocities_[p].linear -= port_velocities_[p].angular.cross(arm);
-    }
+    for (int p = 0; p < port_count(); ++p) port_velocities_[static_cast<size_t>(p)] = ports(bodies).twist(p);
     stand_by_port_velocities();
-    write_wrenches(wrench);
+    add_wrenches(wrench);
 }
 
 /// For a host that does not say how the ports move at t_n.
 void Network::stand_by_centred_velocities() const {
     find_mean_wrenches();
     const double per_step = 0.5 / mechanism_.scheme.step_size();
-    for (size_t p = 0; p < ports_.size(); ++p) {
+    for (size_t p = 0; p < port_velocities_.size(); ++p) {
         if (mechanism_.steps == 1) {
             port_velocities_[p] = start_velocities_[p];
             continue;
@@ -664,17 +657,17 @@ void Network::outputs(double* values) const {
     if (mechanism_.steps == 0) throw Error(DTTMM_ERROR_PHASE, "outputs: no step has been committed");
     if (!stands_) stand_by_centred_velocities();
     const std::vector<int>& first_joint = mechanism_.assembly.first_joint;
-    double* out = values;
-    for (size_t e = 0; e + 1 < first_joint.size(); ++e) {
+    const size_t elements = first_joint.size() - 1;
+    for (size_t e = 0; e < elements; ++e) {
         const int count = first_joint[e + 1] - first_joint[e];
-        if (count == 1) {
-            out = write_joint(out, static_cast<size_t>(first_joint[e]));
-            out = write_energies(out, first_joint[e], first_joint[e + 1]);
-        } else if (count > 1) {
-            out = write_chain(out, e);
-        }
+        double* const out = values + output_places_[e];
+        if (count == 1)
+            write_energies(write_joint(out, static_cast<size_t>(first_joint[e])), first_joint[e], first_joint[e + 1]);
+        else if (count > 1)
+            write_chain(out, e);
     }
     if (!interior_) return;
+    double* out = values + output_places_[elements];
     for (int node : shown_nodes_) out = write_node(out, static_cast<size_t>(node));
     out[0] = interior_->kinetic_energy(mechanism_);
     out[1] = interior_->work(mechanism_);

@@ -13,43 +13,65 @@
 
 namespace dttmm::plugin {
 
-/// A connected set of elements between ports and the ground, solved together at every step. It owns the memory of the time
-/// scheme; the ports' motion comes from the host. Bodies, lumps and nodes may turn as they like, deformations are small:
-/// every joint measures its own in axes that go with it, and the wrenches on its two ends balance exactly, lever arms
-/// included, at every instant. Frames stand at the centres of mass, those of the ports too, which dttmm_node.arm tells:
-/// under Newmark's rule momentum is then kept to rounding and, but for dampers and rigid directions, angular momentum
-/// (Interior::newmark_momentum).
+/// Where the parts of a network stand in the arrays of the host, which has all bodies and all elements.
+struct Places {
+    std::vector<uint32_t> bodies, nodes, elements;
+};
+
+/// A set of elements between bodies (its ports) and the ground, solved together at every step. It owns the memory of the
+/// time scheme; the bodies' motion comes from the host. Bodies, lumps and nodes may turn as they like, deformations are
+/// small: every joint measures its own in axes that go with it, and the wrenches on its two ends balance exactly, lever arms
+/// included, at every instant. Frames stand at the centres of mass: under Newmark's rule momentum is then kept to rounding
+/// and, but for dampers and rigid directions, angular momentum (Interior::newmark_momentum).
 ///
 /// Elements between bodies only are joints side by side. What else moves, nodes and the masses of beams, is solved for
 /// inside (Interior), in time linear in the number of elements.
 ///
-/// The phases, units and frames are those of dttmm_plugin.h; errors are thrown as Error, with the element's index.
+/// The phases, units and frames are those of dttmm_plugin.h; errors are thrown as Error, with the element's index in the
+/// description. Bodies are those of the host, 6 numbers per body; wrenches and matrices are added to what is there.
 class Network {
 public:
+    /// Of all bodies, or of those at the places given.
     explicit Network(const dttmm_network& description);
+    Network(const dttmm_network& description, Places places);
 
     int port_count() const { return mechanism_.assembly.port_count; }
+    const Places& places() const { return places_; }
     bool is_implicit() const { return mechanism_.scheme.is_implicit(); }
     void load_weights(double weights[3]) const;
 
-    void linearise(const dttmm_motion* ports, double* wrench, double* stiffness, double* damping) const;
-    void start(const dttmm_step& step, const dttmm_motion* ports, const double* accelerations, const double* loads);
+    /// The blocks of its matrices; where each is in the lists of the host, in their order at first.
+    std::span<const dttmm_block> blocks() const { return blocks_; }
+    void place_block(size_t block, size_t at) { block_places_[block] = at; }
+
+    void linearise(const dttmm_motion* bodies, double* wrench, double* stiffness, double* damping) const;
+    /// u K u and u C u of its elements for a small motion of the bodies from where they start.
+    void take_up(const double* motion, double* elastic, double* damped) const;
+    /// loads: of its own inner nodes; NULL: none.
+    void start(const dttmm_step& step, const dttmm_motion* bodies, const double* accelerations, const double* loads);
     void begin_step(const dttmm_step& step, const double* loads);
-    bool expect(const dttmm_motion* nodes);
+    bool expect(const dttmm_motion* trial);
     void evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const;
     void commit_step(const dttmm_motion* accepted);
     void discard_step();
-    /// After a commit: the mean wrench on the ports over that step; and what stands at its start t_n when the ports have the
-    /// velocities of `ports` there, with the wrench on them at that instant. outputs() are of the latter;
-    /// without it, of ports that have the means of their velocities over the two steps around t_n.
+    /// After a commit: the mean wrench on the bodies over that step; and what stands at its start t_n when they have the
+    /// velocities of `bodies` there, with the wrench on them at that instant. outputs() are of the latter; without it, of
+    /// bodies that have the means of their velocities over the two steps around t_n.
     void mean_wrench(double* wrench) const;
-    void stand(const dttmm_motion* ports, double* wrench) const;
+    void stand(const dttmm_motion* bodies, double* wrench) const;
 
     size_t state_size() const;
     void save_state(void* buffer, size_t size) const;
     void restore_state(const void* buffer, size_t size);
 
     const std::vector<dttmm_channel>& channels() const { return channels_; }
+    /// Its channels in pieces: of each element, then all others; and where each begins among the outputs, at first one after
+    /// the other.
+    size_t piece_count() const { return output_places_.size(); }
+    std::span<const dttmm_channel> piece(size_t piece) const {
+        return std::span(channels_).subspan(piece_begin_[piece], piece_begin_[piece + 1] - piece_begin_[piece]);
+    }
+    void place_outputs(size_t piece, size_t at) { output_places_[piece] = at; }
     void outputs(double* values) const;
 
     /// What moves inside; null where everything is joints between bodies and ground.
@@ -57,35 +79,37 @@ public:
     const Mechanism& mechanism() const { return mechanism_; }
 
 private:
-    std::vector<dttmm_motion> at_centres(const dttmm_motion* nodes) const;
-    void look(const dttmm_motion* nodes) const;
-    void refer_wrench(size_t port, FrameView at, double* wrench) const;
-    void refer_matrix(size_t port, FrameView at, double* matrix) const;
-    std::span<const FrameView> trial_ports() const;
-    FrameView seen(int frame, const dttmm_motion* ports) const {
-        if (frame < port_count()) return ports[frame];
+    Ports ports(const dttmm_motion* bodies) const { return {bodies, places_.bodies.data()}; }
+    FrameView seen(int frame, const dttmm_motion* bodies) const {
+        if (frame < port_count()) return bodies[places_.bodies[static_cast<size_t>(frame)]];
         return mechanism_.frame(frame);
     }
-    Twist velocity(int frame, const dttmm_motion* ports) const {
-        return frame < port_count() ? twist(ports[frame]) : Twist{};
+    Ends seen(const Joint& joint, const dttmm_motion* bodies) const {
+        return {seen(joint.from(), bodies), seen(joint.to(), bodies)};
     }
-    FrameView trial(int frame) const {
-        if (frame >= port_count()) return mechanism_.frame(frame);
-        const Port& port = ports_[static_cast<size_t>(frame)];
-        return {port.centre.data(), port.rotation};
+    Twist velocity(int frame, const dttmm_motion* bodies) const {
+        return frame < port_count() ? ports(bodies).twist(frame) : Twist{};
     }
-    void add_wrench(const Joint& joint, const JointForce& force, double* wrench) const;
-    void add_stiffness(const Joint& joint, const EndBlocks& blocks, double* stiffness) const;
-    void linearise_joints(const dttmm_motion* ports, double* wrench, double* stiffness, double* damping) const;
-    void evaluate_joints(double* wrench, double* stiffness) const;
-    void evaluate_linear_joints(double* wrench, double* stiffness) const;
-    void evaluate_joints_with_laws(double* wrench, double* stiffness) const;
-    bool laws_follow_prediction();
+    double* on_body(int frame, double* wrench) const {
+        return frame < port_count() ? wrench + 6 * places_.bodies[static_cast<size_t>(frame)] : nullptr;
+    }
+    void add_wrench(const Joint& joint, const JointForce& force, double* wrench) const {
+        Joint::add_wrench(force, on_body(joint.from(), wrench), on_body(joint.to(), wrench));
+    }
+    void choose_blocks();
+    void add_stiffness(size_t joint, const EndBlocks& blocks, double* stiffness) const;
+    void add_dense(const double* matrix, double* stiffness) const;
+    void linearise_joints(const dttmm_motion* bodies, double* wrench, double* stiffness, double* damping) const;
+    void evaluate_joints(const dttmm_motion* bodies, double* wrench, double* stiffness) const;
+    void evaluate_linear_joints(const dttmm_motion* bodies, double* wrench, double* stiffness) const;
+    void evaluate_joints_with_laws(const dttmm_motion* bodies, double* wrench, double* stiffness) const;
+    bool laws_follow_prediction(const dttmm_motion* bodies);
     void add_joint_stiffness(size_t joint, Ends at, double* stiffness) const;
-    void start_joints(const dttmm_motion* ports, const double* accelerations);
-    void commit_joints();
+    void start_joints(const dttmm_motion* bodies, const double* accelerations);
+    void commit_joints(const dttmm_motion* bodies);
 
     void declare_channels(const dttmm_network& description);
+    void declare_inner(const dttmm_network& description);
     void declare(const std::string& name, const char* unit, uint32_t of, uint32_t index, uint32_t role);
     void declare_vectors(const std::string& prefix, std::initializer_list<std::pair<const char*, const char*>> vectors,
                          uint32_t of, uint32_t index, uint32_t role);
@@ -94,7 +118,7 @@ private:
     void find_mean_wrenches() const;
     void stand_by_port_velocities() const;
     void stand_by_centred_velocities() const;
-    void write_wrenches(double* wrench) const;
+    void add_wrenches(double* wrench) const;
     bool has_limit(int joint) const { return std::isfinite(mechanism_.joints[static_cast<size_t>(joint)].law().most_turn); }
     double* write_joint(double* out, size_t joint) const;
     double* write_chain(double* out, size_t element) const;
@@ -104,18 +128,18 @@ private:
     template <class Self, class Visit>
     static void for_each_state(Self& self, const Visit& visit);
 
+    Places places_;
     Mechanism mechanism_;
     std::unique_ptr<Interior> interior_;  ///< none where everything is joints between bodies and ground
-    /// A port and the centre of mass of its body where it was last seen, which serves within one call only.
-    struct Port {
-        Vector3 arm;             ///< from there to the port, its axes [m]
-        Vector3 centre;          ///< world [m]
-        const double* rotation;  ///< in the memory of the caller
+    std::vector<dttmm_block> blocks_;
+    std::vector<size_t> block_places_;
+    struct JointBlocks {
+        int at[2][2];
     };
-    mutable std::vector<Port> ports_;
-    mutable std::vector<FrameView> trial_ports_;
+    std::vector<JointBlocks> joint_blocks_;  ///< of each joint among blocks_, −1: none; if there is no interior
+    mutable std::vector<double> dense_;      ///< working memory: the stiffness of an interior
     bool started_ = false, open_ = false;
-    bool has_laws_ = false;  ///< a joint is not linear
+    std::vector<size_t> linear_joints_, joints_with_laws_;
     /// A direction with a law at the trial last looked at: its deformation, force over the step and gain.
     struct LawLook {
         size_t joint;
@@ -144,6 +168,7 @@ private:
     std::vector<ChainView> chains_;  ///< of every element; unused where it has one joint or none
     std::vector<int> shown_nodes_;   ///< nodes with channels
     std::vector<dttmm_channel> channels_;
+    std::vector<size_t> piece_begin_, output_places_;
 };
 
 }  // namespace dttmm::plugin

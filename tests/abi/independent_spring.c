@@ -17,6 +17,7 @@
 #include <string.h>
 
 #include "dttmm_plugin.h"
+#include "dttmm_state.h"
 
 /* ---- What the model file may say ---- */
 
@@ -77,9 +78,13 @@ struct dttmm_instance {
     double rest[3];             /* the to end seen from the from end at the start */
     double elastic[5], rate[5]; /* weights of d at t_{n+1}, t_n, ... t_{n-3}: of the spring in d, of the damper in h d' */
     double even[3], odd;        /* parts of the spring's weights: even[0], even[1], even[0] and odd, 0, -odd */
-    int port[2];                /* of the from and the to end, -1 on the ground */
-    double arm[2][3];           /* from the centre of mass of its body to either end, in the end's axes */
+    int port[2];                /* of the from and the to end: number among those on bodies, -1 on the ground */
+    uint32_t body[2];           /* on which they are */
+    double arm[2][3];           /* from the centre of mass of its body to either end, in the body's axes */
+    double axes[2][9];          /* of either end in those of its body */
     dttmm_motion ground[2];     /* where an end on the ground stays */
+    uint32_t body_count, block_count;
+    dttmm_block blocks[4];
     int phase;
     struct memory memory;
 };
@@ -104,13 +109,31 @@ static void to_world(const double R[9], const double v[3], double out[3]) {
     for (int i = 0; i < 3; ++i) out[i] = R[3 * i] * v[0] + R[3 * i + 1] * v[1] + R[3 * i + 2] * v[2];
 }
 
-static const dttmm_motion *motion_of(const dttmm_instance *s, int end, const dttmm_motion *ports) {
-    return s->port[end] < 0 ? &s->ground[end] : &ports[s->port[end]];
+/* Motion of an end, and its arm. */
+static dttmm_motion motion_of(const dttmm_instance *s, int end, const dttmm_motion *bodies, double arm[3]) {
+    dttmm_motion motion;
+    double turning[3];
+    memset(arm, 0, 3 * sizeof *arm);
+    if (s->port[end] < 0) return s->ground[end];
+    motion = bodies[s->body[end]];
+    to_world(motion.rotation, s->arm[end], arm);
+    cross(motion.angular_velocity, arm, turning);
+    for (int i = 0; i < 3; ++i) {
+        motion.position[i] += arm[i];
+        motion.velocity[i] += turning[i];
+        for (int j = 0; j < 3; ++j) {
+            motion.rotation[3 * i + j] = 0;
+            for (int k = 0; k < 3; ++k)
+                motion.rotation[3 * i + j] += bodies[s->body[end]].rotation[3 * i + k] * s->axes[end][3 * k + j];
+        }
+    }
+    return motion;
 }
 
-static struct view look(const dttmm_instance *s, const dttmm_motion *ports) {
-    const dttmm_motion *from = motion_of(s, FROM, ports), *to = motion_of(s, TO, ports);
+static struct view look(const dttmm_instance *s, const dttmm_motion *bodies) {
     struct view v;
+    const dttmm_motion ends[2] = {motion_of(s, FROM, bodies, v.arms[FROM]), motion_of(s, TO, bodies, v.arms[TO])};
+    const dttmm_motion *from = &ends[FROM], *to = &ends[TO];
     double carried[3]; /* velocity of a point at the to end that turns with the from end */
     memcpy(v.axes, from->rotation, sizeof v.axes);
     for (int i = 0; i < 3; ++i) v.arm[i] = to->position[i] - from->position[i];
@@ -118,8 +141,6 @@ static struct view look(const dttmm_instance *s, const dttmm_motion *ports) {
     for (int i = 0; i < 3; ++i) v.velocity[i] = to->velocity[i] - from->velocity[i] - carried[i];
     to_local(v.axes, v.arm, v.d);
     for (int i = 0; i < 3; ++i) v.d[i] -= s->rest[i];
-    to_world(from->rotation, s->arm[FROM], v.arms[FROM]);
-    to_world(to->rotation, s->arm[TO], v.arms[TO]);
     for (int i = 0; i < 3; ++i) {
         v.lever[FROM][i] = v.arms[FROM][i] + v.arm[i];
         v.lever[TO][i] = v.arms[TO][i];
@@ -142,36 +163,40 @@ static void add_push(struct push *sum, double weight, const struct push *push) {
     }
 }
 
-/* Adds a push to the wrenches at the ports, which are `arm` from the centres of mass; neighbouring numbers of `out` are
+/* Adds a push to the wrenches on the ends' bodies, those of one behind those of the other; neighbouring numbers of `out` are
  * `stride` apart. */
-static void add_wrenches(const dttmm_instance *s, const struct push *push, const double (*arm)[3], double *out, size_t stride) {
+static void add_wrenches(const dttmm_instance *s, const struct push *push, double *out, size_t stride) {
     for (int end = FROM; end <= TO; ++end) {
         if (s->port[end] < 0) continue;
-        double *wrench = out + 6 * (size_t)s->port[end] * stride, there[3];
+        double *wrench = out + 6 * (size_t)s->port[end] * stride;
         const double sign = end == FROM ? 1 : -1;
-        cross(arm[end], push->force, there);
         for (size_t i = 0; i < 3; ++i) {
             wrench[i * stride] += sign * push->force[i];
-            wrench[(3 + i) * stride] += sign * (push->moment[end][i] - there[i]);
+            wrench[(3 + i) * stride] += sign * push->moment[end][i];
         }
     }
 }
 
-/* 6 per port. */
+/* 6 per end on a body. */
 static size_t wrench_size(const dttmm_instance *s) { return (s->port[FROM] >= 0 ? 6u : 0u) + (s->port[TO] >= 0 ? 6u : 0u); }
 
-/* Adds to a column of S, for the port of `end` moving or turning by `unit`, what stems from the force F that acts already. Of
+/* The wrenches of a push on all bodies. */
+static void write_wrenches(const dttmm_instance *s, const struct push *push, double *wrench) {
+    double own[12] = {0};
+    add_wrenches(s, push, own, 1);
+    memset(wrench, 0, 6 * s->body_count * sizeof *wrench);
+    for (int end = FROM; end <= TO; ++end)
+        if (s->port[end] >= 0) memcpy(wrench + 6 * s->body[end], own + 6 * s->port[end], 6 * sizeof *wrench);
+}
+
+/* Adds to a column of S, for the body of `end` moving or turning by `unit`, what stems from the force F that acts already. Of
  * what it does when turned this is the symmetric part about the centres of mass; with a and l from these to its point
  *     K_from,from = [0 F~; -F~ sym(a~ F~)],   K_from,to = [0 0; F~ -F~ l~],   K_to,from its transpose,   K_to,to = [0 0; 0 sym(l~ F~)] */
-static void add_turning(const dttmm_instance *s, const struct view *v, const double (*arms)[3], const double F[3], int end,
+static void add_turning(const dttmm_instance *s, const struct view *v, const double F[3], int end,
                         int turns, const double unit[3], double *column, size_t stride) {
     struct push from = {{0}, {{0}}}, to = {{0}, {{0}}}; /* the rows of the one and the other */
-    double centre[3], half[3], swept[3];
-    if (turns)
-        cross(arms[end], unit, centre); /* it turns where it is: its centre of mass goes the other way round */
-    else
-        memcpy(centre, unit, sizeof centre);
-    cross(F, centre, from.moment[FROM]);
+    double half[3], swept[3];
+    if (!turns) cross(F, unit, from.moment[FROM]);
     if (end == FROM)
         for (int i = 0; i < 3; ++i) from.moment[FROM][i] *= -1;
     if (turns) {
@@ -195,22 +220,20 @@ static void add_turning(const dttmm_instance *s, const struct view *v, const dou
     }
     for (int row = FROM; row <= TO; ++row) {
         const struct push *push = row == FROM ? &from : &to;
-        double there[3];
         if (s->port[row] < 0) continue;
-        cross(arms[row], push->force, there);
         for (size_t i = 0; i < 3; ++i) {
             column[(6 * (size_t)s->port[row] + i) * stride] += push->force[i];
-            column[(6 * (size_t)s->port[row] + 3 + i) * stride] += push->moment[row][i] - there[i];
+            column[(6 * (size_t)s->port[row] + 3 + i) * stride] += push->moment[row][i];
         }
     }
 }
 
-/* S = -d(wrench)/d(pose), column by column, for a force that grows by gain d and the force F that acts already, for ports that
- * are `arms` from the centres of mass. */
-static void write_stiffness(const dttmm_instance *s, const struct view *v, const double (*arms)[3], const double gain[3],
-                            const double F[3], double *S) {
+/* -d(wrench)/d(pose), column by column, for a force that grows by gain d and the force F that acts already; then block by
+ * block. */
+static void write_stiffness(const dttmm_instance *s, const struct view *v, const double gain[3], const double F[3],
+                            double *blocks) {
     const size_t n = wrench_size(s);
-    memset(S, 0, n * n * sizeof *S);
+    double S[12 * 12] = {0};
     for (int end = FROM; end <= TO; ++end)
         for (int i = 0; i < 6 && s->port[end] >= 0; ++i) {
             const int turns = i >= 3;
@@ -218,18 +241,18 @@ static void write_stiffness(const dttmm_instance *s, const struct view *v, const
             unit[i % 3] = 1;
             if (!turns && end == TO) memcpy(moved, unit, sizeof moved);
             if (!turns && end == FROM) moved[i] = -1;
-            if (turns) { /* it turns the to end's point about the port */
-                double from_port[3];
-                for (int a = 0; a < 3; ++a) from_port[a] = v->lever[end][a] - arms[end][a];
-                if (end == FROM) cross(from_port, unit, moved);
-                if (end == TO) cross(unit, from_port, moved);
-            }
+            if (turns && end == FROM) cross(v->lever[FROM], unit, moved); /* it turns the to end's point about its centre */
+            if (turns && end == TO) cross(unit, v->lever[TO], moved);
             to_local(v->axes, moved, f);
             for (int a = 0; a < 3; ++a) f[a] *= -gain[a];
             const struct push push = push_of(v, f);
-            add_wrenches(s, &push, arms, column, n);
-            add_turning(s, v, arms, F, end, turns, unit, column, n);
+            add_wrenches(s, &push, column, n);
+            add_turning(s, v, F, end, turns, unit, column, n);
         }
+    for (size_t b = 0; b < s->block_count; ++b) {
+        const size_t row = n == 6 ? 0 : b / 2, column = n == 6 ? 0 : b % 2;
+        for (size_t i = 0; i < 6; ++i) memcpy(blocks + 36 * b + 6 * i, S + (6 * row + i) * n + 6 * column, 6 * sizeof *S);
+    }
 }
 
 /* ---- From the network to an instance ---- */
@@ -267,10 +290,26 @@ static void place_ends(dttmm_instance *s, const dttmm_network *network) {
         memcpy(s->ground[end].rotation, network->nodes[nodes[end]].rotation, sizeof s->ground[end].rotation);
     }
     memcpy(s->rest, look(s, NULL).d, sizeof s->rest);
-    for (int end = FROM; end <= TO; ++end) memcpy(s->arm[end], network->nodes[nodes[end]].arm, sizeof s->arm[end]);
-    for (int end = FROM; end <= TO; ++end)
-        if (network->nodes[nodes[end]].kind == DTTMM_NODE_PORT)
-            s->port[end] = nodes[end] > 0 && network->nodes[0].kind == DTTMM_NODE_PORT;
+    int count = 0;
+    uint32_t bodies[2];
+    for (int end = FROM; end <= TO; ++end) {
+        const dttmm_node *node = &network->nodes[nodes[end]];
+        if (node->kind != DTTMM_NODE_ON_BODY) continue;
+        const dttmm_body *body = &network->bodies[node->body];
+        double way[3];
+        for (int i = 0; i < 3; ++i) way[i] = node->position[i] - body->position[i];
+        to_local(body->rotation, way, s->arm[end]);
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                for (int k = 0; k < 3; ++k)
+                    s->axes[end][3 * i + j] += body->rotation[3 * k + i] * node->rotation[3 * k + j];
+        s->body[end] = node->body;
+        s->port[end] = count;
+        bodies[count++] = node->body;
+    }
+    s->body_count = network->body_count;
+    for (int i = 0; i < count; ++i)
+        for (int j = 0; j < count; ++j) s->blocks[s->block_count++] = (dttmm_block){bodies[i], bodies[j]};
 }
 
 static dttmm_status create(const dttmm_network *network, dttmm_instance **instance, dttmm_error *error) {
@@ -284,9 +323,11 @@ static dttmm_status create(const dttmm_network *network, dttmm_instance **instan
         return fail(error, DTTMM_ERROR_MODEL, 0, "an end is no node of the network");
     if (element->ends[FROM] == element->ends[TO]) return fail(error, DTTMM_ERROR_MODEL, 0, "both ends are the same node");
     for (int end = FROM; end <= TO; ++end)
-        if (network->nodes[end].kind > DTTMM_NODE_PORT) return fail(error, DTTMM_ERROR_MODEL, 0, "it joins bodies, and no node");
+        if (network->nodes[end].kind > DTTMM_NODE_ON_BODY) return fail(error, DTTMM_ERROR_MODEL, 0, "it joins bodies, and no node");
     if (network->nodes[0].kind == DTTMM_NODE_GROUND && network->nodes[1].kind == DTTMM_NODE_GROUND)
         return fail(error, DTTMM_ERROR_MODEL, 0, "both ends are on the ground; attach one of them to a body");
+    if (network->nodes[0].kind == network->nodes[1].kind && network->nodes[0].body == network->nodes[1].body)
+        return fail(error, DTTMM_ERROR_MODEL, 0, "both ends are on one body");
 
     dttmm_instance *s = calloc(1, sizeof *s);
     if (s == NULL) return fail(error, DTTMM_ERROR_MEMORY, -1, "out of memory");
@@ -305,30 +346,37 @@ static void destroy(dttmm_instance *s) { free(s); }
 
 /* ---- The force law, and steps in time ---- */
 
-static dttmm_status linearise(const dttmm_instance *s, const dttmm_motion *ports, double *wrench, double *stiffness,
+static dttmm_status linearise(const dttmm_instance *s, const dttmm_motion *bodies, double *wrench, double *stiffness,
                               double *damping, dttmm_error *error) {
     (void)error;
-    const struct view v = look(s, ports);
+    const struct view v = look(s, bodies);
     double f[3], rate[3];
     to_local(v.axes, v.velocity, rate);
     for (int i = 0; i < 3; ++i) f[i] = s->k[i] * v.d[i] + s->c[i] * rate[i];
     const double nothing[3] = {0};
     const struct push push = push_of(&v, f);
-    memset(wrench, 0, wrench_size(s) * sizeof *wrench);
-    add_wrenches(s, &push, v.arms, wrench, 1);
-    if (stiffness) write_stiffness(s, &v, v.arms, s->k, nothing, stiffness);
-    if (damping) write_stiffness(s, &v, v.arms, s->c, nothing, damping);
+    write_wrenches(s, &push, wrench);
+    if (stiffness) write_stiffness(s, &v, s->k, nothing, stiffness);
+    if (damping) write_stiffness(s, &v, s->c, nothing, damping);
     return DTTMM_OK;
 }
 
 /* d'' = R^T (a - alpha x arm - w x (w x arm + 2 velocity)), all relative to the from end, whose w and alpha these are. */
-static void deformation_acceleration(const dttmm_instance *s, const struct view *v, const dttmm_motion *ports,
+static void deformation_acceleration(const dttmm_instance *s, const struct view *v, const dttmm_motion *bodies,
                                      const double *accelerations, double out[3]) {
-    const double zero[6] = {0};
-    const double *from = s->port[FROM] < 0 ? zero : accelerations + 6 * s->port[FROM];
-    const double *to = s->port[TO] < 0 ? zero : accelerations + 6 * s->port[TO];
-    const double *w = motion_of(s, FROM, ports)->angular_velocity;
-    double euler[3], turning[3], apparent[3], a[3];
+    double ends[2][6] = {{0}}, none[3], euler[3], turning[3], apparent[3], a[3];
+    for (int end = FROM; end <= TO; ++end) { /* a + alpha x arm + w x (w x arm) */
+        if (s->port[end] < 0) continue;
+        const double *w = bodies[s->body[end]].angular_velocity;
+        memcpy(ends[end], accelerations + 6 * s->body[end], sizeof ends[end]);
+        cross(ends[end] + 3, v->arms[end], euler);
+        cross(w, v->arms[end], turning);
+        cross(w, turning, apparent);
+        for (int i = 0; i < 3; ++i) ends[end][i] += euler[i] + apparent[i];
+    }
+    const double *from = ends[FROM], *to = ends[TO];
+    const dttmm_motion motion = motion_of(s, FROM, bodies, none);
+    const double *w = motion.angular_velocity;
     cross(from + 3, v->arm, euler);
     cross(w, v->arm, turning);
     for (int i = 0; i < 3; ++i) turning[i] += 2 * v->velocity[i];
@@ -365,16 +413,16 @@ static void settle(dttmm_instance *s, const struct view *now) {
     s->phase = BETWEEN_STEPS;
 }
 
-static dttmm_status start(dttmm_instance *s, const dttmm_step *step, const dttmm_motion *ports, const double *accelerations,
+static dttmm_status start(dttmm_instance *s, const dttmm_step *step, const dttmm_motion *bodies, const double *accelerations,
                           const double *loads, dttmm_error *error) {
     (void)loads;
     if (s->phase == IN_STEP) return fail(error, DTTMM_ERROR_PHASE, -1, "start: a step is open");
     if (!(step->size > 0) || isinf(step->size)) return fail(error, DTTMM_ERROR_ARGUMENT, -1, "start: no positive step");
     const double h = step->size, b = s->elastic[0], g = s->rate[0];
-    const struct view v = look(s, ports);
+    const struct view v = look(s, bodies);
     double rate[3], acceleration[3];
     to_local(v.axes, v.velocity, rate);
-    deformation_acceleration(s, &v, ports, accelerations, acceleration);
+    deformation_acceleration(s, &v, bodies, accelerations, acceleration);
     s->memory = (struct memory){.h = h, .last_loss = NAN};
     memcpy(s->memory.rate, rate, sizeof rate);
     for (int back = 0; back < 4; ++back)               /* the past before the start is the parabola through it */
@@ -415,14 +463,13 @@ static dttmm_status evaluate(const dttmm_instance *s, const dttmm_motion *trial,
         const struct push rates = push_of(&next, f);
         add_push(&push, 1, &rates);
         add_push(&push, s->even[0], &end);
-        if (stiffness) write_stiffness(s, &next, m->now.arms, gain, acting, stiffness);
+        if (stiffness) write_stiffness(s, &next, gain, acting, stiffness);
     } else if (stiffness) { /* the trial is not looked at */
-        memset(stiffness, 0, wrench_size(s) * wrench_size(s) * sizeof *stiffness);
+        memset(stiffness, 0, 36 * s->block_count * sizeof *stiffness);
     }
     add_push(&push, s->even[1], &m->elastic[0]);
     add_push(&push, s->even[2], &m->elastic[1]);
-    memset(wrench, 0, wrench_size(s) * sizeof *wrench);
-    add_wrenches(s, &push, m->now.arms, wrench, 1);
+    write_wrenches(s, &push, wrench);
     return DTTMM_OK;
 }
 
@@ -485,20 +532,18 @@ static dttmm_status mean_wrench(dttmm_instance *s, double *wrench, dttmm_error *
     struct push push = push_of(&m->before, f);
     add_push(&push, 0.5, &m->elastic[0]);
     add_push(&push, 0.5, &m->elastic[1]);
-    memset(wrench, 0, wrench_size(s) * sizeof *wrench);
-    add_wrenches(s, &push, m->before.arms, wrench, 1);
+    write_wrenches(s, &push, wrench);
     return DTTMM_OK;
 }
 
-static dttmm_status stand(dttmm_instance *s, const dttmm_motion *ports, double *wrench, dttmm_error *error) {
+static dttmm_status stand(dttmm_instance *s, const dttmm_motion *bodies, double *wrench, dttmm_error *error) {
     if (isnan(s->memory.last_loss)) return fail(error, DTTMM_ERROR_PHASE, -1, "stand: no step has been committed");
-    const struct view v = look(s, ports);
+    const struct view v = look(s, bodies);
     to_local(v.axes, v.velocity, s->memory.rate);
     double f[3];
     for (int i = 0; i < 3; ++i) f[i] = s->k[i] * v.d[i] + s->c[i] * s->memory.rate[i];
     const struct push push = push_of(&v, f);
-    memset(wrench, 0, wrench_size(s) * sizeof *wrench);
-    add_wrenches(s, &push, v.arms, wrench, 1);
+    write_wrenches(s, &push, wrench);
     return DTTMM_OK;
 }
 
@@ -527,20 +572,26 @@ static dttmm_status outputs(const dttmm_instance *s, double *values, dttmm_error
 
 /* ---- The table and the one exported symbol ---- */
 
+static const dttmm_block *blocks(const dttmm_instance *s, uint32_t *count) {
+    *count = s->block_count;
+    return s->blocks;
+}
+
+static const void *extension(const char *name) {
+    static const dttmm_state_table state = {sizeof(dttmm_state_table), state_size, save_state, restore_state};
+    return strcmp(name, DTTMM_STATE) == 0 ? &state : NULL;
+}
+
 static const dttmm_plugin table = {
     sizeof(dttmm_plugin), DTTMM_PLUGIN_MAJOR, DTTMM_PLUGIN_MINOR,
     "independent spring",     "1.0",              1,
     types,                create,             destroy,
-    linearise,            start,              begin_step,
-    evaluate,             commit_step,        discard_step,
-    is_implicit,          load_weights,       state_size,
-    save_state,           restore_state,      channel_count,
-    channels,             outputs,
-    NULL,                 NULL,               NULL, /* no modes, nothing to expect */
-    NULL,                 NULL,               NULL,
-    NULL,                 NULL,
+    blocks,               linearise,          start,
+    begin_step,           evaluate,           commit_step,
+    discard_step,         is_implicit,        load_weights,
+    channel_count,        channels,           outputs,
+    extension,            NULL, /* nothing to expect */
     mean_wrench,          stand,              NULL,
-    NULL,
 };
 
 const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major) { return host_major == DTTMM_PLUGIN_MAJOR ? &table : NULL; }

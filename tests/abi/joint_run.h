@@ -68,19 +68,30 @@ public:
         : table_(table) {
         const EndMotion motions[] = {EndMotion(0), EndMotion(1)};
         dttmm_node nodes[2]{};
+        dttmm_body bodies[2]{};
         for (int end : {0, 1}) {
             const bool moves = end == 0 ? ends.from_moves : ends.to_moves;
             const dttmm_motion at = motions[end].at(0);
-            nodes[end] = {end == 0 ? "from" : "to", moves ? DTTMM_NODE_PORT : DTTMM_NODE_GROUND, {}, {}, 0, 0, {}, {}, {}};
+            const auto body = static_cast<uint32_t>(ports_.size());
+            nodes[end] = {
+                end == 0 ? "from" : "to", moves ? DTTMM_NODE_ON_BODY : DTTMM_NODE_GROUND, body, {}, {}, 0, 0, {}, {}};
             std::memcpy(nodes[end].position, at.position, sizeof at.position);
             std::memcpy(nodes[end].rotation, at.rotation, sizeof at.rotation);
-            if (moves) ports_.push_back(motions[end]);
-            const double arm[3] = {0.03 - 0.1 * end, 0.07, -0.05 + 0.02 * end};
-            if (moves) std::memcpy(nodes[end].arm, arm, sizeof arm);
+            if (!moves) continue;
+            bodies[body] = {nodes[end].name, {}, {}, 1, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+            std::memcpy(bodies[body].position, at.position, sizeof at.position);
+            std::memcpy(bodies[body].rotation, at.rotation, sizeof at.rotation);
+            ports_.push_back(motions[end]);
+            // Off the centre of mass, its axes turned
+            Eigen::Map<Eigen::Vector3d>{nodes[end].position} +=
+                Eigen::Map<const RowMajor3>(at.rotation) * Eigen::Vector3d(-0.03 + 0.1 * end, -0.07, 0.05 - 0.02 * end);
+            Eigen::Map<RowMajor3> axes(nodes[end].rotation);
+            axes = (axes * Eigen::AngleAxisd(0.6 - end, Eigen::Vector3d(0.4, 0.5, -0.7).normalized())).eval();
         }
         const uint32_t from_to[] = {0, 1};
         const dttmm_element element{"joint", type, 2, from_to, values.data()};
-        const dttmm_network network{2, nodes, 1, &element, scheme, 0.27, 0.53, {}};
+        const dttmm_network network{
+            static_cast<uint32_t>(ports_.size()), bodies, 2, nodes, 1, &element, scheme, 0.27, 0.53, {}, nullptr};
         check(table_.create(&network, &instance_, &error_));
         start();
     }
@@ -139,8 +150,9 @@ private:
         return at;
     }
     Answer make_answer() const {
-        const size_t n = 6 * ports_.size();
-        return {std::vector<double>(n), std::vector<double>(n * n), {}, {}, {}};
+        uint32_t count = 0;
+        table_.blocks(instance_, &count);
+        return {std::vector<double>(6 * ports_.size()), std::vector<double>(36 * size_t{count}), {}, {}, {}};
     }
     void check(dttmm_status status) { ASSERT_EQ(status, DTTMM_OK) << error_.text; }
 

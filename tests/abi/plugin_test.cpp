@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "dttmm_plugin.h"  // first, so that it must stand alone
 
+#include "dttmm_laws.h"
+#include "dttmm_response.h"
+#include "dttmm_state.h"
+//
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,7 +15,7 @@
 #include "support/paths.h"
 #include "support/spring_values.h"
 
-extern "C" const size_t dttmm_layout_in_c[12];
+extern "C" const size_t dttmm_layout_in_c[18];
 
 namespace dttmm::test {
 namespace {
@@ -19,6 +23,7 @@ namespace {
 using testing::HasSubstr;
 
 const dttmm_plugin& table() { return *dttmm_plugin_entry(DTTMM_PLUGIN_MAJOR); }
+const dttmm_state_table& saver() { return *static_cast<const dttmm_state_table*>(table().extension(DTTMM_STATE)); }
 
 //                               stiffness           damping         rotational stiffness   rotational damping
 const std::vector<double> kUgly = spring_values({5e5, 7.3e6, 1.2e4, 100, 0.7, 330, 2e3, 8.1e4, 300, 5, 0.01, 90});
@@ -38,6 +43,12 @@ TEST(Plugin, TheInterfaceHasOneLayoutInCAndCpp) {
         sizeof(dttmm_plugin),
         offsetof(dttmm_plugin, outputs),
         offsetof(dttmm_network, gravity),
+        sizeof(dttmm_body),
+        sizeof(dttmm_modal_model),
+        sizeof(dttmm_modal_table),
+        sizeof(dttmm_response_table),
+        sizeof(dttmm_state_table),
+        sizeof(dttmm_laws_table),
     };
     EXPECT_THAT(layout, testing::ElementsAreArray(dttmm_layout_in_c));
     EXPECT_EQ(sizeof(dttmm_error), 512u);
@@ -80,20 +91,22 @@ TEST(Plugin, TheTableIsWhole) {
 
 // ---- Errors -------------------------------------------------------------------------------------------------------------
 
-/// A network of two elements, the second between nodes `from` and `to`; 0 is the ground, 1 and 2 are ports.
+/// A network of two elements, the second between nodes `from` and `to`; 0 is the ground, 1 and 2 are on bodies.
 struct Refusal {
     dttmm_status status;
     dttmm_error error{};
     dttmm_instance* instance;
 };
-Refusal create_pair(uint32_t from, uint32_t to, const double* values, const char* name = "port") {
+Refusal create_pair(uint32_t from, uint32_t to, const double* values, const char* name = "place") {
     const dttmm_node nodes[] = {
-        {"ground", DTTMM_NODE_GROUND, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}, {}},
-        {name, DTTMM_NODE_PORT, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}, {}},
-        {"other port", DTTMM_NODE_PORT, {}, {1, 0, 0, 0, 1, 0, 0, 0, name[0] == 'p' ? 1. : 2.}, 0, 0, {}, {}, {}}};
+        {"ground", DTTMM_NODE_GROUND, 0, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}},
+        {name, DTTMM_NODE_ON_BODY, 0, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}},
+        {"other place", DTTMM_NODE_ON_BODY, 1, {}, {1, 0, 0, 0, 1, 0, 0, 0, name[0] == 'p' ? 1. : 2.}, 0, 0, {}, {}}};
+    const dttmm_body bodies[] = {{"one", {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 1, {1, 0, 0, 0, 1, 0, 0, 0, 1}},
+                                 {"two", {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 1, {1, 0, 0, 0, 1, 0, 0, 0, 1}}};
     const uint32_t first_ends[] = {0, 1}, second_ends[] = {from, to};
     const dttmm_element elements[] = {{"good", 0, 2, first_ends, kUgly.data()}, {"second", 0, 2, second_ends, values}};
-    const dttmm_network network{3, nodes, 2, elements, DTTMM_SCHEME_CENTRED, 0.25, 0.5, {}};
+    const dttmm_network network{2, bodies, 3, nodes, 2, elements, DTTMM_SCHEME_CENTRED, 0.25, 0.5, {}, nullptr};
     Refusal refusal{DTTMM_OK, {}, reinterpret_cast<dttmm_instance*>(0x5a5a)};  // what was there before
     refusal.status = table().create(&network, &refusal.instance, &refusal.error);
     return refusal;
@@ -120,7 +133,7 @@ TEST(Plugin, ARefusedNetworkIsStatusTextElementAndNoInstance) {
 }
 
 TEST(Plugin, NullIsRefusedWhereANetworkIsWanted) {
-    const dttmm_network hollow{2, nullptr, 1, nullptr, DTTMM_SCHEME_CENTRED, 0.25, 0.5, {}};
+    const dttmm_network hollow{1, nullptr, 2, nullptr, 1, nullptr, DTTMM_SCHEME_CENTRED, 0.25, 0.5, {}, nullptr};
     for (const dttmm_network* network : {static_cast<const dttmm_network*>(nullptr), &hollow}) {
         auto* instance = reinterpret_cast<dttmm_instance*>(0x5a5a);
         dttmm_error error{7, "unwritten"};
@@ -136,10 +149,10 @@ TEST(Plugin, ALongTextIsCutBetweenCharacters) {
     for (const char* shift : {"", "x"}) {
         std::string name = shift;
         for (int i = 0; i < 400; ++i) name += "ö";
-        dttmm_node node{name.c_str(), 99, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}, {}};
+        dttmm_node node{name.c_str(), 99, 0, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}};
         const uint32_t ends[] = {0, 0};
         const dttmm_element element{"joint", 0, 2, ends, kUgly.data()};
-        const dttmm_network network{1, &node, 1, &element, DTTMM_SCHEME_CENTRED, 0.25, 0.5, {}};
+        const dttmm_network network{0, nullptr, 1, &node, 1, &element, DTTMM_SCHEME_CENTRED, 0.25, 0.5, {}, nullptr};
         dttmm_instance* instance = nullptr;
         dttmm_error error;
         std::memset(&error, 'z', sizeof error);
@@ -177,22 +190,21 @@ TEST(Plugin, NothingCanBeDestroyed) { table().destroy(nullptr); }
 TEST(Plugin, AStateOfAnotherSizeIsRefusedAndChangesNothing) {
     JointRun joint(table(), 0, kUgly, DTTMM_SCHEME_CENTRED, {true, true}),
         twin(table(), 0, kUgly, DTTMM_SCHEME_CENTRED, {true, true});
-    const size_t size = table().state_size(joint.instance());
+    const size_t size = saver().state_size(joint.instance());
     std::vector<unsigned char> state(size + 1, 0xa5);
     dttmm_error error{};
     for (size_t wrong : {size_t{0}, size - 1, size + 1}) {
-        EXPECT_EQ(table().save_state(joint.instance(), state.data(), wrong, &error), DTTMM_ERROR_ARGUMENT);
+        EXPECT_EQ(saver().save(joint.instance(), state.data(), wrong, &error), DTTMM_ERROR_ARGUMENT);
         EXPECT_THAT(error.text, HasSubstr(std::to_string(wrong)));
-        EXPECT_EQ(table().restore_state(joint.instance(), state.data(), wrong, &error), DTTMM_ERROR_ARGUMENT);
+        EXPECT_EQ(saver().restore(joint.instance(), state.data(), wrong, &error), DTTMM_ERROR_ARGUMENT);
     }
     EXPECT_EQ(state, std::vector<unsigned char>(size + 1, 0xa5)) << "nothing was written";
 
     JointRun other(table(), 0, kUgly, DTTMM_SCHEME_CENTRED, {true, false});
-    std::vector<unsigned char> foreign(table().state_size(other.instance()));
-    ASSERT_EQ(table().save_state(other.instance(), foreign.data(), foreign.size(), &error), DTTMM_OK);
-    EXPECT_EQ(table().restore_state(joint.instance(), foreign.data(), foreign.size(), &error), DTTMM_ERROR_ARGUMENT);
-    EXPECT_EQ(table().restore_state(joint.instance(), state.data(), size, &error), DTTMM_ERROR_ARGUMENT)
-        << "bytes of no run";
+    std::vector<unsigned char> foreign(saver().state_size(other.instance()));
+    ASSERT_EQ(saver().save(other.instance(), foreign.data(), foreign.size(), &error), DTTMM_OK);
+    EXPECT_EQ(saver().restore(joint.instance(), foreign.data(), foreign.size(), &error), DTTMM_ERROR_ARGUMENT);
+    EXPECT_EQ(saver().restore(joint.instance(), state.data(), size, &error), DTTMM_ERROR_ARGUMENT) << "bytes of no run";
     EXPECT_EQ(joint.step(0), twin.step(0));
 }
 

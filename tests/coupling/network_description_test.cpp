@@ -16,7 +16,7 @@ using testing::HasSubstr;
 
 constexpr Attachment at_node(int node) { return {-1, -1, node}; }
 
-/// Two bodies and five nodes. Networks: bolt | left … right through nodes 0, 1, 2, found in pieces | spare.
+/// Two bodies and five nodes.
 Model machine(const Plugins& plugins) {
     Model model;
     model.simulation.gravity = {1, 2, -9};
@@ -39,20 +39,21 @@ Model machine(const Plugins& plugins) {
     return model;
 }
 
-TEST(NetworkDescription, ElementsThatShareANodeAreOneNetwork) {
+TEST(NetworkDescription, EveryPluginHasItsElements) {
     const Plugins plugins = test::chain_plugins();
-    EXPECT_THAT(split_into_networks(machine(plugins)),
-                ElementsAre(ElementsAre(0, 2, 4, 5, 6), ElementsAre(1), ElementsAre(3, 7)));
-    EXPECT_TRUE(split_into_networks(Model{}).empty());
+    Model model = machine(plugins);
+    model.elements.insert(model.elements.begin() + 1, test::spring("other", plugins, {0, 0}, {1, -1}, 1, 0));
+    EXPECT_THAT(split_by_plugin(model, plugins), ElementsAre(ElementsAre(0, 2, 3, 4, 5, 6, 7, 8), ElementsAre(1)));
+    EXPECT_TRUE(split_by_plugin(Model{}, plugins).empty());
 }
 
 // Oracle: the interface's own words, place by place.
-TEST(NetworkDescription, NodesPortsAndElementsAreToldAsTheModelHasThem) {
+TEST(NetworkDescription, BodiesNodesAndElementsAreAsTheModelHasThem) {
     const Plugins plugins = test::chain_plugins();
     const Model model = machine(plugins);
     const NetworkDescription description(model, plugins, {0, 2, 4, 5, 6});
     const dttmm_network network = description.network();
-    // In the order in which the elements name them; a place on a body is one port however many elements are on it
+    // In the order in which the elements name them; a place on a body is one node however many elements are on it
     std::vector<std::string> names;
     std::vector<uint32_t> kinds;
     for (uint32_t n = 0; n < network.node_count; ++n) {
@@ -60,11 +61,19 @@ TEST(NetworkDescription, NodesPortsAndElementsAreToldAsTheModelHasThem) {
         kinds.push_back(network.nodes[n].kind);
     }
     EXPECT_THAT(names, ElementsAre("first.hand", "n0", "n2", "second", "n1", "ground"));
-    EXPECT_THAT(kinds, ElementsAre(DTTMM_NODE_PORT, DTTMM_NODE_INNER, DTTMM_NODE_INNER, DTTMM_NODE_PORT, DTTMM_NODE_INNER,
-                                   DTTMM_NODE_GROUND));
-    ASSERT_EQ(description.ports().size(), 2u);
-    EXPECT_EQ(description.ports()[0].at, (Attachment{0, 1, -1}));
-    EXPECT_EQ(description.ports()[1].at, (Attachment{1, -1, -1}));
+    EXPECT_THAT(kinds, ElementsAre(DTTMM_NODE_ON_BODY, DTTMM_NODE_INNER, DTTMM_NODE_INNER, DTTMM_NODE_ON_BODY,
+                                   DTTMM_NODE_INNER, DTTMM_NODE_GROUND));
+    EXPECT_EQ(network.nodes[0].body, 0u);
+    EXPECT_EQ(network.nodes[3].body, 1u);
+    ASSERT_EQ(network.body_count, 2u);
+    EXPECT_STREQ(network.bodies[1].name, "second");
+    EXPECT_EQ(network.bodies[1].mass, model.bodies[1].mass);
+    const Body& turned_body = model.bodies[0];
+    EXPECT_LT((Eigen::Map<const Eigen::Vector3d>(network.bodies[0].position) - turned_body.position -
+               turned_body.rotation * turned_body.center_of_mass)
+                  .norm(),
+              1e-15);
+    EXPECT_EQ(network.bodies[0].rotation[1], turned_body.rotation(0, 1)) << "row-major";
     EXPECT_THAT(description.inner_nodes(), ElementsAre(0, 2, 1));
 
     ASSERT_EQ(network.element_count, 5u);
@@ -110,7 +119,7 @@ TEST(NetworkDescription, TwoPluginsInOneNetworkAreRefusedByName) {
     } catch (const Error& error) {
         EXPECT_EQ(error.code(), ExitCode::model_invalid);
         EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("machine.toml:77:1: element \"intruder\" (plugin built in)"),
-                                                 HasSubstr("element \"left\" (plugin " + test::paths::chain() + ")")));
+                                                 HasSubstr("element \"right\" (plugin " + test::paths::chain() + ")")));
     }
 }
 
@@ -118,13 +127,11 @@ TEST(Networks, BodiesOfANetworkAreNeighboursHoweverFarApartOnIt) {
     const Plugins plugins = test::chain_plugins();
     const Networks networks(machine(plugins), plugins);
     EXPECT_THAT(networks.neighbours(), ElementsAre(std::pair<int, int>{1, 0}));
-    EXPECT_EQ(networks.instances().size(), 3u);
-    EXPECT_EQ(networks.name(0), "network of element \"left\"");
-    EXPECT_EQ(networks.name(1), "bolt");
-    EXPECT_EQ(networks.instances()[1].label(), "element \"bolt\"");
+    EXPECT_EQ(networks.instances().size(), 1u);
+    EXPECT_EQ(networks.instances()[0].name(), "elements of plugin " + test::paths::chain());
 }
 
-// What the plugin refuses is told with the place of the element it blames, or of the first of the network.
+// What the plugin refuses is told with the place of the element it blames, or that of the model.
 TEST(Networks, ARefusalNamesThePlaceOfTheElementThatIsBlamed) {
     const Plugins plugins = test::chain_plugins();
     const auto refusal = [&](const Model& model) -> std::string {
@@ -137,13 +144,13 @@ TEST(Networks, ARefusalNamesThePlaceOfTheElementThatIsBlamed) {
         return "no refusal";
     };
     Model model = machine(plugins);
+    model.path = "machine.toml";
     for (Element& element : model.elements) element.place = "machine.toml: " + element.name;
     Model unlucky = model, massless = model;
     unlucky.elements[4].values[0] = 13;
     EXPECT_THAT(refusal(unlucky), testing::StartsWith("machine.toml: masses: element \"masses\" (plugin "));
     massless.elements[4].ends.pop_back();
-    EXPECT_THAT(refusal(massless), testing::StartsWith("machine.toml: right: network of element \"right\" (plugin "))
-        << "node 2 hangs together with the others by its mass alone";
+    EXPECT_THAT(refusal(massless), testing::StartsWith("machine.toml: plugin " + test::paths::chain() + ": a node has"));
 }
 
 }  // namespace

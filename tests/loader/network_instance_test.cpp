@@ -12,14 +12,16 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr dttmm_node kNodes[] = {{"ground", DTTMM_NODE_GROUND, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}, {}},
-                                 {"mass", DTTMM_NODE_PORT, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}, {}}};
+constexpr dttmm_node kNodes[] = {{"ground", DTTMM_NODE_GROUND, 0, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}},
+                                 {"mass", DTTMM_NODE_ON_BODY, 0, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}}};
+constexpr dttmm_body kMass = {"mass", {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 1, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
 
 /// One element "joint" between the ground and a port, in the plugin with this fault; `number` is its one parameter.
 NetworkInstance make_joint(const std::string& fault, double number = 0) {
     const uint32_t from_to[] = {0, 1};
     const dttmm_element joint{"joint", 0, 2, from_to, &number};
-    return {PluginLibrary::load(faulty_plugin(fault)), {2, kNodes, 1, &joint, DTTMM_SCHEME_CENTRED, 0.25, 0.5, {}}};
+    return {PluginLibrary::load(faulty_plugin(fault)),
+            {1, &kMass, 2, kNodes, 1, &joint, DTTMM_SCHEME_CENTRED, 0.25, 0.5, {}, nullptr}};
 }
 
 void expect_step_fails(const std::string& fault, uint64_t index, ExitCode code, const std::string& text) {
@@ -30,10 +32,12 @@ void expect_step_fails(const std::string& fault, uint64_t index, ExitCode code, 
     expect_error([&] { joint.evaluate(&port, wrench, nullptr); }, code, HasSubstr(text));
 }
 
-TEST(NetworkInstance, KnowsItsPortsElementsAndChannels) {
+TEST(NetworkInstance, KnowsItsBlocksElementsAndChannels) {
     NetworkInstance first = make_joint("none");
     const NetworkInstance joint = std::move(first);
-    EXPECT_EQ(joint.port_count(), 1);
+    ASSERT_EQ(joint.blocks().size(), 1u);
+    EXPECT_EQ(joint.blocks()[0].row, 0u);
+    EXPECT_EQ(joint.blocks()[0].column, 0u);
     EXPECT_EQ(joint.element_name(0), "joint");
     ASSERT_EQ(joint.channel_count(), 1u);
     EXPECT_STREQ(joint.channel(0).name, "force.x");
@@ -76,7 +80,7 @@ TEST(NetworkInstance, AFailureSaysWhichElementIsBlamed) {
     } catch (const NetworkError& error) {
         EXPECT_EQ(error.element(), 0);
     }
-    EXPECT_EQ(make_joint("none").label(), "element \"joint\"");
+    EXPECT_EQ(make_joint("none").name(), "joint");
 }
 
 TEST(NetworkInstance, AFailingStepSpeaksThePluginsWords) {

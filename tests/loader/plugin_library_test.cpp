@@ -56,13 +56,14 @@ TEST(PluginLibrary, ABareNameIsNotSearchedOnTheLibraryPath) { expect_refused("li
 
 TEST(PluginLibrary, ALibraryThatIsNoPluginOfThisVersionIsRefused) {
     expect_refused(faulty_plugin("no_entry"), "it exports neither dttmm_plugin_entry nor dttmm_law_entry");
-    expect_refused(faulty_plugin("null_table"), "does not support version 1");
-    expect_refused(faulty_plugin("other_major"), "built for version 2");
+    expect_refused(faulty_plugin("null_table"), "does not support version 2");
+    expect_refused(faulty_plugin("other_major"), "built for version 3");
 }
 
 TEST(PluginLibrary, ATableThatIsNotWholeIsRefused) {
-    expect_refused(faulty_plugin("small_table"), "bytes, version 1.0 wants at least");
+    expect_refused(faulty_plugin("small_table"), "bytes, version 2.0 wants at least");
     expect_refused(faulty_plugin("null_function"), "null entry");
+    expect_refused(faulty_plugin("small_extension"), "its table of extension dttmm.modal has 8 bytes, at least ");
     expect_refused(faulty_plugin("null_types"), "list of element types is null");
     for (const char* fault : {"bad_parameter", "bad_words", "bad_default"})
         expect_refused(faulty_plugin(fault), "element type \"faulty\": parameter 0 is not well declared");

@@ -22,12 +22,21 @@ public:
     explicit NetworkModel(uint32_t scheme = DTTMM_SCHEME_CENTRED, double beta = 0.25, double gamma = 0.5)
         : scheme_(scheme), beta_(beta), gamma_(gamma) {
         nodes_.reserve(kMostNodes);  // references to them stay good
+        bodies_.reserve(kMostNodes);
     }
 
+    /// A node on a body has that body at `arm` from it, in its own axes, and with its axes.
     dttmm_node& node(const std::string& name, uint32_t kind, const Eigen::Vector3d& position,
-                     const Eigen::Matrix3d& rotation = Eigen::Matrix3d::Identity()) {
+                     const Eigen::Matrix3d& rotation = Eigen::Matrix3d::Identity(),
+                     const Eigen::Vector3d& arm = Eigen::Vector3d::Zero()) {
         names_.push_back(name);
-        dttmm_node node{names_.back().c_str(), kind, {}, {}, 0, 0, {}, {}, {}};
+        dttmm_node node{names_.back().c_str(), kind, static_cast<uint32_t>(bodies_.size()), {}, {}, 0, 0, {}, {}};
+        if (kind == DTTMM_NODE_ON_BODY) {
+            dttmm_body body{names_.back().c_str(), {}, {}, 1, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+            Eigen::Map<Eigen::Vector3d>{body.position} = position - rotation * arm;
+            Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>{body.rotation} = rotation;
+            bodies_.push_back(body);
+        }
         Eigen::Map<Eigen::Vector3d>{node.position} = position;
         Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>{node.rotation} = rotation;
         if (nodes_.size() == kMostNodes) throw std::length_error("more nodes than a NetworkModel has");
@@ -72,14 +81,17 @@ public:
     void set_gravity(const Eigen::Vector3d& gravity) { gravity_ = gravity; }
 
     dttmm_network description() const {
-        return {static_cast<uint32_t>(nodes_.size()),
+        return {static_cast<uint32_t>(bodies_.size()),
+                bodies_.data(),
+                static_cast<uint32_t>(nodes_.size()),
                 nodes_.data(),
                 static_cast<uint32_t>(elements_.size()),
                 elements_.data(),
                 scheme_,
                 beta_,
                 gamma_,
-                {gravity_.x(), gravity_.y(), gravity_.z()}};
+                {gravity_.x(), gravity_.y(), gravity_.z()},
+                nullptr};
     }
 
     /// Turns and moves everything but the values, nodes that have no axes of their own included.
@@ -93,6 +105,12 @@ public:
             Eigen::Map<RowMajor3> rotation(node.rotation);
             rotation = (turn * rotation).eval();
         }
+        for (dttmm_body& body : bodies_) {
+            Eigen::Map<Eigen::Vector3d> position(body.position);
+            position = (turn * position + way).eval();
+            Eigen::Map<RowMajor3> rotation(body.rotation);
+            rotation = (turn * rotation).eval();
+        }
         gravity_ = (turn * gravity_).eval();
     }
 
@@ -103,6 +121,7 @@ private:
     Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();
     std::deque<std::string> names_;
     std::map<std::string, uint32_t> index_;
+    std::vector<dttmm_body> bodies_;
     std::vector<dttmm_node> nodes_;
     std::deque<std::vector<double>> numbers_;
     std::deque<std::vector<uint32_t>> ends_;

@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/rotation.h"
 #include "support/adaptive_ode.h"
+#include "support/dense_network.h"
 #include "support/exact_network.h"
 #include "support/linear_algebra.h"
 #include "support/network_model.h"
@@ -19,11 +20,13 @@
 namespace dttmm::plugin {
 namespace {
 
+using test::DenseNetwork;
+
 using test::NetworkModel;
 using test::tube;
 using ::testing::HasSubstr;
 
-constexpr uint32_t kGround = DTTMM_NODE_GROUND, kInner = DTTMM_NODE_INNER, kPort = DTTMM_NODE_PORT;
+constexpr uint32_t kGround = DTTMM_NODE_GROUND, kInner = DTTMM_NODE_INNER, kPort = DTTMM_NODE_ON_BODY;
 constexpr double kRigid = std::numeric_limits<double>::infinity();
 
 Vector3 vec(double x, double y, double z) { return {x, y, z}; }
@@ -72,11 +75,11 @@ public:
         return sum;
     }
     double energy() const { return role(DTTMM_ROLE_STRAIN_ENERGY) + role(DTTMM_ROLE_KINETIC_ENERGY); }
-    Network& network() { return network_; }
-    const Network& network() const { return network_; }
+    DenseNetwork& network() { return network_; }
+    const DenseNetwork& network() const { return network_; }
 
 private:
-    Network network_;
+    DenseNetwork network_;
     double h_;
     uint64_t n_ = 0;
     Load load_;
@@ -834,7 +837,7 @@ TEST(Interior, ABeamOnASpinningHubIsStretchedByItsOwnWeight) {
     NetworkModel::Values values = tube(30, 4e-3);
     values["material.E"] = {E};
     model.element("beam", "beam", {"hub", "tip"}, values);
-    Network network(model.description());
+    DenseNetwork network(model.description());
     const double T = 1.5;               // spun up within
     const auto angle = [&](double t) {  // of the rate spin (3 s² − 2 s³)
         const double s = std::min(t / T, 1.0);
@@ -916,7 +919,7 @@ double flap_frequency(double spin) {
     values["material.E"] = {20e9};
     values["theory"] = {0};
     model.element("beam", "beam", {"hub", "tip"}, values);
-    Network network(model.description());
+    DenseNetwork network(model.description());
     const auto hub = [&](double t) {
         dttmm_motion motion{};
         Eigen::Map<RowMajor3>{motion.rotation} = rotation_from_vector(vec(0, 0, std::remainder(spin * t, 2 * M_PI)));
@@ -994,7 +997,7 @@ struct Bridge {
     static constexpr double h = 3e-4;
     NetworkModel model = make_bridge();
     dttmm_network description = model.description();
-    Network network{description};
+    DenseNetwork network{description};
     uint64_t n = 0;
 
     Bridge() {
@@ -1212,7 +1215,7 @@ TEST(Interior, ALoopInsideIsSolved) {
 
 std::string refusal(const NetworkModel& model, int element) {
     try {
-        Network network(model.description());
+        DenseNetwork network(model.description());
     } catch (const Error& error) {
         EXPECT_EQ(error.status(), DTTMM_ERROR_MODEL) << error.what();
         EXPECT_EQ(error.element(), element) << error.what();
@@ -1273,7 +1276,7 @@ TEST(Interior, ASpringInsideTurnedTooFarIsNamed) {
 
 /// What start says to velocities that contradict each other; `ports` in the order of the nodes.
 std::string refusal_at_start(const NetworkModel& model, int element, const std::vector<dttmm_motion>& ports = {}) {
-    Network network(model.description());
+    DenseNetwork network(model.description());
     const std::vector<double> accelerations(6 * ports.size(), 0.0);
     try {
         network.start({0, 0, 1e-3}, ports.data(), accelerations.data(), nullptr);
@@ -1366,7 +1369,7 @@ TEST(Interior, ABeamIsSolvedTwicePerStepHoweverFinelyDivided) {
         model.node("wall", kGround, vec(0, 0, 0));
         model.node("body", kPort, vec(1.2, 0, 0));
         model.element("beam", "beam", {"wall", "body"}, tube(segments));
-        Network network(model.description());
+        DenseNetwork network(model.description());
         // Where the body is expected, as a host comes to find it
         const auto body = [&](uint64_t n, double off) {
             const double phase = omega * static_cast<double>(n) * h;
@@ -1400,7 +1403,7 @@ TEST(Interior, ABeamIsSolvedTwicePerStepHoweverFinelyDivided) {
 TEST(Interior, AStartVelocityThatAMovingPortForbidsIsRefused) {
     const auto start_at = [](const Vector3& v) {
         NetworkModel model;
-        dttmm_node& body = model.node("body", kPort, vec(0, 0, 0), kTurned);
+        const dttmm_node& body = model.node("body", kPort, vec(0, 0, 0), kTurned);
         set_velocity(model.node("bob", kInner, vec(0, 0, 0)), v);
         model.element("hinge", "elastic_hinge", {"body", "bob"}, {});
         model.element("bob", "rigid_body", {"bob"}, kBlock);
@@ -1478,7 +1481,7 @@ std::string divergence(const Vector3& v, const Vector3& w, double h, const Matri
     model.element("beside", "spring_damper", {"post", "bob"}, {});
     model.element("bob", "rigid_body", {"bob"},
                   {{"mass", {1.3}}, {"inertia.xx", {0.1}}, {"inertia.yy", {0.1}}, {"inertia.zz", {0.1}}});
-    Network network(model.description());
+    DenseNetwork network(model.description());
     network.start({0, 0, h}, nullptr, nullptr, nullptr);
     std::vector<char> before(network.state_size()), after = before;
     network.save_state(before.data(), before.size());

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "law/registry.h"
+#include "support/dense_network.h"
 #include "support/network_model.h"
 #include "time/network.h"
 
@@ -37,9 +38,9 @@ TEST(LawMemory, IsSavedAndRestored) {
             if (std::string_view(one.name) == "test_slider") word = one.value;
     NetworkModel model;
     model.node("ground", DTTMM_NODE_GROUND, {0, 0, 0});
-    model.node("p", DTTMM_NODE_PORT, {0, 0, 0});
+    model.node("p", DTTMM_NODE_ON_BODY, {0, 0, 0});
     model.element("pad", "spring_damper", {"ground", "p"}, {{"z.law", {word}}});
-    Network network(model.description());
+    test::DenseNetwork network(model.description());
     dttmm_motion at{};
     Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>{at.rotation}.setIdentity();
     const double accelerations[6] = {};
@@ -64,7 +65,7 @@ TEST(LawMemory, IsSavedAndRestored) {
     for (double z : {2e-3, 1e-3, 4e-3, 0.0}) second.push_back(go(z));
     EXPECT_EQ(first, second);
     // The memory counts: a virgin network does something else there
-    Network virgin(model.description());
+    test::DenseNetwork virgin(model.description());
     EXPECT_EQ(virgin.state_size(), network.state_size());
     EXPECT_NE(first[0][2], first[3][2]);
 }

@@ -10,10 +10,13 @@
 
 #include "core/error.h"
 #include "core/rotation.h"
+#include "support/dense_network.h"
 #include "support/spring_values.h"
 
 namespace dttmm::plugin {
 namespace {
+
+using test::DenseNetwork;
 
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using RowMajorX = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -54,29 +57,41 @@ const Frame kRight{Vector3(0.7, 0.25, -0.3), rotation_from_vector(Vector3(-1.1, 
 
 constexpr uint32_t kFromTo[] = {0, 1};
 
-dttmm_node node(const char* name, uint32_t kind, const Frame& frame) {
-    dttmm_node n{name, kind, {}, {}, 0, 0, {}, {}, {}};
+dttmm_node node(const char* name, uint32_t kind, const Frame& frame, uint32_t body = 0) {
+    dttmm_node n{name, kind, body, {}, {}, 0, 0, {}, {}};
     Eigen::Map<Vector3>{n.position} = frame.position;
     Eigen::Map<RowMajor3>{n.rotation} = frame.rotation;
     return n;
 }
 
+/// A body with its centre of mass at a node.
+dttmm_body body(const dttmm_node& node) {
+    dttmm_body b{node.name, {}, {}, 1, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    std::copy_n(node.position, 3, b.position);
+    std::copy_n(node.rotation, 9, b.rotation);
+    return b;
+}
+
 /// A network of up to three nodes and two elements, the description kept alive for the call of the constructor only.
-Network make_network(uint32_t scheme, bool grounded_left, const Values& values = kUgly, Centred centred = {}) {
-    const dttmm_node nodes[] = {node("left", grounded_left ? DTTMM_NODE_GROUND : DTTMM_NODE_PORT, kLeft),
-                                node("right", DTTMM_NODE_PORT, kRight)};
+DenseNetwork make_network(uint32_t scheme, bool grounded_left, const Values& values = kUgly, Centred centred = {}) {
+    const dttmm_node nodes[] = {node("left", grounded_left ? DTTMM_NODE_GROUND : DTTMM_NODE_ON_BODY, kLeft),
+                                node("right", DTTMM_NODE_ON_BODY, kRight, grounded_left ? 0 : 1)};
+    const dttmm_body bodies[] = {body(nodes[0]), body(nodes[1])};
     const dttmm_element elements[] = {{"joint", 0, 2, kFromTo, values.data()}};
-    return Network({2, nodes, 1, elements, scheme, centred.beta, centred.gamma, {}});
+    const uint32_t count = grounded_left ? 1 : 2;
+    return DenseNetwork(
+        {count, bodies + 2 - count, 2, nodes, 1, elements, scheme, centred.beta, centred.gamma, {}, nullptr});
 }
 
 /// Two parallel elements, the second the other way round: three ports, two elements, so that a swapped index shows.
-Network make_pair(uint32_t scheme, const Values& first = kUgly, const Values& second = kSoft) {
+DenseNetwork make_pair(uint32_t scheme, const Values& first = kUgly, const Values& second = kSoft) {
     const Frame third{Vector3(-0.2, 0.1, 0.9), rotation_from_vector(Vector3(0.1, 0.2, 0.3))};
-    const dttmm_node nodes[] = {node("left", DTTMM_NODE_PORT, kLeft), node("right", DTTMM_NODE_PORT, kRight),
-                                node("third", DTTMM_NODE_PORT, third)};
+    const dttmm_node nodes[] = {node("left", DTTMM_NODE_ON_BODY, kLeft), node("right", DTTMM_NODE_ON_BODY, kRight, 1),
+                                node("third", DTTMM_NODE_ON_BODY, third, 2)};
+    const dttmm_body bodies[] = {body(nodes[0]), body(nodes[1]), body(nodes[2])};
     const uint32_t third_to_right[] = {2, 1};
     const dttmm_element elements[] = {{"a", 0, 2, kFromTo, first.data()}, {"b", 0, 2, third_to_right, second.data()}};
-    return Network({3, nodes, 2, elements, scheme, 0.25, 0.5, {}});
+    return DenseNetwork({3, bodies, 3, nodes, 2, elements, scheme, 0.25, 0.5, {}, nullptr});
 }
 
 /// The deformation by definition, written anew: the `to` end in the axes of the `from` end, less the same at rest.
@@ -126,7 +141,7 @@ dttmm_status status_of(const std::function<void()>& call) {
 
 // Oracle: f = k d + c d' with d' by central difference of the deformation along the motion; force on `to` is −R_from f.
 TEST(Network, LinearisedWrenchIsTheForceLaw) {
-    const Network network = make_network(DTTMM_SCHEME_CENTRED, false);
+    const DenseNetwork network = make_network(DTTMM_SCHEME_CENTRED, false);
     const Frame left = kLeft.displaced((Vector6() << 0.01, -0.02, 0.03, 0.04, -0.05, 0.06).finished()), right = kRight;
     const double e = 1e-5;
     const Vector6 rate =
@@ -146,7 +161,7 @@ TEST(Network, LinearisedWrenchIsTheForceLaw) {
 
 // Oracle: central differences of the wrench by pose and by velocity, port by port; their error is about 1e-9.
 TEST(Network, LinearisedStiffnessAndDampingAreDerivativesOfTheWrench) {
-    const Network network = make_network(DTTMM_SCHEME_CENTRED, false, kUgly);
+    const DenseNetwork network = make_network(DTTMM_SCHEME_CENTRED, false, kUgly);
     // At rest the force vanishes, so that only the law varies, not the direction in which a finite force acts.
     Frame ports[] = {kLeft, kRight};
     ports[0].velocity = ports[0].angular_velocity = ports[1].velocity = ports[1].angular_velocity = Vector3::Zero();
@@ -183,7 +198,7 @@ TEST(Network, LinearisedStiffnessAndDampingAreDerivativesOfTheWrench) {
 constexpr double kStep = 1.7e-3;
 
 /// Starts at rest in kLeft, kRight and takes two steps along the ports' velocities, so that the history is not trivial.
-void advance_twice(Network& network, Frame& left, Frame& right) {
+void advance_twice(DenseNetwork& network, Frame& left, Frame& right) {
     const dttmm_motion start[] = {left.motion(), right.motion()};
     const double accelerations[18] = {};
     network.start({0, 0, kStep}, start, accelerations, nullptr);
@@ -214,7 +229,7 @@ Push push_at(const Frame& left, const Frame& right) {
 // increments of the deformation over the two steps, in the axes and over the arm of t_{n+1} and of t_{n−1}.
 TEST(Network, CentredWrenchIsTheWeightedForceLaw) {
     const Centred centred{0.31, 0.56};
-    Network network = make_network(DTTMM_SCHEME_CENTRED, false, kUgly, centred);
+    DenseNetwork network = make_network(DTTMM_SCHEME_CENTRED, false, kUgly, centred);
     Frame left = kLeft, right = kRight;
     const Frame before_left = kLeft.after(kStep), before_right = kRight.after(kStep);
     advance_twice(network, left, right);
@@ -261,7 +276,7 @@ TEST(Network, CentredWrenchIsTheWeightedForceLaw) {
 /// −∂(wrench)/∂(trial pose) by central differences, and as evaluate() gives it, with three ports at rest where `way` times
 /// their velocities takes them.
 std::pair<Eigen::MatrixXd, Eigen::MatrixXd> stiffnesses(const Values& first, const Values& second, double way) {
-    Network network = make_pair(DTTMM_SCHEME_CENTRED, first, second);
+    DenseNetwork network = make_pair(DTTMM_SCHEME_CENTRED, first, second);
     const Frame third{Vector3(-0.2, 0.1, 0.9), rotation_from_vector(Vector3(0.1, 0.2, 0.3)), Vector3(0.3, 0.1, 0.2),
                       Vector3(0.2, 0.7, -0.5)};
     std::array<Frame, 3> ports = {kLeft, kRight, third};
@@ -314,7 +329,7 @@ TEST(Network, StiffnessOfTheStepHasThatOfTheForcesThatAct) {
 // Oracle: the explicit wrench is k d_n + c d'_n with the scheme's formula for d'; Fox-Euler with the host's velocity
 // v_{n−1} = (d_n − d_{n−2})/2h gives (2/h)(d_n − d_{n−1}) − v_{n−1}. It must not look at the trial.
 TEST(Network, ExplicitWrenchIsTheForceLawAtTheStartOfTheStep) {
-    Network network = make_network(DTTMM_SCHEME_FOX_EULER, false);
+    DenseNetwork network = make_network(DTTMM_SCHEME_FOX_EULER, false);
     Frame left = kLeft, right = kRight;
     const Vector6 d0 = deformation_of(left, right), d1 = deformation_of(left.after(kStep), right.after(kStep));
     const Matrix3 Q0 = attitude_of(left, right), Q1 = attitude_of(left.after(kStep), right.after(kStep));
@@ -344,7 +359,7 @@ TEST(Network, ExplicitWrenchIsTheForceLawAtTheStartOfTheStep) {
 // Oracle: objectivity. A machine that turns as a whole, however fast, neither stretches nor damps anything.
 TEST(Network, ARigidMotionOfTheWholeCausesNoWrench) {
     for (uint32_t scheme : {DTTMM_SCHEME_CENTRED, DTTMM_SCHEME_FOX_EULER, DTTMM_SCHEME_PARK}) {
-        Network network = make_network(scheme, false);
+        DenseNetwork network = make_network(scheme, false);
         const Vector3 w = Vector3(3, -50, 20), v = Vector3(5, 2, -1), center = Vector3(0.1, 0.2, 0.3);
         const auto moved = [&](const Frame& frame, double t) {
             const Matrix3 R = rotation_from_vector(t * w);
@@ -371,7 +386,7 @@ TEST(Network, ARigidMotionOfTheWholeCausesNoWrench) {
 
 // Oracle: evaluate is pure. Any calls in any order leave the answer, the committed future and the outputs bit for bit alike.
 TEST(Network, EvaluateLeavesNoTrace) {
-    Network quiet = make_network(DTTMM_SCHEME_CENTRED, false), busy = make_network(DTTMM_SCHEME_CENTRED, false);
+    DenseNetwork quiet = make_network(DTTMM_SCHEME_CENTRED, false), busy = make_network(DTTMM_SCHEME_CENTRED, false);
     Frame left = kLeft, right = kRight, left2 = kLeft, right2 = kRight;
     advance_twice(quiet, left, right);
     advance_twice(busy, left2, right2);
@@ -400,7 +415,7 @@ TEST(Network, EvaluateLeavesNoTrace) {
 // Oracle: a run that is put back to a saved state repeats itself bit for bit.
 TEST(Network, RestoredStateRepeatsTheFutureToTheBit) {
     for (uint32_t scheme : {DTTMM_SCHEME_CENTRED, DTTMM_SCHEME_HOUBOLT}) {
-        Network network = make_network(scheme, true);
+        DenseNetwork network = make_network(scheme, true);
         const dttmm_motion start[] = {kRight.motion()};
         const double accelerations[6] = {1, 2, 3, 4, 5, 6};
         network.start({0, 0, kStep}, start, accelerations, nullptr);
@@ -431,7 +446,7 @@ TEST(Network, RestoredStateRepeatsTheFutureToTheBit) {
 // Oracle: by hand at the start of the last step: f = k d + c (d₊ − d₋)/2h, strain energy ½ k d², dissipated c d'² h per
 // step.
 TEST(Network, OutputsStandAtTheStartOfTheLastStep) {
-    Network network = make_network(DTTMM_SCHEME_CENTRED, false, kSoft);
+    DenseNetwork network = make_network(DTTMM_SCHEME_CENTRED, false, kSoft);
     Frame left = kLeft, right = kRight;
     const Vector6 d0 = deformation_of(left, right), d1 = deformation_of(left.after(kStep), right.after(kStep));
     EXPECT_EQ(status_of([&] { network.outputs(nullptr); }), DTTMM_ERROR_PHASE);
@@ -457,7 +472,7 @@ TEST(Network, OutputsStandAtTheStartOfTheLastStep) {
 // ---- What is refused ----------------------------------------------------------------------------------------------------
 
 TEST(Network, CallsOutOfOrderAreRefusedAndChangeNothing) {
-    Network network = make_network(DTTMM_SCHEME_CENTRED, false);
+    DenseNetwork network = make_network(DTTMM_SCHEME_CENTRED, false);
     const dttmm_motion ports[] = {kLeft.motion(), kRight.motion()};
     const double accelerations[12] = {};
     double wrench[12];
@@ -477,11 +492,12 @@ TEST(Network, CallsOutOfOrderAreRefusedAndChangeNothing) {
 }
 
 TEST(Network, StructuralFaultsAreFoundWhenBuilt) {
-    const dttmm_node good[] = {node("a", DTTMM_NODE_GROUND, kLeft), node("b", DTTMM_NODE_PORT, kRight),
+    const dttmm_node good[] = {node("a", DTTMM_NODE_GROUND, kLeft), node("b", DTTMM_NODE_ON_BODY, kRight),
                                node("c", DTTMM_NODE_GROUND, kLeft)};
     const uint32_t grounds[] = {0, 2}, same[] = {1, 1}, beyond[] = {0, 3};
     const auto status = [&](const dttmm_node* nodes, dttmm_element element, uint32_t scheme = 0, double beta = 0.25) {
-        return status_of([&] { Network({3, nodes, 1, &element, scheme, beta, 0.5, {}}); });
+        const dttmm_body mass = body(good[1]);
+        return status_of([&] { DenseNetwork({1, &mass, 3, nodes, 1, &element, scheme, beta, 0.5, {}, nullptr}); });
     };
     EXPECT_EQ(status(good, {"e", 0, 2, kFromTo, kUgly.data()}), DTTMM_OK);
     EXPECT_EQ(status(good, {"e", 0, 2, grounds, kUgly.data()}), DTTMM_ERROR_MODEL) << "both ends on the ground";
@@ -499,6 +515,9 @@ TEST(Network, StructuralFaultsAreFoundWhenBuilt) {
     dttmm_node skewed[] = {good[0], good[1], good[2]};
     skewed[1].rotation[4] += 0.1;
     EXPECT_EQ(status(skewed, {"e", 0, 2, kFromTo, kUgly.data()}), DTTMM_ERROR_ARGUMENT) << "axes not orthonormal";
+    dttmm_node astray[] = {good[0], good[1], good[2]};
+    astray[1].body = 1;
+    EXPECT_EQ(status(astray, {"e", 0, 2, kFromTo, kUgly.data()}), DTTMM_ERROR_ARGUMENT) << "no such body";
 }
 
 // Oracle: a rotor that turns at a steady ω feels −c ω from a rotational damper, at every angle: half turns are no event.
@@ -506,7 +525,7 @@ TEST(Network, ARotationalDamperMayTurnForEver) {
     const double c = 0.7, w = 40, h = 0.01;  // 0.4 rad a step: a turn every 16 steps
     const Values values = test::spring_values({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, c});
     for (uint32_t scheme : {DTTMM_SCHEME_CENTRED, DTTMM_SCHEME_FOX_EULER}) {
-        Network network = make_network(scheme, true, values);
+        DenseNetwork network = make_network(scheme, true, values);
         const Vector3 axis = kLeft.rotation.col(2);
         Frame rotor{kRight.position, kRight.rotation, Vector3::Zero(), w * axis};
         const dttmm_motion start[] = {rotor.motion()};
@@ -526,7 +545,7 @@ TEST(Network, ARotationalDamperMayTurnForEver) {
 
 // A rotational spring has lost its meaning beyond its range: the step is refused and can be discarded.
 TEST(Network, ARotationalSpringRefusesLargeRotations) {
-    Network network = make_network(DTTMM_SCHEME_CENTRED, true);
+    DenseNetwork network = make_network(DTTMM_SCHEME_CENTRED, true);
     const dttmm_motion start[] = {kRight.motion()};
     const double accelerations[6] = {};
     network.start({0, 0, kStep}, start, accelerations, nullptr);
@@ -539,7 +558,7 @@ TEST(Network, ARotationalSpringRefusesLargeRotations) {
 // A free joint is no fault: it carries nothing.
 TEST(Network, AnElementWithoutStiffnessCarriesNothing) {
     const Values kFree = test::spring_values({});
-    Network network = make_network(DTTMM_SCHEME_CENTRED, false, kFree);
+    DenseNetwork network = make_network(DTTMM_SCHEME_CENTRED, false, kFree);
     Frame left = kLeft, right = kRight;
     advance_twice(network, left, right);
     network.begin_step({2, 2 * kStep, kStep}, nullptr);

@@ -56,8 +56,8 @@ struct link {
 };
 
 struct node {
-    uint32_t kind, fixed, index; /* index: among the nodes of its kind */
-    double mass, rest[3], start_velocity[3];
+    uint32_t kind, fixed, index; /* index: among the inner nodes, or that of its body */
+    double mass, rest[3], start_velocity[3], arm[3]; /* arm: from the centre of mass of its body, body axes */
     double x[3], v[3];           /* at t_n, and over the step before */
     double load[3];              /* at t_n */
     double f[3];                 /* of the links on it at t_n */
@@ -65,13 +65,14 @@ struct node {
 };
 
 struct dttmm_instance {
-    uint32_t node_count, link_count, inner_count, port_count, channel_count;
+    uint32_t node_count, link_count, inner_count, body_count, channel_count;
     struct node *nodes;
     struct link *links;
     dttmm_channel *channels;
     double *outputs;
     double gravity[3], h;
     double *end_loads; /* at the end of the open step */
+    dttmm_block *blocks;
 };
 
 static dttmm_status fail(dttmm_error *error, dttmm_status status, int32_t element, const char *text) {
@@ -87,6 +88,7 @@ static void destroy(dttmm_instance *s) {
     free(s->channels);
     free(s->outputs);
     free(s->end_loads);
+    free(s->blocks);
     free(s);
 }
 
@@ -133,18 +135,27 @@ static dttmm_status create(const dttmm_network *network, dttmm_instance **instan
     s->channels = calloc(channels, sizeof *s->channels);
     s->outputs = calloc(channels, sizeof *s->outputs);
     s->end_loads = calloc(6 * nodes, sizeof *s->end_loads);
-    if (!s->nodes || !s->links || !s->channels || !s->outputs || !s->end_loads) {
+    s->blocks = calloc((size_t)network->body_count * network->body_count + 1, sizeof *s->blocks);
+    if (!s->nodes || !s->links || !s->channels || !s->outputs || !s->end_loads || !s->blocks) {
         destroy(s);
         return fail(error, DTTMM_ERROR_MEMORY, -1, "out of memory");
     }
     s->node_count = network->node_count;
+    s->body_count = network->body_count;
+    for (uint32_t b = 0; b < s->body_count * s->body_count; ++b)
+        s->blocks[b] = (dttmm_block){b / s->body_count, b % s->body_count};
     memcpy(s->gravity, network->gravity, sizeof s->gravity);
     for (uint32_t n = 0; n < s->node_count; ++n) {
         const dttmm_node *from = &network->nodes[n];
         struct node *node = &s->nodes[n];
         node->kind = from->kind;
         node->fixed = from->fixed;
-        if (from->kind == DTTMM_NODE_PORT) node->index = s->port_count++;
+        if (from->kind == DTTMM_NODE_ON_BODY) {
+            const dttmm_body *body = &network->bodies[from->body];
+            node->index = from->body;
+            for (int i = 0; i < 3; ++i)
+                for (int j = 0; j < 3; ++j) node->arm[i] += body->rotation[3 * j + i] * (from->position[j] - body->position[j]);
+        }
         if (from->kind == DTTMM_NODE_INNER) node->index = s->inner_count++;
         memcpy(node->rest, from->position, sizeof node->rest);
         memcpy(node->x, from->position, sizeof node->x);
@@ -160,43 +171,78 @@ static dttmm_status create(const dttmm_network *network, dttmm_instance **instan
     return DTTMM_OK;
 }
 
-/* Way of a node from its start; of a port at `ports`, where not NULL. */
-static double way(const struct node *node, const dttmm_motion *ports, int i) {
-    return (ports && node->kind == DTTMM_NODE_PORT ? ports[node->index].position[i] : node->x[i]) - node->rest[i];
+/* The point of a body where a node is. */
+static double place(const struct node *node, const dttmm_motion *bodies, int i) {
+    const double *R = bodies[node->index].rotation + 3 * i;
+    return bodies[node->index].position[i] + R[0] * node->arm[0] + R[1] * node->arm[1] + R[2] * node->arm[2];
 }
 
-static double link_force(const dttmm_instance *s, const struct link *link, const dttmm_motion *ports, int i) {
-    return link->stiffness * (way(&s->nodes[link->to], ports, i) - way(&s->nodes[link->from], ports, i) -
+/* Way of a node from its start; of one on a body at `bodies`, where not NULL. */
+static double way(const struct node *node, const dttmm_motion *bodies, int i) {
+    return (bodies && node->kind == DTTMM_NODE_ON_BODY ? place(node, bodies, i) : node->x[i]) - node->rest[i];
+}
+
+static double link_force(const dttmm_instance *s, const struct link *link, const dttmm_motion *bodies, int i) {
+    return link->stiffness * (way(&s->nodes[link->to], bodies, i) - way(&s->nodes[link->from], bodies, i) -
                               (i == 2 ? link->slack : 0));
 }
 
-static void write_wrenches(const dttmm_instance *s, const dttmm_motion *ports, double *wrench) {
-    memset(wrench, 0, 6 * s->port_count * sizeof *wrench);
-    for (uint32_t l = 0; l < s->link_count; ++l)
-        for (int i = 0; i < 3; ++i) {
-            const double f = link_force(s, &s->links[l], ports, i);
-            const struct node *from = &s->nodes[s->links[l].from], *to = &s->nodes[s->links[l].to];
-            if (from->kind == DTTMM_NODE_PORT) wrench[6 * from->index + (size_t)i] += f;
-            if (to->kind == DTTMM_NODE_PORT) wrench[6 * to->index + (size_t)i] -= f;
-        }
+/* Adds a force at a node to the wrench on its body, with the lever arm of where the body is, or at t_n where that is NULL. */
+static void push_body(const struct node *node, const dttmm_motion *bodies, double sign, const double f[3], double *wrenches) {
+    double *wrench = wrenches + 6 * node->index, arm[3];
+    if (node->kind != DTTMM_NODE_ON_BODY) return;
+    for (int i = 0; i < 3; ++i) arm[i] = bodies ? place(node, bodies, i) - bodies[node->index].position[i] : node->v[i];
+    for (int i = 0; i < 3; ++i) {
+        wrench[i] += sign * f[i];
+        wrench[3 + i] += sign * (arm[(i + 1) % 3] * f[(i + 2) % 3] - arm[(i + 2) % 3] * f[(i + 1) % 3]);
+    }
+}
+
+static void write_wrenches(const dttmm_instance *s, const dttmm_motion *bodies, double *wrench) {
+    memset(wrench, 0, 6 * s->body_count * sizeof *wrench);
+    for (uint32_t l = 0; l < s->link_count; ++l) {
+        double f[3];
+        for (int i = 0; i < 3; ++i) f[i] = link_force(s, &s->links[l], bodies, i);
+        push_body(&s->nodes[s->links[l].from], bodies, 1, f, wrench);
+        push_body(&s->nodes[s->links[l].to], bodies, -1, f, wrench);
+    }
+}
+
+/* Every pair of bodies may hang on each other. */
+static const dttmm_block *blocks(const dttmm_instance *s, uint32_t *count) {
+    *count = s->body_count * s->body_count;
+    return s->blocks;
 }
 
 /* Stiffness with the inner nodes held: they have masses, and the law is that of one instant. */
-static dttmm_status linearise(const dttmm_instance *s, const dttmm_motion *ports, double *wrench, double *stiffness,
+static dttmm_status linearise(const dttmm_instance *s, const dttmm_motion *bodies, double *wrench, double *stiffness,
                               double *damping, dttmm_error *error) {
     (void)error;
-    const size_t width = 6 * s->port_count;
-    write_wrenches(s, ports, wrench);
-    if (damping) memset(damping, 0, width * width * sizeof *damping);
+    const size_t size = 36 * (size_t)s->body_count * s->body_count;
+    write_wrenches(s, bodies, wrench);
+    if (damping) memset(damping, 0, size * sizeof *damping);
     if (!stiffness) return DTTMM_OK;
-    memset(stiffness, 0, width * width * sizeof *stiffness);
+    memset(stiffness, 0, size * sizeof *stiffness);
     for (uint32_t l = 0; l < s->link_count; ++l) {
         const struct node *ends[2] = {&s->nodes[s->links[l].from], &s->nodes[s->links[l].to]};
+        double G[2][3][6] = {{{0}}}; /* motion of an end by that of its body: x' + w x arm */
         for (int a = 0; a < 2; ++a)
-            for (int b = 0; b < 2; ++b)
-                for (size_t i = 0; i < 3 && ends[a]->kind == DTTMM_NODE_PORT && ends[b]->kind == DTTMM_NODE_PORT; ++i)
-                    stiffness[(6 * ends[a]->index + i) * width + 6 * ends[b]->index + i] +=
-                        (a == b ? 1 : -1) * s->links[l].stiffness;
+            for (int i = 0; i < 3 && ends[a]->kind == DTTMM_NODE_ON_BODY; ++i) {
+                const int j = (i + 1) % 3, k = (i + 2) % 3;
+                const double *x = bodies[ends[a]->index].position;
+                G[a][i][i] = 1;
+                G[a][i][3 + j] = place(ends[a], bodies, k) - x[k];
+                G[a][i][3 + k] = -(place(ends[a], bodies, j) - x[j]);
+            }
+        for (int a = 0; a < 2; ++a)
+            for (int b = 0; b < 2; ++b) {
+                if (ends[a]->kind != DTTMM_NODE_ON_BODY || ends[b]->kind != DTTMM_NODE_ON_BODY) continue;
+                double *block = stiffness + 36 * ((size_t)ends[a]->index * s->body_count + ends[b]->index);
+                for (int i = 0; i < 3; ++i)
+                    for (int m = 0; m < 6; ++m)
+                        for (int n = 0; n < 6; ++n)
+                            block[6 * m + n] += (a == b ? 1 : -1) * s->links[l].stiffness * G[a][i][m] * G[b][i][n];
+            }
     }
     return DTTMM_OK;
 }
@@ -216,13 +262,18 @@ static double acceleration(const dttmm_instance *s, const struct node *node, int
     return node->fixed >> i & 1 ? 0 : s->gravity[i] + (node->f[i] + node->load[i]) / node->mass;
 }
 
-static void take_ports(dttmm_instance *s, const dttmm_motion *ports) {
-    for (uint32_t n = 0; n < s->node_count; ++n)
-        if (s->nodes[n].kind == DTTMM_NODE_PORT)
-            memcpy(s->nodes[n].x, ports[s->nodes[n].index].position, sizeof s->nodes[n].x);
+/* Nodes on bodies: where they are at t_n, and in place of a velocity their arms there. */
+static void take_bodies(dttmm_instance *s, const dttmm_motion *bodies) {
+    for (uint32_t n = 0; n < s->node_count; ++n) {
+        struct node *node = &s->nodes[n];
+        for (int i = 0; i < 3 && node->kind == DTTMM_NODE_ON_BODY; ++i) {
+            node->x[i] = place(node, bodies, i);
+            node->v[i] = node->x[i] - bodies[node->index].position[i];
+        }
+    }
 }
 
-static dttmm_status start(dttmm_instance *s, const dttmm_step *step, const dttmm_motion *ports, const double *accelerations,
+static dttmm_status start(dttmm_instance *s, const dttmm_step *step, const dttmm_motion *bodies, const double *accelerations,
                           const double *loads, dttmm_error *error) {
     (void)accelerations, (void)error;
     s->h = step->size;
@@ -234,7 +285,7 @@ static dttmm_status start(dttmm_instance *s, const dttmm_step *step, const dttmm
         node->work = 0;
         node->power = NAN; /* none before the first instant */
     }
-    take_ports(s, ports);
+    take_bodies(s, bodies);
     gather_forces(s);
     for (uint32_t n = 0; n < s->node_count; ++n)
         for (int i = 0; i < 3 && s->nodes[n].kind == DTTMM_NODE_INNER; ++i)
@@ -252,9 +303,8 @@ static dttmm_status begin_step(dttmm_instance *s, const dttmm_step *step, const 
 static dttmm_status evaluate(const dttmm_instance *s, const dttmm_motion *trial, double *wrench, double *stiffness,
                              dttmm_error *error) {
     (void)trial, (void)error;
-    const size_t width = 6 * s->port_count;
     write_wrenches(s, NULL, wrench);
-    if (stiffness) memset(stiffness, 0, width * width * sizeof *stiffness);
+    if (stiffness) memset(stiffness, 0, 36 * (size_t)s->body_count * s->body_count * sizeof *stiffness);
     return DTTMM_OK;
 }
 
@@ -294,7 +344,7 @@ static dttmm_status commit_step(dttmm_instance *s, const dttmm_motion *accepted,
         out[7] = node->work;
         out += NODE_CHANNELS;
     }
-    take_ports(s, accepted);
+    take_bodies(s, accepted);
     return DTTMM_OK;
 }
 
@@ -307,21 +357,6 @@ static void load_weights(const dttmm_instance *s, double weights[3]) {
     weights[1] = 1;
 }
 
-/* The state is what the nodes hold. */
-static size_t state_size(const dttmm_instance *s) { return s->node_count * sizeof *s->nodes; }
-
-static dttmm_status save_state(const dttmm_instance *s, void *buffer, size_t size, dttmm_error *error) {
-    if (size != state_size(s)) return fail(error, DTTMM_ERROR_ARGUMENT, -1, "save_state: wrong size");
-    memcpy(buffer, s->nodes, size);
-    return DTTMM_OK;
-}
-
-static dttmm_status restore_state(dttmm_instance *s, const void *buffer, size_t size, dttmm_error *error) {
-    if (size != state_size(s)) return fail(error, DTTMM_ERROR_ARGUMENT, -1, "restore_state: wrong size");
-    memcpy(s->nodes, buffer, size);
-    return DTTMM_OK;
-}
-
 static uint32_t channel_count(const dttmm_instance *s) { return s->channel_count; }
 static const dttmm_channel *channels(const dttmm_instance *s) { return s->channels; }
 
@@ -332,9 +367,8 @@ static dttmm_status outputs(const dttmm_instance *s, double *values, dttmm_error
 }
 
 static const dttmm_plugin plugin = {
-    sizeof(dttmm_plugin), DTTMM_PLUGIN_MAJOR, DTTMM_PLUGIN_MINOR, "lumps on springs", "1.0", 2, types, create, destroy,
-    linearise, start, begin_step, evaluate, commit_step, discard_step, is_implicit, load_weights, state_size, save_state,
-    restore_state, channel_count, channels, outputs, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL,
-    NULL, NULL, NULL, NULL};
+    sizeof(dttmm_plugin), DTTMM_PLUGIN_MAJOR, DTTMM_PLUGIN_MINOR, "lumps on springs", "1.0", 2, types, create, destroy, blocks,
+    linearise, start, begin_step, evaluate, commit_step, discard_step, is_implicit, load_weights, channel_count, channels,
+    outputs, NULL, NULL, NULL, NULL, NULL};
 
 const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major) { return host_major == DTTMM_PLUGIN_MAJOR ? &plugin : NULL; }

@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "time/machine.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "core/error.h"
+#include "element/registry.h"
+#include "mechanism/frame.h"
+
+namespace dttmm::plugin {
+
+namespace {
+
+using Units = std::vector<std::vector<uint32_t>>;
+
+/// Elements that share an inner node, and alone the others; each ascending, by its first element.
+Units join_by_nodes(const dttmm_network& description) {
+    std::vector<uint32_t> root(description.element_count);
+    std::iota(root.begin(), root.end(), 0u);
+    const auto find = [&](uint32_t e) {
+        while (root[e] != e) e = root[e] = root[root[e]];
+        return e;
+    };
+    std::vector<uint32_t> first_at(description.node_count, description.element_count);
+    for (uint32_t e = 0; e < description.element_count; ++e) {
+        const dttmm_element& element = description.elements[e];
+        for (uint32_t end : std::span(element.ends, element.end_count)) {
+            if (end >= description.node_count)
+                throw Error(DTTMM_ERROR_MODEL, "an end is no node of the network", static_cast<int>(e));
+            if (description.nodes[end].kind != DTTMM_NODE_INNER) continue;
+            if (first_at[end] == description.element_count) first_at[end] = e;
+            const auto [low, high] = std::minmax({find(e), find(first_at[end])});  // by value: find returns no lvalue
+            root[high] = low;
+        }
+    }
+    Units units;
+    std::map<uint32_t, size_t> numbers;
+    for (uint32_t e = 0; e < description.element_count; ++e) {
+        const auto [number, is_new] = numbers.try_emplace(find(e), units.size());
+        if (is_new) units.emplace_back();
+        units[number->second].push_back(e);
+    }
+    return units;
+}
+
+/// Whether an element is nothing but joints between bodies and the ground. What is wrong with it is said later.
+bool is_joint_of_bodies(const dttmm_network& description, const dttmm_element& element) {
+    std::vector<Pose> ends;
+    for (uint32_t end : std::span(element.ends, element.end_count)) {
+        const dttmm_node& node = description.nodes[end];
+        if (node.kind == DTTMM_NODE_INNER) return false;
+        ends.push_back({Eigen::Map<const Vector3>(node.position), Eigen::Map<const RowMajor3>(node.rotation)});
+    }
+    try {
+        return make_element(element.type, element.values)->discretise(ends).lumps.empty();
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+/// The description of some elements and of the bodies and nodes that they need, and where these are in the whole.
+class Extract {
+public:
+    Extract(const dttmm_network& whole, std::span<const uint32_t> elements) : part_(whole) {
+        for (uint32_t e : elements) {
+            places_.elements.push_back(e);
+            elements_.push_back(whole.elements[e]);
+            ends_.emplace_back();
+            for (uint32_t end : std::span(whole.elements[e].ends, whole.elements[e].end_count))
+                ends_.back().push_back(node(whole, end));
+        }
+        for (size_t e = 0; e < elements_.size(); ++e) elements_[e].ends = ends_[e].data();
+        part_.body_count = static_cast<uint32_t>(bodies_.size());
+        part_.bodies = bodies_.data();
+        part_.node_count = static_cast<uint32_t>(nodes_.size());
+        part_.nodes = nodes_.data();
+        part_.element_count = static_cast<uint32_t>(elements_.size());
+        part_.elements = elements_.data();
+    }
+    const dttmm_network& description() const { return part_; }
+    const Places& places() const { return places_; }
+
+private:
+    uint32_t node(const dttmm_network& whole, uint32_t index) {
+        const auto [found, is_new] = node_of_.try_emplace(index, static_cast<uint32_t>(nodes_.size()));
+        if (!is_new) return found->second;
+        dttmm_node own = whole.nodes[index];
+        if (own.kind == DTTMM_NODE_ON_BODY && own.body < whole.body_count) {
+            const auto [body, is_new_body] = body_of_.try_emplace(own.body, static_cast<uint32_t>(bodies_.size()));
+            if (is_new_body) {
+                bodies_.push_back(whole.bodies[own.body]);
+                places_.bodies.push_back(own.body);
+            }
+            own.body = body->second;
+        }
+        nodes_.push_back(own);
+        places_.nodes.push_back(index);
+        return found->second;
+    }
+
+    dttmm_network part_;
+    Places places_;
+    std::map<uint32_t, uint32_t> node_of_, body_of_;
+    std::vector<dttmm_body> bodies_;
+    std::vector<dttmm_node> nodes_;
+    std::vector<dttmm_element> elements_;
+    std::vector<std::vector<uint32_t>> ends_;
+};
+
+/// What `action` does for a network; an error names the element in the whole.
+template <class Action>
+void in_whole(const Places& places, const Action& action) {
+    try {
+        action();
+    } catch (const Error& error) {
+        const bool is_call = error.status() == DTTMM_ERROR_PHASE || error.status() == DTTMM_ERROR_ARGUMENT;
+        if (error.element() < 0 && is_call) throw;  // no element is to blame
+        throw Error(error.status(), error.what(),
+                    static_cast<int>(places.elements[static_cast<size_t>(std::max(error.element(), 0))]));
+    }
+}
+
+}  // namespace
+
+template <class Self, class Action>
+void Machine::for_each(Self& self, const Action& action) {
+    for (auto& part : self.networks_) in_whole(part.network.places(), [&] { action(part); });
+}
+
+// ---- Construction -------------------------------------------------------------------------------------------------------
+
+Machine::Machine(const dttmm_network& description)
+    : body_count_(description.body_count), element_count_(description.element_count) {
+    if (description.element_count == 0) throw Error(DTTMM_ERROR_MODEL, "a network without an element");
+    const Units units = join_by_nodes(description);
+    Units parts(1);  // the joints between bodies come first
+    for (const std::vector<uint32_t>& unit : units) {
+        const bool is_joint = unit.size() == 1 && is_joint_of_bodies(description, description.elements[unit.front()]);
+        if (is_joint)
+            parts.front().push_back(unit.front());
+        else
+            parts.push_back(unit);
+    }
+    std::vector<uint32_t> number_of(description.node_count);  // of the inner nodes
+    uint32_t inner_count = 0;
+    for (uint32_t n = 0; n < description.node_count; ++n)
+        if (description.nodes[n].kind == DTTMM_NODE_INNER) number_of[n] = inner_count++;
+    networks_.reserve(parts.size());
+    for (const std::vector<uint32_t>& part : parts) {
+        if (part.empty()) continue;
+        const Extract extract(description, part);
+        in_whole(extract.places(), [&] { networks_.push_back({Network(extract.description(), extract.places()), {}, {}}); });
+        Part& made = networks_.back();
+        for (uint32_t n : extract.places().nodes)
+            if (description.nodes[n].kind == DTTMM_NODE_INNER) made.inner.push_back(number_of[n]);
+        made.loads.resize(6 * made.inner.size());
+    }
+    is_implicit_ = networks_.front().network.is_implicit();
+    place_blocks();
+    place_channels(units);
+}
+
+/// A block that several networks have is one.
+void Machine::place_blocks() {
+    std::map<std::pair<uint32_t, uint32_t>, size_t> places;
+    for (Part& part : networks_)
+        for (size_t b = 0; b < part.network.blocks().size(); ++b) {
+            const dttmm_block& block = part.network.blocks()[b];
+            const auto [place, is_new] = places.try_emplace({block.row, block.column}, blocks_.size());
+            if (is_new) blocks_.push_back(block);
+            part.network.place_block(b, place->second);
+        }
+}
+
+/// In the order of the elements; what nodes have comes after the elements that they join.
+void Machine::place_channels(std::span<const std::vector<uint32_t>> units) {
+    std::vector<std::pair<Network*, size_t>> piece_of(element_count_);
+    for (Part& part : networks_)
+        for (size_t e = 0; e < part.network.places().elements.size(); ++e)
+            piece_of[part.network.places().elements[e]] = {&part.network, e};
+    const auto place = [&](Network& network, size_t piece) {
+        network.place_outputs(piece, channels_.size());
+        const auto channels = network.piece(piece);
+        channels_.insert(channels_.end(), channels.begin(), channels.end());
+    };
+    for (const std::vector<uint32_t>& unit : units) {
+        for (uint32_t e : unit) place(*piece_of[e].first, piece_of[e].second);
+        Network& network = *piece_of[unit.front()].first;
+        if (network.interior()) place(network, network.piece_count() - 1);
+    }
+}
+
+// ---- Phases -------------------------------------------------------------------------------------------------------------
+
+const double* Machine::gather_loads(Part& part, const double* loads) const {
+    if (!loads || part.inner.empty()) return nullptr;
+    for (size_t i = 0; i < part.inner.size(); ++i) std::copy_n(loads + 6 * part.inner[i], 6, &part.loads[6 * i]);
+    return part.loads.data();
+}
+
+double* Machine::cleared(double* wrench) const { return std::fill_n(wrench, 6 * size_t{body_count_}, 0.0), wrench; }
+
+double* Machine::cleared_blocks(double* matrix) const {
+    if (matrix) std::fill_n(matrix, 36 * blocks_.size(), 0.0);
+    return matrix;
+}
+
+void Machine::linearise(const dttmm_motion* bodies, double* wrench, double* stiffness, double* damping) const {
+    cleared(wrench);
+    cleared_blocks(stiffness);
+    cleared_blocks(damping);
+    for_each(*this, [&](const Part& part) { part.network.linearise(bodies, wrench, stiffness, damping); });
+}
+
+void Machine::take_up(const double* motion, double* elastic, double* damped) const {
+    std::fill_n(elastic, element_count_, 0.0);
+    std::fill_n(damped, element_count_, 0.0);
+    for_each(*this, [&](const Part& part) { part.network.take_up(motion, elastic, damped); });
+}
+
+void Machine::start(const dttmm_step& step, const dttmm_motion* bodies, const double* accelerations, const double* loads) {
+    for_each(*this, [&](Part& part) { part.network.start(step, bodies, accelerations, gather_loads(part, loads)); });
+}
+
+void Machine::begin_step(const dttmm_step& step, const double* loads) {
+    size_t open = 0;
+    try {
+        for_each(*this, [&](Part& part) {
+            part.network.begin_step(step, gather_loads(part, loads));
+            ++open;
+        });
+    } catch (...) {
+        while (open > 0) networks_[--open].network.discard_step();
+        throw;
+    }
+}
+
+int32_t Machine::expect(const dttmm_motion* trial) {
+    int32_t again = -1;
+    for_each(*this, [&](Part& part) {
+        if (part.network.expect(trial) && again < 0) again = static_cast<int32_t>(part.network.places().elements.front());
+    });
+    return again;
+}
+
+void Machine::evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const {
+    cleared(wrench);
+    cleared_blocks(stiffness);
+    for_each(*this, [&](const Part& part) { part.network.evaluate(trial, wrench, stiffness); });
+}
+
+void Machine::commit_step(const dttmm_motion* accepted) {
+    for_each(*this, [&](Part& part) { part.network.commit_step(accepted); });
+}
+
+void Machine::discard_step() {
+    for_each(*this, [&](Part& part) { part.network.discard_step(); });
+}
+
+void Machine::mean_wrench(double* wrench) const {
+    cleared(wrench);
+    for_each(*this, [&](const Part& part) { part.network.mean_wrench(wrench); });
+}
+
+void Machine::stand(const dttmm_motion* bodies, double* wrench) const {
+    cleared(wrench);
+    for_each(*this, [&](const Part& part) { part.network.stand(bodies, wrench); });
+}
+
+// ---- State and results --------------------------------------------------------------------------------------------------
+
+size_t Machine::state_size() const {
+    size_t size = 0;
+    for (const Part& part : networks_) size += part.network.state_size();
+    return size;
+}
+
+void Machine::save_state(void* buffer, size_t size) const {
+    if (size != state_size())
+        throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("save_state: the state has {} bytes, not {}", state_size(), size));
+    char* out = static_cast<char*>(buffer);
+    for_each(*this, [&](const Part& part) {
+        part.network.save_state(out, part.network.state_size());
+        out += part.network.state_size();
+    });
+}
+
+void Machine::restore_state(const void* buffer, size_t size) {
+    if (size != state_size())
+        throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("restore_state: the state has {} bytes, not {}", state_size(), size));
+    const char* in = static_cast<const char*>(buffer);
+    for_each(*this, [&](Part& part) {
+        part.network.restore_state(in, part.network.state_size());
+        in += part.network.state_size();
+    });
+}
+
+void Machine::outputs(double* values) const {
+    for_each(*this, [&](const Part& part) { part.network.outputs(values); });
+}
+
+}  // namespace dttmm::plugin

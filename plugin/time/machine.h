@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "dttmm_plugin.h"
+#include "time/network.h"
+
+namespace dttmm::plugin {
+
+/// All elements of a model in time, as dttmm_plugin.h has them: the springs between bodies as one network of joints, and
+/// every set of elements that inner nodes join, or that has masses of its own, as one. Bodies and the ground do not join:
+/// what happens on one side of them is felt on the other through the host.
+///
+/// Errors are thrown as Error with the element's index in the description; where a network blames none, its first.
+class Machine {
+public:
+    explicit Machine(const dttmm_network& description);
+
+    bool is_implicit() const { return is_implicit_; }
+    void load_weights(double weights[3]) const { networks_.front().network.load_weights(weights); }
+    std::span<const dttmm_block> blocks() const { return blocks_; }
+
+    void linearise(const dttmm_motion* bodies, double* wrench, double* stiffness, double* damping) const;
+    void take_up(const double* motion, double* elastic, double* damped) const;
+    void start(const dttmm_step& step, const dttmm_motion* bodies, const double* accelerations, const double* loads);
+    void begin_step(const dttmm_step& step, const double* loads);
+    /// An element whose network is to be asked again before the step is committed; −1: none is.
+    int32_t expect(const dttmm_motion* trial);
+    void evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const;
+    void commit_step(const dttmm_motion* accepted);
+    void discard_step();
+    void mean_wrench(double* wrench) const;
+    void stand(const dttmm_motion* bodies, double* wrench) const;
+
+    size_t state_size() const;
+    void save_state(void* buffer, size_t size) const;
+    void restore_state(const void* buffer, size_t size);
+
+    const std::vector<dttmm_channel>& channels() const { return channels_; }
+    void outputs(double* values) const;
+
+private:
+    struct Part {
+        Network network;
+        std::vector<uint32_t> inner;  ///< its inner nodes among those of the whole
+        std::vector<double> loads;    ///< on them, working memory
+    };
+    template <class Self, class Action>
+    static void for_each(Self& self, const Action& action);
+    void place_blocks();
+    void place_channels(std::span<const std::vector<uint32_t>> units);
+    const double* gather_loads(Part& part, const double* loads) const;
+    double* cleared(double* wrench) const;
+    double* cleared_blocks(double* matrix) const;
+
+    uint32_t body_count_, element_count_;
+    bool is_implicit_ = false;
+    std::vector<Part> networks_;
+    std::vector<dttmm_block> blocks_;
+    std::vector<dttmm_channel> channels_;
+};
+
+}  // namespace dttmm::plugin

@@ -157,6 +157,9 @@ void MasslessFrames::make_balances(const Mechanism& mechanism) {
         cluster.solution.setZero(unknowns);
         const auto motions = static_cast<Eigen::Index>(6 * cluster.frames.size());
         cluster.stiffness.setZero(motions, motions);
+        // Forces at a massless rotation are those of masses, moments are its own: these balance it first
+        std::ranges::stable_partition(cluster.rigid, [](const Row& row) { return row.direction >= 3; });
+        cluster.directions.setZero(motions, static_cast<Eigen::Index>(cluster.rigid.size()));
         for (Eigen::VectorXd* v : {&cluster.scale, &cluster.follow}) v->setOnes(unknowns);
         cluster.undamped.setZero(unknowns, unknowns);
         cluster.reduced.setZero(unknowns, unknowns);
@@ -280,6 +283,29 @@ void MasslessFrames::add_balance(const Mechanism& mechanism, const Cluster& clus
     }
 }
 
+/// Rigid directions that say of the massless halves what those before them say are left out: their forces stay as they are
+/// known, and which of them balances is not left to rounding.
+void MasslessFrames::drop_dependent_rows(const Cluster& cluster) const {
+    const auto count = static_cast<Eigen::Index>(6 * cluster.frames.size());
+    Eigen::Index kept = 0;
+    for (Eigen::Index at = count; at < cluster.matrix.rows(); ++at) {
+        auto next = cluster.directions.col(kept);
+        next = cluster.matrix.row(at).head(count);
+        const double size = next.norm();
+        for ([[maybe_unused]] const int round : {0, 1})
+            for (Eigen::Index k = 0; k < kept; ++k) next -= cluster.directions.col(k).dot(next) * cluster.directions.col(k);
+        const double left = next.norm();
+        if (left > kDependent * size) {
+            next /= left;
+            ++kept;
+            continue;
+        }
+        cluster.matrix.row(at).setZero();
+        cluster.matrix.col(at).setZero();
+        cluster.right_hand_side(at) = 0;
+    }
+}
+
 /// By full-pivot elimination: what dampers hold balances by them, the rest keeps what its springs do.
 void MasslessFrames::solve_balance(const Cluster& cluster, double h, std::vector<Twist>& velocities,
                                    std::vector<Twist>& corrections, std::vector<double>& q) const {
@@ -316,6 +342,7 @@ void MasslessFrames::solve_balance(const Cluster& cluster, double h, std::vector
     K.array().colwise() *= d.head(count).array();
     K.array().rowwise() *= d.head(count).transpose().array();
     r.array() *= d.array();
+    drop_dependent_rows(cluster);
 
     cluster.lu.compute(A);
     const Eigen::Index rank = solve_by_rank(cluster.lu, kLeastDamping, r, cluster.solution);

@@ -103,7 +103,7 @@ private:
         bool is_rigid = false;         ///< altogether: nothing is left for another balance, wherever it goes
         mutable Eigen::VectorXd end, step, half_way;
         // Of find_instant: what is to be added to velocities, 6 per frame, and to the forces of rigid directions
-        mutable Eigen::MatrixXd matrix, stiffness;
+        mutable Eigen::MatrixXd matrix, stiffness, directions;
         mutable Eigen::VectorXd right_hand_side, solution, scale, follow;
         mutable Eigen::FullPivLU<Eigen::MatrixXd> lu;
         mutable Eigen::MatrixXd undamped, reduced;  ///< columns: motions that no damper resists; what springs make of them
@@ -111,6 +111,7 @@ private:
     int frame_in(const Mechanism& mechanism, const Cluster& cluster, int frame) const;
     void add_balance(const Mechanism& mechanism, const Cluster& cluster, size_t joint, const JointPose& pose,
                      const Acting& acting, const std::vector<double>& q) const;
+    void drop_dependent_rows(const Cluster& cluster) const;
     void solve_balance(const Cluster& cluster, double h, std::vector<Twist>& velocities, std::vector<Twist>& corrections,
                        std::vector<double>& q) const;
     /// Of a frame of the mechanism; −1: it is driven, or has none.

@@ -502,6 +502,73 @@ rotational_stiffness = 100
     }
 }
 
+// Oracle: the same machine at a tenth of the step. Five rigid directions of the rod and the moment of the beam meet at the
+// massless rotation of a point mass. Its balance corrects the moments: the forces that masses need stay with them.
+TEST(Instant, AMassBetweenABeamAndARodAcceleratesSmoothly) {
+    const auto rows_at = [](double h) {
+        return RecordedRun(fmt::format(R"toml(
+[simulation]
+duration = 8e-3
+step = {}
+gravity = [-0.2, -9.7, -1.3]
+[nodes]
+mid = {{ position = [2.0, -0.1, 0.37], quaternion = [0.9396926207859084, 0, 0, 0.3420201433256687] }}
+[[body]]
+name = "b"
+mass = 78
+box = [0.49, 0.34, 0.23]
+position = [2.47, 0.06, 0.85]
+quaternion = [0.5, -0.5, 0.5, 0.5]
+markers = {{ m = [-0.23, -0.08, -0.15] }}
+[[body]]
+name = "a"
+mass = 0.7
+box = [0.11, 0.21, 0.24]
+position = [1.5, 0.01, 0.28]
+markers = {{ m = [-0.22, 0.2, -0.24], l = [0.12, -0.19, -0.02] }}
+[[element]]
+name = "spring"
+type = "spring_damper"
+from = "ground"
+to = "a.l"
+stiffness = [355e3, 328e3, 204e3]
+rotational_stiffness = 8e3
+damping = 14
+rotational_damping = 0.3
+[[element]]
+name = "beam"
+type = "beam"
+from = "a.m"
+to = "mid"
+segments = 4
+section = {{ tube = [0.03, 0.016] }}
+material = {{ E = 134e9, poisson = 0.3, density = 3980, stiffness_damping = 1.8e-6 }}
+[[element]]
+name = "mass"
+type = "point_mass"
+at = "mid"
+mass = 0.043
+[[element]]
+name = "rod"
+type = "rod"
+from = "mid"
+to = "b.m"
+segments = 6
+section = {{ tube = [0.037, 0.0046] }}
+material = {{ E = 51e9, poisson = 0.3, density = 5594 }}
+)toml",
+                                       h));
+    };
+    const RecordedRun coarse = rows_at(2e-4), fine = rows_at(2e-5);
+    double largest = 0, apart = 0;
+    for (size_t n = 2; n < coarse.count(); ++n) {
+        largest = std::max(largest, fine.vector(10 * n, "mid.acceleration").norm());
+        apart = std::max(apart, (coarse.vector(n, "mid.acceleration") - fine.vector(10 * n, "mid.acceleration")).norm());
+    }
+    EXPECT_GT(largest, 5);
+    EXPECT_LT(apart, 0.05 * largest);
+}
+
 // Oracle: the turn of a free body about the axis of its spin; a mount without rotational stiffness does not resist it.
 TEST(Instant, TheRotationOfAMountThatResistsNoneIsMeasured) {
     const RecordedRun rows(R"toml(

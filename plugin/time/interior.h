@@ -102,7 +102,7 @@ public:
         std::fill(corrections_.begin(), corrections_.end(), Twist{});
         if (!massless_.has_balances()) return;
         massless_.find_instant(
-            mechanism, mechanism.scheme.step_size(), mechanism.before,
+            mechanism, MasslessFrames::Find::velocities, mechanism.scheme.step_size(), mechanism.before,
             [&](size_t j) {
                 const JointState& state = mechanism.states[j];
                 return MasslessFrames::Acting{
@@ -118,7 +118,8 @@ public:
     bool has_rigid_directions() const { return elimination_.rigid_count() > 0; }
     /// Accelerations: of frames with mass by the wrenches of the joints at that instant, of massless ones by the velocities
     /// over the steps around it. At the start there is one step only: there those that dampers act on have the accelerations
-    /// that keep their forces in balance. velocity(frame), force(joint): at that instant, the force in the joint's axes.
+    /// that keep their forces in balance, and those with rigid directions the mean over half that step, to first order.
+    /// velocity(frame), force(joint): at that instant, the force in the joint's axes.
     template <class Velocity, class Force>
     void find_accelerations(const Mechanism& mechanism, std::span<const Vector6> wrenches, const Velocity& velocity,
                             const Force& force) {
@@ -133,7 +134,7 @@ public:
             add_arm_rates(mechanism, j, from, to, force(j));
         }
         massless_.find_instant(
-            mechanism, mechanism.scheme.step_size(), mechanism.before,
+            mechanism, MasslessFrames::Find::accelerations, mechanism.scheme.step_size(), mechanism.before,
             [&](size_t j) {
                 const auto [from, to] = ends(j);
                 return rate_of_force(mechanism, j, from, to, force(j));

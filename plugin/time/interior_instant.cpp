@@ -30,13 +30,14 @@ void Interior::find_velocities(const Mechanism& mechanism, std::span<const Vecto
 }
 
 void Interior::find_accelerations(const Mechanism& mechanism, std::span<const Vector6> wrenches) {
-    const double h = mechanism.scheme.step_size();
     for (size_t i = 0; i < inertias_.size(); ++i) {
         const size_t f = static_cast<size_t>(driven_) + i;
         Vector6 wrench = wrenches[f];
         if (load_of_[i] >= 0) wrench += frame_load(i).load[2];
         const Twist &later = past_.velocity[i], &earlier = past_.velocity_before[i];
         Twist& a = accelerations_[i];
+        // The first velocity is that of the start, and half a step before the next
+        const double h = (mechanism.steps == 1 && massless_.is_rigidly_joined(i) ? 0.5 : 1) * mechanism.scheme.step_size();
         a.linear = massless_.is_massless(i, 0) ? Vector3((later.linear - earlier.linear) / h)
                                                : Vector3(head(wrench) / inertias_[i].mass + gravity_);
         if (massless_.is_massless(i, 1)) {

@@ -103,7 +103,7 @@ void Interior::balance_at_start(const Mechanism& mechanism, double h, Ports port
     velocities_ = past_.velocity;
     std::fill(rigid_at_start_.begin(), rigid_at_start_.end(), 0.0);
     massless_.find_instant(
-        mechanism, h, mechanism.frames,
+        mechanism, MasslessFrames::Find::velocities, h, mechanism.frames,
         [&](size_t j) {
             const Joint& joint = mechanism.joints[j];
             const auto [from, to] = mechanism.ends(j);

@@ -21,8 +21,8 @@ namespace {
 
 /// Radius of gyration below which a mass is a point [m].
 constexpr double kSmallestGyration = 1e-7;
-/// Of a step at which a network is first looked at, to see that it can be solved.
-constexpr double kTrialStep = 1e-3;
+/// At which a network is first looked at, to see that it can be solved [1/s].
+constexpr double kTrialRate = 1e3;
 
 std::vector<Link> links_of(const Mechanism& mechanism) {
     const int driven = mechanism.assembly.driven_count;
@@ -52,20 +52,6 @@ std::vector<std::array<bool, 2>> massless_halves(const Mechanism& mechanism) {
 }
 
 }  // namespace
-
-/// Nothing moves, and no force that acts already has a stiffness of its own.
-Mechanism at_rest(const Mechanism& mechanism, double step_size) {
-    Mechanism rest = mechanism;
-    rest.scheme.set_step_size(step_size);
-    for (size_t j = 0; j < rest.joints.size(); ++j) {
-        Joint& joint = rest.joints[j];
-        joint.set_scheme(rest.scheme);
-        joint.start(rest.scheme, rest.frame(joint.from()), rest.frame(joint.to()), Vector6::Zero(), Vector6::Zero(),
-                    rest.states[j], rest.damper(j), rest.law_memory_of(j));
-        rest.states[j].elastic = {};
-    }
-    return rest;
-}
 
 // ---- Construction -------------------------------------------------------------------------------------------------------
 
@@ -149,10 +135,10 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     rigid_change_.setZero(static_cast<Eigen::Index>(rigid));
     rigid_responses_.setZero(static_cast<Eigen::Index>(rigid), 6 * ports_);
 
-    const Mechanism sample = at_rest(mechanism, kTrialStep);
-    assemble(sample, sample.frames);
-    factor(sample, DTTMM_ERROR_MODEL);
-    form_at_trial(sample);  // its working memory is then there when a step wants it
+    for (Elimination* matrix : {&elimination_, &at_trial_}) {  // the working memory of both is then there
+        form_dynamic_stiffness(mechanism, mechanism.frames, kTrialRate, *matrix);
+        factor(mechanism, *matrix, DTTMM_ERROR_MODEL);
+    }
 }
 
 void Interior::set_reaches(const Mechanism& mechanism) {
@@ -262,8 +248,11 @@ Matrix6 local_columns(const Mechanism& mechanism, size_t j, int end) {
 
 Matrix6 local_columns(const Mechanism& mechanism, size_t j, const JointPose& pose, int end) {
     const Joint& joint = mechanism.joints[j];
+    return local_columns(joint, pose, end, mechanism.frame(joint.frame(end)));
+}
+
+Matrix6 local_columns(const Joint& joint, const JointPose& pose, int end, FrameView frame) {
     Matrix6 G = end == 0 ? joint.by_from(pose) : joint.by_to(pose);
-    const FrameView frame = mechanism.frame(end == 0 ? joint.from() : joint.to());
     for (int c : {0, 3}) G.middleCols<3>(c) = (G.middleCols<3>(c) * frame.axes()).eval();
     return G;
 }
@@ -346,19 +335,63 @@ void Interior::assemble(const Mechanism& mechanism, const std::vector<Frame>& at
         stiffest_ = std::max(stiffest_, elimination_.diagonal(i).diagonal().head<3>().maxCoeff());
 }
 
-/// Adds to every inertia so much that it shows beside the stiffness that holds its frame: over a long step it may otherwise
+/// K + s C + s² M in the frames' axes, s a rate [1/s], with the frames where they are in `at`: springs, dampers and masses
+/// under motions that grow like exp(s t). Forces that act already have no stiffness in it.
+void Interior::form_dynamic_stiffness(const Mechanism& mechanism, const std::vector<Frame>& at, double rate,
+                                      Elimination& matrix) const {
+    matrix.set_zero();
+    for (int i = 0; i < count_; ++i) matrix.add_diagonal(i, rate * rate * mass_matrix(static_cast<size_t>(i)));
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const Joint& joint = mechanism.joints[j];
+        const EndBlocks K = dynamic_stiffness(mechanism, j, at, rate);
+        const int frames[2] = {joint.from(), joint.to()};
+        for (int end : {0, 1})
+            if (is_inner(frames[end])) matrix.add_diagonal(frames[end] - driven_, K.at[end][end]);
+        if (is_inner(frames[0]) && is_inner(frames[1])) matrix.add_coupling(static_cast<int>(j), K.at[0][1]);
+        if (!joint.rigid().any()) continue;
+        const auto [from, to] = ends(joint, at);
+        const JointPose pose = joint.pose(from, to);
+        const Vector3 theta = joint.rotation(from, to);
+        const Matrix6 rows[2] = {rigid_rows(theta, local_columns(joint, pose, 0, from)),
+                                 rigid_rows(theta, local_columns(joint, pose, 1, to))};
+        for_each_rigid(joint, [&](int i, int d) {
+            matrix.set_rigid(static_cast<int>(j), i, rows[0].row(d).transpose(), rows[1].row(d).transpose());
+        });
+    }
+}
+
+/// Of one joint, in the axes of its frames.
+EndBlocks Interior::dynamic_stiffness(const Mechanism& mechanism, size_t j, const std::vector<Frame>& at,
+                                      double rate) const {
+    const Joint& joint = mechanism.joints[j];
+    const auto [from, to] = ends(joint, at);
+    const JointPose pose = joint.pose(from, to);
+    const Vector6 x = joint.deformation(pose, from, to);
+    EndBlocks K = joint.stiffness(pose, joint.stiffness_tangent(x, mechanism.memory(j)) + rate * joint.damping_tangent(x));
+    const Matrix3 R[2] = {from.axes(), to.axes()};
+    for (int i : {0, 1})
+        for (int k : {0, 1})
+            for (int row : {0, 3})
+                for (int column : {0, 3}) {
+                    auto block = K.at[i][k].block<3, 3>(row, column);
+                    block = (R[i].transpose() * block * R[k]).eval();
+                }
+    return K;
+}
+
+/// Adds to every inertia so much that it shows beside the stiffness that holds its frame: in a slow motion it may otherwise
 /// vanish in rounding, and a motion that nothing else resists be undetermined.
-void Interior::make_heavier() {
+void Interior::make_heavier(Elimination& matrix) const {
     constexpr double kLeastShare = 1e-9;  // with 1e-11 rigid directions are lost to 1e-3 in rods of a centimetre
     for (int i = 0; i < count_; ++i) {
-        const Matrix6 own = elimination_.diagonal(i);
+        const Matrix6 own = matrix.diagonal(i);
         const double shift = own.topLeftCorner<3, 3>().trace(), arm = reach_[static_cast<size_t>(i)];
         const double held[2] = {shift, std::max(own.bottomRightCorner<3, 3>().trace(), arm * arm * shift)};
         Vector6 more = Vector6::Zero();
         for (int half : {0, 1})
             if (!massless_.is_massless(static_cast<size_t>(i), half))
                 more.segment<3>(3 * half).setConstant(kLeastShare * held[half]);
-        elimination_.add_diagonal(i, more.asDiagonal());
+        matrix.add_diagonal(i, more.asDiagonal());
     }
 }
 
@@ -388,9 +421,9 @@ bool Interior::form_at_trial(const Mechanism& mechanism) const {
     return !at_trial_.factor();
 }
 
-void Interior::factor(const Mechanism& mechanism, dttmm_status status) {
+void Interior::factor(const Mechanism& mechanism, Elimination& matrix, dttmm_status status) const {
     ++factorisations_;
-    if (const auto fault = elimination_.factor()) refuse(mechanism, *fault, status);
+    if (const auto fault = matrix.factor()) refuse(mechanism, *fault, status);
 }
 
 void Interior::refuse(const Mechanism& mechanism, const Elimination::Fault& fault, dttmm_status status) const {
@@ -428,25 +461,12 @@ void Interior::refactor(const Mechanism& mechanism) {
 void Interior::form_matrix(const Mechanism& mechanism, const std::vector<Frame>& at) {
     is_stale_ = true;
     assemble(mechanism, at);
-    factor(mechanism, DTTMM_ERROR_SINGULAR);
+    factor(mechanism, elimination_, DTTMM_ERROR_SINGULAR);
     find_responses(mechanism);
     laws_.form(mechanism, at);
     laws_.find_responses(elimination_, mechanism.scheme.step_size(), other_.change, other_.q_change);
     look_at_joints(mechanism);
     is_stale_ = false;
-}
-
-/// Factors the matrix of `slow`: nothing moves, over a step so long that inertias do not resist, unless nothing else does:
-/// then they are made heavier and it is factored again. hold: adds to the matrix before it is factored, each time.
-void Interior::factor_static(const Mechanism& slow, const std::function<void()>& hold) {
-    assemble(slow, slow.frames);
-    hold();
-    ++factorisations_;
-    if (!elimination_.factor()) return;
-    assemble(slow, slow.frames);
-    make_heavier();
-    hold();
-    factor(slow, DTTMM_ERROR_SINGULAR);
 }
 
 /// How the inside follows a unit motion of each port.

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -269,16 +268,36 @@ private:
     FrameLoad& frame_load(size_t frame) { return frame_loads_[static_cast<size_t>(load_of_[frame])]; }
     const FrameLoad& frame_load(size_t frame) const { return frame_loads_[static_cast<size_t>(load_of_[frame])]; }
     void assemble(const Mechanism& mechanism, const std::vector<Frame>& at);
-    void make_heavier();
-    void factor(const Mechanism& mechanism, dttmm_status status);
+    void make_heavier(Elimination& matrix) const;
+    void factor(const Mechanism& mechanism, Elimination& matrix, dttmm_status status) const;
     [[noreturn]] void refuse(const Mechanism& mechanism, const Elimination::Fault& fault, dttmm_status status) const;
     void find_responses(const Mechanism& mechanism);
-    Twist start_velocity(int frame, Ports ports) const;
-    JointForce start_force(const Mechanism& mechanism, size_t joint, Ports ports) const;
-    void settle_at_start(Mechanism& mechanism, Ports ports);
-    void find_start_velocities(const Mechanism& mechanism, Ports ports);
-    void balance_at_start(const Mechanism& mechanism, double h, Ports ports);
-    void refuse_forbidden_velocities(const Mechanism& mechanism, Ports ports) const;
+    /// How a network begins: where all frames are, and their velocities.
+    struct Start {
+        std::vector<Frame> frames;
+        std::vector<Twist> velocities;
+    };
+    /// Springs, dampers and masses under slow motions of the ports, factored; and what couples the ports to the inside.
+    struct Slow {
+        const std::vector<Frame>& frames;
+        Elimination& matrix;
+        std::vector<EndBlocks> at_ports;  ///< of port_joints_
+    };
+    void form_dynamic_stiffness(const Mechanism& mechanism, const std::vector<Frame>& at, double rate,
+                                Elimination& matrix) const;
+    EndBlocks dynamic_stiffness(const Mechanism& mechanism, size_t joint, const std::vector<Frame>& at, double rate) const;
+    static Ends ends(const Joint& joint, const std::vector<Frame>& at) {
+        return {at[static_cast<size_t>(joint.from())], at[static_cast<size_t>(joint.to())]};
+    }
+    template <class Hold>
+    Slow form_slow(const Mechanism& mechanism, const std::vector<Frame>& frames, const Hold& hold) const;
+    void follow(const Mechanism& mechanism, const Slow& slow, std::span<Vector6> motion, std::span<double> q) const;
+    JointForce start_force(const Mechanism& mechanism, size_t joint, const Start& start) const;
+    Start place_at_start(const Mechanism& mechanism, Ports ports) const;
+    static std::vector<Frame> frames_at_start(const Mechanism& mechanism);
+    std::vector<Twist> start_inertias(const Mechanism& mechanism, std::span<const Vector6> wrench);
+    void balance_at_start(const Mechanism& mechanism, double h, Start& start) const;
+    void refuse_forbidden_velocities(const Mechanism& mechanism, const Start& start) const;
     void read_loads(const Mechanism& mechanism, const double* loads);
     void set_elastic(const Mechanism& mechanism);
 
@@ -308,8 +327,7 @@ private:
     [[noreturn]] void refuse_lack_of_convergence(const Mechanism& mechanism, const Solution& solution) const;
     void look_at_joints(const Mechanism& mechanism);
     void form_matrix(const Mechanism& mechanism, const std::vector<Frame>& at);
-    void factor_static(const Mechanism& slow, const std::function<void()>& hold);
-    void hold_given(const Mechanism& slow, std::vector<Vector6>& load);
+    void hold_given(const Mechanism& mechanism, const Start& start, Elimination& matrix, std::vector<Vector6>& load) const;
     void predict(const Mechanism& mechanism);
     void open_anchor(const Mechanism& mechanism);
     void take_port_change(const Mechanism& mechanism, Ports ports) const;

@@ -36,11 +36,10 @@ void for_each_rigid(const Joint& joint, const Function& function) {
 Matrix6 local_columns(const Mechanism& mechanism, size_t joint, int end);
 /// The same with the joint elsewhere.
 Matrix6 local_columns(const Mechanism& mechanism, size_t joint, const JointPose& pose, int end);
+/// The same of a joint in a pose, by the motion of a frame where it is.
+Matrix6 local_columns(const Joint& joint, const JointPose& pose, int end, FrameView frame);
 /// From these those of [d; θ] that rigid directions hold: δθ = J⁻¹ ε.
 Matrix6 rigid_rows(const Mechanism& mechanism, size_t joint, const Matrix6& columns);
 Matrix6 rigid_rows(const Vector3& theta, const Matrix6& columns);
-
-/// The mechanism with its joints where its frames are and nothing moving, at a step size.
-Mechanism at_rest(const Mechanism& mechanism, double step_size);
 
 }  // namespace dttmm::plugin

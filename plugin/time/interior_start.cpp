@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Where the inside of a network stands and how it moves at the start.
+// Where the inside of a network stands and how it moves at the start, and how it follows slow motions from there.
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -16,8 +16,8 @@ namespace dttmm::plugin {
 
 namespace {
 
-/// A step so long that nothing has inertia in it and no damper resists: its matrix is β h² times the static stiffness.
-constexpr double kLongStep = 1e4;
+/// So slow [1/s] that springs alone resist, unless there are only dampers, or masses.
+constexpr double kSlowRate = 1e-4;
 /// Of the largest speed [m/s or rad/s], in start velocities: rounding, and what the stiff hold of those given gives way.
 constexpr double kTolerated = 1e-7;
 
@@ -28,155 +28,207 @@ std::string text_of(Vector3 velocity, double least) {
     return fmt::format("({:.8g}, {:.8g}, {:.8g})", velocity.x(), velocity.y(), velocity.z());
 }
 
+Vector6 in_world(FrameView frame, const Vector6& v) {
+    Vector6 world;
+    world << frame.axes() * v.head<3>(), frame.axes() * v.tail<3>();
+    return world;
+}
+
 }  // namespace
 
-void Interior::linearise(const Mechanism& mechanism, Ports ports, double* wrench, double* stiffness) const {
-    Mechanism sample = mechanism;
-    sample.scheme.set_step_size(kLongStep);
-    Interior scratch = *this;
-    scratch.settle_at_start(sample, ports);
-    scratch.balance_at_start(sample, 0, ports);
-    const auto on = [&](int frame) { return frame < ports_ ? wrench + 6 * ports.bodies[frame] : nullptr; };
-    for (size_t j : port_joints_) {
-        const Joint& joint = sample.joints[j];
-        Joint::add_wrench(scratch.start_force(sample, j, ports), on(joint.from()), on(joint.to()));
+// ---- Slow motions -------------------------------------------------------------------------------------------------------
+
+/// The factor overwrites at_trial_. hold(matrix): adds to it before it is factored. Where a motion is resisted by nothing,
+/// inertias are made heavier and it is factored again.
+template <class Hold>
+Interior::Slow Interior::form_slow(const Mechanism& mechanism, const std::vector<Frame>& frames, const Hold& hold) const {
+    Slow slow{frames, at_trial_, {}};
+    for (size_t j : port_joints_) slow.at_ports.push_back(dynamic_stiffness(mechanism, j, frames, kSlowRate));
+    form_dynamic_stiffness(mechanism, frames, kSlowRate, slow.matrix);
+    hold(slow.matrix);
+    ++factorisations_;
+    if (!slow.matrix.factor()) return slow;
+    form_dynamic_stiffness(mechanism, frames, kSlowRate, slow.matrix);
+    make_heavier(slow.matrix);
+    hold(slow.matrix);
+    factor(mechanism, slow.matrix, DTTMM_ERROR_SINGULAR);
+    return slow;
+}
+
+/// motion: 6 per frame in its own axes, of the ports given; of the inner frames a load on them, in whose place it takes
+/// their motion. q: takes the forces of rigid directions.
+void Interior::follow(const Mechanism& mechanism, const Slow& slow, std::span<Vector6> motion, std::span<double> q) const {
+    const auto inner = motion.subspan(static_cast<size_t>(driven_));
+    std::ranges::fill(q, 0.0);
+    for (size_t k = 0; k < port_joints_.size(); ++k) {
+        const size_t j = port_joints_[k];
+        const Joint& joint = mechanism.joints[j];
+        for (int end : {0, 1}) {
+            if (joint.frame(end) >= ports_) continue;
+            const Vector6& u = motion[static_cast<size_t>(joint.frame(end))];
+            const int other = joint.frame(1 - end);
+            if (is_inner(other)) inner[at(other)] -= slow.at_ports[k].at[1 - end][end] * u;
+            for_each_rigid(joint,
+                           [&](int i, int) { q[rigid_row(j, i)] -= slow.matrix.rigid(static_cast<int>(j), i, end).dot(u); });
+        }
     }
-    if (!stiffness) return;
-    const Mechanism slow = at_rest(sample, kLongStep);
-    scratch.factor_static(slow, [] {});
-    scratch.find_responses(slow);
-    scratch.write_stiffness(slow, stiffness);
-    const Eigen::Index size = 6 * ports_;
-    Eigen::Map<Eigen::VectorXd>(stiffness, size * size) /= mechanism.scheme.weight(0);
+    slow.matrix.solve(inner, q);
 }
 
 void Interior::follow(const Mechanism& mechanism, std::span<Vector6> motion) const {
-    Mechanism sample = mechanism;
-    for (size_t f = 0; f < sample.frames.size(); ++f) sample.frames[f] = make_frame(sample.assembly.frames[f].pose);
-    Interior scratch = *this;
-    const Mechanism slow = at_rest(sample, kLongStep);
-    scratch.factor_static(slow, [] {});
-    scratch.find_responses(slow);
-    Eigen::VectorXd u(6 * ports_);
-    for (int p = 0; p < ports_; ++p) u.segment<6>(6 * p) = in_axes(slow.frame(p), motion[static_cast<size_t>(p)]);
-    for (int f = driven_; f < driven_ + count_; ++f) {
-        const Vector6 v = scratch.response(at(f)) * u;
-        const RowMajor3 R = slow.frame(f).axes();
-        motion[static_cast<size_t>(f)] << R * head(v), R * tail(v);
+    const std::vector<Frame> frames = frames_at_start(mechanism);
+    const Slow slow = form_slow(mechanism, frames, [](Elimination&) {});
+    for (size_t f = 0; f < motion.size(); ++f)
+        motion[f] = f < static_cast<size_t>(ports_) ? in_axes(frames[f], motion[f]) : Vector6(Vector6::Zero());
+    std::vector<double> q(rigid_.size());
+    follow(mechanism, slow, motion, q);
+    for (size_t f = 0; f < motion.size(); ++f) motion[f] = in_world(frames[f], motion[f]);
+}
+
+void Interior::linearise(const Mechanism& mechanism, Ports ports, double* wrench, double* stiffness) const {
+    Start start = place_at_start(mechanism, ports);
+    balance_at_start(mechanism, 0, start);
+    const auto on = [&](int frame) { return frame < ports_ ? wrench + 6 * ports.bodies[frame] : nullptr; };
+    for (size_t j : port_joints_) {
+        const Joint& joint = mechanism.joints[j];
+        Joint::add_wrench(start_force(mechanism, j, start), on(joint.from()), on(joint.to()));
+    }
+    if (!stiffness) return;
+    const Slow slow = form_slow(mechanism, start.frames, [](Elimination&) {});
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    Eigen::Map<RowMajor> S(stiffness, 6 * ports_, 6 * ports_);
+    S.setZero();
+    std::vector<Vector6> motion(mechanism.frames.size());
+    std::vector<double> q(rigid_.size());
+    for (int column = 0; column < 6 * ports_; ++column) {
+        std::ranges::fill(motion, Vector6::Zero());
+        const auto port = static_cast<size_t>(column / 6);
+        motion[port] = in_axes(start.frames[port], Vector6::Unit(column % 6));
+        follow(mechanism, slow, motion, q);
+        for (size_t k = 0; k < port_joints_.size(); ++k) {
+            const size_t j = port_joints_[k];
+            const Joint& joint = mechanism.joints[j];
+            for (int row : {0, 1}) {
+                const int frame = joint.frame(row);
+                if (frame >= ports_) continue;
+                Vector6 force = Vector6::Zero();
+                for (int end : {0, 1})
+                    force += slow.at_ports[k].at[row][end] * motion[static_cast<size_t>(joint.frame(end))];
+                for_each_rigid(joint, [&](int i, int) {
+                    force += slow.matrix.rigid(static_cast<int>(j), i, row) * q[rigid_row(j, i)];
+                });
+                S.block<6, 1>(6 * frame, column) += in_world(start.frames[static_cast<size_t>(frame)], force);
+            }
+        }
     }
 }
 
-Twist Interior::start_velocity(int frame, Ports ports) const {
-    if (is_inner(frame)) return past_.velocity[at(frame)];
-    return frame < ports_ ? ports.twist(frame) : Twist{};
-}
+// ---- The start ----------------------------------------------------------------------------------------------------------
 
-/// What a joint does at the start, when the frames are where they are; without rigid directions.
-JointForce Interior::start_force(const Mechanism& mechanism, size_t j, Ports ports) const {
+/// What a joint does at the start; without rigid directions.
+JointForce Interior::start_force(const Mechanism& mechanism, size_t j, const Start& start) const {
     const Joint& joint = mechanism.joints[j];
-    const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
-    const Twist v_from = start_velocity(joint.from(), ports), v_to = start_velocity(joint.to(), ports);
+    const auto [from, to] = ends(joint, start.frames);
+    const Twist &v_from = start.velocities[static_cast<size_t>(joint.from())],
+                &v_to = start.velocities[static_cast<size_t>(joint.to())];
     const JointPose pose = joint.pose(from, to);
     const Vector6 x = joint.deformation(pose, from, to);
     return pose.act(joint.force(x, joint.rate(from, v_from, to, v_to, x), mechanism.memory(j)));
 }
 
-/// Puts the ports where they are, the inside where it is at the start, and finds the velocities of the inside: those given,
-/// the rest such as to strain the network least.
-void Interior::settle_at_start(Mechanism& mechanism, Ports ports) {
-    for (size_t f = 0; f < mechanism.frames.size(); ++f) mechanism.frames[f] = make_frame(mechanism.assembly.frames[f].pose);
-    bool moves = false;
+/// The frames as the network is described.
+std::vector<Frame> Interior::frames_at_start(const Mechanism& mechanism) {
+    std::vector<Frame> frames;
+    for (const FrameSpec& frame : mechanism.assembly.frames) frames.push_back(make_frame(frame.pose));
+    return frames;
+}
+
+/// The ports where they are, the inside where it is at the start with the velocities given to nodes, the rest such as to
+/// strain the network least.
+Interior::Start Interior::place_at_start(const Mechanism& mechanism, Ports ports) const {
+    Start start{frames_at_start(mechanism), std::vector<Twist>(mechanism.frames.size())};
+    bool moves = std::ranges::any_of(given_, &Given::moves);
     for (int p = 0; p < ports_; ++p) {
-        mechanism.frames[static_cast<size_t>(p)] = ports[static_cast<size_t>(p)].copy();
-        const Twist velocity = ports.twist(p);
-        moves = moves || !velocity.linear.isZero(0) || !velocity.angular.isZero(0);
+        const auto port = static_cast<size_t>(p);
+        start.frames[port] = ports[port].copy();
+        start.velocities[port] = ports.twist(p);
+        moves = moves || !start.velocities[port].linear.isZero(0) || !start.velocities[port].angular.isZero(0);
     }
-    std::fill(past_.velocity.begin(), past_.velocity.end(), Twist{});
-    std::fill(rigid_.begin(), rigid_.end(), 0.0);
-    for (const Given& given : given_) moves = moves || given.moves;
-    if (moves) find_start_velocities(mechanism, ports);
-}
-
-/// Gives massless frames between dampers the velocities at which these balance, unless they are given.
-void Interior::balance_at_start(const Mechanism& mechanism, double h, Ports ports) {
-    if (!massless_.has_balances()) return;
-    velocities_ = past_.velocity;
-    std::fill(rigid_at_start_.begin(), rigid_at_start_.end(), 0.0);
-    massless_.find_instant(
-        mechanism, MasslessFrames::Find::velocities, h, mechanism.frames,
-        [&](size_t j) {
-            const Joint& joint = mechanism.joints[j];
-            const auto [from, to] = mechanism.ends(j);
-            const auto now = [&](int frame) {
-                return is_inner(frame) ? velocities_[at(frame)] : start_velocity(frame, ports);
-            };
-            const Vector6 deformation = joint.deformation(joint.pose(from, to), from, to);
-            return MasslessFrames::Acting{deformation, joint.rate(from, now(joint.from()), to, now(joint.to())),
-                                          joint.elastic(deformation, mechanism.memory(j))};
-        },
-        [&](size_t i) { return frame_load(i).load[1]; }, velocities_, corrections_, rigid_at_start_);
-    for (size_t i = 0; i < given_.size(); ++i) {
-        const int frame = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])].frame;
-        if (given_[i].moves && is_inner(frame)) velocities_[at(frame)] = past_.velocity[at(frame)];
-    }
-    past_.velocity = velocities_;
-}
-
-void Interior::find_start_velocities(const Mechanism& mechanism, Ports ports) {
-    const Mechanism slow = at_rest(mechanism, kLongStep);
-    std::vector<Vector6> pull(inertias_.size(), Vector6::Zero()), r;
-    std::vector<double> g(rigid_.size(), 0);
-    for (size_t j : port_joints_) {
-        const Joint& joint = slow.joints[j];
-        const int frames[2] = {joint.from(), joint.to()};
-        const Blocks K = blocks(slow, j, slow.frames);
-        for (int end : {0, 1}) {
-            if (frames[end] >= ports_) continue;
-            const Vector6 u = in_axes(slow.frame(frames[end]), joined(ports.twist(frames[end])));
-            if (is_inner(frames[1 - end])) pull[at(frames[1 - end])] -= K.between(1 - end, end) * u;
-            const Vector6 held = rigid_rows(slow, j, local_columns(slow, j, end)) * u;
-            for_each_rigid(joint, [&](int i, int direction) { g[rigid_row(j, i)] -= held(direction); });
-        }
-    }
-    factor_static(slow, [&] {
-        r = pull;
-        hold_given(slow, r);
+    if (!moves) return start;
+    std::vector<Vector6> motion(mechanism.frames.size(), Vector6::Zero());
+    for (size_t p = 0; p < static_cast<size_t>(ports_); ++p)
+        motion[p] = in_axes(start.frames[p], joined(start.velocities[p]));
+    std::vector<Vector6> hold(mechanism.frames.size());
+    const Slow slow = form_slow(mechanism, start.frames, [&](Elimination& matrix) {
+        std::ranges::fill(hold, Vector6::Zero());
+        hold_given(mechanism, start, matrix, hold);
     });
-    elimination_.solve(r, g);
-    for (int i = 0; i < count_; ++i) {
-        const RowMajor3 R = slow.frame(driven_ + i).axes();
-        past_.velocity[static_cast<size_t>(i)] = {R * head(r[static_cast<size_t>(i)]), R * tail(r[static_cast<size_t>(i)])};
+    for (auto f = static_cast<size_t>(driven_); f < motion.size(); ++f) motion[f] = hold[f];
+    std::vector<double> q(rigid_.size());
+    follow(mechanism, slow, motion, q);
+    for (auto f = static_cast<size_t>(driven_); f < motion.size(); ++f) {
+        const Vector6 v = in_world(start.frames[f], motion[f]);
+        start.velocities[f] = {head(v), tail(v)};
     }
+    return start;
 }
 
-/// Adds to the matrix and the load on the frames what moves nodes as they are given to.
-void Interior::hold_given(const Mechanism& slow, std::vector<Vector6>& load) {
+/// Adds to the matrix, and to the load on the frames, what moves nodes as they are given to.
+void Interior::hold_given(const Mechanism& mechanism, const Start& start, Elimination& matrix,
+                          std::vector<Vector6>& load) const {
     constexpr double kHold = 1e12;  // stiffer than everything
     for (size_t i = 0; i < given_.size(); ++i) {
-        const NodeSpec& spec = slow.assembly.nodes[static_cast<size_t>(inner_nodes_[i])];
+        const NodeSpec& spec = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])];
         if (!given_[i].moves || !is_inner(spec.frame)) continue;
+        const auto frame = static_cast<size_t>(spec.frame);
         // v_node = v − offset × ω in the frame's axes
         Matrix6 G = Matrix6::Identity();
         G.topRightCorner<3, 3>() = -skew(spec.offset);
-        const Vector6 given = in_axes(slow.frame(spec.frame), joined(given_[i].velocity));
-        const Matrix6 own = elimination_.diagonal(spec.frame - driven_);
+        const Vector6 given = in_axes(start.frames[frame], joined(given_[i].velocity));
+        const Matrix6 own = matrix.diagonal(spec.frame - driven_);
         const double translation = kHold * std::max(own.topLeftCorner<3, 3>().trace(), 1e-300);
         // What holds the translation at a lever turns the frame too, and must not drown what holds the rotation
         const double rotation = std::max(kHold * std::max(own.bottomRightCorner<3, 3>().trace(), 1e-300),
                                          spec.offset.squaredNorm() * translation);
         Vector6 weight;
         weight << Vector3::Constant(translation), Vector3::Constant(rotation);
-        elimination_.add_diagonal(spec.frame - driven_, G.transpose() * weight.asDiagonal() * G);
-        load[at(spec.frame)] += G.transpose() * weight.cwiseProduct(given);
+        matrix.add_diagonal(spec.frame - driven_, G.transpose() * weight.asDiagonal() * G);
+        load[frame] += G.transpose() * weight.cwiseProduct(given);
     }
 }
 
+/// Gives massless frames between dampers the velocities at which these balance, unless they are given.
+void Interior::balance_at_start(const Mechanism& mechanism, double h, Start& start) const {
+    if (!massless_.has_balances()) return;
+    const auto first = start.velocities.begin() + driven_;
+    const std::vector<Twist> before(first, start.velocities.end());
+    std::vector<Twist> velocities = before, corrections(before.size());
+    std::vector<double> rigid(rigid_.size());
+    massless_.find_instant(
+        mechanism, MasslessFrames::Find::velocities, h, start.frames,
+        [&](size_t j) {
+            const Joint& joint = mechanism.joints[j];
+            const auto [from, to] = ends(joint, start.frames);
+            const auto now = [&](int frame) {
+                return is_inner(frame) ? velocities[at(frame)] : start.velocities[static_cast<size_t>(frame)];
+            };
+            const Vector6 deformation = joint.deformation(joint.pose(from, to), from, to);
+            return MasslessFrames::Acting{deformation, joint.rate(from, now(joint.from()), to, now(joint.to())),
+                                          joint.elastic(deformation, mechanism.memory(j))};
+        },
+        [&](size_t i) { return frame_load(i).load[1]; }, velocities, corrections, rigid);
+    for (size_t i = 0; i < given_.size(); ++i) {
+        const int frame = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])].frame;
+        if (given_[i].moves && is_inner(frame)) velocities[at(frame)] = before[at(frame)];
+    }
+    std::ranges::copy(velocities, first);
+}
+
 /// Of the velocities given to nodes, those that the rest of what is rigid has not left as they are.
-void Interior::refuse_forbidden_velocities(const Mechanism& mechanism, Ports ports) const {
+void Interior::refuse_forbidden_velocities(const Mechanism& mechanism, const Start& start) const {
     double largest = 0;
     const auto look_at = [&](const Twist& v) { largest = std::max({largest, v.linear.norm(), v.angular.norm()}); };
-    for (int p = 0; p < ports_; ++p) look_at(ports.twist(p));
-    for (const Twist& velocity : past_.velocity) look_at(velocity);
+    for (const Twist& velocity : start.velocities) look_at(velocity);
     for (const Given& given : given_)
         if (given.moves) look_at(given.velocity);
     const double least = kTolerated * largest;
@@ -184,8 +236,9 @@ void Interior::refuse_forbidden_velocities(const Mechanism& mechanism, Ports por
         const NodeSpec& spec = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])];
         if (!given_[i].moves || !is_inner(spec.frame)) continue;
         const Twist& given = given_[i].velocity;
-        Twist left = past_.velocity[at(spec.frame)];
-        left.linear += left.angular.cross(mechanism.frame(spec.frame).axes() * spec.offset);
+        Twist left = start.velocities[static_cast<size_t>(spec.frame)];
+        const FrameView frame = start.frames[static_cast<size_t>(spec.frame)];
+        left.linear += left.angular.cross(frame.axes() * spec.offset);
         if ((left.linear - given.linear).norm() <= least && (left.angular - given.angular).norm() <= least) continue;
         throw Error(DTTMM_ERROR_MODEL,
                     fmt::format("{}: it is to start with velocity {} m/s and angular velocity {} rad/s, but rigid or fixed "
@@ -199,31 +252,57 @@ void Interior::refuse_forbidden_velocities(const Mechanism& mechanism, Ports por
 
 void Interior::start(Mechanism& mechanism, Ports ports, const double* accelerations, const double* loads) {
     const double h = mechanism.scheme.step_size();
-    settle_at_start(mechanism, ports);
-    refuse_forbidden_velocities(mechanism, ports);
+    Start start = place_at_start(mechanism, ports);
+    refuse_forbidden_velocities(mechanism, start);
+    mechanism.frames = start.frames;
+    std::fill(rigid_.begin(), rigid_.end(), 0.0);
     books_ = {};
     read_loads(mechanism, loads);
     for (size_t k = 0; k < frame_loads_.size(); ++k) {
         FrameLoad& loaded = frame_loads_[k];
         loaded.load[1] = loaded.load[2] = load_at_end(k, mechanism.frame(driven_ + static_cast<int>(loaded_[k])));
     }
-
-    balance_at_start(mechanism, h, ports);
+    balance_at_start(mechanism, h, start);
+    past_.velocity.assign(start.velocities.begin() + driven_, start.velocities.end());
 
     // Forces of the start, for the momentum half a step before it and the accelerations
     std::vector<Vector6> wrench(mechanism.frames.size(), Vector6::Zero());
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Joint& joint = mechanism.joints[j];
-        Joint::add_wrench(start_force(mechanism, j, ports), wrench[static_cast<size_t>(joint.from())].data(),
+        Joint::add_wrench(start_force(mechanism, j, start), wrench[static_cast<size_t>(joint.from())].data(),
                           wrench[static_cast<size_t>(joint.to())].data());
     }
+    const std::vector<Twist> acceleration = start_inertias(mechanism, wrench);
+    const auto acceleration_of = [&](int frame) {
+        if (is_inner(frame)) return acceleration[at(frame)];
+        if (frame >= ports_) return Twist{};
+        const double* a = accelerations + 6 * ports.bodies[frame];
+        return Twist{Eigen::Map<const Vector3>(a), Eigen::Map<const Vector3>(a + 3)};
+    };
+    mechanism.start_joints([&](int frame) { return start.velocities[static_cast<size_t>(frame)]; }, acceleration_of);
+    for (int p = 0; p < ports_; ++p) start_accelerations_[static_cast<size_t>(p)] = acceleration_of(p);
+    mechanism.before = mechanism.frames;
+    set_elastic(mechanism);
+    for (size_t i = 0; i < massless_.frames().size(); ++i) {
+        const size_t frame = massless_.frames()[i];
+        FrameLoad& own = frame_load(frame);
+        own.elastic[1] = own.elastic[2] = own.elastic[0];
+        own.settled = -in_axes(mechanism.frame(driven_ + static_cast<int>(frame)), own.elastic[0]);
+    }
+    for (size_t p = 0; p < port_u_.size(); ++p) port_u_[p] = joined(start.velocities[p]);
+    port_u_before_ = port_u_;
+    trial_ = mechanism.frames;
+    refactor(mechanism);
+}
+
+/// Momenta and motions of the step before the start, under the wrenches of the joints at the start; accelerations then.
+std::vector<Twist> Interior::start_inertias(const Mechanism& mechanism, std::span<const Vector6> wrench) {
+    const double h = mechanism.scheme.step_size();
     std::vector<Twist> acceleration(inertias_.size());
     for (size_t i = 0; i < inertias_.size(); ++i) {
         const Twist& velocity = past_.velocity[i];
         const Inertia& inertia = inertias_[i];
-        const Frame& frame = mechanism.frames[static_cast<size_t>(driven_) + i];
-        const FrameView view = frame;
-        const RowMajor3 R = view.axes();
+        const RowMajor3 R = mechanism.frame(driven_ + static_cast<int>(i)).axes();
         Vector6 force = wrench[static_cast<size_t>(driven_) + i];
         if (load_of_[i] >= 0) force += frame_load(i).load[1];
         force.head<3>() += inertia.mass * gravity_;
@@ -237,26 +316,7 @@ void Interior::start(Mechanism& mechanism, Ports ports, const double* accelerati
     }
     past_.u_before = past_.u;
     past_.velocity_before = past_.velocity;
-    const auto acceleration_of = [&](int frame) {
-        if (is_inner(frame)) return acceleration[at(frame)];
-        if (frame >= ports_) return Twist{};
-        const double* a = accelerations + 6 * ports.bodies[frame];
-        return Twist{Eigen::Map<const Vector3>(a), Eigen::Map<const Vector3>(a + 3)};
-    };
-    mechanism.start_joints([&](int frame) { return start_velocity(frame, ports); }, acceleration_of);
-    for (int p = 0; p < ports_; ++p) start_accelerations_[static_cast<size_t>(p)] = acceleration_of(p);
-    mechanism.before = mechanism.frames;
-    set_elastic(mechanism);
-    for (size_t i = 0; i < massless_.frames().size(); ++i) {
-        const size_t frame = massless_.frames()[i];
-        FrameLoad& own = frame_load(frame);
-        own.elastic[1] = own.elastic[2] = own.elastic[0];
-        own.settled = -in_axes(mechanism.frame(driven_ + static_cast<int>(frame)), own.elastic[0]);
-    }
-    for (size_t p = 0; p < port_u_.size(); ++p) port_u_[p] = joined(ports.twist(static_cast<int>(p)));
-    port_u_before_ = port_u_;
-    trial_ = mechanism.frames;
-    refactor(mechanism);
+    return acceleration;
 }
 
 /// Loads on the inner nodes at the end of the step; none where `loads` is null.

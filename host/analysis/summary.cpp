@@ -2,6 +2,8 @@
 #include "analysis/summary.h"
 
 #include <fmt/format.h>
+#include <array>
+#include <bit>
 
 #include <cmath>
 #include <fstream>
@@ -187,11 +189,17 @@ Json describe_limit(const Simulation& simulation) {
             {"elements", describe_shares(limit->mode)}};
 }
 
-/// A number that tells whether a file has changed.
+/// A number that tells whether a file has changed. Read block by block: programs are large.
 std::string digest_of(const std::filesystem::path& path) {
     std::ifstream file(from_start(path), std::ios::binary);
-    const std::string content((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-    return fmt::format("{:016x}-{}", std::hash<std::string>{}(content), content.size());
+    std::array<char, 1 << 16> block;
+    uint64_t digest = 0, size = 0;
+    while (file.read(block.data(), block.size()), file.gcount() > 0) {
+        const std::string_view text(block.data(), static_cast<size_t>(file.gcount()));
+        digest = std::rotl(digest, 1) * 0x9e3779b97f4a7c15ULL ^ std::hash<std::string_view>{}(text);
+        size += text.size();
+    }
+    return fmt::format("{:016x}-{}", digest, size);
 }
 
 }  // namespace

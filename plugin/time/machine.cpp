@@ -194,6 +194,7 @@ void Machine::place_channels(std::span<const std::vector<uint32_t>> units) {
         Network& network = *piece_of[unit.front()].first;
         if (network.interior()) place(network, network.piece_count() - 1);
     }
+    for (Part& part : networks_) part.network.forget_channels();
 }
 
 // ---- Phases -------------------------------------------------------------------------------------------------------------

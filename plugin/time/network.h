@@ -72,6 +72,8 @@ public:
         return std::span(channels_).subspan(piece_begin_[piece], piece_begin_[piece + 1] - piece_begin_[piece]);
     }
     void place_outputs(size_t piece, size_t at) { output_places_[piece] = at; }
+    /// Where another has them.
+    void forget_channels() { channels_ = {}; }
     void outputs(double* values) const;
 
     /// What moves inside; null where everything is joints between bodies and ground.

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "loader/plugins.h"
+#include "model/index.h"
 #include "model/read_simulation.h"
 #include "record/channels.h"
 #include "step/simulation.h"
@@ -26,9 +27,9 @@ void print_channels(const Request& request) {
         listed.erase(listed.begin());  // the time, which is always selected
     }
     size_t width = 0;
-    for (const int c : listed) width = std::max(width, all[static_cast<size_t>(c)].name.size());
+    for (const int c : listed) width = std::max(width, all[as_size(c)].name.size());
     for (const int c : listed) {
-        const Channel& channel = all[static_cast<size_t>(c)];
+        const Channel& channel = all[as_size(c)];
         fmt::print("{:<{}}  {}{}\n", channel.name, width, channel.unit, channel.by_default ? "" : "  (on request)");
     }
 }

@@ -6,6 +6,8 @@
 #include <limits>
 #include <tuple>
 
+#include "model/index.h"
+
 namespace dttmm::host {
 
 namespace {
@@ -18,11 +20,9 @@ struct Shape {
 
 /// The parameters as shares of their ranges.
 Eigen::MatrixXd scale(const std::vector<std::vector<double>>& parameters) {
-    Eigen::MatrixXd scaled(static_cast<Eigen::Index>(parameters.front().size()),
-                           static_cast<Eigen::Index>(parameters.size()));
+    Eigen::MatrixXd scaled(as_row(parameters.front().size()), as_row(parameters.size()));
     for (size_t c = 0; c < parameters.size(); ++c)
-        scaled.col(static_cast<Eigen::Index>(c)) =
-            Eigen::Map<const Eigen::VectorXd>(parameters[c].data(), static_cast<Eigen::Index>(parameters[c].size()));
+        scaled.col(as_row(c)) = Eigen::Map<const Eigen::VectorXd>(parameters[c].data(), as_row(parameters[c].size()));
     for (Eigen::Index p = 0; p < scaled.rows(); ++p) {
         const double low = scaled.row(p).minCoeff(), range = scaled.row(p).maxCoeff() - low;
         for (double& value : scaled.row(p)) value = range > 0 ? (value - low) / range : 0;
@@ -32,7 +32,7 @@ Eigen::MatrixXd scale(const std::vector<std::vector<double>>& parameters) {
 
 /// All cases but the first with the case each is compared with, in the order in which they are compared.
 std::vector<std::pair<size_t, size_t>> make_tree(const Eigen::MatrixXd& points) {
-    const auto n = static_cast<size_t>(points.cols());
+    const auto n = as_size(points.cols());
     std::vector<double> distance(n, std::numeric_limits<double>::infinity());  // to the nearest that is done
     std::vector<size_t> nearest(n, 0);
     std::vector<bool> is_done(n, false);
@@ -44,7 +44,7 @@ std::vector<std::pair<size_t, size_t>> make_tree(const Eigen::MatrixXd& points) 
         size_t next = n;
         for (size_t c = 0; c < n; ++c) {
             if (is_done[c]) continue;
-            const double d = (points.col(static_cast<Eigen::Index>(c)) - points.col(static_cast<Eigen::Index>(last))).norm();
+            const double d = (points.col(as_row(c)) - points.col(as_row(last))).norm();
             if (d < kTie * distance[c]) {
                 distance[c] = d;
                 nearest[c] = last;
@@ -74,7 +74,7 @@ std::vector<CaseCurves> follow_curves(const std::vector<std::vector<double>>& pa
         first.push_back({c, mode});
         curves[c].mode_of.resize(first.size(), CaseCurves::kNone);
         curves[c].likeness.resize(first.size(), std::nan(""));
-        curves[c].mode_of.back() = static_cast<size_t>(mode);
+        curves[c].mode_of.back() = as_size(mode);
     };
     for (Eigen::Index m = 0; m < shapes[0].cols(); ++m) begin(0, m);
     last[0] = first;
@@ -90,16 +90,16 @@ std::vector<CaseCurves> follow_curves(const std::vector<std::vector<double>>& pa
             for (Eigen::Index m = 0; m < shapes[c].cols(); ++m)
                 pairs.emplace_back(-compute_likeness(shapes[known[k].in_case].col(known[k].mode), shapes[c].col(m)), k, m);
         std::ranges::sort(pairs);
-        std::vector<bool> is_taken(static_cast<size_t>(shapes[c].cols()), false);
+        std::vector<bool> is_taken(as_size(shapes[c].cols()), false);
         for (const auto& [unlike, k, m] : pairs) {
-            if (own.mode_of[k] != CaseCurves::kNone || is_taken[static_cast<size_t>(m)]) continue;
-            own.mode_of[k] = static_cast<size_t>(m);
+            if (own.mode_of[k] != CaseCurves::kNone || is_taken[as_size(m)]) continue;
+            own.mode_of[k] = as_size(m);
             own.likeness[k] = -unlike;
-            is_taken[static_cast<size_t>(m)] = true;
+            is_taken[as_size(m)] = true;
             known[k] = {c, m};
         }
         for (size_t m = 0; m < is_taken.size(); ++m)
-            if (!is_taken[m]) begin(c, static_cast<Eigen::Index>(m));
+            if (!is_taken[m]) begin(c, as_row(m));
         last[c] = std::move(known);
         last[c].insert(last[c].end(), first.begin() + static_cast<std::ptrdiff_t>(last[c].size()), first.end());
     }

@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "model/index.h"
+
 namespace dttmm::host {
 
 namespace {
@@ -49,7 +51,7 @@ double size_of_machine(const Model& model) {
 
 std::vector<double> error_scales(const Model& model, const FastestMode& fastest, const Recorder& seen, double h) {
     const double L = size_of_machine(model);
-    const auto channel_count = static_cast<int>(seen.channels().size());
+    const auto channel_count = as_int(seen.channels().size());
     std::vector<Kind> kinds;
     for (const Channel& channel : seen.channels()) kinds.push_back(kind_of(channel, L));
 
@@ -57,10 +59,10 @@ std::vector<double> error_scales(const Model& model, const FastestMode& fastest,
     double coordinate = L;
     for (int c = 1; c < channel_count; ++c) {
         const ChannelStatistics& statistics = seen.statistics(c);
-        const Kind& kind = kinds[static_cast<size_t>(c)];
+        const Kind& kind = kinds[as_size(c)];
         const double size = kind.name == "m" ? statistics.maximum - statistics.minimum : statistics.peak;
         largest[kind.name] = std::max(largest[kind.name], kind.factor * size);
-        if (seen.channels()[static_cast<size_t>(c)].unit == "m") coordinate = std::max(coordinate, statistics.peak);
+        if (seen.channels()[as_size(c)].unit == "m") coordinate = std::max(coordinate, statistics.peak);
     }
 
     double m = model.bodies.empty() ? 1 : 0;  // what nodes weigh is the plugin's

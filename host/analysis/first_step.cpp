@@ -6,6 +6,7 @@
 
 #include "analysis/halving.h"
 #include "analysis/load_speed.h"
+#include "model/index.h"
 #include "model/read_simulation.h"
 #include "step/simulation.h"
 
@@ -47,7 +48,7 @@ Model choose_step(Model model, const Plugins& plugins) {
     };
     if (model.output.step > 0) {
         settings.step = divide_step(model.output.step, is_short_enough);
-        model.output.every = static_cast<int>(std::lround(model.output.step / settings.step));
+        model.output.every = as_int(std::lround(model.output.step / settings.step));
     } else {
         settings.step = divide_step(duration, is_short_enough);
         model.output.every = choose_steps_per_row(std::llround(duration / settings.step));

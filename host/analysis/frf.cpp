@@ -11,6 +11,7 @@
 #include "analysis/modal_session.h"
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
+#include "model/index.h"
 #include "model/units.h"
 #include "model/wording.h"
 #include "record/csv_writer.h"
@@ -39,11 +40,11 @@ std::pair<const ModalPlace*, int> place_and_direction(const Model& model, const 
     if (!place)
         throw Error(ExitCode::usage, fmt::format("{} {}: no body, marker or node {}{}", option, quote(text), quote(name),
                                                  suggestion(name, known)));
-    const auto index = static_cast<size_t>(d - direction_names().begin());
+    const auto index = as_size(d - direction_names().begin());
     if (!model.modes.directions[index])
         throw Error(ExitCode::usage,
                     fmt::format("{} {}: nothing moves in {}: the model's dofs leave it out", option, quote(text), *d));
-    return {place, static_cast<int>(index)};
+    return {place, as_int(index)};
 }
 
 double frequency(const std::string& option, const std::string& text) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "analysis/error_scale.h"
+#include "model/index.h"
 #include "model/read_simulation.h"
 
 namespace dttmm::host {
@@ -21,7 +22,7 @@ constexpr double kHistoriesHeld = 4;  // three that are judged and the one that 
 /// The model k halvings on; its rows stay where they were.
 Model at_level(const Model& model, size_t k) {
     Model finer = model;
-    finer.simulation.step = std::ldexp(model.simulation.step, -static_cast<int>(k));
+    finer.simulation.step = std::ldexp(model.simulation.step, -as_int(k));
     finer.output.every = model.output.every << k;
     return finer;
 }
@@ -93,7 +94,7 @@ std::unique_ptr<Halving::Run> Halving::make_run() const {
 void Halving::take_row(Run& run, std::span<const double> row) const {
     run.statistics.close_row(row);
     const size_t begin = run.history.size();
-    for (const int channel : selection_) run.history.push_back(row[static_cast<size_t>(channel)]);
+    for (const int channel : selection_) run.history.push_back(row[as_size(channel)]);
     if (!kept_) return;
     // q and −q are one rotation; which of them a row has may change from run to run, and then their difference means
     // nothing.
@@ -134,7 +135,7 @@ void Halving::judge() {
         for (size_t i = 1; i < selection_.size(); ++i) {
             const double estimate = convergence_.estimates()[i];
             if (estimate == 0) continue;  // its kind may be zero altogether
-            const double scale = scales[static_cast<size_t>(selection_[i])];
+            const double scale = scales[as_size(selection_[i])];
             difference_ = std::max(difference_, convergence_.differences()[i] / scale);
             if (estimate / scale < level.error) continue;
             level.error = estimate / scale;
@@ -146,7 +147,7 @@ void Halving::judge() {
 }
 
 bool Halving::may_halve() const {
-    const auto next = static_cast<int>(skipped_ + std::max<size_t>(levels_.size(), 1));
+    const auto next = as_int(skipped_ + std::max<size_t>(levels_.size(), 1));
     const double halvings = std::ldexp(1, next);
     const double step = model_.simulation.step / halvings;
     return levels_.size() <= kMostHalvings && step >= kShortestStep && model_.simulation.duration / step <= kMostSteps &&
@@ -182,7 +183,7 @@ void Halving::write_to(Recorder& recorder) const {
 }
 
 const std::string& Halving::channel(size_t selected) const {
-    return kept_->simulation.channels()[static_cast<size_t>(selection_[selected])].name;
+    return kept_->simulation.channels()[as_size(selection_[selected])].name;
 }
 
 }  // namespace dttmm::host

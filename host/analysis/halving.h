@@ -10,6 +10,7 @@
 #include "analysis/advance.h"
 #include "analysis/convergence.h"
 #include "loader/plugins.h"
+#include "model/index.h"
 #include "model/model.h"
 #include "record/recorder.h"
 #include "step/simulation.h"
@@ -52,7 +53,7 @@ public:
     double tolerance() const { return *model_.simulation.tolerance; }
     double asked_step() const { return model_.simulation.step; }  ///< the model's [s]
     /// Of the first run that got to its end; the model's where none did [s].
-    double first_step() const { return std::ldexp(model_.simulation.step, -static_cast<int>(skipped_)); }
+    double first_step() const { return std::ldexp(model_.simulation.step, -as_int(skipped_)); }
     bool reached() const { return !levels_.empty() && levels_.back().error <= tolerance(); }
     const std::vector<Level>& levels() const { return levels_; }
     /// Estimated error per selected channel, the first the time's; empty before two runs have finished.

@@ -12,6 +12,7 @@
 #include "analysis/templates.h"
 #include "loader/plugins.h"
 #include "model/expression.h"
+#include "model/index.h"
 #include "model/keys.h"
 #include "model/units.h"
 #include "model/wording.h"
@@ -317,7 +318,7 @@ void print_help(const Request& request) {
         is_known = true;
     }
     const int type = catalogue.find(topic);
-    if (type >= 0) print_element(*catalogue.types[static_cast<size_t>(type)]);
+    if (type >= 0) print_element(*catalogue.types[as_size(type)]);
     if (!is_known && type < 0)
         throw Error(ExitCode::usage, fmt::format("there is no help on {}{}; \"dttmm help\" lists what there is",
                                                  quote(topic), suggestion(topic, help_topics(catalogue))));
@@ -334,7 +335,7 @@ void print_elements(const Request& request) {
             throw Error(ExitCode::usage, fmt::format("there is no element type {}{}", quote(request.words.front()),
                                                      suggestion(request.words.front(), names)));
         }
-        const auto one = std::span(catalogue.types).subspan(static_cast<size_t>(type), 1);
+        const auto one = std::span(catalogue.types).subspan(as_size(type), 1);
         if (request.as_json) return fmt::print("{}", to_text(describe_types(one)));
         return print_element(*one.front());
     }

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <unsupported/Eigen/FFT>
 
+#include "model/index.h"
 #include "model/read_simulation.h"
 
 namespace dttmm::host {

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "coupling/network_description.h"
+#include "model/index.h"
 
 namespace dttmm::host {
 
@@ -83,7 +84,7 @@ std::string describe_elements(const Model& model, const ElementCatalogue& catalo
     std::string text;
     for (size_t e = 0; e < std::min(model.elements.size(), kMostLines); ++e) {
         const Element& element = model.elements[e];
-        const dttmm_element_type& type = *catalogue.types[static_cast<size_t>(element.type)];
+        const dttmm_element_type& type = *catalogue.types[as_size(element.type)];
         text +=
             fmt::format("    {:<{}}  {:<14} {}\n", element.name, width, type.name, describe_geometry(model, element, type));
     }

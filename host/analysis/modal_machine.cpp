@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "model/error.h"
+#include "model/index.h"
 #include "model/read_modes.h"
 
 namespace dttmm::host {
@@ -19,8 +20,7 @@ auto tell_place(const Model& model, Action&& action) {
     try {
         return action();
     } catch (const NetworkError& error) {
-        const std::string& place =
-            error.element() < 0 ? model.path : model.elements[static_cast<size_t>(error.element())].place;
+        const std::string& place = error.element() < 0 ? model.path : model.elements[as_size(error.element())].place;
         throw Error(error.code(), fmt::format("{}: {}", place, error.what()));
     }
 }
@@ -35,14 +35,14 @@ ModalMachine::ModalMachine(const Model& model, const Plugins& plugins)
       instance_(tell_place(model, [&] { return ModalInstance(description_.plugin(), description_.model()); })) {
     for (size_t b = 0; b < model.bodies.size(); ++b) {
         const Body& body = model.bodies[b];
-        places_.push_back({body.name, static_cast<int>(b), -1, body.position});
+        places_.push_back({body.name, as_int(b), -1, body.position});
         for (const Marker& marker : body.markers)
-            places_.push_back({fmt::format("{}.{}", body.name, marker.name), static_cast<int>(b), -1,
+            places_.push_back({fmt::format("{}.{}", body.name, marker.name), as_int(b), -1,
                                body.position + body.rotation * marker.position});
     }
     for (size_t n = 0; n < model.nodes.size(); ++n)
-        if (const auto index = description_.network().node_at({-1, -1, static_cast<int>(n)}))
-            places_.push_back({model.nodes[n].name, -1, static_cast<int>(*index), model.nodes[n].position,
+        if (const auto index = description_.network().node_at({-1, -1, as_int(n)}))
+            places_.push_back({model.nodes[n].name, -1, as_int(*index), model.nodes[n].position,
                                static_cast<unsigned>(model.nodes[n].fixed.to_ulong())});
 }
 
@@ -59,18 +59,18 @@ std::vector<ModalInstance::Mode> ModalMachine::find_modes() {
 
 /// Of a place on a body by the motion of its centre of mass, in the directions that the model leaves.
 Eigen::Matrix<double, 6, 6> ModalMachine::by_body(const ModalPlace& place) const {
-    const Body& body = model_.bodies[static_cast<size_t>(place.body)];
+    const Body& body = model_.bodies[as_size(place.body)];
     const Eigen::Vector3d arm = place.position - (body.position + body.rotation * body.center_of_mass);
     Eigen::Matrix<double, 6, 6> by = Eigen::Matrix<double, 6, 6>::Identity();
     for (int d = 0; d < 3; ++d) by.block<3, 1>(0, 3 + d) = Eigen::Vector3d::Unit(d).cross(arm);
     for (int d = 0; d < 6; ++d)
-        if (!model_.modes.directions[static_cast<size_t>(d)]) by.row(d).setZero();
+        if (!model_.modes.directions[as_size(d)]) by.row(d).setZero();
     return by;
 }
 
 ModalMachine::Vector6 ModalMachine::motion(const ModalPlace& place, const ModalInstance::Mode& mode) const {
-    if (place.body >= 0) return by_body(place) * mode.bodies[static_cast<size_t>(place.body)];
-    return mode.nodes[static_cast<size_t>(place.node)];
+    if (place.body >= 0) return by_body(place) * mode.bodies[as_size(place.body)];
+    return mode.nodes[as_size(place.node)];
 }
 
 std::vector<ModalMachine::Vector6> ModalMachine::along(uint32_t mode, uint32_t element, uint32_t count, double& length) {
@@ -83,9 +83,9 @@ std::complex<double> ModalMachine::respond(double frequency, const ModalPlace& i
     return tell_place(model_, [&] {
         const Vector6 wrench = Vector6::Unit(in_direction);
         const ModalInstance::Response response = instance_.respond(frequency, in.body, in.node, in.position, wrench);
-        if (out.body < 0) return response.nodes[static_cast<size_t>(out.node)](out_direction);
+        if (out.body < 0) return response.nodes[as_size(out.node)](out_direction);
         const Eigen::Matrix<std::complex<double>, 6, 6> by = by_body(out).cast<std::complex<double>>();
-        return std::complex<double>(by.row(out_direction) * response.bodies[static_cast<size_t>(out.body)]);
+        return std::complex<double>(by.row(out_direction) * response.bodies[as_size(out.body)]);
     });
 }
 
@@ -99,9 +99,7 @@ std::string ModalMachine::why_still(const ModalPlace& in, int in_direction, cons
         while (root[i] != i) i = root[i] = root[root[i]];
         return i;
     };
-    const auto index = [&](int body, int node) {
-        return body >= 0 ? static_cast<size_t>(body) : model_.bodies.size() + static_cast<size_t>(node);
-    };
+    const auto index = [&](int body, int node) { return body >= 0 ? as_size(body) : model_.bodies.size() + as_size(node); };
     for (const Element& element : model_.elements) {
         const Attachment* first = nullptr;
         for (const Attachment& end : element.ends) {
@@ -111,12 +109,11 @@ std::string ModalMachine::why_still(const ModalPlace& in, int in_direction, cons
         }
     }
     for (const Joint& joint : model_.joints)
-        if (joint.first >= 0 && joint.second >= 0)
-            root[find_root(static_cast<size_t>(joint.first))] = find_root(static_cast<size_t>(joint.second));
+        if (joint.first >= 0 && joint.second >= 0) root[find_root(as_size(joint.first))] = find_root(as_size(joint.second));
     const auto place_root = [&](const ModalPlace& place) {
-        if (place.body >= 0) return find_root(static_cast<size_t>(place.body));
+        if (place.body >= 0) return find_root(as_size(place.body));
         const auto node = std::ranges::find(model_.nodes, place.name, &Node::name);
-        return find_root(model_.bodies.size() + static_cast<size_t>(node - model_.nodes.begin()));
+        return find_root(model_.bodies.size() + as_size(node - model_.nodes.begin()));
     };
     return place_root(in) == place_root(out)
                ? "they are joined, but the symmetry of the machine keeps these directions apart"

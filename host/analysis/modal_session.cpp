@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "model/index.h"
 #include "record/results_folder.h"
 #include "record/tell.h"
 
@@ -30,7 +31,7 @@ bool is_lasting(const Signal& signal, double duration) {
 void note_laws(const Model& model, const ElementCatalogue& catalogue, Warnings& warnings) {
     std::vector<const Element*> with_laws;
     for (const Element& element : model.elements)
-        if (has_law(*catalogue.types[static_cast<size_t>(element.type)], element.values)) with_laws.push_back(&element);
+        if (has_law(*catalogue.types[as_size(element.type)], element.values)) with_laws.push_back(&element);
     if (with_laws.empty()) return;
     warnings.note(
         "law-linearised",

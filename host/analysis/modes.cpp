@@ -10,6 +10,7 @@
 #include "analysis/modal_session.h"
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
+#include "model/index.h"
 #include "model/wording.h"
 #include "record/atomic_file.h"
 #include "record/csv_table.h"
@@ -37,7 +38,7 @@ std::string where_most(const ModalMachine& machine, const Mode& mode) {
             for (int d = first; d < first + 3; ++d) {
                 if (std::abs(u(d)) <= largest * (1 + 1e-6)) continue;
                 largest = std::abs(u(d));
-                where = fmt::format("{}.{}", place.name, direction_names()[static_cast<size_t>(d)]);
+                where = fmt::format("{}.{}", place.name, direction_names()[as_size(d)]);
             }
         }
         if (largest > 1e-6) break;

@@ -12,6 +12,7 @@
 #include "analysis/modal_session.h"
 #include "analysis/stop_signals.h"
 #include "analysis/sweep_table.h"
+#include "model/index.h"
 #include "model/units.h"
 #include "model/wording.h"
 #include "record/atomic_file.h"
@@ -27,11 +28,10 @@ using Mode = ModalInstance::Mode;
 /// Shapes of a case as one column each, displacements of all places.
 Eigen::MatrixXd shapes_of(const ModalMachine& machine, const std::vector<Mode>& modes) {
     const std::vector<ModalPlace>& places = machine.places();
-    Eigen::MatrixXd shapes(static_cast<Eigen::Index>(6 * places.size()), static_cast<Eigen::Index>(modes.size()));
+    Eigen::MatrixXd shapes(as_row(6 * places.size()), as_row(modes.size()));
     for (size_t m = 0; m < modes.size(); ++m)
         for (size_t p = 0; p < places.size(); ++p)
-            shapes.block<6, 1>(static_cast<Eigen::Index>(6 * p), static_cast<Eigen::Index>(m)) =
-                machine.motion(places[p], modes[m]);
+            shapes.block<6, 1>(as_row(6 * p), as_row(m)) = machine.motion(places[p], modes[m]);
     return shapes;
 }
 

@@ -18,6 +18,7 @@
 
 #include "analysis/stop_signals.h"
 #include "model/error.h"
+#include "model/index.h"
 
 namespace dttmm::host {
 
@@ -43,7 +44,7 @@ public:
     std::string last_line() const {
         std::string text(16384, '\0');
         const ssize_t size = ::pread(descriptor_, text.data(), text.size(), 0);
-        text.resize(size > 0 ? static_cast<size_t>(size) : 0);
+        text.resize(size > 0 ? as_size(size) : 0);
         while (!text.empty() && text.back() == '\n') text.pop_back();
         const size_t begin = text.rfind('\n');
         return begin == std::string::npos ? text : text.substr(begin + 1);
@@ -94,7 +95,7 @@ void run_processes(size_t count, int jobs, const std::function<std::vector<std::
                 }
             return;
         }
-        for (; next < count && static_cast<int>(running.size()) < jobs; ++next) {
+        for (; next < count && as_int(running.size()) < jobs; ++next) {
             Capture said;
             const pid_t child = spawn(command(next), said.descriptor());
             running.emplace(child, Running{next, std::move(said)});

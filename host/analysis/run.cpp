@@ -14,6 +14,7 @@
 #include "analysis/session.h"
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
+#include "model/index.h"
 #include "record/recorder.h"
 #include "record/results_folder.h"
 #include "record/tell.h"
@@ -25,8 +26,8 @@ namespace {
 /// Of every owner's forces and moments, "<owner>.<quantity>", the direction with the largest peak, as a channel.
 std::map<std::string, int> find_largest_directions(const Recorder& recorder) {
     std::map<std::string, int> largest;
-    for (int c = 1; c < static_cast<int>(recorder.channels().size()); ++c) {
-        const Channel& channel = recorder.channels()[static_cast<size_t>(c)];
+    for (int c = 1; c < as_int(recorder.channels().size()); ++c) {
+        const Channel& channel = recorder.channels()[as_size(c)];
         if (channel.quantity() != "force" && channel.quantity() != "moment") continue;
         const auto [entry, is_new] = largest.emplace(std::string(channel.without_axis()), c);
         if (!is_new && recorder.statistics(c).peak > recorder.statistics(entry->second).peak) entry->second = c;
@@ -59,7 +60,7 @@ void print_forces(const Recorder& recorder, const Model& model) {
         for (const char* quantity : {"force", "moment"}) {
             const auto found = largest.find(fmt::format("{}.{}", owner, quantity));
             if (found == largest.end()) continue;
-            const Channel& channel = recorder.channels()[static_cast<size_t>(found->second)];
+            const Channel& channel = recorder.channels()[as_size(found->second)];
             const ChannelStatistics& statistics = recorder.statistics(found->second);
             if (statistics.peak == 0 && quantity != std::string_view("force")) continue;
             fmt::print("{:<{}}  {:>12}  {:>13}  {:>10.5g}  {:>13}\n", owner, width, channel.name.substr(owner.size() + 1),

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "coupling/stability.h"
+#include "model/index.h"
 
 namespace dttmm::host {
 
@@ -28,7 +29,7 @@ bool is_force(const Channel& channel) { return channel.quantity().ends_with("for
 double find_largest_force(const Recorder& recorder) {
     double largest = 0;
     for (size_t c = 1; c < recorder.channels().size(); ++c)
-        if (is_force(recorder.channels()[c])) largest = std::max(largest, recorder.statistics(static_cast<int>(c)).peak);
+        if (is_force(recorder.channels()[c])) largest = std::max(largest, recorder.statistics(as_int(c)).peak);
     return largest;
 }
 
@@ -47,7 +48,7 @@ Ledger read_ledger(const Recorder& recorder, const Model& model, double step) {
     for (size_t c = 0; c < recorder.channels().size(); ++c) {
         const Channel& channel = recorder.channels()[c];
         if (channel.of != Channel::Of::energy) continue;
-        const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
+        const ChannelStatistics& statistics = recorder.statistics(as_int(c));
         if (channel.quantity() == "residual") {
             ledger.residual = statistics.peak;
             ledger.most = statistics.maximum;
@@ -126,7 +127,7 @@ void warn_ripple(const Recorder& recorder, const Model& model, Warnings& warning
         const Channel& channel = recorder.channels()[c];
         if (channel.of != Channel::Of::element || channel.quantity() != "force") continue;
         Force& force = forces[channel.owner()];
-        const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
+        const ChannelStatistics& statistics = recorder.statistics(as_int(c));
         force = {std::max(force.peak, statistics.peak), std::max(force.ripple, statistics.ripple)};
     }
     double worst = kTolerated;
@@ -157,7 +158,7 @@ void warn_rows(const Recorder& recorder, const Model& model, const Simulation& s
         for (size_t c = 1; c < recorder.channels().size(); ++c) {
             const Channel& channel = recorder.channels()[c];
             if ((channel.of == Channel::Of::element || channel.of == Channel::Of::joint) && channel.quantity() == "force")
-                look(channel, recorder.statistics(static_cast<int>(c)));
+                look(channel, recorder.statistics(as_int(c)));
         }
     };
     for_each_force([&](const Channel& channel, const ChannelStatistics& statistics) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "model/index.h"
 #include "model/keys.h"
 
 namespace dttmm::host {
@@ -121,7 +122,7 @@ Json value_of(const dttmm_parameter& parameter) {
     if (parameter.flags & DTTMM_PARAMETER_WORDS_ONLY) return {{"enum", words}};
     const Json one = quantity(bounds_of(parameter));
     if (parameter.count == 1) return one;
-    std::vector<Json> forms = {list_of(one, static_cast<int>(parameter.count))};
+    std::vector<Json> forms = {list_of(one, as_int(parameter.count))};
     if (parameter.flags & DTTMM_PARAMETER_SPREADS) forms.push_back(one);
     return any_of(std::move(forms));
 }

@@ -10,6 +10,7 @@
 #include "analysis/first_step.h"
 #include "coupling/stability.h"
 #include "model/diagnostics.h"
+#include "model/index.h"
 #include "model/read_simulation.h"
 
 namespace dttmm::host {
@@ -31,14 +32,14 @@ bool is_damped(const Element& element, const dttmm_element_type& type) {
 void warn_jumps(const Model& model, const ElementCatalogue& catalogue, Warnings& warnings) {
     std::vector<bool> is_held(model.nodes.size());
     for (const Element& element : model.elements) {
-        const dttmm_element_type& type = *catalogue.types[static_cast<size_t>(element.type)];
+        const dttmm_element_type& type = *catalogue.types[as_size(element.type)];
         if (type.ends != DTTMM_ENDS_AT && !is_damped(element, type)) continue;
         for (const Attachment& end : element.ends)
-            if (end.node >= 0) is_held[static_cast<size_t>(end.node)] = true;
+            if (end.node >= 0) is_held[as_size(end.node)] = true;
     }
     for (const Load& load : model.loads) {
-        if (load.on.node < 0 || is_held[static_cast<size_t>(load.on.node)] || load.signal.value(0) == 0) continue;
-        const Node& node = model.nodes[static_cast<size_t>(load.on.node)];
+        if (load.on.node < 0 || is_held[as_size(load.on.node)] || load.signal.value(0) == 0) continue;
+        const Node& node = model.nodes[as_size(load.on.node)];
         if (node.fixed.all()) continue;
         warnings.add(
             "load-jumps",

@@ -6,6 +6,7 @@
 #include <csignal>
 #include <ctime>
 
+#include "model/index.h"
 #include "record/csv_writer.h"
 
 namespace dttmm::host {

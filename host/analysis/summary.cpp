@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "model/index.h"
 #include "model/read_joint.h"
 #include "record/results_folder.h"
 
@@ -28,9 +29,9 @@ Json matrix_json(const Eigen::Matrix3d& m) { return {vector_json(m.row(0)), vect
 
 std::string name_of(const Model& model, const Attachment& at) {
     if (at.is_ground()) return "ground";
-    if (at.node >= 0) return model.nodes[static_cast<size_t>(at.node)].name;
-    const Body& body = model.bodies[static_cast<size_t>(at.body)];
-    return at.marker < 0 ? body.name : fmt::format("{}.{}", body.name, body.markers[static_cast<size_t>(at.marker)].name);
+    if (at.node >= 0) return model.nodes[as_size(at.node)].name;
+    const Body& body = model.bodies[as_size(at.body)];
+    return at.marker < 0 ? body.name : fmt::format("{}.{}", body.name, body.markers[as_size(at.marker)].name);
 }
 
 /// A number as the model may write it: a word for what is not finite, null for what is not given.
@@ -110,7 +111,7 @@ void describe_channels(const Recorder& recorder, const Wanted& wanted, const Tel
             const Channel& channel = recorder.channels()[c];
             Json& quantity = quantities[std::string(channel.quantity())];
             (channel.axis().empty() ? quantity : quantity[std::string(channel.axis())]) =
-                describe_statistics(recorder.statistics(static_cast<int>(c)));
+                describe_statistics(recorder.statistics(as_int(c)));
         }
         tell(recorder.channels()[channels.front()].owner(), std::move(quantities));
     }
@@ -160,7 +161,7 @@ Json describe_energy(const Recorder& recorder) {
     for (size_t c = 1; c < recorder.channels().size(); ++c) {
         const Channel& channel = recorder.channels()[c];
         if (channel.of != Channel::Of::energy) continue;
-        const ChannelStatistics& statistics = recorder.statistics(static_cast<int>(c));
+        const ChannelStatistics& statistics = recorder.statistics(as_int(c));
         energy[std::string(channel.quantity())] = {{"peak", statistics.peak}, {"final", statistics.final}};
     }
     return energy;
@@ -195,7 +196,7 @@ std::string digest_of(const std::filesystem::path& path) {
     std::array<char, 1 << 16> block;
     uint64_t digest = 0, size = 0;
     while (file.read(block.data(), block.size()), file.gcount() > 0) {
-        const std::string_view text(block.data(), static_cast<size_t>(file.gcount()));
+        const std::string_view text(block.data(), as_size(file.gcount()));
         digest = std::rotl(digest, 1) * 0x9e3779b97f4a7c15ULL ^ std::hash<std::string_view>{}(text);
         size += text.size();
     }
@@ -243,8 +244,7 @@ void write_model(JsonWriter& out, const Model& model, const ElementCatalogue& ca
         out.member("joints", joints);
         out.object("elements", [&] {
             for (const Element& element : model.elements)
-                out.member(element.name,
-                           describe_element(model, element, *catalogue.types[static_cast<size_t>(element.type)]));
+                out.member(element.name, describe_element(model, element, *catalogue.types[as_size(element.type)]));
         });
     });
 }

@@ -14,6 +14,7 @@
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
 #include "analysis/sweep_table.h"
+#include "model/index.h"
 #include "model/units.h"
 #include "model/wording.h"
 #include "record/atomic_file.h"
@@ -98,10 +99,10 @@ struct Column {
 std::vector<Column> result_columns(const std::vector<Case>& cases, const Model& model) {
     std::set<std::string> used;
     const auto note = [&](const Attachment& at) {
-        if (at.node >= 0) used.insert(model.nodes[static_cast<size_t>(at.node)].name);
+        if (at.node >= 0) used.insert(model.nodes[as_size(at.node)].name);
         if (at.body < 0 || at.marker < 0) return;
-        const Body& body = model.bodies[static_cast<size_t>(at.body)];
-        used.insert(body.name + "." + body.markers[static_cast<size_t>(at.marker)].name);
+        const Body& body = model.bodies[as_size(at.body)];
+        used.insert(body.name + "." + body.markers[as_size(at.marker)].name);
     };
     for (const Element& element : model.elements)
         for (const Attachment& end : element.ends) note(end);
@@ -249,7 +250,7 @@ ExitCode run_sweep(const Request& request, const std::vector<SweepAxis>& axes) {
         if (!reuse(cases[i], model, request)) todo.push_back(&cases[i]);
     }
     const size_t reused = cases.size() - todo.size();
-    const int jobs = request.jobs > 0 ? request.jobs : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    const int jobs = request.jobs > 0 ? request.jobs : as_int(std::max(1u, std::thread::hardware_concurrency()));
     ProgressBar progress(request.quiet ? -1 : 2);
     size_t done = reused;
     run_processes(

@@ -7,6 +7,7 @@
 #include <charconv>
 
 #include "model/error.h"
+#include "model/index.h"
 #include "model/parameters.h"
 #include "model/units.h"
 #include "model/wording.h"
@@ -96,7 +97,7 @@ std::vector<SweepCase> make_grid(const std::vector<SweepAxis>& axes) {
         for (size_t other = 0; other < a; ++other)
             if (axes[a].name == axes[other].name)
                 throw Error(ExitCode::usage, fmt::format("--sweep names the parameter {} twice", quote(axes[a].name)));
-        if (grid.size() * axes[a].values.size() > static_cast<size_t>(kMostCases))
+        if (grid.size() * axes[a].values.size() > as_size(kMostCases))
             throw Error(ExitCode::model_invalid, fmt::format("the sweep has more than {} cases", kMostCases));
         std::vector<SweepCase> wider;
         for (const SweepCase& known : grid)

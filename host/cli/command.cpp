@@ -25,6 +25,7 @@
 #include "cli/crash_report.h"
 #include "cli/manual.h"
 #include "model/diagnostics.h"
+#include "model/index.h"
 #include "model/keys.h"
 #include "model/wording.h"
 #include "record/hdf5_writer.h"
@@ -213,7 +214,7 @@ ExitCode dispatch(int argc, char** argv) {
         std::ranges::none_of(key_tables(), is_second))
         words = {words[0], words[2], help};
     try {
-        app.parse(static_cast<int>(words.size()), words.data());
+        app.parse(as_int(words.size()), words.data());
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() != 0) refuse_words(app, error);
         std::ostringstream text;  // of help or version

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "cli/command.h"
+#include "model/index.h"
 
 namespace dttmm::host {
 

@@ -12,6 +12,7 @@
 
 #include "model/diagnostics.h"
 #include "model/error.h"
+#include "model/index.h"
 #include "world/rotation_step.h"
 
 namespace dttmm::host {
@@ -35,7 +36,7 @@ std::vector<size_t> find_groups(size_t count, const std::vector<std::pair<int, i
         while (group[b] != b) b = group[b] = group[group[b]];
         return b;
     };
-    for (const auto& [i, j] : neighbours) group[root(static_cast<size_t>(i))] = root(static_cast<size_t>(j));
+    for (const auto& [i, j] : neighbours) group[root(as_size(i))] = root(as_size(j));
     std::map<size_t, size_t> numbers;
     std::vector<size_t> numbered;
     for (size_t b = 0; b < count; ++b) numbered.push_back(numbers.try_emplace(root(b), numbers.size()).first->second);
@@ -47,8 +48,7 @@ std::vector<size_t> find_groups(size_t count, const std::vector<std::pair<int, i
 std::vector<std::string> find_holders(const Model& model) {
     std::vector<std::string> holders(model.bodies.size());
     const auto hold = [&](int body, const char* kind, const std::string& name) {
-        if (body >= 0 && holders[static_cast<size_t>(body)].empty())
-            holders[static_cast<size_t>(body)] = fmt::format("{} \"{}\"", kind, name);
+        if (body >= 0 && holders[as_size(body)].empty()) holders[as_size(body)] = fmt::format("{} \"{}\"", kind, name);
     };
     for (const Joint& joint : model.joints)
         for (int body : {joint.first, joint.second}) hold(body, "joint", joint.name);
@@ -77,9 +77,9 @@ double reach_of(const Body& body) {
 EndOfStep::EndOfStep(const Model& model, const Networks& networks)
     : descriptions_(model.joints),
       system_(model.bodies, model.joints),
-      matrix_(static_cast<int>(model.bodies.size()), networks.neighbours(), system_.nodes()),
+      matrix_(as_int(model.bodies.size()), networks.neighbours(), system_.nodes()),
       factor_(matrix_),
-      instant_matrix_(static_cast<int>(model.bodies.size()), {}, system_.nodes()),
+      instant_matrix_(as_int(model.bodies.size()), {}, system_.nodes()),
       instant_factor_(instant_matrix_) {
     const size_t n = model.bodies.size();
     const std::vector<std::string> holders = find_holders(model);
@@ -87,7 +87,7 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks)
     for (size_t b = 0; b < n; ++b) {
         const Body& body = model.bodies[b];
         const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(body.inertia).eigenvalues()(0);
-        const double reach = std::max(reach_of(body), system_.longest_arm(static_cast<int>(b)));
+        const double reach = std::max(reach_of(body), system_.longest_arm(as_int(b)));
         inverse_moments_.push_back(body.inertia.inverse());
         bodies_.push_back({Inertia(body), body.name, holders[b], least, reach, group[b]});
     }
@@ -143,7 +143,7 @@ void EndOfStep::factor_instant(const std::vector<BodyState>& at) {
     if (system_.empty()) return;
     instant_matrix_.set_zero();
     for (size_t b = 0; b < at.size(); ++b)
-        instant_matrix_.add(static_cast<int>(b), static_cast<int>(b), bodies_[b].inertia.block(at[b].rotation));
+        instant_matrix_.add(as_int(b), as_int(b), bodies_[b].inertia.block(at[b].rotation));
     system_.write_to(instant_matrix_);
     if (!instant_factor_.factor(instant_matrix_))
         throw Error(
@@ -160,7 +160,7 @@ void EndOfStep::solve_instant(Eigen::VectorXd& rows, Eigen::VectorXd& x) const {
     for (int pass = 0; pass < kProximalPasses; ++pass) {
         proximal_rows_ = rows;
         for (size_t j = 0; j < descriptions_.size(); ++j) {
-            const auto q = Eigen::seqN(instant_matrix_.joint_index(static_cast<int>(j)), system_.joints()[j].count());
+            const auto q = Eigen::seqN(instant_matrix_.joint_index(as_int(j)), system_.joints()[j].count());
             proximal_rows_(q) += instant_matrix_.upper().diagonal()(q).cwiseProduct(x(q));
         }
         instant_factor_.solve(proximal_rows_, x);
@@ -180,13 +180,13 @@ void EndOfStep::find_velocities(const std::vector<BodyState>& after) {
             at.velocity = velocity;
             at.angular_velocity = at.rotation * (inverse_moments_[b] * (at.rotation.transpose() * L));
         } else {
-            instant_rows_.segment<6>(instant_matrix_.index(static_cast<int>(b))) << mass * velocity, L;
+            instant_rows_.segment<6>(instant_matrix_.index(as_int(b))) << mass * velocity, L;
         }
     }
     if (system_.empty()) return;
     solve_instant(instant_rows_, instant_solution_);
     for (size_t b = 0; b < after.size(); ++b) {
-        const auto u = instant_solution_.segment<6>(instant_matrix_.index(static_cast<int>(b)));
+        const auto u = instant_solution_.segment<6>(instant_matrix_.index(as_int(b)));
         instant_.at[b].velocity = u.head<3>();
         instant_.at[b].angular_velocity = u.tail<3>();
     }
@@ -203,14 +203,14 @@ void EndOfStep::find_accelerations(const std::vector<BodyState>& at) {
             instant_.accelerations[b] << f.head<3>() / bodies_[b].inertia.mass,
                 R * (inverse_moments_[b] * (R.transpose() * f.tail<3>()));
         else
-            instant_rows_.segment<6>(instant_matrix_.index(static_cast<int>(b))) = f;
+            instant_rows_.segment<6>(instant_matrix_.index(as_int(b))) = f;
     }
     if (system_.empty()) return;
     system_.write_curvatures(instant_matrix_, at, instant_rows_);
     solve_instant(instant_rows_, instant_solution_);
     instant_multipliers_ = h_ * instant_solution_;
     for (size_t b = 0; b < at.size(); ++b)
-        instant_.accelerations[b] = instant_solution_.segment<6>(instant_matrix_.index(static_cast<int>(b)));
+        instant_.accelerations[b] = instant_solution_.segment<6>(instant_matrix_.index(as_int(b)));
 }
 
 /// Whether a stop changes the speed of its coordinate over the step: it has not been at rest on it.
@@ -310,8 +310,7 @@ void EndOfStep::evaluate(const std::vector<BodyState>& now, Networks& networks) 
 
 /// Adds inertia and joints to the stiffness in the matrix, and factors.
 void EndOfStep::factor(const std::vector<BodyState>& now) {
-    for (size_t b = 0; b < now.size(); ++b)
-        matrix_.add(static_cast<int>(b), static_cast<int>(b), bodies_[b].inertia.block(now[b].rotation));
+    for (size_t b = 0; b < now.size(); ++b) matrix_.add(as_int(b), as_int(b), bodies_[b].inertia.block(now[b].rotation));
     system_.write_to(matrix_);
     if (!factor_.factor(matrix_))
         throw Error(ExitCode::numerical_failure,
@@ -328,7 +327,7 @@ size_t EndOfStep::least_held(const std::vector<BodyState>& now) const {
     size_t least = 0;
     double least_share = std::numeric_limits<double>::infinity();
     for (size_t b = 0; b < now.size(); ++b) {
-        const Vector6 held = matrix_.diagonal(static_cast<int>(b)).diagonal();
+        const Vector6 held = matrix_.diagonal(as_int(b)).diagonal();
         const double share = held.cwiseQuotient(bodies_[b].inertia.block(now[b].rotation).diagonal()).minCoeff();
         if (share >= least_share) continue;
         least = b;
@@ -343,7 +342,7 @@ void EndOfStep::correct(const std::vector<BodyState>& now) {
         Vector6 r = free_momentum_[b] + h_ * Eigen::Map<const Vector6>(&wrenches_[6 * b]);
         r.head<3>() -= bodies_[b].inertia.mass * u_[b].head<3>();
         r.tail<3>() -= momentum_over_step(b, now[b].rotation, u_[b].tail<3>());
-        right_hand_side_.segment<6>(matrix_.index(static_cast<int>(b))) = r;
+        right_hand_side_.segment<6>(matrix_.index(as_int(b))) = r;
     }
     if (!system_.empty()) {
         system_.add_impulses(matrix_, multipliers_, right_hand_side_);
@@ -352,7 +351,7 @@ void EndOfStep::correct(const std::vector<BodyState>& now) {
     factor_.solve(right_hand_side_, solution_);
     if (!system_.empty()) multipliers_ += solution_;
     for (size_t b = 0; b < now.size(); ++b) {
-        correction_[b] = solution_.segment<6>(matrix_.index(static_cast<int>(b)));
+        correction_[b] = solution_.segment<6>(matrix_.index(as_int(b)));
         u_[b] += correction_[b];
     }
 }
@@ -408,10 +407,10 @@ void EndOfStep::open_groups(const std::vector<BodyState>& now) {
 /// A light body between heavy ones passes on impulses whose rounding alone moves it.
 void EndOfStep::raise_floors() {
     for (size_t j = 0; j < descriptions_.size(); ++j) {
-        const double* q = multipliers_.data() + matrix_.joint_index(static_cast<int>(j));
+        const double* q = multipliers_.data() + matrix_.joint_index(as_int(j));
         for (const auto side : {JointEquations::kFirst, JointEquations::kSecond}) {
             if (system_.joints()[j].bodies()[side] < 0) continue;
-            const Coupled& body = bodies_[static_cast<size_t>(system_.joints()[j].bodies()[side])];
+            const Coupled& body = bodies_[as_size(system_.joints()[j].bodies()[side])];
             const Vector6 impulse = system_.impulse(j, side, q);
             const double p = impulse.head<3>().norm(), L = impulse.tail<3>().norm() + body.reach * p;
             const double speed = kRounding * (p / body.inertia.mass + body.reach * L / body.least);
@@ -532,7 +531,7 @@ bool EndOfStep::revise_stops(const std::vector<BodyState>& now) {
         if (!joint.has_stops()) continue;
         if (stops_[j].acts) {
             // The impulse −q on the coordinate must have the sign of the stop's side
-            const double q = multipliers_(matrix_.joint_index(static_cast<int>(j)) + joint.lasting());
+            const double q = multipliers_(matrix_.joint_index(as_int(j)) + joint.lasting());
             if (!foreseen_[j] || stops_[j].side * q <= weak) continue;
             stops_[j].acts = foreseen_[j] = false;
             changed = true;
@@ -566,7 +565,7 @@ void EndOfStep::confirm(const std::vector<BodyState>& after) const {
     for (size_t j = 0; j < descriptions_.size(); ++j) {
         for (int body : {descriptions_[j].first, descriptions_[j].second}) {
             if (body < 0) continue;
-            const auto b = static_cast<size_t>(body);
+            const auto b = as_size(body);
             Vector6 difference = u_[b];
             difference.head<3>() -= after[b].velocity;
             difference.tail<3>() -= after[b].angular_velocity;
@@ -589,7 +588,7 @@ double EndOfStep::stop_work(const std::vector<BodyState>& now, const std::vector
     for (size_t j = 0; j < descriptions_.size(); ++j) {
         const JointEquations& joint = system_.joints()[j];
         if (!joint.has_stops()) continue;
-        const double q = multipliers_(matrix_.joint_index(static_cast<int>(j)) + joint.lasting());
+        const double q = multipliers_(matrix_.joint_index(as_int(j)) + joint.lasting());
         work -= q * 0.5 * (system_.coordinate_speed(j, now) + system_.coordinate_speed(j, after));
     }
     return work;
@@ -598,9 +597,9 @@ double EndOfStep::stop_work(const std::vector<BodyState>& now, const std::vector
 Eigen::Matrix<double, 6, 1> EndOfStep::joint_wrench(size_t joint, const std::vector<BodyState>& now) const {
     // What acts on the second body acts back on the first; both about the anchor
     const JointEquations& equations = system_.joints()[joint];
-    const double* q = instant_multipliers_.data() + instant_matrix_.joint_index(static_cast<int>(joint));
+    const double* q = instant_multipliers_.data() + instant_matrix_.joint_index(as_int(joint));
     const auto side = equations.bodies()[JointEquations::kFirst] >= 0 ? JointEquations::kFirst : JointEquations::kSecond;
-    const auto body = static_cast<size_t>(equations.bodies()[side]);
+    const auto body = as_size(equations.bodies()[side]);
     Vector6 wrench = (side == JointEquations::kFirst ? 1 : -1) / h_ * system_.impulse(joint, side, q);
     wrench.tail<3>() += (now[body].position - equations.anchor(now)).cross(wrench.head<3>());
     return wrench;
@@ -618,10 +617,9 @@ void EndOfStep::form_feedback(const std::vector<BodyState>& now) {
     right_hand_side_.setZero();
     solution_ = multipliers_;
     for (size_t j = 0; j < foreseen_.size(); ++j)
-        if (foreseen_[j]) solution_(matrix_.joint_index(static_cast<int>(j)) + system_.joints()[j].lasting()) = 0;
+        if (foreseen_[j]) solution_(matrix_.joint_index(as_int(j)) + system_.joints()[j].lasting()) = 0;
     system_.add_impulses(matrix_, solution_, right_hand_side_);
-    for (size_t b = 0; b < now.size(); ++b)
-        feedback_[b] -= per_step * right_hand_side_.segment<6>(matrix_.index(static_cast<int>(b)));
+    for (size_t b = 0; b < now.size(); ++b) feedback_[b] -= per_step * right_hand_side_.segment<6>(matrix_.index(as_int(b)));
 }
 
 void EndOfStep::fail(int passes) const {

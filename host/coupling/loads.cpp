@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "model/error.h"
+#include "model/index.h"
 
 namespace dttmm::host {
 
@@ -15,8 +16,8 @@ namespace {
 
 Eigen::Vector3d arm_of(const Model& model, const Attachment& on) {
     if (on.marker < 0) return Eigen::Vector3d::Zero();
-    const Body& body = model.bodies[static_cast<size_t>(on.body)];
-    return body.markers[static_cast<size_t>(on.marker)].position - body.center_of_mass;
+    const Body& body = model.bodies[as_size(on.body)];
+    return body.markers[as_size(on.marker)].position - body.center_of_mass;
 }
 
 }  // namespace
@@ -60,7 +61,7 @@ void Loads::gather_node_loads() {
     for (size_t i = 0; i < loads_.size(); ++i) {
         const Load& load = loads_[i].load;
         if (load.on.node < 0) continue;
-        double* wrench = &node_loads_[6 * static_cast<size_t>(load.on.node)];
+        double* wrench = &node_loads_[6 * as_size(load.on.node)];
         Eigen::Map<Eigen::Vector3d>(wrench + (load.is_moment ? 3 : 0)) += magnitudes_[i].after * load.direction;
     }
 }
@@ -70,7 +71,7 @@ void Loads::add(const std::vector<BodyState>& now, double Magnitude::*magnitude,
     for (size_t i = 0; i < loads_.size(); ++i) {
         const Load& load = loads_[i].load;
         if (load.on.body < 0) continue;  // on a node
-        const auto body = static_cast<size_t>(load.on.body);
+        const auto body = as_size(load.on.body);
         const Eigen::Vector3d value = magnitudes_[i].*magnitude * load.direction;
         Eigen::Map<Eigen::Vector3d> force(wrenches + 6 * body), moment(wrenches + 6 * body + 3);
         if (load.is_moment) {
@@ -87,7 +88,7 @@ double Loads::work_over_step(const std::vector<BodyState>& now, const std::vecto
     for (size_t i = 0; i < loads_.size(); ++i) {
         const Load& load = loads_[i].load;
         if (load.on.body < 0) continue;  // its work is the network's
-        const BodyState &from = now[static_cast<size_t>(load.on.body)], &to = after[static_cast<size_t>(load.on.body)];
+        const BodyState &from = now[as_size(load.on.body)], &to = after[as_size(load.on.body)];
         const Eigen::Vector3d way =
             load.is_moment
                 ? Eigen::Vector3d(h * to.angular_velocity)

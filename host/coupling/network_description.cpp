@@ -7,6 +7,7 @@
 #include <map>
 
 #include "model/error.h"
+#include "model/index.h"
 
 namespace dttmm::host {
 
@@ -42,8 +43,8 @@ Newmark scheme_with_radius(double rho) {
 }
 
 std::string name_of(const Model& model, const Attachment& at) {
-    const Body& body = model.bodies[static_cast<size_t>(at.body)];
-    return at.marker < 0 ? body.name : fmt::format("{}.{}", body.name, body.markers[static_cast<size_t>(at.marker)].name);
+    const Body& body = model.bodies[as_size(at.body)];
+    return at.marker < 0 ? body.name : fmt::format("{}.{}", body.name, body.markers[as_size(at.marker)].name);
 }
 
 }  // namespace
@@ -60,16 +61,16 @@ std::vector<std::vector<size_t>> split_by_plugin(const Model& model, const Plugi
         groups[number->second].push_back(e);
         for (const Attachment& end : element.ends) {
             if (end.node < 0) continue;
-            int& first = first_at[static_cast<size_t>(end.node)];
-            if (first < 0) first = static_cast<int>(e);
-            const Element& other = model.elements[static_cast<size_t>(first)];
+            int& first = first_at[as_size(end.node)];
+            if (first < 0) first = as_int(e);
+            const Element& other = model.elements[as_size(first)];
             const PluginLibrary* own = plugins.resolve(other.type).first;
             if (own != plugin)
                 throw Error(ExitCode::model_invalid,
                             fmt::format("{}: element \"{}\" (plugin {}) hangs together with element \"{}\" (plugin {}) "
                                         "through node \"{}\"; one plugin must solve them both, so put a body between them",
                                         element.place, element.name, plugin->name(), other.name, own->name(),
-                                        model.nodes[static_cast<size_t>(end.node)].name));
+                                        model.nodes[as_size(end.node)].name));
         }
     }
     return groups;
@@ -77,11 +78,11 @@ std::vector<std::vector<size_t>> split_by_plugin(const Model& model, const Plugi
 
 Frame frame_at_start(const Model& model, const Attachment& at) {
     if (at.node >= 0) {
-        const Node& node = model.nodes[static_cast<size_t>(at.node)];
+        const Node& node = model.nodes[as_size(at.node)];
         return {node.position, node.rotation};
     }
-    const Body& body = model.bodies[static_cast<size_t>(at.body)];
-    const Marker marker = at.marker < 0 ? Marker{} : body.markers[static_cast<size_t>(at.marker)];
+    const Body& body = model.bodies[as_size(at.body)];
+    const Marker marker = at.marker < 0 ? Marker{} : body.markers[as_size(at.marker)];
     return {body.position + body.rotation * marker.position, body.rotation * marker.rotation};
 }
 
@@ -130,7 +131,7 @@ uint32_t NetworkDescription::find_or_add_node(const Attachment& end, const Attac
     const Frame frame = frame_at_start(model_, end);
     if (end.body >= 0) return add_node_on_body(end, frame.rotation);
     inner_nodes_.push_back(end.node);
-    const Node& node = model_.nodes[static_cast<size_t>(end.node)];
+    const Node& node = model_.nodes[as_size(end.node)];
     const uint32_t index = add_node(node.name, DTTMM_NODE_INNER, frame.position, frame.rotation);
     dttmm_node& inner = nodes_[index];
     inner.fixed = static_cast<uint32_t>(node.fixed.to_ulong());

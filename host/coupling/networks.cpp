@@ -11,6 +11,7 @@
 #include "coupling/network_description.h"
 #include "loader/plugin_call.h"
 #include "model/error.h"
+#include "model/index.h"
 
 namespace dttmm::host {
 
@@ -56,21 +57,21 @@ void Networks::add_instance(const Model& model, const NetworkDescription& descri
         const Element& element = model.elements[elements[e]];
         slot.places.push_back(element.place);
         for (const Attachment& end : element.ends)
-            if (end.body >= 0 && slot.first_on_body[static_cast<size_t>(end.body)] < 0)
-                slot.first_on_body[static_cast<size_t>(end.body)] = static_cast<int>(e);
+            if (end.body >= 0 && slot.first_on_body[as_size(end.body)] < 0)
+                slot.first_on_body[as_size(end.body)] = as_int(e);
     }
     std::vector<bool> is_loaded(model.nodes.size());
     for (const Load& load : model.loads)
-        if (load.on.node >= 0) is_loaded[static_cast<size_t>(load.on.node)] = true;
+        if (load.on.node >= 0) is_loaded[as_size(load.on.node)] = true;
     for (int node : description.inner_nodes()) {
-        slot.inner_nodes.push_back(static_cast<size_t>(node));
-        slot.is_loaded = slot.is_loaded || is_loaded[static_cast<size_t>(node)];
+        slot.inner_nodes.push_back(as_size(node));
+        slot.is_loaded = slot.is_loaded || is_loaded[as_size(node)];
     }
     tell_place(slots_.size() - 1, [&] { instances_.emplace_back(description.plugin(), description.network()); });
     const NetworkInstance& instance = instances_.back();
     stand_ = stand_ && instance.stands();
     for (const dttmm_block& block : instance.blocks())
-        if (block.row > block.column) neighbours_.emplace_back(static_cast<int>(block.row), static_cast<int>(block.column));
+        if (block.row > block.column) neighbours_.emplace_back(as_int(block.row), as_int(block.column));
     loads_.resize(std::max(loads_.size(), 6 * slot.inner_nodes.size()));
 }
 
@@ -106,7 +107,7 @@ void Networks::tell_place(size_t instance, Action&& action) const {
     } catch (const NetworkError& error) {
         const std::vector<std::string>& places = slots_[instance].places;
         const bool is_one = error.element() >= 0 || places.size() == 1;
-        const std::string& place = is_one ? places[static_cast<size_t>(std::max(error.element(), 0))] : path_;
+        const std::string& place = is_one ? places[as_size(std::max(error.element(), 0))] : path_;
         throw Error(error.code(), fmt::format("{}: {}", place, error.what()));
     }
 }
@@ -211,7 +212,7 @@ void Networks::linearise(const std::vector<BodyState>& at, double* wrenches, con
         });
         if (!sink) continue;
         for (const dttmm_block& block : instances_[n].blocks()) {
-            (*sink)(static_cast<int>(block.row), static_cast<int>(block.column), Eigen::Map<const RowMajor6>(stiffness),
+            (*sink)(as_int(block.row), as_int(block.column), Eigen::Map<const RowMajor6>(stiffness),
                     Eigen::Map<const RowMajor6>(damping));
             stiffness += kBlock;
             damping += kBlock;
@@ -276,7 +277,7 @@ void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches, c
         });
         if (!sink) continue;
         for (const dttmm_block& block : instances_[n].blocks()) {
-            (*sink)(static_cast<int>(block.row), static_cast<int>(block.column), Eigen::Map<const RowMajor6>(stiffness));
+            (*sink)(as_int(block.row), as_int(block.column), Eigen::Map<const RowMajor6>(stiffness));
             stiffness += kBlock;
         }
     }

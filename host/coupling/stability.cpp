@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/index.h"
 #include "world/block_factor.h"
 #include "world/block_matrix.h"
 #include "world/inertia.h"
@@ -30,7 +31,7 @@ public:
         : factor_(matrix) {
         matrix.set_zero();
         for (size_t b = 0; b < model.bodies.size(); ++b) {
-            const int body = static_cast<int>(b);
+            const int body = as_int(b);
             const BlockMatrix::Block M = Inertia(model.bodies[b]).block(at[b].rotation);
             parts_.push_back({matrix.index(body), M, M.llt()});
             matrix.add(body, body, M);
@@ -38,7 +39,7 @@ public:
         joints.write_to(matrix);
         factor_.factor(matrix);
         for (size_t j = 0; j < joints.joints().size(); ++j)
-            multipliers_.push_back({matrix.joint_index(static_cast<int>(j)), joints.joints()[j].count()});
+            multipliers_.push_back({matrix.joint_index(as_int(j)), joints.joints()[j].count()});
     }
     /// y ← the motion u that the joints allow with M u + Jᵀ q = y; without joints M⁻¹ y
     void divide(Eigen::VectorXd& y) const {
@@ -82,7 +83,7 @@ public:
           networks_(networks),
           at_(at),
           joints_(linearised(model, at)),
-          K_(static_cast<int>(model.bodies.size()), networks.neighbours(), joints_.nodes()),
+          K_(as_int(model.bodies.size()), networks.neighbours(), joints_.nodes()),
           C_(K_),
           M_(model, joints_, K_, at) {
         hand_out([&](int row, int column, const BlockMatrix::Block& K, const BlockMatrix::Block& C) {
@@ -143,7 +144,7 @@ public:
 
         std::vector<double> motion(6 * model_.bodies.size());
         for (size_t body = 0; body < model_.bodies.size(); ++body)
-            std::copy_n(u.data() + K_.index(static_cast<int>(body)), 6, &motion[6 * body]);
+            std::copy_n(u.data() + K_.index(as_int(body)), 6, &motion[6 * body]);
         double total = 0;
         for (const Networks::TakenUp& taken : networks_.take_up(at_, motion.data())) {
             mode.elements.push_back({taken.element, a * taken.elastic + b * taken.damped});

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "loader/plugin_call.h"
+#include "model/index.h"
 #include "model/wording.h"
 
 namespace dttmm::host {
@@ -145,11 +146,10 @@ void ModalInstance::check(dttmm_status status, const dttmm_error& error) const {
     if (status == DTTMM_OK) return;
     const size_t length = ::strnlen(error.text, sizeof error.text);
     const std::string text = length > 0 ? printable({error.text, length}) : fmt::format("status {} without a text", status);
-    const bool is_named = error.element >= 0 && static_cast<size_t>(error.element) < element_names_.size();
-    throw NetworkError(
-        exit_code_of(status),
-        is_named ? fmt::format("element \"{}\": {}", element_names_[static_cast<size_t>(error.element)], text) : text,
-        is_named ? error.element : -1);
+    const bool is_named = error.element >= 0 && as_size(error.element) < element_names_.size();
+    throw NetworkError(exit_code_of(status),
+                       is_named ? fmt::format("element \"{}\": {}", element_names_[as_size(error.element)], text) : text,
+                       is_named ? error.element : -1);
 }
 
 }  // namespace dttmm::host

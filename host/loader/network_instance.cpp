@@ -9,6 +9,7 @@
 #include <string_view>
 #include <tuple>
 
+#include "model/index.h"
 #include "model/wording.h"
 
 namespace dttmm::host {
@@ -129,7 +130,7 @@ void NetworkInstance::blame(const std::string& text) const { fail(DTTMM_ERROR_IN
 
 std::string NetworkInstance::whose(int element) const {
     if (element < 0) return fmt::format("plugin {}", plugin_.name());
-    return fmt::format("element \"{}\" (plugin {})", element_names_[static_cast<size_t>(element)], plugin_.name());
+    return fmt::format("element \"{}\" (plugin {})", element_names_[as_size(element)], plugin_.name());
 }
 
 std::string NetworkInstance::name() const {

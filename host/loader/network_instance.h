@@ -11,6 +11,7 @@
 #include "loader/plugin_call.h"
 #include "loader/plugin_library.h"
 #include "model/error.h"
+#include "model/index.h"
 
 namespace dttmm::host {
 
@@ -66,7 +67,7 @@ public:
         if (!table_->expect) return nullptr;
         dttmm_error error;
         const dttmm_status status = call([&] { return table_->expect(instance_.get(), trial, cleared(error)); });
-        if (status == DTTMM_AGAIN) return &element_names_[static_cast<size_t>(std::max(culprit(error.element), 0))];
+        if (status == DTTMM_AGAIN) return &element_names_[as_size(std::max(culprit(error.element), 0))];
         check(status, error);
         return nullptr;
     }
@@ -145,7 +146,7 @@ private:
         if (is_named(blamed)) return blamed;
         return element_names_.size() == 1 ? 0 : is_named(*at_work_) ? *at_work_ : -1;
     }
-    bool is_named(int element) const { return element >= 0 && static_cast<size_t>(element) < element_names_.size(); }
+    bool is_named(int element) const { return element >= 0 && as_size(element) < element_names_.size(); }
     std::string whose(int element) const;
     void read_blocks(const dttmm_network& network);
     void read_channels(const dttmm_network& network);

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "model/index.h"
+
 namespace dttmm::host {
 
 /// Lives while a plugin is at work: what ends the process meanwhile (a crash, exit) is the plugin's, and the last message
@@ -36,8 +38,8 @@ public:
         if (!elements_ || elements_->empty()) return nullptr;
         if (elements_->size() == 1) return elements_->front().c_str();
         const int32_t element = element_ ? *element_ : -1;
-        if (element < 0 || static_cast<size_t>(element) >= elements_->size()) return nullptr;
-        return (*elements_)[static_cast<size_t>(element)].c_str();
+        if (element < 0 || as_size(element) >= elements_->size()) return nullptr;
+        return (*elements_)[as_size(element)].c_str();
     }
 
 private:

@@ -5,6 +5,7 @@
 
 #include "loader/law_library.h"
 #include "model/error.h"
+#include "model/index.h"
 
 namespace dttmm::host {
 
@@ -30,7 +31,7 @@ void Plugins::add(PluginLibrary library) {
         if (const int other = catalogue_.find(type.name); other >= 0)
             throw Error(ExitCode::plugin_failure,
                         fmt::format("plugin {}: its element type \"{}\" is already declared by plugin {}", library.name(),
-                                    type.name, catalogue_.plugins[static_cast<size_t>(other)]));
+                                    type.name, catalogue_.plugins[as_size(other)]));
         catalogue_.add(library.name(), type);
         places_.emplace_back(libraries_.size(), t);
     }
@@ -38,7 +39,7 @@ void Plugins::add(PluginLibrary library) {
 }
 
 std::pair<const PluginLibrary*, uint32_t> Plugins::resolve(int type) const {
-    const auto& [library, index] = places_[static_cast<size_t>(type)];
+    const auto& [library, index] = places_[as_size(type)];
     return {&libraries_[library], index};
 }
 

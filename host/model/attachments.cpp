@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "model/index.h"
 #include "model/names.h"
 #include "model/wording.h"
 
@@ -21,8 +22,8 @@ std::vector<std::string> names_of(const auto& things) {
 
 Attachments::Attachments(const std::vector<Body>& bodies, const std::vector<Node>& nodes) : bodies_(bodies), nodes_(nodes) {
     for (std::size_t i = 0; i < bodies.size(); ++i)
-        if (!bodies[i].name.empty()) index_.emplace(bodies[i].name, Attachment{static_cast<int>(i), -1, -1});
-    for (std::size_t i = 0; i < nodes.size(); ++i) index_.emplace(nodes[i].name, Attachment{-1, -1, static_cast<int>(i)});
+        if (!bodies[i].name.empty()) index_.emplace(bodies[i].name, Attachment{as_int(i), -1, -1});
+    for (std::size_t i = 0; i < nodes.size(); ++i) index_.emplace(nodes[i].name, Attachment{-1, -1, as_int(i)});
 }
 
 std::vector<std::string> Attachments::known_names() const {
@@ -55,39 +56,38 @@ std::optional<Attachment> Attachments::read(const TableReader& table, const Toml
     if (dot == name.npos) return whole;
     if (whole.node >= 0) return fail(fmt::format(": {} is a node, which has no markers", quote(found->first)));
     const std::string marker_name = name.substr(dot + 1);
-    const auto& markers = bodies_[static_cast<std::size_t>(whole.body)].markers;
+    const auto& markers = bodies_[as_size(whole.body)].markers;
     const auto marker = std::find_if(markers.begin(), markers.end(), [&](const Marker& m) { return m.name == marker_name; });
     if (marker == markers.end())
         return fail(fmt::format(": body {} has no marker {}{}", quote(found->first), quote(marker_name),
                                 suggestion(marker_name, names_of(markers))));
-    return Attachment{whole.body, static_cast<int>(marker - markers.begin()), -1};
+    return Attachment{whole.body, as_int(marker - markers.begin()), -1};
 }
 
 bool Attachments::is_held(const Attachment& attachment, const Eigen::Vector3d& direction, bool is_moment) const {
     if (attachment.node < 0) return false;
-    const auto& fixed = nodes_[static_cast<std::size_t>(attachment.node)].fixed;
+    const auto& fixed = nodes_[as_size(attachment.node)].fixed;
     for (std::size_t d = 0; d < 3; ++d)
-        if (direction(static_cast<Eigen::Index>(d)) != 0 && !fixed[(is_moment ? 3 : 0) + d]) return false;
+        if (direction(as_row(d)) != 0 && !fixed[(is_moment ? 3 : 0) + d]) return false;
     return true;
 }
 
 Eigen::Vector3d Attachments::position(const Attachment& attachment) const {
-    if (attachment.node >= 0) return nodes_[static_cast<std::size_t>(attachment.node)].position;
-    const Body& body = bodies_[static_cast<std::size_t>(attachment.body)];
+    if (attachment.node >= 0) return nodes_[as_size(attachment.node)].position;
+    const Body& body = bodies_[as_size(attachment.body)];
     if (attachment.marker < 0) return body.position;
-    return body.position + body.rotation * body.markers[static_cast<std::size_t>(attachment.marker)].position;
+    return body.position + body.rotation * body.markers[as_size(attachment.marker)].position;
 }
 
 bool Attachments::is_off_centre(const Attachment& attachment) const {
-    return attachment.body >= 0 && attachment.marker < 0 &&
-           !bodies_[static_cast<std::size_t>(attachment.body)].center_of_mass.isZero(0);
+    return attachment.body >= 0 && attachment.marker < 0 && !bodies_[as_size(attachment.body)].center_of_mass.isZero(0);
 }
 
 Eigen::Matrix3d Attachments::axes(const Attachment& attachment) const {
-    if (attachment.node >= 0) return nodes_[static_cast<std::size_t>(attachment.node)].rotation;
-    const Body& body = bodies_[static_cast<std::size_t>(attachment.body)];
+    if (attachment.node >= 0) return nodes_[as_size(attachment.node)].rotation;
+    const Body& body = bodies_[as_size(attachment.body)];
     if (attachment.marker < 0) return body.rotation;
-    return body.rotation * body.markers[static_cast<std::size_t>(attachment.marker)].rotation;
+    return body.rotation * body.markers[as_size(attachment.marker)].rotation;
 }
 
 }  // namespace dttmm::host

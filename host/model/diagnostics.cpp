@@ -5,16 +5,18 @@
 
 #include <algorithm>
 
+#include "model/index.h"
+
 namespace dttmm::host {
 
 Place Diagnostics::option_place(std::string option) {
     options_.push_back(std::move(option));
-    return {0, static_cast<int>(options_.size())};
+    return {0, as_int(options_.size())};
 }
 
 std::string Diagnostics::place_text(Place place) const {
     if (place.line > 0) return fmt::format("{}:{}:{}", file_, place.line, place.column);
-    return place.column > 0 ? options_.at(static_cast<std::size_t>(place.column) - 1) : file_;
+    return place.column > 0 ? options_.at(as_size(place.column) - 1) : file_;
 }
 
 std::string Diagnostics::line_text(Place place) const {

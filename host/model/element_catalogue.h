@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "dttmm_plugin.h"
+#include "model/index.h"
 #include "model/keys.h"
 
 namespace dttmm::host {
@@ -28,7 +29,7 @@ struct ElementCatalogue {
     /// Index of the type called `name`; -1 if no plugin declares it.
     int find(std::string_view name) const {
         for (std::size_t i = 0; i < types.size(); ++i)
-            if (name == types[i]->name) return static_cast<int>(i);
+            if (name == types[i]->name) return as_int(i);
         return -1;
     }
 };

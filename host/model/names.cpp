@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <memory>
 
+#include "model/index.h"
+
 namespace dttmm::host {
 namespace {
 
@@ -34,7 +36,7 @@ std::string normalise_name(std::string_view name) {
                      &buffer, static_cast<utf8proc_option_t>(UTF8PROC_STABLE | UTF8PROC_COMPOSE));
     const std::unique_ptr<utf8proc_uint8_t, decltype(&std::free)> owner(buffer, &std::free);
     if (length < 0) return std::string(name);
-    return std::string(reinterpret_cast<const char*>(buffer), static_cast<std::size_t>(length));
+    return std::string(reinterpret_cast<const char*>(buffer), as_size(length));
 }
 
 std::optional<std::string> find_name_fault(std::string_view name) {
@@ -49,7 +51,7 @@ std::optional<std::string> find_name_fault(std::string_view name) {
         if (!is_name_character(character))
             return fmt::format("holds {}; a name is made of letters, digits, '_' and '-'", character_text(character));
         if (++characters > kLongestName) return fmt::format("is longer than {} characters", kLongestName);
-        name.remove_prefix(static_cast<std::size_t>(length));
+        name.remove_prefix(as_size(length));
     }
     return std::nullopt;
 }

@@ -10,6 +10,7 @@
 #include <map>
 #include <tuple>
 
+#include "model/index.h"
 #include "model/read_rotation.h"
 #include "model/read_values.h"
 #include "model/wording.h"
@@ -138,8 +139,7 @@ public:
     void read(const ReadContext& context, const TomlValue& entry, std::size_t index) {
         const std::string label = entry_label("element", entry, index);
         const int type = entry.is_table() ? read_type(context, entry, label, catalogue_) : -1;
-        const std::vector<std::string> keys =
-            type < 0 ? all_keys(entry) : keys_of(*catalogue_.types[static_cast<std::size_t>(type)]);
+        const std::vector<std::string> keys = type < 0 ? all_keys(entry) : keys_of(*catalogue_.types[as_size(type)]);
         const TableReader table(context, entry, label, keys, &key_table("element"), entry_note("element", index));
         if (table.is_valid()) read(table, type);
     }
@@ -162,11 +162,10 @@ private:
         check_name(table, element.name, others_);
         const auto ends = reads_at(table, type) ? read_at(table, attachments_) : read_from_to(table, attachments_);
         if (type < 0) return;
-        const auto values = read_values(table, *catalogue_.types[static_cast<std::size_t>(type)]);
+        const auto values = read_values(table, *catalogue_.types[as_size(type)]);
         if (!ends || !values) return;
         element.ends = *ends;
-        if (!reads_at(table, type))
-            element.axes = read_axes(table, *catalogue_.types[static_cast<std::size_t>(type)], *ends, attachments_);
+        if (!reads_at(table, type)) element.axes = read_axes(table, *catalogue_.types[as_size(type)], *ends, attachments_);
         element.values = *values;
         warn(table, element);
         elements_.push_back(std::move(element));
@@ -174,8 +173,7 @@ private:
 
     /// An element of unknown type is judged by what it has.
     bool reads_at(const TableReader& table, int type) const {
-        return type < 0 ? table.find("at") != nullptr
-                        : catalogue_.types[static_cast<std::size_t>(type)]->ends == DTTMM_ENDS_AT;
+        return type < 0 ? table.find("at") != nullptr : catalogue_.types[as_size(type)]->ends == DTTMM_ENDS_AT;
     }
 
     void warn(const TableReader& table, const Element& element) {

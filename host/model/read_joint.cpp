@@ -8,6 +8,7 @@
 #include <map>
 #include <tuple>
 
+#include "model/index.h"
 #include "model/read_position.h"
 #include "model/read_rotation.h"
 #include "model/wording.h"
@@ -216,8 +217,8 @@ public:
 private:
     void check_masses(const TableReader& table, const Joint& joint) const {
         if (joint.first < 0 || joint.second < 0) return;
-        const Body& first = bodies_[static_cast<std::size_t>(joint.first)];
-        const Body& second = bodies_[static_cast<std::size_t>(joint.second)];
+        const Body& first = bodies_[as_size(joint.first)];
+        const Body& second = bodies_[as_size(joint.second)];
         const auto [light, heavy] = std::minmax(first.mass, second.mass);
         if (!(light > 0) || heavy <= kSuspectMassRatio * light) return;  // a mass of zero is reported with its body
         const Place place = table.find("between")->value.place;
@@ -255,7 +256,7 @@ private:
 const std::string& joint_type_name(JointType type) {
     static const std::vector<std::string> names =
         words_of(*find_key(key_table("joint"), "type"));  // in the order of JointType
-    return names[static_cast<std::size_t>(type)];
+    return names[static_cast<size_t>(type)];
 }
 
 std::vector<Joint> read_joints(const TableReader& file, const Attachments& attachments, const std::vector<Body>& bodies,

@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "model/attachments.h"
+#include "model/index.h"
 #include "model/name_registry.h"
 #include "model/read_body.h"
 #include "model/read_element.h"
@@ -32,7 +33,7 @@ int read_to_end(int descriptor, std::string& text) {
     ssize_t size = 1;
     while (size != 0 && text.size() <= kLargestFile) {
         size = ::read(descriptor, piece, sizeof piece);
-        if (size > 0) text.append(piece, static_cast<std::size_t>(size));
+        if (size > 0) text.append(piece, as_size(size));
         if (size < 0 && errno != EINTR) return errno;
     }
     text.resize(std::min(text.size(), kLargestFile + 1));
@@ -115,7 +116,7 @@ void check_nodes(const TableReader& file, const Model& model) {
     std::vector<bool> is_used(model.nodes.size());
     for (const Element& element : model.elements)
         for (const Attachment& end : element.ends)
-            if (end.node >= 0) is_used[static_cast<std::size_t>(end.node)] = true;
+            if (end.node >= 0) is_used[as_size(end.node)] = true;
     for (std::size_t i = 0; i < is_used.size(); ++i)
         if (!is_used[i])
             file.error(nodes->value.members[i].place,
@@ -127,7 +128,7 @@ void warn_free_bodies(const TableReader& file, const Model& model) {
     if (!model.simulation.gravity.isZero(0)) return;
     std::vector<bool> is_touched(model.bodies.size());
     const auto touch = [&](int body) {
-        if (body >= 0) is_touched[static_cast<std::size_t>(body)] = true;
+        if (body >= 0) is_touched[as_size(body)] = true;
     };
     for (const Load& load : model.loads) touch(load.on.body);
     for (const Element& element : model.elements) {
@@ -156,7 +157,7 @@ void warn_turned_markers(const TableReader& file, const Model& model, const Atta
         for (std::size_t m = 0; m < model.bodies[b].markers.size(); ++m) {
             const Marker& marker = model.bodies[b].markers[m];
             if (marker.rotation.isIdentity(0)) continue;
-            const Attachment at{static_cast<int>(b), static_cast<int>(m), -1};
+            const Attachment at{as_int(b), as_int(m), -1};
             bool is_attached = false, is_used = false;
             for (const Element& element : model.elements) {
                 if (std::find(element.ends.begin(), element.ends.end(), at) == element.ends.end()) continue;

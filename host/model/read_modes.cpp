@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "model/index.h"
 #include "model/units.h"
 #include "model/wording.h"
 
@@ -22,7 +23,7 @@ int count_of(const std::string& text) {
     const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), count);
     if (fault != std::errc{} || end != text.data() + text.size() || count < 1 || count > kMostModes)
         refuse(fmt::format("--count wants a whole number from 1 to {}, got {}", kMostModes, quote(text)));
-    return static_cast<int>(count);
+    return as_int(count);
 }
 
 double frequency_of(const std::string& text) {
@@ -52,7 +53,7 @@ std::bitset<6> read_directions(const TableReader& table, const std::string& key)
     for (const TomlValue& item : member->value.items) {
         const auto found = std::find(kDirections.begin(), kDirections.end(), item.string);
         const std::string got = item.is_text() ? quote(item.string) : std::string(kind_text(item.kind));
-        const auto d = static_cast<std::size_t>(found - kDirections.begin());
+        const auto d = as_size(found - kDirections.begin());
         if (!item.is_text() || found == kDirections.end())
             table.error(item.place, fmt::format("{}: {} is none of the directions {}", key, got, listed(kDirections)));
         else if (directions[d])

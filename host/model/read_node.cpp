@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "model/index.h"
 #include "model/read_modes.h"
 #include "model/read_position.h"
 #include "model/read_rotation.h"
@@ -15,7 +16,7 @@ namespace {
 void check_motion(const TableReader& table, const Node& node) {
     const auto check = [&](const char* key, const Eigen::Vector3d& velocity, std::size_t first) {
         for (std::size_t d = 0; d < 3; ++d)
-            if (node.fixed[first + d] && velocity(static_cast<Eigen::Index>(d)) != 0)
+            if (node.fixed[first + d] && velocity(as_row(d)) != 0)
                 table.error(table.find(key)->value.place,
                             fmt::format("{} moves the node in {}, which is fixed", key, kDirections[first + d]));
     };

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/index.h"
 #include "model/wording.h"
 
 namespace dttmm::host {
@@ -91,7 +92,7 @@ Coupling read_coupling(const TableReader& file, const TableReader* table, const 
             diagnostics.error(diagnostics.option_place("--coupling"),
                               fmt::format("must be one of: {}; got {}", listed(words), quote(*option)));
         } else {
-            choice = static_cast<int>(found - words.begin());
+            choice = as_int(found - words.begin());
         }
     } else if (table) {
         choice = table->choice("coupling", 0).value_or(0);
@@ -145,7 +146,7 @@ void read_channels(const TableReader& table, OutputSettings& settings) {
 
 const std::string& scheme_name(ExplicitScheme scheme) {
     static const std::vector<std::string> names = words_of("scheme");  // in the order of ExplicitScheme
-    return names[static_cast<std::size_t>(scheme)];
+    return names[static_cast<size_t>(scheme)];
 }
 
 SimulationSettings read_simulation(const TableReader& file, const SimulationOverrides& overrides) {
@@ -210,7 +211,7 @@ OutputSettings read_output(const TableReader& file, const SimulationSettings& si
             fail(fmt::format("is {:.3g} time steps; at most 1e9 are allowed", every));
             return settings;
         }
-        settings.every = static_cast<int>(std::lround(every));
+        settings.every = as_int(std::lround(every));
     }
     const double rows = simulation.duration / *step;
     if (simulation.duration > 0 && (!is_whole(rows) || rows < 0.5))

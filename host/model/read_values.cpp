@@ -8,6 +8,7 @@
 #include <map>
 #include <span>
 
+#include "model/index.h"
 #include "model/wording.h"
 
 namespace dttmm::host {
@@ -59,8 +60,7 @@ bool check_whole(const TableReader& table, const TomlMember& member, const std::
     const auto broken = std::find_if(numbers.begin(), numbers.end(), [](double x) { return x != std::round(x); });
     if (broken == numbers.end()) return true;
     const TomlValue& value = member.value;
-    const Place place =
-        value.is_array() ? value.items[static_cast<std::size_t>(broken - numbers.begin())].place : value.place;
+    const Place place = value.is_array() ? value.items[as_size(broken - numbers.begin())].place : value.place;
     table.error(place, fmt::format("{} must be a whole number, got {}", member.key, number_text(*broken)));
     return false;
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "model/index.h"
+
 namespace dttmm::host {
 namespace {
 constexpr double kTwoPi = 2 * std::numbers::pi;
@@ -51,7 +53,7 @@ double TableSignal::value(double time) const {
     const auto after = std::upper_bound(times_.begin(), times_.end(), time);
     if (after == times_.begin()) return values_.front();
     if (after == times_.end()) return values_.back();
-    const auto i = static_cast<std::size_t>(after - times_.begin());
+    const auto i = as_size(after - times_.begin());
     const double s = (time - times_[i - 1]) / (times_[i] - times_[i - 1]);
     return (1 - s) * values_[i - 1] + s * values_[i];
 }

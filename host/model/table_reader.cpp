@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/index.h"
 #include "model/units.h"
 #include "model/wording.h"
 
@@ -153,7 +154,7 @@ std::optional<double> TableReader::number(std::string_view name, double fallback
 std::optional<std::vector<double>> TableReader::numbers(std::string_view name) const {
     const TomlMember* member = require(name);
     if (!member) return std::nullopt;
-    const auto count = static_cast<std::size_t>(key(name).count);
+    const auto count = as_size(key(name).count);
     return read_numbers(context_, member->value, what(name), unit_of(key(name)),
                         count > 0 ? count : std::max<std::size_t>(member->value.items.size(), 1), false, key(name).bounds);
 }
@@ -185,7 +186,7 @@ std::optional<int> TableReader::choice(std::string_view name, int fallback) cons
     if (!word) return std::nullopt;
     const std::vector<std::string> words = words_of(key(name));
     const auto found = std::find(words.begin(), words.end(), *word);
-    if (found != words.end()) return static_cast<int>(found - words.begin());
+    if (found != words.end()) return as_int(found - words.begin());
     error(find(name)->value.place, fmt::format("{} must be one of: {}; got {}", name, listed(words), quote(*word)));
     return std::nullopt;
 }

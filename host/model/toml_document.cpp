@@ -25,6 +25,7 @@
 
 #include <algorithm>
 
+#include "model/index.h"
 #include "model/toml_text.h"
 
 namespace dttmm::host {
@@ -32,9 +33,7 @@ namespace {
 
 using Kind = TomlValue::Kind;
 
-Place make_place(const toml::source_position& position) {
-    return {static_cast<int>(position.line), static_cast<int>(position.column)};
-}
+Place make_place(const toml::source_position& position) { return {as_int(position.line), as_int(position.column)}; }
 
 Place place_of(const toml::key& key) { return make_place(key.source().begin); }
 
@@ -85,9 +84,7 @@ Line line_of(std::string_view text, int line) {
     return {text.substr(0, begin), content};
 }
 
-int first_column(std::string_view line) {
-    return static_cast<int>(std::min(line.find_first_not_of(" \t"), line.size())) + 1;
-}
+int first_column(std::string_view line) { return as_int(std::min(line.find_first_not_of(" \t"), line.size())) + 1; }
 
 constexpr const char* kProbe = "\001";  // no key of a user: TOML forbids it unescaped
 
@@ -120,7 +117,7 @@ std::optional<Place> find_path(const toml::table* table, const toml::table* path
 /// Where the key on `line`, which toml++ refused as redefined, was first defined: the text before that line and the line
 /// alone are both documents, and the path of keys in the second is looked up in the first. Nothing if they are not.
 std::optional<Place> find_first_definition(const Line& line) {
-    const bool is_header = line.content.substr(static_cast<std::size_t>(first_column(line.content)) - 1).starts_with('[');
+    const bool is_header = line.content.substr(as_size(first_column(line.content)) - 1).starts_with('[');
     try {
         const toml::table before = toml::parse(std::string(line.before) + (is_header ? "" : "\"\\u0001\" = 0"));
         const toml::table path = toml::parse(line.content);
@@ -145,7 +142,7 @@ std::string quoted_part(const std::string& message) {
 
 /// True if what stands before the column, but for blanks, is a digit.
 bool is_digit_before(std::string_view line, int column) {
-    const std::size_t last = line.substr(0, static_cast<std::size_t>(column) - 1).find_last_not_of(" \t");
+    const std::size_t last = line.substr(0, as_size(column) - 1).find_last_not_of(" \t");
     return last != line.npos && line[last] >= '0' && line[last] <= '9';
 }
 
@@ -170,7 +167,7 @@ void report(const toml::parse_error& error, std::string_view text, Diagnostics& 
     } else if (says("not representable") || says("could not be interpreted as a value")) {
         const std::string number = quoted_part(message);
         const std::size_t at = line.content.find(number);
-        if (at != line.content.npos) place.column = static_cast<int>(at) + 1;
+        if (at != line.content.npos) place.column = as_int(at) + 1;
         message = fmt::format(
             "{} is out of range: an integer must fit into 64 bits, any other number lie within 1e-307 and 1e308", number);
     } else if (says("whitespace, saw ','")) {

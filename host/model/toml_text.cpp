@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "model/index.h"
 #include "model/wording.h"
 
 namespace dttmm::host {
@@ -33,7 +34,7 @@ std::optional<TextFault> find_foreign_byte(std::string_view text) {
         const auto length = utf8proc_iterate(bytes + i, static_cast<utf8proc_ssize_t>(text.size() - i), &character);
         if (length <= 0)
             return TextFault{place_of_byte(text, i), fmt::format("not UTF-8 text at byte {}; save the file as UTF-8", i)};
-        i += static_cast<std::size_t>(length);
+        i += as_size(length);
     }
     return std::nullopt;
 }
@@ -103,7 +104,7 @@ private:
         utf8proc_int32_t character = 0;
         const auto length = utf8proc_iterate(reinterpret_cast<const utf8proc_uint8_t*>(text_.data() + at_),
                                              static_cast<utf8proc_ssize_t>(text_.size() - at_), &character);
-        const std::string_view bytes = text_.substr(at_, static_cast<std::size_t>(std::max<utf8proc_ssize_t>(length, 1)));
+        const std::string_view bytes = text_.substr(at_, as_size(std::max<utf8proc_ssize_t>(length, 1)));
         return fmt::format("the character {} (U+{:04X}) stands outside quotes; a key or text that holds it needs them",
                            quote(bytes), character);
     }
@@ -152,10 +153,9 @@ Place place_of_byte(std::string_view text, std::size_t offset) {
     const std::string_view before = text.substr(0, offset);
     const std::size_t line_start = before.rfind('\n') + 1;  // npos + 1 = 0: the first line
     const auto is_first_byte = [](char c) { return (static_cast<unsigned char>(c) & 0xC0u) != 0x80u; };
-    return {static_cast<int>(std::count(before.begin(), before.end(), '\n')) + 1,
-            static_cast<int>(
-                std::count_if(before.begin() + static_cast<std::ptrdiff_t>(line_start), before.end(), is_first_byte)) +
-                1};
+    return {
+        as_int(std::count(before.begin(), before.end(), '\n')) + 1,
+        as_int(std::count_if(before.begin() + static_cast<std::ptrdiff_t>(line_start), before.end(), is_first_byte)) + 1};
 }
 
 }  // namespace dttmm::host

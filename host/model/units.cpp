@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "model/error.h"
+#include "model/index.h"
 #include "model/wording.h"
 
 namespace dttmm::host {
@@ -164,7 +165,7 @@ NumberAndUnit split_quantity(std::string_view text) {
         fail(fmt::format("the number in {} is out of range: it must lie within 1e-307 and 1e308", quote(text)));
     if (error != std::errc()) fail(fmt::format("expected a number with a unit, e.g. \"20 mm\", got {}", quote(text)));
     if (!std::isfinite(number)) fail(fmt::format("{} is not finite", quote(text)));
-    rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
+    rest.remove_prefix(as_size(end - rest.data()));
     if (rest.size() > 1 && rest[0] == ',' && is_digit(rest[1]))
         fail(fmt::format("the decimal sign is a point: write {} with '.' instead of ','", quote(text)));
     return {number, trimmed(rest)};

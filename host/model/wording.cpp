@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "model/index.h"
+
 namespace dttmm::host {
 namespace {
 
@@ -38,7 +40,7 @@ std::string make_visible(std::string_view text, std::size_t most) {
         utf8proc_int32_t character = 0;
         const auto* bytes = reinterpret_cast<const utf8proc_uint8_t*>(text.data());
         const auto length = utf8proc_iterate(bytes, static_cast<utf8proc_ssize_t>(text.size()), &character);
-        const std::size_t used = length > 0 ? static_cast<std::size_t>(length) : 1;
+        const std::size_t used = length > 0 ? as_size(length) : 1;
         if (length <= 0) {
             result += fmt::format("\\x{:02x}", bytes[0]);
         } else if (is_visible(character)) {
@@ -71,7 +73,7 @@ int compute_edit_distance(std::string_view a, std::string_view b) {
     std::vector<int> two_above, above(b.size() + 1), row(b.size() + 1);
     std::iota(above.begin(), above.end(), 0);
     for (std::size_t i = 0; i < a.size(); ++i) {
-        row[0] = static_cast<int>(i) + 1;
+        row[0] = as_int(i) + 1;
         for (std::size_t j = 0; j < b.size(); ++j) {
             const int replaced = above[j] + (a[i] == b[j] ? 0 : 1);
             row[j + 1] = std::min({replaced, row[j] + 1, above[j + 1] + 1});
@@ -86,10 +88,10 @@ int compute_edit_distance(std::string_view a, std::string_view b) {
 
 std::optional<std::string> find_nearest(std::string_view name, const std::vector<std::string>& candidates) {
     const std::string* nearest = nullptr;
-    int distance = std::max(1, static_cast<int>(std::min(name.size(), kLongestName)) / 3) + 1;
+    int distance = std::max(1, as_int(std::min(name.size(), kLongestName)) / 3) + 1;
     for (const std::string& candidate : candidates) {
         const int d = compute_edit_distance(name, candidate);
-        if (d >= distance || d >= static_cast<int>(candidate.size())) continue;
+        if (d >= distance || d >= as_int(candidate.size())) continue;
         distance = d;
         nearest = &candidate;
     }

@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "model/index.h"
 #include "record/file.h"
 
 namespace dttmm::host {
@@ -35,7 +36,7 @@ public:
 
 private:
     std::streamsize xsputn(const char* text, std::streamsize size) override {
-        waiting_.append(text, static_cast<std::size_t>(size));
+        waiting_.append(text, as_size(size));
         if (waiting_.size() >= kMostWaiting) sync();
         return size;
     }

@@ -11,6 +11,7 @@
 #include <unordered_set>
 
 #include "model/error.h"
+#include "model/index.h"
 
 namespace dttmm::host {
 
@@ -120,7 +121,7 @@ std::vector<int> select_channels(const std::vector<Channel>& all, const std::vec
 
     std::vector<int> indices;
     for (std::size_t i = 0; i < all.size(); ++i)
-        if (selected[i]) indices.push_back(static_cast<int>(i));
+        if (selected[i]) indices.push_back(as_int(i));
     return indices;
 }
 

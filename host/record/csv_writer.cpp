@@ -8,6 +8,8 @@
 #include <cassert>
 #include <cerrno>
 
+#include "model/index.h"
+
 namespace dttmm::host {
 
 namespace {
@@ -87,7 +89,7 @@ void CsvWriter::write_row(std::span<const double> values) {
     char* end = waiting_.data() + size;
     for (const double value : values) end = fmt::format_to(end, FMT_COMPILE("{},"), value);
     end[-1] = '\n';
-    waiting_.resize(static_cast<std::size_t>(end - waiting_.data()));
+    waiting_.resize(as_size(end - waiting_.data()));
     if (waiting_.size() >= kMostWaiting || Clock::now() - last_write_ >= kLongestWait) write_waiting_rows();
 }
 
@@ -105,7 +107,7 @@ void CsvWriter::rescue_rows() noexcept {
     while (!rest.empty()) {
         const ssize_t written = ::write(writer->file_.descriptor(), rest.data(), rest.size());
         if (written <= 0) return;
-        rest.remove_prefix(static_cast<std::size_t>(written));
+        rest.remove_prefix(as_size(written));
     }
 }
 

@@ -9,6 +9,8 @@
 #include <system_error>
 #include <utility>
 
+#include "model/index.h"
+
 namespace dttmm::host {
 
 namespace {
@@ -62,7 +64,7 @@ std::size_t File::write_some(std::string_view text) noexcept {
     while (written < text.size()) {
         const ssize_t count = ::write(descriptor_, text.data() + written, text.size() - written);
         if (count > 0) {
-            written += static_cast<std::size_t>(count);
+            written += as_size(count);
         } else if (count == 0) {  // no progress and no reason: do not try for ever
             errno = EIO;
             break;

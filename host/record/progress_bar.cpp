@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/index.h"
+
 namespace dttmm::host {
 
 namespace {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "model/error.h"
+#include "model/index.h"
 
 namespace dttmm::host {
 
@@ -17,13 +18,13 @@ namespace {
 
 std::vector<Channel> pick(std::span<const Channel> all, const std::vector<int>& selection) {
     std::vector<Channel> picked;
-    for (const int index : selection) picked.push_back(all[static_cast<std::size_t>(index)]);
+    for (const int index : selection) picked.push_back(all[as_size(index)]);
     return picked;
 }
 
 }  // namespace
 
-Recorder::Recorder(std::span<const Channel> all) : channels_(all), statistics_(static_cast<Eigen::Index>(channels_.size())) {
+Recorder::Recorder(std::span<const Channel> all) : channels_(all), statistics_(as_row(channels_.size())) {
     check_channels(channels_);
 }
 
@@ -48,10 +49,9 @@ void Recorder::close_row(std::span<const double> values) {
                                 values.size(), channels_.size()));
     bool is_finite = true;
     for (const double value : values) is_finite &= std::abs(value) <= std::numeric_limits<double>::max();
-    for (std::size_t i = 0; !is_finite && i < values.size(); ++i) check_finite(static_cast<int>(i), values[i], values[0]);
+    for (std::size_t i = 0; !is_finite && i < values.size(); ++i) check_finite(as_int(i), values[i], values[0]);
     if (csv_) {
-        for (std::size_t i = 0; i < selection_.size(); ++i)
-            selected_values_[i] = values[static_cast<std::size_t>(selection_[i])];
+        for (std::size_t i = 0; i < selection_.size(); ++i) selected_values_[i] = values[as_size(selection_[i])];
         csv_->write_row(selected_values_);
         hdf5_->write_row(selected_values_);
     }
@@ -68,13 +68,12 @@ void Recorder::close_selected_row(std::span<const double> values, std::span<cons
     assert(selected_values_.size() == values.size() + (errors.empty() ? 0 : errors.size() - 1));
     csv_->write_row(values);
     hdf5_->write_row(selected_values_);
-    for (std::size_t i = 0; i < values.size(); ++i)
-        count(static_cast<std::size_t>(selection_[i]), values.subspan(i, 1), values[0]);
+    for (std::size_t i = 0; i < values.size(); ++i) count(as_size(selection_[i]), values.subspan(i, 1), values[0]);
     ++rows_;
 }
 
 void Recorder::adopt_unselected(const Recorder& other) {
-    for (int i = 0; i < static_cast<int>(channels_.size()); ++i)
+    for (int i = 0; i < as_int(channels_.size()); ++i)
         if (!std::binary_search(selection_.begin(), selection_.end(), i))
             for (const auto kind : {&Statistics::peak, &Statistics::peak_time, &Statistics::minimum, &Statistics::maximum,
                                     &Statistics::final, &Statistics::ripple, &Statistics::bend})
@@ -85,7 +84,7 @@ void Recorder::check_finite(int channel, double value, double time) const {
     if (!std::isfinite(value))
         throw Error(ExitCode::internal_error,
                     fmt::format("channel \"{}\" is {} at t = {} s; this should have been caught earlier: please report it",
-                                channels_[static_cast<std::size_t>(channel)].name, value, time));
+                                channels_[as_size(channel)].name, value, time));
 }
 
 ChannelStatistics Recorder::statistics(int channel) const {
@@ -96,9 +95,9 @@ ChannelStatistics Recorder::statistics(int channel) const {
 
 /// What the values of channels from `first` on do to the statistics.
 void Recorder::count(std::size_t first, std::span<const double> row, double time) {
-    const auto size = static_cast<Eigen::Index>(row.size());
+    const auto size = as_row(row.size());
     const Eigen::Map<const Eigen::ArrayXd> value(row.data(), size);
-    const auto of = [&](Eigen::ArrayXd& numbers) { return numbers.segment(static_cast<Eigen::Index>(first), size); };
+    const auto of = [&](Eigen::ArrayXd& numbers) { return numbers.segment(as_row(first), size); };
     auto peak = of(statistics_.peak), peak_time = of(statistics_.peak_time), minimum = of(statistics_.minimum),
          maximum = of(statistics_.maximum), final = of(statistics_.final), ripple = of(statistics_.ripple),
          bend = of(statistics_.bend), change = of(statistics_.change), alternation = of(statistics_.alternation);

@@ -15,6 +15,8 @@
 #include <utility>
 #include <vector>
 
+#include "model/index.h"
+
 namespace dttmm::host {
 
 namespace fs = std::filesystem;
@@ -95,7 +97,7 @@ void make_folder(const fs::path& path) {
 std::string read_holder(const File& marker) {
     std::array<char, 512> text{};
     const ssize_t size = ::pread(marker.descriptor(), text.data(), text.size(), 0);
-    std::string holder(text.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
+    std::string holder(text.data(), size > 0 ? as_size(size) : 0);
     while (!holder.empty() && holder.back() == '\n') holder.pop_back();
     return holder.empty() ? "unknown" : holder;
 }

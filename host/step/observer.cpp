@@ -10,6 +10,7 @@
 #include <unordered_set>
 
 #include "model/error.h"
+#include "model/index.h"
 
 namespace dttmm::host {
 
@@ -128,8 +129,7 @@ void Observer::declare_bodies(const Model& model) {
             const Marker& marker = bodies_[b].markers[m];
             const std::string point = name + "." + marker.name;
             markers_.push_back({b, marker.position - bodies_[b].center_of_mass});
-            add_vector(Of::marker, point, "acceleration", "m/s^2",
-                       used.contains({static_cast<int>(b), static_cast<int>(m)}));
+            add_vector(Of::marker, point, "acceleration", "m/s^2", used.contains({as_int(b), as_int(m)}));
             add_vector(Of::marker, point, "position", "m", false);
             add_vector(Of::marker, point, "velocity", "m/s", false);
         }

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "model/error.h"
+#include "model/index.h"
 
 namespace dttmm::host {
 
@@ -34,7 +35,7 @@ Simulation::Simulation(const Model& model, const Plugins& plugins)
     for (const Joint& joint : model.joints) has_stops_ = has_stops_ || joint.limits;
     for (const Element& element : model.elements)
         for (const Attachment& end : element.ends)
-            if (end.body >= 0) held_[static_cast<size_t>(end.body)] = true;
+            if (end.body >= 0) held_[as_size(end.body)] = true;
     world_.read_states(now_);
     fastest_ = find_fastest_mode(model, networks_, now_);
     if (!networks_.is_implicit()) limit_ = find_explicit_limit(model, networks_, now_, step_size_, model.simulation.scheme);

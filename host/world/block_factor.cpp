@@ -3,6 +3,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "model/index.h"
+
 namespace dttmm::host {
 
 BlockFactor::BlockFactor(const BlockMatrix& matrix) {
@@ -20,7 +22,7 @@ bool BlockFactor::factor(const BlockMatrix& matrix) {
         return solver_.info() == Eigen::Success;
     }
     for (size_t b = 0; b < starts_.size(); ++b) {
-        const Eigen::LDLT<BlockMatrix::Block> block(matrix.diagonal(static_cast<int>(b)));
+        const Eigen::LDLT<BlockMatrix::Block> block(matrix.diagonal(as_int(b)));
         if (!(block.vectorD().minCoeff() > 0)) return false;
         inverses_[b] = block.solve(BlockMatrix::Block::Identity());
     }

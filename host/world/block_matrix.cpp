@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <set>
 
+#include "model/index.h"
+
 namespace dttmm::host {
 
 namespace {
@@ -30,16 +32,16 @@ std::vector<int> minimum_degree_order(int count, const Pairs& pairs) {
 std::vector<int> order_nodes(int body_count, Pairs pairs, const std::vector<BlockMatrix::JointNode>& joints) {
     for (const auto& joint : joints)
         if (joint.first >= 0 && joint.second >= 0) pairs.emplace_back(joint.first, joint.second);
-    std::vector<int> order(static_cast<size_t>(body_count) + joints.size(), -1);
-    std::vector<std::vector<int>> joints_of(static_cast<size_t>(body_count));
+    std::vector<int> order(as_size(body_count) + joints.size(), -1);
+    std::vector<std::vector<int>> joints_of(as_size(body_count));
     for (size_t j = 0; j < joints.size(); ++j)
         for (int body : {joints[j].first, joints[j].second})
-            if (body >= 0) joints_of[static_cast<size_t>(body)].push_back(body_count + static_cast<int>(j));
+            if (body >= 0) joints_of[as_size(body)].push_back(body_count + as_int(j));
     int next = 0;
     for (int body : minimum_degree_order(body_count, pairs)) {
-        order[static_cast<size_t>(body)] = next++;
-        for (int node : joints_of[static_cast<size_t>(body)])
-            if (order[static_cast<size_t>(node)] < 0) order[static_cast<size_t>(node)] = next++;
+        order[as_size(body)] = next++;
+        for (int node : joints_of[as_size(body)])
+            if (order[as_size(node)] < 0) order[as_size(node)] = next++;
     }
     return order;
 }
@@ -54,32 +56,32 @@ BlockMatrix::BlockMatrix(int body_count, const Pairs& pairs, const std::vector<J
     const size_t node_count = order_.size();
     std::vector<int> sizes(node_count), starts(node_count);  // by position
     const auto size_of = [&](size_t node) {
-        return node < static_cast<size_t>(body_count) ? 6 : joints[node - static_cast<size_t>(body_count)].equations;
+        return node < as_size(body_count) ? 6 : joints[node - as_size(body_count)].equations;
     };
-    for (size_t node = 0; node < node_count; ++node) sizes[static_cast<size_t>(order_[node])] = size_of(node);
+    for (size_t node = 0; node < node_count; ++node) sizes[as_size(order_[node])] = size_of(node);
     int total = 0;
     for (size_t place = 0; place < node_count; ++place) {
         starts[place] = total;
         total += sizes[place];
     }
-    for (size_t node = 0; node < node_count; ++node) start_.push_back(starts[static_cast<size_t>(order_[node])]);
+    for (size_t node = 0; node < node_count; ++node) start_.push_back(starts[as_size(order_[node])]);
 
     std::set<std::pair<int, int>> blocks;  // (row, column) positions, upper triangle
     const auto couple = [&](int node, int other) {
-        const int a = order_[static_cast<size_t>(node)], b = order_[static_cast<size_t>(other)];
+        const int a = order_[as_size(node)], b = order_[as_size(other)];
         blocks.emplace(std::min(a, b), std::max(a, b));
     };
-    for (int node = 0; node < static_cast<int>(node_count); ++node) couple(node, node);
+    for (int node = 0; node < as_int(node_count); ++node) couple(node, node);
     for (const auto& [i, j] : pairs) couple(i, j);
     for (size_t j = 0; j < joints.size(); ++j)
         for (int body : {joints[j].first, joints[j].second})
-            if (body >= 0) couple(body_count + static_cast<int>(j), body);
+            if (body >= 0) couple(body_count + as_int(j), body);
 
     std::vector<Eigen::Triplet<double>> entries;
     for (const auto& [row, column] : blocks) {
-        const int r0 = starts[static_cast<size_t>(row)], c0 = starts[static_cast<size_t>(column)];
-        for (int c = 0; c < sizes[static_cast<size_t>(column)]; ++c)
-            for (int r = 0; r < (row == column ? c + 1 : sizes[static_cast<size_t>(row)]); ++r)
+        const int r0 = starts[as_size(row)], c0 = starts[as_size(column)];
+        for (int c = 0; c < sizes[as_size(column)]; ++c)
+            for (int r = 0; r < (row == column ? c + 1 : sizes[as_size(row)]); ++r)
                 entries.emplace_back(r0 + r, c0 + c, 0.0);
     }
     matrix_.resize(total, total);
@@ -88,24 +90,23 @@ BlockMatrix::BlockMatrix(int body_count, const Pairs& pairs, const std::vector<J
 
     for (const auto& [row, column] : blocks) {
         Places& place = places_[{row, column}];
-        for (int c = 0; c < sizes[static_cast<size_t>(column)]; ++c)
-            place[static_cast<size_t>(c)] = static_cast<int>(
-                &matrix_.coeffRef(starts[static_cast<size_t>(row)], starts[static_cast<size_t>(column)] + c) -
-                matrix_.valuePtr());
+        for (int c = 0; c < sizes[as_size(column)]; ++c)
+            place[as_size(c)] =
+                as_int(&matrix_.coeffRef(starts[as_size(row)], starts[as_size(column)] + c) - matrix_.valuePtr());
     }
 }
 
 const BlockMatrix::Places& BlockMatrix::places(int row_node, int column_node) const {
-    return places_.at({order_[static_cast<size_t>(row_node)], order_[static_cast<size_t>(column_node)]});
+    return places_.at({order_[as_size(row_node)], order_[as_size(column_node)]});
 }
 
 void BlockMatrix::set_zero() { matrix_.coeffs().setZero(); }
 
 void BlockMatrix::add(int row_body, int column_body, const Block& block) {
-    if (order_[static_cast<size_t>(row_body)] > order_[static_cast<size_t>(column_body)]) return;
+    if (order_[as_size(row_body)] > order_[as_size(column_body)]) return;
     const Places& place = places(row_body, column_body);
     for (int c = 0; c < 6; ++c) {
-        double* values = matrix_.valuePtr() + place[static_cast<size_t>(c)];
+        double* values = matrix_.valuePtr() + place[as_size(c)];
         for (int r = 0; r < (row_body == column_body ? c + 1 : 6); ++r) values[r] += block(r, c);
     }
 }
@@ -114,27 +115,26 @@ BlockMatrix::Block BlockMatrix::diagonal(int body) const {
     const Places& place = places(body, body);
     Block block;
     for (int c = 0; c < 6; ++c)
-        for (int r = 0; r <= c; ++r) block(r, c) = block(c, r) = matrix_.valuePtr()[place[static_cast<size_t>(c)] + r];
+        for (int r = 0; r <= c; ++r) block(r, c) = block(c, r) = matrix_.valuePtr()[place[as_size(c)] + r];
     return block;
 }
 
 void BlockMatrix::set_joint(int joint, const Rows& first, const Rows& second, const Values& E) {
-    const JointNode& node = joints_[static_cast<size_t>(joint)];
+    const JointNode& node = joints_[as_size(joint)];
     set_side(joint, node.first, first);
     set_side(joint, node.second, second);
     const Places& diagonal = places(body_count_ + joint, body_count_ + joint);
-    for (int e = 0; e < node.equations; ++e) matrix_.valuePtr()[diagonal[static_cast<size_t>(e)] + e] = -E(e);
+    for (int e = 0; e < node.equations; ++e) matrix_.valuePtr()[diagonal[as_size(e)] + e] = -E(e);
 }
 
 void BlockMatrix::set_side(int joint, int body, const Rows& rows) {
     if (body < 0) return;
-    const int node = body_count_ + joint, equations = joints_[static_cast<size_t>(joint)].equations;
-    const bool body_first = order_[static_cast<size_t>(body)] < order_[static_cast<size_t>(node)];
+    const int node = body_count_ + joint, equations = joints_[as_size(joint)].equations;
+    const bool body_first = order_[as_size(body)] < order_[as_size(node)];
     const Places& place = body_first ? places(body, node) : places(node, body);
     for (int e = 0; e < equations; ++e)
         for (int i = 0; i < 6; ++i)
-            matrix_.valuePtr()[body_first ? place[static_cast<size_t>(e)] + i : place[static_cast<size_t>(i)] + e] =
-                rows(e, i);
+            matrix_.valuePtr()[body_first ? place[as_size(e)] + i : place[as_size(i)] + e] = rows(e, i);
 }
 
 }  // namespace dttmm::host

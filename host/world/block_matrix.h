@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "model/index.h"
+
 namespace dttmm::host {
 
 /// A symmetric sparse matrix over bodies and joints, its upper triangle stored:
@@ -29,9 +31,9 @@ public:
     /// Diagonal blocks of bodies are always there; `pairs` lists the off-diagonal ones (either order, repeats allowed).
     BlockMatrix(int body_count, const std::vector<std::pair<int, int>>& pairs, const std::vector<JointNode>& joints = {});
 
-    int index(int body) const { return start_[static_cast<size_t>(body)]; }
-    int joint_index(int joint) const { return start_[static_cast<size_t>(body_count_ + joint)]; }
-    int size() const { return static_cast<int>(matrix_.rows()); }
+    int index(int body) const { return start_[as_size(body)]; }
+    int joint_index(int joint) const { return start_[as_size(body_count_ + joint)]; }
+    int size() const { return as_int(matrix_.rows()); }
     /// Whether there is anything but the diagonal blocks of bodies.
     bool is_coupled() const { return is_coupled_; }
 

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "model/error.h"
+#include "model/index.h"
 #include "world/rotation_step.h"
 
 namespace dttmm::host {
@@ -26,10 +27,10 @@ constexpr double kSlow = 0.3;
 }  // namespace
 
 JointClosure::JointClosure(const std::vector<Body>& bodies, const std::vector<Joint>& joints)
-    : system_(bodies, joints), matrix_(static_cast<int>(bodies.size()), {}, system_.nodes()), factor_(matrix_) {
+    : system_(bodies, joints), matrix_(as_int(bodies.size()), {}, system_.nodes()), factor_(matrix_) {
     for (const Body& body : bodies) {
         inertias_.emplace_back(body);
-        const int index = static_cast<int>(reaches_.size());
+        const int index = as_int(reaches_.size());
         reaches_.push_back(std::max(inertias_.back().gyration_bound(), system_.longest_arm(index)));
     }
     for (const Joint& joint : joints) names_.push_back(joint.name);
@@ -39,8 +40,7 @@ JointClosure::JointClosure(const std::vector<Body>& bodies, const std::vector<Jo
 
 void JointClosure::factor(const std::vector<BodyState>& now) {
     matrix_.set_zero();
-    for (size_t b = 0; b < now.size(); ++b)
-        matrix_.add(static_cast<int>(b), static_cast<int>(b), inertias_[b].block(now[b].rotation));
+    for (size_t b = 0; b < now.size(); ++b) matrix_.add(as_int(b), as_int(b), inertias_[b].block(now[b].rotation));
     system_.write_to(matrix_);
     if (!factor_.factor(matrix_)) fail();
 }
@@ -90,7 +90,7 @@ bool JointClosure::find_closed(const std::vector<BodyState>& now, double h, std:
         factor_.solve(right_hand_side_, solution_);
         double correction = 0, scale = 0;
         for (size_t b = 0; b < now.size(); ++b) {
-            const auto change = solution_.segment<6>(matrix_.index(static_cast<int>(b)));
+            const auto change = solution_.segment<6>(matrix_.index(as_int(b)));
             after[b].velocity += change.head<3>();
             after[b].angular_velocity += change.tail<3>();
             const double reach = reaches_[b];
@@ -117,11 +117,10 @@ void JointClosure::fail() const {
     int joint = 0;
     right_hand_side_.cwiseAbs().maxCoeff(&worst);
     for (size_t j = 0; j < names_.size(); ++j)
-        if (const int start = matrix_.joint_index(static_cast<int>(j));
-            worst >= start && worst < start + system_.joints()[j].count())
-            joint = static_cast<int>(j);
+        if (const int start = matrix_.joint_index(as_int(j)); worst >= start && worst < start + system_.joints()[j].count())
+            joint = as_int(j);
     throw Error(ExitCode::numerical_failure,
-                fmt::format("joint \"{}\" does not close within a step; {}", names_[static_cast<size_t>(joint)],
+                fmt::format("joint \"{}\" does not close within a step; {}", names_[as_size(joint)],
                             system_.is_near_singular() ? kSingularCure : "try a smaller step"));
 }
 

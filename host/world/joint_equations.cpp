@@ -4,6 +4,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "model/index.h"
+
 namespace dttmm::host {
 
 namespace {
@@ -12,13 +14,13 @@ const BodyState kGround = {Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity(),
                            Eigen::Vector3d::Zero()};
 
 Eigen::Matrix3d start_rotation(int body, const std::vector<Body>& bodies) {
-    return body < 0 ? Eigen::Matrix3d::Identity() : bodies[static_cast<size_t>(body)].rotation;
+    return body < 0 ? Eigen::Matrix3d::Identity() : bodies[as_size(body)].rotation;
 }
 
 /// From a body's centre of mass to a point of the world at the start, body axes.
 Eigen::Vector3d start_arm(int body, const std::vector<Body>& bodies, const Eigen::Vector3d& point) {
     if (body < 0) return point;
-    const Body& b = bodies[static_cast<size_t>(body)];
+    const Body& b = bodies[as_size(body)];
     return b.rotation.transpose() * (point - b.position) - b.center_of_mass;
 }
 
@@ -73,7 +75,7 @@ JointEquations::JointEquations(const Joint& joint, const std::vector<Body>& bodi
 }
 
 const BodyState& JointEquations::state(Side side, const std::vector<BodyState>& at) const {
-    return bodies_[side] < 0 ? kGround : at[static_cast<size_t>(bodies_[side])];
+    return bodies_[side] < 0 ? kGround : at[as_size(bodies_[side])];
 }
 
 Eigen::Vector3d JointEquations::direction(const AnchorEquation& equation, const BodyState& first) const {

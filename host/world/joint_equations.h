@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "model/index.h"
 #include "model/model.h"
 #include "world/block_matrix.h"
 #include "world/body_state.h"
@@ -36,7 +37,7 @@ public:
     /// Equations, that of the stops, the last, included.
     int count() const { return lasting() + (has_stops_ ? 1 : 0); }
     /// Equations that always hold.
-    int lasting() const { return static_cast<int>(anchors_.size() + angles_.size()); }
+    int lasting() const { return as_int(anchors_.size() + angles_.size()); }
     bool has_stops() const { return has_stops_; }
     const std::array<double, 2>& stops() const { return stops_; }  ///< lower and upper [rad, m]
 

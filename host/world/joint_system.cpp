@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/index.h"
+
 namespace dttmm::host {
 
 namespace {
@@ -18,7 +20,7 @@ JointEquations::Values rates(const JointEquations& joint, const JointEquations::
     JointEquations::Values sum = JointEquations::Values::Zero(joint.count());
     for (const auto side : kSides) {
         if (joint.bodies()[side] < 0) continue;
-        const BodyState& state = at[static_cast<size_t>(joint.bodies()[side])];
+        const BodyState& state = at[as_size(joint.bodies()[side])];
         sum += J[side].leftCols<3>() * state.velocity + J[side].rightCols<3>() * state.angular_velocity;
     }
     return sum;
@@ -116,7 +118,7 @@ void JointSystem::write_to(BlockMatrix& matrix) const {
             }
         }
         if (joint.has_stops() && !stops_[j].acts) E(joint.lasting()) = 1;
-        matrix.set_joint(static_cast<int>(j), jacobians_[j][0], jacobians_[j][1], E);
+        matrix.set_joint(as_int(j), jacobians_[j][0], jacobians_[j][1], E);
     }
 }
 
@@ -128,7 +130,7 @@ void JointSystem::write_openings(const BlockMatrix& matrix, const std::vector<Bo
                                  Eigen::VectorXd& rows) const {
     for (size_t j = 0; j < joints_.size(); ++j) {
         const JointEquations& joint = joints_[j];
-        const int start = matrix.joint_index(static_cast<int>(j));
+        const int start = matrix.joint_index(as_int(j));
         rows.segment(start, joint.lasting()) = joint.residual(end) / -h;
         if (!joint.has_stops()) continue;
         rows(start + joint.lasting()) = stops_[j].acts ? stops_[j].speed - coordinate_speed(j, end) : 0;
@@ -139,7 +141,7 @@ void JointSystem::write_curvatures(const BlockMatrix& matrix, const std::vector<
                                    Eigen::VectorXd& rows) const {
     for (size_t j = 0; j < joints_.size(); ++j) {
         const JointEquations& joint = joints_[j];
-        const int start = matrix.joint_index(static_cast<int>(j));
+        const int start = matrix.joint_index(as_int(j));
         rows.segment(start, joint.lasting()) = -joint.curvature(at);
         if (joint.has_stops()) rows(start + joint.lasting()) = 0;
     }
@@ -147,7 +149,7 @@ void JointSystem::write_curvatures(const BlockMatrix& matrix, const std::vector<
 
 void JointSystem::add_impulses(const BlockMatrix& matrix, const Eigen::VectorXd& multipliers, Eigen::VectorXd& rows) const {
     for (size_t j = 0; j < joints_.size(); ++j) {
-        const double* q = multipliers.data() + matrix.joint_index(static_cast<int>(j));
+        const double* q = multipliers.data() + matrix.joint_index(as_int(j));
         for (const auto side : kSides)
             if (const int body = joints_[j].bodies()[side]; body >= 0)
                 rows.segment<6>(matrix.index(body)) += impulse(j, side, q);

@@ -13,6 +13,7 @@
 #include <mutex>
 
 #include "model/error.h"
+#include "model/index.h"
 
 namespace dttmm::host {
 
@@ -99,7 +100,7 @@ World::World(const std::vector<Body>& bodies, const std::vector<Joint>& joints) 
     for (const Joint& joint : joints)
         for (int index : {joint.first, joint.second}) {
             if (index < 0) continue;
-            const Body& body = bodies[static_cast<size_t>(index)];
+            const Body& body = bodies[as_size(index)];
             largest_mobility = std::max({largest_mobility, 1 / body.mass, 1 / body.inertia.diagonal().minCoeff()});
         }
     dWorldSetERP(world_->id(), 1);
@@ -116,8 +117,8 @@ void World::create_joint(const Joint& joint, double cfm) {
     // there is one, goes first; else the axis is turned round.
     const bool swapped = joint.second >= 0;
     const int body = swapped ? joint.second : joint.first, other = swapped ? joint.first : joint.second;
-    const dBodyID first = body_id(bodies_[static_cast<size_t>(body)].id);
-    const dBodyID second = other < 0 ? nullptr : body_id(bodies_[static_cast<size_t>(other)].id);
+    const dBodyID first = body_id(bodies_[as_size(body)].id);
+    const dBodyID second = other < 0 ? nullptr : body_id(bodies_[as_size(other)].id);
     const Eigen::Vector3d axis = swapped ? joint.axis : Eigen::Vector3d(-joint.axis);
     const Eigen::Vector3d& p = joint.anchor;
     dJointID id = nullptr;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "model/index.h"
 #include "model/model.h"
 #include "world/body_state.h"
 #include "world/joint_closure.h"
@@ -28,7 +29,7 @@ public:
     explicit World(const std::vector<Body>& bodies, const std::vector<Joint>& joints = {});
     ~World();
 
-    int body_count() const { return static_cast<int>(bodies_.size()); }
+    int body_count() const { return as_int(bodies_.size()); }
 
     /// states: one per body, in the model's order.
     void read_states(std::vector<BodyState>& states) const;

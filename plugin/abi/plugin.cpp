@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "core/error.h"
+#include "core/index.h"
 #include "dttmm_laws.h"
 #include "dttmm_modal.h"
 #include "dttmm_plugin.h"
@@ -182,7 +183,7 @@ dttmm_status overall(dttmm_modal* modal, double frequency, dttmm_overall* overal
         const dttmm::plugin::OverallTransfer& topology = modal->analysis.topology();
         if (layout && size > 0) {
             const std::string text = topology.layout();
-            const size_t length = std::min(text.size(), static_cast<size_t>(size - 1));
+            const size_t length = std::min(text.size(), dttmm::plugin::as_size(size - 1));
             std::memcpy(layout, text.data(), length);
             layout[length] = '\0';
         }

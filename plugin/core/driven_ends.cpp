@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/gauss.h"
+#include "core/index.h"
 #include "core/state_vector.h"
 
 namespace dttmm::plugin {
@@ -24,7 +25,7 @@ void refuse_free(const Matrix13& U, const std::vector<int>& directions) {
         if (std::isfinite(U(pose_row(d), load_row(d)))) continue;
         throw Error(DTTMM_ERROR_SINGULAR,
                     fmt::format("the transfer equations are singular in direction {}: it has neither stiffness nor damping",
-                                kDirectionNames[static_cast<size_t>(d)]));
+                                kDirectionNames[as_size(d)]));
     }
 }
 
@@ -33,17 +34,17 @@ void refuse_free(const Matrix13& U, const std::vector<int>& directions) {
 EndForces solve_driven_ends(const Matrix13& U, Directions carried) {
     std::vector<int> directions;
     for (int d = 0; d < 6; ++d)
-        if (carried[static_cast<size_t>(d)]) directions.push_back(d);
+        if (carried[as_size(d)]) directions.push_back(d);
     refuse_free(U, directions);
-    const int n = static_cast<int>(directions.size());
+    const int n = as_int(directions.size());
 
     // Columns of the right-hand side: the 12 end coordinates, then the constant.
     SmallMatrix A = SmallMatrix::Zero(2 * n, 2 * n);
     SmallMatrix B = SmallMatrix::Zero(2 * n, 13);
     for (int i = 0; i < n; ++i) {
-        const int di = directions[static_cast<size_t>(i)];
+        const int di = directions[as_size(i)];
         for (int j = 0; j < n; ++j) {
-            const int dj = directions[static_cast<size_t>(j)];
+            const int dj = directions[as_size(j)];
             A(i, j) = U(pose_row(di), load_row(dj));
             A(n + i, j) = -U(load_row(di), load_row(dj));
         }
@@ -59,18 +60,18 @@ EndForces solve_driven_ends(const Matrix13& U, Directions carried) {
 
     const Elimination solved = eliminate_full_pivot(A, B);
     if (!solved.regular()) {
-        const int direction = directions[static_cast<size_t>(solved.weakest_unknown % n)];
+        const int direction = directions[as_size(solved.weakest_unknown % n)];
         throw Error(
             DTTMM_ERROR_SINGULAR,
             fmt::format("the transfer equations are singular in direction {} (reciprocal condition {:.1e}): a "
                         "direction that is rigid, or 1e14 times stiffer than another, cannot be driven from both ends",
-                        kDirectionNames[static_cast<size_t>(direction)], solved.reciprocal_condition));
+                        kDirectionNames[as_size(direction)], solved.reciprocal_condition));
     }
 
     EndForces forces;
     forces.reciprocal_condition = solved.reciprocal_condition;
     for (int i = 0; i < n; ++i) {
-        const int d = directions[static_cast<size_t>(i)];
+        const int d = directions[as_size(i)];
         forces.S.row(d) = solved.X.row(i).head<12>();
         forces.S.row(6 + d) = solved.X.row(n + i).head<12>();
         forces.e(d) = solved.X(i, 12);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/gauss.h"
 
+#include "core/index.h"
+
 namespace dttmm::plugin {
 
 namespace {
@@ -22,7 +24,7 @@ Elimination eliminate_full_pivot(SmallMatrix A, SmallMatrix B) {
 
     Eigen::FullPivLU<Square> lu(A);
     lu.setThreshold(0);  // every pivot counts: otherwise a small one is dropped and the condition estimate is blind to it
-    const int weakest = static_cast<int>(lu.permutationQ().indices()(n - 1));
+    const int weakest = as_int(lu.permutationQ().indices()(n - 1));
     const double smallest_pivot = std::abs(lu.matrixLU()(n - 1, n - 1));
     if (smallest_pivot == 0) return {SmallMatrix::Zero(n, B.cols()), 0.0, weakest};
     return {lu.solve(B), lu.rcond(), weakest};

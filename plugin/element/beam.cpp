@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/index.h"
 #include "element/divided_line.h"
 #include "element/parameters.h"
 

@@ -2,6 +2,7 @@
 #include "element/elastic_hinge.h"
 
 #include "core/error.h"
+#include "core/index.h"
 #include "core/state_vector.h"
 #include "element/parameters.h"
 
@@ -36,8 +37,8 @@ ElasticHinge::ElasticHinge(std::span<const double, 12> values) {
         if (law_.rigid[d] && values[6 + d] > 0)
             throw Error(DTTMM_ERROR_MODEL, std::string("damping.") + kDirectionNames[d] +
                                                ": the hinge is rigid in that direction; give it a stiffness, or \"free\"");
-        if (!law_.rigid[d]) law_.stiffness(static_cast<int>(d)) = values[d];
-        law_.damping(static_cast<int>(d)) = values[6 + d];
+        if (!law_.rigid[d]) law_.stiffness(as_int(d)) = values[d];
+        law_.damping(as_int(d)) = values[6 + d];
     }
 }
 

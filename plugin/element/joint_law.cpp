@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/index.h"
 #include "core/state_vector.h"
 #include "law/linear.h"
 
@@ -10,18 +11,18 @@ namespace dttmm::plugin {
 
 void JointLaw::set(int direction, std::shared_ptr<const Law> law) {
     stiffness(direction) = law->first(0).tangent;
-    if (!law->is_linear()) laws[static_cast<size_t>(direction)] = std::move(law);
+    if (!law->is_linear()) laws[as_size(direction)] = std::move(law);
 }
 
 size_t JointLaw::memory_before(int direction) const {
     size_t size = 0;
     for (int d = 0; d < direction; ++d)
-        if (const auto& law = laws[static_cast<size_t>(d)]) size += law->memory_size();
+        if (const auto& law = laws[as_size(d)]) size += law->memory_size();
     return size;
 }
 
 LawOnPath JointLaw::along(int direction, LawPath path) const {
-    if (const auto& law = laws[static_cast<size_t>(direction)]) {
+    if (const auto& law = laws[as_size(direction)]) {
         const size_t own = memory_before(direction);
         if (path.memory) path.memory += own;
         if (path.after) path.after += own;
@@ -37,8 +38,7 @@ bool JointLaw::has_laws() const {
 
 Directions JointLaw::resisting() const {
     Directions resisting;
-    for (int d = 0; d < 6; ++d)
-        resisting[static_cast<size_t>(d)] = !rigid[static_cast<size_t>(d)] && (stiffness(d) > 0 || damping(d) > 0);
+    for (int d = 0; d < 6; ++d) resisting[as_size(d)] = !rigid[as_size(d)] && (stiffness(d) > 0 || damping(d) > 0);
     return resisting;
 }
 
@@ -54,7 +54,7 @@ Matrix13 JointLaw::transfer(const StepCoefficients& step, const Vector6& known) 
     //     x_O = x_I − (q + known)/k̂,   θ_O = θ_I + (m − known)/k̂;   q and m pass through
     Matrix13 U = Matrix13::Identity();
     for (int d = 0; d < 6; ++d) {
-        if (rigid[static_cast<size_t>(d)]) continue;
+        if (rigid[as_size(d)]) continue;
         const double k_hat = step.weight * stiffness(d) + damping(d) * step.C;
         const bool turns = d >= 3;
         const int pose = turns ? state::kAngle + d - 3 : state::kPosition + d;

@@ -7,6 +7,7 @@
 #include <deque>
 
 #include "core/error.h"
+#include "core/index.h"
 #include "core/state_vector.h"
 #include "element/parameters.h"
 #include "law/registry.h"
@@ -20,10 +21,10 @@ const LawParameters& LawParameters::of_direction(int direction) {
     if (laws != law_types().size()) {
         laws = law_types().size();
         auto& own = all.emplace_back();
-        for (int d = 0; d < 6; ++d) own.emplace_back(new LawParameters(kDirectionNames[static_cast<size_t>(d)], d >= 3));
+        for (int d = 0; d < 6; ++d) own.emplace_back(new LawParameters(kDirectionNames[as_size(d)], d >= 3));
         own.emplace_back(new LawParameters("", false));
     }
-    return *all.back()[static_cast<size_t>(direction)];
+    return *all.back()[as_size(direction)];
 }
 
 const LawParameters& LawParameters::along_a_line() { return of_direction(6); }
@@ -60,7 +61,7 @@ std::unique_ptr<const Law> LawParameters::make(std::span<const double> values) c
     const LawType& type = law_types()[static_cast<size_t>(values[0])];
     std::vector<double> own;
     for (const LawParameter& parameter : type.parameters) {
-        const auto i = static_cast<size_t>(std::ranges::find(names_, parameter.name) - names_.begin());
+        const auto i = as_size(std::ranges::find(names_, parameter.name) - names_.begin());
         if (!given(i))
             throw Error(DTTMM_ERROR_MODEL,
                         fmt::format("{} is missing: the law {} needs it", full(parameter.name), type.name));

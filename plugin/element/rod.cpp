@@ -2,6 +2,7 @@
 #include "element/rod.h"
 
 #include "core/error.h"
+#include "core/index.h"
 #include "element/divided_line.h"
 #include "element/parameters.h"
 

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "core/index.h"
 #include "element/law_parameters.h"
 #include "element/parameters.h"
 
@@ -32,7 +33,7 @@ const dttmm_element_type& SpringDamper::type() {
 
 SpringDamper::SpringDamper(std::span<const double> values) {
     for (int i = 0; i < 3; ++i) {
-        const auto at = [&](int group) { return values[static_cast<size_t>(3 * group + i)]; };
+        const auto at = [&](int group) { return values[as_size(3 * group + i)]; };
         law_.stiffness(i) = at(0);
         law_.damping(i) = at(1);
         law_.stiffness(3 + i) = at(2);

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "core/error.h"
+#include "core/index.h"
 #include "core/state_vector.h"
 #include "element/registry.h"
 #include "mechanism/frame.h"
@@ -34,7 +35,7 @@ public:
     Assembler(const dttmm_network& description, Waves waves) : description_(description), waves_(waves) {
         place_bodies();
         place_nodes();
-        for (uint32_t e = 0; e < description.element_count; ++e) take_apart(static_cast<int>(e));
+        for (uint32_t e = 0; e < description.element_count; ++e) take_apart(as_int(e));
         weld();
         hold_fixed_nodes();
     }
@@ -57,7 +58,7 @@ private:
                             fmt::format("{}: its position must be finite and its axes orthonormal", frame.name));
             assembly_.frames.push_back(frame);
         }
-        assembly_.port_count = static_cast<int>(assembly_.frames.size());
+        assembly_.port_count = as_int(assembly_.frames.size());
     }
 
     void place_nodes() {
@@ -74,7 +75,7 @@ private:
             if (node.kind == DTTMM_NODE_ON_BODY) {
                 if (node.body >= description_.body_count)
                     throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("node \"{}\": it is on no body", node.name));
-                part.body = static_cast<int>(node.body);
+                part.body = as_int(node.body);
             }
             part.frame.name = fmt::format("node \"{}\"", node.name);
             part.frame.kind = node.kind == DTTMM_NODE_ON_BODY                        ? FrameSpec::Kind::port
@@ -108,14 +109,14 @@ private:
         const std::unique_ptr<const Element> made = make(e);
         const std::optional<Line> line = waves_ == Waves::exact ? at(e, [&] { return made->line(ends); }) : std::nullopt;
         if (line) {
-            assembly_.first_joint.push_back(static_cast<int>(assembly_.joints.size()));
-            assembly_.lines.push_back({e, static_cast<int>(data.ends[0]), static_cast<int>(data.ends[1]), ends[0].position,
-                                       ends[1].position, *line});
+            assembly_.first_joint.push_back(as_int(assembly_.joints.size()));
+            assembly_.lines.push_back(
+                {e, as_int(data.ends[0]), as_int(data.ends[1]), ends[0].position, ends[1].position, *line});
             return;
         }
         const Parts parts = at(e, [&] { return made->discretise(ends); });
 
-        const int first_lump = static_cast<int>(parts_.size());
+        const int first_lump = as_int(parts_.size());
         for (size_t l = 0; l < parts.lumps.size(); ++l) {
             const Lump& lump = parts.lumps[l];
             FrameSpec frame;
@@ -127,19 +128,18 @@ private:
         }
         for (size_t i = 0; i < parts.mounted.size(); ++i) {
             if (parts.mounted[i] < 0) continue;
-            const int end = static_cast<int>(data.ends[i]);
-            if (parts_[static_cast<size_t>(end)].frame.kind != FrameSpec::Kind::inner)
+            const int end = as_int(data.ends[i]);
+            if (parts_[as_size(end)].frame.kind != FrameSpec::Kind::inner)
                 throw Error(DTTMM_ERROR_MODEL,
                             fmt::format("{}: a mass there would have no effect, or belongs to the body",
-                                        parts_[static_cast<size_t>(end)].frame.name),
+                                        parts_[as_size(end)].frame.name),
                             e);
             welds_.emplace_back(first_lump + parts.mounted[i], end);
         }
         const auto station = [&](int s) {
-            return s < static_cast<int>(data.end_count) ? static_cast<int>(data.ends[s])
-                                                        : first_lump + s - static_cast<int>(data.end_count);
+            return s < as_int(data.end_count) ? as_int(data.ends[s]) : first_lump + s - as_int(data.end_count);
         };
-        assembly_.first_joint.push_back(static_cast<int>(assembly_.joints.size()));
+        assembly_.first_joint.push_back(as_int(assembly_.joints.size()));
         for (const JointPart& joint : parts.joints)
             assembly_.joints.push_back({e, station(joint.from), station(joint.to), joint.law, joint.pose});
     }
@@ -160,37 +160,35 @@ private:
         std::vector<int> root(parts_.size());
         std::iota(root.begin(), root.end(), 0);
         const auto find = [&](int p) {
-            while (root[static_cast<size_t>(p)] != p) p = root[static_cast<size_t>(p)];
+            while (root[as_size(p)] != p) p = root[as_size(p)];
             return p;
         };
         for (const auto& [a, b] : welds_) {
             const int i = find(a), j = find(b);
-            root[static_cast<size_t>(std::max(i, j))] = std::min(i, j);
+            root[as_size(std::max(i, j))] = std::min(i, j);
         }
         std::vector<std::vector<int>> groups(parts_.size());
-        for (size_t p = 0; p < parts_.size(); ++p)
-            groups[static_cast<size_t>(find(static_cast<int>(p)))].push_back(static_cast<int>(p));
+        for (size_t p = 0; p < parts_.size(); ++p) groups[as_size(find(as_int(p)))].push_back(as_int(p));
 
         std::vector<int> frame_of(parts_.size(), -1);
         for (size_t p = 0; p < parts_.size(); ++p) {
             if (parts_[p].body < 0) continue;
             frame_of[p] = parts_[p].body;
-            int& element = assembly_.frames[static_cast<size_t>(frame_of[p])].element;
+            int& element = assembly_.frames[as_size(frame_of[p])].element;
             if (element < 0) element = parts_[p].frame.element;
         }
         for (const auto kind : {FrameSpec::Kind::ground, FrameSpec::Kind::inner}) {
             for (size_t p = 0; p < parts_.size(); ++p) {
                 if (groups[p].empty() || parts_[p].frame.kind != kind) continue;
-                for (int member : groups[p])
-                    frame_of[static_cast<size_t>(member)] = static_cast<int>(assembly_.frames.size());
+                for (int member : groups[p]) frame_of[as_size(member)] = as_int(assembly_.frames.size());
                 assembly_.frames.push_back(merge(groups[p]));
             }
-            if (kind == FrameSpec::Kind::ground) assembly_.driven_count = static_cast<int>(assembly_.frames.size());
+            if (kind == FrameSpec::Kind::ground) assembly_.driven_count = as_int(assembly_.frames.size());
         }
         for (uint32_t n = 0; n < description_.node_count; ++n) {
             NodeSpec spec;
             spec.frame = frame_of[n];
-            const Pose& frame = assembly_.frames[static_cast<size_t>(spec.frame)].pose;
+            const Pose& frame = assembly_.frames[as_size(spec.frame)].pose;
             spec.offset = frame.rotation.transpose() * (parts_[n].pose.position - frame.position);
             spec.rotation = frame.rotation.transpose() * parts_[n].pose.rotation;
             spec.name = parts_[n].frame.name;
@@ -198,25 +196,25 @@ private:
             assembly_.nodes.push_back(spec);
         }
         for (JointSpec& joint : assembly_.joints) {
-            joint.from = frame_of[static_cast<size_t>(joint.from)];
-            joint.to = frame_of[static_cast<size_t>(joint.to)];
+            joint.from = frame_of[as_size(joint.from)];
+            joint.to = frame_of[as_size(joint.to)];
             check_ends(joint.from, joint.to, joint.law->rigid, joint.element);
         }
         for (LineSpec& line : assembly_.lines) {
-            line.from = frame_of[static_cast<size_t>(line.from)];
-            line.to = frame_of[static_cast<size_t>(line.to)];
+            line.from = frame_of[as_size(line.from)];
+            line.to = frame_of[as_size(line.to)];
             check_ends(line.from, line.to, {}, line.element);
         }
     }
 
     FrameSpec merge(const std::vector<int>& members) const {
-        const Part& first = parts_[static_cast<size_t>(members.front())];
+        const Part& first = parts_[as_size(members.front())];
         FrameSpec frame = first.frame;
         frame.pose = first.pose;
         Vector3 moment = Vector3::Zero();
         frame.mass = 0;
         for (int member : members) {
-            const Part& part = parts_[static_cast<size_t>(member)];
+            const Part& part = parts_[as_size(member)];
             frame.mass += part.frame.mass;
             moment += part.frame.mass * part.pose.position;
         }
@@ -224,7 +222,7 @@ private:
         frame.pose.position = moment / frame.mass;
         frame.inertia.setZero();
         for (int member : members) {
-            const Part& part = parts_[static_cast<size_t>(member)];
+            const Part& part = parts_[as_size(member)];
             const Matrix3 axes = frame.pose.rotation.transpose() * part.pose.rotation;
             Vector3 arm = frame.pose.rotation.transpose() * (part.pose.position - frame.pose.position);
             if (arm.norm() < kSamePoint) arm.setZero();
@@ -235,9 +233,7 @@ private:
 
     void check_ends(int from, int to, Directions rigid, int element) const {
         if (from == to) throw Error(DTTMM_ERROR_MODEL, "both ends are on the same rigid body: nothing can deform", element);
-        const auto is_ground = [&](int frame) {
-            return assembly_.frames[static_cast<size_t>(frame)].kind == FrameSpec::Kind::ground;
-        };
+        const auto is_ground = [&](int frame) { return assembly_.frames[as_size(frame)].kind == FrameSpec::Kind::ground; };
         if (is_ground(from) && is_ground(to)) throw Error(DTTMM_ERROR_MODEL, "both ends are on the ground", element);
         const bool is_driven = from < assembly_.driven_count && to < assembly_.driven_count;
         if (is_driven && rigid.any() && waves_ == Waves::lumped)
@@ -258,10 +254,10 @@ private:
 
     /// A node held in some directions hangs on the ground by a joint rigid in these.
     void hold_fixed_nodes() {
-        assembly_.first_joint.push_back(static_cast<int>(assembly_.joints.size()));
+        assembly_.first_joint.push_back(as_int(assembly_.joints.size()));
         for (uint32_t n = 0; n < description_.node_count; ++n) {
-            const uint32_t fixed = node(static_cast<int>(n)).fixed;
-            if (node(static_cast<int>(n)).kind != DTTMM_NODE_INNER || fixed == 0) continue;
+            const uint32_t fixed = node(as_int(n)).fixed;
+            if (node(as_int(n)).kind != DTTMM_NODE_INNER || fixed == 0) continue;
             refuse_moving(n);
             if (fixed == 0x3f) continue;
             JointSpec joint;
@@ -278,7 +274,7 @@ private:
 
     /// A velocity and a direction held where it is exclude each other.
     void refuse_moving(uint32_t n) const {
-        const dttmm_node& data = node(static_cast<int>(n));
+        const dttmm_node& data = node(as_int(n));
         if (!data.moves) return;
         for (size_t d = 0; d < 6; ++d) {
             const double speed = d < 3 ? data.velocity[d] : data.angular_velocity[d - 3];

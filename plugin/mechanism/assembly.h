@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/index.h"
 #include "core/pose.h"
 #include "dttmm_plugin.h"
 #include "element/element.h"
@@ -58,7 +59,7 @@ struct Assembly {
     std::vector<LineSpec> lines;   ///< with Waves::exact
     std::vector<NodeSpec> nodes;   ///< in the order of the description
     std::vector<int> first_joint;  ///< of every element, and one past the last
-    int inner_count() const { return static_cast<int>(frames.size()) - driven_count; }
+    int inner_count() const { return as_int(frames.size()) - driven_count; }
 };
 
 /// What becomes of elements whose mass is spread along them: lumps and joints, or lines.

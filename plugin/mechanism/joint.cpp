@@ -7,6 +7,7 @@
 
 #include "core/driven_ends.h"
 #include "core/error.h"
+#include "core/index.h"
 #include "core/rotation.h"
 
 namespace dttmm::plugin {
@@ -23,8 +24,8 @@ Joint::Joint(const JointSpec& spec, const Assembly& assembly)
     is_damped_ = !law_->damping.isZero(0);
     is_axial_ = law_->axial.has_value();
     has_laws_ = law_->has_laws() || is_axial_;
-    const Pose& from = assembly.frames[static_cast<size_t>(from_)].pose;
-    const Pose& to = assembly.frames[static_cast<size_t>(to_)].pose;
+    const Pose& from = assembly.frames[as_size(from_)].pose;
+    const Pose& to = assembly.frames[as_size(to_)].pose;
     seat_.from_axes = from.rotation.transpose() * spec.pose.rotation;
     seat_.to_axes = to.rotation.transpose() * spec.pose.rotation;
     springs_.rest = spec.pose.rotation.transpose() * (spec.pose.position - from.position);
@@ -204,7 +205,7 @@ Joint::OnPath Joint::on_path(const Scheme& scheme, int direction, double now, do
 Joint::Beyond Joint::beyond(const Scheme& scheme, const Vector6& x, const Vector6& end, const double* memory) const {
     Beyond beyond;
     for (int d = 0; d < 6; ++d) {
-        if (!law_->laws[static_cast<size_t>(d)]) continue;
+        if (!law_->laws[as_size(d)]) continue;
         const OnPath step = on_path(scheme, d, x(d), end(d), memory);
         beyond.force(d) = step.force - scheme.elastic_weight(0) * law_->stiffness(d) * end(d);
         beyond.mean(d) = step.mean;

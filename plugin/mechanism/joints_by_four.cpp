@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "core/index.h"
+
 namespace dttmm::plugin {
 
 namespace {
@@ -41,10 +43,10 @@ JointsByFour::JointsByFour(const Mechanism& mechanism, std::span<const size_t> j
         taken.seat.has_lever = false;
         for (size_t k = 0; k < kCount; ++k) {
             const Joint& one = mechanism.joints[four[k]];
-            const auto i = static_cast<int>(k);
+            const auto i = as_int(k);
             taken.joint[k] = four[k];
-            taken.from[k] = static_cast<size_t>(one.from());
-            taken.to[k] = static_cast<size_t>(one.to());
+            taken.from[k] = as_size(one.from());
+            taken.to[k] = as_size(one.to());
             for (int half : {0, 1}) {
                 set_lane(taken.springs.halves[half].stiffness, i, one.springs().halves[half].stiffness);
                 set_lane(taken.springs.halves[half].damping, i, one.springs().halves[half].damping);

@@ -2,6 +2,7 @@
 #include "mechanism/mechanism.h"
 
 #include "core/error.h"
+#include "core/index.h"
 
 namespace dttmm::plugin {
 
@@ -10,10 +11,10 @@ Mechanism::Mechanism(const dttmm_network& description)
     for (const JointSpec& spec : assembly.joints) {
         joints.emplace_back(spec, assembly);
         const bool keeps_rates = joints.back().is_damped() || joints.back().has_laws() || scheme.lag() != 0;
-        damper_of.push_back(keeps_rates ? static_cast<int>(dampers.size()) : -1);
+        damper_of.push_back(keeps_rates ? as_int(dampers.size()) : -1);
         if (keeps_rates) dampers.emplace_back();
         const size_t memory = spec.law->memory_before(6);
-        memory_of.push_back(memory > 0 ? static_cast<int>(law_memory.size()) : -1);
+        memory_of.push_back(memory > 0 ? as_int(law_memory.size()) : -1);
         law_memory.resize(law_memory.size() + memory);
     }
     states.resize(joints.size());

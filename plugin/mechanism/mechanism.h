@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "core/index.h"
 #include "mechanism/assembly.h"
 #include "mechanism/joint.h"
 #include "mechanism/scheme.h"
@@ -32,13 +33,11 @@ struct Mechanism {
     LawMemory law_memory_of(size_t joint) { return {at_memory(law_memory, joint), at_memory(law_memory_before, joint)}; }
     template <class List>
     auto at_memory(List& all, size_t joint) const -> decltype(all.data()) {
-        return memory_of[joint] < 0 ? nullptr : &all[static_cast<size_t>(memory_of[joint])];
+        return memory_of[joint] < 0 ? nullptr : &all[as_size(memory_of[joint])];
     }
-    DamperState* damper(size_t joint) {
-        return damper_of[joint] < 0 ? nullptr : &dampers[static_cast<size_t>(damper_of[joint])];
-    }
+    DamperState* damper(size_t joint) { return damper_of[joint] < 0 ? nullptr : &dampers[as_size(damper_of[joint])]; }
     const DamperState* damper(size_t joint) const {
-        return damper_of[joint] < 0 ? nullptr : &dampers[static_cast<size_t>(damper_of[joint])];
+        return damper_of[joint] < 0 ? nullptr : &dampers[as_size(damper_of[joint])];
     }
     /// Rotation θ of a joint at t_n [rad], its axes; zero where it carries no moment.
     const Vector3& theta(size_t joint) const { return states[joint].theta; }
@@ -57,8 +56,8 @@ struct Mechanism {
     /// A joint at t_n.
     JointPose pose(size_t joint) const { return joints[joint].pose(ends(joint)); }
     Ends ends(size_t joint) const { return {frame(joints[joint].from()), frame(joints[joint].to())}; }
-    FrameView frame(int index) const { return frames[static_cast<size_t>(index)]; }
-    FrameView frame_before(int index) const { return before[static_cast<size_t>(index)]; }
+    FrameView frame(int index) const { return frames[as_size(index)]; }
+    FrameView frame_before(int index) const { return before[as_size(index)]; }
 };
 
 }  // namespace dttmm::plugin

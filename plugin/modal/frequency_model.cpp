@@ -13,6 +13,7 @@
 #include <tuple>
 
 #include "core/error.h"
+#include "core/index.h"
 #include "core/state_vector.h"
 #include "element/parameters.h"
 
@@ -93,16 +94,16 @@ FrequencyModel::FrequencyModel(const dttmm_modal_model& model)
     : assembly_(assemble(*model.network, model.lumped_beams ? Waves::lumped : Waves::exact)), directions_(model.directions) {
     mask_.setZero();
     for (size_t d = 0; d < 6; ++d)
-        if (directions_[d]) mask_(static_cast<Eigen::Index>(d), static_cast<Eigen::Index>(d)) = 1;
+        if (directions_[d]) mask_(as_row(d), as_row(d)) = 1;
     add_bodies(model);
     frame_of_.assign(assembly_.frames.size(), -1);
-    for (int f = 0; f < static_cast<int>(assembly_.frames.size()); ++f) {
-        const FrameSpec& frame = assembly_.frames[static_cast<size_t>(f)];
-        int& own = frame_of_[static_cast<size_t>(f)];
+    for (int f = 0; f < as_int(assembly_.frames.size()); ++f) {
+        const FrameSpec& frame = assembly_.frames[as_size(f)];
+        int& own = frame_of_[as_size(f)];
         if (f < assembly_.port_count) {
             own = f;
         } else if (frame.kind == FrameSpec::Kind::inner) {
-            own = static_cast<int>(positions_.size());
+            own = as_int(positions_.size());
             positions_.push_back(frame.pose.position);
             names_.push_back(frame.name);
             elements_.push_back(frame.element);
@@ -113,7 +114,7 @@ FrequencyModel::FrequencyModel(const dttmm_modal_model& model)
         }
     }
     if (!directions_.all()) refer_to_inputs();
-    const auto frame = [&](int f) { return frame_of_[static_cast<size_t>(f)]; };
+    const auto frame = [&](int f) { return frame_of_[as_size(f)]; };
     for (const JointSpec& joint : assembly_.joints) try {
             add_joint(joint.element, frame(joint.from), frame(joint.to), *joint.law, joint.pose);
         } catch (const Error& error) {
@@ -132,7 +133,7 @@ FrequencyModel::FrequencyModel(const dttmm_modal_model& model)
 }
 
 void FrequencyModel::add_bodies(const dttmm_modal_model& model) {
-    body_count_ = static_cast<int>(model.network->body_count);
+    body_count_ = as_int(model.network->body_count);
     for (uint32_t b = 0; b < model.network->body_count; ++b) {
         const dttmm_body& body = model.network->bodies[b];
         const Eigen::Map<const Vector3> position(body.position);
@@ -143,7 +144,7 @@ void FrequencyModel::add_bodies(const dttmm_modal_model& model) {
         centres_.push_back(position);
         names_.push_back(fmt::format("body \"{}\"", body.name));
         elements_.push_back(-1);
-        masses_.push_back({static_cast<int>(b), mass_block(body.mass, inertia)});
+        masses_.push_back({as_int(b), mass_block(body.mass, inertia)});
         total_mass_ += body.mass;
     }
 }
@@ -154,19 +155,17 @@ void FrequencyModel::refer_to_inputs() {
     std::vector<bool> is_referred(positions_.size());
     for (size_t n = 0; n < assembly_.nodes.size(); ++n) {
         const int f = frame_of_node(n);
-        if (f < 0 || is_referred[static_cast<size_t>(f)]) continue;
-        is_referred[static_cast<size_t>(f)] = true;
-        const Vector3 node = position_of_node(n), centre = positions_[static_cast<size_t>(f)];
+        if (f < 0 || is_referred[as_size(f)]) continue;
+        is_referred[as_size(f)] = true;
+        const Vector3 node = position_of_node(n), centre = positions_[as_size(f)];
         const Matrix6 to_centre = at_point(centre, node);
         for (Mass& mass : masses_)
             if (mass.frame == f) mass.block = to_centre.transpose() * mass.block * to_centre;
-        positions_[static_cast<size_t>(f)] = node;
+        positions_[as_size(f)] = node;
     }
 }
 
-Matrix6 FrequencyModel::by_centre(int body) const {
-    return at_point(centres_[static_cast<size_t>(body)], positions_[static_cast<size_t>(body)]);
-}
+Matrix6 FrequencyModel::by_centre(int body) const { return at_point(centres_[as_size(body)], positions_[as_size(body)]); }
 
 Matrix6 FrequencyModel::at_point(const Vector3& point, const Vector3& origin) {
     Matrix6 by = Matrix6::Identity();
@@ -207,13 +206,11 @@ void FrequencyModel::add_joint(int element, int from, int to, const JointLaw& la
         bond.points[0] -= law.axial->length * pose.rotation.col(0);
         add_force(bond, law, pose.rotation.col(0), stiffness);
     }
-    const auto by = [&](int frame, int end) {
-        return masked(at_point(bond.points[end], positions_[static_cast<size_t>(frame)]));
-    };
+    const auto by = [&](int frame, int end) { return masked(at_point(bond.points[end], positions_[as_size(frame)])); };
     if (from >= 0) bond.by_from = by(from, 0);
     if (to >= 0) bond.by_to = by(to, 1);
     for (size_t d = 0; d < 6; ++d) {
-        const auto i = static_cast<Eigen::Index>(d);
+        const auto i = as_row(d);
         if (!law.rigid[d]) continue;
         stiffness(i) = damping(i) = 0;
         const Eigen::Matrix<double, 1, 6> row = axes.col(i).transpose();
@@ -241,7 +238,7 @@ void FrequencyModel::add_force(const Bond& bond, const JointLaw& law, const Vect
     const int frames[2] = {bond.from, bond.to};
     for (int end : {0, 1}) {
         if (frames[end] < 0) continue;
-        acting_.push_back({frames[end], bond.points[end] - positions_[static_cast<size_t>(frames[end])],
+        acting_.push_back({frames[end], bond.points[end] - positions_[as_size(frames[end])],
                            (end == 0 ? at_start.force : -at_start.force) * along});
         add_lever(bond.element, acting_.back());
     }
@@ -263,13 +260,13 @@ void FrequencyModel::add_reactions() {
     has_reactions_ = true;
     set_matrices(total_mass_ > 0 ? -kInertial * largest_stiffness() / total_mass_ : -1, false);
     if (const auto fault = elimination_->factor()) refuse(*fault);
-    Motion r(static_cast<size_t>(frame_count()), Vector6::Zero());
+    Motion r(as_size(frame_count()), Vector6::Zero());
     for (const StartForce& acting : acting_) {
         Vector6 wrench;
         wrench << acting.force, acting.arm.cross(acting.force);
-        r[static_cast<size_t>(acting.frame)] += mask_ * wrench;
+        r[as_size(acting.frame)] += mask_ * wrench;
     }
-    std::vector<double> q(static_cast<size_t>(elimination_->rigid_count()));
+    std::vector<double> q(as_size(elimination_->rigid_count()));
     elimination_->solve(r, q);
     size_t row = 0;
     for (const Bond& bond : bonds_)
@@ -277,24 +274,23 @@ void FrequencyModel::add_reactions() {
             const double force = -q[row++];
             if (bond.from >= 0)
                 add_lever(start_forces_.front().first,
-                          {bond.from, bond.points[0] - positions_[static_cast<size_t>(bond.from)],
-                           force * rigid.by_from.head<3>()});
+                          {bond.from, bond.points[0] - positions_[as_size(bond.from)], force * rigid.by_from.head<3>()});
             if (bond.to >= 0)
-                add_lever(start_forces_.front().first, {bond.to, bond.points[1] - positions_[static_cast<size_t>(bond.to)],
-                                                        force * rigid.by_to.head<3>()});
+                add_lever(start_forces_.front().first,
+                          {bond.to, bond.points[1] - positions_[as_size(bond.to)], force * rigid.by_to.head<3>()});
         }
 }
 
 /// Displacement of the end of a line in its axes by the motion of a frame; of the ground none.
 Matrix6 FrequencyModel::local_end(const Matrix3& axes, const Vector3& point, int frame) const {
     if (frame < 0) return Matrix6::Zero();
-    return both(axes.transpose()) * masked(at_point(point, positions_[static_cast<size_t>(frame)]));
+    return both(axes.transpose()) * masked(at_point(point, positions_[as_size(frame)]));
 }
 
 void FrequencyModel::add_line(const LineSpec& spec) {
     LineModel line{spec.element,
-                   frame_of_[static_cast<size_t>(spec.from)],
-                   frame_of_[static_cast<size_t>(spec.to)],
+                   frame_of_[as_size(spec.from)],
+                   frame_of_[as_size(spec.to)],
                    spec.start,
                    spec.finish,
                    spec.line.axes,
@@ -303,9 +299,8 @@ void FrequencyModel::add_line(const LineSpec& spec) {
                    0};
     Directions active;
     for (size_t d = 0; d < 6; ++d) {
-        const auto half = static_cast<Eigen::Index>(3 * (d / 3));
-        const double share =
-            (mask_.diagonal().segment<3>(half).cwiseProduct(line.axes.col(static_cast<Eigen::Index>(d % 3)))).norm();
+        const auto half = as_row(3 * (d / 3));
+        const double share = (mask_.diagonal().segment<3>(half).cwiseProduct(line.axes.col(as_row(d % 3)))).norm();
         if (share > kAligned && share < 1 - kAligned)
             throw Error(DTTMM_ERROR_MODEL,
                         fmt::format("dofs: its local {} lies at an angle to the directions that are left: turn the beam or "
@@ -317,7 +312,7 @@ void FrequencyModel::add_line(const LineSpec& spec) {
     const double length = (spec.finish - spec.start).norm();
     const std::vector<double> key = key_of(spec.line, length, active);
     const auto known = std::ranges::find_if(kinds_, [&](const Kind& kind) { return is_same(kind.key, key); });
-    line.kind = static_cast<size_t>(known - kinds_.begin());
+    line.kind = as_size(known - kinds_.begin());
     if (known == kinds_.end()) {
         try {
             kinds_.push_back({key, std::make_unique<LineWaves>(spec.line, length, active), {}});
@@ -341,7 +336,7 @@ void FrequencyModel::add_line(const LineSpec& spec) {
             ground(line.from, line.start),
             ground(line.to, line.finish)};
     for (Eigen::Index d : {1, 2})
-        if (line.waves->pinned()[static_cast<size_t>(d)]) pin.mass(d, d) = spec.line.section.mass * length;
+        if (line.waves->pinned()[as_size(d)]) pin.mass(d, d) = spec.line.section.mass * length;
     pins_.push_back(pin);
 }
 
@@ -357,8 +352,8 @@ void FrequencyModel::cut(double omega) {
     size_t total = 0;
     for (LineModel& line : lines_) {
         const int count = counts[line.kind];
-        total += static_cast<size_t>(count);
-        if (count > kMostPieces || total > 100 * static_cast<size_t>(kMostPieces))
+        total += as_size(count);
+        if (count > kMostPieces || total > 100 * as_size(kMostPieces))
             throw Error(DTTMM_ERROR_MEMORY,
                         fmt::format("up to {:.4g} Hz it has too many waves to count: more than {} pieces; ask for lower "
                                     "frequencies",
@@ -371,7 +366,7 @@ void FrequencyModel::cut(double omega) {
 }
 
 void FrequencyModel::cut_line(LineModel& line, int count) {
-    line.first_piece = static_cast<int>(pieces_.size());
+    line.first_piece = as_int(pieces_.size());
     line.count = count;
     const Directions passed = line.waves->passed();
     const auto point = [&](int i) { return Vector3(line.start + double(i) / count * (line.finish - line.start)); };
@@ -379,7 +374,7 @@ void FrequencyModel::cut_line(LineModel& line, int count) {
     for (int i = 0; i < count; ++i) {
         int to = line.to;
         if (i + 1 < count) {
-            to = static_cast<int>(positions_.size());
+            to = as_int(positions_.size());
             positions_.push_back(point(i + 1));
             names_.push_back(fmt::format("a point of the line at ({:.4g}, {:.4g}, {:.4g}) m", point(i + 1).x(),
                                          point(i + 1).y(), point(i + 1).z()));
@@ -392,8 +387,7 @@ void FrequencyModel::cut_line(LineModel& line, int count) {
         // What lies between pins: points inside go across with the start, no piece feels them
         const Directions held = i + 1 < count ? passed | line.waves->pinned() : passed;
         for (Eigen::Index d = 0; d < 6; ++d)
-            if (held[static_cast<size_t>(d)])
-                add_rigid(piece.rigid, {-carried.row(d).transpose(), piece.by_to.row(d).transpose()});
+            if (held[as_size(d)]) add_rigid(piece.rigid, {-carried.row(d).transpose(), piece.by_to.row(d).transpose()});
         if (is_bar) {
             const Matrix6 bar = bar_mass(line.line.section, line.length() / count);
             const int frame = from >= 0 ? from : to;
@@ -407,8 +401,7 @@ void FrequencyModel::cut_line(LineModel& line, int count) {
                 if (frame >= 0) return Matrix6::Zero();
                 return both(line.axes.transpose()) * masked(at_point(point(end), Vector3::Zero()));
             };
-            held_pieces_.push_back(
-                {pieces_.size(), static_cast<size_t>(&line - lines_.data()), ground(from, i), ground(to, i + 1)});
+            held_pieces_.push_back({pieces_.size(), as_size(&line - lines_.data()), ground(from, i), ground(to, i + 1)});
         }
         pieces_.push_back(std::move(piece));
         from = to;
@@ -419,15 +412,15 @@ void FrequencyModel::cut_line(LineModel& line, int count) {
 void FrequencyModel::build() {
     for (;;) {
         std::vector<Link> links;
-        for (const Bond& bond : bonds_) links.push_back({bond.from, bond.to, static_cast<int>(bond.rigid.size())});
-        for (const Piece& piece : pieces_) links.push_back({piece.from, piece.to, static_cast<int>(piece.rigid.size())});
+        for (const Bond& bond : bonds_) links.push_back({bond.from, bond.to, as_int(bond.rigid.size())});
+        for (const Piece& piece : pieces_) links.push_back({piece.from, piece.to, as_int(piece.rigid.size())});
         for (const Pin& pin : pins_) links.push_back({pin.from, pin.to, 0});
         elimination_.emplace(frame_count(), links);
         elimination_->count_negatives(kSingular);
         int link = 0;
         const auto set = [&](const std::vector<Rigid>& rows) {
             for (size_t i = 0; i < rows.size(); ++i)
-                elimination_->set_rigid(link, static_cast<int>(i), rows[i].by_from, rows[i].by_to);
+                elimination_->set_rigid(link, as_int(i), rows[i].by_from, rows[i].by_to);
             ++link;
         };
         for (const Bond& bond : bonds_) set(bond.rigid);
@@ -449,33 +442,33 @@ void FrequencyModel::build() {
                 DTTMM_ERROR_NUMERIC,
                 fmt::format("{}: the rigid directions that meet there cannot be told apart from rounding; give some of "
                             "them a stiffness",
-                            names_[static_cast<size_t>(fault->frame)]),
-                elements_[static_cast<size_t>(fault->frame)]);
+                            names_[as_size(fault->frame)]),
+                elements_[as_size(fault->frame)]);
         std::vector<Rigid>& rows = rigid_of(fault->link);
         rows.erase(rows.begin() + fault->rigid);
     }
 }
 
 std::vector<FrequencyModel::Rigid>& FrequencyModel::rigid_of(int link) {
-    const auto l = static_cast<size_t>(link);
+    const auto l = as_size(link);
     return l < bonds_.size() ? bonds_[l].rigid : pieces_[l - bonds_.size()].rigid;
 }
 
 /// Whether rigid direction number i of a link says what the others, of all links together, say.
 bool FrequencyModel::is_redundant(int link, int i) {
-    const int links = static_cast<int>(bonds_.size() + pieces_.size());
+    const int links = as_int(bonds_.size() + pieces_.size());
     const Eigen::Index frames = frame_count();
     std::vector<Eigen::Triplet<double>> entries;
     Eigen::VectorXd own = Eigen::VectorXd::Zero(6 * frames);
     Eigen::Index count = 0;
     for (int l = 0; l < links; ++l) {
-        const auto at = static_cast<size_t>(l);
+        const auto at = as_size(l);
         const bool is_bond = at < bonds_.size();
         const int from = is_bond ? bonds_[at].from : pieces_[at - bonds_.size()].from;
         const int to = is_bond ? bonds_[at].to : pieces_[at - bonds_.size()].to;
         const std::vector<Rigid>& rows = rigid_of(l);
         for (size_t k = 0; k < rows.size(); ++k) {
-            const bool is_own = l == link && static_cast<int>(k) == i;
+            const bool is_own = l == link && as_int(k) == i;
             for (const auto& [frame, by] : {std::pair(from, &rows[k].by_from), std::pair(to, &rows[k].by_to)})
                 for (int d = 0; frame >= 0 && d < 6; ++d) {
                     if (is_own)
@@ -494,7 +487,7 @@ bool FrequencyModel::is_redundant(int link, int i) {
 }
 
 void FrequencyModel::refuse(const Elimination::Fault& fault) const {
-    const auto f = static_cast<size_t>(fault.frame);
+    const auto f = as_size(fault.frame);
     if (fault.too_many)
         throw Error(DTTMM_ERROR_MODEL,
                     fmt::format("{}: more than {} rigid directions meet there; give some of them a stiffness", names_[f],
@@ -503,7 +496,7 @@ void FrequencyModel::refuse(const Elimination::Fault& fault) const {
     throw Error(DTTMM_ERROR_MODEL,
                 fmt::format("{}: nothing determines its motion in {} (world axes): it has no mass, and no element holds it "
                             "there; give it a stiffness, a mass or a `fixed` direction, or leave the direction out of dofs",
-                            names_[f], kDirectionNames[static_cast<size_t>(fault.direction)]),
+                            names_[f], kDirectionNames[as_size(fault.direction)]),
                 elements_[f]);
 }
 
@@ -513,7 +506,7 @@ void FrequencyModel::for_each_piece(const Body& body) const {
     for (const LineModel& line : lines_)
         for (int i = 0; i < line.count; ++i) {
             const int p = line.first_piece + i;
-            body(static_cast<int>(bonds_.size()) + p, pieces_[static_cast<size_t>(p)], line);
+            body(as_int(bonds_.size()) + p, pieces_[as_size(p)], line);
         }
 }
 
@@ -530,8 +523,7 @@ void FrequencyModel::set_matrices(double lambda, bool with_mass) {
     };
     for (size_t b = 0; b < bonds_.size(); ++b) {
         const Bond& bond = bonds_[b];
-        add(static_cast<int>(b), bond.from, bond.to, bond.by_from, bond.by_to, bond.stiffness, -bond.stiffness,
-            bond.stiffness);
+        add(as_int(b), bond.from, bond.to, bond.by_from, bond.by_to, bond.stiffness, -bond.stiffness, bond.stiffness);
     }
     for_each_piece([&](int link, const Piece& piece, const LineModel& line) {
         auto& known = kinds_[line.kind].at_lambda;
@@ -542,7 +534,7 @@ void FrequencyModel::set_matrices(double lambda, bool with_mass) {
         add(link, piece.from, piece.to, piece.by_from, piece.by_to, D.topLeftCorner<6, 6>(), D.topRightCorner<6, 6>(),
             D.bottomRightCorner<6, 6>());
     });
-    int link = static_cast<int>(bonds_.size() + pieces_.size());
+    int link = as_int(bonds_.size() + pieces_.size());
     for (const Pin& pin : pins_)
         add(link++, pin.from, pin.to, pin.by_from, pin.by_to, -lambda / 3 * pin.mass, -lambda / 6 * pin.mass,
             -lambda / 3 * pin.mass);
@@ -556,7 +548,7 @@ void FrequencyModel::set_matrices(double lambda, bool with_mass) {
             double size = sizes.segment<3>(half).maxCoeff();
             if (size <= kIdleRounding * sizes.maxCoeff()) size = sizes.maxCoeff();
             for (Eigen::Index d = half; d < half + 3; ++d)
-                if (!directions_[static_cast<size_t>(d)]) idle(d, d) = size > 0 ? size : 1;
+                if (!directions_[as_size(d)]) idle(d, d) = size > 0 ? size : 1;
         }
         e.add_diagonal(f, idle);
     }
@@ -570,7 +562,7 @@ std::optional<int> FrequencyModel::factor(double lambda, bool with_mass) {
 
 void FrequencyModel::solve(Motion& r) const {
     for (Vector6& own : r) own = mask_ * own;
-    std::vector<double> q(static_cast<size_t>(elimination_->rigid_count()));
+    std::vector<double> q(as_size(elimination_->rigid_count()));
     elimination_->solve(r, q);
 }
 
@@ -578,7 +570,7 @@ FrequencyModel::Motion FrequencyModel::mass_times(const Motion& u) const {
     Motion out(u.size(), Vector6::Zero());
     for (const auto* list : {&masses_, &bar_masses_})
         for (const Mass& mass : *list) {
-            const auto f = static_cast<size_t>(mass.frame);
+            const auto f = as_size(mass.frame);
             out[f] += mask_ * (mass.block * (mask_ * u[f]));
         }
     add_pins(1, u, out);
@@ -592,18 +584,18 @@ FrequencyModel::Motion FrequencyModel::stiffness_times(const Motion& u) const {
     Motion out(u.size(), Vector6::Zero());
     for (const auto* list : {&masses_, &bar_masses_})
         for (const Mass& mass : *list) {
-            const auto f = static_cast<size_t>(mass.frame);
+            const auto f = as_size(mass.frame);
             out[f] -= lambda_ * mask_ * (mass.block * (mask_ * u[f]));
         }
     add_pins(-lambda_, u, out);
     for (const Lever& lever : levers_) {
-        const auto f = static_cast<size_t>(lever.frame);
+        const auto f = as_size(lever.frame);
         out[f] += lever.stiffness * u[f];
     }
     for (const Bond& bond : bonds_) {
         const Vector6 force = bond.stiffness * relative(bond, u);
-        if (bond.from >= 0) out[static_cast<size_t>(bond.from)] -= bond.by_from.transpose() * force;
-        if (bond.to >= 0) out[static_cast<size_t>(bond.to)] += bond.by_to.transpose() * force;
+        if (bond.from >= 0) out[as_size(bond.from)] -= bond.by_from.transpose() * force;
+        if (bond.to >= 0) out[as_size(bond.to)] += bond.by_to.transpose() * force;
     }
     for_each_piece([&](int, const Piece& piece, const LineModel& line) {
         add_piece(piece, kinds_[line.kind].at_lambda.at(line.count).first, u, out);
@@ -615,33 +607,32 @@ FrequencyModel::Motion FrequencyModel::stiffness_times(const Motion& u) const {
 void FrequencyModel::add_pins(double factor, const Motion& u, Motion& out) const {
     for (const Pin& pin : pins_) {
         Vector6 start = Vector6::Zero(), finish = start;
-        if (pin.from >= 0) start = pin.by_from * u[static_cast<size_t>(pin.from)];
-        if (pin.to >= 0) finish = pin.by_to * u[static_cast<size_t>(pin.to)];
+        if (pin.from >= 0) start = pin.by_from * u[as_size(pin.from)];
+        if (pin.to >= 0) finish = pin.by_to * u[as_size(pin.to)];
         if (pin.from >= 0)
-            out[static_cast<size_t>(pin.from)] += factor * pin.by_from.transpose() * (pin.mass * (start / 3 + finish / 6));
-        if (pin.to >= 0)
-            out[static_cast<size_t>(pin.to)] += factor * pin.by_to.transpose() * (pin.mass * (start / 6 + finish / 3));
+            out[as_size(pin.from)] += factor * pin.by_from.transpose() * (pin.mass * (start / 3 + finish / 6));
+        if (pin.to >= 0) out[as_size(pin.to)] += factor * pin.by_to.transpose() * (pin.mass * (start / 6 + finish / 3));
     }
 }
 
 Vector6 FrequencyModel::relative(const Bond& bond, const Motion& u) {
     Vector6 d = Vector6::Zero();
-    if (bond.from >= 0) d -= bond.by_from * u[static_cast<size_t>(bond.from)];
-    if (bond.to >= 0) d += bond.by_to * u[static_cast<size_t>(bond.to)];
+    if (bond.from >= 0) d -= bond.by_from * u[as_size(bond.from)];
+    if (bond.to >= 0) d += bond.by_to * u[as_size(bond.to)];
     return d;
 }
 
 Vector12 FrequencyModel::ends_of(const Piece& piece, const Motion& u) {
     Vector12 ends = Vector12::Zero();
-    if (piece.from >= 0) ends.head<6>() = piece.by_from * u[static_cast<size_t>(piece.from)];
-    if (piece.to >= 0) ends.tail<6>() = piece.by_to * u[static_cast<size_t>(piece.to)];
+    if (piece.from >= 0) ends.head<6>() = piece.by_from * u[as_size(piece.from)];
+    if (piece.to >= 0) ends.tail<6>() = piece.by_to * u[as_size(piece.to)];
     return ends;
 }
 
 void FrequencyModel::add_piece(const Piece& piece, const Matrix12& D, const Motion& u, Motion& out) {
     const Vector12 force = D * ends_of(piece, u);
-    if (piece.from >= 0) out[static_cast<size_t>(piece.from)] += piece.by_from.transpose() * force.head<6>();
-    if (piece.to >= 0) out[static_cast<size_t>(piece.to)] += piece.by_to.transpose() * force.tail<6>();
+    if (piece.from >= 0) out[as_size(piece.from)] += piece.by_from.transpose() * force.head<6>();
+    if (piece.to >= 0) out[as_size(piece.to)] += piece.by_to.transpose() * force.tail<6>();
 }
 
 double FrequencyModel::largest_stiffness() const {
@@ -663,8 +654,7 @@ bool FrequencyModel::is_elastic() const {
 }
 
 double FrequencyModel::force_at_start(size_t element) const {
-    const auto own =
-        std::ranges::find_if(start_forces_, [&](const auto& one) { return one.first == static_cast<int>(element); });
+    const auto own = std::ranges::find_if(start_forces_, [&](const auto& one) { return one.first == as_int(element); });
     return own == start_forces_.end() ? 0 : own->second;
 }
 
@@ -695,8 +685,8 @@ FrequencyModel::Whole FrequencyModel::move_whole(int direction) const {
         whole.mass += ground.dot(momentum) + 2 * own.dot(momentum);
         for (const auto& [frame, by, end] : {std::tuple(piece.from, &piece.by_from, 0), {piece.to, &piece.by_to, 6}}) {
             if (frame < 0) continue;
-            whole.forces[static_cast<size_t>(frame)] += by->transpose() * force.segment<6>(end);
-            whole.momenta[static_cast<size_t>(frame)] += by->transpose() * momentum.segment<6>(end);
+            whole.forces[as_size(frame)] += by->transpose() * force.segment<6>(end);
+            whole.momenta[as_size(frame)] += by->transpose() * momentum.segment<6>(end);
         }
     }
     for (const Pin& pin : pins_) {
@@ -706,7 +696,7 @@ FrequencyModel::Whole FrequencyModel::move_whole(int direction) const {
         for (const auto& [frame, by, momentum] :
              {std::tuple(pin.from, &pin.by_from, &at_start), {pin.to, &pin.by_to, &at_finish}}) {
             if (frame < 0) continue;
-            const auto f = static_cast<size_t>(frame);
+            const auto f = as_size(frame);
             whole.mass += 2 * (*by * whole.motion[f]).dot(*momentum);
             whole.forces[f] -= lambda_ * by->transpose() * *momentum;
             whole.momenta[f] += by->transpose() * *momentum;
@@ -717,24 +707,24 @@ FrequencyModel::Whole FrequencyModel::move_whole(int direction) const {
 
 Vector3 FrequencyModel::position_of_node(size_t node) const {
     const NodeSpec& spec = assembly_.nodes[node];
-    const Pose& pose = assembly_.frames[static_cast<size_t>(spec.frame)].pose;
+    const Pose& pose = assembly_.frames[as_size(spec.frame)].pose;
     return pose.position + pose.rotation * spec.offset;
 }
 
 Vector6 FrequencyModel::node_motion(size_t node, const Motion& u) const {
     const int frame = frame_of_node(node);
-    return frame < 0 ? Vector6(Vector6::Zero()) : Vector6(by_node(node) * u[static_cast<size_t>(frame)]);
+    return frame < 0 ? Vector6(Vector6::Zero()) : Vector6(by_node(node) * u[as_size(frame)]);
 }
 
 Matrix6 FrequencyModel::by_node(size_t node) const {
-    return masked(at_point(position_of_node(node), positions_[static_cast<size_t>(frame_of_node(node))]));
+    return masked(at_point(position_of_node(node), positions_[as_size(frame_of_node(node))]));
 }
 
 std::vector<FrequencyModel::Strain> FrequencyModel::strain_energies(const Motion& u, size_t elements) const {
     std::vector<Strain> energies(elements);
     const auto add = [&](int element, const Strain& strain) {
         if (element < 0) return;
-        Strain& own = energies[static_cast<size_t>(element)];
+        Strain& own = energies[as_size(element)];
         own.energy += strain.energy;
         own.unsure += strain.unsure;
     };
@@ -744,7 +734,7 @@ std::vector<FrequencyModel::Strain> FrequencyModel::strain_energies(const Motion
         add(bond.element, {0.5 * d.dot(bond.springs.cwiseProduct(d)), 0});
     }
     for (const Lever& lever : levers_) {
-        const Vector6& own = u[static_cast<size_t>(lever.frame)];
+        const Vector6& own = u[as_size(lever.frame)];
         add(lever.element, {0.5 * own.dot(lever.stiffness * own), 0});
     }
     for_each_piece([&](int, const Piece& piece, const LineModel& line) {
@@ -769,13 +759,13 @@ FrequencyModel::Quotient FrequencyModel::strain_quotient(const Motion& u) const 
 
 double FrequencyModel::along(size_t element, const Motion& u, size_t count, double* shape) const {
     for (const LineModel& line : lines_) {
-        if (line.element != static_cast<int>(element)) continue;
+        if (line.element != as_int(element)) continue;
         const double length = (line.finish - line.start).norm(), piece_length = length / line.count;
         const Matrix12& D = kinds_[line.kind].at_lambda.at(line.count).first;
         for (size_t k = 0; shape && k < count; ++k) {
             const double s = count > 1 ? static_cast<double>(k) / static_cast<double>(count - 1) * length : 0;
             const int i = std::min(line.count - 1, static_cast<int>(s / piece_length));
-            const Piece& piece = pieces_[static_cast<size_t>(line.first_piece + i)];
+            const Piece& piece = pieces_[as_size(line.first_piece + i)];
             const Vector12 ends = ends_of(piece, u);
             Vector12 start;
             start << ends.head<6>(), -(D.topRows<6>() * ends);
@@ -783,9 +773,9 @@ double FrequencyModel::along(size_t element, const Motion& u, size_t count, doub
             if (line.line.stretches_only && directions_.all())
                 local.segment<3>(1) += (s - i * piece_length) * Vector3(ends(5), -ends(4), 0);
             for (Eigen::Index d : {1, 2}) {  // straight between pins
-                if (!line.waves->pinned()[static_cast<size_t>(d)]) continue;
+                if (!line.waves->pinned()[as_size(d)]) continue;
                 const auto across = [&](int frame, const Vector3& point) {
-                    return frame < 0 ? 0.0 : (local_end(line.axes, point, frame) * u[static_cast<size_t>(frame)])(d);
+                    return frame < 0 ? 0.0 : (local_end(line.axes, point, frame) * u[as_size(frame)])(d);
                 };
                 local(d) = (1 - s / length) * across(line.from, line.start) + s / length * across(line.to, line.finish);
             }
@@ -799,8 +789,7 @@ double FrequencyModel::along(size_t element, const Motion& u, size_t count, doub
 std::vector<FrequencyModel::Station> FrequencyModel::stations(const Motion& u) const {
     constexpr int kStations = 8;  // of a piece, which is half a wave at most
     std::vector<Station> list;
-    for (int b = 0; b < body_count_; ++b)
-        list.push_back({centres_[static_cast<size_t>(b)], by_centre(b) * u[static_cast<size_t>(b)]});
+    for (int b = 0; b < body_count_; ++b) list.push_back({centres_[as_size(b)], by_centre(b) * u[as_size(b)]});
     for (size_t n = 0; n < node_count(); ++n) list.push_back({position_of_node(n), node_motion(n, u)});
     for (const LineModel& line : lines_) {
         const double piece_length = line.length() / line.count;
@@ -810,12 +799,12 @@ std::vector<FrequencyModel::Station> FrequencyModel::stations(const Motion& u) c
         for (int k = 1; k <= kStations; ++k)
             transfers.push_back(line.waves->transfer(lambda_, k * piece_length / kStations));
         for (int i = 0; i < line.count; ++i) {
-            const Vector12 ends = ends_of(pieces_[static_cast<size_t>(line.first_piece + i)], u);
+            const Vector12 ends = ends_of(pieces_[as_size(line.first_piece + i)], u);
             Vector12 start;
             start << ends.head<6>(), -(D.topRows<6>() * ends);
             for (int k = 1; k <= kStations; ++k) {
                 const double s = (i + static_cast<double>(k) / kStations) * piece_length;
-                const Vector6 local = (transfers[static_cast<size_t>(k - 1)] * start).head<6>();
+                const Vector6 local = (transfers[as_size(k - 1)] * start).head<6>();
                 list.push_back({line.start + s * along, both(line.axes) * local});
             }
         }
@@ -906,14 +895,14 @@ std::vector<Eigen::Matrix<FrequencyModel::Frequency, 6, 1>> FrequencyModel::resp
     for (const Lever& lever : levers_) add(lever.frame, lever.frame, lever.stiffness.cast<Frequency>());
     for (int f = 0; f < frames; ++f)
         for (int d = 0; d < 6; ++d)
-            if (!directions_[static_cast<size_t>(d)]) entries.emplace_back(6 * f + d, 6 * f + d, 1.0);
+            if (!directions_[as_size(d)]) entries.emplace_back(6 * f + d, 6 * f + d, 1.0);
 
     Eigen::SparseMatrix<Frequency> matrix(size, size);
     matrix.setFromTriplets(entries.begin(), entries.end());
     Eigen::SparseLU<Eigen::SparseMatrix<Frequency>> lu(matrix);
     Eigen::VectorXcd r = Eigen::VectorXcd::Zero(size);
     if (frame >= 0) {
-        const Matrix6 by = masked(at_point(point, positions_[static_cast<size_t>(frame)]));
+        const Matrix6 by = masked(at_point(point, positions_[as_size(frame)]));
         r.segment<6>(6 * frame) = (by.transpose() * wrench).cast<Frequency>();
     }
     const Eigen::VectorXcd x = lu.info() == Eigen::Success ? Eigen::VectorXcd(lu.solve(r)) : r;

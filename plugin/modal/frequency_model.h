@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/index.h"
 #include "dttmm_modal.h"
 #include "mechanism/assembly.h"
 #include "modal/line_waves.h"
@@ -74,7 +75,7 @@ public:
         double lambda, unsure;
     };
     Quotient strain_quotient(const Motion& u) const;
-    int frame_count() const { return static_cast<int>(positions_.size()); }
+    int frame_count() const { return as_int(positions_.size()); }
     int body_count() const { return body_count_; }
     Directions directions() const { return directions_; }
 
@@ -105,7 +106,7 @@ public:
     std::vector<Eigen::Matrix<Frequency, 6, 1>> respond(double omega, int frame, const Vector3& point,
                                                         const Vector6& wrench) const;
     /// Frame that a node moves with; −1: the ground.
-    int frame_of_node(size_t node) const { return frame_of_[static_cast<size_t>(assembly_.nodes[node].frame)]; }
+    int frame_of_node(size_t node) const { return frame_of_[as_size(assembly_.nodes[node].frame)]; }
     Vector3 position_of_node(size_t node) const;  ///< at the start [m, world]
 
     /// Displacement at a point by the motion of a frame, world axes.
@@ -164,9 +165,9 @@ public:
     const std::vector<LineModel>& lines() const { return lines_; }
     const std::vector<Mass>& masses() const { return masses_; }
     const std::vector<Lever>& levers() const { return levers_; }
-    int own_frame_count() const { return static_cast<int>(own_frames_); }  ///< without points along lines
-    const Vector3& position(int frame) const { return positions_[static_cast<size_t>(frame)]; }
-    const std::string& name(int frame) const { return names_[static_cast<size_t>(frame)]; }
+    int own_frame_count() const { return as_int(own_frames_); }  ///< without points along lines
+    const Vector3& position(int frame) const { return positions_[as_size(frame)]; }
+    const std::string& name(int frame) const { return names_[as_size(frame)]; }
 
 private:
     /// A piece of a line between two frames.

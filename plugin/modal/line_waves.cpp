@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/index.h"
 #include "element/parameters.h"
 
 namespace dttmm::plugin {
@@ -104,23 +105,23 @@ LineWaves::LineWaves(const Line& line, double length, Directions active) : lengt
         if (!moving[first] || group_of[first] >= 0) continue;
         Group group;
         const auto add = [&](size_t d) {
-            group_of[d] = static_cast<int>(groups_.size());
-            group.directions.push_back(static_cast<int>(d));
+            group_of[d] = as_int(groups_.size());
+            group.directions.push_back(as_int(d));
         };
         add(first);
         for (size_t k = 0; k < group.directions.size(); ++k)
             for (size_t d = 0; d < 6; ++d) {
-                const int other = group.directions[k], own = static_cast<int>(d);
+                const int other = group.directions[k], own = as_int(d);
                 if (moving[d] && group_of[d] < 0 && (A(other, own) != 0 || A(own, other) != 0 || M(other, own) != 0)) add(d);
             }
         group.A = A(group.directions, group.directions);
         group.M = M(group.directions, group.directions);
         group.C = C(group.directions);
-        const auto n = static_cast<Eigen::Index>(group.directions.size());
+        const auto n = as_row(group.directions.size());
         group.unit_d.setOnes(n);
         group.unit_n.resize(n);
         for (Eigen::Index k = 0; k < n; ++k) {
-            const int d = group.directions[static_cast<size_t>(k)];
+            const int d = group.directions[as_size(k)];
             const double bending = d == 1 ? s.EIz : d == 2 ? s.EIy : 0;
             group.unit_n(k) = bending > 0 ? bending : 1 / C(d);
         }
@@ -133,12 +134,12 @@ LineWaves::LineWaves(const Line& line, double length, Directions active) : lengt
 template <class Scalar>
 LineWaves::Waves<Scalar> LineWaves::waves(const Group& group, double s, Scalar lambda, Scalar stiffening,
                                           bool with_derivative) const {
-    const auto n = static_cast<Eigen::Index>(group.directions.size());
+    const auto n = as_row(group.directions.size());
     Waves<Scalar> waves;
     waves.unit_d = group.unit_d;
     waves.unit_n = group.unit_n;
     for (Eigen::Index k = 0; k < n; ++k) {
-        const int d = group.directions[static_cast<size_t>(k)];
+        const int d = group.directions[as_size(k)];
         if (d < 3) waves.unit_d(k) = s;
         if (d >= 3) waves.unit_n(k) /= s;
         if (d == 1 || d == 2) waves.unit_n(k) = 1 / (s * s / group.unit_n(k) + group.C(k));
@@ -163,7 +164,7 @@ LineWaves::Waves<Scalar> LineWaves::waves(const Group& group, double s, Scalar l
 double LineWaves::lowest_held(const Group& group, double length) const {
     constexpr std::array kPoints = {0.0694318442029737, 0.3300094782075719, 0.6699905217924281, 0.9305681557970263};
     constexpr std::array kWeights = {0.1739274225687269, 0.3260725774312731, 0.3260725774312731, 0.1739274225687269};
-    const auto n = static_cast<Eigen::Index>(group.directions.size());
+    const auto n = as_row(group.directions.size());
     // Compliance of a piece held at its start, at its end; of one held at its end, at its start
     const auto held = [&](double s, bool at_start) {
         const Waves<double> w = waves<double>(group, s, 0, 1, false);
@@ -200,14 +201,14 @@ void LineWaves::evaluate(int count, Scalar lambda, Scalar stiffening, Square<Sca
     stiffness.setZero();
     if (mass) mass->setZero();
     for (const Group& group : groups_) {
-        const auto n = static_cast<Eigen::Index>(group.directions.size());
+        const auto n = as_row(group.directions.size());
         const Waves<Scalar> w = waves<Scalar>(group, length_ / count, lambda, stiffening, mass != nullptr);
         const Block<Scalar> Udd = w.U.topLeftCorner(n, n), Unn = w.U.bottomRightCorner(n, n);
         const Block<Scalar> W = Block<Scalar>(w.U.topRightCorner(n, n)).fullPivLu().inverse();
         // n0 = W (d1 − Udd d0),  n1 = Und d0 + Unn n0; on the piece act −n0 and n1
         Eigen::VectorXi at(2 * n);
         for (Eigen::Index k = 0; k < n; ++k) {
-            at(k) = group.directions[static_cast<size_t>(k)];
+            at(k) = group.directions[as_size(k)];
             at(n + k) = 6 + at(k);
         }
         const auto store = [&](const Block<Scalar>& start, const Block<Scalar>& across, const Block<Scalar>& end,
@@ -234,16 +235,14 @@ Matrix12 LineWaves::transfer(double lambda, double s) const {
     Matrix12 U = Matrix12::Identity();
     if (!(s > 0)) return U;
     for (const Group& group : groups_) {
-        const auto n = static_cast<Eigen::Index>(group.directions.size());
+        const auto n = as_row(group.directions.size());
         const Waves<double> w = waves<double>(group, s, lambda, 1, false);
         Eigen::VectorXd unit(2 * n);
         unit << w.unit_d, w.unit_n;
         const Matrix own = unit.asDiagonal() * w.U * unit.cwiseInverse().asDiagonal();
         for (Eigen::Index i = 0; i < 2 * n; ++i)
             for (Eigen::Index j = 0; j < 2 * n; ++j) {
-                const auto at = [&](Eigen::Index k) {
-                    return group.directions[static_cast<size_t>(k % n)] + (k < n ? 0 : 6);
-                };
+                const auto at = [&](Eigen::Index k) { return group.directions[as_size(k % n)] + (k < n ? 0 : 6); };
                 U(at(i), at(j)) = own(i, j);
             }
     }

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/index.h"
 
 namespace dttmm::plugin {
 
@@ -19,7 +20,7 @@ size_t ModalAnalysis::find_modes(uint32_t count, double below) {
     if (!(below >= 0) || !std::isfinite(below) || (below == 0 && count == 0))
         throw Error(DTTMM_ERROR_ARGUMENT, "find_modes wants a frequency or a count");
     ModeFinder finder(model_);
-    modes_ = below > 0 ? finder.find_below(2 * M_PI * below) : finder.find_first(static_cast<int>(count));
+    modes_ = below > 0 ? finder.find_below(2 * M_PI * below) : finder.find_first(as_int(count));
     cut_ = 0;
     at_ = -1;
     return modes_.size();
@@ -53,7 +54,7 @@ void ModalAnalysis::mode(uint32_t index, dttmm_mode* out, double* bodies, double
         if (topology_.is_short() && !model_.has_pins()) out->residual = overall_residual(mode.omega);
     }
     for (int b = 0; bodies && b < model_.body_count(); ++b)
-        Eigen::Map<Vector6>{bodies + 6 * b} = model_.by_centre(b) * mode.shape[static_cast<size_t>(b)];
+        Eigen::Map<Vector6>{bodies + 6 * b} = model_.by_centre(b) * mode.shape[as_size(b)];
     for (size_t n = 0; nodes && n < model_.node_count(); ++n)
         Eigen::Map<Vector6>{nodes + 6 * n} = model_.node_motion(n, mode.shape);
     if (!shares) return;
@@ -83,7 +84,7 @@ std::string ModalAnalysis::describe_motion(const Mode& mode) const {
     for (const Eigen::Index first : {0, 3})
         for (int f = 0; f < model_.own_frame_count(); ++f) {
             Eigen::Index d = 0;
-            if (mode.shape[static_cast<size_t>(f)].segment<3>(first).cwiseAbs().maxCoeff(&d) > 0.1)
+            if (mode.shape[as_size(f)].segment<3>(first).cwiseAbs().maxCoeff(&d) > 0.1)
                 return fmt::format("{} in {}", model_.name(f), kNames[first + d]);
         }
     return "inside";
@@ -95,10 +96,9 @@ ModalAnalysis::Response ModalAnalysis::respond_at_rest(int free, int frame, cons
     constexpr double kNoWork = 1e-7;    // of the force times the largest displacement: rounding of a shape is below 1e-8
     constexpr double kLowShare = 1e-3;  // ω/ω₁: leaves 1e-12, and rounding grows as its inverse square
     const std::vector<Mode> modes = ModeFinder(model_).find_first(free + 1);
-    const auto count = static_cast<size_t>(free);
+    const auto count = as_size(free);
     for (size_t m = 0; m < count && frame >= 0; ++m) {
-        const Vector6 moved =
-            FrequencyModel::at_point(point, model_.position(frame)) * modes[m].shape[static_cast<size_t>(frame)];
+        const Vector6 moved = FrequencyModel::at_point(point, model_.position(frame)) * modes[m].shape[as_size(frame)];
         if (std::abs(moved.dot(force)) > kNoWork * force.norm())
             throw Error(DTTMM_ERROR_SINGULAR,
                         fmt::format("0 Hz: the machine is free to move in {} direction{}, and the force moves it ({}): it "
@@ -132,7 +132,7 @@ void ModalAnalysis::respond(double frequency, int on_body, int on_node, const Ve
     if (!(frequency >= 0) || !std::isfinite(frequency)) throw Error(DTTMM_ERROR_ARGUMENT, "a frequency must be finite");
     if ((on_body < 0) == (on_node < 0)) throw Error(DTTMM_ERROR_ARGUMENT, "respond wants a body or a node");
     const double omega = 2 * M_PI * frequency;
-    const int frame = on_body >= 0 ? on_body : model_.frame_of_node(static_cast<size_t>(on_node));
+    const int frame = on_body >= 0 ? on_body : model_.frame_of_node(as_size(on_node));
     const int free = frequency == 0 ? ModeFinder(model_).count_rigid() : 0;
     if (frequency == 0) cut_ = 0;
     if (at_ >= 0 || !(omega <= cut_ && cut_ < 4 * omega)) {  // here pieces only keep numbers small
@@ -152,12 +152,12 @@ void ModalAnalysis::respond(double frequency, int on_body, int on_node, const Ve
         }
     };
     for (int b = 0; bodies && b < model_.body_count(); ++b)
-        write(model_.by_centre(b).cast<std::complex<double>>() * motion[static_cast<size_t>(b)], bodies + 12 * b);
+        write(model_.by_centre(b).cast<std::complex<double>>() * motion[as_size(b)], bodies + 12 * b);
     for (size_t n = 0; nodes && n < model_.node_count(); ++n) {
         const int f = model_.frame_of_node(n);
         write(f < 0 ? Eigen::Matrix<std::complex<double>, 6, 1>::Zero()
                     : Eigen::Matrix<std::complex<double>, 6, 1>(model_.by_node(n).cast<std::complex<double>>() *
-                                                                motion[static_cast<size_t>(f)]),
+                                                                motion[as_size(f)]),
               nodes + 12 * n);
     }
 }

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "core/index.h"
 
 namespace dttmm::plugin {
 
@@ -112,7 +113,7 @@ std::vector<Mode> ModeFinder::find_below(double below) {
     const int until = count_at(below), rigid = count_at(lowest_);
     find_rigid(rigid);
     separate({lowest_, below, rigid, until});
-    if (static_cast<int>(modes_.size()) != until)
+    if (as_int(modes_.size()) != until)
         throw Error(DTTMM_ERROR_NUMERIC, fmt::format("{} natural frequencies were counted below {:.9g} Hz, {} were found",
                                                      until, below / (2 * M_PI), modes_.size()));
     return finish();
@@ -139,14 +140,14 @@ std::vector<Mode> ModeFinder::find_first(int count) {
             low = middle;
     }
     std::vector<Mode> modes = find_below(below);
-    if (static_cast<int>(modes.size()) < std::min(count, most))
+    if (as_int(modes.size()) < std::min(count, most))
         throw Error(
             DTTMM_ERROR_NUMERIC,
             fmt::format("below {:.4g} Hz {} natural frequencies were counted first and {} then: rounding of the stiffest "
                         "parts hides them; join short ones, or make them rigid",
                         below / (2 * M_PI), std::min(count, most), modes.size()));
     const auto is_equal = [](const Mode& a, const Mode& b) { return std::abs(a.omega - b.omega) <= kEqual * a.omega; };
-    size_t keep = std::min(modes.size(), static_cast<size_t>(count));
+    size_t keep = std::min(modes.size(), as_size(count));
     while (keep > 0 && keep < modes.size() && is_equal(modes[keep - 1], modes[keep])) ++keep;
     modes.resize(keep);
     return modes;
@@ -158,7 +159,7 @@ int ModeFinder::count_rigid() {
 }
 
 FrequencyModel::Motion ModeFinder::random_motion() {
-    Motion motion(static_cast<size_t>(model_.frame_count()));
+    Motion motion(as_size(model_.frame_count()));
     for (Vector6& u : motion)
         for (double& x : u) {
             seed_ = seed_ * 6364136223846793005u + 1442695040888963407u;
@@ -170,7 +171,7 @@ FrequencyModel::Motion ModeFinder::random_motion() {
 /// Inverse iteration on a group of shapes at a shift, and what their span says of the frequencies next to it: λ, ascending.
 /// The shapes are then these, of unit modal mass.
 std::vector<double> ModeFinder::iterate(std::vector<Motion>& shapes, double lambda, int rounds) {
-    const auto n = static_cast<Eigen::Index>(shapes.size());
+    const auto n = as_row(shapes.size());
     if (!model_.factor(lambda)) return {};
     Eigen::MatrixXd A(n, n), B(n, n);
     std::vector<double> lambdas(shapes.size());
@@ -190,8 +191,8 @@ std::vector<double> ModeFinder::iterate(std::vector<Motion>& shapes, double lamb
         }
         for (Eigen::Index i = 0; i < n; ++i)
             for (Eigen::Index j = 0; j < n; ++j) {
-                A(i, j) = dot(shapes[static_cast<size_t>(i)], loads[static_cast<size_t>(j)]);
-                B(i, j) = dot(shapes[static_cast<size_t>(i)], masses[static_cast<size_t>(j)]);
+                A(i, j) = dot(shapes[as_size(i)], loads[as_size(j)]);
+                B(i, j) = dot(shapes[as_size(i)], masses[as_size(j)]);
             }
         // In units in which every shape has unit mass
         const Eigen::VectorXd unit = B.diagonal().cwiseSqrt().cwiseInverse();
@@ -204,10 +205,9 @@ std::vector<double> ModeFinder::iterate(std::vector<Motion>& shapes, double lamb
         std::vector<Motion> mixed(shapes.size(), Motion(shapes.front().size(), Vector6::Zero()));
         for (Eigen::Index j = 0; j < n; ++j)
             for (Eigen::Index i = 0; i < n; ++i)
-                for (size_t f = 0; f < shapes.front().size(); ++f)
-                    mixed[static_cast<size_t>(j)][f] += mix(i, j) * shapes[static_cast<size_t>(i)][f];
+                for (size_t f = 0; f < shapes.front().size(); ++f) mixed[as_size(j)][f] += mix(i, j) * shapes[as_size(i)][f];
         shapes = std::move(mixed);
-        for (Eigen::Index i = 0; i < n; ++i) lambdas[static_cast<size_t>(i)] = lambda + ritz.eigenvalues()(i);
+        for (Eigen::Index i = 0; i < n; ++i) lambdas[as_size(i)] = lambda + ritz.eigenvalues()(i);
     }
     return lambdas;
 }
@@ -290,7 +290,7 @@ bool ModeFinder::refine(const Interval& interval) {
         }
         model_.factor(cluster.lambdas.front());
         add(cluster, std::max(bracket, lost_in_rounding(cluster)));
-        before += static_cast<int>(cluster.shapes.size());
+        before += as_int(cluster.shapes.size());
     }
     return true;
 }
@@ -326,7 +326,7 @@ bool ModeFinder::settle(Cluster& cluster) {
 
 /// The count on both sides of a cluster, as near as it can tell.
 bool ModeFinder::confirm(const Cluster& cluster, int before, double& bracket) {
-    const int until = before + static_cast<int>(cluster.shapes.size());
+    const int until = before + as_int(cluster.shapes.size());
     for (bracket = kFinestBracket; bracket <= kWidestBracket; bracket *= 4) {
         const double low = std::sqrt(cluster.lambdas.front()) * (1 - bracket);
         const double high = std::sqrt(cluster.lambdas.back()) * (1 + bracket);
@@ -360,16 +360,16 @@ void ModeFinder::fix_basis(std::vector<Motion>& shapes, bool is_rigid) const {
         if (!std::isfinite(unit)) return;
         for (Vector6& u : shape) u *= unit;
     }
-    const auto n = static_cast<Eigen::Index>(shapes.size());
+    const auto n = as_row(shapes.size());
     std::vector<Measure> measures, whole;
     double size = 0;
     for (Eigen::Index j = 0; j < n; ++j) {
-        const std::vector<FrequencyModel::Station> stations = model_.stations(shapes[static_cast<size_t>(j)]);
+        const std::vector<FrequencyModel::Station> stations = model_.stations(shapes[as_size(j)]);
         measures.resize(6 * stations.size());
         for (size_t i = 0; i < measures.size(); ++i) {
             const FrequencyModel::Station& station = stations[i / 6];
-            if (j == 0) measures[i] = {Eigen::VectorXd(n), static_cast<int>(i % 6), station.position};
-            measures[i].values(j) = station.motion(static_cast<Eigen::Index>(i % 6));
+            if (j == 0) measures[i] = {Eigen::VectorXd(n), as_int(i % 6), station.position};
+            measures[i].values(j) = station.motion(as_row(i % 6));
             size = std::max(size, station.position.norm());
         }
     }
@@ -377,8 +377,7 @@ void ModeFinder::fix_basis(std::vector<Motion>& shapes, bool is_rigid) const {
         const FrequencyModel::Whole moved = model_.move_whole(d);
         Measure measure{Eigen::VectorXd(n), d, Vector3::Zero()};
         for (Eigen::Index j = 0; j < n; ++j)
-            measure.values(j) =
-                moved.mass > 0 ? dot(shapes[static_cast<size_t>(j)], moved.momenta) / std::sqrt(moved.mass) : 0;
+            measure.values(j) = moved.mass > 0 ? dot(shapes[as_size(j)], moved.momenta) / std::sqrt(moved.mass) : 0;
         whole.push_back(measure);
     }
     // Each measure is largest for the shape along it; the rest of the measures is what shapes at right angles can do
@@ -399,8 +398,7 @@ void ModeFinder::fix_basis(std::vector<Motion>& shapes, bool is_rigid) const {
     std::vector<Motion> mixed(shapes.size(), Motion(shapes.front().size(), Vector6::Zero()));
     for (Eigen::Index j = 0; j < n; ++j)
         for (Eigen::Index i = 0; i < n; ++i)
-            for (size_t f = 0; f < shapes.front().size(); ++f)
-                mixed[static_cast<size_t>(j)][f] += mix(i, j) * shapes[static_cast<size_t>(i)][f];
+            for (size_t f = 0; f < shapes.front().size(); ++f) mixed[as_size(j)][f] += mix(i, j) * shapes[as_size(i)][f];
     shapes = std::move(mixed);
 }
 
@@ -411,7 +409,7 @@ void ModeFinder::add(Cluster cluster, double bracket) {
         Mode mode;
         mode.omega = std::sqrt(cluster.lambdas[k]);
         mode.bracket = bracket;
-        mode.multiplicity = static_cast<int>(cluster.shapes.size());
+        mode.multiplicity = as_int(cluster.shapes.size());
         mode.shape = cluster.shapes[k];
         mode.cut = cut_;
         const auto [largest, turn] = model_.largest(mode.shape);
@@ -449,7 +447,7 @@ std::vector<Mode> ModeFinder::finish() {
             whole = move_whole();
         }
         for (int d = 0; d < 6; ++d) {
-            const auto i = static_cast<size_t>(d);
+            const auto i = as_size(d);
             const double moved = mode.omega > 0
                                      ? (dot(mode.shape, at_rest[i].forces) - dot(mode.shape, whole[i].forces)) / lambda
                                      : dot(mode.shape, at_rest[i].momenta);

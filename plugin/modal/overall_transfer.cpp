@@ -11,6 +11,7 @@
 #include <deque>
 #include <limits>
 
+#include "core/index.h"
 #include "core/state_vector.h"
 
 namespace dttmm::plugin {
@@ -41,8 +42,8 @@ Eigen::MatrixXd complement(const Eigen::MatrixXd& columns, Eigen::Index size) {
 
 OverallTransfer::OverallTransfer(const FrequencyModel& model) : model_(model) {
     for (size_t d = 0; d < 6; ++d)
-        if (model.directions()[d]) active_.push_back(static_cast<Eigen::Index>(d));
-    directions_ = static_cast<int>(active_.size());
+        if (model.directions()[d]) active_.push_back(as_row(d));
+    directions_ = as_int(active_.size());
     for (int f = 0; f < model.own_frame_count(); ++f) add_vertex(f);
     for (size_t b = 0; b < model.bonds().size(); ++b) {
         const auto& bond = model.bonds()[b];
@@ -56,19 +57,19 @@ OverallTransfer::OverallTransfer(const FrequencyModel& model) : model_(model) {
     depth_.assign(vertices_.size(), -1);
     // The last boundary of every part that hangs together is its root
     for (size_t v = vertices_.size(); v-- > 0;)
-        if (depth_[v] < 0 && !vertices_[v].tips.empty()) grow_tree(static_cast<int>(v));
+        if (depth_[v] < 0 && !vertices_[v].tips.empty()) grow_tree(as_int(v));
     for (size_t v = 0; v < vertices_.size(); ++v)
         if (depth_[v] < 0 && !vertices_[v].edges.empty()) {  // nothing but loops
             Matrix basis = Matrix::Zero(2 * directions_, directions_);
             basis.topRows(directions_).setIdentity();
-            vertices_[v].tips.push_back(static_cast<int>(boundaries_.size()));
+            vertices_[v].tips.push_back(as_int(boundaries_.size()));
             boundaries_.push_back(
                 {model.name(vertices_[v].frame) + ", free", model.position(vertices_[v].frame), basis, unknowns_, 1});
             unknowns_ += directions_;
-            grow_tree(static_cast<int>(v));
+            grow_tree(as_int(v));
         }
     for (const Vertex& vertex : vertices_) {
-        const int inputs = static_cast<int>(vertex.edges.size() + vertex.tips.size()) - (vertex.parent >= 0 ? 1 : 0);
+        const int inputs = as_int(vertex.edges.size() + vertex.tips.size()) - (vertex.parent >= 0 ? 1 : 0);
         if (vertex.root >= 0) rows_ += 2 * directions_;
         if (inputs > 1) rows_ += directions_ * (inputs - 1);
     }
@@ -78,7 +79,7 @@ OverallTransfer::OverallTransfer(const FrequencyModel& model) : model_(model) {
 
 int OverallTransfer::add_vertex(int frame) {
     vertices_.push_back({frame, {}, {}, -1, -1});
-    return static_cast<int>(vertices_.size() - 1);
+    return as_int(vertices_.size() - 1);
 }
 
 void OverallTransfer::add_edge(bool is_line, size_t index, int from, int to, const Vector3& start, const Vector3& finish) {
@@ -90,12 +91,12 @@ void OverallTransfer::add_edge(bool is_line, size_t index, int from, int to, con
             is_grounded = true;
         }
     if (!is_line && !is_grounded) {
-        edge.loose = static_cast<int>(law_of(edge).loose.cols());
+        edge.loose = as_int(law_of(edge).loose.cols());
         edge.first_loose = unknowns_;
         unknowns_ += edge.loose;
         loose_ += edge.loose;
     }
-    for (int end : {0, 1}) vertices_[static_cast<size_t>(edge.ends[end])].edges.push_back(static_cast<int>(edges_.size()));
+    for (int end : {0, 1}) vertices_[as_size(edge.ends[end])].edges.push_back(as_int(edges_.size()));
     edges_.push_back(edge);
 }
 
@@ -105,7 +106,7 @@ void OverallTransfer::add_boundaries() {
     for (size_t v = 0; v < vertices_.size(); ++v) {
         Vertex& vertex = vertices_[v];
         if (vertex.edges.size() != 1) continue;
-        const Edge& edge = edges_[static_cast<size_t>(vertex.edges.front())];
+        const Edge& edge = edges_[as_size(vertex.edges.front())];
         Matrix basis = Matrix::Zero(2 * n, n);
         std::string name;
         if (vertex.frame >= 0) {
@@ -115,12 +116,11 @@ void OverallTransfer::add_boundaries() {
             const Matrix loose = edge.is_line ? Matrix(n, 0) : law_of(edge).loose;
             basis.topLeftCorner(n, loose.cols()) = loose;
             basis.bottomRightCorner(n, n - loose.cols()) = complement(loose, n);
-            const int other = edge.ends[edge.ends[0] == static_cast<int>(v) ? 1 : 0];
-            name = "ground at " + (vertices_[static_cast<size_t>(other)].frame >= 0
-                                       ? model_.name(vertices_[static_cast<size_t>(other)].frame)
-                                       : std::string("the ground"));
+            const int other = edge.ends[edge.ends[0] == as_int(v) ? 1 : 0];
+            name = "ground at " + (vertices_[as_size(other)].frame >= 0 ? model_.name(vertices_[as_size(other)].frame)
+                                                                        : std::string("the ground"));
         }
-        vertex.tips.push_back(static_cast<int>(boundaries_.size()));
+        vertex.tips.push_back(as_int(boundaries_.size()));
         const Vector3 point = vertex.frame >= 0 ? model_.position(vertex.frame) : Vector3(Vector3::Zero());
         boundaries_.push_back({name, point, basis, unknowns_, 1});
         unknowns_ += directions_;
@@ -129,7 +129,7 @@ void OverallTransfer::add_boundaries() {
 
 /// Paths from a root to everything that hangs together with it; edges that close a loop are cut.
 void OverallTransfer::grow_tree(int root) {
-    const auto at = [](int i) { return static_cast<size_t>(i); };
+    const auto at = [](int i) { return as_size(i); };
     vertices_[at(root)].root = vertices_[at(root)].tips.back();
     vertices_[at(root)].tips.pop_back();
     std::deque<int> next = {root};
@@ -157,7 +157,7 @@ void OverallTransfer::grow_tree(int root) {
 
 /// The `to` end of a line or joint that closes a loop becomes a tip, and what it was attached to gets another.
 void OverallTransfer::cut(int e) {
-    const auto at = [](int i) { return static_cast<size_t>(i); };
+    const auto at = [](int i) { return as_size(i); };
     const int behind = edges_[at(e)].ends[1];
     std::erase(vertices_[at(behind)].edges, e);
     const Eigen::Index n = directions_;
@@ -170,7 +170,7 @@ void OverallTransfer::cut(int e) {
     vertices_[at(end)].edges.push_back(e);
     vertices_[at(end)].parent = e;
     for (const auto& [vertex, sign] : {std::pair(end, 1.0), std::pair(behind, -1.0)}) {
-        vertices_[at(vertex)].tips.push_back(static_cast<int>(boundaries_.size()));
+        vertices_[at(vertex)].tips.push_back(as_int(boundaries_.size()));
         boundaries_.push_back({name, edges_[at(e)].points[1], basis, unknowns_, sign});
     }
     unknowns_ += 2 * directions_;
@@ -274,11 +274,11 @@ OverallTransfer::Matrix OverallTransfer::assemble(double lambda) const {
         row += rows.rows();
     };
     std::vector<Matrix> handed_on(edges_.size());
-    std::vector<Matrix6> inertial(static_cast<size_t>(model_.own_frame_count()), Matrix6::Zero());
-    for (const auto& mass : model_.masses()) inertial[static_cast<size_t>(mass.frame)] += lambda * mass.block;
-    for (const auto& lever : model_.levers()) inertial[static_cast<size_t>(lever.frame)] -= lever.stiffness;
+    std::vector<Matrix6> inertial(as_size(model_.own_frame_count()), Matrix6::Zero());
+    for (const auto& mass : model_.masses()) inertial[as_size(mass.frame)] += lambda * mass.block;
+    for (const auto& lever : model_.levers()) inertial[as_size(lever.frame)] -= lever.stiffness;
     for (size_t k = order_.size(); k-- > 0;) {
-        const Vertex& vertex = vertices_[static_cast<size_t>(order_[k])];
+        const Vertex& vertex = vertices_[as_size(order_[k])];
         if (vertex.edges.empty()) continue;
         Matrix motion, load = Matrix::Zero(n, unknowns_);
         const auto take = [&](const Matrix& by, const Matrix& state) {
@@ -289,24 +289,24 @@ OverallTransfer::Matrix OverallTransfer::assemble(double lambda) const {
             load += by.transpose() * state.bottomRows(n);
         };
         const auto point = [&](int e) {
-            const Edge& edge = edges_[static_cast<size_t>(e)];
+            const Edge& edge = edges_[as_size(e)];
             return edge.points[edge.ends[0] == order_[k] ? 0 : 1];
         };
         for (int e : vertex.edges)
-            if (e != vertex.parent) take(by_point(vertex, point(e)), handed_on[static_cast<size_t>(e)]);
+            if (e != vertex.parent) take(by_point(vertex, point(e)), handed_on[as_size(e)]);
         for (int b : vertex.tips) {
-            const Boundary& boundary = boundaries_[static_cast<size_t>(b)];
+            const Boundary& boundary = boundaries_[as_size(b)];
             take(by_point(vertex, boundary.point), state_of(boundary));
         }
-        if (vertex.frame >= 0) load += restricted(inertial[static_cast<size_t>(vertex.frame)]) * motion;
+        if (vertex.frame >= 0) load += restricted(inertial[as_size(vertex.frame)]) * motion;
         if (vertex.root >= 0) {
-            add(stack(motion, load) - state_of(boundaries_[static_cast<size_t>(vertex.root)]));
+            add(stack(motion, load) - state_of(boundaries_[as_size(vertex.root)]));
             continue;
         }
         const Matrix by = by_point(vertex, point(vertex.parent));
-        const Edge& edge = edges_[static_cast<size_t>(vertex.parent)];
+        const Edge& edge = edges_[as_size(vertex.parent)];
         const Matrix state = stack(by * motion, by.transpose().partialPivLu().solve(load));
-        handed_on[static_cast<size_t>(vertex.parent)] = through(edge, edge.ends[0] == order_[k], state, lambda);
+        handed_on[as_size(vertex.parent)] = through(edge, edge.ends[0] == order_[k], state, lambda);
         if (edge.loose > 0) add(law_of(edge).loose.transpose() * state.bottomRows(n));
     }
     return U;
@@ -356,31 +356,31 @@ std::string OverallTransfer::layout() const {
         "overall transfer equation: {} x {}, {} directions per state; known boundary entries struck out: {} x {}\n", rows_,
         columns(), directions_, rows_, unknowns_);
     const auto name = [&](int v) {
-        const Vertex& vertex = vertices_[static_cast<size_t>(v)];
+        const Vertex& vertex = vertices_[as_size(v)];
         if (vertex.frame >= 0) return model_.name(vertex.frame);
         const int boundary = vertex.root >= 0 ? vertex.root : vertex.tips.empty() ? -1 : vertex.tips.front();
-        return boundary >= 0 ? boundaries_[static_cast<size_t>(boundary)].name : std::string("an end");
+        return boundary >= 0 ? boundaries_[as_size(boundary)].name : std::string("an end");
     };
     for (int v : order_) {
-        const Vertex& vertex = vertices_[static_cast<size_t>(v)];
-        if (vertex.root >= 0) text += fmt::format("root: {}\n", boundaries_[static_cast<size_t>(vertex.root)].name);
+        const Vertex& vertex = vertices_[as_size(v)];
+        if (vertex.root >= 0) text += fmt::format("root: {}\n", boundaries_[as_size(vertex.root)].name);
     }
     for (int v : order_) {
-        const Vertex& vertex = vertices_[static_cast<size_t>(v)];
+        const Vertex& vertex = vertices_[as_size(v)];
         for (int b : vertex.tips) {
-            const Boundary& boundary = boundaries_[static_cast<size_t>(b)];
+            const Boundary& boundary = boundaries_[as_size(b)];
             text += fmt::format("tip: {} -> ", boundary.name);
             int steps = 0;
-            for (int at = v; vertices_[static_cast<size_t>(at)].parent >= 0; ++steps) {
-                const Edge& edge = edges_[static_cast<size_t>(vertices_[static_cast<size_t>(at)].parent)];
+            for (int at = v; vertices_[as_size(at)].parent >= 0; ++steps) {
+                const Edge& edge = edges_[as_size(vertices_[as_size(at)].parent)];
                 at = edge.ends[edge.ends[0] == at ? 1 : 0];
             }
             text += fmt::format("root, over {} elements\n", steps);
         }
     }
     for (int v : order_) {
-        const Vertex& vertex = vertices_[static_cast<size_t>(v)];
-        const int inputs = static_cast<int>(vertex.edges.size() + vertex.tips.size()) - (vertex.parent >= 0 ? 1 : 0);
+        const Vertex& vertex = vertices_[as_size(v)];
+        const int inputs = as_int(vertex.edges.size() + vertex.tips.size()) - (vertex.parent >= 0 ? 1 : 0);
         if (inputs > 1)
             text += fmt::format("{}: {} inputs, {} geometric equations\n", name(v), inputs, directions_ * (inputs - 1));
     }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/index.h"
 #include "modal/frequency_model.h"
 
 namespace dttmm::plugin {
@@ -32,7 +33,7 @@ public:
 
     /// Size of U_all before the known is struck out.
     int rows() const { return rows_; }
-    int columns() const { return 2 * directions_ * static_cast<int>(boundaries_.size()) + loose_; }
+    int columns() const { return 2 * directions_ * as_int(boundaries_.size()) + loose_; }
     /// Whether paths are so short that products of matrices still have digits, and the matrix small.
     bool is_short() const { return rows_ <= 400 && longest_path_ <= 60; }
 

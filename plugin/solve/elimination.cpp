@@ -9,6 +9,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "core/index.h"
 #include "core/six.h"
 
 namespace dttmm::plugin {
@@ -27,11 +28,11 @@ std::vector<int> find_order(std::vector<std::set<int>>& graph, const std::vector
     std::set<std::pair<size_t, int>> by_degree;
     const auto queue_if_tip = [&](size_t f) {
         if (left[f].size() > 1 || queued[f]) return;
-        (is_held[f] ? held_tips : free_tips).push_back(static_cast<int>(f));
+        (is_held[f] ? held_tips : free_tips).push_back(as_int(f));
         queued[f] = true;
     };
     for (size_t f = 0; f < n; ++f) {
-        by_degree.emplace(left[f].size(), static_cast<int>(f));
+        by_degree.emplace(left[f].size(), as_int(f));
         queue_if_tip(f);
     }
     std::vector<int> order;
@@ -43,23 +44,23 @@ std::vector<int> find_order(std::vector<std::set<int>>& graph, const std::vector
         } else {
             frame = by_degree.begin()->second;
         }
-        const auto f = static_cast<size_t>(frame);
+        const auto f = as_size(frame);
         if (done[f]) continue;
         done[f] = true;
         order.push_back(frame);
         by_degree.erase({left[f].size(), frame});
         const std::set<int> neighbours = left[f];
         for (int a : neighbours) {
-            auto& of_a = left[static_cast<size_t>(a)];
+            auto& of_a = left[as_size(a)];
             by_degree.erase({of_a.size(), a});
             of_a.erase(frame);
             for (int b : neighbours)
                 if (a != b) {
                     of_a.insert(b);
-                    graph[static_cast<size_t>(a)].insert(b);
+                    graph[as_size(a)].insert(b);
                 }
             by_degree.emplace(of_a.size(), a);
-            queue_if_tip(static_cast<size_t>(a));
+            queue_if_tip(as_size(a));
         }
     }
     return order;
@@ -88,7 +89,7 @@ void choose_independent(Matrix rows, double threshold, std::vector<int>& choice,
 
 Elimination::Elimination(int frame_count, const std::vector<Link>& links, double least_lever)
     : least_turning_(least_lever * least_lever) {
-    const auto n = static_cast<size_t>(frame_count);
+    const auto n = as_size(frame_count);
     diagonal_.assign(n, Matrix6::Zero());
     acting_.assign(n, Vector6::Zero());
     work_.assign(n, Matrix6::Zero());
@@ -96,29 +97,29 @@ Elimination::Elimination(int frame_count, const std::vector<Link>& links, double
     std::vector<bool> is_held(n);
     for (const Link& link : links) {
         if (link.from < 0 || link.to < 0) {
-            if (link.rigid_count > 0) is_held[static_cast<size_t>(std::max(link.from, link.to))] = true;
+            if (link.rigid_count > 0) is_held[as_size(std::max(link.from, link.to))] = true;
         } else if (link.from != link.to) {
-            graph[static_cast<size_t>(link.from)].insert(link.to);
-            graph[static_cast<size_t>(link.to)].insert(link.from);
+            graph[as_size(link.from)].insert(link.to);
+            graph[as_size(link.to)].insert(link.from);
         }
     }
     const std::vector<int> order = find_order(graph, is_held);
     order_.resize(n);
-    for (size_t k = 0; k < n; ++k) order_[static_cast<size_t>(order[k])] = static_cast<int>(k);
-    const auto earlier = [&](int a, int b) { return order_[static_cast<size_t>(a)] < order_[static_cast<size_t>(b)]; };
+    for (size_t k = 0; k < n; ++k) order_[as_size(order[k])] = as_int(k);
+    const auto earlier = [&](int a, int b) { return order_[as_size(a)] < order_[as_size(b)]; };
 
     // Couplings of later frames with each frame, the fills included
     std::vector<std::vector<std::pair<int, int>>> later(n);  // (frame, coupling)
     for (size_t f = 0; f < n; ++f) {
         for (int other : graph[f]) {
-            if (!earlier(static_cast<int>(f), other)) continue;
-            later[f].emplace_back(other, static_cast<int>(couplings_.size()));
-            couplings_.push_back({static_cast<int>(f), other});
+            if (!earlier(as_int(f), other)) continue;
+            later[f].emplace_back(other, as_int(couplings_.size()));
+            couplings_.push_back({as_int(f), other});
         }
     }
     const auto coupling_of = [&](int a, int b) {
         if (!earlier(a, b)) std::swap(a, b);
-        for (const auto& [frame, coupling] : later[static_cast<size_t>(a)])
+        for (const auto& [frame, coupling] : later[as_size(a)])
             if (frame == b) return coupling;
         return -1;
     };
@@ -130,15 +131,14 @@ Elimination::Elimination(int frame_count, const std::vector<Link>& links, double
         rigid_begin_.push_back(rigid_total_);
         rigid_total_ += link.rigid_count;
         for (int i = 0; i < link.rigid_count; ++i)
-            rigid_rows_.push_back({static_cast<int>(l), i, {link.from, link.to}, {Vector6::Zero(), Vector6::Zero()}});
+            rigid_rows_.push_back({as_int(l), i, {link.from, link.to}, {Vector6::Zero(), Vector6::Zero()}});
     }
 
     pivots_.resize(n);
     for (size_t k = 0; k < n; ++k) {
         Pivot& pivot = pivots_[k];
         pivot.frame = order[k];
-        for (const auto& [frame, coupling] : later[static_cast<size_t>(pivot.frame)])
-            pivot.neighbours.push_back({frame, coupling});
+        for (const auto& [frame, coupling] : later[as_size(pivot.frame)]) pivot.neighbours.push_back({frame, coupling});
         for (size_t i = 0; i < pivot.neighbours.size(); ++i)
             for (size_t j = i + 1; j < pivot.neighbours.size(); ++j)
                 pivot.fills.push_back(coupling_of(pivot.neighbours[i].frame, pivot.neighbours[j].frame));
@@ -153,24 +153,23 @@ Elimination::Elimination(int frame_count, const std::vector<Link>& links, double
         int first = std::max(rigid.frames[0], rigid.frames[1]);
         if (rigid.frames[0] >= 0 && rigid.frames[1] >= 0)
             first = earlier(rigid.frames[0], rigid.frames[1]) ? rigid.frames[0] : rigid.frames[1];
-        pivots_[static_cast<size_t>(order_[static_cast<size_t>(first)])].rigid.push_back(static_cast<int>(row));
+        pivots_[as_size(order_[as_size(first)])].rigid.push_back(as_int(row));
     }
     for (size_t k = 0; k < n; ++k) {
         Pivot& pivot = pivots_[k];
         pivot.is_plain = pivot.rigid.empty() && pivot.children.empty() && pivot.neighbours.size() <= 1;
-        pivot.index = static_cast<int>(pivot.is_plain ? plain_.size() : general_.size());
+        pivot.index = as_int(pivot.is_plain ? plain_.size() : general_.size());
         plain_index_.push_back(pivot.is_plain ? pivot.index : -1);
         // The rigid directions of one joint are independent of each other: nothing to pass on
-        const auto link_of = [&](int row) { return rigid_rows_[static_cast<size_t>(row)].link; };
+        const auto link_of = [&](int row) { return rigid_rows_[as_size(row)].link; };
         const bool of_one_joint = pivot.rigid.empty() || link_of(pivot.rigid.front()) == link_of(pivot.rigid.back());
         if (!pivot.neighbours.empty() && (!of_one_joint || !pivot.children.empty())) {
-            pivot.passed = static_cast<int>(passed_.size());
+            pivot.passed = as_int(passed_.size());
             passed_.emplace_back();
             reserve(passed_.back().open, pivot.neighbours.size());
-            int next = static_cast<int>(n);
-            for (const Neighbour& neighbour : pivot.neighbours)
-                next = std::min(next, order_[static_cast<size_t>(neighbour.frame)]);
-            pivots_[static_cast<size_t>(next)].children.push_back(static_cast<int>(k));
+            int next = as_int(n);
+            for (const Neighbour& neighbour : pivot.neighbours) next = std::min(next, order_[as_size(neighbour.frame)]);
+            pivots_[as_size(next)].children.push_back(as_int(k));
         }
         if (pivot.is_plain) {
             plain_.push_back({pivot.frame, pivot.neighbours.empty() ? -1 : pivot.neighbours.front().frame});
@@ -195,17 +194,17 @@ void Elimination::set_zero() {
 }
 
 void Elimination::add_coupling(int link, const Matrix6& block) {
-    const int coupling = link_coupling_[static_cast<size_t>(link)];
+    const int coupling = link_coupling_[as_size(link)];
     if (coupling < 0) return;
-    Matrix6& into = couplings_[static_cast<size_t>(coupling)].original;
-    if (link_transposed_[static_cast<size_t>(link)])
+    Matrix6& into = couplings_[as_size(coupling)].original;
+    if (link_transposed_[as_size(link)])
         into += block.transpose();
     else
         into += block;
 }
 
 void Elimination::set_rigid(int link, int i, const Vector6& by_from, const Vector6& by_to) {
-    RigidRow& row = rigid_rows_[static_cast<size_t>(rigid_begin(link) + i)];
+    RigidRow& row = rigid_rows_[as_size(rigid_begin(link) + i)];
     row.by[0] = by_from;
     row.by[1] = by_to;
 }
@@ -228,11 +227,11 @@ std::optional<Elimination::Fault> Elimination::factor() {
 /// motion of the frame itself, then of its neighbours. False if they are too many.
 bool Elimination::gather(const Pivot& pivot, OpenRows& open) const {
     open.rows.assign(pivot.rigid.begin(), pivot.rigid.end());
-    const auto own = static_cast<Eigen::Index>(pivot.rigid.size());
+    const auto own = as_row(pivot.rigid.size());
     Eigen::Index count = own;
     for (int child : pivot.children) {
-        const OpenRows& passed = passed_[static_cast<size_t>(pivots_[static_cast<size_t>(child)].passed)].open;
-        count += static_cast<Eigen::Index>(passed.rows.size());
+        const OpenRows& passed = passed_[as_size(pivots_[as_size(child)].passed)].open;
+        count += as_row(passed.rows.size());
         if (count > kMostRows) return false;
         open.rows.insert(open.rows.end(), passed.rows.begin(), passed.rows.end());
     }
@@ -244,15 +243,15 @@ bool Elimination::gather(const Pivot& pivot, OpenRows& open) const {
         Rows& by = open.by[i];
         by.setZero(count, 6);
         for (Eigen::Index k = 0; k < own; ++k) {
-            const RigidRow& row = rigid_rows_[static_cast<size_t>(open.rows[static_cast<size_t>(k)])];
+            const RigidRow& row = rigid_rows_[as_size(open.rows[as_size(k)])];
             for (int end : {0, 1})
                 if (row.frames[end] == frame) by.row(k) = row.by[end].transpose();
         }
         Eigen::Index at = own;
         for (int c : pivot.children) {
-            const Pivot& child = pivots_[static_cast<size_t>(c)];
-            const OpenRows& passed = passed_[static_cast<size_t>(child.passed)].open;
-            const auto rows = static_cast<Eigen::Index>(passed.rows.size());
+            const Pivot& child = pivots_[as_size(c)];
+            const OpenRows& passed = passed_[as_size(child.passed)].open;
+            const auto rows = as_row(passed.rows.size());
             for (size_t k = 0; k < child.neighbours.size(); ++k) {
                 if (child.neighbours[k].frame == frame) by.middleRows(at, rows) = passed.by[k];
             }
@@ -272,7 +271,7 @@ bool Elimination::gather(const Pivot& pivot, OpenRows& open) const {
 /// rigid directions alone keep from turning), by those of the other kind on a lever of a metre.
 Vector6 Elimination::motion_scale(const Pivot& pivot) const {
     constexpr double kNothing = 1e-6, kRounding = 1e-14, kRoundingOfOther = 1e-16;
-    const auto f = static_cast<size_t>(pivot.frame);
+    const auto f = as_size(pivot.frame);
     Vector6 own = (diagonal_[f].diagonal() - acting_[f]).cwiseAbs();
     Vector6 size = own.cwiseMax((work_[f].diagonal() - acting_[f]).cwiseAbs());
     for (Vector6* entries : {&own, &size}) {
@@ -299,7 +298,7 @@ Vector6 Elimination::scale_with_rows(const Pivot& pivot) const {
     constexpr double kMost = 1e4;          // ratio of scaled entries in a row; squared it is far from the condition allowed
     constexpr double kLongestLever = 1e6;  // [m]; a row with a longer one is of rotation alone
     Vector6 scale = motion_scale(pivot);
-    const Vector6& acting = acting_[static_cast<size_t>(pivot.frame)];
+    const Vector6& acting = acting_[as_size(pivot.frame)];
     for (Eigen::Index i = 0; i < 6; ++i)
         if (std::abs(acting(i)) * scale(i) * scale(i) > 1) scale(i) = 1 / std::sqrt(std::abs(acting(i)));
     for (Eigen::Index k = 0; k < open_.by[0].rows(); ++k) {
@@ -326,7 +325,7 @@ bool Elimination::decompose(const Pivot& pivot, const Block& block, const Column
         const Column eigenvalues = Eigen::SelfAdjointEigenSolver<Block>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
         const Column sizes = eigenvalues.cwiseAbs();
         if (sizes.minCoeff() > smallest * sizes.maxCoeff()) {
-            negatives_ += static_cast<int>((eigenvalues.array() < 0).count());
+            negatives_ += as_int((eigenvalues.array() < 0).count());
             inverse_ = lu_.inverse();
             return true;
         }
@@ -336,13 +335,13 @@ bool Elimination::decompose(const Pivot& pivot, const Block& block, const Column
         const auto norm = [](const Block& matrix) { return matrix.cwiseAbs().colwise().sum().maxCoeff(); };
         if (norm(scaled) * norm(inverse_) < 1 / kSmallestCondition) return true;
     }
-    const auto weakest = static_cast<int>(lu_.permutationQ().indices()(n - 1));
+    const auto weakest = as_int(lu_.permutationQ().indices()(n - 1));
     fault = {};
     fault.frame = pivot.frame;
     if (weakest < 6) {
         fault.direction = weakest;
     } else {
-        const RigidRow& row = rigid_rows_[static_cast<size_t>(rows[static_cast<size_t>(weakest - 6)])];
+        const RigidRow& row = rigid_rows_[as_size(rows[as_size(weakest - 6)])];
         fault.link = row.link;
         fault.rigid = row.index;
     }
@@ -362,28 +361,27 @@ Columns Elimination::solve_block(const Columns& B) const {
 }
 
 bool Elimination::factor_plain(const Pivot& pivot, Fault& fault) {
-    if (!decompose(pivot, work_[static_cast<size_t>(pivot.frame)], motion_scale(pivot), {}, smallest_ratio_, fault))
-        return false;
-    const auto index = static_cast<size_t>(pivot.index);
+    if (!decompose(pivot, work_[as_size(pivot.frame)], motion_scale(pivot), {}, smallest_ratio_, fault)) return false;
+    const auto index = as_size(pivot.index);
     inverses_[index] = inverse();
     if (plain_[index].neighbour < 0) return true;
-    const Matrix6& B = couplings_[static_cast<size_t>(pivot.neighbours.front().coupling)].block;
+    const Matrix6& B = couplings_[as_size(pivot.neighbours.front().coupling)].block;
     gains_[index] = solve_block(B);
-    work_[static_cast<size_t>(plain_[index].neighbour)] -= B.transpose() * gains_[index];
+    work_[as_size(plain_[index].neighbour)] -= B.transpose() * gains_[index];
     return true;
 }
 
 bool Elimination::factor_general(size_t index, Fault& fault) {
     constexpr double kPoor = 1e-9;  // of eigenvalues: what a frame that rows hold too little would leave
     const Pivot& pivot = pivots_[index];
-    General& general = general_[static_cast<size_t>(pivot.index)];
+    General& general = general_[as_size(pivot.index)];
     if (!gather(pivot, open_)) {
-        const RigidRow& row = rigid_rows_[static_cast<size_t>(open_.rows.back())];
+        const RigidRow& row = rigid_rows_[as_size(open_.rows.back())];
         fault = {pivot.frame, -1, row.link, row.index, true};
         return false;
     }
     const Vector6 motions = scale_with_rows(pivot);
-    const auto count = static_cast<Eigen::Index>(open_.rows.size());
+    const auto count = as_row(open_.rows.size());
     // Of a row by its size when it was met: what is left of one that is held already is small beside it
     Column row_scale(count);
     for (Eigen::Index k = 0; k < count; ++k) {
@@ -395,25 +393,25 @@ bool Elimination::factor_general(size_t index, Fault& fault) {
     // Its own block with the rows that are independent of each other by this frame's motion; all of them where there is no
     // other. Few to begin with; all that can be told apart if that leaves the frame free.
     const auto take = [&](const std::vector<int>& choice, double smallest) {
-        const auto n = static_cast<Eigen::Index>(6 + choice.size());
+        const auto n = as_row(6 + choice.size());
         Block block = Block::Zero(n, n);
         Column scale(n);
-        block.topLeftCorner<6, 6>() = work_[static_cast<size_t>(pivot.frame)];
+        block.topLeftCorner<6, 6>() = work_[as_size(pivot.frame)];
         scale.head<6>() = motions;
         general.kept.clear();
         for (Eigen::Index i = 6; i < n; ++i) {
-            const int k = choice[static_cast<size_t>(i - 6)];
+            const int k = choice[as_size(i - 6)];
             block.block<1, 6>(i, 0) = open_.by[0].row(k);
             block.block<6, 1>(0, i) = open_.by[0].row(k).transpose();
-            for (Eigen::Index j = 6; j < n; ++j) block(i, j) = open_.among(k, choice[static_cast<size_t>(j - 6)]);
+            for (Eigen::Index j = 6; j < n; ++j) block(i, j) = open_.among(k, choice[as_size(j - 6)]);
             scale(i) = row_scale(k);
-            general.kept.push_back(open_.rows[static_cast<size_t>(k)]);
+            general.kept.push_back(open_.rows[as_size(k)]);
         }
         return decompose(pivot, block, scale, general.kept, smallest, fault);
     };
     choice_.clear();
     rest_.clear();
-    Passed* const on = pivot.passed >= 0 ? &passed_[static_cast<size_t>(pivot.passed)] : nullptr;
+    Passed* const on = pivot.passed >= 0 ? &passed_[as_size(pivot.passed)] : nullptr;
     if (on) {
         Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, kMostRows, kLargestBlock> rows(count,
                                                                                                               6 + count);
@@ -430,11 +428,11 @@ bool Elimination::factor_general(size_t index, Fault& fault) {
     }
 
     general.inverse = inverse();
-    const auto n = static_cast<Eigen::Index>(6 + choice_.size()), passed = static_cast<Eigen::Index>(rest_.size());
+    const auto n = as_row(6 + choice_.size()), passed = as_row(rest_.size());
     const auto coupling_rows = [&](size_t i) {
         Rows B = Rows::Zero(n, 6);
-        B.topRows<6>() = couplings_[static_cast<size_t>(pivot.neighbours[i].coupling)].block;
-        for (Eigen::Index k = 6; k < n; ++k) B.row(k) = open_.by[i + 1].row(choice_[static_cast<size_t>(k - 6)]);
+        B.topRows<6>() = couplings_[as_size(pivot.neighbours[i].coupling)].block;
+        for (Eigen::Index k = 6; k < n; ++k) B.row(k) = open_.by[i + 1].row(choice_[as_size(k - 6)]);
         return B;
     };
     // Rows passed on are coupled with what is eliminated here like a neighbour
@@ -445,11 +443,11 @@ bool Elimination::factor_general(size_t index, Fault& fault) {
         on->open.among.resize(passed, passed);
         on->open.among_size.resize(passed);
         for (Eigen::Index p = 0; p < passed; ++p) {
-            const int k = rest_[static_cast<size_t>(p)];
-            on->open.rows.push_back(open_.rows[static_cast<size_t>(k)]);
+            const int k = rest_[as_size(p)];
+            on->open.rows.push_back(open_.rows[as_size(k)]);
             E.col(p).head<6>() = open_.by[0].row(k).transpose();
-            for (Eigen::Index i = 6; i < n; ++i) E(i, p) = open_.among(choice_[static_cast<size_t>(i - 6)], k);
-            for (Eigen::Index q = 0; q < passed; ++q) on->open.among(p, q) = open_.among(k, rest_[static_cast<size_t>(q)]);
+            for (Eigen::Index i = 6; i < n; ++i) E(i, p) = open_.among(choice_[as_size(i - 6)], k);
+            for (Eigen::Index q = 0; q < passed; ++q) on->open.among(p, q) = open_.among(k, rest_[as_size(q)]);
             const double own = open_.by[0].row(k).transpose().cwiseProduct(motions).norm();
             on->open.among_size(p) = std::hypot(open_.among_size(k), own);
         }
@@ -460,19 +458,19 @@ bool Elimination::factor_general(size_t index, Fault& fault) {
     for (size_t i = 0; i < pivot.neighbours.size(); ++i) {
         const Rows B = coupling_rows(i);
         general.gains[i] = solve_block(B);
-        work_[static_cast<size_t>(pivot.neighbours[i].frame)] -= B.transpose() * general.gains[i];
+        work_[as_size(pivot.neighbours[i].frame)] -= B.transpose() * general.gains[i];
         if (!on) continue;
         Rows& by = on->open.by[i];
         by.resize(passed, 6);
         for (Eigen::Index p = 0; p < passed; ++p) {
-            const int k = rest_[static_cast<size_t>(p)];
+            const int k = rest_[as_size(p)];
             by.row(p) = open_.by[i + 1].row(k) - E.col(p).transpose() * general.gains[i];
         }
     }
     for (size_t i = 0; i < pivot.neighbours.size(); ++i) {
         const Rows B = coupling_rows(i);
         for (size_t j = i + 1; j < pivot.neighbours.size(); ++j) {
-            Coupling& coupling = couplings_[static_cast<size_t>(pivot.fills[fill++])];
+            Coupling& coupling = couplings_[as_size(pivot.fills[fill++])];
             const Matrix6 update = B.transpose() * general.gains[j];
             if (coupling.row == pivot.neighbours[i].frame)
                 coupling.block -= update;
@@ -491,58 +489,53 @@ DTTMM_WIDE void Elimination::solve(std::span<Vector6> r, std::span<double> g) co
             eliminate(pivots_[k], r, g);
             continue;
         }
-        const auto index = static_cast<size_t>(plain_index_[k]);
+        const auto index = as_size(plain_index_[k]);
         const Plain plain = plain_[index];
         if (plain.neighbour < 0) continue;
-        double* const next = r[static_cast<size_t>(plain.neighbour)].data();
-        (Six(next) - transposed_product(gains_[index].data(), r[static_cast<size_t>(plain.frame)].data())).store(next);
+        double* const next = r[as_size(plain.neighbour)].data();
+        (Six(next) - transposed_product(gains_[index].data(), r[as_size(plain.frame)].data())).store(next);
     }
     for (size_t k = pivots_.size(); k-- > 0;) {
         if (plain_index_[k] < 0) [[unlikely]] {
             substitute(pivots_[k], r, g);
             continue;
         }
-        const auto index = static_cast<size_t>(plain_index_[k]);
+        const auto index = as_size(plain_index_[k]);
         const Plain plain = plain_[index];
-        double* const own = r[static_cast<size_t>(plain.frame)].data();
+        double* const own = r[as_size(plain.frame)].data();
         const Six held = product(inverses_[index].data(), own);
         if (plain.neighbour < 0)
             held.store(own);
         else
-            (held - product(gains_[index].data(), r[static_cast<size_t>(plain.neighbour)].data())).store(own);
+            (held - product(gains_[index].data(), r[as_size(plain.neighbour)].data())).store(own);
     }
 }
 
 void Elimination::eliminate(const Pivot& pivot, std::span<Vector6> r, std::span<double> g) const {
-    const General& general = general_[static_cast<size_t>(pivot.index)];
-    Column& z = columns_[static_cast<size_t>(pivot.index)];
+    const General& general = general_[as_size(pivot.index)];
+    Column& z = columns_[as_size(pivot.index)];
     z.resize(general.inverse.rows());
-    z.head<6>() = r[static_cast<size_t>(pivot.frame)];
-    for (size_t i = 0; i < general.kept.size(); ++i)
-        z(static_cast<Eigen::Index>(6 + i)) = g[static_cast<size_t>(general.kept[i])];
+    z.head<6>() = r[as_size(pivot.frame)];
+    for (size_t i = 0; i < general.kept.size(); ++i) z(as_row(6 + i)) = g[as_size(general.kept[i])];
     for (size_t i = 0; i < pivot.neighbours.size(); ++i)
-        r[static_cast<size_t>(pivot.neighbours[i].frame)] -= general.gains[i].transpose() * z;
+        r[as_size(pivot.neighbours[i].frame)] -= general.gains[i].transpose() * z;
     if (pivot.passed >= 0) {
-        const Passed& on = passed_[static_cast<size_t>(pivot.passed)];
-        for (size_t p = 0; p < on.open.rows.size(); ++p)
-            g[static_cast<size_t>(on.open.rows[p])] -= on.gain.col(static_cast<Eigen::Index>(p)).dot(z);
+        const Passed& on = passed_[as_size(pivot.passed)];
+        for (size_t p = 0; p < on.open.rows.size(); ++p) g[as_size(on.open.rows[p])] -= on.gain.col(as_row(p)).dot(z);
     }
     z = (general.inverse * z).eval();
 }
 
 void Elimination::substitute(const Pivot& pivot, std::span<Vector6> r, std::span<double> g) const {
-    const General& general = general_[static_cast<size_t>(pivot.index)];
-    Column& z = columns_[static_cast<size_t>(pivot.index)];
-    for (size_t i = 0; i < pivot.neighbours.size(); ++i)
-        z -= general.gains[i] * r[static_cast<size_t>(pivot.neighbours[i].frame)];
+    const General& general = general_[as_size(pivot.index)];
+    Column& z = columns_[as_size(pivot.index)];
+    for (size_t i = 0; i < pivot.neighbours.size(); ++i) z -= general.gains[i] * r[as_size(pivot.neighbours[i].frame)];
     if (pivot.passed >= 0) {
-        const Passed& on = passed_[static_cast<size_t>(pivot.passed)];
-        for (size_t p = 0; p < on.open.rows.size(); ++p)
-            z -= on.gain.col(static_cast<Eigen::Index>(p)) * g[static_cast<size_t>(on.open.rows[p])];
+        const Passed& on = passed_[as_size(pivot.passed)];
+        for (size_t p = 0; p < on.open.rows.size(); ++p) z -= on.gain.col(as_row(p)) * g[as_size(on.open.rows[p])];
     }
-    r[static_cast<size_t>(pivot.frame)] = z.head<6>();
-    for (size_t i = 0; i < general.kept.size(); ++i)
-        g[static_cast<size_t>(general.kept[i])] = z(static_cast<Eigen::Index>(6 + i));
+    r[as_size(pivot.frame)] = z.head<6>();
+    for (size_t i = 0; i < general.kept.size(); ++i) g[as_size(general.kept[i])] = z(as_row(6 + i));
 }
 
 }  // namespace dttmm::plugin

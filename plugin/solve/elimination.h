@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/index.h"
 #include "core/types.h"
 
 namespace dttmm::plugin {
@@ -34,22 +35,20 @@ public:
     Elimination(int frame_count, const std::vector<Link>& links, double least_lever = 1e-14);
 
     void set_zero();
-    void add_diagonal(int frame, const Matrix6& block) { diagonal_[static_cast<size_t>(frame)] += block; }
+    void add_diagonal(int frame, const Matrix6& block) { diagonal_[as_size(frame)] += block; }
     /// Of forces that act already: no measure of what is large and small there.
     void add_acting(int frame, const Matrix6& block) {
         add_diagonal(frame, block);
-        acting_[static_cast<size_t>(frame)] += block.diagonal();
+        acting_[as_size(frame)] += block.diagonal();
     }
-    const Matrix6& diagonal(int frame) const { return diagonal_[static_cast<size_t>(frame)]; }
+    const Matrix6& diagonal(int frame) const { return diagonal_[as_size(frame)]; }
     /// Block (from, to) of the frames of a link; its transpose is understood.
     void add_coupling(int link, const Matrix6& block);
     /// Row of a link's rigid direction number i: its derivatives by the motions of its frames.
     void set_rigid(int link, int i, const Vector6& by_from, const Vector6& by_to);
 
     /// Derivatives as last set, by the motion of its `from` (0) or `to` (1) frame.
-    const Vector6& rigid(int link, int i, int end) const {
-        return rigid_rows_[static_cast<size_t>(rigid_begin(link) + i)].by[end];
-    }
+    const Vector6& rigid(int link, int i, int end) const { return rigid_rows_[as_size(rigid_begin(link) + i)].by[end]; }
 
     /// What makes a system singular: an unknown of a frame (direction 0 … 5), or the i-th rigid direction of a link.
     struct Fault {
@@ -72,7 +71,7 @@ public:
     /// Solves in place: r → u (6 per frame), g → q (in the order of the links' rigid directions).
     void solve(std::span<Vector6> r, std::span<double> g) const;
 
-    int rigid_begin(int link) const { return rigid_begin_[static_cast<size_t>(link)]; }
+    int rigid_begin(int link) const { return rigid_begin_[as_size(link)]; }
     int rigid_count() const { return rigid_total_; }
 
     /// Rigid directions to look at in one block at most.

@@ -11,6 +11,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/index.h"
 #include "core/rotation.h"
 #include "core/state_vector.h"
 #include "time/interior_parts.h"
@@ -28,8 +29,8 @@ std::vector<Link> links_of(const Mechanism& mechanism) {
     const int driven = mechanism.assembly.driven_count;
     std::vector<Link> links;
     for (const Joint& joint : mechanism.joints)
-        links.push_back({std::max(joint.from() - driven, -1), std::max(joint.to() - driven, -1),
-                         static_cast<int>(joint.rigid().count())});
+        links.push_back(
+            {std::max(joint.from() - driven, -1), std::max(joint.to() - driven, -1), as_int(joint.rigid().count())});
     return links;
 }
 
@@ -44,7 +45,7 @@ double least_lever(const Mechanism& mechanism) {
 /// Translation and rotation of every inner frame: whether it has no mass, no inertia.
 std::vector<std::array<bool, 2>> massless_halves(const Mechanism& mechanism) {
     std::vector<std::array<bool, 2>> halves;
-    for (auto f = static_cast<size_t>(mechanism.assembly.driven_count); f < mechanism.assembly.frames.size(); ++f) {
+    for (auto f = as_size(mechanism.assembly.driven_count); f < mechanism.assembly.frames.size(); ++f) {
         const FrameSpec& frame = mechanism.assembly.frames[f];
         halves.push_back({frame.mass == 0, frame.inertia.trace() <= kSmallestGyration * kSmallestGyration * frame.mass});
     }
@@ -67,16 +68,16 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     if (!mechanism.scheme.is_implicit())
         throw Error(DTTMM_ERROR_MODEL,
                     "it hangs on a node that is no body, or has a mass of its own: that wants the implicit coupling", 0);
-    const auto n = static_cast<size_t>(count_);
+    const auto n = as_size(count_);
     for (uint32_t i = 0; i < description.node_count; ++i) {
         if (description.nodes[i].kind != DTTMM_NODE_INNER) continue;
-        inner_nodes_.push_back(static_cast<int>(i));
+        inner_nodes_.push_back(as_int(i));
         const dttmm_node& node = description.nodes[i];
         given_.push_back(
             {node.moves != 0, {Eigen::Map<const Vector3>(node.velocity), Eigen::Map<const Vector3>(node.angular_velocity)}});
     }
     for (int f = 0; f < count_; ++f) {
-        const FrameSpec& frame = mechanism.assembly.frames[static_cast<size_t>(driven_ + f)];
+        const FrameSpec& frame = mechanism.assembly.frames[as_size(driven_ + f)];
         inertias_.push_back({frame.mass, frame.inertia});
     }
     set_reaches(mechanism);
@@ -86,7 +87,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
         if (mechanism.joints[j].from() < ports_ || mechanism.joints[j].to() < ports_) port_joints_.push_back(j);
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const bool is_rigid = mechanism.joints[j].rigid().any();
-        rigid_index_.push_back(is_rigid ? static_cast<int>(rigid_joints_.size()) : -1);
+        rigid_index_.push_back(is_rigid ? as_int(rigid_joints_.size()) : -1);
         if (is_rigid) rigid_joints_.push_back(j);
     }
     for (size_t j = 0; j < mechanism.joints.size(); ++j)
@@ -110,7 +111,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
         inverse_moments_.push_back(massless_.is_massless(i, 1) ? Matrix3(Matrix3::Zero())
                                                                : Matrix3(inertias_[i].moment.inverse()));
     choose_loaded(mechanism);
-    const auto rigid = static_cast<size_t>(elimination_.rigid_count()), ports = static_cast<size_t>(ports_);
+    const auto rigid = as_size(elimination_.rigid_count()), ports = as_size(ports_);
     rigid_.assign(rigid, 0);
     rigid_at_start_ = rigid_rates_ = rigid_;
     wrench_rates_.resize(n);
@@ -132,8 +133,8 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     node_loads_.assign(inner_nodes_.size(), Vector6::Zero());
     trial_ = mechanism.frames;
     responses_.assign(36 * n * ports, 0);
-    rigid_change_.setZero(static_cast<Eigen::Index>(rigid));
-    rigid_responses_.setZero(static_cast<Eigen::Index>(rigid), 6 * ports_);
+    rigid_change_.setZero(as_row(rigid));
+    rigid_responses_.setZero(as_row(rigid), 6 * ports_);
 
     for (Elimination* matrix : {&elimination_, &at_trial_}) {  // the working memory of both is then there
         form_dynamic_stiffness(mechanism, mechanism.frames, kTrialRate, *matrix);
@@ -142,14 +143,14 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
 }
 
 void Interior::set_reaches(const Mechanism& mechanism) {
-    port_reach_.assign(static_cast<size_t>(ports_), 0);
+    port_reach_.assign(as_size(ports_), 0);
     for (const Inertia& inertia : inertias_)
         reach_.push_back(inertia.mass > 0 ? std::sqrt(inertia.moment.trace() / inertia.mass) : 0);
     for (const Joint& joint : mechanism.joints) {
         const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
         const auto reach_out = [&](int frame, double length) {
             if (frame >= ports_ && !is_inner(frame)) return;
-            double& reach = is_inner(frame) ? reach_[at(frame)] : port_reach_[static_cast<size_t>(frame)];
+            double& reach = is_inner(frame) ? reach_[at(frame)] : port_reach_[as_size(frame)];
             reach = std::max(reach, length);
         };
         reach_out(joint.from(), joint.arm(0, from, to).norm());
@@ -165,14 +166,14 @@ void Interior::set_reaches(const Mechanism& mechanism) {
 bool Interior::has_free_parts(const Mechanism& mechanism) const {
     std::vector<bool> has_attitude(mechanism.frames.size(), false);
     for (int f = 0; f < driven_ + count_; ++f)
-        has_attitude[static_cast<size_t>(f)] = is_inner(f) ? !massless_.is_massless(at(f), 1) : f < ports_;
+        has_attitude[as_size(f)] = is_inner(f) ? !massless_.is_massless(at(f), 1) : f < ports_;
     for (const Joint& joint : mechanism.joints)
         for (int frame : {joint.from(), joint.to()})
-            if (joint.turns()) has_attitude[static_cast<size_t>(frame)] = true;
+            if (joint.turns()) has_attitude[as_size(frame)] = true;
     return std::ranges::any_of(mechanism.joints, [&](const Joint& joint) {
-        if (!has_attitude[static_cast<size_t>(joint.from())] && !has_attitude[static_cast<size_t>(joint.to())]) return false;
+        if (!has_attitude[as_size(joint.from())] && !has_attitude[as_size(joint.to())]) return false;
         for (size_t d = 0; d < 3; ++d)
-            if (!joint.rigid()[3 + d] && !(joint.rotation_half().stiffness(static_cast<Eigen::Index>(d)) > 0)) return true;
+            if (!joint.rigid()[3 + d] && !(joint.rotation_half().stiffness(as_row(d)) > 0)) return true;
         return false;
     });
 }
@@ -181,19 +182,19 @@ void Interior::choose_loaded(const Mechanism& mechanism) {
     load_of_.assign(inertias_.size(), -1);
     const auto choose = [&](size_t frame) {
         if (load_of_[frame] >= 0) return;
-        load_of_[frame] = static_cast<int>(loaded_.size());
+        load_of_[frame] = as_int(loaded_.size());
         loaded_.push_back(frame);
     };
     for (int node : inner_nodes_) {
-        const int frame = mechanism.assembly.nodes[static_cast<size_t>(node)].frame;
+        const int frame = mechanism.assembly.nodes[as_size(node)].frame;
         if (is_inner(frame)) choose(at(frame));
     }
     for (size_t i : massless_.frames()) choose(i);
     frame_loads_.resize(loaded_.size());
     for (size_t n = 0; n < inner_nodes_.size(); ++n) {
-        const NodeSpec& node = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[n])];
+        const NodeSpec& node = mechanism.assembly.nodes[as_size(inner_nodes_[n])];
         if (is_inner(node.frame) && !node.offset.isZero(0))
-            levers_.push_back({static_cast<size_t>(load_of_[at(node.frame)]), n, node.offset});
+            levers_.push_back({as_size(load_of_[at(node.frame)]), n, node.offset});
     }
 }
 
@@ -205,33 +206,31 @@ void Interior::choose_heirs(const Mechanism& mechanism) {
     };
     std::vector<int> receiver(mechanism.frames.size(), -1);
     for (size_t f = 0; f < receiver.size(); ++f)
-        if (inherits(static_cast<int>(f))) receiver[f] = static_cast<int>(f);
+        if (inherits(as_int(f))) receiver[f] = as_int(f);
     for (bool grows = true; grows;) {
         grows = false;
         for (const Joint& joint : mechanism.joints) {
-            int &a = receiver[static_cast<size_t>(joint.from())], &b = receiver[static_cast<size_t>(joint.to())];
+            int &a = receiver[as_size(joint.from())], &b = receiver[as_size(joint.to())];
             if ((a < 0) == (b < 0) || !is_inner(a < 0 ? joint.from() : joint.to())) continue;  // not across the ground
             (a < 0 ? a : b) = std::max(a, b);
             grows = true;
         }
     }
-    for (int f = driven_; f < driven_ + count_; ++f)
-        receivers_.push_back(inherits(f) ? -1 : receiver[static_cast<size_t>(f)]);
+    for (int f = driven_; f < driven_ + count_; ++f) receivers_.push_back(inherits(f) ? -1 : receiver[as_size(f)]);
 }
 
 /// What the ports feel: their own joints, and those of the frames whose receivers they are.
 void Interior::choose_near(const Mechanism& mechanism) {
     std::vector<bool> at_port(mechanism.frames.size(), false);
-    for (int f = 0; f < static_cast<int>(at_port.size()); ++f) {
+    for (int f = 0; f < as_int(at_port.size()); ++f) {
         const bool is_estate = is_inner(f) && receivers_[at(f)] >= 0 && receivers_[at(f)] < ports_;
         if (f >= ports_ && !is_estate) continue;
-        at_port[static_cast<size_t>(f)] = true;
+        at_port[as_size(f)] = true;
         port_frames_.push_back(f);
     }
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
-        const bool is_near = at_port[static_cast<size_t>(mechanism.joints[j].from())] ||
-                             at_port[static_cast<size_t>(mechanism.joints[j].to())];
-        near_index_.push_back(is_near ? static_cast<int>(near_joints_.size()) : -1);
+        const bool is_near = at_port[as_size(mechanism.joints[j].from())] || at_port[as_size(mechanism.joints[j].to())];
+        near_index_.push_back(is_near ? as_int(near_joints_.size()) : -1);
         if (!is_near) continue;
         near_joints_.push_back(j);
         has_near_laws_ = has_near_laws_ || mechanism.joints[j].has_laws();
@@ -278,7 +277,7 @@ Matrix6 Interior::mass_matrix(size_t frame) const {
 /// end: what is elastic or damped, and what stems from forces that act at t_n, which turn with the joint.
 Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, const std::vector<Frame>& at) const {
     const Joint& joint = mechanism.joints[j];
-    const FrameView from = at[static_cast<size_t>(joint.from())], to = at[static_cast<size_t>(joint.to())];
+    const FrameView from = at[as_size(joint.from())], to = at[as_size(joint.to())];
     const JointPose pose = joint.pose(from, to);
     const Vector3 acting = mechanism.pose(j).axes.transpose() * mechanism.states[j].elastic.force;
     return blocks(mechanism, j, {from, to}, pose, joint.deformation(pose, from, to), pose.axes * acting, rigid_);
@@ -313,18 +312,18 @@ void Interior::add_blocks(const Joint& joint, size_t j, const Blocks& K, Elimina
         matrix.add_diagonal(frames[end] - driven_, K.own.at[end][end]);
         matrix.add_acting(frames[end] - driven_, K.acting.at[end][end]);
     }
-    if (is_inner(frames[0]) && is_inner(frames[1])) matrix.add_coupling(static_cast<int>(j), K.between(0, 1));
+    if (is_inner(frames[0]) && is_inner(frames[1])) matrix.add_coupling(as_int(j), K.between(0, 1));
 }
 
 /// at: the frames at the end of the step, as far as they are known.
 void Interior::assemble(const Mechanism& mechanism, const std::vector<Frame>& at) {
     elimination_.set_zero();
-    for (int i = 0; i < count_; ++i) elimination_.add_diagonal(i, mass_matrix(static_cast<size_t>(i)));
+    for (int i = 0; i < count_; ++i) elimination_.add_diagonal(i, mass_matrix(as_size(i)));
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Blocks K = blocks(mechanism, j, at);
         add_blocks(mechanism.joints[j], j, K, elimination_);
         if (near_index_[j] < 0) continue;
-        const auto k = static_cast<size_t>(near_index_[j]);
+        const auto k = as_size(near_index_[j]);
         for (int row : {0, 1})
             for (int column : {0, 1}) near_blocks_[k].at[row][column] = K.between(row, column);
         for (int end : {0, 1}) near_columns_[k].at[end] = local_columns(mechanism, j, end);
@@ -340,14 +339,14 @@ void Interior::assemble(const Mechanism& mechanism, const std::vector<Frame>& at
 void Interior::form_dynamic_stiffness(const Mechanism& mechanism, const std::vector<Frame>& at, double rate,
                                       Elimination& matrix) const {
     matrix.set_zero();
-    for (int i = 0; i < count_; ++i) matrix.add_diagonal(i, rate * rate * mass_matrix(static_cast<size_t>(i)));
+    for (int i = 0; i < count_; ++i) matrix.add_diagonal(i, rate * rate * mass_matrix(as_size(i)));
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Joint& joint = mechanism.joints[j];
         const EndBlocks K = dynamic_stiffness(mechanism, j, at, rate);
         const int frames[2] = {joint.from(), joint.to()};
         for (int end : {0, 1})
             if (is_inner(frames[end])) matrix.add_diagonal(frames[end] - driven_, K.at[end][end]);
-        if (is_inner(frames[0]) && is_inner(frames[1])) matrix.add_coupling(static_cast<int>(j), K.at[0][1]);
+        if (is_inner(frames[0]) && is_inner(frames[1])) matrix.add_coupling(as_int(j), K.at[0][1]);
         if (!joint.rigid().any()) continue;
         const auto [from, to] = ends(joint, at);
         const JointPose pose = joint.pose(from, to);
@@ -355,7 +354,7 @@ void Interior::form_dynamic_stiffness(const Mechanism& mechanism, const std::vec
         const Matrix6 rows[2] = {rigid_rows(theta, local_columns(joint, pose, 0, from)),
                                  rigid_rows(theta, local_columns(joint, pose, 1, to))};
         for_each_rigid(joint, [&](int i, int d) {
-            matrix.set_rigid(static_cast<int>(j), i, rows[0].row(d).transpose(), rows[1].row(d).transpose());
+            matrix.set_rigid(as_int(j), i, rows[0].row(d).transpose(), rows[1].row(d).transpose());
         });
     }
 }
@@ -385,12 +384,11 @@ void Interior::make_heavier(Elimination& matrix) const {
     constexpr double kLeastShare = 1e-9;  // with 1e-11 rigid directions are lost to 1e-3 in rods of a centimetre
     for (int i = 0; i < count_; ++i) {
         const Matrix6 own = matrix.diagonal(i);
-        const double shift = own.topLeftCorner<3, 3>().trace(), arm = reach_[static_cast<size_t>(i)];
+        const double shift = own.topLeftCorner<3, 3>().trace(), arm = reach_[as_size(i)];
         const double held[2] = {shift, std::max(own.bottomRightCorner<3, 3>().trace(), arm * arm * shift)};
         Vector6 more = Vector6::Zero();
         for (int half : {0, 1})
-            if (!massless_.is_massless(static_cast<size_t>(i), half))
-                more.segment<3>(3 * half).setConstant(kLeastShare * held[half]);
+            if (!massless_.is_massless(as_size(i), half)) more.segment<3>(3 * half).setConstant(kLeastShare * held[half]);
         matrix.add_diagonal(i, more.asDiagonal());
     }
 }
@@ -400,17 +398,17 @@ void Interior::set_rigid_rows(const Mechanism& mechanism, size_t j, const JointP
     const Matrix6 rows[2] = {rigid_rows(theta, local_columns(mechanism, j, pose, 0)),
                              rigid_rows(theta, local_columns(mechanism, j, pose, 1))};
     for_each_rigid(mechanism.joints[j], [&](int i, int d) {
-        matrix.set_rigid(static_cast<int>(j), i, rows[0].row(d).transpose(), rows[1].row(d).transpose());
+        matrix.set_rigid(as_int(j), i, rows[0].row(d).transpose(), rows[1].row(d).transpose());
     });
 }
 
 /// The matrix where the frames are on trial, into at_trial_. False if it is singular.
 bool Interior::form_at_trial(const Mechanism& mechanism) const {
     at_trial_.set_zero();
-    for (int i = 0; i < count_; ++i) at_trial_.add_diagonal(i, mass_matrix(static_cast<size_t>(i)));
+    for (int i = 0; i < count_; ++i) at_trial_.add_diagonal(i, mass_matrix(as_size(i)));
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Joint& joint = mechanism.joints[j];
-        const FrameView from = trial_[static_cast<size_t>(joint.from())], to = trial_[static_cast<size_t>(joint.to())];
+        const FrameView from = trial_[as_size(joint.from())], to = trial_[as_size(joint.to())];
         const JointPose pose = joint.pose(from, to);
         const Joint::Strained strained =
             joint.strain(mechanism.scheme, {from, to}, pose, mechanism.states[j], mechanism.memory(j));
@@ -427,18 +425,18 @@ void Interior::factor(const Mechanism& mechanism, Elimination& matrix, dttmm_sta
 }
 
 void Interior::refuse(const Mechanism& mechanism, const Elimination::Fault& fault, dttmm_status status) const {
-    const FrameSpec& frame = mechanism.assembly.frames[static_cast<size_t>(driven_ + fault.frame)];
+    const FrameSpec& frame = mechanism.assembly.frames[as_size(driven_ + fault.frame)];
     if (fault.direction >= 0) {
         const bool is_massless = fault.direction < 3 ? frame.mass == 0 : frame.inertia.isZero(0);
-        throw Error(status,
-                    fmt::format("{}: nothing determines its motion in {} (its own axes): {}no element holds it there; give "
-                                "it a stiffness, a mass or "
-                                "a `fixed` direction",
-                                frame.name, kDirectionNames[static_cast<size_t>(fault.direction)],
-                                is_massless ? "it has no mass, and " : ""),
-                    frame.element);
+        throw Error(
+            status,
+            fmt::format("{}: nothing determines its motion in {} (its own axes): {}no element holds it there; give "
+                        "it a stiffness, a mass or "
+                        "a `fixed` direction",
+                        frame.name, kDirectionNames[as_size(fault.direction)], is_massless ? "it has no mass, and " : ""),
+            frame.element);
     }
-    const Joint& joint = mechanism.joints[static_cast<size_t>(fault.link)];
+    const Joint& joint = mechanism.joints[as_size(fault.link)];
     int direction = 0;
     for_each_rigid(joint, [&](int i, int d) {
         if (i == fault.rigid) direction = d;
@@ -446,7 +444,7 @@ void Interior::refuse(const Mechanism& mechanism, const Elimination::Fault& faul
     throw Error(status,
                 fmt::format("its rigid direction {} is driven from both ends: what it joins is held there by other rigid "
                             "directions too; give one of them a stiffness",
-                            kDirectionNames[static_cast<size_t>(direction)]),
+                            kDirectionNames[as_size(direction)]),
                 joint.element());
 }
 
@@ -482,16 +480,15 @@ void Interior::find_responses(const Mechanism& mechanism) {
             if (joint.from() != port && joint.to() != port) continue;
             const int end = joint.from() == port ? 0 : 1;
             const int other = end == 0 ? joint.to() : joint.from();
-            const EndBlocks& K = near_blocks_[static_cast<size_t>(near_index_[j])];
+            const EndBlocks& K = near_blocks_[as_size(near_index_[j])];
             if (is_inner(other)) r[at(other)] -= K.at[1 - end][end].col(c);
-            for_each_rigid(joint,
-                           [&](int i, int) { g[rigid_row(j, i)] = -elimination_.rigid(static_cast<int>(j), i, end)(c); });
+            for_each_rigid(joint, [&](int i, int) { g[rigid_row(j, i)] = -elimination_.rigid(as_int(j), i, end)(c); });
         }
         elimination_.solve(r, g);
         for (size_t i = 0; i < r.size(); ++i) {
-            Eigen::Map<Vector6>{&responses_[36 * i * static_cast<size_t>(ports_) + 6 * static_cast<size_t>(column)]} = r[i];
+            Eigen::Map<Vector6>{&responses_[36 * i * as_size(ports_) + 6 * as_size(column)]} = r[i];
         }
-        rigid_responses_.col(column) = Eigen::Map<const Eigen::VectorXd>(g.data(), static_cast<Eigen::Index>(g.size()));
+        rigid_responses_.col(column) = Eigen::Map<const Eigen::VectorXd>(g.data(), as_row(g.size()));
     }
 }
 
@@ -503,7 +500,7 @@ void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) co
     S.setZero();
     for (size_t j : port_joints_) {
         const Joint& joint = mechanism.joints[j];
-        const EndBlocks& K = near_blocks_[static_cast<size_t>(near_index_[j])];
+        const EndBlocks& K = near_blocks_[as_size(near_index_[j])];
         const int frames[2] = {joint.from(), joint.to()};
         for (int row : {0, 1}) {
             if (frames[row] >= ports_) continue;
@@ -514,8 +511,8 @@ void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) co
                     if (frames[end] == column) block += K.at[row][end];
                 }
                 for_each_rigid(joint, [&](int i, int) {
-                    block += elimination_.rigid(static_cast<int>(j), i, row) *
-                             rigid_responses_.block<1, 6>(static_cast<Eigen::Index>(rigid_row(j, i)), 6 * column);
+                    block += elimination_.rigid(as_int(j), i, row) *
+                             rigid_responses_.block<1, 6>(as_row(rigid_row(j, i)), 6 * column);
                 });
             }
         }
@@ -533,8 +530,8 @@ void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) co
 double Interior::work(const Mechanism& mechanism) const {
     double work = books_.load_work;
     for (size_t i = 0; i < inertias_.size(); ++i) {
-        const Vector3& start = mechanism.assembly.frames[static_cast<size_t>(driven_) + i].pose.position;
-        work += inertias_[i].mass * gravity_.dot(mechanism.frame_before(driven_ + static_cast<int>(i)).origin() - start);
+        const Vector3& start = mechanism.assembly.frames[as_size(driven_) + i].pose.position;
+        work += inertias_[i].mass * gravity_.dot(mechanism.frame_before(driven_ + as_int(i)).origin() - start);
     }
     return work;
 }
@@ -545,7 +542,7 @@ Twist Interior::momentum(const Mechanism& mechanism) const {
     for (size_t i = 0; i < inertias_.size(); ++i) {
         const Vector3 p = head(momenta_[i]);
         total.linear += p;
-        total.angular += mechanism.frame(driven_ + static_cast<int>(i)).origin().cross(p) + tail(momenta_[i]);
+        total.angular += mechanism.frame(driven_ + as_int(i)).origin().cross(p) + tail(momenta_[i]);
     }
     return total;
 }
@@ -556,7 +553,7 @@ Twist Interior::newmark_momentum(const Mechanism& mechanism) const {
     const Scheme& scheme = mechanism.scheme;
     std::vector<Vector6> now(mechanism.frames.size(), Vector6::Zero()), before = now;
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
-        const auto a = static_cast<size_t>(mechanism.joints[j].from()), b = static_cast<size_t>(mechanism.joints[j].to());
+        const auto a = as_size(mechanism.joints[j].from()), b = as_size(mechanism.joints[j].to());
         Joint::add_wrench(mechanism.states[j].elastic, now[a].data(), now[b].data());
         JointForce force = mechanism.states[j].known;  // without a damper (1 − 2s) F_n + s F_{n−1}
         force.add(-scheme.elastic_weight(1), mechanism.states[j].elastic);
@@ -566,7 +563,7 @@ Twist Interior::newmark_momentum(const Mechanism& mechanism) const {
     }
     for (size_t i : massless_.frames()) {
         if (!is_inner(receivers_[i])) continue;
-        const auto f = static_cast<size_t>(driven_) + i, receiver = static_cast<size_t>(receivers_[i]);
+        const auto f = as_size(driven_) + i, receiver = as_size(receivers_[i]);
         now[receiver] += passed_on(mechanism.frames, i, massless_part(i, now[f]));
         before[receiver] += passed_on(mechanism.before, i, massless_part(i, before[f]));
     }
@@ -574,7 +571,7 @@ Twist Interior::newmark_momentum(const Mechanism& mechanism) const {
     Twist total;
     for (size_t i = 0; i < inertias_.size(); ++i) {
         if (massless_.is_massless(i, 0)) continue;
-        const auto f = static_cast<size_t>(driven_) + i;
+        const auto f = as_size(driven_) + i;
         Vector6 P = momenta_[i] - beta * h * (now[f] - before[f]);
         if (massless_.is_massless(i, 1)) P.tail<3>().setZero();
         const Vector3 y = FrameView(mechanism.frames[f]).origin() - beta * h * h / inertias_[i].mass * head(now[f]);

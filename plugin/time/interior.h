@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/index.h"
 #include "mechanism/joints_by_four.h"
 #include "mechanism/mechanism.h"
 #include "mechanism/momentum.h"
@@ -83,7 +84,7 @@ public:
     bool expect(const Mechanism& mechanism, Ports ports);
     /// Finds the wrenches on the ports over the open step, at a trial end of it. Throws as expect().
     void evaluate(const Mechanism& mechanism, Ports ports) const;
-    const Vector6& wrench(int port) const { return wrench_[static_cast<size_t>(port)]; }
+    const Vector6& wrench(int port) const { return wrench_[as_size(port)]; }
     /// −∂(wrench)/∂(pose), 6P × 6P row-major.
     void write_stiffness(const Mechanism& mechanism, double* stiffness) const;
     /// Throws Error(DTTMM_ERROR_NUMERIC), nothing being changed, naming what is farther or faster than the host has its
@@ -257,7 +258,7 @@ private:
         double floor = 0;              ///< corrections below are rounding [m/s]
     };
 
-    size_t at(int frame) const { return static_cast<size_t>(frame - driven_); }
+    size_t at(int frame) const { return as_size(frame - driven_); }
     bool is_inner(int frame) const { return frame >= driven_; }
 
     void set_reaches(const Mechanism& mechanism);
@@ -265,8 +266,8 @@ private:
     void choose_near(const Mechanism& mechanism);
     void choose_loaded(const Mechanism& mechanism);
     bool has_free_parts(const Mechanism& mechanism) const;
-    FrameLoad& frame_load(size_t frame) { return frame_loads_[static_cast<size_t>(load_of_[frame])]; }
-    const FrameLoad& frame_load(size_t frame) const { return frame_loads_[static_cast<size_t>(load_of_[frame])]; }
+    FrameLoad& frame_load(size_t frame) { return frame_loads_[as_size(load_of_[frame])]; }
+    const FrameLoad& frame_load(size_t frame) const { return frame_loads_[as_size(load_of_[frame])]; }
     void assemble(const Mechanism& mechanism, const std::vector<Frame>& at);
     void make_heavier(Elimination& matrix) const;
     void factor(const Mechanism& mechanism, Elimination& matrix, dttmm_status status) const;
@@ -287,7 +288,7 @@ private:
                                 Elimination& matrix) const;
     EndBlocks dynamic_stiffness(const Mechanism& mechanism, size_t joint, const std::vector<Frame>& at, double rate) const;
     static Ends ends(const Joint& joint, const std::vector<Frame>& at) {
-        return {at[static_cast<size_t>(joint.from())], at[static_cast<size_t>(joint.to())]};
+        return {at[as_size(joint.from())], at[as_size(joint.to())]};
     }
     template <class Hold>
     Slow form_slow(const Mechanism& mechanism, const std::vector<Frame>& frames, const Hold& hold) const;
@@ -337,7 +338,7 @@ private:
     void find_motion(const Solution& solution, std::span<Vector6> motion) const;
     Vector6 motion_of(size_t frame, const Solution& solution) const;
     Eigen::Map<const Eigen::Matrix<double, 6, Eigen::Dynamic>> response(size_t frame) const {
-        return {&responses_[frame * 36 * static_cast<size_t>(ports_)], 6, 6 * ports_};
+        return {&responses_[frame * 36 * as_size(ports_)], 6, 6 * ports_};
     }
     Vector6 change_of(int frame, const Solution& solution) const;
     JointForce near_force(const Mechanism& mechanism, size_t near, const Solution& solution) const;
@@ -355,9 +356,7 @@ private:
 
     Matrix6 mass_matrix(size_t frame) const;
     /// Index of rigid direction number i of a joint among those of all.
-    size_t rigid_row(size_t joint, int i) const {
-        return static_cast<size_t>(elimination_.rigid_begin(static_cast<int>(joint)) + i);
-    }
+    size_t rigid_row(size_t joint, int i) const { return as_size(elimination_.rigid_begin(as_int(joint)) + i); }
     Vector6 rigid_values(const Mechanism& mechanism, size_t joint, const std::vector<double>& q) const;
     struct Blocks {
         EndBlocks own, acting;

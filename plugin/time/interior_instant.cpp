@@ -3,6 +3,7 @@
 // What stands inside a network at t_n, the start of the step last committed: results are of that instant.
 #include <Eigen/Geometry>
 
+#include "core/index.h"
 #include "core/rotation.h"
 #include "time/interior.h"
 #include "time/interior_parts.h"
@@ -12,7 +13,7 @@ namespace dttmm::plugin {
 void Interior::find_velocities(const Mechanism& mechanism, std::span<const Vector6> mean_wrenches) {
     const double half_step = 0.5 * mechanism.scheme.step_size();
     for (size_t i = 0; i < inertias_.size(); ++i) {
-        const size_t f = static_cast<size_t>(driven_) + i;
+        const size_t f = as_size(driven_) + i;
         Vector6 wrench = mean_wrenches[f];
         if (load_of_[i] >= 0) wrench += 0.5 * (frame_load(i).load[1] + frame_load(i).load[2]);
         Twist& v = velocities_[i] = past_.mean(i);  // at the start the initial velocities
@@ -31,7 +32,7 @@ void Interior::find_velocities(const Mechanism& mechanism, std::span<const Vecto
 
 void Interior::find_accelerations(const Mechanism& mechanism, std::span<const Vector6> wrenches) {
     for (size_t i = 0; i < inertias_.size(); ++i) {
-        const size_t f = static_cast<size_t>(driven_) + i;
+        const size_t f = as_size(driven_) + i;
         Vector6 wrench = wrenches[f];
         if (load_of_[i] >= 0) wrench += frame_load(i).load[2];
         const Twist &later = past_.velocity[i], &earlier = past_.velocity_before[i];
@@ -75,7 +76,7 @@ MasslessFrames::Acting Interior::rate_of_force(const Mechanism& mechanism, size_
     const FrameView from = mechanism.frame_before(joint.from()), to = mechanism.frame_before(joint.to());
     const auto acceleration_of = [&](int frame) {
         if (is_inner(frame)) return accelerations_[at(frame)];
-        return frame < ports_ ? start_accelerations_[static_cast<size_t>(frame)] : Twist{};
+        return frame < ports_ ? start_accelerations_[as_size(frame)] : Twist{};
     };
     const Vector6 rate = joint.rate(from, from_velocity, to, to_velocity);
     const Vector3 w = joint.turning(from, from_velocity, to, to_velocity);
@@ -116,7 +117,7 @@ double Interior::kinetic_energy(const Mechanism& mechanism) const {
     double twice = 0;
     for (size_t i = 0; i < inertias_.size(); ++i) {
         const Twist& v = velocities_[i];
-        const Vector3 w = mechanism.frame_before(driven_ + static_cast<int>(i)).axes().transpose() * v.angular;
+        const Vector3 w = mechanism.frame_before(driven_ + as_int(i)).axes().transpose() * v.angular;
         twice += inertias_[i].mass * v.linear.squaredNorm() + w.dot(inertias_[i].moment * w);
     }
     return 0.5 * twice;

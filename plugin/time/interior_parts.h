@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "core/index.h"
 #include "mechanism/mechanism.h"
 
 namespace dttmm::plugin {
@@ -29,7 +30,7 @@ template <class Function>
 void for_each_rigid(const Joint& joint, const Function& function) {
     int i = 0;
     for (int d = 0; d < 6; ++d)
-        if (joint.rigid()[static_cast<size_t>(d)]) function(i++, d);
+        if (joint.rigid()[as_size(d)]) function(i++, d);
 }
 
 /// Columns of [d; relative turn] of a joint at t_n by the motion of its `from` (0) or `to` (1) frame, in that frame's axes.

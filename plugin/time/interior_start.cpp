@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/index.h"
 #include "time/interior.h"
 #include "time/interior_parts.h"
 
@@ -58,18 +59,17 @@ Interior::Slow Interior::form_slow(const Mechanism& mechanism, const std::vector
 /// motion: 6 per frame in its own axes, of the ports given; of the inner frames a load on them, in whose place it takes
 /// their motion. q: takes the forces of rigid directions.
 void Interior::follow(const Mechanism& mechanism, const Slow& slow, std::span<Vector6> motion, std::span<double> q) const {
-    const auto inner = motion.subspan(static_cast<size_t>(driven_));
+    const auto inner = motion.subspan(as_size(driven_));
     std::ranges::fill(q, 0.0);
     for (size_t k = 0; k < port_joints_.size(); ++k) {
         const size_t j = port_joints_[k];
         const Joint& joint = mechanism.joints[j];
         for (int end : {0, 1}) {
             if (joint.frame(end) >= ports_) continue;
-            const Vector6& u = motion[static_cast<size_t>(joint.frame(end))];
+            const Vector6& u = motion[as_size(joint.frame(end))];
             const int other = joint.frame(1 - end);
             if (is_inner(other)) inner[at(other)] -= slow.at_ports[k].at[1 - end][end] * u;
-            for_each_rigid(joint,
-                           [&](int i, int) { q[rigid_row(j, i)] -= slow.matrix.rigid(static_cast<int>(j), i, end).dot(u); });
+            for_each_rigid(joint, [&](int i, int) { q[rigid_row(j, i)] -= slow.matrix.rigid(as_int(j), i, end).dot(u); });
         }
     }
     slow.matrix.solve(inner, q);
@@ -79,7 +79,7 @@ void Interior::follow(const Mechanism& mechanism, std::span<Vector6> motion) con
     const std::vector<Frame> frames = frames_at_start(mechanism);
     const Slow slow = form_slow(mechanism, frames, [](Elimination&) {});
     for (size_t f = 0; f < motion.size(); ++f)
-        motion[f] = f < static_cast<size_t>(ports_) ? in_axes(frames[f], motion[f]) : Vector6(Vector6::Zero());
+        motion[f] = f < as_size(ports_) ? in_axes(frames[f], motion[f]) : Vector6(Vector6::Zero());
     std::vector<double> q(rigid_.size());
     follow(mechanism, slow, motion, q);
     for (size_t f = 0; f < motion.size(); ++f) motion[f] = in_world(frames[f], motion[f]);
@@ -102,7 +102,7 @@ void Interior::linearise(const Mechanism& mechanism, Ports ports, double* wrench
     std::vector<double> q(rigid_.size());
     for (int column = 0; column < 6 * ports_; ++column) {
         std::ranges::fill(motion, Vector6::Zero());
-        const auto port = static_cast<size_t>(column / 6);
+        const auto port = as_size(column / 6);
         motion[port] = in_axes(start.frames[port], Vector6::Unit(column % 6));
         follow(mechanism, slow, motion, q);
         for (size_t k = 0; k < port_joints_.size(); ++k) {
@@ -112,12 +112,10 @@ void Interior::linearise(const Mechanism& mechanism, Ports ports, double* wrench
                 const int frame = joint.frame(row);
                 if (frame >= ports_) continue;
                 Vector6 force = Vector6::Zero();
-                for (int end : {0, 1})
-                    force += slow.at_ports[k].at[row][end] * motion[static_cast<size_t>(joint.frame(end))];
-                for_each_rigid(joint, [&](int i, int) {
-                    force += slow.matrix.rigid(static_cast<int>(j), i, row) * q[rigid_row(j, i)];
-                });
-                S.block<6, 1>(6 * frame, column) += in_world(start.frames[static_cast<size_t>(frame)], force);
+                for (int end : {0, 1}) force += slow.at_ports[k].at[row][end] * motion[as_size(joint.frame(end))];
+                for_each_rigid(joint,
+                               [&](int i, int) { force += slow.matrix.rigid(as_int(j), i, row) * q[rigid_row(j, i)]; });
+                S.block<6, 1>(6 * frame, column) += in_world(start.frames[as_size(frame)], force);
             }
         }
     }
@@ -129,8 +127,7 @@ void Interior::linearise(const Mechanism& mechanism, Ports ports, double* wrench
 JointForce Interior::start_force(const Mechanism& mechanism, size_t j, const Start& start) const {
     const Joint& joint = mechanism.joints[j];
     const auto [from, to] = ends(joint, start.frames);
-    const Twist &v_from = start.velocities[static_cast<size_t>(joint.from())],
-                &v_to = start.velocities[static_cast<size_t>(joint.to())];
+    const Twist &v_from = start.velocities[as_size(joint.from())], &v_to = start.velocities[as_size(joint.to())];
     const JointPose pose = joint.pose(from, to);
     const Vector6 x = joint.deformation(pose, from, to);
     return pose.act(joint.force(x, joint.rate(from, v_from, to, v_to, x), mechanism.memory(j)));
@@ -149,24 +146,23 @@ Interior::Start Interior::place_at_start(const Mechanism& mechanism, Ports ports
     Start start{frames_at_start(mechanism), std::vector<Twist>(mechanism.frames.size())};
     bool moves = std::ranges::any_of(given_, &Given::moves);
     for (int p = 0; p < ports_; ++p) {
-        const auto port = static_cast<size_t>(p);
+        const auto port = as_size(p);
         start.frames[port] = ports[port].copy();
         start.velocities[port] = ports.twist(p);
         moves = moves || !start.velocities[port].linear.isZero(0) || !start.velocities[port].angular.isZero(0);
     }
     if (!moves) return start;
     std::vector<Vector6> motion(mechanism.frames.size(), Vector6::Zero());
-    for (size_t p = 0; p < static_cast<size_t>(ports_); ++p)
-        motion[p] = in_axes(start.frames[p], joined(start.velocities[p]));
+    for (size_t p = 0; p < as_size(ports_); ++p) motion[p] = in_axes(start.frames[p], joined(start.velocities[p]));
     std::vector<Vector6> hold(mechanism.frames.size());
     const Slow slow = form_slow(mechanism, start.frames, [&](Elimination& matrix) {
         std::ranges::fill(hold, Vector6::Zero());
         hold_given(mechanism, start, matrix, hold);
     });
-    for (auto f = static_cast<size_t>(driven_); f < motion.size(); ++f) motion[f] = hold[f];
+    for (auto f = as_size(driven_); f < motion.size(); ++f) motion[f] = hold[f];
     std::vector<double> q(rigid_.size());
     follow(mechanism, slow, motion, q);
-    for (auto f = static_cast<size_t>(driven_); f < motion.size(); ++f) {
+    for (auto f = as_size(driven_); f < motion.size(); ++f) {
         const Vector6 v = in_world(start.frames[f], motion[f]);
         start.velocities[f] = {head(v), tail(v)};
     }
@@ -178,9 +174,9 @@ void Interior::hold_given(const Mechanism& mechanism, const Start& start, Elimin
                           std::vector<Vector6>& load) const {
     constexpr double kHold = 1e12;  // stiffer than everything
     for (size_t i = 0; i < given_.size(); ++i) {
-        const NodeSpec& spec = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])];
+        const NodeSpec& spec = mechanism.assembly.nodes[as_size(inner_nodes_[i])];
         if (!given_[i].moves || !is_inner(spec.frame)) continue;
-        const auto frame = static_cast<size_t>(spec.frame);
+        const auto frame = as_size(spec.frame);
         // v_node = v − offset × ω in the frame's axes
         Matrix6 G = Matrix6::Identity();
         G.topRightCorner<3, 3>() = -skew(spec.offset);
@@ -210,7 +206,7 @@ void Interior::balance_at_start(const Mechanism& mechanism, double h, Start& sta
             const Joint& joint = mechanism.joints[j];
             const auto [from, to] = ends(joint, start.frames);
             const auto now = [&](int frame) {
-                return is_inner(frame) ? velocities[at(frame)] : start.velocities[static_cast<size_t>(frame)];
+                return is_inner(frame) ? velocities[at(frame)] : start.velocities[as_size(frame)];
             };
             const Vector6 deformation = joint.deformation(joint.pose(from, to), from, to);
             return MasslessFrames::Acting{deformation, joint.rate(from, now(joint.from()), to, now(joint.to())),
@@ -218,7 +214,7 @@ void Interior::balance_at_start(const Mechanism& mechanism, double h, Start& sta
         },
         [&](size_t i) { return frame_load(i).load[1]; }, velocities, corrections, rigid);
     for (size_t i = 0; i < given_.size(); ++i) {
-        const int frame = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])].frame;
+        const int frame = mechanism.assembly.nodes[as_size(inner_nodes_[i])].frame;
         if (given_[i].moves && is_inner(frame)) velocities[at(frame)] = before[at(frame)];
     }
     std::ranges::copy(velocities, first);
@@ -233,11 +229,11 @@ void Interior::refuse_forbidden_velocities(const Mechanism& mechanism, const Sta
         if (given.moves) look_at(given.velocity);
     const double least = kTolerated * largest;
     for (size_t i = 0; i < given_.size(); ++i) {
-        const NodeSpec& spec = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])];
+        const NodeSpec& spec = mechanism.assembly.nodes[as_size(inner_nodes_[i])];
         if (!given_[i].moves || !is_inner(spec.frame)) continue;
         const Twist& given = given_[i].velocity;
-        Twist left = start.velocities[static_cast<size_t>(spec.frame)];
-        const FrameView frame = start.frames[static_cast<size_t>(spec.frame)];
+        Twist left = start.velocities[as_size(spec.frame)];
+        const FrameView frame = start.frames[as_size(spec.frame)];
         left.linear += left.angular.cross(frame.axes() * spec.offset);
         if ((left.linear - given.linear).norm() <= least && (left.angular - given.angular).norm() <= least) continue;
         throw Error(DTTMM_ERROR_MODEL,
@@ -260,7 +256,7 @@ void Interior::start(Mechanism& mechanism, Ports ports, const double* accelerati
     read_loads(mechanism, loads);
     for (size_t k = 0; k < frame_loads_.size(); ++k) {
         FrameLoad& loaded = frame_loads_[k];
-        loaded.load[1] = loaded.load[2] = load_at_end(k, mechanism.frame(driven_ + static_cast<int>(loaded_[k])));
+        loaded.load[1] = loaded.load[2] = load_at_end(k, mechanism.frame(driven_ + as_int(loaded_[k])));
     }
     balance_at_start(mechanism, h, start);
     past_.velocity.assign(start.velocities.begin() + driven_, start.velocities.end());
@@ -269,8 +265,8 @@ void Interior::start(Mechanism& mechanism, Ports ports, const double* accelerati
     std::vector<Vector6> wrench(mechanism.frames.size(), Vector6::Zero());
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Joint& joint = mechanism.joints[j];
-        Joint::add_wrench(start_force(mechanism, j, start), wrench[static_cast<size_t>(joint.from())].data(),
-                          wrench[static_cast<size_t>(joint.to())].data());
+        Joint::add_wrench(start_force(mechanism, j, start), wrench[as_size(joint.from())].data(),
+                          wrench[as_size(joint.to())].data());
     }
     const std::vector<Twist> acceleration = start_inertias(mechanism, wrench);
     const auto acceleration_of = [&](int frame) {
@@ -279,15 +275,15 @@ void Interior::start(Mechanism& mechanism, Ports ports, const double* accelerati
         const double* a = accelerations + 6 * ports.bodies[frame];
         return Twist{Eigen::Map<const Vector3>(a), Eigen::Map<const Vector3>(a + 3)};
     };
-    mechanism.start_joints([&](int frame) { return start.velocities[static_cast<size_t>(frame)]; }, acceleration_of);
-    for (int p = 0; p < ports_; ++p) start_accelerations_[static_cast<size_t>(p)] = acceleration_of(p);
+    mechanism.start_joints([&](int frame) { return start.velocities[as_size(frame)]; }, acceleration_of);
+    for (int p = 0; p < ports_; ++p) start_accelerations_[as_size(p)] = acceleration_of(p);
     mechanism.before = mechanism.frames;
     set_elastic(mechanism);
     for (size_t i = 0; i < massless_.frames().size(); ++i) {
         const size_t frame = massless_.frames()[i];
         FrameLoad& own = frame_load(frame);
         own.elastic[1] = own.elastic[2] = own.elastic[0];
-        own.settled = -in_axes(mechanism.frame(driven_ + static_cast<int>(frame)), own.elastic[0]);
+        own.settled = -in_axes(mechanism.frame(driven_ + as_int(frame)), own.elastic[0]);
     }
     for (size_t p = 0; p < port_u_.size(); ++p) port_u_[p] = joined(start.velocities[p]);
     port_u_before_ = port_u_;
@@ -302,8 +298,8 @@ std::vector<Twist> Interior::start_inertias(const Mechanism& mechanism, std::spa
     for (size_t i = 0; i < inertias_.size(); ++i) {
         const Twist& velocity = past_.velocity[i];
         const Inertia& inertia = inertias_[i];
-        const RowMajor3 R = mechanism.frame(driven_ + static_cast<int>(i)).axes();
-        Vector6 force = wrench[static_cast<size_t>(driven_) + i];
+        const RowMajor3 R = mechanism.frame(driven_ + as_int(i)).axes();
+        Vector6 force = wrench[as_size(driven_) + i];
         if (load_of_[i] >= 0) force += frame_load(i).load[1];
         force.head<3>() += inertia.mass * gravity_;
         const Vector3 spin = R.transpose() * velocity.angular;
@@ -323,7 +319,7 @@ std::vector<Twist> Interior::start_inertias(const Mechanism& mechanism, std::spa
 void Interior::read_loads(const Mechanism& mechanism, const double* loads) {
     for (FrameLoad& loaded : frame_loads_) loaded.load[0].setZero();
     for (size_t i = 0; i < inner_nodes_.size(); ++i) {
-        const NodeSpec& node = mechanism.assembly.nodes[static_cast<size_t>(inner_nodes_[i])];
+        const NodeSpec& node = mechanism.assembly.nodes[as_size(inner_nodes_[i])];
         node_loads_[i] = loads ? Vector6(Eigen::Map<const Vector6>(loads + 6 * i)) : Vector6(Vector6::Zero());
         if (is_inner(node.frame)) frame_load(at(node.frame)).load[0] += node_loads_[i];
     }

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "core/index.h"
 #include "core/rotation.h"
 #include "time/interior.h"
 #include "time/interior_parts.h"
@@ -95,7 +96,7 @@ void Interior::predict(const Mechanism& mechanism) {
     if (mechanism.steps == 0) {  // velocities of an instant: over the step what turns has turned half of it on the mean
         const Vector3 mean = mean_velocity(mechanism, anchor_);
         for (size_t i = 0; i < inertias_.size(); ++i) {
-            const Vector3 drift = mechanism.frame(driven_ + static_cast<int>(i)).axes().transpose() * mean;
+            const Vector3 drift = mechanism.frame(driven_ + as_int(i)).axes().transpose() * mean;
             Vector6& u = anchor_.u[i];
             u.head<3>() = (drift + turned(0.5 * h * u.tail<3>(), u.head<3>() - drift)).eval();
         }
@@ -120,27 +121,27 @@ void Interior::open_anchor(const Mechanism& mechanism) {
     anchor_.scale = books_.scale;
     size_ = kSmallestSize;
     for (size_t i = 0; i < inertias_.size(); ++i) {
-        const FrameView frame = mechanism.frames[static_cast<size_t>(driven_) + i];
+        const FrameView frame = mechanism.frames[as_size(driven_) + i];
         size_ = std::max(size_, frame.origin().cwiseAbs().sum() + reach_[i]);
     }
 }
 
 /// Puts the inner frames, moving by u over the step, where it ends, into trial_.
 void Interior::place(const Mechanism& mechanism, std::span<const Vector6> u) const {
-    const auto first = static_cast<size_t>(driven_);
+    const auto first = as_size(driven_);
     move_frames(mechanism.scheme.step_size(), std::span(mechanism.frames).subspan(first), u,
                 std::span(trial_).subspan(first));
 }
 /// The same of one of them.
 void Interior::place(const Mechanism& mechanism, size_t i, const Vector6& u) const {
-    const size_t f = static_cast<size_t>(driven_) + i;
+    const size_t f = as_size(driven_) + i;
     move_frames(mechanism.scheme.step_size(), {&mechanism.frames[f], 1}, {&u, 1}, {&trial_[f], 1});
 }
 
 /// Forces q of a joint's rigid directions over the step.
 JointForce Interior::rigid_action(const Mechanism& mechanism, size_t j, const JointPose& at_end, const Vector3& theta,
                                   const Vector6& q) const {
-    RigidMap map = rigid_known_[static_cast<size_t>(rigid_index_[j])];
+    RigidMap map = rigid_known_[as_size(rigid_index_[j])];
     map.add(mechanism.scheme.elastic_weight(0), at_end, nearest_turn(theta, mechanism.theta(j)));
     return map.of(q);
 }
@@ -160,21 +161,21 @@ void Interior::find_forces(const Mechanism& mechanism, Solution& solution) const
     std::fill(wrench_.begin(), wrench_.end(), Vector6::Zero());
     for (size_t j : settling_joints_)
         for (int frame : {mechanism.joints[j].from(), mechanism.joints[j].to()}) {
-            end_wrench_[static_cast<size_t>(frame)].setZero();
-            damping_wrench_[static_cast<size_t>(frame)].setZero();
+            end_wrench_[as_size(frame)].setZero();
+            damping_wrench_[as_size(frame)].setZero();
         }
     q_ = solution.q;
     double largest = by_four_.add_forces(mechanism, trial_, wrench_);
     for (size_t j : others_) {
         const Joint& joint = mechanism.joints[j];
-        const auto a = static_cast<size_t>(joint.from()), b = static_cast<size_t>(joint.to());
+        const auto a = as_size(joint.from()), b = as_size(joint.to());
         const Ends trial = {trial_[a], trial_[b]};
         const JointPose at_end = joint.pose(trial);
         const Joint::Strained end = joint.strain(mechanism.scheme, trial, at_end, mechanism.states[j], mechanism.memory(j));
         const JointForce force = force_over_step(mechanism, j, at_end, end);
         largest = std::max(largest, force.force.squaredNorm());
         Joint::add_wrench(force, wrench_[a].data(), wrench_[b].data());
-        if (near_index_[j] >= 0) solution.near[static_cast<size_t>(near_index_[j])] = force;
+        if (near_index_[j] >= 0) solution.near[as_size(near_index_[j])] = force;
         if (!massless_.is_settling(j)) continue;
         JointForce then = end.elastic;
         if (joint.rigid().any()) {
@@ -206,7 +207,7 @@ Vector6 Interior::load_over_step(const Scheme& scheme, size_t loaded, FrameView 
 /// What the equations lack at the trial motion, into `change` (in the frames' axes) and `q_change`.
 void Interior::form_residuals(const Mechanism& mechanism, Solution& solution) const {
     const double h = mechanism.scheme.step_size();
-    const auto first = static_cast<size_t>(driven_);
+    const auto first = as_size(driven_);
     for (size_t k = 0; k < loaded_.size(); ++k)
         wrench_[first + loaded_[k]] += load_over_step(mechanism.scheme, k, trial_[first + loaded_[k]]);
     find_imbalance(h, gravity_, inertias_, momenta_, std::span(mechanism.frames).subspan(first),
@@ -214,7 +215,7 @@ void Interior::form_residuals(const Mechanism& mechanism, Solution& solution) co
     balance_massless(mechanism, solution);
     for (size_t j : rigid_joints_) {
         const Joint& joint = mechanism.joints[j];
-        const FrameView from = trial_[static_cast<size_t>(joint.from())], to = trial_[static_cast<size_t>(joint.to())];
+        const FrameView from = trial_[as_size(joint.from())], to = trial_[as_size(joint.to())];
         const Vector6 d = joint.deformation(joint.pose(from, to), from, to);
         for_each_rigid(joint, [&](int i, int direction) { solution.q_change[rigid_row(j, i)] = -d(direction) / h; });
     }
@@ -226,10 +227,10 @@ void Interior::balance_massless(const Mechanism& mechanism, Solution& solution) 
     const double h = mechanism.scheme.step_size();
     const std::vector<size_t>& frames = massless_.frames();
     for (size_t m = 0; m < frames.size(); ++m) {
-        const size_t i = frames[m], f = static_cast<size_t>(driven_) + i;
+        const size_t i = frames[m], f = as_size(driven_) + i;
         const FrameLoad& own = frame_load(i);
         const FrameView now = mechanism.frames[f], end = trial_[f];
-        const Vector6 load = load_at_end(static_cast<size_t>(load_of_[i]), end);
+        const Vector6 load = load_at_end(as_size(load_of_[i]), end);
         const Vector6 elastic = in_axes(end, end_wrench_[f]), load_then = in_axes(end, load);
         MasslessFrames::Residual& residual = massless_residuals_[m];
         residual.step = solution.change[i];
@@ -246,7 +247,7 @@ void Interior::balance_massless(const Mechanism& mechanism, Solution& solution) 
         const Vector6 left = solution.change[i] - massless_residuals_[m].step;
         solution.change[i] = massless_residuals_[m].step;
         if (!is_inner(receiver)) continue;
-        const RowMajor3 R = mechanism.frame(driven_ + static_cast<int>(i)).axes();
+        const RowMajor3 R = mechanism.frame(driven_ + as_int(i)).axes();
         Vector6 world;
         world << R * head(left), R * tail(left);
         solution.change[at(receiver)] += in_axes(mechanism.frame(receiver), passed_on(mechanism.frames, i, world));
@@ -259,16 +260,16 @@ Vector6 Interior::settled(const Mechanism& mechanism, size_t m, const Vector6& l
     const double relaxation = massless_.relaxation(m) / mechanism.scheme.step_size();
     if (relaxation == 0) return load;
     const size_t i = massless_.frames()[m];
-    const Vector6 load_now = in_axes(mechanism.frame(driven_ + static_cast<int>(i)), frame_load(i).load[1]);
+    const Vector6 load_now = in_axes(mechanism.frame(driven_ + as_int(i)), frame_load(i).load[1]);
     const double relaxed = -std::expm1(-1 / relaxation);
     return load - relaxation * relaxed * (load - load_now) + (1 - relaxed) * (frame_load(i).settled - load_now);
 }
 
 /// A wrench at a massless frame as its receiver takes it, the frames being where they are given.
 Vector6 Interior::passed_on(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const {
-    const auto origin = [&](int f) { return FrameView(frames[static_cast<size_t>(f)]).origin(); };
+    const auto origin = [&](int f) { return FrameView(frames[as_size(f)]).origin(); };
     Vector6 wrench = left;
-    wrench.tail<3>() += Vector3(origin(driven_ + static_cast<int>(frame)) - origin(receivers_[frame])).cross(head(left));
+    wrench.tail<3>() += Vector3(origin(driven_ + as_int(frame)) - origin(receivers_[frame])).cross(head(left));
     return wrench;
 }
 
@@ -287,7 +288,7 @@ Vector3 Interior::mean_velocity(const Mechanism& mechanism, const Solution& solu
     Vector3 mean = Vector3::Zero();
     if (driven_ > ports_) return mean;
     for (size_t i = 0; i < inertias_.size(); ++i)
-        mean += mechanism.frame(driven_ + static_cast<int>(i)).axes() * solution.u[i].head<3>();
+        mean += mechanism.frame(driven_ + as_int(i)).axes() * solution.u[i].head<3>();
     return mean / static_cast<double>(inertias_.size());
 }
 
@@ -298,7 +299,7 @@ void Interior::take_measures(const Mechanism& mechanism, Solution& solution) con
     double speed = 0;
     for (size_t i = 0; i < inertias_.size(); ++i) {
         Vector3 velocity = solution.u[i].head<3>();
-        if (driven_ == ports_) velocity -= mechanism.frame(driven_ + static_cast<int>(i)).axes().transpose() * mean;
+        if (driven_ == ports_) velocity -= mechanism.frame(driven_ + as_int(i)).axes().transpose() * mean;
         speed = std::max(speed, velocity.squaredNorm() + turn_weight_[i] * solution.u[i].tail<3>().squaredNorm());
     }
     solution.scale = std::max(solution.scale, std::sqrt(speed));
@@ -362,7 +363,7 @@ void Interior::refuse_lack_of_convergence(const Mechanism& mechanism, const Solu
     size_t worst = 0;
     for (size_t i = 1; i < inertias_.size(); ++i)
         if (!(left(i) <= left(worst))) worst = i;
-    const FrameSpec& frame = mechanism.assembly.frames[static_cast<size_t>(driven_) + worst];
+    const FrameSpec& frame = mechanism.assembly.frames[as_size(driven_) + worst];
     throw Error(DTTMM_ERROR_NUMERIC,
                 fmt::format("the motion inside the network was not found in {} passes, worst at {} (last correction {:.1e} "
                             "m/s); try a smaller step",
@@ -404,7 +405,7 @@ bool Interior::linear_answer_serves() const {
 void Interior::take_port_change(const Mechanism& mechanism, Ports ports) const {
     for (size_t p = 0; p < port_u_.size(); ++p) {
         const FrameView now = mechanism.frames[p], anchor = anchor_.ports[p], trial = ports[p];
-        auto change = port_change_.segment<6>(static_cast<Eigen::Index>(6 * p));
+        auto change = port_change_.segment<6>(as_row(6 * p));
         change << now.axes().transpose() * (trial.origin() - anchor.origin()),
             now.axes().transpose() * rotation_vector(trial.axes() * anchor.axes().transpose());
         change /= mechanism.scheme.step_size();
@@ -415,7 +416,7 @@ void Interior::take_port_change(const Mechanism& mechanism, Ports ports) const {
 double Interior::speed_of_port_change() const {
     double largest = 0, poison = 0;  // the latter 0, or not a number
     for (size_t p = 0; p < port_u_.size(); ++p) {
-        const auto change = port_change_.segment<6>(static_cast<Eigen::Index>(6 * p));
+        const auto change = port_change_.segment<6>(as_row(6 * p));
         const double size =
             change.head<3>().squaredNorm() + port_reach_[p] * port_reach_[p] * change.tail<3>().squaredNorm();
         largest = std::max(largest, size);
@@ -431,8 +432,7 @@ void Interior::begin_solution(const Mechanism& mechanism, Ports ports, Solution&
     if (!is_as_foreseen) find_motion(anchor_, solution.u);
     rigid_change_.noalias() = rigid_responses_ * port_change_;
     for (size_t i = 0; i < solution.q.size(); ++i)
-        solution.q[i] = anchor_.q[i] +
-                        (anchor_.q_change[i] + rigid_change_(static_cast<Eigen::Index>(i))) / mechanism.scheme.step_size();
+        solution.q[i] = anchor_.q[i] + (anchor_.q_change[i] + rigid_change_(as_row(i))) / mechanism.scheme.step_size();
     take_measures(mechanism, solution);
     port_change_.setZero();
 }
@@ -485,7 +485,7 @@ const Interior::Solution& Interior::respond(const Mechanism& mechanism, Ports po
 }
 
 void Interior::find_motion(const Solution& solution, std::span<Vector6> motion) const {
-    const auto change = static_cast<size_t>(port_change_.isZero(0) ? 0 : port_change_.size());
+    const auto change = as_size(port_change_.isZero(0) ? 0 : port_change_.size());
     add_changes(solution.u, solution.change, responses_, {port_change_.data(), change}, motion);
 }
 
@@ -496,8 +496,7 @@ Vector6 Interior::motion_of(size_t frame, const Solution& solution) const {
 
 /// What a massless frame leaves over the step of its massless halves, at its origin.
 Vector6 Interior::estate(const Mechanism& mechanism, size_t i, FrameView end) const {
-    const Vector6 left = wrench_[static_cast<size_t>(driven_) + i] +
-                         load_over_step(mechanism.scheme, static_cast<size_t>(load_of_[i]), end) +
+    const Vector6 left = wrench_[as_size(driven_) + i] + load_over_step(mechanism.scheme, as_size(load_of_[i]), end) +
                          momenta_[i] / mechanism.scheme.step_size();
     return massless_part(i, left);
 }
@@ -512,8 +511,7 @@ Vector6 Interior::massless_part(size_t i, Vector6 wrench) const {
 void Interior::find_rigid_forces(const Mechanism& mechanism, const Solution& solution) const {
     rigid_change_.noalias() = rigid_responses_ * port_change_;
     for (size_t i = 0; i < q_.size(); ++i)
-        q_[i] = solution.q[i] +
-                (solution.q_change[i] + rigid_change_(static_cast<Eigen::Index>(i))) / mechanism.scheme.step_size();
+        q_[i] = solution.q[i] + (solution.q_change[i] + rigid_change_(as_row(i))) / mechanism.scheme.step_size();
 }
 
 /// What leads a frame from where the forces were worked out to the end of the step, over h, in its axes.
@@ -534,8 +532,8 @@ JointForce Interior::near_force(const Mechanism& mechanism, size_t k, const Solu
     Vector6 on_from = (K.at[0][0] * u_from + K.at[0][1] * u_to) / -h, on_to = (K.at[1][0] * u_from + K.at[1][1] * u_to) / h;
     for_each_rigid(joint, [&](int i, int) {
         const double q = q_[rigid_row(j, i)] - solution.q[rigid_row(j, i)];
-        on_from -= q * elimination_.rigid(static_cast<int>(j), i, 0);
-        on_to += q * elimination_.rigid(static_cast<int>(j), i, 1);
+        on_from -= q * elimination_.rigid(as_int(j), i, 0);
+        on_to += q * elimination_.rigid(as_int(j), i, 1);
     });
     if (joint.has_laws()) laws_.add_force(j, solution.laws, on_from, on_to);
     const RowMajor3 R_from = mechanism.frame(joint.from()).axes(), R_to = mechanism.frame(joint.to()).axes();
@@ -547,17 +545,17 @@ JointForce Interior::near_force(const Mechanism& mechanism, size_t k, const Solu
 void Interior::evaluate(const Mechanism& mechanism, Ports ports) const {
     const Solution& solution = respond(mechanism, ports, false);
     find_rigid_forces(mechanism, solution);
-    for (int frame : port_frames_) wrench_[static_cast<size_t>(frame)].setZero();
+    for (int frame : port_frames_) wrench_[as_size(frame)].setZero();
     for (size_t k = 0; k < near_joints_.size(); ++k) {
         const Joint& joint = mechanism.joints[near_joints_[k]];
-        Joint::add_wrench(near_force(mechanism, k, solution), wrench_[static_cast<size_t>(joint.from())].data(),
-                          wrench_[static_cast<size_t>(joint.to())].data());
+        Joint::add_wrench(near_force(mechanism, k, solution), wrench_[as_size(joint.from())].data(),
+                          wrench_[as_size(joint.to())].data());
     }
     for (int frame : port_frames_) {
         if (!is_inner(frame)) continue;
         place(mechanism, at(frame), motion_of(at(frame), solution));
-        wrench_[static_cast<size_t>(receivers_[at(frame)])] +=
-            passed_on(mechanism.frames, at(frame), estate(mechanism, at(frame), trial_[static_cast<size_t>(frame)]));
+        wrench_[as_size(receivers_[at(frame)])] +=
+            passed_on(mechanism.frames, at(frame), estate(mechanism, at(frame), trial_[as_size(frame)]));
     }
 }
 
@@ -593,7 +591,7 @@ bool Interior::rigid_directions_have_turned(const Mechanism& mechanism) const {
             const Matrix6 rows = rigid_rows(mechanism, j, local_columns(mechanism, j, end));
             bool turned = false;
             for_each_rigid(mechanism.joints[j], [&](int i, int d) {
-                const Vector6& then = elimination_.rigid(static_cast<int>(j), i, end);
+                const Vector6& then = elimination_.rigid(as_int(j), i, end);
                 turned = turned ||
                          (rows.row(d).transpose() - then).squaredNorm() > kTurnedRows * kTurnedRows * then.squaredNorm();
             });
@@ -621,7 +619,7 @@ void Interior::find_end(const Mechanism& mechanism, const Solution& solution) co
     find_motion(solution, motion_);
     place(mechanism, motion_);
     for (size_t i = 0; i < inertias_.size(); ++i) {
-        const size_t f = static_cast<size_t>(driven_) + i;
+        const size_t f = as_size(driven_) + i;
         const Vector6& u = motion_[i];
         if (mechanism.steps % kStepsBetweenNormalisations == 0) {  // by one step of Newton
             MapR next(trial_[f].rotation);
@@ -636,9 +634,9 @@ void Interior::find_end(const Mechanism& mechanism, const Solution& solution) co
 }
 
 void Interior::refuse_divergence(const Mechanism& mechanism, size_t i) const {
-    const size_t f = static_cast<size_t>(driven_) + i;
+    const size_t f = as_size(driven_) + i;
     const FrameSpec& frame = mechanism.assembly.frames[f];
-    const Vector3 x = FrameView(trial_[f]).origin(), v = mechanism.frame(static_cast<int>(f)).axes() * head(motion_[i]);
+    const Vector3 x = FrameView(trial_[f]).origin(), v = mechanism.frame(as_int(f)).axes() * head(motion_[i]);
     throw Error(DTTMM_ERROR_NUMERIC,
                 fmt::format("{} has diverged, or turns more than half a turn a step: position ({:.4g}, {:.4g}, {:.4g}) m, "
                             "velocity ({:.4g}, {:.4g}, {:.4g}) m/s, turning at {:.4g} rad/s; try a smaller step",
@@ -652,7 +650,7 @@ void Interior::take_forces(Mechanism& mechanism, const Solution& solution) {
     by_four_.advance(mechanism, trial_, wrench_);
     for (size_t j : others_) {
         const Joint& joint = mechanism.joints[j];
-        const auto a = static_cast<size_t>(joint.from()), b = static_cast<size_t>(joint.to());
+        const auto a = as_size(joint.from()), b = as_size(joint.to());
         const Ends next = {trial_[a], trial_[b]};
         const int near = near_index_[j];
         JointForce rigid, force;
@@ -662,7 +660,7 @@ void Interior::take_forces(Mechanism& mechanism, const Solution& solution) {
         joint.advance(mechanism.scheme, next, mechanism.ends(j), mechanism.states[j], mechanism.damper(j),
                       mechanism.law_memory_of(j), near < 0 ? &force : nullptr);
         if (near >= 0)
-            force = near_force(mechanism, static_cast<size_t>(near), solution);
+            force = near_force(mechanism, as_size(near), solution);
         else if (joint.rigid().any())
             force.add(1, rigid);
         Joint::add_wrench(force, wrench_[a].data(), wrench_[b].data());
@@ -673,7 +671,7 @@ void Interior::take_forces(Mechanism& mechanism, const Solution& solution) {
 /// its memory likewise.
 void Interior::take_momenta(const Mechanism& mechanism) {
     const double h = mechanism.scheme.step_size();
-    const auto first = static_cast<size_t>(driven_);
+    const auto first = as_size(driven_);
     for (size_t i : massless_.frames()) {
         const int receiver = receivers_[i];
         if (!is_inner(receiver)) continue;
@@ -707,9 +705,9 @@ void Interior::take_momenta(const Mechanism& mechanism) {
 /// Work of the loads, and their memory.
 void Interior::take_loads(const Mechanism& mechanism) {
     for (size_t m = 0; m < massless_.frames().size(); ++m) {
-        const size_t i = massless_.frames()[m], f = static_cast<size_t>(driven_) + i;
+        const size_t i = massless_.frames()[m], f = as_size(driven_) + i;
         const FrameView end = trial_[f];
-        const Vector6 load = load_at_end(static_cast<size_t>(load_of_[i]), end);
+        const Vector6 load = load_at_end(as_size(load_of_[i]), end);
         FrameLoad& own = frame_load(i);
         own.settled = settled(mechanism, m, in_axes(end, load));
         own.elastic[2] = own.elastic[1];
@@ -721,7 +719,7 @@ void Interior::take_loads(const Mechanism& mechanism) {
     const double h = mechanism.scheme.step_size();
     for (size_t k = 0; k < loaded_.size(); ++k) {
         FrameLoad& own = frame_loads_[k];
-        const Vector6 next = load_at_end(k, trial_[static_cast<size_t>(driven_) + loaded_[k]]);
+        const Vector6 next = load_at_end(k, trial_[as_size(driven_) + loaded_[k]]);
         books_.last_work += 0.5 * h * (own.load[1] + next).dot(joined(past_.velocity[loaded_[k]]));
         own.load[2] = own.load[1];
         own.load[1] = next;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/index.h"
 #include "time/interior_parts.h"
 
 namespace dttmm::plugin {
@@ -14,14 +15,14 @@ LawRows::LawRows(const Mechanism& mechanism, int driven) {
         const Joint& joint = mechanism.joints[j];
         const auto inner = [&](int frame) { return frame >= driven ? frame - driven : -1; };
         for (int d = 0; d < 6; ++d)
-            if (joint.law().laws[static_cast<size_t>(d)])
+            if (joint.law().laws[as_size(d)])
                 rows_.push_back({j, d, {inner(joint.from()), inner(joint.to())}, {Vector6::Zero(), Vector6::Zero()}, 0});
     }
     // Measured: 3.3 ns a step times the cube of the rows; without them some passes more, about 0.5 us for a frame
     constexpr double kCubePerFrame = 150;
     const auto count = static_cast<double>(rows_.size());
     if (count * count * count > kCubePerFrame * mechanism.assembly.inner_count()) rows_.clear();
-    const auto n = static_cast<Eigen::Index>(rows_.size());
+    const auto n = as_row(rows_.size());
     for (Eigen::VectorXd* list : {&start_, &base_, &wanted_, &z_, &change_, &psi_, &slope_, &lack_}) list->setZero(n);
     for (Eigen::MatrixXd* matrix : {&compliance_, &newton_}) matrix->setZero(n, n);
     if (n > 0) factor_ = Eigen::PartialPivLU<Eigen::MatrixXd>(n);
@@ -30,7 +31,7 @@ LawRows::LawRows(const Mechanism& mechanism, int driven) {
 void LawRows::form(const Mechanism& mechanism, const std::vector<Frame>& at) {
     for (Row& row : rows_) {
         const Joint& joint = mechanism.joints[row.joint];
-        const FrameView from = at[static_cast<size_t>(joint.from())], to = at[static_cast<size_t>(joint.to())];
+        const FrameView from = at[as_size(joint.from())], to = at[as_size(joint.to())];
         const JointPose pose = joint.pose(from, to);
         const Vector6 x = joint.deformation(pose, from, to);
         for (int end : {0, 1})
@@ -52,21 +53,21 @@ void LawRows::find_responses(const Elimination& matrix, double step_size, std::v
         std::fill(u.begin(), u.end(), Vector6::Zero());
         std::fill(q.begin(), q.end(), 0.0);
         for (int end : {0, 1})
-            if (rows_[c].frame[end] >= 0) u[static_cast<size_t>(rows_[c].frame[end])] += rows_[c].G[end];
+            if (rows_[c].frame[end] >= 0) u[as_size(rows_[c].frame[end])] += rows_[c].G[end];
         matrix.solve(u, q);
         std::copy(u.begin(), u.end(), responses_.begin() + static_cast<std::ptrdiff_t>(c * frames_));
         std::copy(q.begin(), q.end(), rigid_responses_.begin() + static_cast<std::ptrdiff_t>(c * rigid_));
         for (size_t r = 0; r < rows_.size(); ++r) {
             double sum = 0;
             for (int end : {0, 1})
-                if (rows_[r].frame[end] >= 0) sum += rows_[r].G[end].dot(u[static_cast<size_t>(rows_[r].frame[end])]);
-            compliance_(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) = h_ * h_ * sum;
+                if (rows_[r].frame[end] >= 0) sum += rows_[r].G[end].dot(u[as_size(rows_[r].frame[end])]);
+            compliance_(as_row(r), as_row(c)) = h_ * h_ * sum;
         }
     }
 }
 
 Joint::OnPath LawRows::on_path(const Mechanism& mechanism, Eigen::Index r, double z) const {
-    const Row& row = rows_[static_cast<size_t>(r)];
+    const Row& row = rows_[as_size(r)];
     const double now = mechanism.states[row.joint].deformation()(row.direction);
     return mechanism.joints[row.joint].on_path(mechanism.scheme, row.direction, now, start_(r) + z,
                                                mechanism.memory(row.joint));
@@ -75,14 +76,14 @@ Joint::OnPath LawRows::on_path(const Mechanism& mechanism, Eigen::Index r, doubl
 /// Where the laws are, and what they are asked for.
 void LawRows::look(const Mechanism& mechanism, const std::vector<Frame>& trial, std::span<const Vector6> change) {
     for (Eigen::Index r = 0; r < start_.size(); ++r) {
-        const Row& row = rows_[static_cast<size_t>(r)];
+        const Row& row = rows_[as_size(r)];
         const Joint& joint = mechanism.joints[row.joint];
-        const FrameView from = trial[static_cast<size_t>(joint.from())], to = trial[static_cast<size_t>(joint.to())];
+        const FrameView from = trial[as_size(joint.from())], to = trial[as_size(joint.to())];
         start_(r) = joint.deformation(joint.pose(from, to), from, to)(row.direction);
         base_(r) = on_path(mechanism, r, 0).force;
         wanted_(r) = 0;
         for (int end : {0, 1})
-            if (row.frame[end] >= 0) wanted_(r) += h_ * row.G[end].dot(change[static_cast<size_t>(row.frame[end])]);
+            if (row.frame[end] >= 0) wanted_(r) += h_ * row.G[end].dot(change[as_size(row.frame[end])]);
     }
 }
 
@@ -95,7 +96,7 @@ bool LawRows::solve(const Mechanism& mechanism) {
     for (int pass = 0; pass < kMostPasses; ++pass) {
         for (Eigen::Index r = 0; r < z_.size(); ++r) {
             const Joint::OnPath path = on_path(mechanism, r, z_(r));
-            const double gain = rows_[static_cast<size_t>(r)].gain;
+            const double gain = rows_[as_size(r)].gain;
             psi_(r) = path.force - base_(r) - gain * z_(r);
             slope_(r) = path.gain - gain;
         }
@@ -121,7 +122,7 @@ void LawRows::correct(const Mechanism& mechanism, const std::vector<Frame>& tria
     std::fill(psi.begin(), psi.end(), 0.0);
     if (!solve(mechanism)) return;
     for (size_t c = 0; c < rows_.size(); ++c) {
-        psi[c] = psi_(static_cast<Eigen::Index>(c));
+        psi[c] = psi_(as_row(c));
         for (size_t i = 0; i < frames_; ++i) change[i] -= h_ * psi[c] * responses_[c * frames_ + i];
         for (size_t i = 0; i < rigid_; ++i) q_change[i] -= h_ * psi[c] * rigid_responses_[c * rigid_ + i];
     }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/index.h"
 #include "element/registry.h"
 #include "mechanism/frame.h"
 
@@ -31,8 +32,7 @@ Units join_by_nodes(const dttmm_network& description) {
     for (uint32_t e = 0; e < description.element_count; ++e) {
         const dttmm_element& element = description.elements[e];
         for (uint32_t end : std::span(element.ends, element.end_count)) {
-            if (end >= description.node_count)
-                throw Error(DTTMM_ERROR_MODEL, "an end is no node of the network", static_cast<int>(e));
+            if (end >= description.node_count) throw Error(DTTMM_ERROR_MODEL, "an end is no node of the network", as_int(e));
             if (description.nodes[end].kind != DTTMM_NODE_INNER) continue;
             if (first_at[end] == description.element_count) first_at[end] = e;
             const auto [low, high] = std::minmax({find(e), find(first_at[end])});  // by value: find returns no lvalue
@@ -121,8 +121,7 @@ void in_whole(const Places& places, const Action& action) {
     } catch (const Error& error) {
         const bool is_call = error.status() == DTTMM_ERROR_PHASE || error.status() == DTTMM_ERROR_ARGUMENT;
         if (error.element() < 0 && is_call) throw;  // no element is to blame
-        throw Error(error.status(), error.what(),
-                    static_cast<int>(places.elements[static_cast<size_t>(std::max(error.element(), 0))]));
+        throw Error(error.status(), error.what(), as_int(places.elements[as_size(std::max(error.element(), 0))]));
     }
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/index.h"
 #include "core/rotation.h"
 #include "time/interior_parts.h"
 
@@ -65,7 +66,7 @@ MasslessFrames::MasslessFrames(const Mechanism& mechanism, const std::vector<std
     : index_(massless.size(), -1), settling_(mechanism.joints.size(), false), half_way_(mechanism.joints.size(), false) {
     for (size_t i = 0; i < massless.size(); ++i) {
         if (!massless[i][0] && !massless[i][1]) continue;
-        index_[i] = static_cast<int>(frames_.size());
+        index_[i] = as_int(frames_.size());
         frames_.push_back(i);
         massless_.push_back(massless[i]);
     }
@@ -80,9 +81,9 @@ MasslessFrames::MasslessFrames(const Mechanism& mechanism, const std::vector<std
         rigid_count += joint.rigid().count();
     }
     for (Cluster& cluster : clusters_) {
-        cluster.joints = joints_of[static_cast<size_t>(&cluster - clusters_.data())];
+        cluster.joints = joints_of[as_size(&cluster - clusters_.data())];
         find_rows(mechanism, cluster.joints, cluster);
-        const auto size = static_cast<Eigen::Index>(6 * cluster.frames.size());
+        const auto size = as_row(6 * cluster.frames.size());
         cluster.basis.setZero(size, size);
         for (Eigen::VectorXd* v : {&cluster.end, &cluster.step, &cluster.half_way}) v->setZero(size);
     }
@@ -91,7 +92,7 @@ MasslessFrames::MasslessFrames(const Mechanism& mechanism, const std::vector<std
             const int i = index_of(mechanism, frame);
             if (i < 0) continue;
             settling_[j] = true;
-            const bool has_damped = !clusters_[static_cast<size_t>(cluster_of_[static_cast<size_t>(i)])].damped.empty();
+            const bool has_damped = !clusters_[as_size(cluster_of_[as_size(i)])].damped.empty();
             half_way_[j] = half_way_[j] || (has_damped && mechanism.joints[j].is_damped());
         }
     make_balances(mechanism);
@@ -104,25 +105,25 @@ MasslessFrames::Grouping MasslessFrames::group(const Mechanism& mechanism, const
     std::vector<int> root(frames_.size());
     std::iota(root.begin(), root.end(), 0);
     const auto find = [&](int i) {
-        while (root[static_cast<size_t>(i)] != i) i = root[static_cast<size_t>(i)];
+        while (root[as_size(i)] != i) i = root[as_size(i)];
         return i;
     };
     for (const Joint& joint : mechanism.joints) {
         const int a = index_of(mechanism, joint.from()), b = index_of(mechanism, joint.to());
-        if (a >= 0 && b >= 0 && joins(joint)) root[static_cast<size_t>(find(a))] = find(b);
+        if (a >= 0 && b >= 0 && joins(joint)) root[as_size(find(a))] = find(b);
     }
     grouping.cluster_of.assign(frames_.size(), -1);
     grouping.begin.assign(frames_.size(), 0);
-    for (int i = 0; i < static_cast<int>(frames_.size()); ++i) {
-        int& cluster = grouping.cluster_of[static_cast<size_t>(find(i))];
+    for (int i = 0; i < as_int(frames_.size()); ++i) {
+        int& cluster = grouping.cluster_of[as_size(find(i))];
         if (cluster < 0) {
-            cluster = static_cast<int>(grouping.clusters.size());
+            cluster = as_int(grouping.clusters.size());
             grouping.clusters.emplace_back();
         }
-        grouping.cluster_of[static_cast<size_t>(i)] = cluster;
-        Cluster& own = grouping.clusters[static_cast<size_t>(cluster)];
-        grouping.begin[static_cast<size_t>(i)] = 6 * static_cast<int>(own.frames.size());
-        own.frames.push_back(static_cast<size_t>(i));
+        grouping.cluster_of[as_size(i)] = cluster;
+        Cluster& own = grouping.clusters[as_size(cluster)];
+        grouping.begin[as_size(i)] = 6 * as_int(own.frames.size());
+        own.frames.push_back(as_size(i));
     }
     return grouping;
 }
@@ -134,7 +135,7 @@ std::vector<std::vector<size_t>> MasslessFrames::find_joints(const Mechanism& me
         for (int frame : {mechanism.joints[j].from(), mechanism.joints[j].to()}) {
             const int i = index_of(mechanism, frame);
             if (i < 0) continue;
-            std::vector<size_t>& list = joints_of[static_cast<size_t>(grouping.cluster_of[static_cast<size_t>(i)])];
+            std::vector<size_t>& list = joints_of[as_size(grouping.cluster_of[as_size(i)])];
             if (list.empty() || list.back() != j) list.push_back(j);
         }
     return joints_of;
@@ -151,15 +152,15 @@ void MasslessFrames::make_balances(const Mechanism& mechanism) {
         cluster.is_balanced = !cluster.rigid.empty() ||
                               std::ranges::any_of(cluster.joints, [&](size_t j) { return mechanism.joints[j].is_damped(); });
         if (!cluster.is_balanced) continue;
-        const auto unknowns = static_cast<Eigen::Index>(6 * cluster.frames.size() + cluster.rigid.size());
+        const auto unknowns = as_row(6 * cluster.frames.size() + cluster.rigid.size());
         cluster.matrix.setZero(unknowns, unknowns);
         cluster.right_hand_side.setZero(unknowns);
         cluster.solution.setZero(unknowns);
-        const auto motions = static_cast<Eigen::Index>(6 * cluster.frames.size());
+        const auto motions = as_row(6 * cluster.frames.size());
         cluster.stiffness.setZero(motions, motions);
         // Forces at a massless rotation are those of masses, moments are its own: these balance it first
         std::ranges::stable_partition(cluster.rigid, [](const Row& row) { return row.direction >= 3; });
-        cluster.directions.setZero(motions, static_cast<Eigen::Index>(cluster.rigid.size()));
+        cluster.directions.setZero(motions, as_row(cluster.rigid.size()));
         for (Eigen::VectorXd* v : {&cluster.scale, &cluster.follow}) v->setOnes(unknowns);
         cluster.undamped.setZero(unknowns, unknowns);
         cluster.reduced.setZero(unknowns, unknowns);
@@ -177,7 +178,7 @@ void MasslessFrames::find_rows(const Mechanism& mechanism, const std::vector<siz
         for (int d = 0; d < 6; ++d) {
             const JointHalf& half = d < 3 ? joint.translation_half() : joint.rotation_half();
             const double k = half.stiffness(d % 3), c = half.damping(d % 3);
-            if (joint.rigid()[static_cast<size_t>(d)]) {
+            if (joint.rigid()[as_size(d)]) {
                 cluster.rigid.push_back({j, d, index++});
             } else if (k > 0 || c > 0) {
                 lowest = std::min(lowest, c / k);
@@ -215,13 +216,12 @@ void MasslessFrames::add_to_basis(const Mechanism& mechanism, Cluster& cluster, 
     const Joint& joint = mechanism.joints[row.joint];
     for (int end : {0, 1}) {
         const int i = index_of(mechanism, end == 0 ? joint.from() : joint.to());
-        if (i < 0 || std::ranges::find(cluster.frames, static_cast<size_t>(i)) == cluster.frames.end()) continue;
+        if (i < 0 || std::ranges::find(cluster.frames, as_size(i)) == cluster.frames.end()) continue;
         Matrix6 G = local_columns(mechanism, row.joint, end);
         if (is_rigid) G = rigid_rows(mechanism, row.joint, G);
         for (int half : {0, 1})
-            if (massless_[static_cast<size_t>(i)][static_cast<size_t>(half)])
-                next.segment<3>(begin_[static_cast<size_t>(i)] + 3 * half) +=
-                    G.block<1, 3>(row.direction, 3 * half).transpose();
+            if (massless_[as_size(i)][as_size(half)])
+                next.segment<3>(begin_[as_size(i)] + 3 * half) += G.block<1, 3>(row.direction, 3 * half).transpose();
     }
     const double size = next.norm();
     for ([[maybe_unused]] const int round : {0, 1})
@@ -235,9 +235,8 @@ void MasslessFrames::add_to_basis(const Mechanism& mechanism, Cluster& cluster, 
 /// Number of a frame of the mechanism in a cluster; −1: it is not there.
 int MasslessFrames::frame_in(const Mechanism& mechanism, const Cluster& cluster, int frame) const {
     const int i = index_of(mechanism, frame);
-    if (i < 0 || &balances_.clusters[static_cast<size_t>(balances_.cluster_of[static_cast<size_t>(i)])] != &cluster)
-        return -1;
-    return balances_.begin[static_cast<size_t>(i)] / 6;
+    if (i < 0 || &balances_.clusters[as_size(balances_.cluster_of[as_size(i)])] != &cluster) return -1;
+    return balances_.begin[as_size(i)] / 6;
 }
 
 /// Of a joint with f = E + c r + q, r its rate and E what else it does: −Σ Gᵀ f + load = 0 on every frame, and no rate in
@@ -271,7 +270,7 @@ void MasslessFrames::add_balance(const Mechanism& mechanism, const Cluster& clus
     for (size_t k = 0; k < cluster.rigid.size(); ++k) {
         const Row& row = cluster.rigid[k];
         if (row.joint != j) continue;
-        const auto at = static_cast<Eigen::Index>(6 * cluster.frames.size() + k);
+        const auto at = as_row(6 * cluster.frames.size() + k);
         cluster.right_hand_side(at) = -opening(row.direction);
         for (int end : {0, 1})
             if (frames[end] >= 0) {
@@ -286,7 +285,7 @@ void MasslessFrames::add_balance(const Mechanism& mechanism, const Cluster& clus
 /// Rigid directions that say of the massless halves what those before them say are left out: their forces stay as they are
 /// known, and which of them balances is not left to rounding.
 void MasslessFrames::drop_dependent_rows(const Cluster& cluster) const {
-    const auto count = static_cast<Eigen::Index>(6 * cluster.frames.size());
+    const auto count = as_row(6 * cluster.frames.size());
     Eigen::Index kept = 0;
     for (Eigen::Index at = count; at < cluster.matrix.rows(); ++at) {
         auto next = cluster.directions.col(kept);
@@ -312,11 +311,11 @@ void MasslessFrames::solve_balance(const Cluster& cluster, double h, std::vector
     constexpr double kNothing = 1e-13;  // of the largest diagonal, of the largest pivot: rounding
     Eigen::MatrixXd &A = cluster.matrix, &K = cluster.stiffness, &N = cluster.undamped, &B = cluster.reduced;
     Eigen::VectorXd &r = cluster.right_hand_side, &d = cluster.scale, &z = cluster.follow;
-    const auto count = static_cast<Eigen::Index>(6 * cluster.frames.size());
+    const auto count = as_row(6 * cluster.frames.size());
     for (size_t k = 0; k < cluster.frames.size(); ++k)
         for (int half : {0, 1}) {
-            if (massless_[cluster.frames[k]][static_cast<size_t>(half)]) continue;
-            const auto at = static_cast<Eigen::Index>(6 * k) + 3 * half;
+            if (massless_[cluster.frames[k]][as_size(half)]) continue;
+            const auto at = as_row(6 * k) + 3 * half;
             A.middleRows<3>(at).setZero();
             A.middleCols<3>(at).setZero();
             K.middleRows<3>(at).setZero();
@@ -364,14 +363,13 @@ void MasslessFrames::solve_balance(const Cluster& cluster, double h, std::vector
     r.array() *= d.array();
     for (size_t k = 0; k < cluster.frames.size(); ++k) {
         const size_t i = frames_[cluster.frames[k]];
-        corrections[i] = {r.segment<3>(static_cast<Eigen::Index>(6 * k)),
-                          r.segment<3>(static_cast<Eigen::Index>(6 * k + 3))};
+        corrections[i] = {r.segment<3>(as_row(6 * k)), r.segment<3>(as_row(6 * k + 3))};
         velocities[i].linear += corrections[i].linear;
         velocities[i].angular += corrections[i].angular;
     }
     for (size_t k = 0; k < cluster.rigid.size(); ++k) {
         const Row& row = cluster.rigid[k];
-        q[row.index] += r(count + static_cast<Eigen::Index>(k));
+        q[row.index] += r(count + as_row(k));
     }
 }
 
@@ -380,9 +378,9 @@ void MasslessFrames::combine(std::span<Residual> residuals) const {
         if (cluster.is_rigid) continue;
         for (size_t k = 0; k < cluster.frames.size(); ++k) {
             const Residual& own = residuals[cluster.frames[k]];
-            cluster.end.segment<6>(static_cast<Eigen::Index>(6 * k)) = own.end;
-            cluster.step.segment<6>(static_cast<Eigen::Index>(6 * k)) = own.step - own.end;
-            cluster.half_way.segment<6>(static_cast<Eigen::Index>(6 * k)) = own.half_way - own.end;
+            cluster.end.segment<6>(as_row(6 * k)) = own.end;
+            cluster.step.segment<6>(as_row(6 * k)) = own.step - own.end;
+            cluster.half_way.segment<6>(as_row(6 * k)) = own.half_way - own.end;
         }
         for (int k = 0; k < cluster.rank; ++k) {
             const auto direction = cluster.basis.col(k);
@@ -390,9 +388,9 @@ void MasslessFrames::combine(std::span<Residual> residuals) const {
         }
         for (size_t k = 0; k < cluster.frames.size(); ++k)
             for (int half : {0, 1})
-                if (massless_[cluster.frames[k]][static_cast<size_t>(half)])
+                if (massless_[cluster.frames[k]][as_size(half)])
                     residuals[cluster.frames[k]].step.segment<3>(3 * half) =
-                        cluster.end.segment<3>(static_cast<Eigen::Index>(6 * k) + 3 * half);
+                        cluster.end.segment<3>(as_row(6 * k) + 3 * half);
     }
 }
 

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/index.h"
 #include "mechanism/mechanism.h"
 
 namespace dttmm::plugin {
@@ -30,13 +31,13 @@ public:
     /// Of an inner frame; −1: it has none.
     int index_of(size_t frame) const { return index_[frame]; }
     bool is_massless(size_t frame, int half) const {
-        return index_[frame] >= 0 && massless_[static_cast<size_t>(index_[frame])][static_cast<size_t>(half)];
+        return index_[frame] >= 0 && massless_[as_size(index_[frame])][as_size(half)];
     }
     /// Whether the forces of a joint are wanted at the end of the step; those of its damper half way.
     bool is_settling(size_t joint) const { return settling_[joint]; }
     bool is_half_way(size_t joint) const { return half_way_[joint]; }
     /// τ [s]
-    double relaxation(size_t i) const { return clusters_[static_cast<size_t>(cluster_of_[i])].relaxation; }
+    double relaxation(size_t i) const { return clusters_[as_size(cluster_of_[i])].relaxation; }
 
     /// Finds the parts of the space of motions where the frames are at t_n.
     void look(const Mechanism& mechanism);
@@ -51,7 +52,7 @@ public:
     /// Whether rigid directions are in the balance of an inner frame.
     bool is_rigidly_joined(size_t frame) const {
         if (index_[frame] < 0) return false;
-        const auto cluster = static_cast<size_t>(balances_.cluster_of[static_cast<size_t>(index_[frame])]);
+        const auto cluster = as_size(balances_.cluster_of[as_size(index_[frame])]);
         return !balances_.clusters[cluster].rigid.empty();
     }
     /// Whether a massless frame has dampers or rigid directions: then find_instant has something to find.
@@ -81,11 +82,10 @@ public:
             cluster.stiffness.setZero();
             cluster.right_hand_side.setZero();
             for (size_t k = 0; k < cluster.frames.size(); ++k)
-                cluster.right_hand_side.segment<6>(static_cast<Eigen::Index>(6 * k)) = load(frames_[cluster.frames[k]]);
+                cluster.right_hand_side.segment<6>(as_row(6 * k)) = load(frames_[cluster.frames[k]]);
             for (size_t j : cluster.joints) {
                 const Joint& joint = mechanism.joints[j];
-                const FrameView from = frames[static_cast<size_t>(joint.from())],
-                                to = frames[static_cast<size_t>(joint.to())];
+                const FrameView from = frames[as_size(joint.from())], to = frames[as_size(joint.to())];
                 add_balance(mechanism, cluster, j, joint.pose(from, to), acting(j), q);
             }
             solve_balance(cluster, h, velocities, corrections, q);
@@ -125,7 +125,7 @@ private:
     /// Of a frame of the mechanism; −1: it is driven, or has none.
     int index_of(const Mechanism& mechanism, int frame) const {
         const int inner = frame - mechanism.assembly.driven_count;
-        return inner < 0 ? -1 : index_[static_cast<size_t>(inner)];
+        return inner < 0 ? -1 : index_[as_size(inner)];
     }
     /// Massless frames that joints of a kind join; a cluster of every massless frame, and its first unknown there.
     struct Grouping {

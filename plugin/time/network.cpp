@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/index.h"
 #include "core/rotation.h"
 
 namespace dttmm::plugin {
@@ -60,11 +61,10 @@ Network::Network(const dttmm_network& description, Places places) : places_(std:
             if (interior_ && (interior_->is_massless(joint.from(), half) || interior_->is_massless(joint.to(), half)))
                 joint.take_ends(half);
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
-        mechanism_.joints[j].report_work(description.at_work,
-                                         places_.elements[static_cast<size_t>(mechanism_.joints[j].element())]);
+        mechanism_.joints[j].report_work(description.at_work, places_.elements[as_size(mechanism_.joints[j].element())]);
         (mechanism_.joints[j].has_laws() ? joints_with_laws_ : linear_joints_).push_back(j);
         for (int d = 0; d < 6; ++d)
-            if (mechanism_.joints[j].law().laws[static_cast<size_t>(d)]) law_looks_.push_back({j, d, 0, 0, 0});
+            if (mechanism_.joints[j].law().laws[as_size(d)]) law_looks_.push_back({j, d, 0, 0, 0});
     }
     choose_blocks();
     declare_channels(description);
@@ -94,14 +94,14 @@ void Network::declare_channels(const dttmm_network& description) {
         piece_begin_.push_back(channels_.size());
         chains_.push_back({});
         if (count == 0) continue;
-        if (count == 1 && mechanism_.joints[static_cast<size_t>(first)].is_axial()) {
+        if (count == 1 && mechanism_.joints[as_size(first)].is_axial()) {
             declare("force", "N", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_RESULT);
             declare("length", "m", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_RESULT);
         } else {
             declare_vectors("", {{"force", "N"}, {"moment", "N*m"}, {"deflection", "m"}}, DTTMM_OF_ELEMENT, e,
                             DTTMM_ROLE_RESULT);
             // Where nothing resists it a rotation may go on for ever, and its vector then jumps
-            const bool turns = count > 1 || mechanism_.joints[static_cast<size_t>(first)].turns();
+            const bool turns = count > 1 || mechanism_.joints[as_size(first)].turns();
             declare_vectors("", {{"rotation", "rad"}}, DTTMM_OF_ELEMENT, e,
                             turns ? DTTMM_ROLE_RESULT : DTTMM_ROLE_ON_REQUEST);
         }
@@ -113,11 +113,11 @@ void Network::declare_channels(const dttmm_network& description) {
             declare_vectors(fmt::format("section{}.", k), {{"force", "N"}, {"moment", "N*m"}}, DTTMM_OF_ELEMENT, e,
                             DTTMM_ROLE_ON_REQUEST);
         ChainView& chain = chains_.back();
-        chain.from_node = static_cast<int>(description.elements[e].ends[0]);
-        chain.to_node = static_cast<int>(description.elements[e].ends[1]);
-        const Matrix3& axes = assembly.joints[static_cast<size_t>(first)].pose.rotation;
+        chain.from_node = as_int(description.elements[e].ends[0]);
+        chain.to_node = as_int(description.elements[e].ends[1]);
+        const Matrix3& axes = assembly.joints[as_size(first)].pose.rotation;
         const auto pose = [&](int node) -> const Pose& {
-            return assembly.frames[static_cast<size_t>(assembly.nodes[static_cast<size_t>(node)].frame)].pose;
+            return assembly.frames[as_size(assembly.nodes[as_size(node)].frame)].pose;
         };
         chain.from_axes = pose(chain.from_node).rotation.transpose() * axes;
         chain.to_axes = pose(chain.to_node).rotation.transpose() * axes;
@@ -135,7 +135,7 @@ void Network::declare_inner(const dttmm_network& description) {
     const Assembly& assembly = mechanism_.assembly;
     for (uint32_t n = 0; n < description.node_count; ++n) {
         if (description.nodes[n].kind != DTTMM_NODE_INNER || assembly.nodes[n].frame < assembly.driven_count) continue;
-        shown_nodes_.push_back(static_cast<int>(n));
+        shown_nodes_.push_back(as_int(n));
         declare_vectors("",
                         {{"position", "m"},
                          {"velocity", "m/s"},
@@ -161,7 +161,7 @@ void Network::choose_blocks() {
     if (interior_) {
         for (uint32_t row = 0; row < ports; ++row)
             for (uint32_t column = 0; column < ports; ++column) blocks_.push_back({place(row), place(column)});
-        dense_.resize(36 * static_cast<size_t>(ports) * ports);
+        dense_.resize(36 * as_size(ports) * ports);
     } else {
         std::map<std::pair<int, int>, int> found;
         for (const Joint& joint : mechanism_.joints) {
@@ -171,7 +171,7 @@ void Network::choose_blocks() {
                     const int row = joint.frame(i), column = joint.frame(j);
                     own.at[i][j] = -1;
                     if (row >= port_count() || column >= port_count()) continue;
-                    const auto [entry, is_new] = found.try_emplace({row, column}, static_cast<int>(blocks_.size()));
+                    const auto [entry, is_new] = found.try_emplace({row, column}, as_int(blocks_.size()));
                     if (is_new) blocks_.push_back({place(static_cast<uint32_t>(row)), place(static_cast<uint32_t>(column))});
                     own.at[i][j] = entry->second;
                 }
@@ -186,7 +186,7 @@ void Network::add_stiffness(size_t joint, const EndBlocks& blocks, double* stiff
     for (int i : {0, 1})
         for (int j : {0, 1})
             if (const int block = joint_blocks_[joint].at[i][j]; block >= 0)
-                Eigen::Map<RowMajor6>(stiffness + 36 * block_places_[static_cast<size_t>(block)]) += blocks.at[i][j];
+                Eigen::Map<RowMajor6>(stiffness + 36 * block_places_[as_size(block)]) += blocks.at[i][j];
 }
 
 /// Adds a matrix over all ports.
@@ -194,8 +194,7 @@ void Network::add_dense(const double* matrix, double* stiffness) const {
     const Eigen::Index ports = port_count();
     const Eigen::Map<const RowMajor> S(matrix, 6 * ports, 6 * ports);
     for (Eigen::Index b = 0; b < ports * ports; ++b)
-        Eigen::Map<RowMajor6>(stiffness + 36 * block_places_[static_cast<size_t>(b)]) +=
-            S.block<6, 6>(6 * (b / ports), 6 * (b % ports));
+        Eigen::Map<RowMajor6>(stiffness + 36 * block_places_[as_size(b)]) += S.block<6, 6>(6 * (b / ports), 6 * (b % ports));
 }
 
 // ---- The force law at one instant ---------------------------------------------------------------------------------------
@@ -226,18 +225,18 @@ void Network::linearise_joints(const dttmm_motion* bodies, double* wrench, doubl
 void Network::take_up(const double* motion, double* elastic, double* damped) const {
     std::vector<Vector6> u;
     for (int p = 0; p < port_count(); ++p)
-        u.emplace_back(Eigen::Map<const Vector6>(motion + 6 * places_.bodies[static_cast<size_t>(p)]));
+        u.emplace_back(Eigen::Map<const Vector6>(motion + 6 * places_.bodies[as_size(p)]));
     u.resize(mechanism_.frames.size(), Vector6::Zero());
     if (interior_) interior_->follow(mechanism_, u);
     std::vector<Frame> at;
     for (const FrameSpec& frame : mechanism_.assembly.frames) at.push_back(make_frame(frame.pose));
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
-        const auto f = static_cast<size_t>(joint.from()), t = static_cast<size_t>(joint.to());
+        const auto f = as_size(joint.from()), t = as_size(joint.to());
         const JointPose pose = joint.pose(at[f], at[t]);
         const Vector6 x = joint.deformation(pose, at[f], at[t]);
         const Vector6 q = joint.by_from(pose) * u[f] + joint.by_to(pose) * u[t];
-        const size_t element = places_.elements[static_cast<size_t>(joint.element())];
+        const size_t element = places_.elements[as_size(joint.element())];
         elastic[element] += q.dot(joint.stiffness_tangent(x, mechanism_.memory(j)) * q);
         if (!interior_) damped[element] += q.dot(joint.damping_tangent(x) * q);
     }
@@ -261,16 +260,16 @@ void Network::start(const dttmm_step& step, const dttmm_motion* bodies, const do
     } else {
         start_joints(bodies, accelerations);
     }
-    for (int p = 0; p < port_count(); ++p) start_velocities_[static_cast<size_t>(p)] = ports(bodies).twist(p);
+    for (int p = 0; p < port_count(); ++p) start_velocities_[as_size(p)] = ports(bodies).twist(p);
     started_ = true;
     stands_ = false;
 }
 
 void Network::start_joints(const dttmm_motion* bodies, const double* accelerations) {
-    for (int p = 0; p < port_count(); ++p) mechanism_.frames[static_cast<size_t>(p)] = seen(p, bodies).copy();
+    for (int p = 0; p < port_count(); ++p) mechanism_.frames[as_size(p)] = seen(p, bodies).copy();
     const auto acceleration = [&](int frame) {
         if (frame >= port_count()) return Twist{};
-        const double* a = accelerations + 6 * places_.bodies[static_cast<size_t>(frame)];
+        const double* a = accelerations + 6 * places_.bodies[as_size(frame)];
         return Twist{Eigen::Map<const Vector3>(a), Eigen::Map<const Vector3>(a + 3)};
     };
     mechanism_.start_joints([&](int frame) { return velocity(frame, bodies); }, acceleration);
@@ -395,7 +394,7 @@ void Network::commit_joints(const dttmm_motion* bodies) {
     }
     earlier_.swap(mechanism_.before);
     mechanism_.before.swap(mechanism_.frames);
-    for (int p = 0; p < port_count(); ++p) mechanism_.frames[static_cast<size_t>(p)] = seen(p, bodies).copy();
+    for (int p = 0; p < port_count(); ++p) mechanism_.frames[as_size(p)] = seen(p, bodies).copy();
 }
 
 void Network::discard_step() {
@@ -406,7 +405,7 @@ void Network::discard_step() {
 // ---- What stands at t_n -------------------------------------------------------------------------------------------------
 
 Twist Network::velocity_at_start(int frame) const {
-    if (frame < port_count()) return port_velocities_[static_cast<size_t>(frame)];
+    if (frame < port_count()) return port_velocities_[as_size(frame)];
     return interior_ ? interior_->velocity(frame) : Twist{};
 }
 
@@ -433,7 +432,7 @@ Vector6 Network::rate_at_start(size_t j) const {
 }
 
 void Network::add_wrenches(double* wrench) const {
-    for (int p = 0; p < port_count(); ++p) Eigen::Map<Vector6>{on_body(p, wrench)} += wrenches_[static_cast<size_t>(p)];
+    for (int p = 0; p < port_count(); ++p) Eigen::Map<Vector6>{on_body(p, wrench)} += wrenches_[as_size(p)];
 }
 
 /// Newmark's rule has (a_n + a_{n+1})/2 as the acceleration over a step, so elastic forces are means of its two ends and
@@ -453,7 +452,7 @@ void Network::find_mean_wrenches() const {
         Vector6 f = joint.force(x, rate, mechanism_.memory_before(j), 0.5);
         if (joint.has_laws()) f += joint.beyond_mean(mechanism_.scheme, x, state.deformation(), mechanism_.memory_before(j));
         if (joint.rigid().any()) f += interior_->rigid_force(mechanism_, j);
-        const auto from = static_cast<size_t>(joint.from()), to = static_cast<size_t>(joint.to());
+        const auto from = as_size(joint.from()), to = as_size(joint.to());
         poses_[j] = joint.pose(mechanism_.before[from], mechanism_.before[to]);
         JointForce force = poses_[j].act(f);
         force.add(0.5, state.elastic);
@@ -470,7 +469,7 @@ void Network::mean_wrench(double* wrench) const {
 
 void Network::stand(const dttmm_motion* bodies, double* wrench) const {
     if (mechanism_.steps == 0 || open_) throw Error(DTTMM_ERROR_PHASE, "stand: only after a commit");
-    for (int p = 0; p < port_count(); ++p) port_velocities_[static_cast<size_t>(p)] = ports(bodies).twist(p);
+    for (int p = 0; p < port_count(); ++p) port_velocities_[as_size(p)] = ports(bodies).twist(p);
     stand_by_port_velocities();
     add_wrenches(wrench);
 }
@@ -500,7 +499,7 @@ void Network::stand_by_port_velocities() const {
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
         const JointState& state = mechanism_.states[j];
-        const auto from = static_cast<size_t>(joint.from()), to = static_cast<size_t>(joint.to());
+        const auto from = as_size(joint.from()), to = as_size(joint.to());
         if (!is_implicit()) poses_[j] = joint.pose(mechanism_.before[from], mechanism_.before[to]);
         Vector6& f = forces_[j] =
             joint.force(state.deformation_before(), mechanism_.damper(j) ? rate_at_start(j) : Vector6(Vector6::Zero()),
@@ -526,7 +525,7 @@ void Network::for_each_state(Self& self, const Visit& visit) {
     visit(std::span(mechanism.dampers));
     visit(std::span(mechanism.law_memory));
     visit(std::span(mechanism.law_memory_before));
-    const auto ports = static_cast<size_t>(self.port_count()), driven = static_cast<size_t>(mechanism.assembly.driven_count);
+    const auto ports = as_size(self.port_count()), driven = as_size(mechanism.assembly.driven_count);
     for (auto* frames : {&mechanism.frames, &mechanism.before}) {  // the ground behind the ports stays where it is
         visit(std::span(*frames).first(ports));
         visit(std::span(*frames).subspan(driven));
@@ -594,7 +593,7 @@ double* Network::write_joint(double* out, size_t j) const {
 /// Strain and dissipated energy of joints first … last − 1.
 double* Network::write_energies(double* out, int first, int last) const {
     double strain = 0, dissipated = 0;
-    for (auto j = static_cast<size_t>(first); j < static_cast<size_t>(last); ++j) {
+    for (auto j = as_size(first); j < as_size(last); ++j) {
         const Joint& joint = mechanism_.joints[j];
         strain += joint.strain_energy(mechanism_.states[j].d_before, mechanism_.states[j].theta_before,
                                       mechanism_.memory_before(j));
@@ -611,8 +610,7 @@ double* Network::write_chain(double* out, size_t element) const {
     const ChainView& chain = chains_[element];
     const int first = assembly.first_joint[element], last = assembly.first_joint[element + 1];
     double* const total = out;
-    const NodeSpec &from_node = assembly.nodes[static_cast<size_t>(chain.from_node)],
-                   &to_node = assembly.nodes[static_cast<size_t>(chain.to_node)];
+    const NodeSpec &from_node = assembly.nodes[as_size(chain.from_node)], &to_node = assembly.nodes[as_size(chain.to_node)];
     const FrameView from = mechanism_.frame_before(from_node.frame), to = mechanism_.frame_before(to_node.frame);
     const Matrix3 axes = from.axes() * chain.from_axes;
     const Vector3 way = to.origin() + to.axes() * to_node.offset - from.origin() - from.axes() * from_node.offset;
@@ -626,9 +624,9 @@ double* Network::write_chain(double* out, size_t element) const {
     // The joints of whole segments sit at the sections; those of the half segments at the ends, a quarter segment off
     const double quarter = chain.rest.norm() / (4 * (last - first - 1));
     for (int j = first; j < last; ++j) {
-        Vector6 f = forces_[static_cast<size_t>(j)];
-        turn_to_limit = std::max(turn_to_limit, mechanism_.states[static_cast<size_t>(j)].theta_before.norm() /
-                                                    mechanism_.joints[static_cast<size_t>(j)].law().most_turn);
+        Vector6 f = forces_[as_size(j)];
+        turn_to_limit = std::max(turn_to_limit, mechanism_.states[as_size(j)].theta_before.norm() /
+                                                    mechanism_.joints[as_size(j)].law().most_turn);
         const double way_to_joint = j == first ? quarter : j == last - 1 ? -quarter : 0;
         f.tail<3>() += Vector3(way_to_joint, 0, 0).cross(Vector3(f.head<3>()));
         Eigen::Map<Vector6>{out} = f;
@@ -641,7 +639,7 @@ double* Network::write_chain(double* out, size_t element) const {
 double* Network::write_node(double* out, size_t node) const {
     const NodeSpec& spec = mechanism_.assembly.nodes[node];
     const FrameView before = mechanism_.frame_before(spec.frame);
-    const Matrix3& start = mechanism_.assembly.frames[static_cast<size_t>(spec.frame)].pose.rotation;
+    const Matrix3& start = mechanism_.assembly.frames[as_size(spec.frame)].pose.rotation;
     const Twist v = interior_->velocity(mechanism_, spec.frame, spec.offset);
     const Twist a = interior_->acceleration(mechanism_, spec.frame, spec.offset);
     const Vector3 turned = rotation_vector(before.axes() * start.transpose());
@@ -662,13 +660,13 @@ void Network::outputs(double* values) const {
         const int count = first_joint[e + 1] - first_joint[e];
         double* const out = values + output_places_[e];
         if (count == 1)
-            write_energies(write_joint(out, static_cast<size_t>(first_joint[e])), first_joint[e], first_joint[e + 1]);
+            write_energies(write_joint(out, as_size(first_joint[e])), first_joint[e], first_joint[e + 1]);
         else if (count > 1)
             write_chain(out, e);
     }
     if (!interior_) return;
     double* out = values + output_places_[elements];
-    for (int node : shown_nodes_) out = write_node(out, static_cast<size_t>(node));
+    for (int node : shown_nodes_) out = write_node(out, as_size(node));
     out[0] = interior_->kinetic_energy(mechanism_);
     out[1] = interior_->work(mechanism_);
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/index.h"
 #include "dttmm_plugin.h"
 #include "mechanism/mechanism.h"
 #include "time/interior.h"
@@ -83,7 +84,7 @@ public:
 private:
     Ports ports(const dttmm_motion* bodies) const { return {bodies, places_.bodies.data()}; }
     FrameView seen(int frame, const dttmm_motion* bodies) const {
-        if (frame < port_count()) return bodies[places_.bodies[static_cast<size_t>(frame)]];
+        if (frame < port_count()) return bodies[places_.bodies[as_size(frame)]];
         return mechanism_.frame(frame);
     }
     Ends seen(const Joint& joint, const dttmm_motion* bodies) const {
@@ -93,7 +94,7 @@ private:
         return frame < port_count() ? ports(bodies).twist(frame) : Twist{};
     }
     double* on_body(int frame, double* wrench) const {
-        return frame < port_count() ? wrench + 6 * places_.bodies[static_cast<size_t>(frame)] : nullptr;
+        return frame < port_count() ? wrench + 6 * places_.bodies[as_size(frame)] : nullptr;
     }
     void add_wrench(const Joint& joint, const JointForce& force, double* wrench) const {
         Joint::add_wrench(force, on_body(joint.from(), wrench), on_body(joint.to(), wrench));
@@ -121,7 +122,7 @@ private:
     void stand_by_port_velocities() const;
     void stand_by_centred_velocities() const;
     void add_wrenches(double* wrench) const;
-    bool has_limit(int joint) const { return std::isfinite(mechanism_.joints[static_cast<size_t>(joint)].law().most_turn); }
+    bool has_limit(int joint) const { return std::isfinite(mechanism_.joints[as_size(joint)].law().most_turn); }
     double* write_joint(double* out, size_t joint) const;
     double* write_chain(double* out, size_t element) const;
     double* write_node(double* out, size_t node) const;

@@ -5,8 +5,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <deque>
-#include <set>
 
 #include "core/error.h"
 #include "core/index.h"
@@ -15,56 +13,6 @@
 namespace dttmm::plugin {
 
 namespace {
-
-/// Order of elimination: frames with one neighbour left as long as there are any, in the order in which they come up, so
-/// that a chain is eaten from both tips; among them those held by something known last, so that the frames of a tree that
-/// hangs there find the frame which carries them; where only loops are left, the frame with the fewest neighbours. `graph`
-/// is filled in on the way.
-std::vector<int> find_order(std::vector<std::set<int>>& graph, const std::vector<bool>& is_held) {
-    const size_t n = graph.size();
-    std::vector<std::set<int>> left = graph;
-    std::vector<bool> done(n), queued(n);
-    std::deque<int> free_tips, held_tips;
-    std::set<std::pair<size_t, int>> by_degree;
-    const auto queue_if_tip = [&](size_t f) {
-        if (left[f].size() > 1 || queued[f]) return;
-        (is_held[f] ? held_tips : free_tips).push_back(as_int(f));
-        queued[f] = true;
-    };
-    for (size_t f = 0; f < n; ++f) {
-        by_degree.emplace(left[f].size(), as_int(f));
-        queue_if_tip(f);
-    }
-    std::vector<int> order;
-    while (order.size() < n) {
-        int frame;
-        if (std::deque<int>& tips = free_tips.empty() ? held_tips : free_tips; !tips.empty()) {
-            frame = tips.front();
-            tips.pop_front();
-        } else {
-            frame = by_degree.begin()->second;
-        }
-        const auto f = as_size(frame);
-        if (done[f]) continue;
-        done[f] = true;
-        order.push_back(frame);
-        by_degree.erase({left[f].size(), frame});
-        const std::set<int> neighbours = left[f];
-        for (int a : neighbours) {
-            auto& of_a = left[as_size(a)];
-            by_degree.erase({of_a.size(), a});
-            of_a.erase(frame);
-            for (int b : neighbours)
-                if (a != b) {
-                    of_a.insert(b);
-                    graph[as_size(a)].insert(b);
-                }
-            by_degree.emplace(of_a.size(), a);
-            queue_if_tip(as_size(a));
-        }
-    }
-    return order;
-}
 
 /// Indices of rows independent of each other, the most independent first; a row whose rest is below `threshold` is left out.
 template <class Matrix>
@@ -88,125 +36,50 @@ void choose_independent(Matrix rows, double threshold, std::vector<int>& choice,
 }  // namespace
 
 Elimination::Elimination(int frame_count, const std::vector<Link>& links, double least_lever)
-    : least_turning_(least_lever * least_lever) {
+    : order_(std::make_shared<const EliminationOrder>(frame_count, links)), least_turning_(least_lever * least_lever) {
     const auto n = as_size(frame_count);
     diagonal_.assign(n, Matrix6::Zero());
     acting_.assign(n, Vector6::Zero());
     work_.assign(n, Matrix6::Zero());
-    std::vector<std::set<int>> graph(n);
-    std::vector<bool> is_held(n);
-    for (const Link& link : links) {
-        if (link.from < 0 || link.to < 0) {
-            if (link.rigid_count > 0) is_held[as_size(std::max(link.from, link.to))] = true;
-        } else if (link.from != link.to) {
-            graph[as_size(link.from)].insert(link.to);
-            graph[as_size(link.to)].insert(link.from);
-        }
-    }
-    const std::vector<int> order = find_order(graph, is_held);
-    order_.resize(n);
-    for (size_t k = 0; k < n; ++k) order_[as_size(order[k])] = as_int(k);
-    const auto earlier = [&](int a, int b) { return order_[as_size(a)] < order_[as_size(b)]; };
-
-    // Couplings of later frames with each frame, the fills included
-    std::vector<std::vector<std::pair<int, int>>> later(n);  // (frame, coupling)
-    for (size_t f = 0; f < n; ++f) {
-        for (int other : graph[f]) {
-            if (!earlier(as_int(f), other)) continue;
-            later[f].emplace_back(other, as_int(couplings_.size()));
-            couplings_.push_back({as_int(f), other});
-        }
-    }
-    const auto coupling_of = [&](int a, int b) {
-        if (!earlier(a, b)) std::swap(a, b);
-        for (const auto& [frame, coupling] : later[as_size(a)])
-            if (frame == b) return coupling;
-        return -1;
-    };
-    for (size_t l = 0; l < links.size(); ++l) {
-        const Link& link = links[l];
-        const bool inside = link.from >= 0 && link.to >= 0 && link.from != link.to;
-        link_coupling_.push_back(inside ? coupling_of(link.from, link.to) : -1);
-        link_transposed_.push_back(inside && !earlier(link.from, link.to));
-        rigid_begin_.push_back(rigid_total_);
-        rigid_total_ += link.rigid_count;
-        for (int i = 0; i < link.rigid_count; ++i)
-            rigid_rows_.push_back({as_int(l), i, {link.from, link.to}, {Vector6::Zero(), Vector6::Zero()}});
-    }
-
-    pivots_.resize(n);
-    for (size_t k = 0; k < n; ++k) {
-        Pivot& pivot = pivots_[k];
-        pivot.frame = order[k];
-        for (const auto& [frame, coupling] : later[as_size(pivot.frame)]) pivot.neighbours.push_back({frame, coupling});
-        for (size_t i = 0; i < pivot.neighbours.size(); ++i)
-            for (size_t j = i + 1; j < pivot.neighbours.size(); ++j)
-                pivot.fills.push_back(coupling_of(pivot.neighbours[i].frame, pivot.neighbours[j].frame));
-    }
+    couplings_.assign(order_->couplings().size(), Matrix6::Zero());
+    filled_.assign(as_size(order_->filled_count()), Matrix6::Zero());
+    rows_.resize(order_->rows().size());
+    inverses_.assign(order_->plain().size(), Matrix6::Zero());
+    gains_ = inverses_;
     const auto reserve = [](OpenRows& open, size_t frames) {
         open.rows.reserve(kMostRows);
         open.by.resize(frames);
     };
     size_t most_neighbours = 0;
-    for (size_t row = 0; row < rigid_rows_.size(); ++row) {
-        const RigidRow& rigid = rigid_rows_[row];
-        int first = std::max(rigid.frames[0], rigid.frames[1]);
-        if (rigid.frames[0] >= 0 && rigid.frames[1] >= 0)
-            first = earlier(rigid.frames[0], rigid.frames[1]) ? rigid.frames[0] : rigid.frames[1];
-        pivots_[as_size(order_[as_size(first)])].rigid.push_back(as_int(row));
-    }
-    for (size_t k = 0; k < n; ++k) {
-        Pivot& pivot = pivots_[k];
-        pivot.is_plain = pivot.rigid.empty() && pivot.children.empty() && pivot.neighbours.size() <= 1;
-        pivot.index = as_int(pivot.is_plain ? plain_.size() : general_.size());
-        plain_index_.push_back(pivot.is_plain ? pivot.index : -1);
-        // The rigid directions of one joint are independent of each other: nothing to pass on
-        const auto link_of = [&](int row) { return rigid_rows_[as_size(row)].link; };
-        const bool of_one_joint = pivot.rigid.empty() || link_of(pivot.rigid.front()) == link_of(pivot.rigid.back());
-        if (!pivot.neighbours.empty() && (!of_one_joint || !pivot.children.empty())) {
-            pivot.passed = as_int(passed_.size());
-            passed_.emplace_back();
-            reserve(passed_.back().open, pivot.neighbours.size());
-            int next = as_int(n);
-            for (const Neighbour& neighbour : pivot.neighbours) next = std::min(next, order_[as_size(neighbour.frame)]);
-            pivots_[as_size(next)].children.push_back(as_int(k));
-        }
-        if (pivot.is_plain) {
-            plain_.push_back({pivot.frame, pivot.neighbours.empty() ? -1 : pivot.neighbours.front().frame});
-            continue;
-        }
-        General general;
-        general.gains.resize(pivot.neighbours.size());
+    for (size_t neighbours : order_->general()) {
+        General& general = general_.emplace_back();
+        general.gains.resize(neighbours);
         general.kept.reserve(kMostRows);
-        general_.push_back(std::move(general));
-        most_neighbours = std::max(most_neighbours, pivot.neighbours.size());
+        most_neighbours = std::max(most_neighbours, neighbours);
     }
+    for (size_t neighbours : order_->passing()) reserve(passed_.emplace_back().open, neighbours);
     reserve(open_, 1 + most_neighbours);
     columns_.resize(general_.size());
-    inverses_.assign(plain_.size(), Matrix6::Zero());
-    gains_ = inverses_;
 }
 
 void Elimination::set_zero() {
     for (Matrix6& block : diagonal_) block.setZero();
     for (Vector6& acting : acting_) acting.setZero();
-    for (Coupling& coupling : couplings_) coupling.original.setZero();
+    for (Matrix6& coupling : couplings_) coupling.setZero();
 }
 
 void Elimination::add_coupling(int link, const Matrix6& block) {
-    const int coupling = link_coupling_[as_size(link)];
-    if (coupling < 0) return;
-    Matrix6& into = couplings_[as_size(coupling)].original;
-    if (link_transposed_[as_size(link)])
+    const EliminationOrder::OfLink& own = order_->links()[as_size(link)];
+    if (own.coupling < 0) return;
+    Matrix6& into = couplings_[as_size(own.coupling)];
+    if (own.is_transposed)
         into += block.transpose();
     else
         into += block;
 }
 
 void Elimination::set_rigid(int link, int i, const Vector6& by_from, const Vector6& by_to) {
-    RigidRow& row = rigid_rows_[as_size(rigid_begin(link) + i)];
-    row.by[0] = by_from;
-    row.by[1] = by_to;
+    rows_[as_size(rigid_begin(link) + i)] = {{by_from, by_to}};
 }
 
 // ---- The factor ---------------------------------------------------------------------------------------------------------
@@ -214,12 +87,11 @@ void Elimination::set_rigid(int link, int i, const Vector6& by_from, const Vecto
 std::optional<Elimination::Fault> Elimination::factor() {
     negatives_ = 0;
     work_ = diagonal_;
-    for (Coupling& coupling : couplings_) coupling.block = coupling.original;
+    for (size_t c = 0; c < couplings_.size(); ++c)
+        if (const int filled = order_->couplings()[c].filled; filled >= 0) filled_[as_size(filled)] = couplings_[c];
     Fault fault;
-    for (size_t k = 0; k < pivots_.size(); ++k) {
-        const Pivot& pivot = pivots_[k];
-        if (!(pivot.is_plain ? factor_plain(pivot, fault) : factor_general(k, fault))) return fault;
-    }
+    for (const Pivot& pivot : order_->pivots())
+        if (!(pivot.is_plain ? factor_plain(pivot, fault) : factor_general(pivot, fault))) return fault;
     return std::nullopt;
 }
 
@@ -230,7 +102,7 @@ bool Elimination::gather(const Pivot& pivot, OpenRows& open) const {
     const auto own = as_row(pivot.rigid.size());
     Eigen::Index count = own;
     for (int child : pivot.children) {
-        const OpenRows& passed = passed_[as_size(pivots_[as_size(child)].passed)].open;
+        const OpenRows& passed = passed_[as_size(order_->pivots()[as_size(child)].passed)].open;
         count += as_row(passed.rows.size());
         if (count > kMostRows) return false;
         open.rows.insert(open.rows.end(), passed.rows.begin(), passed.rows.end());
@@ -243,13 +115,13 @@ bool Elimination::gather(const Pivot& pivot, OpenRows& open) const {
         Rows& by = open.by[i];
         by.setZero(count, 6);
         for (Eigen::Index k = 0; k < own; ++k) {
-            const RigidRow& row = rigid_rows_[as_size(open.rows[as_size(k)])];
+            const auto row = as_size(open.rows[as_size(k)]);
             for (int end : {0, 1})
-                if (row.frames[end] == frame) by.row(k) = row.by[end].transpose();
+                if (order_->rows()[row].frames[end] == frame) by.row(k) = rows_[row].by[end].transpose();
         }
         Eigen::Index at = own;
         for (int c : pivot.children) {
-            const Pivot& child = pivots_[as_size(c)];
+            const Pivot& child = order_->pivots()[as_size(c)];
             const OpenRows& passed = passed_[as_size(child.passed)].open;
             const auto rows = as_row(passed.rows.size());
             for (size_t k = 0; k < child.neighbours.size(); ++k) {
@@ -341,7 +213,7 @@ bool Elimination::decompose(const Pivot& pivot, const Block& block, const Column
     if (weakest < 6) {
         fault.direction = weakest;
     } else {
-        const RigidRow& row = rigid_rows_[as_size(rows[as_size(weakest - 6)])];
+        const EliminationOrder::Row& row = order_->rows()[as_size(rows[as_size(weakest - 6)])];
         fault.link = row.link;
         fault.rigid = row.index;
     }
@@ -364,19 +236,19 @@ bool Elimination::factor_plain(const Pivot& pivot, Fault& fault) {
     if (!decompose(pivot, work_[as_size(pivot.frame)], motion_scale(pivot), {}, smallest_ratio_, fault)) return false;
     const auto index = as_size(pivot.index);
     inverses_[index] = inverse();
-    if (plain_[index].neighbour < 0) return true;
-    const Matrix6& B = couplings_[as_size(pivot.neighbours.front().coupling)].block;
+    if (pivot.neighbours.empty()) return true;
+    const Matrix6& B = coupling(pivot.neighbours.front());
     gains_[index] = solve_block(B);
-    work_[as_size(plain_[index].neighbour)] -= B.transpose() * gains_[index];
+    work_[as_size(pivot.neighbours.front().frame)] -= B.transpose() * gains_[index];
     return true;
 }
 
-bool Elimination::factor_general(size_t index, Fault& fault) {
+/// Its own block with rows that are independent of each other by this frame's motion; all of them where there is no other
+/// frame. Few to begin with; all that can be told apart if that leaves the frame free.
+bool Elimination::factor_general(const Pivot& pivot, Fault& fault) {
     constexpr double kPoor = 1e-9;  // of eigenvalues: what a frame that rows hold too little would leave
-    const Pivot& pivot = pivots_[index];
-    General& general = general_[as_size(pivot.index)];
     if (!gather(pivot, open_)) {
-        const RigidRow& row = rigid_rows_[as_size(open_.rows.back())];
+        const EliminationOrder::Row& row = order_->rows()[as_size(open_.rows.back())];
         fault = {pivot.frame, -1, row.link, row.index, true};
         return false;
     }
@@ -389,72 +261,81 @@ bool Elimination::factor_general(size_t index, Fault& fault) {
             std::max(open_.by[0].row(k).transpose().cwiseProduct(motions).cwiseAbs().maxCoeff(), open_.among_size(k));
         row_scale(k) = largest > 0 ? 1 / largest : 1;
     }
-
-    // Its own block with the rows that are independent of each other by this frame's motion; all of them where there is no
-    // other. Few to begin with; all that can be told apart if that leaves the frame free.
-    const auto take = [&](const std::vector<int>& choice, double smallest) {
-        const auto n = as_row(6 + choice.size());
-        Block block = Block::Zero(n, n);
-        Column scale(n);
-        block.topLeftCorner<6, 6>() = work_[as_size(pivot.frame)];
-        scale.head<6>() = motions;
-        general.kept.clear();
-        for (Eigen::Index i = 6; i < n; ++i) {
-            const int k = choice[as_size(i - 6)];
-            block.block<1, 6>(i, 0) = open_.by[0].row(k);
-            block.block<6, 1>(0, i) = open_.by[0].row(k).transpose();
-            for (Eigen::Index j = 6; j < n; ++j) block(i, j) = open_.among(k, choice[as_size(j - 6)]);
-            scale(i) = row_scale(k);
-            general.kept.push_back(open_.rows[as_size(k)]);
-        }
-        return decompose(pivot, block, scale, general.kept, smallest, fault);
-    };
     choice_.clear();
     rest_.clear();
-    Passed* const on = pivot.passed >= 0 ? &passed_[as_size(pivot.passed)] : nullptr;
-    if (on) {
+    if (pivot.passed >= 0) {
         Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, kMostRows, kLargestBlock> rows(count,
                                                                                                               6 + count);
         rows.leftCols<6>() = row_scale.asDiagonal() * open_.by[0] * motions.asDiagonal();
         rows.rightCols(count) = row_scale.asDiagonal() * open_.among * row_scale.asDiagonal();
         choose_independent(rows, 1e-2, choice_, rest_);
-        if (!take(choice_, std::max(smallest_ratio_, kPoor))) {
+        if (!decompose_with_rows(pivot, motions, row_scale, std::max(smallest_ratio_, kPoor), fault)) {
             choose_independent(rows, 1e-8, choice_, rest_);
-            if (!take(choice_, smallest_ratio_)) return false;
+            if (!decompose_with_rows(pivot, motions, row_scale, smallest_ratio_, fault)) return false;
         }
     } else {
         for (int k = 0; k < count; ++k) choice_.push_back(k);
-        if (!take(choice_, smallest_ratio_)) return false;
+        if (!decompose_with_rows(pivot, motions, row_scale, smallest_ratio_, fault)) return false;
     }
+    general_[as_size(pivot.index)].inverse = inverse();
+    if (pivot.passed >= 0) pass_rows_on(pivot, motions);
+    update_neighbours(pivot);
+    return true;
+}
 
-    general.inverse = inverse();
+/// The block of a pivot with the rows of choice_.
+bool Elimination::decompose_with_rows(const Pivot& pivot, const Vector6& motions, const Column& row_scale, double smallest,
+                                      Fault& fault) {
+    General& general = general_[as_size(pivot.index)];
+    const auto n = as_row(6 + choice_.size());
+    Block block = Block::Zero(n, n);
+    Column scale(n);
+    block.topLeftCorner<6, 6>() = work_[as_size(pivot.frame)];
+    scale.head<6>() = motions;
+    general.kept.clear();
+    for (Eigen::Index i = 6; i < n; ++i) {
+        const int k = choice_[as_size(i - 6)];
+        block.block<1, 6>(i, 0) = open_.by[0].row(k);
+        block.block<6, 1>(0, i) = open_.by[0].row(k).transpose();
+        for (Eigen::Index j = 6; j < n; ++j) block(i, j) = open_.among(k, choice_[as_size(j - 6)]);
+        scale(i) = row_scale(k);
+        general.kept.push_back(open_.rows[as_size(k)]);
+    }
+    return decompose(pivot, block, scale, general.kept, smallest, fault);
+}
+
+/// The rows of rest_: they are coupled with what is eliminated here like a neighbour.
+void Elimination::pass_rows_on(const Pivot& pivot, const Vector6& motions) {
+    Passed& on = passed_[as_size(pivot.passed)];
+    const auto n = as_row(6 + choice_.size()), passed = as_row(rest_.size());
+    Block& E = passed_columns_;
+    E.setZero(n, passed);
+    on.open.rows.clear();
+    on.open.among.resize(passed, passed);
+    on.open.among_size.resize(passed);
+    for (Eigen::Index p = 0; p < passed; ++p) {
+        const int k = rest_[as_size(p)];
+        on.open.rows.push_back(open_.rows[as_size(k)]);
+        E.col(p).head<6>() = open_.by[0].row(k).transpose();
+        for (Eigen::Index i = 6; i < n; ++i) E(i, p) = open_.among(choice_[as_size(i - 6)], k);
+        for (Eigen::Index q = 0; q < passed; ++q) on.open.among(p, q) = open_.among(k, rest_[as_size(q)]);
+        const double own = open_.by[0].row(k).transpose().cwiseProduct(motions).norm();
+        on.open.among_size(p) = std::hypot(open_.among_size(k), own);
+    }
+    on.gain = solve_block(E);
+    on.open.among -= E.transpose() * on.gain;
+}
+
+void Elimination::update_neighbours(const Pivot& pivot) {
+    General& general = general_[as_size(pivot.index)];
+    Passed* const on = pivot.passed >= 0 ? &passed_[as_size(pivot.passed)] : nullptr;
     const auto n = as_row(6 + choice_.size()), passed = as_row(rest_.size());
     const auto coupling_rows = [&](size_t i) {
         Rows B = Rows::Zero(n, 6);
-        B.topRows<6>() = couplings_[as_size(pivot.neighbours[i].coupling)].block;
+        B.topRows<6>() = coupling(pivot.neighbours[i]);
         for (Eigen::Index k = 6; k < n; ++k) B.row(k) = open_.by[i + 1].row(choice_[as_size(k - 6)]);
         return B;
     };
-    // Rows passed on are coupled with what is eliminated here like a neighbour
-    Block& E = passed_columns_;
-    if (on) {
-        E.setZero(n, passed);
-        on->open.rows.clear();
-        on->open.among.resize(passed, passed);
-        on->open.among_size.resize(passed);
-        for (Eigen::Index p = 0; p < passed; ++p) {
-            const int k = rest_[as_size(p)];
-            on->open.rows.push_back(open_.rows[as_size(k)]);
-            E.col(p).head<6>() = open_.by[0].row(k).transpose();
-            for (Eigen::Index i = 6; i < n; ++i) E(i, p) = open_.among(choice_[as_size(i - 6)], k);
-            for (Eigen::Index q = 0; q < passed; ++q) on->open.among(p, q) = open_.among(k, rest_[as_size(q)]);
-            const double own = open_.by[0].row(k).transpose().cwiseProduct(motions).norm();
-            on->open.among_size(p) = std::hypot(open_.among_size(k), own);
-        }
-        on->gain = solve_block(E);
-        on->open.among -= E.transpose() * on->gain;
-    }
-    size_t fill = 0;
     for (size_t i = 0; i < pivot.neighbours.size(); ++i) {
         const Rows B = coupling_rows(i);
         general.gains[i] = solve_block(B);
@@ -462,46 +343,48 @@ bool Elimination::factor_general(size_t index, Fault& fault) {
         if (!on) continue;
         Rows& by = on->open.by[i];
         by.resize(passed, 6);
-        for (Eigen::Index p = 0; p < passed; ++p) {
-            const int k = rest_[as_size(p)];
-            by.row(p) = open_.by[i + 1].row(k) - E.col(p).transpose() * general.gains[i];
-        }
+        for (Eigen::Index p = 0; p < passed; ++p)
+            by.row(p) = open_.by[i + 1].row(rest_[as_size(p)]) - passed_columns_.col(p).transpose() * general.gains[i];
     }
+    size_t fill = 0;
     for (size_t i = 0; i < pivot.neighbours.size(); ++i) {
         const Rows B = coupling_rows(i);
         for (size_t j = i + 1; j < pivot.neighbours.size(); ++j) {
-            Coupling& coupling = couplings_[as_size(pivot.fills[fill++])];
+            const EliminationOrder::Coupling& between = order_->couplings()[as_size(pivot.fills[fill++])];
             const Matrix6 update = B.transpose() * general.gains[j];
-            if (coupling.row == pivot.neighbours[i].frame)
-                coupling.block -= update;
+            Matrix6& block = filled_[as_size(between.filled)];
+            if (between.row == pivot.neighbours[i].frame)
+                block -= update;
             else
-                coupling.block -= update.transpose();
+                block -= update.transpose();
         }
     }
-    return true;
 }
 
 // ---- Solutions ----------------------------------------------------------------------------------------------------------
 
 DTTMM_WIDE void Elimination::solve(std::span<Vector6> r, std::span<double> g) const {
-    for (size_t k = 0; k < pivots_.size(); ++k) {
-        if (plain_index_[k] < 0) [[unlikely]] {
-            eliminate(pivots_[k], r, g);
+    const std::vector<Pivot>& pivots = order_->pivots();
+    const std::vector<int>& plain_index = order_->plain_index();
+    const std::vector<EliminationOrder::Plain>& plains = order_->plain();
+    for (size_t k = 0; k < pivots.size(); ++k) {
+        if (plain_index[k] < 0) [[unlikely]] {
+            eliminate(pivots[k], r, g);
             continue;
         }
-        const auto index = as_size(plain_index_[k]);
-        const Plain plain = plain_[index];
+        const auto index = as_size(plain_index[k]);
+        const EliminationOrder::Plain plain = plains[index];
         if (plain.neighbour < 0) continue;
         double* const next = r[as_size(plain.neighbour)].data();
         (Six(next) - transposed_product(gains_[index].data(), r[as_size(plain.frame)].data())).store(next);
     }
-    for (size_t k = pivots_.size(); k-- > 0;) {
-        if (plain_index_[k] < 0) [[unlikely]] {
-            substitute(pivots_[k], r, g);
+    for (size_t k = pivots.size(); k-- > 0;) {
+        if (plain_index[k] < 0) [[unlikely]] {
+            substitute(pivots[k], r, g);
             continue;
         }
-        const auto index = as_size(plain_index_[k]);
-        const Plain plain = plain_[index];
+        const auto index = as_size(plain_index[k]);
+        const EliminationOrder::Plain plain = plains[index];
         double* const own = r[as_size(plain.frame)].data();
         const Six held = product(inverses_[index].data(), own);
         if (plain.neighbour < 0)

@@ -2,21 +2,16 @@
 #pragma once
 
 #include <Eigen/LU>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "core/index.h"
 #include "core/types.h"
+#include "solve/elimination_order.h"
 
 namespace dttmm::plugin {
-
-/// A coupling of two unknown frames, or of one with what is known (to = −1), and the number of equations in which the joint
-/// there is rigid.
-struct Link {
-    int from, to;
-    int rigid_count;
-};
 
 /// The dynamic stiffness of the frames inside a network and its factor, in blocks:
 ///     K u + Jᵀ q = r,   J u = g         u: 6 per frame, symmetric K;  J: the equations of rigid directions, q: their forces
@@ -30,8 +25,8 @@ struct Link {
 /// Source of passing on: Duff and Reid (1983), multifrontal solution, ACM Trans. Math. Software 9, 302–325.
 class Elimination {
 public:
-    /// Fixes order and storage; nothing is allocated later. least_lever: a rotational stiffness that a lever of this length
-    /// [m] would make counts as none.
+    /// Fixes order and storage; nothing is allocated later. Copies share the order. least_lever: a rotational stiffness that
+    /// a lever of this length [m] would make counts as none.
     Elimination(int frame_count, const std::vector<Link>& links, double least_lever = 1e-14);
 
     void set_zero();
@@ -48,7 +43,7 @@ public:
     void set_rigid(int link, int i, const Vector6& by_from, const Vector6& by_to);
 
     /// Derivatives as last set, by the motion of its `from` (0) or `to` (1) frame.
-    const Vector6& rigid(int link, int i, int end) const { return rigid_rows_[as_size(rigid_begin(link) + i)].by[end]; }
+    const Vector6& rigid(int link, int i, int end) const { return rows_[as_size(rigid_begin(link) + i)].by[end]; }
 
     /// What makes a system singular: an unknown of a frame (direction 0 … 5), or the i-th rigid direction of a link.
     struct Fault {
@@ -66,13 +61,13 @@ public:
         counts_ = true;
         smallest_ratio_ = smallest;
     }
-    int negatives() const { return negatives_ - rigid_total_; }
+    int negatives() const { return negatives_ - rigid_count(); }
 
     /// Solves in place: r → u (6 per frame), g → q (in the order of the links' rigid directions).
     void solve(std::span<Vector6> r, std::span<double> g) const;
 
-    int rigid_begin(int link) const { return rigid_begin_[as_size(link)]; }
-    int rigid_count() const { return rigid_total_; }
+    int rigid_begin(int link) const { return order_->links()[as_size(link)].first_row; }
+    int rigid_count() const { return as_int(rows_.size()); }
 
     /// Rigid directions to look at in one block at most.
     static constexpr int kMostRows = 18;
@@ -84,26 +79,7 @@ private:
     using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kLargestBlock, 1>;
     using Among = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostRows, kMostRows>;
 
-    /// A frame that is eliminated later than the one at hand, and the block (this frame, neighbour).
-    struct Neighbour {
-        int frame;
-        int coupling;
-    };
-    /// The elimination of one frame.
-    struct Pivot {
-        int frame;
-        std::vector<int> rigid;     ///< rows of J first met here
-        std::vector<int> children;  ///< pivots that may pass rows on to this one
-        std::vector<Neighbour> neighbours;
-        std::vector<int> fills;  ///< couplings between two neighbours, as pairs i < j run
-        bool is_plain;           ///< one neighbour at most and nothing rigid
-        int index = -1;          ///< into the array of plain pivots, or of the general ones
-        int passed = -1;         ///< index into the array of rows passed on; −1: there never are any
-    };
-    /// All that a solution wants to know of a plain pivot, close together; neighbour: −1: none.
-    struct Plain {
-        int frame, neighbour;
-    };
+    using Pivot = EliminationOrder::Pivot;
     /// Rows of J in the hands of a pivot, as what has been eliminated before leaves them.
     struct OpenRows {
         std::vector<int> rows;
@@ -132,34 +108,30 @@ private:
     template <class Columns>
     Columns solve_block(const Columns& B) const;
     bool factor_plain(const Pivot& pivot, Fault& fault);
-    bool factor_general(size_t index, Fault& fault);
+    bool factor_general(const Pivot& pivot, Fault& fault);
+    bool decompose_with_rows(const Pivot& pivot, const Vector6& motions, const Column& row_scale, double smallest,
+                             Fault& fault);
+    void pass_rows_on(const Pivot& pivot, const Vector6& motions);
+    void update_neighbours(const Pivot& pivot);
+    const Matrix6& coupling(const EliminationOrder::Neighbour& neighbour) const {
+        const int filled = order_->couplings()[as_size(neighbour.coupling)].filled;
+        return filled < 0 ? couplings_[as_size(neighbour.coupling)] : filled_[as_size(filled)];
+    }
     /// Of a pivot that is not plain, on the way in and on the way back.
     [[gnu::noinline]] void eliminate(const Pivot& pivot, std::span<Vector6> r, std::span<double> g) const;
     [[gnu::noinline]] void substitute(const Pivot& pivot, std::span<Vector6> r, std::span<double> g) const;
 
-    struct Coupling {
-        int row, column;  ///< the row is eliminated first
-        Matrix6 original = Matrix6::Zero(), block = Matrix6::Zero();
-    };
-    struct RigidRow {
-        int link, index;
-        int frames[2];
+    struct Derivatives {
         Vector6 by[2];
     };
 
+    std::shared_ptr<const EliminationOrder> order_;
     double least_turning_;  ///< share of the translations' largest below which a rotation's entry is rounding [m²]
     std::vector<Matrix6> diagonal_, work_;
     std::vector<Vector6> acting_;  ///< part of the diagonals by add_acting
-    std::vector<Coupling> couplings_;
-    std::vector<int> link_coupling_;
-    std::vector<bool> link_transposed_;
-    std::vector<RigidRow> rigid_rows_;
-    std::vector<int> rigid_begin_;
-    int rigid_total_ = 0;
-    std::vector<int> order_;        ///< position of every frame in the elimination
-    std::vector<Pivot> pivots_;     ///< in that order
-    std::vector<int> plain_index_;  ///< of each, out of it and close together; −1: it is not plain
-    std::vector<Plain> plain_;
+    std::vector<Matrix6> couplings_;
+    std::vector<Matrix6> filled_;            ///< those that the elimination of other frames changes, as far as it has come
+    std::vector<Derivatives> rows_;          ///< of the rigid directions
     std::vector<Matrix6> inverses_, gains_;  ///< of plain pivots: of the block, and that times the coupling
     std::vector<General> general_;
     std::vector<Passed> passed_;

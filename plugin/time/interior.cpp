@@ -57,186 +57,73 @@ std::vector<std::array<bool, 2>> massless_halves(const Mechanism& mechanism) {
 // ---- Construction -------------------------------------------------------------------------------------------------------
 
 Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
-    : ports_(mechanism.assembly.port_count),
-      driven_(mechanism.assembly.driven_count),
-      count_(mechanism.assembly.inner_count()),
-      gravity_(Eigen::Map<const Vector3>(description.gravity)),
-      elimination_(count_, links_of(mechanism), least_lever(mechanism)),
-      at_trial_(elimination_),
-      massless_(mechanism, massless_halves(mechanism)),
-      laws_(mechanism, driven_) {
+    : massless_(mechanism, massless_halves(mechanism)),
+      layout_(mechanism, description, massless_),
+      matrix_(Elimination(layout_.count, links_of(mechanism), least_lever(mechanism))),
+      work_(matrix_.factor, LawRows(mechanism, layout_.driven)) {
     if (!mechanism.scheme.is_implicit())
         throw Error(DTTMM_ERROR_MODEL,
                     "it hangs on a node that is no body, or has a mass of its own: that wants the implicit coupling", 0);
-    const auto n = as_size(count_);
-    for (uint32_t i = 0; i < description.node_count; ++i) {
-        if (description.nodes[i].kind != DTTMM_NODE_INNER) continue;
-        inner_nodes_.push_back(as_int(i));
-        const dttmm_node& node = description.nodes[i];
-        given_.push_back(
-            {node.moves != 0, {Eigen::Map<const Vector3>(node.velocity), Eigen::Map<const Vector3>(node.angular_velocity)}});
-    }
-    for (int f = 0; f < count_; ++f) {
-        const FrameSpec& frame = mechanism.assembly.frames[as_size(driven_ + f)];
-        inertias_.push_back({frame.mass, frame.inertia});
-    }
-    set_reaches(mechanism);
-    choose_heirs(mechanism);
-    choose_near(mechanism);
-    for (size_t j = 0; j < mechanism.joints.size(); ++j)
-        if (mechanism.joints[j].from() < ports_ || mechanism.joints[j].to() < ports_) port_joints_.push_back(j);
-    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
-        const bool is_rigid = mechanism.joints[j].rigid().any();
-        rigid_index_.push_back(is_rigid ? as_int(rigid_joints_.size()) : -1);
-        if (is_rigid) rigid_joints_.push_back(j);
-    }
-    for (size_t j = 0; j < mechanism.joints.size(); ++j)
-        if (massless_.is_settling(j)) settling_joints_.push_back(j);
-    std::vector<size_t> plain;
-    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
-        const bool is_plain =
-            near_index_[j] < 0 && rigid_index_[j] < 0 && !massless_.is_settling(j) && !mechanism.joints[j].has_laws();
-        (is_plain ? plain : others_).push_back(j);
-    }
-    by_four_ = {mechanism, plain};
-    others_.insert(others_.end(), by_four_.others().begin(), by_four_.others().end());
-    std::sort(others_.begin(), others_.end());
-    has_free_parts_ = has_free_parts(mechanism);
-    rigid_known_.resize(rigid_joints_.size());
-    for (auto* list : {&past_.u, &past_.u_before}) list->assign(n, Vector6::Zero());
-    for (auto* list : {&past_.velocity, &past_.velocity_before}) list->resize(n);
-    momenta_.assign(n, Vector6::Zero());
-    for (auto* list : {&velocities_, &corrections_, &accelerations_}) list->resize(n);
-    for (size_t i = 0; i < n; ++i)
-        inverse_moments_.push_back(massless_.is_massless(i, 1) ? Matrix3(Matrix3::Zero())
-                                                               : Matrix3(inertias_[i].moment.inverse()));
-    choose_loaded(mechanism);
-    const auto rigid = as_size(elimination_.rigid_count()), ports = as_size(ports_);
-    rigid_.assign(rigid, 0);
-    rigid_at_start_ = rigid_rates_ = rigid_;
-    wrench_rates_.resize(n);
-    start_accelerations_.resize(ports);
-    q_ = rigid_;
-    for (auto* list : {&port_u_, &port_u_before_}) list->assign(ports, Vector6::Zero());
-    anchor_.ports.assign(mechanism.frames.begin(), mechanism.frames.begin() + ports_);
-    motion_.assign(n, Vector6::Zero());
-    anchor_.u.assign(n, Vector6::Zero());
-    anchor_.change.assign(n, Vector6::Zero());
-    anchor_.q.assign(rigid, 0);
-    anchor_.q_change.assign(rigid, 0);
-    anchor_.near.resize(near_joints_.size());
-    anchor_.laws.assign(laws_.count(), 0);
-    other_ = anchor_;
-    port_change_.setZero(6 * ports_);
-    for (auto* list : {&wrench_, &end_wrench_, &damping_wrench_}) list->assign(mechanism.frames.size(), Vector6::Zero());
-    massless_residuals_.resize(massless_.frames().size());
-    node_loads_.assign(inner_nodes_.size(), Vector6::Zero());
-    trial_ = mechanism.frames;
-    responses_.assign(36 * n * ports, 0);
-    rigid_change_.setZero(as_row(rigid));
-    rigid_responses_.setZero(as_row(rigid), 6 * ports_);
-
-    for (Elimination* matrix : {&elimination_, &at_trial_}) {  // the working memory of both is then there
+    choose_lanes(mechanism);
+    make_room(mechanism);
+    for (Elimination* matrix : {&matrix_.factor, &work_.at_trial}) {  // the working memory of both is then there
         form_dynamic_stiffness(mechanism, mechanism.frames, kTrialRate, *matrix);
         factor(mechanism, *matrix, DTTMM_ERROR_MODEL);
     }
 }
 
-void Interior::set_reaches(const Mechanism& mechanism) {
-    port_reach_.assign(as_size(ports_), 0);
-    for (const Inertia& inertia : inertias_)
-        reach_.push_back(inertia.mass > 0 ? std::sqrt(inertia.moment.trace() / inertia.mass) : 0);
-    for (const Joint& joint : mechanism.joints) {
-        const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
-        const auto reach_out = [&](int frame, double length) {
-            if (frame >= ports_ && !is_inner(frame)) return;
-            double& reach = is_inner(frame) ? reach_[at(frame)] : port_reach_[as_size(frame)];
-            reach = std::max(reach, length);
-        };
-        reach_out(joint.from(), joint.arm(0, from, to).norm());
-        reach_out(joint.to(), joint.arm(1, from, to).norm());
-    }
-    for (double reach : reach_) {
-        turn_weight_.push_back(reach * reach);
-        spin_weight_.push_back(reach > 0 ? 1 / (reach * reach) : 0);
-    }
-}
-
-/// Whether some joint leaves a frame free to turn that has an attitude: an inertia, or a joint that carries a moment.
-bool Interior::has_free_parts(const Mechanism& mechanism) const {
-    std::vector<bool> has_attitude(mechanism.frames.size(), false);
-    for (int f = 0; f < driven_ + count_; ++f)
-        has_attitude[as_size(f)] = is_inner(f) ? !massless_.is_massless(at(f), 1) : f < ports_;
-    for (const Joint& joint : mechanism.joints)
-        for (int frame : {joint.from(), joint.to()})
-            if (joint.turns()) has_attitude[as_size(frame)] = true;
-    return std::ranges::any_of(mechanism.joints, [&](const Joint& joint) {
-        if (!has_attitude[as_size(joint.from())] && !has_attitude[as_size(joint.to())]) return false;
-        for (size_t d = 0; d < 3; ++d)
-            if (!joint.rigid()[3 + d] && !(joint.rotation_half().stiffness(as_row(d)) > 0)) return true;
-        return false;
-    });
-}
-
-void Interior::choose_loaded(const Mechanism& mechanism) {
-    load_of_.assign(inertias_.size(), -1);
-    const auto choose = [&](size_t frame) {
-        if (load_of_[frame] >= 0) return;
-        load_of_[frame] = as_int(loaded_.size());
-        loaded_.push_back(frame);
-    };
-    for (int node : inner_nodes_) {
-        const int frame = mechanism.assembly.nodes[as_size(node)].frame;
-        if (is_inner(frame)) choose(at(frame));
-    }
-    for (size_t i : massless_.frames()) choose(i);
-    frame_loads_.resize(loaded_.size());
-    for (size_t n = 0; n < inner_nodes_.size(); ++n) {
-        const NodeSpec& node = mechanism.assembly.nodes[as_size(inner_nodes_[n])];
-        if (is_inner(node.frame) && !node.offset.isZero(0))
-            levers_.push_back({as_size(load_of_[at(node.frame)]), n, node.offset});
-    }
-}
-
-/// The nearest frame over joints that has mass and inertia, or a body of the host.
-void Interior::choose_heirs(const Mechanism& mechanism) {
-    const auto inherits = [&](int frame) {
-        if (!is_inner(frame)) return frame < ports_;
-        return massless_.index_of(at(frame)) < 0;
-    };
-    std::vector<int> receiver(mechanism.frames.size(), -1);
-    for (size_t f = 0; f < receiver.size(); ++f)
-        if (inherits(as_int(f))) receiver[f] = as_int(f);
-    for (bool grows = true; grows;) {
-        grows = false;
-        for (const Joint& joint : mechanism.joints) {
-            int &a = receiver[as_size(joint.from())], &b = receiver[as_size(joint.to())];
-            if ((a < 0) == (b < 0) || !is_inner(a < 0 ? joint.from() : joint.to())) continue;  // not across the ground
-            (a < 0 ? a : b) = std::max(a, b);
-            grows = true;
-        }
-    }
-    for (int f = driven_; f < driven_ + count_; ++f) receivers_.push_back(inherits(f) ? -1 : receiver[as_size(f)]);
-}
-
-/// What the ports feel: their own joints, and those of the frames whose receivers they are.
-void Interior::choose_near(const Mechanism& mechanism) {
-    std::vector<bool> at_port(mechanism.frames.size(), false);
-    for (int f = 0; f < as_int(at_port.size()); ++f) {
-        const bool is_estate = is_inner(f) && receivers_[at(f)] >= 0 && receivers_[at(f)] < ports_;
-        if (f >= ports_ && !is_estate) continue;
-        at_port[as_size(f)] = true;
-        port_frames_.push_back(f);
-    }
+/// The joints that go by four, and the others.
+void Interior::choose_lanes(const Mechanism& mechanism) {
+    std::vector<size_t> plain;
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
-        const bool is_near = at_port[as_size(mechanism.joints[j].from())] || at_port[as_size(mechanism.joints[j].to())];
-        near_index_.push_back(is_near ? as_int(near_joints_.size()) : -1);
-        if (!is_near) continue;
-        near_joints_.push_back(j);
-        has_near_laws_ = has_near_laws_ || mechanism.joints[j].has_laws();
+        const bool is_plain = layout_.near_index[j] < 0 && layout_.rigid_index[j] < 0 && !massless_.is_settling(j) &&
+                              !mechanism.joints[j].has_laws();
+        (is_plain ? plain : others_).push_back(j);
     }
-    near_blocks_.resize(near_joints_.size());
-    near_columns_.resize(near_joints_.size());
+    by_four_ = {mechanism, plain};
+    others_.insert(others_.end(), by_four_.others().begin(), by_four_.others().end());
+    std::sort(others_.begin(), others_.end());
+}
+
+/// Nothing is allocated later.
+void Interior::make_room(const Mechanism& mechanism) {
+    const size_t n = as_size(layout_.count), rigid = as_size(matrix_.factor.rigid_count()), ports = as_size(layout_.ports);
+    matrix_.near_blocks.resize(layout_.near_joints.size());
+    matrix_.near_columns.resize(layout_.near_joints.size());
+    matrix_.responses.assign(36 * n * ports, 0);
+    matrix_.rigid_responses.setZero(as_row(rigid), 6 * layout_.ports);
+
+    for (auto* list : {&past_.u, &past_.u_before}) list->assign(n, Vector6::Zero());
+    for (auto* list : {&past_.velocity, &past_.velocity_before}) list->resize(n);
+    momenta_.assign(n, Vector6::Zero());
+    frame_loads_.resize(layout_.loaded.size());
+    rigid_.assign(rigid, 0);
+    for (auto* list : {&port_u_, &port_u_before_}) list->assign(ports, Vector6::Zero());
+
+    for (auto* list : {&instant_.velocities, &instant_.corrections, &instant_.accelerations}) list->resize(n);
+    instant_.of_ports.resize(ports);
+    instant_.wrench_rates.resize(n);
+    instant_.rigid = instant_.rigid_rates = rigid_;
+
+    open_.rigid_known.resize(layout_.rigid_joints.size());
+    open_.node_loads.assign(layout_.inner_nodes.size(), Vector6::Zero());
+    open_.anchor.ports.assign(mechanism.frames.begin(), mechanism.frames.begin() + layout_.ports);
+    open_.anchor.u.assign(n, Vector6::Zero());
+    open_.anchor.change.assign(n, Vector6::Zero());
+    open_.anchor.q.assign(rigid, 0);
+    open_.anchor.q_change.assign(rigid, 0);
+    open_.anchor.near.resize(layout_.near_joints.size());
+    open_.anchor.laws.assign(work_.laws.count(), 0);
+
+    work_.other = open_.anchor;
+    work_.port_change.setZero(6 * layout_.ports);
+    work_.rigid_change.setZero(as_row(rigid));
+    work_.trial = mechanism.frames;
+    work_.motion.assign(n, Vector6::Zero());
+    for (auto* list : {&work_.wrench, &work_.end_wrench, &work_.damping_wrench})
+        list->assign(mechanism.frames.size(), Vector6::Zero());
+    work_.massless_residuals.resize(massless_.frames().size());
+    work_.q = rigid_;
 }
 
 // ---- The matrix ---------------------------------------------------------------------------------------------------------
@@ -268,8 +155,8 @@ Matrix6 rigid_rows(const Vector3& theta, const Matrix6& columns) {
 
 Matrix6 Interior::mass_matrix(size_t frame) const {
     Matrix6 M = Matrix6::Zero();
-    M.topLeftCorner<3, 3>().diagonal().setConstant(inertias_[frame].mass);
-    M.bottomRightCorner<3, 3>() = inertias_[frame].moment;
+    M.topLeftCorner<3, 3>().diagonal().setConstant(layout_.inertias[frame].mass);
+    M.bottomRightCorner<3, 3>() = layout_.inertias[frame].moment;
     return M;
 }
 
@@ -309,29 +196,30 @@ void Interior::add_blocks(const Joint& joint, size_t j, const Blocks& K, Elimina
     const int frames[2] = {joint.from(), joint.to()};
     for (int end : {0, 1}) {
         if (!is_inner(frames[end])) continue;
-        matrix.add_diagonal(frames[end] - driven_, K.own.at[end][end]);
-        matrix.add_acting(frames[end] - driven_, K.acting.at[end][end]);
+        matrix.add_diagonal(frames[end] - layout_.driven, K.own.at[end][end]);
+        matrix.add_acting(frames[end] - layout_.driven, K.acting.at[end][end]);
     }
     if (is_inner(frames[0]) && is_inner(frames[1])) matrix.add_coupling(as_int(j), K.between(0, 1));
 }
 
 /// at: the frames at the end of the step, as far as they are known.
 void Interior::assemble(const Mechanism& mechanism, const std::vector<Frame>& at) {
-    elimination_.set_zero();
-    for (int i = 0; i < count_; ++i) elimination_.add_diagonal(i, mass_matrix(as_size(i)));
+    matrix_.factor.set_zero();
+    for (int i = 0; i < layout_.count; ++i) matrix_.factor.add_diagonal(i, mass_matrix(as_size(i)));
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Blocks K = blocks(mechanism, j, at);
-        add_blocks(mechanism.joints[j], j, K, elimination_);
-        if (near_index_[j] < 0) continue;
-        const auto k = as_size(near_index_[j]);
+        add_blocks(mechanism.joints[j], j, K, matrix_.factor);
+        if (layout_.near_index[j] < 0) continue;
+        const auto k = as_size(layout_.near_index[j]);
         for (int row : {0, 1})
-            for (int column : {0, 1}) near_blocks_[k].at[row][column] = K.between(row, column);
-        for (int end : {0, 1}) near_columns_[k].at[end] = local_columns(mechanism, j, end);
+            for (int column : {0, 1}) matrix_.near_blocks[k].at[row][column] = K.between(row, column);
+        for (int end : {0, 1}) matrix_.near_columns[k].at[end] = local_columns(mechanism, j, end);
     }
-    for (size_t j : rigid_joints_) set_rigid_rows(mechanism, j, mechanism.pose(j), mechanism.theta(j), elimination_);
-    stiffest_ = 0;
-    for (int i = 0; i < count_; ++i)
-        stiffest_ = std::max(stiffest_, elimination_.diagonal(i).diagonal().head<3>().maxCoeff());
+    for (size_t j : layout_.rigid_joints)
+        set_rigid_rows(mechanism, j, mechanism.pose(j), mechanism.theta(j), matrix_.factor);
+    matrix_.stiffest = 0;
+    for (int i = 0; i < layout_.count; ++i)
+        matrix_.stiffest = std::max(matrix_.stiffest, matrix_.factor.diagonal(i).diagonal().head<3>().maxCoeff());
 }
 
 /// K + s C + s² M in the frames' axes, s a rate [1/s], with the frames where they are in `at`: springs, dampers and masses
@@ -339,13 +227,13 @@ void Interior::assemble(const Mechanism& mechanism, const std::vector<Frame>& at
 void Interior::form_dynamic_stiffness(const Mechanism& mechanism, const std::vector<Frame>& at, double rate,
                                       Elimination& matrix) const {
     matrix.set_zero();
-    for (int i = 0; i < count_; ++i) matrix.add_diagonal(i, rate * rate * mass_matrix(as_size(i)));
+    for (int i = 0; i < layout_.count; ++i) matrix.add_diagonal(i, rate * rate * mass_matrix(as_size(i)));
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Joint& joint = mechanism.joints[j];
         const EndBlocks K = dynamic_stiffness(mechanism, j, at, rate);
         const int frames[2] = {joint.from(), joint.to()};
         for (int end : {0, 1})
-            if (is_inner(frames[end])) matrix.add_diagonal(frames[end] - driven_, K.at[end][end]);
+            if (is_inner(frames[end])) matrix.add_diagonal(frames[end] - layout_.driven, K.at[end][end]);
         if (is_inner(frames[0]) && is_inner(frames[1])) matrix.add_coupling(as_int(j), K.at[0][1]);
         if (!joint.rigid().any()) continue;
         const auto [from, to] = ends(joint, at);
@@ -382,9 +270,9 @@ EndBlocks Interior::dynamic_stiffness(const Mechanism& mechanism, size_t j, cons
 /// vanish in rounding, and a motion that nothing else resists be undetermined.
 void Interior::make_heavier(Elimination& matrix) const {
     constexpr double kLeastShare = 1e-9;  // with 1e-11 rigid directions are lost to 1e-3 in rods of a centimetre
-    for (int i = 0; i < count_; ++i) {
+    for (int i = 0; i < layout_.count; ++i) {
         const Matrix6 own = matrix.diagonal(i);
-        const double shift = own.topLeftCorner<3, 3>().trace(), arm = reach_[as_size(i)];
+        const double shift = own.topLeftCorner<3, 3>().trace(), arm = layout_.reach[as_size(i)];
         const double held[2] = {shift, std::max(own.bottomRightCorner<3, 3>().trace(), arm * arm * shift)};
         Vector6 more = Vector6::Zero();
         for (int half : {0, 1})
@@ -402,30 +290,30 @@ void Interior::set_rigid_rows(const Mechanism& mechanism, size_t j, const JointP
     });
 }
 
-/// The matrix where the frames are on trial, into at_trial_. False if it is singular.
+/// The matrix where the frames are on trial, into work_.at_trial. False if it is singular.
 bool Interior::form_at_trial(const Mechanism& mechanism) const {
-    at_trial_.set_zero();
-    for (int i = 0; i < count_; ++i) at_trial_.add_diagonal(i, mass_matrix(as_size(i)));
+    work_.at_trial.set_zero();
+    for (int i = 0; i < layout_.count; ++i) work_.at_trial.add_diagonal(i, mass_matrix(as_size(i)));
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Joint& joint = mechanism.joints[j];
-        const FrameView from = trial_[as_size(joint.from())], to = trial_[as_size(joint.to())];
+        const FrameView from = work_.trial[as_size(joint.from())], to = work_.trial[as_size(joint.to())];
         const JointPose pose = joint.pose(from, to);
         const Joint::Strained strained =
             joint.strain(mechanism.scheme, {from, to}, pose, mechanism.states[j], mechanism.memory(j));
-        add_blocks(joint, j, blocks(mechanism, j, {from, to}, pose, strained.deformation(), strained.elastic.force, q_),
-                   at_trial_);
-        if (joint.rigid().any()) set_rigid_rows(mechanism, j, pose, strained.theta, at_trial_);
+        add_blocks(joint, j, blocks(mechanism, j, {from, to}, pose, strained.deformation(), strained.elastic.force, work_.q),
+                   work_.at_trial);
+        if (joint.rigid().any()) set_rigid_rows(mechanism, j, pose, strained.theta, work_.at_trial);
     }
-    return !at_trial_.factor();
+    return !work_.at_trial.factor();
 }
 
 void Interior::factor(const Mechanism& mechanism, Elimination& matrix, dttmm_status status) const {
-    ++factorisations_;
+    ++work_.factorisations;
     if (const auto fault = matrix.factor()) refuse(mechanism, *fault, status);
 }
 
 void Interior::refuse(const Mechanism& mechanism, const Elimination::Fault& fault, dttmm_status status) const {
-    const FrameSpec& frame = mechanism.assembly.frames[as_size(driven_ + fault.frame)];
+    const FrameSpec& frame = mechanism.assembly.frames[as_size(layout_.driven + fault.frame)];
     if (fault.direction >= 0) {
         const bool is_massless = fault.direction < 3 ? frame.mass == 0 : frame.inertia.isZero(0);
         throw Error(
@@ -450,45 +338,45 @@ void Interior::refuse(const Mechanism& mechanism, const Elimination::Fault& faul
 
 void Interior::refactor(const Mechanism& mechanism) {
     predict(mechanism);
-    std::copy(anchor_.ports.begin(), anchor_.ports.end(), trial_.begin());
-    for (size_t i = 0; i < inertias_.size(); ++i) place(mechanism, i, anchor_.u[i]);
-    form_matrix(mechanism, trial_);
-    is_fresh_ = true;
+    std::copy(open_.anchor.ports.begin(), open_.anchor.ports.end(), work_.trial.begin());
+    for (size_t i = 0; i < layout_.inertias.size(); ++i) place(mechanism, i, open_.anchor.u[i]);
+    form_matrix(mechanism, work_.trial);
+    matrix_.is_fresh = true;
 }
 
 void Interior::form_matrix(const Mechanism& mechanism, const std::vector<Frame>& at) {
-    is_stale_ = true;
+    matrix_.is_stale = true;
     assemble(mechanism, at);
-    factor(mechanism, elimination_, DTTMM_ERROR_SINGULAR);
+    factor(mechanism, matrix_.factor, DTTMM_ERROR_SINGULAR);
     find_responses(mechanism);
-    laws_.form(mechanism, at);
-    laws_.find_responses(elimination_, mechanism.scheme.step_size(), other_.change, other_.q_change);
+    work_.laws.form(mechanism, at);
+    work_.laws.find_responses(matrix_.factor, mechanism.scheme.step_size(), work_.other.change, work_.other.q_change);
     look_at_joints(mechanism);
-    is_stale_ = false;
+    matrix_.is_stale = false;
 }
 
 /// How the inside follows a unit motion of each port.
 void Interior::find_responses(const Mechanism& mechanism) {
-    std::vector<Vector6>& r = other_.change;
-    std::vector<double>& g = other_.q_change;
-    for (int column = 0; column < 6 * ports_; ++column) {
+    std::vector<Vector6>& r = work_.other.change;
+    std::vector<double>& g = work_.other.q_change;
+    for (int column = 0; column < 6 * layout_.ports; ++column) {
         const int port = column / 6, c = column % 6;
         std::fill(r.begin(), r.end(), Vector6::Zero());
         std::fill(g.begin(), g.end(), 0.0);
-        for (size_t j : port_joints_) {
+        for (size_t j : layout_.port_joints) {
             const Joint& joint = mechanism.joints[j];
             if (joint.from() != port && joint.to() != port) continue;
             const int end = joint.from() == port ? 0 : 1;
             const int other = end == 0 ? joint.to() : joint.from();
-            const EndBlocks& K = near_blocks_[as_size(near_index_[j])];
+            const EndBlocks& K = matrix_.near_blocks[as_size(layout_.near_index[j])];
             if (is_inner(other)) r[at(other)] -= K.at[1 - end][end].col(c);
-            for_each_rigid(joint, [&](int i, int) { g[rigid_row(j, i)] = -elimination_.rigid(as_int(j), i, end)(c); });
+            for_each_rigid(joint, [&](int i, int) { g[rigid_row(j, i)] = -matrix_.factor.rigid(as_int(j), i, end)(c); });
         }
-        elimination_.solve(r, g);
+        matrix_.factor.solve(r, g);
         for (size_t i = 0; i < r.size(); ++i) {
-            Eigen::Map<Vector6>{&responses_[36 * i * as_size(ports_) + 6 * as_size(column)]} = r[i];
+            Eigen::Map<Vector6>{&matrix_.responses[36 * i * as_size(layout_.ports) + 6 * as_size(column)]} = r[i];
         }
-        rigid_responses_.col(column) = Eigen::Map<const Eigen::VectorXd>(g.data(), as_row(g.size()));
+        matrix_.rigid_responses.col(column) = Eigen::Map<const Eigen::VectorXd>(g.data(), as_row(g.size()));
     }
 }
 
@@ -496,29 +384,29 @@ void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) co
     // −δ(h W_p) = Σ K δu + Jᵀ q over the ends of the joints of port p
     const double h = mechanism.scheme.step_size();
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    Eigen::Map<RowMajor> S(stiffness, 6 * ports_, 6 * ports_);
+    Eigen::Map<RowMajor> S(stiffness, 6 * layout_.ports, 6 * layout_.ports);
     S.setZero();
-    for (size_t j : port_joints_) {
+    for (size_t j : layout_.port_joints) {
         const Joint& joint = mechanism.joints[j];
-        const EndBlocks& K = near_blocks_[as_size(near_index_[j])];
+        const EndBlocks& K = matrix_.near_blocks[as_size(layout_.near_index[j])];
         const int frames[2] = {joint.from(), joint.to()};
         for (int row : {0, 1}) {
-            if (frames[row] >= ports_) continue;
-            for (int column = 0; column < ports_; ++column) {
+            if (frames[row] >= layout_.ports) continue;
+            for (int column = 0; column < layout_.ports; ++column) {
                 auto block = S.block<6, 6>(6 * frames[row], 6 * column);
                 for (int end : {0, 1}) {
                     if (is_inner(frames[end])) block += K.at[row][end] * response(at(frames[end])).middleCols<6>(6 * column);
                     if (frames[end] == column) block += K.at[row][end];
                 }
                 for_each_rigid(joint, [&](int i, int) {
-                    block += elimination_.rigid(as_int(j), i, row) *
-                             rigid_responses_.block<1, 6>(as_row(rigid_row(j, i)), 6 * column);
+                    block += matrix_.factor.rigid(as_int(j), i, row) *
+                             matrix_.rigid_responses.block<1, 6>(as_row(rigid_row(j, i)), 6 * column);
                 });
             }
         }
     }
-    for (int row = 0; row < 2 * ports_; ++row)
-        for (int column = 0; column < 2 * ports_; ++column) {
+    for (int row = 0; row < 2 * layout_.ports; ++row)
+        for (int column = 0; column < 2 * layout_.ports; ++column) {
             auto block = S.block<3, 3>(3 * row, 3 * column);
             block =
                 (mechanism.frame(row / 2).axes() * block * mechanism.frame(column / 2).axes().transpose() / (h * h)).eval();
@@ -529,9 +417,10 @@ void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) co
 
 double Interior::work(const Mechanism& mechanism) const {
     double work = books_.load_work;
-    for (size_t i = 0; i < inertias_.size(); ++i) {
-        const Vector3& start = mechanism.assembly.frames[as_size(driven_) + i].pose.position;
-        work += inertias_[i].mass * gravity_.dot(mechanism.frame_before(driven_ + as_int(i)).origin() - start);
+    for (size_t i = 0; i < layout_.inertias.size(); ++i) {
+        const Vector3& start = mechanism.assembly.frames[as_size(layout_.driven) + i].pose.position;
+        work += layout_.inertias[i].mass *
+                layout_.gravity.dot(mechanism.frame_before(layout_.driven + as_int(i)).origin() - start);
     }
     return work;
 }
@@ -539,10 +428,10 @@ double Interior::work(const Mechanism& mechanism) const {
 Twist Interior::momentum(const Mechanism& mechanism) const {
     // x_n × p = x_{n−1} × p, for p is along what leads from one to the other
     Twist total;
-    for (size_t i = 0; i < inertias_.size(); ++i) {
+    for (size_t i = 0; i < layout_.inertias.size(); ++i) {
         const Vector3 p = head(momenta_[i]);
         total.linear += p;
-        total.angular += mechanism.frame(driven_ + as_int(i)).origin().cross(p) + tail(momenta_[i]);
+        total.angular += mechanism.frame(layout_.driven + as_int(i)).origin().cross(p) + tail(momenta_[i]);
     }
     return total;
 }
@@ -562,19 +451,19 @@ Twist Interior::newmark_momentum(const Mechanism& mechanism) const {
         Joint::add_wrench(earlier, before[a].data(), before[b].data());
     }
     for (size_t i : massless_.frames()) {
-        if (!is_inner(receivers_[i])) continue;
-        const auto f = as_size(driven_) + i, receiver = as_size(receivers_[i]);
+        if (!is_inner(layout_.receivers[i])) continue;
+        const auto f = as_size(layout_.driven) + i, receiver = as_size(layout_.receivers[i]);
         now[receiver] += passed_on(mechanism.frames, i, massless_part(i, now[f]));
         before[receiver] += passed_on(mechanism.before, i, massless_part(i, before[f]));
     }
     const double h = mechanism.scheme.step_size(), beta = mechanism.scheme.elastic_weight(0);
     Twist total;
-    for (size_t i = 0; i < inertias_.size(); ++i) {
+    for (size_t i = 0; i < layout_.inertias.size(); ++i) {
         if (massless_.is_massless(i, 0)) continue;
-        const auto f = as_size(driven_) + i;
+        const auto f = as_size(layout_.driven) + i;
         Vector6 P = momenta_[i] - beta * h * (now[f] - before[f]);
         if (massless_.is_massless(i, 1)) P.tail<3>().setZero();
-        const Vector3 y = FrameView(mechanism.frames[f]).origin() - beta * h * h / inertias_[i].mass * head(now[f]);
+        const Vector3 y = FrameView(mechanism.frames[f]).origin() - beta * h * h / layout_.inertias[i].mass * head(now[f]);
         total.linear += head(P);
         total.angular += y.cross(head(P)) + tail(P);
     }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/index.h"
@@ -10,6 +11,7 @@
 #include "mechanism/mechanism.h"
 #include "mechanism/momentum.h"
 #include "solve/elimination.h"
+#include "time/interior_layout.h"
 #include "time/law_rows.h"
 #include "time/massless.h"
 
@@ -84,7 +86,7 @@ public:
     bool expect(const Mechanism& mechanism, Ports ports);
     /// Finds the wrenches on the ports over the open step, at a trial end of it. Throws as expect().
     void evaluate(const Mechanism& mechanism, Ports ports) const;
-    const Vector6& wrench(int port) const { return wrench_[as_size(port)]; }
+    const Vector6& wrench(int port) const { return work_.wrench[as_size(port)]; }
     /// −∂(wrench)/∂(pose), 6P × 6P row-major.
     void write_stiffness(const Mechanism& mechanism, double* stiffness) const;
     /// Throws Error(DTTMM_ERROR_NUMERIC), nothing being changed, naming what is farther or faster than the host has its
@@ -99,7 +101,7 @@ public:
     /// balance of the instant. rate(j): of the joints' deformations, as known.
     template <class Rate>
     void find_massless_velocities(const Mechanism& mechanism, const Rate& rate) {
-        std::fill(corrections_.begin(), corrections_.end(), Twist{});
+        std::fill(instant_.corrections.begin(), instant_.corrections.end(), Twist{});
         if (!massless_.has_balances()) return;
         massless_.find_instant(
             mechanism, MasslessFrames::Find::velocities, mechanism.scheme.step_size(), mechanism.before,
@@ -109,13 +111,13 @@ public:
                     state.deformation_before(), rate(j),
                     mechanism.joints[j].elastic(state.deformation_before(), mechanism.memory_before(j))};
             },
-            [&](size_t i) { return frame_load(i).load[2]; }, velocities_, corrections_, rigid_at_start_);
+            [&](size_t i) { return frame_load(i).load[2]; }, instant_.velocities, instant_.corrections, instant_.rigid);
     }
     /// What that has added to the velocity of a frame's origin, world.
-    Twist correction(int frame) const { return is_inner(frame) ? corrections_[at(frame)] : Twist{}; }
+    Twist correction(int frame) const { return is_inner(frame) ? instant_.corrections[at(frame)] : Twist{}; }
     /// Whether nothing of mass (half 0) or inertia (1) is in a frame.
     bool is_massless(int frame, int half) const { return is_inner(frame) && massless_.is_massless(at(frame), half); }
-    bool has_rigid_directions() const { return elimination_.rigid_count() > 0; }
+    bool has_rigid_directions() const { return matrix_.factor.rigid_count() > 0; }
     /// Accelerations: of frames with mass by the wrenches of the joints at that instant, of massless ones by the velocities
     /// over the steps around it. At the start there is one step only: there those that dampers act on have the accelerations
     /// that keep their forces in balance, and those with rigid directions the mean over half that step, to first order.
@@ -139,12 +141,13 @@ public:
                 const auto [from, to] = ends(j);
                 return rate_of_force(mechanism, j, from, to, force(j));
             },
-            [&](size_t i) { return wrench_rates_[i]; }, accelerations_, corrections_, rigid_rates_);
+            [&](size_t i) { return instant_.wrench_rates[i]; }, instant_.accelerations, instant_.corrections,
+            instant_.rigid_rates);
     }
     /// Force of a joint's rigid directions at that instant, its axes.
     Vector6 rigid_force_at_start(const Mechanism& mechanism, size_t joint) const;
     /// Of a frame's origin, world.
-    Twist velocity(int frame) const { return is_inner(frame) ? velocities_[at(frame)] : Twist{}; }
+    Twist velocity(int frame) const { return is_inner(frame) ? instant_.velocities[at(frame)] : Twist{}; }
     /// A point of a frame in its axes.
     Twist velocity(const Mechanism& mechanism, int frame, const Vector3& offset) const;
     Twist acceleration(const Mechanism& mechanism, int frame, const Vector3& offset) const;
@@ -160,8 +163,8 @@ public:
     Twist newmark_momentum(const Mechanism& mechanism) const;
 
     /// Solutions of the linear equations over all steps so far, and factorisations.
-    long passes() const { return passes_; }
-    long factorisations() const { return factorisations_; }
+    long passes() const { return work_.passes; }
+    long factorisations() const { return work_.factorisations; }
 
     /// Everything that changes from step to step, as pieces of memory; the factor goes with them by refactor(), for the step
     /// to come.
@@ -177,7 +180,7 @@ public:
         visit(std::span(self.rigid_));
         visit(std::span(self.port_u_));
         visit(std::span(self.port_u_before_));
-        visit(std::span(self.start_accelerations_));
+        visit(std::span(self.instant_.of_ports));
         visit(std::span(&self.books_, 1));
     }
     void refactor(const Mechanism& mechanism);
@@ -197,11 +200,6 @@ private:
             for (Vector6* list : {load, elastic}) std::fill_n(list, 3, Vector6::Zero());
             settled.setZero();
         }
-    };
-    /// A load on a node that is not at its frame's origin.
-    struct Lever {
-        size_t loaded, node;
-        Vector3 offset;  ///< axes of the frame
     };
     /// How fast passes converge, in one measure. A larger correction than the one it was measured at turns the joints' axes
     /// more, and contracts less in proportion.
@@ -243,7 +241,7 @@ private:
         std::vector<double> q;         ///< forces of the rigid directions, before the correction [N, N m]
         std::vector<double> q_change;  ///< correction of them, times h
         std::vector<double> laws;      ///< ψ of the last correction
-        std::vector<JointForce> near;  ///< forces of near_joints_ over the step, before the correction
+        std::vector<JointForce> near;  ///< forces of layout_.near_joints over the step, before the correction
         Convergence motion, momentum;  ///< as in Books
         double scale = 0;              ///< likewise
         double correction = 0;         ///< size of the last one [m/s]
@@ -258,16 +256,13 @@ private:
         double floor = 0;              ///< corrections below are rounding [m/s]
     };
 
-    size_t at(int frame) const { return as_size(frame - driven_); }
-    bool is_inner(int frame) const { return frame >= driven_; }
+    size_t at(int frame) const { return layout_.at(frame); }
+    bool is_inner(int frame) const { return layout_.is_inner(frame); }
 
-    void set_reaches(const Mechanism& mechanism);
-    void choose_heirs(const Mechanism& mechanism);
-    void choose_near(const Mechanism& mechanism);
-    void choose_loaded(const Mechanism& mechanism);
-    bool has_free_parts(const Mechanism& mechanism) const;
-    FrameLoad& frame_load(size_t frame) { return frame_loads_[as_size(load_of_[frame])]; }
-    const FrameLoad& frame_load(size_t frame) const { return frame_loads_[as_size(load_of_[frame])]; }
+    void choose_lanes(const Mechanism& mechanism);
+    void make_room(const Mechanism& mechanism);
+    FrameLoad& frame_load(size_t frame) { return frame_loads_[as_size(layout_.load_of[frame])]; }
+    const FrameLoad& frame_load(size_t frame) const { return frame_loads_[as_size(layout_.load_of[frame])]; }
     void assemble(const Mechanism& mechanism, const std::vector<Frame>& at);
     void make_heavier(Elimination& matrix) const;
     void factor(const Mechanism& mechanism, Elimination& matrix, dttmm_status status) const;
@@ -282,7 +277,7 @@ private:
     struct Slow {
         const std::vector<Frame>& frames;
         Elimination& matrix;
-        std::vector<EndBlocks> at_ports;  ///< of port_joints_
+        std::vector<EndBlocks> at_ports;  ///< of layout_.port_joints
     };
     void form_dynamic_stiffness(const Mechanism& mechanism, const std::vector<Frame>& at, double rate,
                                 Elimination& matrix) const;
@@ -338,7 +333,7 @@ private:
     void find_motion(const Solution& solution, std::span<Vector6> motion) const;
     Vector6 motion_of(size_t frame, const Solution& solution) const;
     Eigen::Map<const Eigen::Matrix<double, 6, Eigen::Dynamic>> response(size_t frame) const {
-        return {&responses_[frame * 36 * as_size(ports_)], 6, 6 * ports_};
+        return {&matrix_.responses[frame * 36 * as_size(layout_.ports)], 6, 6 * layout_.ports};
     }
     Vector6 change_of(int frame, const Solution& solution) const;
     JointForce near_force(const Mechanism& mechanism, size_t near, const Solution& solution) const;
@@ -356,7 +351,7 @@ private:
 
     Matrix6 mass_matrix(size_t frame) const;
     /// Index of rigid direction number i of a joint among those of all.
-    size_t rigid_row(size_t joint, int i) const { return as_size(elimination_.rigid_begin(as_int(joint)) + i); }
+    size_t rigid_row(size_t joint, int i) const { return as_size(matrix_.factor.rigid_begin(as_int(joint)) + i); }
     Vector6 rigid_values(const Mechanism& mechanism, size_t joint, const std::vector<double>& q) const;
     struct Blocks {
         EndBlocks own, acting;
@@ -370,87 +365,74 @@ private:
                         Elimination& matrix) const;
     bool form_at_trial(const Mechanism& mechanism) const;
 
-    int ports_ = 0, driven_ = 0, count_ = 0;
-    Vector3 gravity_;
-    bool has_free_parts_ = false;  ///< that can turn against each other
-    bool has_near_laws_ = false;   ///< a near joint is not linear
-    std::vector<Inertia> inertias_;
-    std::vector<double> reach_;        ///< of a frame's joints from its origin [m], at least its radius of gyration
-    std::vector<double> turn_weight_;  ///< its square, and 1 by that: what makes one size of linear and angular motion, and
-    std::vector<double> spin_weight_;  ///< of linear and angular momentum; 0: nothing reaches out
-    std::vector<int> receivers_;       ///< frame nearby that takes over what a massless one leaves unbalanced; −1: none
-    std::vector<int> inner_nodes_;     ///< nodes of the description that loads and motions go by
-    /// How a node is to start.
-    struct Given {
-        bool moves;
-        Twist velocity;
-    };
-    std::vector<Given> given_;            ///< to inner_nodes_
-    std::vector<size_t> port_joints_;     ///< of the ports
-    std::vector<size_t> near_joints_;     ///< whose forces the ports feel
-    std::vector<int> near_index_;         ///< of every joint among them; −1: it is not
-    std::vector<EndBlocks> near_blocks_;  ///< their stiffness as in the matrix, frames' axes
     struct Columns {
         Matrix6 at[2];
     };
-    std::vector<Columns> near_columns_;    ///< of their deformation by either frame, when the matrix was formed
-    std::vector<int> port_frames_;         ///< the ports, and massless frames whose receivers they are
-    std::vector<size_t> rigid_joints_;     ///< joints with rigid directions
-    std::vector<int> rigid_index_;         ///< of every joint among them; −1: it has none
-    std::vector<size_t> settling_joints_;  ///< joints of massless frames
-    JointsByFour by_four_;                 ///< joints that are neither near nor rigid nor settling
-    std::vector<size_t> others_;           ///< all joints it does not take, ascending
-    Elimination elimination_;
-    mutable Elimination at_trial_;     ///< where the matrix kept does not serve
-    std::vector<double> responses_;    ///< ∂u/∂(u of the ports) of every inner frame
-    Eigen::MatrixXd rigid_responses_;  ///< the same of the forces of rigid directions, times h
+    /// The matrix M + h² S and what follows from it.
+    struct Matrix {
+        explicit Matrix(Elimination elimination) : factor(std::move(elimination)) {}
+        Elimination factor;
+        std::vector<double> responses;       ///< ∂u/∂(u of the ports) of every inner frame
+        Eigen::MatrixXd rigid_responses;     ///< the same of the forces of rigid directions, times h
+        std::vector<EndBlocks> near_blocks;  ///< stiffness of the near joints as in the matrix, frames' axes
+        std::vector<Columns> near_columns;   ///< of their deformation by either frame, when it was formed
+        double stiffest = 0;                 ///< what it has most of against the shift of a frame [kg]
+        bool is_stale = false;               ///< it no longer serves
+        bool is_fresh = false;               ///< it was formed for the open step
+    };
+    /// At the start of the step last committed, world.
+    struct Instant {
+        std::vector<Twist> velocities, corrections, accelerations;
+        std::vector<double> rigid;  ///< forces of the rigid directions then
+        // For accelerations at the start of a run:
+        std::vector<Twist> of_ports;        ///< their accelerations
+        std::vector<Vector6> wrench_rates;  ///< on the inner frames, known ones
+        std::vector<double> rigid_rates;    ///< of forces of rigid directions
+    };
+    struct OpenStep {
+        std::vector<RigidMap> rigid_known;  ///< of the rigid joints: what the two instants before the end contribute
+        std::vector<Vector6> node_loads;    ///< at the end of the step
+        double size = 0;                    ///< of the network and its way from the world's origin, at t_n [m]
+        Solution anchor;                    ///< where the ports are expected
+        bool is_solved = false;             ///< the anchor; before that it is where everything goes on as it has
+        int moves = 0;                      ///< of the anchor
+        bool stays_linear = false;          ///< it moves no more, and all answers are linear
+    };
+    /// Working memory.
+    struct Work {
+        Work(const Elimination& factor, LawRows law_rows) : at_trial(factor), laws(std::move(law_rows)) {}
+        Elimination at_trial;  ///< where the matrix kept does not serve, and of slow motions
+        LawRows laws;
+        Solution other;
+        Eigen::VectorXd port_change;   ///< from the solution in use to the end of the step asked for, 6 per port, local
+        Eigen::VectorXd rigid_change;  ///< what it changes in the forces of rigid directions, times h
+        std::vector<Frame> trial;
+        std::vector<Vector6> motion;  ///< of the inner frames over the step that is committed, each in its axes at t_n
+        std::vector<Vector6> wrench;  ///< over the step, on every frame at its origin at t_n, world
+        std::vector<Vector6> end_wrench, damping_wrench;  ///< on massless frames at the end, and half way
+        std::vector<MasslessFrames::Residual> massless_residuals;
+        std::vector<double> q;
+        long passes = 0;
+        long factorisations = 0;
+    };
+
     MasslessFrames massless_;
-    mutable LawRows laws_;  ///< mutable: it has working memory
+    InteriorLayout layout_;
+    JointsByFour by_four_;        ///< joints that are neither near nor rigid nor settling
+    std::vector<size_t> others_;  ///< all joints it does not take, ascending
+    Matrix matrix_;
 
-    double stiffest_ = 0;    ///< what the matrix has most of against the shift of a frame [kg]
-    bool is_stale_ = false;  ///< the factor no longer serves
-    bool is_fresh_ = false;  ///< it was formed for the open step
-
-    std::vector<Twist> velocities_, corrections_, accelerations_;  ///< at the start of the step last committed, world
-    // For accelerations at the start of a run:
-    std::vector<Twist> start_accelerations_;  ///< of the ports
-    std::vector<Vector6> wrench_rates_;       ///< on the inner frames, known ones
-    std::vector<double> rigid_rates_;         ///< of forces of rigid directions
-    std::vector<Matrix3> inverse_moments_;    ///< of inertia, axes of the frames; zero where there is none
-    std::vector<double> rigid_at_start_;      ///< forces of the rigid directions then
-
+    // From step to step
     PastMotion past_;
     std::vector<Vector6> momenta_;  ///< over the step before t_n, world
     std::vector<FrameLoad> frame_loads_;
-    std::vector<size_t> loaded_;  ///< the frame of each
-    std::vector<int> load_of_;    ///< and the other way round; −1: none
-    std::vector<Lever> levers_;
-    std::vector<double> rigid_;  ///< forces of the rigid directions over the step before t_n
+    std::vector<double> rigid_;                    ///< forces of the rigid directions over the step before t_n
+    std::vector<Vector6> port_u_, port_u_before_;  ///< of the ports over the two steps before, world [m/s, rad/s]
     Books books_;
 
-    // Of the open step
-    std::vector<RigidMap> rigid_known_;            ///< of rigid_joints_: what the two instants before the end contribute
-    std::vector<Vector6> node_loads_;              ///< at the end of the step
-    std::vector<Vector6> port_u_, port_u_before_;  ///< of the ports over the two steps before, world [m/s, rad/s]
-    std::vector<double> port_reach_;
-    double size_ = 0;            ///< of the network and its way from the world's origin, at t_n [m]
-    Solution anchor_;            ///< where the ports are expected
-    bool is_solved_ = false;     ///< the anchor; before that it is where everything goes on as it has
-    int moves_ = 0;              ///< of the anchor
-    bool stays_linear_ = false;  ///< it moves no more, and all answers are linear
-
-    // Working memory
-    mutable Solution other_;
-    mutable Eigen::VectorXd port_change_;   ///< from the solution in use to the end of the step asked for, 6 per port, local
-    mutable Eigen::VectorXd rigid_change_;  ///< what it changes in the forces of rigid directions, times h
-    mutable std::vector<Frame> trial_;
-    mutable std::vector<Vector6> motion_;  ///< of the inner frames over the step that is committed, each in its axes at t_n
-    mutable std::vector<Vector6> wrench_;  ///< over the step, on every frame at its origin at t_n, world
-    mutable std::vector<Vector6> end_wrench_, damping_wrench_;  ///< on massless frames at the end, and half way
-    mutable std::vector<MasslessFrames::Residual> massless_residuals_;
-    mutable std::vector<double> q_;
-    mutable long passes_ = 0;
-    mutable long factorisations_ = 0;
+    Instant instant_;
+    OpenStep open_;
+    mutable Work work_;  ///< mutable: to the host evaluate() changes nothing, and it does not allocate
 };
 
 }  // namespace dttmm::plugin

@@ -12,51 +12,52 @@ namespace dttmm::plugin {
 
 void Interior::find_velocities(const Mechanism& mechanism, std::span<const Vector6> mean_wrenches) {
     const double half_step = 0.5 * mechanism.scheme.step_size();
-    for (size_t i = 0; i < inertias_.size(); ++i) {
-        const size_t f = as_size(driven_) + i;
+    for (size_t i = 0; i < layout_.inertias.size(); ++i) {
+        const size_t f = as_size(layout_.driven) + i;
         Vector6 wrench = mean_wrenches[f];
-        if (load_of_[i] >= 0) wrench += 0.5 * (frame_load(i).load[1] + frame_load(i).load[2]);
-        Twist& v = velocities_[i] = past_.mean(i);  // at the start the initial velocities
+        if (layout_.load_of[i] >= 0) wrench += 0.5 * (frame_load(i).load[1] + frame_load(i).load[2]);
+        Twist& v = instant_.velocities[i] = past_.mean(i);  // at the start the initial velocities
         if (mechanism.steps == 1) continue;
         if (!massless_.is_massless(i, 0))
-            v.linear = past_.velocity[i].linear - half_step * (head(wrench) / inertias_[i].mass + gravity_);
+            v.linear = past_.velocity[i].linear - half_step * (head(wrench) / layout_.inertias[i].mass + layout_.gravity);
         if (massless_.is_massless(i, 1)) continue;
         // L_n = L_{n+1/2} - h/2 T, ω = (R J Rᵀ)⁻¹ L
         const RowMajor3 R = FrameView(mechanism.before[f]).axes();
-        v.angular = R * (inverse_moments_[i] * (R.transpose() * (tail(momenta_[i]) - half_step * tail(wrench))));
+        v.angular = R * (layout_.inverse_moments[i] * (R.transpose() * (tail(momenta_[i]) - half_step * tail(wrench))));
     }
-    rigid_at_start_ = rigid_;
+    instant_.rigid = rigid_;
     if (mechanism.steps == 1)  // the first step carries half the weight of its start
-        for (double& q : rigid_at_start_) q *= 2;
+        for (double& q : instant_.rigid) q *= 2;
 }
 
 void Interior::find_accelerations(const Mechanism& mechanism, std::span<const Vector6> wrenches) {
-    for (size_t i = 0; i < inertias_.size(); ++i) {
-        const size_t f = as_size(driven_) + i;
+    for (size_t i = 0; i < layout_.inertias.size(); ++i) {
+        const size_t f = as_size(layout_.driven) + i;
         Vector6 wrench = wrenches[f];
-        if (load_of_[i] >= 0) wrench += frame_load(i).load[2];
+        if (layout_.load_of[i] >= 0) wrench += frame_load(i).load[2];
         const Twist &later = past_.velocity[i], &earlier = past_.velocity_before[i];
-        Twist& a = accelerations_[i];
+        Twist& a = instant_.accelerations[i];
         // The first velocity is that of the start, and half a step before the next
         const double h = (mechanism.steps == 1 && massless_.is_rigidly_joined(i) ? 0.5 : 1) * mechanism.scheme.step_size();
         a.linear = massless_.is_massless(i, 0) ? Vector3((later.linear - earlier.linear) / h)
-                                               : Vector3(head(wrench) / inertias_[i].mass + gravity_);
+                                               : Vector3(head(wrench) / layout_.inertias[i].mass + layout_.gravity);
         if (massless_.is_massless(i, 1)) {
             a.angular = (later.angular - earlier.angular) / h;
             continue;
         }
         const RowMajor3 R = FrameView(mechanism.before[f]).axes();
-        const Vector3 spin = R.transpose() * velocities_[i].angular;
-        a.angular = R * (inverse_moments_[i] * (R.transpose() * tail(wrench) - spin.cross(inertias_[i].moment * spin)));
+        const Vector3 spin = R.transpose() * instant_.velocities[i].angular;
+        a.angular = R * (layout_.inverse_moments[i] *
+                         (R.transpose() * tail(wrench) - spin.cross(layout_.inertias[i].moment * spin)));
     }
 }
 
 /// Rates of the loads on massless frames.
 void Interior::take_load_rates(const Mechanism& mechanism) {
-    std::fill(wrench_rates_.begin(), wrench_rates_.end(), Vector6::Zero());
+    std::fill(instant_.wrench_rates.begin(), instant_.wrench_rates.end(), Vector6::Zero());
     for (size_t i : massless_.frames())
-        wrench_rates_[i] = (frame_load(i).load[1] - frame_load(i).load[2]) / mechanism.scheme.step_size();
-    std::fill(rigid_rates_.begin(), rigid_rates_.end(), 0.0);
+        instant_.wrench_rates[i] = (frame_load(i).load[1] - frame_load(i).load[2]) / mechanism.scheme.step_size();
+    std::fill(instant_.rigid_rates.begin(), instant_.rigid_rates.end(), 0.0);
 }
 
 /// Adds the rates of the moments that a joint's force has on its frames, as far as its lever arms make them.
@@ -65,7 +66,7 @@ void Interior::add_arm_rates(const Mechanism& mechanism, size_t j, const Twist& 
     const JointPose pose = joint.pose(mechanism.frame_before(joint.from()), mechanism.frame_before(joint.to()));
     const Vector3 force = pose.axes * head(f), lever_rate = to.angular.cross(pose.lever);
     const Vector3 arm_rate = to.linear + lever_rate - from.linear;
-    const auto on = [&](int frame) { return is_inner(frame) ? wrench_rates_[at(frame)].data() : nullptr; };
+    const auto on = [&](int frame) { return is_inner(frame) ? instant_.wrench_rates[at(frame)].data() : nullptr; };
     Joint::add_wrench({Vector3::Zero(), arm_rate.cross(force), lever_rate.cross(force)}, on(joint.from()), on(joint.to()));
 }
 
@@ -75,8 +76,8 @@ MasslessFrames::Acting Interior::rate_of_force(const Mechanism& mechanism, size_
     const Joint& joint = mechanism.joints[j];
     const FrameView from = mechanism.frame_before(joint.from()), to = mechanism.frame_before(joint.to());
     const auto acceleration_of = [&](int frame) {
-        if (is_inner(frame)) return accelerations_[at(frame)];
-        return frame < ports_ ? start_accelerations_[as_size(frame)] : Twist{};
+        if (is_inner(frame)) return instant_.accelerations[at(frame)];
+        return frame < layout_.ports ? instant_.of_ports[as_size(frame)] : Twist{};
     };
     const Vector6 rate = joint.rate(from, from_velocity, to, to_velocity);
     const Vector3 w = joint.turning(from, from_velocity, to, to_velocity);
@@ -97,7 +98,7 @@ Vector6 Interior::rigid_force(const Mechanism& mechanism, size_t j) const {
 }
 
 Vector6 Interior::rigid_force_at_start(const Mechanism& mechanism, size_t j) const {
-    Vector6 q = rigid_values(mechanism, j, rigid_at_start_);
+    Vector6 q = rigid_values(mechanism, j, instant_.rigid);
     q.tail<3>() = moment_of_gradient(mechanism.states[j].theta_before, q.tail<3>()).eval();
     return q;
 }
@@ -108,17 +109,17 @@ Twist Interior::velocity(const Mechanism& mechanism, int frame, const Vector3& o
 }
 
 Twist Interior::acceleration(const Mechanism& mechanism, int frame, const Vector3& offset) const {
-    const Twist &a = accelerations_[at(frame)], &v = velocities_[at(frame)];
+    const Twist &a = instant_.accelerations[at(frame)], &v = instant_.velocities[at(frame)];
     const Vector3 arm = mechanism.frame_before(frame).axes() * offset;
     return {a.linear + a.angular.cross(arm) + v.angular.cross(v.angular.cross(arm)), a.angular};
 }
 
 double Interior::kinetic_energy(const Mechanism& mechanism) const {
     double twice = 0;
-    for (size_t i = 0; i < inertias_.size(); ++i) {
-        const Twist& v = velocities_[i];
-        const Vector3 w = mechanism.frame_before(driven_ + as_int(i)).axes().transpose() * v.angular;
-        twice += inertias_[i].mass * v.linear.squaredNorm() + w.dot(inertias_[i].moment * w);
+    for (size_t i = 0; i < layout_.inertias.size(); ++i) {
+        const Twist& v = instant_.velocities[i];
+        const Vector3 w = mechanism.frame_before(layout_.driven + as_int(i)).axes().transpose() * v.angular;
+        twice += layout_.inertias[i].mass * v.linear.squaredNorm() + w.dot(layout_.inertias[i].moment * w);
     }
     return 0.5 * twice;
 }

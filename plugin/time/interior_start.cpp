@@ -39,15 +39,15 @@ Vector6 in_world(FrameView frame, const Vector6& v) {
 
 // ---- Slow motions -------------------------------------------------------------------------------------------------------
 
-/// The factor overwrites at_trial_. hold(matrix): adds to it before it is factored. Where a motion is resisted by nothing,
-/// inertias are made heavier and it is factored again.
+/// The factor overwrites work_.at_trial. hold(matrix): adds to it before it is factored. Where a motion is resisted by
+/// nothing, inertias are made heavier and it is factored again.
 template <class Hold>
 Interior::Slow Interior::form_slow(const Mechanism& mechanism, const std::vector<Frame>& frames, const Hold& hold) const {
-    Slow slow{frames, at_trial_, {}};
-    for (size_t j : port_joints_) slow.at_ports.push_back(dynamic_stiffness(mechanism, j, frames, kSlowRate));
+    Slow slow{frames, work_.at_trial, {}};
+    for (size_t j : layout_.port_joints) slow.at_ports.push_back(dynamic_stiffness(mechanism, j, frames, kSlowRate));
     form_dynamic_stiffness(mechanism, frames, kSlowRate, slow.matrix);
     hold(slow.matrix);
-    ++factorisations_;
+    ++work_.factorisations;
     if (!slow.matrix.factor()) return slow;
     form_dynamic_stiffness(mechanism, frames, kSlowRate, slow.matrix);
     make_heavier(slow.matrix);
@@ -59,13 +59,13 @@ Interior::Slow Interior::form_slow(const Mechanism& mechanism, const std::vector
 /// motion: 6 per frame in its own axes, of the ports given; of the inner frames a load on them, in whose place it takes
 /// their motion. q: takes the forces of rigid directions.
 void Interior::follow(const Mechanism& mechanism, const Slow& slow, std::span<Vector6> motion, std::span<double> q) const {
-    const auto inner = motion.subspan(as_size(driven_));
+    const auto inner = motion.subspan(as_size(layout_.driven));
     std::ranges::fill(q, 0.0);
-    for (size_t k = 0; k < port_joints_.size(); ++k) {
-        const size_t j = port_joints_[k];
+    for (size_t k = 0; k < layout_.port_joints.size(); ++k) {
+        const size_t j = layout_.port_joints[k];
         const Joint& joint = mechanism.joints[j];
         for (int end : {0, 1}) {
-            if (joint.frame(end) >= ports_) continue;
+            if (joint.frame(end) >= layout_.ports) continue;
             const Vector6& u = motion[as_size(joint.frame(end))];
             const int other = joint.frame(1 - end);
             if (is_inner(other)) inner[at(other)] -= slow.at_ports[k].at[1 - end][end] * u;
@@ -79,7 +79,7 @@ void Interior::follow(const Mechanism& mechanism, std::span<Vector6> motion) con
     const std::vector<Frame> frames = frames_at_start(mechanism);
     const Slow slow = form_slow(mechanism, frames, [](Elimination&) {});
     for (size_t f = 0; f < motion.size(); ++f)
-        motion[f] = f < as_size(ports_) ? in_axes(frames[f], motion[f]) : Vector6(Vector6::Zero());
+        motion[f] = f < as_size(layout_.ports) ? in_axes(frames[f], motion[f]) : Vector6(Vector6::Zero());
     std::vector<double> q(rigid_.size());
     follow(mechanism, slow, motion, q);
     for (size_t f = 0; f < motion.size(); ++f) motion[f] = in_world(frames[f], motion[f]);
@@ -88,29 +88,29 @@ void Interior::follow(const Mechanism& mechanism, std::span<Vector6> motion) con
 void Interior::linearise(const Mechanism& mechanism, Ports ports, double* wrench, double* stiffness) const {
     Start start = place_at_start(mechanism, ports);
     balance_at_start(mechanism, 0, start);
-    const auto on = [&](int frame) { return frame < ports_ ? wrench + 6 * ports.bodies[frame] : nullptr; };
-    for (size_t j : port_joints_) {
+    const auto on = [&](int frame) { return frame < layout_.ports ? wrench + 6 * ports.bodies[frame] : nullptr; };
+    for (size_t j : layout_.port_joints) {
         const Joint& joint = mechanism.joints[j];
         Joint::add_wrench(start_force(mechanism, j, start), on(joint.from()), on(joint.to()));
     }
     if (!stiffness) return;
     const Slow slow = form_slow(mechanism, start.frames, [](Elimination&) {});
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    Eigen::Map<RowMajor> S(stiffness, 6 * ports_, 6 * ports_);
+    Eigen::Map<RowMajor> S(stiffness, 6 * layout_.ports, 6 * layout_.ports);
     S.setZero();
     std::vector<Vector6> motion(mechanism.frames.size());
     std::vector<double> q(rigid_.size());
-    for (int column = 0; column < 6 * ports_; ++column) {
+    for (int column = 0; column < 6 * layout_.ports; ++column) {
         std::ranges::fill(motion, Vector6::Zero());
         const auto port = as_size(column / 6);
         motion[port] = in_axes(start.frames[port], Vector6::Unit(column % 6));
         follow(mechanism, slow, motion, q);
-        for (size_t k = 0; k < port_joints_.size(); ++k) {
-            const size_t j = port_joints_[k];
+        for (size_t k = 0; k < layout_.port_joints.size(); ++k) {
+            const size_t j = layout_.port_joints[k];
             const Joint& joint = mechanism.joints[j];
             for (int row : {0, 1}) {
                 const int frame = joint.frame(row);
-                if (frame >= ports_) continue;
+                if (frame >= layout_.ports) continue;
                 Vector6 force = Vector6::Zero();
                 for (int end : {0, 1}) force += slow.at_ports[k].at[row][end] * motion[as_size(joint.frame(end))];
                 for_each_rigid(joint,
@@ -144,8 +144,8 @@ std::vector<Frame> Interior::frames_at_start(const Mechanism& mechanism) {
 /// strain the network least.
 Interior::Start Interior::place_at_start(const Mechanism& mechanism, Ports ports) const {
     Start start{frames_at_start(mechanism), std::vector<Twist>(mechanism.frames.size())};
-    bool moves = std::ranges::any_of(given_, &Given::moves);
-    for (int p = 0; p < ports_; ++p) {
+    bool moves = std::ranges::any_of(layout_.given, &InteriorLayout::Given::moves);
+    for (int p = 0; p < layout_.ports; ++p) {
         const auto port = as_size(p);
         start.frames[port] = ports[port].copy();
         start.velocities[port] = ports.twist(p);
@@ -153,16 +153,16 @@ Interior::Start Interior::place_at_start(const Mechanism& mechanism, Ports ports
     }
     if (!moves) return start;
     std::vector<Vector6> motion(mechanism.frames.size(), Vector6::Zero());
-    for (size_t p = 0; p < as_size(ports_); ++p) motion[p] = in_axes(start.frames[p], joined(start.velocities[p]));
+    for (size_t p = 0; p < as_size(layout_.ports); ++p) motion[p] = in_axes(start.frames[p], joined(start.velocities[p]));
     std::vector<Vector6> hold(mechanism.frames.size());
     const Slow slow = form_slow(mechanism, start.frames, [&](Elimination& matrix) {
         std::ranges::fill(hold, Vector6::Zero());
         hold_given(mechanism, start, matrix, hold);
     });
-    for (auto f = as_size(driven_); f < motion.size(); ++f) motion[f] = hold[f];
+    for (auto f = as_size(layout_.driven); f < motion.size(); ++f) motion[f] = hold[f];
     std::vector<double> q(rigid_.size());
     follow(mechanism, slow, motion, q);
-    for (auto f = as_size(driven_); f < motion.size(); ++f) {
+    for (auto f = as_size(layout_.driven); f < motion.size(); ++f) {
         const Vector6 v = in_world(start.frames[f], motion[f]);
         start.velocities[f] = {head(v), tail(v)};
     }
@@ -173,22 +173,22 @@ Interior::Start Interior::place_at_start(const Mechanism& mechanism, Ports ports
 void Interior::hold_given(const Mechanism& mechanism, const Start& start, Elimination& matrix,
                           std::vector<Vector6>& load) const {
     constexpr double kHold = 1e12;  // stiffer than everything
-    for (size_t i = 0; i < given_.size(); ++i) {
-        const NodeSpec& spec = mechanism.assembly.nodes[as_size(inner_nodes_[i])];
-        if (!given_[i].moves || !is_inner(spec.frame)) continue;
+    for (size_t i = 0; i < layout_.given.size(); ++i) {
+        const NodeSpec& spec = mechanism.assembly.nodes[as_size(layout_.inner_nodes[i])];
+        if (!layout_.given[i].moves || !is_inner(spec.frame)) continue;
         const auto frame = as_size(spec.frame);
         // v_node = v − offset × ω in the frame's axes
         Matrix6 G = Matrix6::Identity();
         G.topRightCorner<3, 3>() = -skew(spec.offset);
-        const Vector6 given = in_axes(start.frames[frame], joined(given_[i].velocity));
-        const Matrix6 own = matrix.diagonal(spec.frame - driven_);
+        const Vector6 given = in_axes(start.frames[frame], joined(layout_.given[i].velocity));
+        const Matrix6 own = matrix.diagonal(spec.frame - layout_.driven);
         const double translation = kHold * std::max(own.topLeftCorner<3, 3>().trace(), 1e-300);
         // What holds the translation at a lever turns the frame too, and must not drown what holds the rotation
         const double rotation = std::max(kHold * std::max(own.bottomRightCorner<3, 3>().trace(), 1e-300),
                                          spec.offset.squaredNorm() * translation);
         Vector6 weight;
         weight << Vector3::Constant(translation), Vector3::Constant(rotation);
-        matrix.add_diagonal(spec.frame - driven_, G.transpose() * weight.asDiagonal() * G);
+        matrix.add_diagonal(spec.frame - layout_.driven, G.transpose() * weight.asDiagonal() * G);
         load[frame] += G.transpose() * weight.cwiseProduct(given);
     }
 }
@@ -196,7 +196,7 @@ void Interior::hold_given(const Mechanism& mechanism, const Start& start, Elimin
 /// Gives massless frames between dampers the velocities at which these balance, unless they are given.
 void Interior::balance_at_start(const Mechanism& mechanism, double h, Start& start) const {
     if (!massless_.has_balances()) return;
-    const auto first = start.velocities.begin() + driven_;
+    const auto first = start.velocities.begin() + layout_.driven;
     const std::vector<Twist> before(first, start.velocities.end());
     std::vector<Twist> velocities = before, corrections(before.size());
     std::vector<double> rigid(rigid_.size());
@@ -213,9 +213,9 @@ void Interior::balance_at_start(const Mechanism& mechanism, double h, Start& sta
                                           joint.elastic(deformation, mechanism.memory(j))};
         },
         [&](size_t i) { return frame_load(i).load[1]; }, velocities, corrections, rigid);
-    for (size_t i = 0; i < given_.size(); ++i) {
-        const int frame = mechanism.assembly.nodes[as_size(inner_nodes_[i])].frame;
-        if (given_[i].moves && is_inner(frame)) velocities[at(frame)] = before[at(frame)];
+    for (size_t i = 0; i < layout_.given.size(); ++i) {
+        const int frame = mechanism.assembly.nodes[as_size(layout_.inner_nodes[i])].frame;
+        if (layout_.given[i].moves && is_inner(frame)) velocities[at(frame)] = before[at(frame)];
     }
     std::ranges::copy(velocities, first);
 }
@@ -225,13 +225,13 @@ void Interior::refuse_forbidden_velocities(const Mechanism& mechanism, const Sta
     double largest = 0;
     const auto look_at = [&](const Twist& v) { largest = std::max({largest, v.linear.norm(), v.angular.norm()}); };
     for (const Twist& velocity : start.velocities) look_at(velocity);
-    for (const Given& given : given_)
+    for (const InteriorLayout::Given& given : layout_.given)
         if (given.moves) look_at(given.velocity);
     const double least = kTolerated * largest;
-    for (size_t i = 0; i < given_.size(); ++i) {
-        const NodeSpec& spec = mechanism.assembly.nodes[as_size(inner_nodes_[i])];
-        if (!given_[i].moves || !is_inner(spec.frame)) continue;
-        const Twist& given = given_[i].velocity;
+    for (size_t i = 0; i < layout_.given.size(); ++i) {
+        const NodeSpec& spec = mechanism.assembly.nodes[as_size(layout_.inner_nodes[i])];
+        if (!layout_.given[i].moves || !is_inner(spec.frame)) continue;
+        const Twist& given = layout_.given[i].velocity;
         Twist left = start.velocities[as_size(spec.frame)];
         const FrameView frame = start.frames[as_size(spec.frame)];
         left.linear += left.angular.cross(frame.axes() * spec.offset);
@@ -256,10 +256,10 @@ void Interior::start(Mechanism& mechanism, Ports ports, const double* accelerati
     read_loads(mechanism, loads);
     for (size_t k = 0; k < frame_loads_.size(); ++k) {
         FrameLoad& loaded = frame_loads_[k];
-        loaded.load[1] = loaded.load[2] = load_at_end(k, mechanism.frame(driven_ + as_int(loaded_[k])));
+        loaded.load[1] = loaded.load[2] = load_at_end(k, mechanism.frame(layout_.driven + as_int(layout_.loaded[k])));
     }
     balance_at_start(mechanism, h, start);
-    past_.velocity.assign(start.velocities.begin() + driven_, start.velocities.end());
+    past_.velocity.assign(start.velocities.begin() + layout_.driven, start.velocities.end());
 
     // Forces of the start, for the momentum half a step before it and the accelerations
     std::vector<Vector6> wrench(mechanism.frames.size(), Vector6::Zero());
@@ -271,37 +271,37 @@ void Interior::start(Mechanism& mechanism, Ports ports, const double* accelerati
     const std::vector<Twist> acceleration = start_inertias(mechanism, wrench);
     const auto acceleration_of = [&](int frame) {
         if (is_inner(frame)) return acceleration[at(frame)];
-        if (frame >= ports_) return Twist{};
+        if (frame >= layout_.ports) return Twist{};
         const double* a = accelerations + 6 * ports.bodies[frame];
         return Twist{Eigen::Map<const Vector3>(a), Eigen::Map<const Vector3>(a + 3)};
     };
     mechanism.start_joints([&](int frame) { return start.velocities[as_size(frame)]; }, acceleration_of);
-    for (int p = 0; p < ports_; ++p) start_accelerations_[as_size(p)] = acceleration_of(p);
+    for (int p = 0; p < layout_.ports; ++p) instant_.of_ports[as_size(p)] = acceleration_of(p);
     mechanism.before = mechanism.frames;
     set_elastic(mechanism);
     for (size_t i = 0; i < massless_.frames().size(); ++i) {
         const size_t frame = massless_.frames()[i];
         FrameLoad& own = frame_load(frame);
         own.elastic[1] = own.elastic[2] = own.elastic[0];
-        own.settled = -in_axes(mechanism.frame(driven_ + as_int(frame)), own.elastic[0]);
+        own.settled = -in_axes(mechanism.frame(layout_.driven + as_int(frame)), own.elastic[0]);
     }
     for (size_t p = 0; p < port_u_.size(); ++p) port_u_[p] = joined(start.velocities[p]);
     port_u_before_ = port_u_;
-    trial_ = mechanism.frames;
+    work_.trial = mechanism.frames;
     refactor(mechanism);
 }
 
 /// Momenta and motions of the step before the start, under the wrenches of the joints at the start; accelerations then.
 std::vector<Twist> Interior::start_inertias(const Mechanism& mechanism, std::span<const Vector6> wrench) {
     const double h = mechanism.scheme.step_size();
-    std::vector<Twist> acceleration(inertias_.size());
-    for (size_t i = 0; i < inertias_.size(); ++i) {
+    std::vector<Twist> acceleration(layout_.inertias.size());
+    for (size_t i = 0; i < layout_.inertias.size(); ++i) {
         const Twist& velocity = past_.velocity[i];
-        const Inertia& inertia = inertias_[i];
-        const RowMajor3 R = mechanism.frame(driven_ + as_int(i)).axes();
-        Vector6 force = wrench[as_size(driven_) + i];
-        if (load_of_[i] >= 0) force += frame_load(i).load[1];
-        force.head<3>() += inertia.mass * gravity_;
+        const Inertia& inertia = layout_.inertias[i];
+        const RowMajor3 R = mechanism.frame(layout_.driven + as_int(i)).axes();
+        Vector6 force = wrench[as_size(layout_.driven) + i];
+        if (layout_.load_of[i] >= 0) force += frame_load(i).load[1];
+        force.head<3>() += inertia.mass * layout_.gravity;
         const Vector3 spin = R.transpose() * velocity.angular;
         momenta_[i] << inertia.mass * velocity.linear, R * (inertia.moment * spin);
         momenta_[i] -= 0.5 * h * force;
@@ -318,17 +318,17 @@ std::vector<Twist> Interior::start_inertias(const Mechanism& mechanism, std::spa
 /// Loads on the inner nodes at the end of the step; none where `loads` is null.
 void Interior::read_loads(const Mechanism& mechanism, const double* loads) {
     for (FrameLoad& loaded : frame_loads_) loaded.load[0].setZero();
-    for (size_t i = 0; i < inner_nodes_.size(); ++i) {
-        const NodeSpec& node = mechanism.assembly.nodes[as_size(inner_nodes_[i])];
-        node_loads_[i] = loads ? Vector6(Eigen::Map<const Vector6>(loads + 6 * i)) : Vector6(Vector6::Zero());
-        if (is_inner(node.frame)) frame_load(at(node.frame)).load[0] += node_loads_[i];
+    for (size_t i = 0; i < layout_.inner_nodes.size(); ++i) {
+        const NodeSpec& node = mechanism.assembly.nodes[as_size(layout_.inner_nodes[i])];
+        open_.node_loads[i] = loads ? Vector6(Eigen::Map<const Vector6>(loads + 6 * i)) : Vector6(Vector6::Zero());
+        if (is_inner(node.frame)) frame_load(at(node.frame)).load[0] += open_.node_loads[i];
     }
 }
 
 /// Elastic forces on massless frames where the joints' memory is, as those at the end of the step.
 void Interior::set_elastic(const Mechanism& mechanism) {
     for (size_t i : massless_.frames()) frame_load(i).elastic[0].setZero();
-    for (size_t j : settling_joints_) {
+    for (size_t j : layout_.settling_joints) {
         const Joint& joint = mechanism.joints[j];
         const auto elastic_on = [&](int frame) {
             return is_inner(frame) && massless_.index_of(at(frame)) >= 0 ? frame_load(at(frame)).elastic[0].data() : nullptr;

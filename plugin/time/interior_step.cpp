@@ -62,12 +62,12 @@ constexpr double kFastest = 1e8;   // m/s and rad/s
 
 void Interior::look_at_joints(const Mechanism& mechanism) {
     const Scheme& scheme = mechanism.scheme;
-    for (size_t k = 0; k < rigid_joints_.size(); ++k) {
-        const size_t j = rigid_joints_[k];
+    for (size_t k = 0; k < layout_.rigid_joints.size(); ++k) {
+        const size_t j = layout_.rigid_joints[k];
         const Joint& joint = mechanism.joints[j];
         const JointPose before = joint.pose(mechanism.frame_before(joint.from()), mechanism.frame_before(joint.to()));
         const Vector3 theta = mechanism.theta(j);
-        RigidMap& known = rigid_known_[k] = {};
+        RigidMap& known = open_.rigid_known[k] = {};
         known.add(scheme.elastic_weight(1), mechanism.pose(j), theta);
         // Three instants, one force: of one branch of θ
         known.add(scheme.elastic_weight(2), before, nearest_turn(mechanism.states[j].theta_before, theta));
@@ -77,7 +77,7 @@ void Interior::look_at_joints(const Mechanism& mechanism) {
 
 void Interior::begin_step(const Mechanism& mechanism, const double* loads) {
     for (size_t j = 0; j < mechanism.joints.size(); ++j) mechanism.joints[j].refuse_large_rotation(mechanism.states[j]);
-    if (is_stale_) refactor(mechanism);
+    if (matrix_.is_stale) refactor(mechanism);
     read_loads(mechanism, loads);
     predict(mechanism);
     open_anchor(mechanism);
@@ -89,15 +89,15 @@ void Interior::predict(const Mechanism& mechanism) {
     for (size_t p = 0; p < port_u_.size(); ++p) {
         const Vector6 u = 2 * port_u_[p] - port_u_before_[p];
         const FrameView now = mechanism.frames[p];
-        Map3{anchor_.ports[p].position} = now.origin() + h * head(u);
-        MapR{anchor_.ports[p].rotation} = rotation_from_vector(h * tail(u)) * now.axes();
+        Map3{open_.anchor.ports[p].position} = now.origin() + h * head(u);
+        MapR{open_.anchor.ports[p].rotation} = rotation_from_vector(h * tail(u)) * now.axes();
     }
-    for (size_t i = 0; i < inertias_.size(); ++i) anchor_.u[i] = 2 * past_.u[i] - past_.u_before[i];
+    for (size_t i = 0; i < layout_.inertias.size(); ++i) open_.anchor.u[i] = 2 * past_.u[i] - past_.u_before[i];
     if (mechanism.steps == 0) {  // velocities of an instant: over the step what turns has turned half of it on the mean
-        const Vector3 mean = mean_velocity(mechanism, anchor_);
-        for (size_t i = 0; i < inertias_.size(); ++i) {
-            const Vector3 drift = mechanism.frame(driven_ + as_int(i)).axes().transpose() * mean;
-            Vector6& u = anchor_.u[i];
+        const Vector3 mean = mean_velocity(mechanism, open_.anchor);
+        for (size_t i = 0; i < layout_.inertias.size(); ++i) {
+            const Vector3 drift = mechanism.frame(layout_.driven + as_int(i)).axes().transpose() * mean;
+            Vector6& u = open_.anchor.u[i];
             u.head<3>() = (drift + turned(0.5 * h * u.tail<3>(), u.head<3>() - drift)).eval();
         }
     }
@@ -105,88 +105,89 @@ void Interior::predict(const Mechanism& mechanism) {
 
 /// What is known of the anchor before anything is solved: ports that go on as they have.
 void Interior::open_anchor(const Mechanism& mechanism) {
-    is_solved_ = false;
-    moves_ = 0;
-    stays_linear_ = false;
-    anchor_.answer = {};
-    anchor_.correction = anchor_.residual = anchor_.first_correction = 0;
-    anchor_.slowest_rate = 0;
-    anchor_.has_own_matrix = false;
-    std::fill(anchor_.change.begin(), anchor_.change.end(), Vector6::Zero());
-    std::fill(anchor_.q_change.begin(), anchor_.q_change.end(), 0.0);
-    anchor_.q = rigid_;
-    anchor_.motion = books_.motion;
-    anchor_.momentum = books_.momentum;
-    for (Convergence* convergence : {&anchor_.motion, &anchor_.momentum}) convergence->forget(kForget);
-    anchor_.scale = books_.scale;
-    size_ = kSmallestSize;
-    for (size_t i = 0; i < inertias_.size(); ++i) {
-        const FrameView frame = mechanism.frames[as_size(driven_) + i];
-        size_ = std::max(size_, frame.origin().cwiseAbs().sum() + reach_[i]);
+    open_.is_solved = false;
+    open_.moves = 0;
+    open_.stays_linear = false;
+    open_.anchor.answer = {};
+    open_.anchor.correction = open_.anchor.residual = open_.anchor.first_correction = 0;
+    open_.anchor.slowest_rate = 0;
+    open_.anchor.has_own_matrix = false;
+    std::fill(open_.anchor.change.begin(), open_.anchor.change.end(), Vector6::Zero());
+    std::fill(open_.anchor.q_change.begin(), open_.anchor.q_change.end(), 0.0);
+    open_.anchor.q = rigid_;
+    open_.anchor.motion = books_.motion;
+    open_.anchor.momentum = books_.momentum;
+    for (Convergence* convergence : {&open_.anchor.motion, &open_.anchor.momentum}) convergence->forget(kForget);
+    open_.anchor.scale = books_.scale;
+    open_.size = kSmallestSize;
+    for (size_t i = 0; i < layout_.inertias.size(); ++i) {
+        const FrameView frame = mechanism.frames[as_size(layout_.driven) + i];
+        open_.size = std::max(open_.size, frame.origin().cwiseAbs().sum() + layout_.reach[i]);
     }
 }
 
-/// Puts the inner frames, moving by u over the step, where it ends, into trial_.
+/// Puts the inner frames, moving by u over the step, where it ends, into work_.trial.
 void Interior::place(const Mechanism& mechanism, std::span<const Vector6> u) const {
-    const auto first = as_size(driven_);
+    const auto first = as_size(layout_.driven);
     move_frames(mechanism.scheme.step_size(), std::span(mechanism.frames).subspan(first), u,
-                std::span(trial_).subspan(first));
+                std::span(work_.trial).subspan(first));
 }
 /// The same of one of them.
 void Interior::place(const Mechanism& mechanism, size_t i, const Vector6& u) const {
-    const size_t f = as_size(driven_) + i;
-    move_frames(mechanism.scheme.step_size(), {&mechanism.frames[f], 1}, {&u, 1}, {&trial_[f], 1});
+    const size_t f = as_size(layout_.driven) + i;
+    move_frames(mechanism.scheme.step_size(), {&mechanism.frames[f], 1}, {&u, 1}, {&work_.trial[f], 1});
 }
 
 /// Forces q of a joint's rigid directions over the step.
 JointForce Interior::rigid_action(const Mechanism& mechanism, size_t j, const JointPose& at_end, const Vector3& theta,
                                   const Vector6& q) const {
-    RigidMap map = rigid_known_[as_size(rigid_index_[j])];
+    RigidMap map = open_.rigid_known[as_size(layout_.rigid_index[j])];
     map.add(mechanism.scheme.elastic_weight(0), at_end, nearest_turn(theta, mechanism.theta(j)));
     return map.of(q);
 }
 
-/// Of a joint over the step that ends with its frames at trial_ and its rigid directions carrying q_.
+/// Of a joint over the step that ends with its frames at work_.trial and its rigid directions carrying work_.q.
 JointForce Interior::force_over_step(const Mechanism& mechanism, size_t j, const JointPose& at_end,
                                      const Joint::Strained& end) const {
     const Joint& joint = mechanism.joints[j];
     JointForce force =
         joint.weigh(mechanism.scheme, end, at_end, mechanism.states[j], mechanism.damper(j), mechanism.memory(j));
-    if (joint.rigid().any()) force.add(1, rigid_action(mechanism, j, at_end, end.theta, rigid_values(mechanism, j, q_)));
+    if (joint.rigid().any())
+        force.add(1, rigid_action(mechanism, j, at_end, end.theta, rigid_values(mechanism, j, work_.q)));
     return force;
 }
 
 /// Wrenches of all joints over the step, and on massless frames at its end and half way.
 void Interior::find_forces(const Mechanism& mechanism, Solution& solution) const {
-    std::fill(wrench_.begin(), wrench_.end(), Vector6::Zero());
-    for (size_t j : settling_joints_)
+    std::fill(work_.wrench.begin(), work_.wrench.end(), Vector6::Zero());
+    for (size_t j : layout_.settling_joints)
         for (int frame : {mechanism.joints[j].from(), mechanism.joints[j].to()}) {
-            end_wrench_[as_size(frame)].setZero();
-            damping_wrench_[as_size(frame)].setZero();
+            work_.end_wrench[as_size(frame)].setZero();
+            work_.damping_wrench[as_size(frame)].setZero();
         }
-    q_ = solution.q;
-    double largest = by_four_.add_forces(mechanism, trial_, wrench_);
+    work_.q = solution.q;
+    double largest = by_four_.add_forces(mechanism, work_.trial, work_.wrench);
     for (size_t j : others_) {
         const Joint& joint = mechanism.joints[j];
         const auto a = as_size(joint.from()), b = as_size(joint.to());
-        const Ends trial = {trial_[a], trial_[b]};
+        const Ends trial = {work_.trial[a], work_.trial[b]};
         const JointPose at_end = joint.pose(trial);
         const Joint::Strained end = joint.strain(mechanism.scheme, trial, at_end, mechanism.states[j], mechanism.memory(j));
         const JointForce force = force_over_step(mechanism, j, at_end, end);
         largest = std::max(largest, force.force.squaredNorm());
-        Joint::add_wrench(force, wrench_[a].data(), wrench_[b].data());
-        if (near_index_[j] >= 0) solution.near[as_size(near_index_[j])] = force;
+        Joint::add_wrench(force, work_.wrench[a].data(), work_.wrench[b].data());
+        if (layout_.near_index[j] >= 0) solution.near[as_size(layout_.near_index[j])] = force;
         if (!massless_.is_settling(j)) continue;
         JointForce then = end.elastic;
         if (joint.rigid().any()) {
-            const Vector6 q = rigid_values(mechanism, j, q_);
+            const Vector6 q = rigid_values(mechanism, j, work_.q);
             then.add(1, at_end.act(at_end.axes * head(q), at_end.axes * moment_of_gradient(end.theta, tail(q))));
         }
-        Joint::add_wrench(then, end_wrench_[a].data(), end_wrench_[b].data());
+        Joint::add_wrench(then, work_.end_wrench[a].data(), work_.end_wrench[b].data());
         if (massless_.is_half_way(j))
             Joint::add_wrench(joint.damping_half_way(trial, mechanism.ends(j), mechanism.scheme.step_size(),
                                                      mechanism.states[j], *mechanism.damper(j)),
-                              damping_wrench_[a].data(), damping_wrench_[b].data());
+                              work_.damping_wrench[a].data(), work_.damping_wrench[b].data());
     }
     solution.impulse = mechanism.scheme.step_size() * std::sqrt(largest);
 }
@@ -194,8 +195,9 @@ void Interior::find_forces(const Mechanism& mechanism, Solution& solution) const
 /// The load on a loaded frame at the end of the step, at its origin, when it is then at `frame`.
 Vector6 Interior::load_at_end(size_t loaded, FrameView frame) const {
     Vector6 load = frame_loads_[loaded].load[0];
-    for (const Lever& lever : levers_)
-        if (lever.loaded == loaded) load.tail<3>() += (frame.axes() * lever.offset).cross(head(node_loads_[lever.node]));
+    for (const InteriorLayout::Lever& lever : layout_.levers)
+        if (lever.loaded == loaded)
+            load.tail<3>() += (frame.axes() * lever.offset).cross(head(open_.node_loads[lever.node]));
     return load;
 }
 
@@ -207,15 +209,16 @@ Vector6 Interior::load_over_step(const Scheme& scheme, size_t loaded, FrameView 
 /// What the equations lack at the trial motion, into `change` (in the frames' axes) and `q_change`.
 void Interior::form_residuals(const Mechanism& mechanism, Solution& solution) const {
     const double h = mechanism.scheme.step_size();
-    const auto first = as_size(driven_);
-    for (size_t k = 0; k < loaded_.size(); ++k)
-        wrench_[first + loaded_[k]] += load_over_step(mechanism.scheme, k, trial_[first + loaded_[k]]);
-    find_imbalance(h, gravity_, inertias_, momenta_, std::span(mechanism.frames).subspan(first),
-                   std::span(wrench_).subspan(first), solution.u, solution.change);
+    const auto first = as_size(layout_.driven);
+    for (size_t k = 0; k < layout_.loaded.size(); ++k)
+        work_.wrench[first + layout_.loaded[k]] +=
+            load_over_step(mechanism.scheme, k, work_.trial[first + layout_.loaded[k]]);
+    find_imbalance(h, layout_.gravity, layout_.inertias, momenta_, std::span(mechanism.frames).subspan(first),
+                   std::span(work_.wrench).subspan(first), solution.u, solution.change);
     balance_massless(mechanism, solution);
-    for (size_t j : rigid_joints_) {
+    for (size_t j : layout_.rigid_joints) {
         const Joint& joint = mechanism.joints[j];
-        const FrameView from = trial_[as_size(joint.from())], to = trial_[as_size(joint.to())];
+        const FrameView from = work_.trial[as_size(joint.from())], to = work_.trial[as_size(joint.to())];
         const Vector6 d = joint.deformation(joint.pose(from, to), from, to);
         for_each_rigid(joint, [&](int i, int direction) { solution.q_change[rigid_row(j, i)] = -d(direction) / h; });
     }
@@ -227,27 +230,27 @@ void Interior::balance_massless(const Mechanism& mechanism, Solution& solution) 
     const double h = mechanism.scheme.step_size();
     const std::vector<size_t>& frames = massless_.frames();
     for (size_t m = 0; m < frames.size(); ++m) {
-        const size_t i = frames[m], f = as_size(driven_) + i;
+        const size_t i = frames[m], f = as_size(layout_.driven) + i;
         const FrameLoad& own = frame_load(i);
-        const FrameView now = mechanism.frames[f], end = trial_[f];
-        const Vector6 load = load_at_end(as_size(load_of_[i]), end);
-        const Vector6 elastic = in_axes(end, end_wrench_[f]), load_then = in_axes(end, load);
-        MasslessFrames::Residual& residual = massless_residuals_[m];
+        const FrameView now = mechanism.frames[f], end = work_.trial[f];
+        const Vector6 load = load_at_end(as_size(layout_.load_of[i]), end);
+        const Vector6 elastic = in_axes(end, work_.end_wrench[f]), load_then = in_axes(end, load);
+        MasslessFrames::Residual& residual = work_.massless_residuals[m];
         residual.step = solution.change[i];
         // Both with the factors that make their derivatives by the end of the step those of the forces over it
         residual.end = h * (mechanism.scheme.weight(0) + massless_.relaxation(m) * mechanism.scheme.rate(0)) *
                        (elastic + settled(mechanism, m, load_then));
         residual.half_way = 0.25 * h * (elastic + load_then + in_axes(now, own.elastic[1] + own.load[1])) +
-                            0.5 * h * in_axes(now, damping_wrench_[f]);
+                            0.5 * h * in_axes(now, work_.damping_wrench[f]);
     }
-    massless_.combine(massless_residuals_);
+    massless_.combine(work_.massless_residuals);
     for (size_t m = 0; m < frames.size(); ++m) {
         const size_t i = frames[m];
-        const int receiver = receivers_[i];
-        const Vector6 left = solution.change[i] - massless_residuals_[m].step;
-        solution.change[i] = massless_residuals_[m].step;
+        const int receiver = layout_.receivers[i];
+        const Vector6 left = solution.change[i] - work_.massless_residuals[m].step;
+        solution.change[i] = work_.massless_residuals[m].step;
         if (!is_inner(receiver)) continue;
-        const RowMajor3 R = mechanism.frame(driven_ + as_int(i)).axes();
+        const RowMajor3 R = mechanism.frame(layout_.driven + as_int(i)).axes();
         Vector6 world;
         world << R * head(left), R * tail(left);
         solution.change[at(receiver)] += in_axes(mechanism.frame(receiver), passed_on(mechanism.frames, i, world));
@@ -260,7 +263,7 @@ Vector6 Interior::settled(const Mechanism& mechanism, size_t m, const Vector6& l
     const double relaxation = massless_.relaxation(m) / mechanism.scheme.step_size();
     if (relaxation == 0) return load;
     const size_t i = massless_.frames()[m];
-    const Vector6 load_now = in_axes(mechanism.frame(driven_ + as_int(i)), frame_load(i).load[1]);
+    const Vector6 load_now = in_axes(mechanism.frame(layout_.driven + as_int(i)), frame_load(i).load[1]);
     const double relaxed = -std::expm1(-1 / relaxation);
     return load - relaxation * relaxed * (load - load_now) + (1 - relaxed) * (frame_load(i).settled - load_now);
 }
@@ -269,27 +272,27 @@ Vector6 Interior::settled(const Mechanism& mechanism, size_t m, const Vector6& l
 Vector6 Interior::passed_on(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const {
     const auto origin = [&](int f) { return FrameView(frames[as_size(f)]).origin(); };
     Vector6 wrench = left;
-    wrench.tail<3>() += Vector3(origin(driven_ + as_int(frame)) - origin(receivers_[frame])).cross(head(left));
+    wrench.tail<3>() += Vector3(origin(layout_.driven + as_int(frame)) - origin(layout_.receivers[frame])).cross(head(left));
     return wrench;
 }
 
 /// Solves for the correction and returns its size: the largest speed of a point.
 double Interior::correct(const Mechanism& mechanism, const Elimination& matrix, Solution& solution) const {
     matrix.solve(solution.change, solution.q_change);
-    if (&matrix == &elimination_)
-        laws_.correct(mechanism, trial_, solution.change, solution.q_change, solution.laws);
+    if (&matrix == &matrix_.factor)
+        work_.laws.correct(mechanism, work_.trial, solution.change, solution.q_change, solution.laws);
     else
         std::fill(solution.laws.begin(), solution.laws.end(), 0.0);
-    return largest_size(solution.change, turn_weight_);
+    return largest_size(solution.change, layout_.turn_weight);
 }
 
 /// Of the whole, world; zero where something ties it to the ground.
 Vector3 Interior::mean_velocity(const Mechanism& mechanism, const Solution& solution) const {
     Vector3 mean = Vector3::Zero();
-    if (driven_ > ports_) return mean;
-    for (size_t i = 0; i < inertias_.size(); ++i)
-        mean += mechanism.frame(driven_ + as_int(i)).axes() * solution.u[i].head<3>();
-    return mean / static_cast<double>(inertias_.size());
+    if (layout_.driven > layout_.ports) return mean;
+    for (size_t i = 0; i < layout_.inertias.size(); ++i)
+        mean += mechanism.frame(layout_.driven + as_int(i)).axes() * solution.u[i].head<3>();
+    return mean / static_cast<double>(layout_.inertias.size());
 }
 
 /// What the motion from which passes start says of what is good enough.
@@ -297,38 +300,39 @@ void Interior::take_measures(const Mechanism& mechanism, Solution& solution) con
     const double h = mechanism.scheme.step_size();
     const Vector3 mean = mean_velocity(mechanism, solution);
     double speed = 0;
-    for (size_t i = 0; i < inertias_.size(); ++i) {
+    for (size_t i = 0; i < layout_.inertias.size(); ++i) {
         Vector3 velocity = solution.u[i].head<3>();
-        if (driven_ == ports_) velocity -= mechanism.frame(driven_ + as_int(i)).axes().transpose() * mean;
-        speed = std::max(speed, velocity.squaredNorm() + turn_weight_[i] * solution.u[i].tail<3>().squaredNorm());
+        if (layout_.driven == layout_.ports)
+            velocity -= mechanism.frame(layout_.driven + as_int(i)).axes().transpose() * mean;
+        speed = std::max(speed, velocity.squaredNorm() + layout_.turn_weight[i] * solution.u[i].tail<3>().squaredNorm());
     }
     solution.scale = std::max(solution.scale, std::sqrt(speed));
-    solution.floor = std::max(kRounding * size_ / h, kFinest * solution.scale);
+    solution.floor = std::max(kRounding * open_.size / h, kFinest * solution.scale);
 }
 
 /// Passes from the motion in `solution` on until the last change is good enough, or one if `roughly`; contraction and
 /// measures as last known. solution.correction and solution.residual: of a pass before; 0: there was none.
 void Interior::solve(const Mechanism& mechanism, Solution& solution, bool roughly) const {
     const double h = mechanism.scheme.step_size(), floor = solution.floor;
-    const Elimination* matrix = &elimination_;
+    const Elimination* matrix = &matrix_.factor;
     double rate = 0;
     if (solution.has_own_matrix) solution.motion = solution.momentum = {};  // rates of a matrix that is no more
     for (int pass = 0; pass < kMostPasses; ++pass) {
-        ++passes_;
+        ++work_.passes;
         if (pass > 0) {
-            for (size_t i = 0; i < inertias_.size(); ++i) solution.u[i] += solution.change[i];
+            for (size_t i = 0; i < layout_.inertias.size(); ++i) solution.u[i] += solution.change[i];
             for (size_t i = 0; i < solution.q.size(); ++i) solution.q[i] += solution.q_change[i] / h;
         }
-        std::copy(solution.ports.begin(), solution.ports.end(), trial_.begin());
+        std::copy(solution.ports.begin(), solution.ports.end(), work_.trial.begin());
         place(mechanism, solution.u);
         find_forces(mechanism, solution);
         form_residuals(mechanism, solution);
         if (rate > kTooSlow) {
-            ++factorisations_;
-            if (form_at_trial(mechanism)) matrix = &at_trial_;
+            ++work_.factorisations;
+            if (form_at_trial(mechanism)) matrix = &work_.at_trial;
             solution.has_own_matrix = true;
         }
-        const double residual = largest_size(solution.change, spin_weight_);  // the momentum that is lacking [N s]
+        const double residual = largest_size(solution.change, layout_.spin_weight);  // the momentum that is lacking [N s]
         const double correction = correct(mechanism, *matrix, solution);
         if (!std::isfinite(correction + floor)) break;
         if (solution.correction > 0 && correction > floor) {
@@ -342,7 +346,7 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution, bool roughl
             solution.first_correction = std::max(solution.first_correction, first);
             solution.tolerance = std::max(floor, kShare * std::min(first, solution.scale));
             solution.answer.motion = correction;
-            solution.answer.momentum = std::max(residual - kRoundingOfPlace * size_ / h * stiffest_, 0.0);
+            solution.answer.momentum = std::max(residual - kRoundingOfPlace * open_.size / h * matrix_.stiffest, 0.0);
         }
         solution.correction = correction;
         solution.residual = residual;
@@ -358,12 +362,13 @@ void Interior::solve(const Mechanism& mechanism, Solution& solution, bool roughl
 
 void Interior::refuse_lack_of_convergence(const Mechanism& mechanism, const Solution& solution) const {
     const auto left = [&](size_t i) {
-        return solution.change[i].head<3>().squaredNorm() + turn_weight_[i] * solution.change[i].tail<3>().squaredNorm();
+        return solution.change[i].head<3>().squaredNorm() +
+               layout_.turn_weight[i] * solution.change[i].tail<3>().squaredNorm();
     };
     size_t worst = 0;
-    for (size_t i = 1; i < inertias_.size(); ++i)
+    for (size_t i = 1; i < layout_.inertias.size(); ++i)
         if (!(left(i) <= left(worst))) worst = i;
-    const FrameSpec& frame = mechanism.assembly.frames[as_size(driven_) + worst];
+    const FrameSpec& frame = mechanism.assembly.frames[as_size(layout_.driven) + worst];
     throw Error(DTTMM_ERROR_NUMERIC,
                 fmt::format("the motion inside the network was not found in {} passes, worst at {} (last correction {:.1e} "
                             "m/s); try a smaller step",
@@ -382,30 +387,32 @@ bool Interior::is_good_enough(double correction, double residual, const Solution
     if (correction <= solution.floor) return true;
     const double allowed = kShare * solution.impulse;
     return solution.motion.left(correction) <= solution.tolerance && solution.momentum.left(residual) <= allowed &&
-           (!has_free_parts_ || residual <= kTrusted * allowed);
+           (!layout_.has_free_parts || residual <= kTrusted * allowed);
 }
 
-bool Interior::is_never_linear() const { return has_free_parts_ || has_near_laws_ || books_.port_turn > kTurnedPorts; }
+bool Interior::is_never_linear() const {
+    return layout_.has_free_parts || layout_.has_near_laws || books_.port_turn > kTurnedPorts;
+}
 
-/// Whether the linear answer to port_change_ leaves no more over than is good enough.
+/// Whether the linear answer to work_.port_change leaves no more over than is good enough.
 bool Interior::linear_answer_serves() const {
-    if (!is_solved_) return false;
-    if (port_change_.isZero(0)) return true;
-    if (anchor_.is_rough || is_never_linear()) return false;
+    if (!open_.is_solved) return false;
+    if (work_.port_change.isZero(0)) return true;
+    if (open_.anchor.is_rough || is_never_linear()) return false;
     const double change = speed_of_port_change();
-    if (stays_linear_) return change <= kStillLinear * kLargestRounding * anchor_.scale;
-    if (change <= anchor_.floor) return true;
-    if (!anchor_.answer.is_known_for(change)) return false;
-    const double part = change / anchor_.answer.speed;
-    return part * anchor_.answer.motion <= anchor_.tolerance &&
-           part * anchor_.answer.momentum <= kLinearly * kShare * anchor_.impulse;
+    if (open_.stays_linear) return change <= kStillLinear * kLargestRounding * open_.anchor.scale;
+    if (change <= open_.anchor.floor) return true;
+    if (!open_.anchor.answer.is_known_for(change)) return false;
+    const double part = change / open_.anchor.answer.speed;
+    return part * open_.anchor.answer.motion <= open_.anchor.tolerance &&
+           part * open_.anchor.answer.momentum <= kLinearly * kShare * open_.anchor.impulse;
 }
 
-/// Sets port_change_: what leads the ports from the anchor to where they are to go.
+/// Sets work_.port_change: what leads the ports from the anchor to where they are to go.
 void Interior::take_port_change(const Mechanism& mechanism, Ports ports) const {
     for (size_t p = 0; p < port_u_.size(); ++p) {
-        const FrameView now = mechanism.frames[p], anchor = anchor_.ports[p], trial = ports[p];
-        auto change = port_change_.segment<6>(as_row(6 * p));
+        const FrameView now = mechanism.frames[p], anchor = open_.anchor.ports[p], trial = ports[p];
+        auto change = work_.port_change.segment<6>(as_row(6 * p));
         change << now.axes().transpose() * (trial.origin() - anchor.origin()),
             now.axes().transpose() * rotation_vector(trial.axes() * anchor.axes().transpose());
         change /= mechanism.scheme.step_size();
@@ -416,87 +423,91 @@ void Interior::take_port_change(const Mechanism& mechanism, Ports ports) const {
 double Interior::speed_of_port_change() const {
     double largest = 0, poison = 0;  // the latter 0, or not a number
     for (size_t p = 0; p < port_u_.size(); ++p) {
-        const auto change = port_change_.segment<6>(as_row(6 * p));
+        const auto change = work_.port_change.segment<6>(as_row(6 * p));
         const double size =
-            change.head<3>().squaredNorm() + port_reach_[p] * port_reach_[p] * change.tail<3>().squaredNorm();
+            change.head<3>().squaredNorm() + layout_.port_reach[p] * layout_.port_reach[p] * change.tail<3>().squaredNorm();
         largest = std::max(largest, size);
         poison += 0 * size;
     }
     return std::sqrt(largest + poison);
 }
 
-/// Begins a solution for ports port_change_ away from the anchor by the linear answer. `solution` may be the anchor itself.
+/// Begins a solution for ports work_.port_change away from the anchor by the linear answer. `solution` may be the anchor
+/// itself.
 void Interior::begin_solution(const Mechanism& mechanism, Ports ports, Solution& solution) const {
     for (size_t p = 0; p < port_u_.size(); ++p) solution.ports[p] = ports[p].copy();
-    const bool is_as_foreseen = &solution == &anchor_ && moves_ == 0 && port_change_.isZero(0);
-    if (!is_as_foreseen) find_motion(anchor_, solution.u);
-    rigid_change_.noalias() = rigid_responses_ * port_change_;
+    const bool is_as_foreseen = &solution == &open_.anchor && open_.moves == 0 && work_.port_change.isZero(0);
+    if (!is_as_foreseen) find_motion(open_.anchor, solution.u);
+    work_.rigid_change.noalias() = matrix_.rigid_responses * work_.port_change;
     for (size_t i = 0; i < solution.q.size(); ++i)
-        solution.q[i] = anchor_.q[i] + (anchor_.q_change[i] + rigid_change_(as_row(i))) / mechanism.scheme.step_size();
+        solution.q[i] =
+            open_.anchor.q[i] + (open_.anchor.q_change[i] + work_.rigid_change(as_row(i))) / mechanism.scheme.step_size();
     take_measures(mechanism, solution);
-    port_change_.setZero();
+    work_.port_change.setZero();
 }
 
 bool Interior::expect(const Mechanism& mechanism, Ports ports) {
     // Where parts turn, or trials do not come to rest, all answers are worked out from one point: smooth, as the host wants
-    if (is_solved_ && !anchor_.is_rough && is_never_linear()) return false;
+    if (open_.is_solved && !open_.anchor.is_rough && is_never_linear()) return false;
     take_port_change(mechanism, ports);
-    if (is_solved_ && !anchor_.is_rough && moves_ >= kMostMoves) {
-        stays_linear_ = stays_linear_ || speed_of_port_change() <= kLargestRounding * anchor_.scale;
+    if (open_.is_solved && !open_.anchor.is_rough && open_.moves >= kMostMoves) {
+        open_.stays_linear = open_.stays_linear || speed_of_port_change() <= kLargestRounding * open_.anchor.scale;
         return false;
     }
-    const bool is_first = !is_solved_;
+    const bool is_first = !open_.is_solved;
     if (is_first) {
         // Where they were foreseen but for rounding there is nothing to answer
-        if (speed_of_port_change() <= kRounding * size_ / mechanism.scheme.step_size()) port_change_.setZero();
+        if (speed_of_port_change() <= kRounding * open_.size / mechanism.scheme.step_size()) work_.port_change.setZero();
     } else {
-        if (!anchor_.is_rough && linear_answer_serves()) return false;
-        anchor_.answer.speed = speed_of_port_change();
-        anchor_.correction += anchor_.answer.speed;  // of this and the linear answer, the first pass tells what is left
-        ++moves_;
+        if (!open_.anchor.is_rough && linear_answer_serves()) return false;
+        open_.anchor.answer.speed = speed_of_port_change();
+        open_.anchor.correction +=
+            open_.anchor.answer.speed;  // of this and the linear answer, the first pass tells what is left
+        ++open_.moves;
     }
-    is_solved_ = false;
-    begin_solution(mechanism, ports, anchor_);
+    open_.is_solved = false;
+    begin_solution(mechanism, ports, open_.anchor);
     try {
-        solve(mechanism, anchor_, is_first && !is_never_linear());
+        solve(mechanism, open_.anchor, is_first && !is_never_linear());
     } catch (...) {
         predict(mechanism);
         open_anchor(mechanism);
         throw;
     }
-    is_solved_ = true;
-    return anchor_.is_rough;
+    open_.is_solved = true;
+    return open_.anchor.is_rough;
 }
 
-/// The solution for a motion of the ports: the anchored one, to which port_change_ is to be added linearly, if that is good
-/// enough, else one of its own.
+/// The solution for a motion of the ports: the anchored one, to which work_.port_change is to be added linearly, if that is
+/// good enough, else one of its own.
 const Interior::Solution& Interior::respond(const Mechanism& mechanism, Ports ports, bool finally) const {
     take_port_change(mechanism, ports);
-    if (linear_answer_serves() && !(finally && anchor_.is_rough)) return anchor_;
-    other_.motion = anchor_.motion;
-    other_.momentum = anchor_.momentum;
-    other_.scale = anchor_.scale;
-    other_.correction = other_.residual = 0;
-    other_.slowest_rate = anchor_.slowest_rate;
-    other_.has_own_matrix = anchor_.has_own_matrix;
-    begin_solution(mechanism, ports, other_);
-    solve(mechanism, other_, false);
-    return other_;
+    if (linear_answer_serves() && !(finally && open_.anchor.is_rough)) return open_.anchor;
+    work_.other.motion = open_.anchor.motion;
+    work_.other.momentum = open_.anchor.momentum;
+    work_.other.scale = open_.anchor.scale;
+    work_.other.correction = work_.other.residual = 0;
+    work_.other.slowest_rate = open_.anchor.slowest_rate;
+    work_.other.has_own_matrix = open_.anchor.has_own_matrix;
+    begin_solution(mechanism, ports, work_.other);
+    solve(mechanism, work_.other, false);
+    return work_.other;
 }
 
 void Interior::find_motion(const Solution& solution, std::span<Vector6> motion) const {
-    const auto change = as_size(port_change_.isZero(0) ? 0 : port_change_.size());
-    add_changes(solution.u, solution.change, responses_, {port_change_.data(), change}, motion);
+    const auto change = as_size(work_.port_change.isZero(0) ? 0 : work_.port_change.size());
+    add_changes(solution.u, solution.change, matrix_.responses, {work_.port_change.data(), change}, motion);
 }
 
 /// The motion of an inner frame over the step, with the linear answer to the ports.
 Vector6 Interior::motion_of(size_t frame, const Solution& solution) const {
-    return solution.u[frame] + solution.change[frame] + response(frame) * port_change_;
+    return solution.u[frame] + solution.change[frame] + response(frame) * work_.port_change;
 }
 
 /// What a massless frame leaves over the step of its massless halves, at its origin.
 Vector6 Interior::estate(const Mechanism& mechanism, size_t i, FrameView end) const {
-    const Vector6 left = wrench_[as_size(driven_) + i] + load_over_step(mechanism.scheme, as_size(load_of_[i]), end) +
+    const Vector6 left = work_.wrench[as_size(layout_.driven) + i] +
+                         load_over_step(mechanism.scheme, as_size(layout_.load_of[i]), end) +
                          momenta_[i] / mechanism.scheme.step_size();
     return massless_part(i, left);
 }
@@ -509,33 +520,33 @@ Vector6 Interior::massless_part(size_t i, Vector6 wrench) const {
 
 /// Forces of the rigid directions where a solution ends.
 void Interior::find_rigid_forces(const Mechanism& mechanism, const Solution& solution) const {
-    rigid_change_.noalias() = rigid_responses_ * port_change_;
-    for (size_t i = 0; i < q_.size(); ++i)
-        q_[i] = solution.q[i] + (solution.q_change[i] + rigid_change_(as_row(i))) / mechanism.scheme.step_size();
+    work_.rigid_change.noalias() = matrix_.rigid_responses * work_.port_change;
+    for (size_t i = 0; i < work_.q.size(); ++i)
+        work_.q[i] = solution.q[i] + (solution.q_change[i] + work_.rigid_change(as_row(i))) / mechanism.scheme.step_size();
 }
 
 /// What leads a frame from where the forces were worked out to the end of the step, over h, in its axes.
 Vector6 Interior::change_of(int frame, const Solution& solution) const {
-    if (is_inner(frame)) return solution.change[at(frame)] + response(at(frame)) * port_change_;
-    if (frame < ports_) return port_change_.segment<6>(6 * frame);
+    if (is_inner(frame)) return solution.change[at(frame)] + response(at(frame)) * work_.port_change;
+    if (frame < layout_.ports) return work_.port_change.segment<6>(6 * frame);
     return Vector6::Zero();
 }
 
-/// The force of near_joints_[k] over the step: from where it was worked out on linear, for the ports want a smooth answer,
-/// not the rounding of positions times the stiffness.
+/// The force of layout_.near_joints[k] over the step: from where it was worked out on linear, for the ports want a smooth
+/// answer, not the rounding of positions times the stiffness.
 JointForce Interior::near_force(const Mechanism& mechanism, size_t k, const Solution& solution) const {
-    const size_t j = near_joints_[k];
+    const size_t j = layout_.near_joints[k];
     const Joint& joint = mechanism.joints[j];
     const Vector6 u_from = change_of(joint.from(), solution), u_to = change_of(joint.to(), solution);
-    const EndBlocks& K = near_blocks_[k];
+    const EndBlocks& K = matrix_.near_blocks[k];
     const double h = mechanism.scheme.step_size();
     Vector6 on_from = (K.at[0][0] * u_from + K.at[0][1] * u_to) / -h, on_to = (K.at[1][0] * u_from + K.at[1][1] * u_to) / h;
     for_each_rigid(joint, [&](int i, int) {
-        const double q = q_[rigid_row(j, i)] - solution.q[rigid_row(j, i)];
-        on_from -= q * elimination_.rigid(as_int(j), i, 0);
-        on_to += q * elimination_.rigid(as_int(j), i, 1);
+        const double q = work_.q[rigid_row(j, i)] - solution.q[rigid_row(j, i)];
+        on_from -= q * matrix_.factor.rigid(as_int(j), i, 0);
+        on_to += q * matrix_.factor.rigid(as_int(j), i, 1);
     });
-    if (joint.has_laws()) laws_.add_force(j, solution.laws, on_from, on_to);
+    if (joint.has_laws()) work_.laws.add_force(j, solution.laws, on_from, on_to);
     const RowMajor3 R_from = mechanism.frame(joint.from()).axes(), R_to = mechanism.frame(joint.to()).axes();
     JointForce force = solution.near[k];
     force.add(1, {R_from * head(on_from), R_from * tail(on_from), R_to * tail(on_to)});
@@ -545,17 +556,17 @@ JointForce Interior::near_force(const Mechanism& mechanism, size_t k, const Solu
 void Interior::evaluate(const Mechanism& mechanism, Ports ports) const {
     const Solution& solution = respond(mechanism, ports, false);
     find_rigid_forces(mechanism, solution);
-    for (int frame : port_frames_) wrench_[as_size(frame)].setZero();
-    for (size_t k = 0; k < near_joints_.size(); ++k) {
-        const Joint& joint = mechanism.joints[near_joints_[k]];
-        Joint::add_wrench(near_force(mechanism, k, solution), wrench_[as_size(joint.from())].data(),
-                          wrench_[as_size(joint.to())].data());
+    for (int frame : layout_.port_frames) work_.wrench[as_size(frame)].setZero();
+    for (size_t k = 0; k < layout_.near_joints.size(); ++k) {
+        const Joint& joint = mechanism.joints[layout_.near_joints[k]];
+        Joint::add_wrench(near_force(mechanism, k, solution), work_.wrench[as_size(joint.from())].data(),
+                          work_.wrench[as_size(joint.to())].data());
     }
-    for (int frame : port_frames_) {
+    for (int frame : layout_.port_frames) {
         if (!is_inner(frame)) continue;
         place(mechanism, at(frame), motion_of(at(frame), solution));
-        wrench_[as_size(receivers_[at(frame)])] +=
-            passed_on(mechanism.frames, at(frame), estate(mechanism, at(frame), trial_[as_size(frame)]));
+        work_.wrench[as_size(layout_.receivers[at(frame)])] +=
+            passed_on(mechanism.frames, at(frame), estate(mechanism, at(frame), work_.trial[as_size(frame)]));
     }
 }
 
@@ -563,35 +574,35 @@ void Interior::commit(Mechanism& mechanism, Ports ports) {
     const Solution& solution = respond(mechanism, ports, true);
     find_rigid_forces(mechanism, solution);
     find_end(mechanism, solution);
-    rigid_ = q_;
+    rigid_ = work_.q;
     // A step with a matrix formed for it converges like no other
-    const bool is_like_the_next = !is_fresh_ && !solution.has_own_matrix;
+    const bool is_like_the_next = !matrix_.is_fresh && !solution.has_own_matrix;
     books_.motion = is_like_the_next ? solution.motion : Convergence{};
     books_.momentum = is_like_the_next ? solution.momentum : Convergence{};
-    is_fresh_ = false;
+    matrix_.is_fresh = false;
     books_.scale = 0.98 * solution.scale;
-    books_.first_correction = anchor_.first_correction;
+    books_.first_correction = open_.anchor.first_correction;
     const bool is_slow = solution.slowest_rate > kSlowestContraction;
-    for (size_t p = 0; p < port_u_.size(); ++p) trial_[p] = ports[p].copy();
+    for (size_t p = 0; p < port_u_.size(); ++p) work_.trial[p] = ports[p].copy();
     take_forces(mechanism, solution);
     set_elastic(mechanism);
     take_momenta(mechanism);
     take_loads(mechanism);
     take_motion(mechanism);
     books_.port_turn = turn_at_ports(mechanism);
-    is_stale_ = is_slow || books_.port_turn > kTurnedPorts || rigid_directions_have_turned(mechanism);
-    if (!is_stale_) look_at_joints(mechanism);
+    matrix_.is_stale = is_slow || books_.port_turn > kTurnedPorts || rigid_directions_have_turned(mechanism);
+    if (!matrix_.is_stale) look_at_joints(mechanism);
 }
 
 /// Against their frames, since the matrix was formed: their forces would be found slowly, or not at all, and no motion would
 /// show it.
 bool Interior::rigid_directions_have_turned(const Mechanism& mechanism) const {
-    for (size_t j : rigid_joints_)
+    for (size_t j : layout_.rigid_joints)
         for (int end : {0, 1}) {
             const Matrix6 rows = rigid_rows(mechanism, j, local_columns(mechanism, j, end));
             bool turned = false;
             for_each_rigid(mechanism.joints[j], [&](int i, int d) {
-                const Vector6& then = elimination_.rigid(as_int(j), i, end);
+                const Vector6& then = matrix_.factor.rigid(as_int(j), i, end);
                 turned = turned ||
                          (rows.row(d).transpose() - then).squaredNorm() > kTurnedRows * kTurnedRows * then.squaredNorm();
             });
@@ -604,10 +615,10 @@ bool Interior::rigid_directions_have_turned(const Mechanism& mechanism) const {
 /// goes by them, and no pass in here shows how far that is wrong.
 double Interior::turn_at_ports(const Mechanism& mechanism) const {
     double largest = 0;
-    for (size_t k = 0; k < near_joints_.size(); ++k)
+    for (size_t k = 0; k < layout_.near_joints.size(); ++k)
         for (int end : {0, 1}) {
-            const Matrix6& then = near_columns_[k].at[end];
-            const Matrix6 now = local_columns(mechanism, near_joints_[k], end);
+            const Matrix6& then = matrix_.near_columns[k].at[end];
+            const Matrix6 now = local_columns(mechanism, layout_.near_joints[k], end);
             largest = std::max(largest, (now - then).squaredNorm() / then.squaredNorm());
         }
     return std::sqrt(largest);
@@ -616,16 +627,16 @@ double Interior::turn_at_ports(const Mechanism& mechanism) const {
 /// The frames where the step ends and what moves them there. Changes no state: here a step may still be refused.
 void Interior::find_end(const Mechanism& mechanism, const Solution& solution) const {
     const double fastest_turning = std::min(kFastest, M_PI / mechanism.scheme.step_size());
-    find_motion(solution, motion_);
-    place(mechanism, motion_);
-    for (size_t i = 0; i < inertias_.size(); ++i) {
-        const size_t f = as_size(driven_) + i;
-        const Vector6& u = motion_[i];
+    find_motion(solution, work_.motion);
+    place(mechanism, work_.motion);
+    for (size_t i = 0; i < layout_.inertias.size(); ++i) {
+        const size_t f = as_size(layout_.driven) + i;
+        const Vector6& u = work_.motion[i];
         if (mechanism.steps % kStepsBetweenNormalisations == 0) {  // by one step of Newton
-            MapR next(trial_[f].rotation);
+            MapR next(work_.trial[f].rotation);
             next += (0.5 * next * (RowMajor3::Identity() - next.transpose() * next)).eval();
         }
-        const bool is_sane = FrameView(trial_[f]).origin().squaredNorm() <= kFarthest * kFarthest &&
+        const bool is_sane = FrameView(work_.trial[f]).origin().squaredNorm() <= kFarthest * kFarthest &&
                              u.head<3>().squaredNorm() <= kFastest * kFastest &&
                              u.tail<3>().squaredNorm() <= fastest_turning * fastest_turning;  // false for NaN
         if (!is_sane) [[unlikely]]
@@ -634,25 +645,25 @@ void Interior::find_end(const Mechanism& mechanism, const Solution& solution) co
 }
 
 void Interior::refuse_divergence(const Mechanism& mechanism, size_t i) const {
-    const size_t f = as_size(driven_) + i;
+    const size_t f = as_size(layout_.driven) + i;
     const FrameSpec& frame = mechanism.assembly.frames[f];
-    const Vector3 x = FrameView(trial_[f]).origin(), v = mechanism.frame(as_int(f)).axes() * head(motion_[i]);
+    const Vector3 x = FrameView(work_.trial[f]).origin(), v = mechanism.frame(as_int(f)).axes() * head(work_.motion[i]);
     throw Error(DTTMM_ERROR_NUMERIC,
                 fmt::format("{} has diverged, or turns more than half a turn a step: position ({:.4g}, {:.4g}, {:.4g}) m, "
                             "velocity ({:.4g}, {:.4g}, {:.4g}) m/s, turning at {:.4g} rad/s; try a smaller step",
-                            frame.name, x.x(), x.y(), x.z(), v.x(), v.y(), v.z(), tail(motion_[i]).norm()),
+                            frame.name, x.x(), x.y(), x.z(), v.x(), v.y(), v.z(), tail(work_.motion[i]).norm()),
                 frame.element);
 }
 
 /// The forces over the step, those of each joint a pair that balances exactly. The joints' memory moves on.
 void Interior::take_forces(Mechanism& mechanism, const Solution& solution) {
-    std::fill(wrench_.begin(), wrench_.end(), Vector6::Zero());
-    by_four_.advance(mechanism, trial_, wrench_);
+    std::fill(work_.wrench.begin(), work_.wrench.end(), Vector6::Zero());
+    by_four_.advance(mechanism, work_.trial, work_.wrench);
     for (size_t j : others_) {
         const Joint& joint = mechanism.joints[j];
         const auto a = as_size(joint.from()), b = as_size(joint.to());
-        const Ends next = {trial_[a], trial_[b]};
-        const int near = near_index_[j];
+        const Ends next = {work_.trial[a], work_.trial[b]};
+        const int near = layout_.near_index[j];
         JointForce rigid, force;
         if (near < 0 && joint.rigid().any())
             rigid = rigid_action(mechanism, j, joint.pose(next), joint.rotation(next.from, next.to),
@@ -663,7 +674,7 @@ void Interior::take_forces(Mechanism& mechanism, const Solution& solution) {
             force = near_force(mechanism, as_size(near), solution);
         else if (joint.rigid().any())
             force.add(1, rigid);
-        Joint::add_wrench(force, wrench_[a].data(), wrench_[b].data());
+        Joint::add_wrench(force, work_.wrench[a].data(), work_.wrench[b].data());
     }
 }
 
@@ -671,31 +682,32 @@ void Interior::take_forces(Mechanism& mechanism, const Solution& solution) {
 /// its memory likewise.
 void Interior::take_momenta(const Mechanism& mechanism) {
     const double h = mechanism.scheme.step_size();
-    const auto first = as_size(driven_);
+    const auto first = as_size(layout_.driven);
     for (size_t i : massless_.frames()) {
-        const int receiver = receivers_[i];
+        const int receiver = layout_.receivers[i];
         if (!is_inner(receiver)) continue;
-        Vector6 force = passed_on(mechanism.frames, i, estate(mechanism, i, trial_[first + i]));
+        Vector6 force = passed_on(mechanism.frames, i, estate(mechanism, i, work_.trial[first + i]));
         for (int half : {0, 1})
             if (massless_.is_massless(at(receiver), half)) force.segment<3>(3 * half).setZero();
         momenta_[at(receiver)] += h * force;
     }
-    for (size_t k = 0; k < loaded_.size(); ++k)
-        wrench_[first + loaded_[k]] += load_over_step(mechanism.scheme, k, trial_[first + loaded_[k]]);
+    for (size_t k = 0; k < layout_.loaded.size(); ++k)
+        work_.wrench[first + layout_.loaded[k]] +=
+            load_over_step(mechanism.scheme, k, work_.trial[first + layout_.loaded[k]]);
     for (size_t i : massless_.frames())
         for (int half : {0, 1})
             if (massless_.is_massless(i, half)) {
                 momenta_[i].segment<3>(3 * half).setZero();
-                wrench_[first + i].segment<3>(3 * half).setZero();
+                work_.wrench[first + i].segment<3>(3 * half).setZero();
             }
     past_.velocity.swap(past_.velocity_before);
-    take_step(h, gravity_, inertias_, std::span(mechanism.frames).subspan(first), std::span(wrench_).subspan(first), motion_,
-              momenta_, past_.velocity);
+    take_step(h, layout_.gravity, layout_.inertias, std::span(mechanism.frames).subspan(first),
+              std::span(work_.wrench).subspan(first), work_.motion, momenta_, past_.velocity);
     past_.u.swap(past_.u_before);
-    past_.u.swap(motion_);
+    past_.u.swap(work_.motion);
     if (mechanism.steps > 0) return;
     past_.u_before = past_.u;
-    for (size_t i = 0; i < inertias_.size(); ++i) {  // the initial velocities are the mean of both
+    for (size_t i = 0; i < layout_.inertias.size(); ++i) {  // the initial velocities are the mean of both
         Twist &before = past_.velocity_before[i], &now = past_.velocity[i];
         before.linear = 2 * before.linear - now.linear;
         before.angular = 2 * before.angular - now.angular;
@@ -705,9 +717,9 @@ void Interior::take_momenta(const Mechanism& mechanism) {
 /// Work of the loads, and their memory.
 void Interior::take_loads(const Mechanism& mechanism) {
     for (size_t m = 0; m < massless_.frames().size(); ++m) {
-        const size_t i = massless_.frames()[m], f = as_size(driven_) + i;
-        const FrameView end = trial_[f];
-        const Vector6 load = load_at_end(as_size(load_of_[i]), end);
+        const size_t i = massless_.frames()[m], f = as_size(layout_.driven) + i;
+        const FrameView end = work_.trial[f];
+        const Vector6 load = load_at_end(as_size(layout_.load_of[i]), end);
         FrameLoad& own = frame_load(i);
         own.settled = settled(mechanism, m, in_axes(end, load));
         own.elastic[2] = own.elastic[1];
@@ -717,10 +729,10 @@ void Interior::take_loads(const Mechanism& mechanism) {
     books_.load_work += books_.last_work;
     books_.last_work = 0;
     const double h = mechanism.scheme.step_size();
-    for (size_t k = 0; k < loaded_.size(); ++k) {
+    for (size_t k = 0; k < layout_.loaded.size(); ++k) {
         FrameLoad& own = frame_loads_[k];
-        const Vector6 next = load_at_end(k, trial_[as_size(driven_) + loaded_[k]]);
-        books_.last_work += 0.5 * h * (own.load[1] + next).dot(joined(past_.velocity[loaded_[k]]));
+        const Vector6 next = load_at_end(k, work_.trial[as_size(layout_.driven) + layout_.loaded[k]]);
+        books_.last_work += 0.5 * h * (own.load[1] + next).dot(joined(past_.velocity[layout_.loaded[k]]));
         own.load[2] = own.load[1];
         own.load[1] = next;
     }
@@ -730,14 +742,14 @@ void Interior::take_loads(const Mechanism& mechanism) {
 void Interior::take_motion(Mechanism& mechanism) {
     const double h = mechanism.scheme.step_size();
     for (size_t p = 0; p < port_u_.size(); ++p) {
-        const FrameView now = mechanism.frames[p], next = trial_[p];
+        const FrameView now = mechanism.frames[p], next = work_.trial[p];
         Vector6 u;
         u << next.origin() - now.origin(), rotation_vector(next.axes() * now.axes().transpose());
         port_u_before_[p] = mechanism.steps == 0 ? Vector6(u / h) : port_u_[p];
         port_u_[p] = u / h;
     }
     mechanism.before.swap(mechanism.frames);
-    mechanism.frames.swap(trial_);  // the ground is in all three
+    mechanism.frames.swap(work_.trial);  // the ground is in all three
 }
 
 }  // namespace dttmm::plugin

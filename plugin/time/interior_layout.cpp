@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "time/interior_layout.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace dttmm::plugin {
+
+InteriorLayout::InteriorLayout(const Mechanism& mechanism, const dttmm_network& description, const MasslessFrames& massless)
+    : ports(mechanism.assembly.port_count),
+      driven(mechanism.assembly.driven_count),
+      count(mechanism.assembly.inner_count()),
+      gravity(Eigen::Map<const Vector3>(description.gravity)) {
+    read_nodes(description);
+    for (int f = 0; f < count; ++f) {
+        const FrameSpec& frame = mechanism.assembly.frames[as_size(driven + f)];
+        inertias.push_back({frame.mass, frame.inertia});
+        inverse_moments.push_back(massless.is_massless(as_size(f), 1) ? Matrix3(Matrix3::Zero())
+                                                                      : Matrix3(frame.inertia.inverse()));
+    }
+    set_reaches(mechanism);
+    choose_receivers(mechanism, massless);
+    choose_near(mechanism);
+    choose_loaded(mechanism, massless);
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const Joint& joint = mechanism.joints[j];
+        if (joint.from() < ports || joint.to() < ports) port_joints.push_back(j);
+        rigid_index.push_back(joint.rigid().any() ? as_int(rigid_joints.size()) : -1);
+        if (joint.rigid().any()) rigid_joints.push_back(j);
+        if (massless.is_settling(j)) settling_joints.push_back(j);
+    }
+    has_free_parts = find_free_parts(mechanism, massless);
+}
+
+void InteriorLayout::read_nodes(const dttmm_network& description) {
+    for (uint32_t i = 0; i < description.node_count; ++i) {
+        const dttmm_node& node = description.nodes[i];
+        if (node.kind != DTTMM_NODE_INNER) continue;
+        inner_nodes.push_back(as_int(i));
+        given.push_back(
+            {node.moves != 0, {Eigen::Map<const Vector3>(node.velocity), Eigen::Map<const Vector3>(node.angular_velocity)}});
+    }
+}
+
+void InteriorLayout::set_reaches(const Mechanism& mechanism) {
+    port_reach.assign(as_size(ports), 0);
+    for (const Inertia& inertia : inertias)
+        reach.push_back(inertia.mass > 0 ? std::sqrt(inertia.moment.trace() / inertia.mass) : 0);
+    for (const Joint& joint : mechanism.joints) {
+        const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
+        const auto reach_out = [&](int frame, double length) {
+            if (frame >= ports && !is_inner(frame)) return;
+            double& longest = is_inner(frame) ? reach[at(frame)] : port_reach[as_size(frame)];
+            longest = std::max(longest, length);
+        };
+        reach_out(joint.from(), joint.arm(0, from, to).norm());
+        reach_out(joint.to(), joint.arm(1, from, to).norm());
+    }
+    for (double length : reach) {
+        turn_weight.push_back(length * length);
+        spin_weight.push_back(length > 0 ? 1 / (length * length) : 0);
+    }
+}
+
+/// Whether some joint leaves a frame free to turn that has an attitude: an inertia, or a joint that carries a moment.
+bool InteriorLayout::find_free_parts(const Mechanism& mechanism, const MasslessFrames& massless) const {
+    std::vector<bool> has_attitude(mechanism.frames.size(), false);
+    for (int f = 0; f < driven + count; ++f)
+        has_attitude[as_size(f)] = is_inner(f) ? !massless.is_massless(at(f), 1) : f < ports;
+    for (const Joint& joint : mechanism.joints)
+        for (int frame : {joint.from(), joint.to()})
+            if (joint.turns()) has_attitude[as_size(frame)] = true;
+    return std::ranges::any_of(mechanism.joints, [&](const Joint& joint) {
+        if (!has_attitude[as_size(joint.from())] && !has_attitude[as_size(joint.to())]) return false;
+        for (size_t d = 0; d < 3; ++d)
+            if (!joint.rigid()[3 + d] && !(joint.rotation_half().stiffness(as_row(d)) > 0)) return true;
+        return false;
+    });
+}
+
+void InteriorLayout::choose_loaded(const Mechanism& mechanism, const MasslessFrames& massless) {
+    load_of.assign(inertias.size(), -1);
+    const auto choose = [&](size_t frame) {
+        if (load_of[frame] >= 0) return;
+        load_of[frame] = as_int(loaded.size());
+        loaded.push_back(frame);
+    };
+    for (int node : inner_nodes) {
+        const int frame = mechanism.assembly.nodes[as_size(node)].frame;
+        if (is_inner(frame)) choose(at(frame));
+    }
+    for (size_t i : massless.frames()) choose(i);
+    for (size_t n = 0; n < inner_nodes.size(); ++n) {
+        const NodeSpec& node = mechanism.assembly.nodes[as_size(inner_nodes[n])];
+        if (is_inner(node.frame) && !node.offset.isZero(0))
+            levers.push_back({as_size(load_of[at(node.frame)]), n, node.offset});
+    }
+}
+
+/// The nearest frame over joints that has mass and inertia, or a body of the host.
+void InteriorLayout::choose_receivers(const Mechanism& mechanism, const MasslessFrames& massless) {
+    const auto receives = [&](int frame) {
+        if (!is_inner(frame)) return frame < ports;
+        return massless.index_of(at(frame)) < 0;
+    };
+    std::vector<int> receiver(mechanism.frames.size(), -1);
+    for (size_t f = 0; f < receiver.size(); ++f)
+        if (receives(as_int(f))) receiver[f] = as_int(f);
+    for (bool grows = true; grows;) {
+        grows = false;
+        for (const Joint& joint : mechanism.joints) {
+            int &a = receiver[as_size(joint.from())], &b = receiver[as_size(joint.to())];
+            if ((a < 0) == (b < 0) || !is_inner(a < 0 ? joint.from() : joint.to())) continue;  // not across the ground
+            (a < 0 ? a : b) = std::max(a, b);
+            grows = true;
+        }
+    }
+    for (int f = driven; f < driven + count; ++f) receivers.push_back(receives(f) ? -1 : receiver[as_size(f)]);
+}
+
+/// What the ports feel: their own joints, and those of the frames whose receivers they are.
+void InteriorLayout::choose_near(const Mechanism& mechanism) {
+    std::vector<bool> at_port(mechanism.frames.size(), false);
+    for (int f = 0; f < as_int(at_port.size()); ++f) {
+        const bool is_received = is_inner(f) && receivers[at(f)] >= 0 && receivers[at(f)] < ports;
+        if (f >= ports && !is_received) continue;
+        at_port[as_size(f)] = true;
+        port_frames.push_back(f);
+    }
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const bool is_near = at_port[as_size(mechanism.joints[j].from())] || at_port[as_size(mechanism.joints[j].to())];
+        near_index.push_back(is_near ? as_int(near_joints.size()) : -1);
+        if (!is_near) continue;
+        near_joints.push_back(j);
+        has_near_laws = has_near_laws || mechanism.joints[j].has_laws();
+    }
+}
+
+}  // namespace dttmm::plugin

@@ -145,7 +145,7 @@ private:
     OpenRows open_;
     std::vector<int> choice_, rest_;
     Block passed_columns_;
-    mutable std::vector<Column> columns_;
+    mutable std::vector<Column> columns_;  ///< working memory of solve(), so mutable
 };
 
 }  // namespace dttmm::plugin

@@ -109,8 +109,9 @@ private:
         Eigen::MatrixXd basis;         ///< orthonormal: what is rigid, what is damped
         int rigid_rank = 0, rank = 0;  ///< of the former, of both
         bool is_rigid = false;         ///< altogether: nothing is left for another balance, wherever it goes
+        // Working memory of combine() and find_instant(), so mutable. The latter finds what is to be added to velocities, 6
+        // per frame, and to the forces of rigid directions.
         mutable Eigen::VectorXd end, step, half_way;
-        // Of find_instant: what is to be added to velocities, 6 per frame, and to the forces of rigid directions
         mutable Eigen::MatrixXd matrix, stiffness, directions;
         mutable Eigen::VectorXd right_hand_side, solution, scale, follow;
         mutable Eigen::FullPivLU<Eigen::MatrixXd> lu;

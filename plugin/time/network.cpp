@@ -69,16 +69,16 @@ Network::Network(const dttmm_network& description, Places places) : places_(std:
     choose_blocks();
     declare_channels(description);
     earlier_.assign(mechanism_.frames.begin(), mechanism_.frames.begin() + mechanism_.assembly.driven_count);
-    port_velocities_.resize(places_.bodies.size());
+    instant_.port_velocities.resize(places_.bodies.size());
     start_velocities_.resize(places_.bodies.size());
-    forces_.assign(mechanism_.joints.size(), Vector6::Zero());
-    poses_.resize(mechanism_.joints.size());
-    wrenches_.assign(mechanism_.frames.size(), Vector6::Zero());
+    instant_.forces.assign(mechanism_.joints.size(), Vector6::Zero());
+    instant_.poses.resize(mechanism_.joints.size());
+    instant_.wrenches.assign(mechanism_.frames.size(), Vector6::Zero());
 }
 
 void Network::declare(const std::string& name, const char* unit, uint32_t of, uint32_t index, uint32_t role) {
     const uint32_t at = (of == DTTMM_OF_ELEMENT ? places_.elements : places_.nodes)[index];
-    channels_.push_back({keep(name), unit, of, at, role});
+    results_.channels.push_back({keep(name), unit, of, at, role});
 }
 
 void Network::declare_vectors(const std::string& prefix, std::initializer_list<std::pair<const char*, const char*>> vectors,
@@ -91,8 +91,8 @@ void Network::declare_channels(const dttmm_network& description) {
     const Assembly& assembly = mechanism_.assembly;
     for (uint32_t e = 0; e < description.element_count; ++e) {
         const int first = assembly.first_joint[e], count = assembly.first_joint[e + 1] - first;
-        piece_begin_.push_back(channels_.size());
-        chains_.push_back({});
+        results_.piece_begin.push_back(results_.channels.size());
+        results_.chains.push_back({});
         if (count == 0) continue;
         if (count == 1 && mechanism_.joints[as_size(first)].is_axial()) {
             declare("force", "N", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_RESULT);
@@ -112,7 +112,7 @@ void Network::declare_channels(const dttmm_network& description) {
         for (int k = 0; k < count; ++k)
             declare_vectors(fmt::format("section{}.", k), {{"force", "N"}, {"moment", "N*m"}}, DTTMM_OF_ELEMENT, e,
                             DTTMM_ROLE_ON_REQUEST);
-        ChainView& chain = chains_.back();
+        ChainView& chain = results_.chains.back();
         chain.from_node = as_int(description.elements[e].ends[0]);
         chain.to_node = as_int(description.elements[e].ends[1]);
         const Matrix3& axes = assembly.joints[as_size(first)].pose.rotation;
@@ -124,10 +124,10 @@ void Network::declare_channels(const dttmm_network& description) {
         const auto place = [&](int node) { return Vector3(Eigen::Map<const Vector3>(description.nodes[node].position)); };
         chain.rest = axes.transpose() * (place(chain.to_node) - place(chain.from_node));
     }
-    piece_begin_.push_back(channels_.size());
+    results_.piece_begin.push_back(results_.channels.size());
     declare_inner(description);
-    piece_begin_.push_back(channels_.size());
-    output_places_.assign(piece_begin_.begin(), piece_begin_.end() - 1);
+    results_.piece_begin.push_back(results_.channels.size());
+    results_.places.assign(results_.piece_begin.begin(), results_.piece_begin.end() - 1);
 }
 
 void Network::declare_inner(const dttmm_network& description) {
@@ -135,7 +135,7 @@ void Network::declare_inner(const dttmm_network& description) {
     const Assembly& assembly = mechanism_.assembly;
     for (uint32_t n = 0; n < description.node_count; ++n) {
         if (description.nodes[n].kind != DTTMM_NODE_INNER || assembly.nodes[n].frame < assembly.driven_count) continue;
-        shown_nodes_.push_back(as_int(n));
+        results_.nodes.push_back(as_int(n));
         declare_vectors("",
                         {{"position", "m"},
                          {"velocity", "m/s"},
@@ -160,33 +160,34 @@ void Network::choose_blocks() {
     const auto place = [&](uint32_t port) { return places_.bodies[port]; };
     if (interior_) {
         for (uint32_t row = 0; row < ports; ++row)
-            for (uint32_t column = 0; column < ports; ++column) blocks_.push_back({place(row), place(column)});
-        dense_.resize(36 * as_size(ports) * ports);
+            for (uint32_t column = 0; column < ports; ++column) blocks_.list.push_back({place(row), place(column)});
+        blocks_.dense.resize(36 * as_size(ports) * ports);
     } else {
         std::map<std::pair<int, int>, int> found;
         for (const Joint& joint : mechanism_.joints) {
-            JointBlocks& own = joint_blocks_.emplace_back();
+            Blocks::OfJoint& own = blocks_.of_joints.emplace_back();
             for (int i : {0, 1})
                 for (int j : {0, 1}) {
                     const int row = joint.frame(i), column = joint.frame(j);
                     own.at[i][j] = -1;
                     if (row >= port_count() || column >= port_count()) continue;
-                    const auto [entry, is_new] = found.try_emplace({row, column}, as_int(blocks_.size()));
-                    if (is_new) blocks_.push_back({place(static_cast<uint32_t>(row)), place(static_cast<uint32_t>(column))});
+                    const auto [entry, is_new] = found.try_emplace({row, column}, as_int(blocks_.list.size()));
+                    if (is_new)
+                        blocks_.list.push_back({place(static_cast<uint32_t>(row)), place(static_cast<uint32_t>(column))});
                     own.at[i][j] = entry->second;
                 }
         }
     }
-    block_places_.resize(blocks_.size());
-    std::iota(block_places_.begin(), block_places_.end(), size_t{0});
+    blocks_.places.resize(blocks_.list.size());
+    std::iota(blocks_.places.begin(), blocks_.places.end(), size_t{0});
 }
 
 /// Adds a joint's blocks to the stiffness that the bodies feel.
 void Network::add_stiffness(size_t joint, const EndBlocks& blocks, double* stiffness) const {
     for (int i : {0, 1})
         for (int j : {0, 1})
-            if (const int block = joint_blocks_[joint].at[i][j]; block >= 0)
-                Eigen::Map<RowMajor6>(stiffness + 36 * block_places_[as_size(block)]) += blocks.at[i][j];
+            if (const int block = blocks_.of_joints[joint].at[i][j]; block >= 0)
+                Eigen::Map<RowMajor6>(stiffness + 36 * blocks_.places[as_size(block)]) += blocks.at[i][j];
 }
 
 /// Adds a matrix over all ports.
@@ -194,14 +195,15 @@ void Network::add_dense(const double* matrix, double* stiffness) const {
     const Eigen::Index ports = port_count();
     const Eigen::Map<const RowMajor> S(matrix, 6 * ports, 6 * ports);
     for (Eigen::Index b = 0; b < ports * ports; ++b)
-        Eigen::Map<RowMajor6>(stiffness + 36 * block_places_[as_size(b)]) += S.block<6, 6>(6 * (b / ports), 6 * (b % ports));
+        Eigen::Map<RowMajor6>(stiffness + 36 * blocks_.places[as_size(b)]) +=
+            S.block<6, 6>(6 * (b / ports), 6 * (b % ports));
 }
 
 // ---- The force law at one instant ---------------------------------------------------------------------------------------
 
 void Network::linearise(const dttmm_motion* bodies, double* wrench, double* stiffness, double* damping) const {
     if (!interior_) return linearise_joints(bodies, wrench, stiffness, damping);
-    std::vector<double> own(stiffness ? dense_.size() : 0);
+    std::vector<double> own(stiffness ? blocks_.dense.size() : 0);
     interior_->linearise(mechanism_, ports(bodies), wrench, stiffness ? own.data() : nullptr);
     if (stiffness) add_dense(own.data(), stiffness);
 }
@@ -245,7 +247,7 @@ void Network::take_up(const double* motion, double* elastic, double* damped) con
 // ---- Time steps ---------------------------------------------------------------------------------------------------------
 
 void Network::start(const dttmm_step& step, const dttmm_motion* bodies, const double* accelerations, const double* loads) {
-    if (open_) throw Error(DTTMM_ERROR_PHASE, "start: a step is open");
+    if (is_open_) throw Error(DTTMM_ERROR_PHASE, "start: a step is open");
     if (!(step.size > 0) || !std::isfinite(step.size))
         throw Error(DTTMM_ERROR_ARGUMENT, "start: the step size must be positive");
     for (const Joint& joint : mechanism_.joints) {
@@ -262,7 +264,7 @@ void Network::start(const dttmm_step& step, const dttmm_motion* bodies, const do
     }
     for (int p = 0; p < port_count(); ++p) start_velocities_[as_size(p)] = ports(bodies).twist(p);
     started_ = true;
-    stands_ = false;
+    instant_.is_known = false;
 }
 
 void Network::start_joints(const dttmm_motion* bodies, const double* accelerations) {
@@ -277,15 +279,15 @@ void Network::start_joints(const dttmm_motion* bodies, const double* acceleratio
 
 void Network::begin_step(const dttmm_step& step, const double* loads) {
     if (!started_) throw Error(DTTMM_ERROR_PHASE, "begin_step: start has not been called");
-    if (open_) throw Error(DTTMM_ERROR_PHASE, "begin_step: the step before is still open");
+    if (is_open_) throw Error(DTTMM_ERROR_PHASE, "begin_step: the step before is still open");
     if (step.size != mechanism_.scheme.step_size())
         throw Error(DTTMM_ERROR_ARGUMENT, "begin_step: a new step size wants a new start");
     if (interior_) interior_->begin_step(mechanism_, loads);
-    open_ = is_first_look_ = true;
+    is_open_ = is_first_look_ = true;
 }
 
 bool Network::expect(const dttmm_motion* trial) {
-    if (!open_) throw Error(DTTMM_ERROR_PHASE, "expect: no step is open");
+    if (!is_open_) throw Error(DTTMM_ERROR_PHASE, "expect: no step is open");
     // Where a spring is not linear, a rate of convergence of another step says nothing of this one
     const bool is_first = !joints_with_laws_.empty() && std::exchange(is_first_look_, false);
     if (interior_) return interior_->expect(mechanism_, ports(trial)) || is_first;
@@ -313,13 +315,13 @@ bool Network::laws_follow_prediction(const dttmm_motion* bodies) {
 }
 
 void Network::evaluate(const dttmm_motion* bodies, double* wrench, double* stiffness) const {
-    if (!open_) throw Error(DTTMM_ERROR_PHASE, "evaluate: no step is open");
+    if (!is_open_) throw Error(DTTMM_ERROR_PHASE, "evaluate: no step is open");
     if (!interior_) return evaluate_joints(bodies, wrench, stiffness);
     interior_->evaluate(mechanism_, ports(bodies));
     for (int p = 0; p < port_count(); ++p) Eigen::Map<Vector6>{on_body(p, wrench)} += interior_->wrench(p);
     if (!stiffness) return;
-    interior_->write_stiffness(mechanism_, dense_.data());
-    add_dense(dense_.data(), stiffness);
+    interior_->write_stiffness(mechanism_, blocks_.dense.data());
+    add_dense(blocks_.dense.data(), stiffness);
 }
 
 void Network::evaluate_joints(const dttmm_motion* bodies, double* wrench, double* stiffness) const {
@@ -371,7 +373,7 @@ void Network::evaluate_joints_with_laws(const dttmm_motion* bodies, double* wren
 }
 
 void Network::commit_step(const dttmm_motion* bodies) {
-    if (!open_) throw Error(DTTMM_ERROR_PHASE, "commit_step: no step is open");
+    if (!is_open_) throw Error(DTTMM_ERROR_PHASE, "commit_step: no step is open");
     if (interior_) {
         std::copy_n(mechanism_.before.begin(), port_count(), earlier_.begin());
         interior_->commit(mechanism_, ports(bodies));
@@ -379,7 +381,7 @@ void Network::commit_step(const dttmm_motion* bodies) {
         commit_joints(bodies);
     }
     ++mechanism_.steps;
-    open_ = stands_ = false;
+    is_open_ = instant_.is_known = false;
 }
 
 void Network::commit_joints(const dttmm_motion* bodies) {
@@ -398,14 +400,14 @@ void Network::commit_joints(const dttmm_motion* bodies) {
 }
 
 void Network::discard_step() {
-    if (!open_) throw Error(DTTMM_ERROR_PHASE, "discard_step: no step is open");
-    open_ = false;
+    if (!is_open_) throw Error(DTTMM_ERROR_PHASE, "discard_step: no step is open");
+    is_open_ = false;
 }
 
 // ---- What stands at t_n -------------------------------------------------------------------------------------------------
 
 Twist Network::velocity_at_start(int frame) const {
-    if (frame < port_count()) return port_velocities_[as_size(frame)];
+    if (frame < port_count()) return instant_.port_velocities[as_size(frame)];
     return interior_ ? interior_->velocity(frame) : Twist{};
 }
 
@@ -419,7 +421,7 @@ Vector6 Network::rate_at_start(size_t j) const {
         if (!joint.is_line()) return joint.rate(from, v_from, to, v_to);
         return joint.rate(from, v_from, to, v_to, mechanism_.states[j].deformation_before());
     };
-    const bool is_by_increments = by_increments_ || (interior_ && interior_->has_rigid_directions());
+    const bool is_by_increments = instant_.by_increments || (interior_ && interior_->has_rigid_directions());
     if (!is_by_increments || mechanism_.steps == 1)
         return rate_of(velocity_at_start(joint.from()), velocity_at_start(joint.to()));
     const auto correction = [&](int frame) { return interior_ ? interior_->correction(frame) : Twist{}; };
@@ -432,14 +434,14 @@ Vector6 Network::rate_at_start(size_t j) const {
 }
 
 void Network::add_wrenches(double* wrench) const {
-    for (int p = 0; p < port_count(); ++p) Eigen::Map<Vector6>{on_body(p, wrench)} += wrenches_[as_size(p)];
+    for (int p = 0; p < port_count(); ++p) Eigen::Map<Vector6>{on_body(p, wrench)} += instant_.wrenches[as_size(p)];
 }
 
 /// Newmark's rule has (a_n + a_{n+1})/2 as the acceleration over a step, so elastic forces are means of its two ends and
 /// dampers have the mean rate.
 void Network::find_mean_wrenches() const {
     const double h = mechanism_.scheme.step_size();
-    std::fill(wrenches_.begin(), wrenches_.end(), Vector6::Zero());
+    std::fill(instant_.wrenches.begin(), instant_.wrenches.end(), Vector6::Zero());
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
         const JointState& state = mechanism_.states[j];  // d_before is that at t_n
@@ -453,23 +455,23 @@ void Network::find_mean_wrenches() const {
         if (joint.has_laws()) f += joint.beyond_mean(mechanism_.scheme, x, state.deformation(), mechanism_.memory_before(j));
         if (joint.rigid().any()) f += interior_->rigid_force(mechanism_, j);
         const auto from = as_size(joint.from()), to = as_size(joint.to());
-        poses_[j] = joint.pose(mechanism_.before[from], mechanism_.before[to]);
-        JointForce force = poses_[j].act(f);
+        instant_.poses[j] = joint.pose(mechanism_.before[from], mechanism_.before[to]);
+        JointForce force = instant_.poses[j].act(f);
         force.add(0.5, state.elastic);
-        Joint::add_wrench(force, wrenches_[from].data(), wrenches_[to].data());
+        Joint::add_wrench(force, instant_.wrenches[from].data(), instant_.wrenches[to].data());
     }
-    if (interior_) interior_->find_velocities(mechanism_, wrenches_);
+    if (interior_) interior_->find_velocities(mechanism_, instant_.wrenches);
 }
 
 void Network::mean_wrench(double* wrench) const {
-    if (mechanism_.steps == 0 || open_) throw Error(DTTMM_ERROR_PHASE, "mean_wrench: only after a commit");
+    if (mechanism_.steps == 0 || is_open_) throw Error(DTTMM_ERROR_PHASE, "mean_wrench: only after a commit");
     find_mean_wrenches();
     add_wrenches(wrench);
 }
 
 void Network::stand(const dttmm_motion* bodies, double* wrench) const {
-    if (mechanism_.steps == 0 || open_) throw Error(DTTMM_ERROR_PHASE, "stand: only after a commit");
-    for (int p = 0; p < port_count(); ++p) port_velocities_[as_size(p)] = ports(bodies).twist(p);
+    if (mechanism_.steps == 0 || is_open_) throw Error(DTTMM_ERROR_PHASE, "stand: only after a commit");
+    for (int p = 0; p < port_count(); ++p) instant_.port_velocities[as_size(p)] = ports(bodies).twist(p);
     stand_by_port_velocities();
     add_wrenches(wrench);
 }
@@ -478,40 +480,40 @@ void Network::stand(const dttmm_motion* bodies, double* wrench) const {
 void Network::stand_by_centred_velocities() const {
     find_mean_wrenches();
     const double per_step = 0.5 / mechanism_.scheme.step_size();
-    for (size_t p = 0; p < port_velocities_.size(); ++p) {
+    for (size_t p = 0; p < instant_.port_velocities.size(); ++p) {
         if (mechanism_.steps == 1) {
-            port_velocities_[p] = start_velocities_[p];
+            instant_.port_velocities[p] = start_velocities_[p];
             continue;
         }
         const FrameView earlier = earlier_[p], at = mechanism_.before[p], later = mechanism_.frames[p];
-        port_velocities_[p] = {per_step * (later.origin() - earlier.origin()),
-                               per_step * (rotation_vector(later.axes() * at.axes().transpose()) +
-                                           rotation_vector(at.axes() * earlier.axes().transpose()))};
+        instant_.port_velocities[p] = {per_step * (later.origin() - earlier.origin()),
+                                       per_step * (rotation_vector(later.axes() * at.axes().transpose()) +
+                                                   rotation_vector(at.axes() * earlier.axes().transpose()))};
     }
-    by_increments_ = true;
+    instant_.by_increments = true;
     stand_by_port_velocities();
-    by_increments_ = false;
+    instant_.by_increments = false;
 }
 
 void Network::stand_by_port_velocities() const {
     if (interior_) interior_->find_massless_velocities(mechanism_, [&](size_t j) { return rate_at_start(j); });
-    std::fill(wrenches_.begin(), wrenches_.end(), Vector6::Zero());
+    std::fill(instant_.wrenches.begin(), instant_.wrenches.end(), Vector6::Zero());
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
         const JointState& state = mechanism_.states[j];
         const auto from = as_size(joint.from()), to = as_size(joint.to());
-        if (!is_implicit()) poses_[j] = joint.pose(mechanism_.before[from], mechanism_.before[to]);
-        Vector6& f = forces_[j] =
+        if (!is_implicit()) instant_.poses[j] = joint.pose(mechanism_.before[from], mechanism_.before[to]);
+        Vector6& f = instant_.forces[j] =
             joint.force(state.deformation_before(), mechanism_.damper(j) ? rate_at_start(j) : Vector6(Vector6::Zero()),
                         mechanism_.memory_before(j));
         if (joint.rigid().any()) f += interior_->rigid_force_at_start(mechanism_, j);
-        Joint::add_wrench(poses_[j].act(f), wrenches_[from].data(), wrenches_[to].data());
+        Joint::add_wrench(instant_.poses[j].act(f), instant_.wrenches[from].data(), instant_.wrenches[to].data());
     }
     if (interior_)
         interior_->find_accelerations(
-            mechanism_, wrenches_, [&](int frame) { return velocity_at_start(frame); },
-            [&](size_t j) -> const Vector6& { return forces_[j]; });
-    stands_ = true;
+            mechanism_, instant_.wrenches, [&](int frame) { return velocity_at_start(frame); },
+            [&](size_t j) -> const Vector6& { return instant_.forces[j]; });
+    instant_.is_known = true;
 }
 
 // ---- State --------------------------------------------------------------------------------------------------------------
@@ -542,7 +544,7 @@ size_t Network::state_size() const {
 }
 
 void Network::save_state(void* buffer, size_t size) const {
-    if (!started_ || open_) throw Error(DTTMM_ERROR_PHASE, "save_state: only between steps, after start");
+    if (!started_ || is_open_) throw Error(DTTMM_ERROR_PHASE, "save_state: only between steps, after start");
     if (size != state_size())
         throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("save_state: the state has {} bytes, not {}", state_size(), size));
     char* out = static_cast<char*>(buffer);
@@ -557,7 +559,7 @@ void Network::save_state(void* buffer, size_t size) const {
 }
 
 void Network::restore_state(const void* buffer, size_t size) {
-    if (!started_ || open_) throw Error(DTTMM_ERROR_PHASE, "restore_state: only between steps, after start");
+    if (!started_ || is_open_) throw Error(DTTMM_ERROR_PHASE, "restore_state: only between steps, after start");
     if (size != state_size())
         throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("restore_state: the state has {} bytes, not {}", state_size(), size));
     const char* in = static_cast<const char*>(buffer);
@@ -571,7 +573,7 @@ void Network::restore_state(const void* buffer, size_t size) {
         in += piece.size_bytes();
     });
     if (interior_) interior_->refactor(mechanism_);
-    stands_ = false;
+    instant_.is_known = false;
 }
 
 // ---- Results ------------------------------------------------------------------------------------------------------------
@@ -579,11 +581,11 @@ void Network::restore_state(const void* buffer, size_t size) {
 double* Network::write_joint(double* out, size_t j) const {
     const Joint& joint = mechanism_.joints[j];
     if (joint.is_axial()) {
-        out[0] = forces_[j](0);
+        out[0] = instant_.forces[j](0);
         out[1] = mechanism_.states[j].d_before(0) + joint.law().axial->natural;
         return out + 2;
     }
-    Eigen::Map<Vector6>{out} = forces_[j];
+    Eigen::Map<Vector6>{out} = instant_.forces[j];
     Map3{out + 6} = mechanism_.states[j].d_before;
     const FrameView from = mechanism_.frame_before(joint.from()), to = mechanism_.frame_before(joint.to());
     Map3{out + 9} = joint.turns() ? mechanism_.states[j].theta_before : rotation_vector(joint.attitude(from, to));
@@ -607,7 +609,7 @@ double* Network::write_energies(double* out, int first, int last) const {
 /// A beam or rod: force and moment at its `from` end, motion of its `to` end against that, then what its sections carry.
 double* Network::write_chain(double* out, size_t element) const {
     const Assembly& assembly = mechanism_.assembly;
-    const ChainView& chain = chains_[element];
+    const ChainView& chain = results_.chains[element];
     const int first = assembly.first_joint[element], last = assembly.first_joint[element + 1];
     double* const total = out;
     const NodeSpec &from_node = assembly.nodes[as_size(chain.from_node)], &to_node = assembly.nodes[as_size(chain.to_node)];
@@ -624,7 +626,7 @@ double* Network::write_chain(double* out, size_t element) const {
     // The joints of whole segments sit at the sections; those of the half segments at the ends, a quarter segment off
     const double quarter = chain.rest.norm() / (4 * (last - first - 1));
     for (int j = first; j < last; ++j) {
-        Vector6 f = forces_[as_size(j)];
+        Vector6 f = instant_.forces[as_size(j)];
         turn_to_limit = std::max(turn_to_limit, mechanism_.states[as_size(j)].theta_before.norm() /
                                                     mechanism_.joints[as_size(j)].law().most_turn);
         const double way_to_joint = j == first ? quarter : j == last - 1 ? -quarter : 0;
@@ -653,20 +655,20 @@ double* Network::write_node(double* out, size_t node) const {
 
 void Network::outputs(double* values) const {
     if (mechanism_.steps == 0) throw Error(DTTMM_ERROR_PHASE, "outputs: no step has been committed");
-    if (!stands_) stand_by_centred_velocities();
+    if (!instant_.is_known) stand_by_centred_velocities();
     const std::vector<int>& first_joint = mechanism_.assembly.first_joint;
     const size_t elements = first_joint.size() - 1;
     for (size_t e = 0; e < elements; ++e) {
         const int count = first_joint[e + 1] - first_joint[e];
-        double* const out = values + output_places_[e];
+        double* const out = values + results_.places[e];
         if (count == 1)
             write_energies(write_joint(out, as_size(first_joint[e])), first_joint[e], first_joint[e + 1]);
         else if (count > 1)
             write_chain(out, e);
     }
     if (!interior_) return;
-    double* out = values + output_places_[elements];
-    for (int node : shown_nodes_) out = write_node(out, as_size(node));
+    double* out = values + results_.places[elements];
+    for (int node : results_.nodes) out = write_node(out, as_size(node));
     out[0] = interior_->kinetic_energy(mechanism_);
     out[1] = interior_->work(mechanism_);
 }

@@ -42,8 +42,8 @@ public:
     void load_weights(double weights[3]) const;
 
     /// The blocks of its matrices; where each is in the lists of the host, in their order at first.
-    std::span<const dttmm_block> blocks() const { return blocks_; }
-    void place_block(size_t block, size_t at) { block_places_[block] = at; }
+    std::span<const dttmm_block> blocks() const { return blocks_.list; }
+    void place_block(size_t block, size_t at) { blocks_.places[block] = at; }
 
     void linearise(const dttmm_motion* bodies, double* wrench, double* stiffness, double* damping) const;
     /// u K u and u C u of its elements for a small motion of the bodies from where they start.
@@ -65,16 +65,17 @@ public:
     void save_state(void* buffer, size_t size) const;
     void restore_state(const void* buffer, size_t size);
 
-    const std::vector<dttmm_channel>& channels() const { return channels_; }
+    const std::vector<dttmm_channel>& channels() const { return results_.channels; }
     /// Its channels in pieces: of each element, then all others; and where each begins among the outputs, at first one after
     /// the other.
-    size_t piece_count() const { return output_places_.size(); }
+    size_t piece_count() const { return results_.places.size(); }
     std::span<const dttmm_channel> piece(size_t piece) const {
-        return std::span(channels_).subspan(piece_begin_[piece], piece_begin_[piece + 1] - piece_begin_[piece]);
+        return std::span(results_.channels)
+            .subspan(results_.piece_begin[piece], results_.piece_begin[piece + 1] - results_.piece_begin[piece]);
     }
-    void place_outputs(size_t piece, size_t at) { output_places_[piece] = at; }
+    void place_outputs(size_t piece, size_t at) { results_.places[piece] = at; }
     /// Where another has them.
-    void forget_channels() { channels_ = {}; }
+    void forget_channels() { results_.channels = {}; }
     void outputs(double* values) const;
 
     /// What moves inside; null where everything is joints between bodies and ground.
@@ -134,14 +135,20 @@ private:
     Places places_;
     Mechanism mechanism_;
     std::unique_ptr<Interior> interior_;  ///< none where everything is joints between bodies and ground
-    std::vector<dttmm_block> blocks_;
-    std::vector<size_t> block_places_;
-    struct JointBlocks {
-        int at[2][2];
+    bool started_ = false, is_open_ = false;
+
+    /// The blocks of its matrices.
+    struct Blocks {
+        std::vector<dttmm_block> list;
+        std::vector<size_t> places;  ///< in the lists of the host
+        struct OfJoint {
+            int at[2][2];
+        };
+        std::vector<OfJoint> of_joints;     ///< of each joint in `list`, −1: none; if there is no interior
+        mutable std::vector<double> dense;  ///< working memory, so mutable: the stiffness of an interior
     };
-    std::vector<JointBlocks> joint_blocks_;  ///< of each joint among blocks_, −1: none; if there is no interior
-    mutable std::vector<double> dense_;      ///< working memory: the stiffness of an interior
-    bool started_ = false, open_ = false;
+    Blocks blocks_;
+
     std::vector<size_t> linear_joints_, joints_with_laws_;
     /// A direction with a law at the trial last looked at: its deformation, force over the step and gain.
     struct LawLook {
@@ -151,15 +158,19 @@ private:
     };
     std::vector<LawLook> law_looks_;
     bool is_first_look_ = false;  ///< nothing was asked of the open step
-    // At t_n, the start of the step last committed:
-    mutable std::vector<Twist> port_velocities_;
-    mutable std::vector<JointPose> poses_;   ///< of the joints
-    mutable std::vector<Vector6> forces_;    ///< of them, their axes
-    mutable std::vector<Vector6> wrenches_;  ///< on the frames, at their origins, world
-    mutable bool stands_ = false;            ///< the above are those of that instant
-    mutable bool by_increments_ = false;     ///< the host has not said how the ports move then
-    std::vector<Frame> earlier_;             ///< the ports, and the ground behind them, at t_{n−1}
-    std::vector<Twist> start_velocities_;    ///< of the ports
+
+    std::vector<Frame> earlier_;           ///< the ports, and the ground behind them, at t_{n−1}
+    std::vector<Twist> start_velocities_;  ///< of the ports
+    /// What stands at t_n, the start of the step last committed.
+    struct Instant {
+        std::vector<Twist> port_velocities;
+        std::vector<JointPose> poses;   ///< of the joints
+        std::vector<Vector6> forces;    ///< of them, their axes
+        std::vector<Vector6> wrenches;  ///< on the frames, at their origins, world
+        bool is_known = false;
+        bool by_increments = false;  ///< the host has not said how the ports move then
+    };
+    mutable Instant instant_;  ///< mutable: outputs() finds it where the host has not asked for it
 
     /// A beam or rod as results show it: its joints, its ends and its axes.
     struct ChainView {
@@ -168,10 +179,13 @@ private:
         Matrix3 to_axes = Matrix3::Identity();    ///< the same at rest in those at its `to` end
         Vector3 rest = Vector3::Zero();           ///< from end to end, axes of the element
     };
-    std::vector<ChainView> chains_;  ///< of every element; unused where it has one joint or none
-    std::vector<int> shown_nodes_;   ///< nodes with channels
-    std::vector<dttmm_channel> channels_;
-    std::vector<size_t> piece_begin_, output_places_;
+    struct Results {
+        std::vector<ChainView> chains;  ///< of every element; unused where it has one joint or none
+        std::vector<int> nodes;         ///< with channels
+        std::vector<dttmm_channel> channels;
+        std::vector<size_t> piece_begin, places;
+    };
+    Results results_;
 };
 
 }  // namespace dttmm::plugin

@@ -57,6 +57,27 @@ double frequency(const std::string& option, const std::string& text) {
     }
 }
 
+/// The largest of a curve's points, and by how much the curve may be larger beside it.
+struct LargestPoint {
+    double size = 0, at = 0, missed = 0;
+
+    void take(double frequency, double next) {
+        // A peak between points is larger than the largest of them by an eighth of their second difference or more
+        const double rise = next - last_;
+        if (count_++ > 1 && last_ == size) missed = (slope_ - rise) / 8;
+        slope_ = rise;
+        last_ = next;
+        if (last_ <= size) return;
+        size = last_;
+        at = frequency;
+        missed = 0;
+    }
+
+private:
+    double last_ = 0, slope_ = 0;
+    int count_ = 0;
+};
+
 }  // namespace
 
 ExitCode find_response(const Request& request) {
@@ -97,7 +118,7 @@ ExitCode find_response(const Request& request) {
                                             {"mobility.im", velocity},
                                             {"accelerance.re", acceleration},
                                             {"accelerance.im", acceleration}});
-    double largest = 0, at = 0, missed = 0, last = 0, slope = 0;
+    LargestPoint largest;
     int done = 0;
     for (; done < request.points && !StopSignals::requested(); ++done) {
         const double f = frequency_at(done);
@@ -106,25 +127,16 @@ ExitCode find_response(const Request& request) {
         const double row[] = {f,        H.real(), H.imag(), std::abs(H), std::arg(H) * 180 / std::numbers::pi,
                               V.real(), V.imag(), A.real(), A.imag()};
         rows.write_row(row);
-        // A peak between points is larger than the largest of them by an eighth of their second difference or more
-        const double rise = std::abs(H) - last;
-        if (done > 1 && last == largest) missed = (slope - rise) / 8;
-        slope = rise;
-        last = std::abs(H);
-        if (last > largest) {
-            largest = last;
-            at = f;
-            missed = 0;
-        }
+        largest.take(f, std::abs(H));
     }
     rows.finish();
     const bool is_stopped = done < request.points;
-    if (missed > 0.01 * largest)
+    if (largest.missed > 0.01 * largest.size)
         warnings.add("peak-between-points",
                      fmt::format("the points are too far apart for the peak near {:.6g} Hz: between them it may be {:.2g} % "
                                  "larger or more; \"dttmm modes\" tells where it is, take more points there",
-                                 at, 100 * missed / largest));
-    if (largest == 0 && !is_stopped)
+                                 largest.at, 100 * largest.missed / largest.size));
+    if (largest.size == 0 && !is_stopped)
         warnings.add("no-response", fmt::format("{} does not move under {}: {}", request.response, request.input,
                                                 machine.why_still(*in, in_direction, *out, out_direction)));
     warnings.print_rest("; summary.json has all of them");
@@ -136,8 +148,8 @@ ExitCode find_response(const Request& request) {
         json.member("in", request.input);
         json.member("out", request.response);
         json.member("rows", done);
-        json.member("largest_receptance", largest);
-        json.member("largest_at_hz", at);
+        json.member("largest_receptance", largest.size);
+        json.member("largest_at_hz", largest.at);
         json.member("command_line", request.command_line);
         json.member("inputs", describe_inputs(model, request));
         write_model(json, model, plugins.catalogue());
@@ -149,7 +161,7 @@ ExitCode find_response(const Request& request) {
     }
     if (!request.quiet)
         fmt::print("{} points from {:g} to {:g} Hz, {} per {}; largest {:.6g} {}/{} at {:.6g} Hz\nresults in {}\n",
-                   request.points, from, to, request.response, request.input, largest, unit, input, at,
+                   request.points, from, to, request.response, request.input, largest.size, unit, input, largest.at,
                    folder.describe("frf.csv"));
     return ExitCode::ok;
 }

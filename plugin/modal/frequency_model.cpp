@@ -834,45 +834,58 @@ std::pair<double, double> FrequencyModel::largest(const Motion& u) const {
     return {way, turn};
 }
 
-std::vector<Eigen::Matrix<FrequencyModel::Frequency, 6, 1>> FrequencyModel::respond(double omega, int frame,
-                                                                                    const Vector3& point,
-                                                                                    const Vector6& wrench) const {
-    using Vector6c = Eigen::Matrix<Frequency, 6, 1>;
-    using Matrix6c = Eigen::Matrix<Frequency, 6, 6>;
-    const Eigen::Index frames = frame_count(), size = 6 * frames + elimination_->rigid_count();
-    std::vector<Eigen::Triplet<Frequency>> entries;
-    const auto add = [&](int row, int column, const Matrix6c& block) {
+/// K + iω C − ω² M and the rows of rigid directions behind it, entry by entry.
+class FrequencyModel::DynamicStiffness {
+public:
+    using Block = Eigen::Matrix<Frequency, 6, 6>;
+    explicit DynamicStiffness(int frames) : row_(6 * frames) {}
+
+    void add(int row, int column, const Block& block) {
         if (row < 0 || column < 0) return;
         for (int i = 0; i < 6; ++i)
             for (int j = 0; j < 6; ++j)
-                if (block(i, j) != 0.0) entries.emplace_back(6 * row + i, 6 * column + j, block(i, j));
-    };
-    const auto couple = [&](int from, int to, const Matrix6& by_from, const Matrix6& by_to, const Matrix6c& start,
-                            const Matrix6c& across, const Matrix6c& end) {
+                if (block(i, j) != 0.0) entries_.emplace_back(6 * row + i, 6 * column + j, block(i, j));
+    }
+    void couple(int from, int to, const Matrix6& by_from, const Matrix6& by_to, const Block& start, const Block& across,
+                const Block& end) {
         add(from, from, by_from.transpose() * start * by_from);
         add(to, to, by_to.transpose() * end * by_to);
-        const Matrix6c between = by_from.transpose() * across * by_to;
+        const Block between = by_from.transpose() * across * by_to;
         add(from, to, between);
         add(to, from, between.transpose());
-    };
-    Eigen::Index row = 6 * frames;
-    const auto hold = [&](int from, int to, const std::vector<Rigid>& rows) {
+    }
+    void hold(int from, int to, const std::vector<Rigid>& rows) {
         for (const Rigid& rigid : rows) {
             for (const auto& [f, by] : {std::pair(from, &rigid.by_from), std::pair(to, &rigid.by_to)}) {
                 if (f < 0) continue;
                 for (int i = 0; i < 6; ++i) {
                     if ((*by)(i) == 0) continue;
-                    entries.emplace_back(row, 6 * f + i, (*by)(i));
-                    entries.emplace_back(6 * f + i, row, (*by)(i));
+                    entries_.emplace_back(row_, 6 * f + i, (*by)(i));
+                    entries_.emplace_back(6 * f + i, row_, (*by)(i));
                 }
             }
-            ++row;
+            ++row_;
         }
-    };
+    }
+    void keep_out(int frame, int direction) { entries_.emplace_back(6 * frame + direction, 6 * frame + direction, 1.0); }
+    Eigen::SparseMatrix<Frequency> matrix() const {
+        Eigen::SparseMatrix<Frequency> matrix(row_, row_);
+        matrix.setFromTriplets(entries_.begin(), entries_.end());
+        return matrix;
+    }
+
+private:
+    std::vector<Eigen::Triplet<Frequency>> entries_;
+    int row_;  ///< the next of a rigid direction
+};
+
+Eigen::SparseMatrix<FrequencyModel::Frequency> FrequencyModel::dynamic_stiffness(double omega) const {
+    using Block = DynamicStiffness::Block;
+    DynamicStiffness D(frame_count());
     for (const Bond& bond : bonds_) {
-        const Matrix6c K = bond.stiffness.cast<Frequency>() + Frequency(0, omega) * bond.damping.cast<Frequency>();
-        couple(bond.from, bond.to, bond.by_from, bond.by_to, K, -K, K);
-        hold(bond.from, bond.to, bond.rigid);
+        const Block K = bond.stiffness.cast<Frequency>() + Frequency(0, omega) * bond.damping.cast<Frequency>();
+        D.couple(bond.from, bond.to, bond.by_from, bond.by_to, K, -K, K);
+        D.hold(bond.from, bond.to, bond.rigid);
     }
     std::map<std::pair<size_t, int>, Eigen::Matrix<Frequency, 12, 12>> known;
     for_each_piece([&](int, const Piece& piece, const LineModel& line) {
@@ -880,27 +893,31 @@ std::vector<Eigen::Matrix<FrequencyModel::Frequency, 6, 1>> FrequencyModel::resp
         if (is_new)
             line.waves->evaluate<Frequency>(line.count, omega * omega,
                                             Frequency(1, omega * line.line.section.stiffness_damping), it->second, nullptr);
-        const auto& D = it->second;
-        couple(piece.from, piece.to, piece.by_from, piece.by_to, D.topLeftCorner<6, 6>(), D.topRightCorner<6, 6>(),
-               D.bottomRightCorner<6, 6>());
-        hold(piece.from, piece.to, piece.rigid);
+        const auto& L = it->second;
+        D.couple(piece.from, piece.to, piece.by_from, piece.by_to, L.topLeftCorner<6, 6>(), L.topRightCorner<6, 6>(),
+                 L.bottomRightCorner<6, 6>());
+        D.hold(piece.from, piece.to, piece.rigid);
     });
     for (const Pin& pin : pins_) {
-        const Matrix6c own = (-omega * omega / 3 * pin.mass).cast<Frequency>(), across = 0.5 * own;
-        couple(pin.from, pin.to, pin.by_from, pin.by_to, own, across, own);
+        const Block own = (-omega * omega / 3 * pin.mass).cast<Frequency>(), across = 0.5 * own;
+        D.couple(pin.from, pin.to, pin.by_from, pin.by_to, own, across, own);
     }
     for (const auto* list : {&masses_, &bar_masses_})
         for (const Mass& mass : *list)
-            add(mass.frame, mass.frame, (-omega * omega * mask_ * mass.block * mask_).cast<Frequency>());
-    for (const Lever& lever : levers_) add(lever.frame, lever.frame, lever.stiffness.cast<Frequency>());
-    for (int f = 0; f < frames; ++f)
+            D.add(mass.frame, mass.frame, (-omega * omega * mask_ * mass.block * mask_).cast<Frequency>());
+    for (const Lever& lever : levers_) D.add(lever.frame, lever.frame, lever.stiffness.cast<Frequency>());
+    for (int f = 0; f < frame_count(); ++f)
         for (int d = 0; d < 6; ++d)
-            if (!directions_[as_size(d)]) entries.emplace_back(6 * f + d, 6 * f + d, 1.0);
+            if (!directions_[as_size(d)]) D.keep_out(f, d);
+    return D.matrix();
+}
 
-    Eigen::SparseMatrix<Frequency> matrix(size, size);
-    matrix.setFromTriplets(entries.begin(), entries.end());
+std::vector<Eigen::Matrix<FrequencyModel::Frequency, 6, 1>> FrequencyModel::respond(double omega, int frame,
+                                                                                    const Vector3& point,
+                                                                                    const Vector6& wrench) const {
+    const Eigen::SparseMatrix<Frequency> matrix = dynamic_stiffness(omega);
     Eigen::SparseLU<Eigen::SparseMatrix<Frequency>> lu(matrix);
-    Eigen::VectorXcd r = Eigen::VectorXcd::Zero(size);
+    Eigen::VectorXcd r = Eigen::VectorXcd::Zero(matrix.rows());
     if (frame >= 0) {
         const Matrix6 by = masked(at_point(point, positions_[as_size(frame)]));
         r.segment<6>(6 * frame) = (by.transpose() * wrench).cast<Frequency>();
@@ -910,8 +927,8 @@ std::vector<Eigen::Matrix<FrequencyModel::Frequency, 6, 1>> FrequencyModel::resp
         throw Error(DTTMM_ERROR_SINGULAR,
                     fmt::format("{:.6g} Hz is a natural frequency without damping: the response there has no bound",
                                 omega / (2 * M_PI)));
-    std::vector<Vector6c> motion;
-    for (Eigen::Index f = 0; f < frames; ++f) motion.push_back(mask_ * x.segment<6>(6 * f));
+    std::vector<Eigen::Matrix<Frequency, 6, 1>> motion;
+    for (int f = 0; f < frame_count(); ++f) motion.push_back(mask_ * x.segment<6>(6 * f));
     return motion;
 }
 

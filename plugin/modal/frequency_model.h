@@ -176,6 +176,9 @@ private:
         Matrix6 by_from, by_to;  ///< displacement of its ends in local axes
         std::vector<Rigid> rigid;
     };
+    class DynamicStiffness;
+    /// K + iω C − ω² M, lines included, 6 rows per frame, and the rows of the rigid directions.
+    Eigen::SparseMatrix<Frequency> dynamic_stiffness(double omega) const;
     void add_bodies(const dttmm_modal_model& model);
     void refer_to_inputs();
     void add_joint(int element, int from, int to, const JointLaw& law, const Pose& pose);

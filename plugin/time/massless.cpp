@@ -19,6 +19,8 @@ constexpr double kDependent = 1e-6;
 /// over a step. One that is undamped but for a small turn θ of its frames has θ² of the damping, and would get any velocity.
 /// Values from 1e-6 to 1e-4 pass the tests of rows; without it one fails, with 1e-2 another.
 constexpr double kLeastDamping = 1e-4;
+/// Of the largest diagonal, of the largest pivot: rounding.
+constexpr double kNothing = 1e-13;
 /// Ratios of damping to stiffness that differ by less are one.
 constexpr double kSameRatio = 1e-9;
 
@@ -305,12 +307,11 @@ void MasslessFrames::drop_dependent_rows(const Cluster& cluster) const {
     }
 }
 
-/// By full-pivot elimination: what dampers hold balances by them, the rest keeps what its springs do.
-void MasslessFrames::solve_balance(const Cluster& cluster, double h, std::vector<Twist>& velocities,
-                                   std::vector<Twist>& corrections, std::vector<double>& q) const {
-    constexpr double kNothing = 1e-13;  // of the largest diagonal, of the largest pivot: rounding
-    Eigen::MatrixXd &A = cluster.matrix, &K = cluster.stiffness, &N = cluster.undamped, &B = cluster.reduced;
-    Eigen::VectorXd &r = cluster.right_hand_side, &d = cluster.scale, &z = cluster.follow;
+/// Leaves out halves with a mass, and brings the rest to units of what damper and spring do over a step: a weak damper is a
+/// small pivot in them.
+void MasslessFrames::scale_balance(const Cluster& cluster, double h) const {
+    Eigen::MatrixXd &A = cluster.matrix, &K = cluster.stiffness;
+    Eigen::VectorXd &r = cluster.right_hand_side, &d = cluster.scale;
     const auto count = as_row(6 * cluster.frames.size());
     for (size_t k = 0; k < cluster.frames.size(); ++k)
         for (int half : {0, 1}) {
@@ -322,7 +323,6 @@ void MasslessFrames::solve_balance(const Cluster& cluster, double h, std::vector
             K.middleCols<3>(at).setZero();
             r.segment<3>(at).setZero();
         }
-    // In units of what damper and spring do over a step a weak damper is a small pivot
     double largest[2] = {0, 0};
     for (Eigen::Index i = 0; i < count; ++i) {
         double& of_half = largest[i / 3 % 2];
@@ -341,36 +341,44 @@ void MasslessFrames::solve_balance(const Cluster& cluster, double h, std::vector
     K.array().colwise() *= d.head(count).array();
     K.array().rowwise() *= d.head(count).transpose().array();
     r.array() *= d.array();
-    drop_dependent_rows(cluster);
+}
 
-    cluster.lu.compute(A);
-    const Eigen::Index rank = solve_by_rank(cluster.lu, kLeastDamping, r, cluster.solution);
-    const Eigen::Index free = A.rows() - rank;
-    if (free > 0) {
-        // r + N z with Nᵀ K (r + N z) = 0; the rest of the matrix is one, so that its size stays
-        find_undamped(cluster.lu, rank, cluster.solution, N);
-        B.setIdentity();
-        for (Eigen::Index i = 0; i < free; ++i) {
-            cluster.solution.head(count).noalias() = K * N.col(i).head(count);
-            for (Eigen::Index k = 0; k < free; ++k) B(k, i) = N.col(k).head(count).dot(cluster.solution.head(count));
-            z(i) = -r.head(count).dot(cluster.solution.head(count));
-        }
-        z.tail(A.rows() - free).setZero();
-        cluster.lu.compute(B);
-        solve_by_rank(cluster.lu, kNothing, z, cluster.solution);
-        r.noalias() += N.leftCols(free) * z.head(free);
+/// Adds to the solution r the motions N z that no damper resists, so that springs do no work on them: Nᵀ K (r + N z) = 0.
+void MasslessFrames::add_undamped(const Cluster& cluster, Eigen::Index rank) const {
+    Eigen::MatrixXd &N = cluster.undamped, &B = cluster.reduced;
+    Eigen::VectorXd &r = cluster.right_hand_side, &z = cluster.follow;
+    const auto count = as_row(6 * cluster.frames.size());
+    const Eigen::Index free = cluster.matrix.rows() - rank;
+    find_undamped(cluster.lu, rank, cluster.solution, N);
+    B.setIdentity();  // the rest of the matrix is one, so that its size stays
+    for (Eigen::Index i = 0; i < free; ++i) {
+        cluster.solution.head(count).noalias() = cluster.stiffness * N.col(i).head(count);
+        for (Eigen::Index k = 0; k < free; ++k) B(k, i) = N.col(k).head(count).dot(cluster.solution.head(count));
+        z(i) = -r.head(count).dot(cluster.solution.head(count));
     }
-    r.array() *= d.array();
+    z.tail(cluster.matrix.rows() - free).setZero();
+    cluster.lu.compute(B);
+    solve_by_rank(cluster.lu, kNothing, z, cluster.solution);
+    r.noalias() += N.leftCols(free) * z.head(free);
+}
+
+/// By full-pivot elimination: what dampers hold balances by them, the rest keeps what its springs do.
+void MasslessFrames::solve_balance(const Cluster& cluster, double h, std::vector<Twist>& velocities,
+                                   std::vector<Twist>& corrections, std::vector<double>& q) const {
+    Eigen::VectorXd& r = cluster.right_hand_side;
+    scale_balance(cluster, h);
+    drop_dependent_rows(cluster);
+    cluster.lu.compute(cluster.matrix);
+    const Eigen::Index rank = solve_by_rank(cluster.lu, kLeastDamping, r, cluster.solution);
+    if (rank < cluster.matrix.rows()) add_undamped(cluster, rank);
+    r.array() *= cluster.scale.array();
     for (size_t k = 0; k < cluster.frames.size(); ++k) {
         const size_t i = frames_[cluster.frames[k]];
         corrections[i] = {r.segment<3>(as_row(6 * k)), r.segment<3>(as_row(6 * k + 3))};
         velocities[i].linear += corrections[i].linear;
         velocities[i].angular += corrections[i].angular;
     }
-    for (size_t k = 0; k < cluster.rigid.size(); ++k) {
-        const Row& row = cluster.rigid[k];
-        q[row.index] += r(count + as_row(k));
-    }
+    for (size_t k = 0; k < cluster.rigid.size(); ++k) q[cluster.rigid[k].index] += r(as_row(6 * cluster.frames.size() + k));
 }
 
 void MasslessFrames::combine(std::span<Residual> residuals) const {

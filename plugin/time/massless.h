@@ -120,7 +120,9 @@ private:
     int frame_in(const Mechanism& mechanism, const Cluster& cluster, int frame) const;
     void add_balance(const Mechanism& mechanism, const Cluster& cluster, size_t joint, const JointPose& pose,
                      const Acting& acting, const std::vector<double>& q) const;
+    void scale_balance(const Cluster& cluster, double h) const;
     void drop_dependent_rows(const Cluster& cluster) const;
+    void add_undamped(const Cluster& cluster, Eigen::Index rank) const;
     void solve_balance(const Cluster& cluster, double h, std::vector<Twist>& velocities, std::vector<Twist>& corrections,
                        std::vector<double>& q) const;
     /// Of a frame of the mechanism; −1: it is driven, or has none.

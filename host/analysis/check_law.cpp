@@ -237,8 +237,15 @@ void check_law(const Request& request) {
     for (const dttmm_law* law : laws) {
         Examination examination(*law, request);
         const PluginCall at_work(library.name());
-        examination.run();
-        refuse_changed_arithmetic();
+        try {
+            examination.run();
+        } catch (const Error&) {
+            throw;
+        } catch (...) {
+            throw Error(ExitCode::plugin_failure,
+                        fmt::format("{}: law \"{}\": {}", library.name(), law->name, describe_exception()));
+        }
+        refuse_changed_arithmetic(library.name());
         if (examination.faults().empty())
             fmt::print("law \"{}\": keeps all rules, {} paths with {} sets of parameters, {} of them with a force\n",
                        law->name, examination.paths(), kSets, examination.paths_with_force());

@@ -2,6 +2,8 @@
 #include "analysis/halving.h"
 
 #include <fmt/format.h>
+#include <bit>
+#include <functional>
 
 #include <algorithm>
 #include <cmath>
@@ -31,10 +33,20 @@ double rows_of(const Model& model) {
     return std::round(model.simulation.duration / model.simulation.step / model.output.every) + 1;
 }
 
+size_t digest_of(std::span<const Channel> channels) {
+    size_t digest = channels.size();
+    for (const Channel& channel : channels) digest = std::rotl(digest, 1) ^ std::hash<std::string>{}(channel.name);
+    return digest;
+}
+
 }  // namespace
 
-Halving::Halving(const Model& model, const Plugins& plugins, std::vector<int> selection)
-    : model_(model), plugins_(plugins), selection_(std::move(selection)), convergence_(selection_.size()) {
+Halving::Halving(const Model& model, const Plugins& plugins, std::span<const Channel> channels, std::vector<int> selection)
+    : model_(model),
+      plugins_(plugins),
+      selection_(std::move(selection)),
+      channels_(digest_of(channels)),
+      convergence_(selection_.size()) {
     const double bytes = kHistoriesHeld * rows_of(model) * static_cast<double>(selection_.size()) * sizeof(double);
     if (bytes > kMostBytes)
         throw Error(ExitCode::resource_limit,
@@ -86,6 +98,8 @@ Ending Halving::run(bool quiet) {
 
 std::unique_ptr<Halving::Run> Halving::make_run() const {
     auto run = std::make_unique<Run>(at_level(model_, skipped_ + levels_.size()), plugins_);
+    if (digest_of(run->simulation.channels()) != channels_)
+        throw Error(ExitCode::plugin_failure, "a plugin declares other channels when it is given the same model again");
     run->history.reserve(static_cast<size_t>(rows_of(model_)) * selection_.size());
     run->simulation.record_to([this, &to = *run](std::span<const double> row) { take_row(to, row); });
     return run;

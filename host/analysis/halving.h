@@ -35,9 +35,9 @@ inline constexpr double kUnresolved = 1, kUnresolvedAllowance = 8;
 /// channel, as a share of its scale (error_scale.h), is at most the tolerance. Histories are kept in memory.
 class Halving {
 public:
-    /// selection: as select_channels gives it; the model must have a tolerance. Model and plugins must outlive this.
-    /// Throws Error(resource_limit) when the histories would take more than 2 GiB.
-    Halving(const Model& model, const Plugins& plugins, std::vector<int> selection);
+    /// channels: of the model; selection: as select_channels gives it. The model must have a tolerance. Model and plugins
+    /// must outlive this. Throws Error(resource_limit) when the histories would take more than 2 GiB.
+    Halving(const Model& model, const Plugins& plugins, std::span<const Channel> channels, std::vector<int> selection);
 
     /// Runs until the tolerance is reached, and gives up (numerical_failure) after 12 halvings or where the step or the
     /// number of steps would leave the bounds of the model file. A first step at which the run fails (numerical_failure) is
@@ -83,6 +83,7 @@ private:
     const Model& model_;
     const Plugins& plugins_;
     std::vector<int> selection_;
+    size_t channels_;                                     ///< a digest: every run must have the same
     std::vector<std::pair<size_t, size_t>> quaternions_;  ///< begin and end, in the selection, of each one's components
     Convergence convergence_;
     std::unique_ptr<Run> kept_;

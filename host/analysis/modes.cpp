@@ -121,7 +121,8 @@ std::string shapes_table(const Model& model, ModalMachine& machine, const std::v
         for (size_t e = 0; e < model.elements.size(); ++e) {
             double length = 0;
             const auto shape = machine.along(static_cast<uint32_t>(m), static_cast<uint32_t>(e), kStations, length);
-            if (shape.empty()) continue;
+            const auto& ends = model.elements[e].ends;
+            if (shape.empty() || ends.size() != 2 || ends[0].is_ground() || ends[1].is_ground()) continue;
             const Eigen::Vector3d from = frame_at_start(model, model.elements[e].ends[0]).position;
             const Eigen::Vector3d to = frame_at_start(model, model.elements[e].ends[1]).position;
             for (size_t k = 0; k < shape.size(); ++k) {

@@ -84,7 +84,7 @@ Session::Session(const Request& request)
       selection(selected_channels(model, simulation)) {
     warn_jumps(model, plugins.catalogue(), warnings);
     if (model.simulation.tolerance)
-        halving.emplace(model, plugins, selection);
+        halving.emplace(model, plugins, simulation.channels(), selection);
     else
         look_at_loads(simulation);
 }

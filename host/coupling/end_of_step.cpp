@@ -508,11 +508,9 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
         first_trusted = pass + 2;
     }
     if (done && networks.unconverged())
-        throw Error(
-            ExitCode::plugin_failure,
-            fmt::format(
-                "t = {:.9g} s: element \"{}\": its plugin says after {} passes still that its answers have not converged",
-                time_, *networks.unconverged(), kMostPasses));
+        throw Error(ExitCode::plugin_failure,
+                    fmt::format("t = {:.9g} s: {}: it says after {} passes still that its answers have not converged", time_,
+                                networks.unconverged()->unconverged(), kMostPasses));
     fail(kMostPasses);
 }
 

@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "coupling/network_description.h"
 #include "loader/plugin_call.h"
@@ -16,12 +15,6 @@
 namespace dttmm::host {
 
 namespace {
-
-/// Stands before and after what a plugin writes; one that writes past its array changes it. A quiet NaN with a pattern.
-constexpr uint64_t kGuardPattern = 0x7ffadadadadadadaULL;
-
-void set_guard(double* word) { std::memcpy(word, &kGuardPattern, sizeof kGuardPattern); }
-bool is_guard(const double* word) { return std::memcmp(word, &kGuardPattern, sizeof kGuardPattern) == 0; }
 
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using RowMajor6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
@@ -43,10 +36,8 @@ Networks::Networks(const Model& model, const Plugins& plugins) : path_(model.pat
     is_implicit_ = model.simulation.coupling == Coupling::implicit;
     if (!instances_.empty()) take_weights();
     motions_.resize(model.bodies.size());
-    wrenches_.resize(6 * model.bodies.size() + 2);
-    outputs_.resize(output_count() + 2);
-    set_guard(&wrenches_.front());
-    set_guard(&wrenches_.back());
+    wrenches_.resize(6 * model.bodies.size());
+    for (const NetworkInstance& instance : instances_) outputs_.emplace_back(instance.channel_count());
     refuse_changed_arithmetic();
 }
 
@@ -147,8 +138,8 @@ const double* Networks::gather_loads(size_t instance, const double* node_loads) 
 
 /// Adds the wrenches of one instance to those of the bodies.
 void Networks::scatter(size_t instance, double* wrenches) const {
-    check_guards(instance, wrenches_, 6 * motions_.size(), "wrench");
-    const double* wrench = wrenches_.data() + 1;
+    check_guards(instance, wrenches_, "wrench");
+    const double* wrench = wrenches_.data();
     for (size_t b = 0; b < motions_.size(); ++b, wrench += 6, wrenches += 6) {
         double size = 0;  // not a number if one of them is not
         for (int i = 0; i < 6; ++i) size += std::abs(wrench[i]);
@@ -158,42 +149,39 @@ void Networks::scatter(size_t instance, double* wrenches) const {
     }
 }
 
-/// The words before the first and after the last of `size` numbers must be as they were.
-void Networks::check_guards(size_t instance, const std::vector<double>& array, size_t size, const char* name) const {
-    if (is_guard(&array[0]) && is_guard(&array[size + 1])) [[likely]]
-        return;
-    instances_[instance].blame(
-        fmt::format("it wrote past the {} of the {} array", is_guard(&array[size + 1]) ? "start" : "end", name));
+void Networks::check_guards(size_t instance, const GuardedArray& array, const char* name) const {
+    if (const char* end = array.overrun()) [[unlikely]]
+        instances_[instance].blame(fmt::format("it wrote past the {} of the {} array", end, name));
 }
 
-/// The blocks of an instance, between two guards, to be written by its plugin.
-double* Networks::make_room(size_t instance, std::vector<double>& matrix) const {
-    matrix.resize(kBlock * instances_[instance].blocks().size() + 2);
-    set_guard(&matrix.front());
-    set_guard(&matrix.back());
-    return matrix.data() + 1;
+/// The blocks of an instance, to be written by its plugin.
+double* Networks::make_room(size_t instance, GuardedArray& matrix) const {
+    matrix.resize(kBlock * instances_[instance].blocks().size());
+    return matrix.data();
 }
 
-void Networks::check_matrix(size_t instance, const std::vector<double>& matrix, const char* name) const {
-    check_guards(instance, matrix, matrix.size() - 2, name);
-    for (size_t i = 1; i + 1 < matrix.size(); ++i)
+void Networks::check_matrix(size_t instance, const GuardedArray& matrix, const char* name, const char* when) const {
+    check_guards(instance, matrix, name);
+    for (size_t i = 0; i < matrix.size(); ++i)
         if (!std::isfinite(matrix[i]))
-            instances_[instance].blame(
-                fmt::format("it says that its {} at the start is {}; it must be finite", name, matrix[i]));
+            instances_[instance].blame(fmt::format("it says that its {}{} is {}; it must be finite", name, when, matrix[i]));
 }
 
 void Networks::refuse_wrench(size_t instance, size_t body) const {
-    const double* wrench = &wrenches_[1 + 6 * body];
-    const int element = slots_[instance].first_on_body[body];
+    const double* wrench = wrenches_.data() + 6 * body;
+    const NetworkInstance& blamed = instances_[instance];
+    const int known = blamed.culprit(-1), first = slots_[instance].first_on_body[body];
+    const auto name = [&](int element) { return blamed.element_name(static_cast<uint32_t>(element)); };
     throw Error(
         ExitCode::numerical_failure,
         fmt::format(
-            "{} on body \"{}\" at t = {:.9g} s: force ({:.4g}, {:.4g}, {:.4g}) N, moment ({:.4g}, {:.4g}, "
+            "{} (plugin {}) on body \"{}\" at t = {:.9g} s: force ({:.4g}, {:.4g}, {:.4g}) N, moment ({:.4g}, {:.4g}, "
             "{:.4g}) N m is not finite or beyond the cap of {:.0e}; the run ends before it reaches ODE. Try a smaller "
             "step, or look for a fault of the plugin",
-            element < 0 ? instances_[instance].name()
-                        : fmt::format("element \"{}\"", instances_[instance].element_name(static_cast<uint32_t>(element))),
-            body_names_[body], time_, wrench[0], wrench[1], wrench[2], wrench[3], wrench[4], wrench[5],
+            known >= 0   ? fmt::format("element \"{}\"", name(known))
+            : first >= 0 ? fmt::format("element \"{}\" or another", name(first))
+                         : "an element",
+            blamed.plugin_name(), body_names_[body], time_, wrench[0], wrench[1], wrench[2], wrench[3], wrench[4], wrench[5],
             World::kLargestWrench));
 }
 
@@ -204,11 +192,11 @@ void Networks::linearise(const std::vector<BodyState>& at, double* wrenches, con
     for (size_t n = 0; n < instances_.size(); ++n) {
         double *stiffness = sink ? make_room(n, stiffness_) : nullptr, *damping = sink ? make_room(n, damping_) : nullptr;
         tell_place(n, [&] {
-            instances_[n].linearise(motions_.data(), wrench_array(), stiffness, damping);
+            instances_[n].linearise(motions_.data(), wrenches_.data(), stiffness, damping);
             scatter(n, wrenches);
             if (!sink) return;
-            check_matrix(n, stiffness_, "stiffness");
-            check_matrix(n, damping_, "damping");
+            check_matrix(n, stiffness_, "stiffness", " at the start");
+            check_matrix(n, damping_, "damping", " at the start");
         });
         if (!sink) continue;
         for (const dttmm_block& block : instances_[n].blocks()) {
@@ -226,13 +214,22 @@ std::vector<Networks::TakenUp> Networks::take_up(const std::vector<BodyState>& a
     for (size_t n = 0; n < instances_.size(); ++n) {
         const NetworkInstance& instance = instances_[n];
         if (instance.takes_up()) {
-            std::vector<double> elastic(instance.element_count()), damped(instance.element_count());
-            tell_place(n, [&] { instance.take_up(motion, elastic.data(), damped.data()); });
-            for (uint32_t e = 0; e < elastic.size(); ++e) list.push_back({instance.element_name(e), elastic[e], damped[e]});
+            GuardedArray elastic(instance.element_count()), damped(instance.element_count());
+            tell_place(n, [&] {
+                instance.take_up(motion, elastic.data(), damped.data());
+                check_matrix(n, elastic, "share of a motion");
+                check_matrix(n, damped, "share of a motion");
+            });
+            for (uint32_t e = 0; e < instance.element_count(); ++e)
+                list.push_back({instance.element_name(e), elastic[e], damped[e]});
             continue;
         }
         double *stiffness = make_room(n, stiffness_), *damping = make_room(n, damping_);
-        tell_place(n, [&] { instance.linearise(motions_.data(), wrench_array(), stiffness, damping); });
+        tell_place(n, [&] {
+            instance.linearise(motions_.data(), wrenches_.data(), stiffness, damping);
+            check_matrix(n, stiffness_, "stiffness", " at the start");
+            check_matrix(n, damping_, "damping", " at the start");
+        });
         TakenUp& all = list.emplace_back(instance.name(), 0.0, 0.0);
         using Map = Eigen::Map<const Eigen::Matrix<double, 6, 1>>;
         for (const dttmm_block& block : instance.blocks()) {
@@ -268,12 +265,10 @@ void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches, c
     for (size_t n = 0; n < instances_.size(); ++n) {
         const double* stiffness = sink ? make_room(n, stiffness_) : nullptr;
         tell_time(time_, [&] {
-            if (is_implicit_)
-                if (const std::string* element = instances_[n].expect(motions_.data()); element && !unconverged_)
-                    unconverged_ = element;
-            instances_[n].evaluate(motions_.data(), wrench_array(), sink ? stiffness_.data() + 1 : nullptr);
+            if (is_implicit_ && instances_[n].expect(motions_.data()) && !unconverged_) unconverged_ = &instances_[n];
+            instances_[n].evaluate(motions_.data(), wrenches_.data(), sink ? stiffness_.data() : nullptr);
             scatter(n, wrenches);
-            if (sink) check_guards(n, stiffness_, stiffness_.size() - 2, "stiffness");
+            if (sink) check_matrix(n, stiffness_, "stiffness");
         });
         if (!sink) continue;
         for (const dttmm_block& block : instances_[n].blocks()) {
@@ -301,7 +296,7 @@ size_t Networks::output_count() const {
 void Networks::add_mean_wrenches(double* wrenches) {
     for (size_t n = 0; n < instances_.size(); ++n)
         tell_time(time_, [&] {
-            instances_[n].mean_wrench(wrench_array());
+            instances_[n].mean_wrench(wrenches_.data());
             scatter(n, wrenches);
         });
 }
@@ -310,7 +305,7 @@ void Networks::stand_at(const std::vector<BodyState>& at, double* wrenches) {
     gather(at);
     for (size_t n = 0; n < instances_.size(); ++n)
         tell_time(time_, [&] {
-            instances_[n].stand(motions_.data(), wrench_array());
+            instances_[n].stand(motions_.data(), wrenches_.data());
             scatter(n, wrenches);
         });
 }
@@ -318,23 +313,22 @@ void Networks::stand_at(const std::vector<BodyState>& at, double* wrenches) {
 void Networks::outputs(double* values) const {
     for (size_t n = 0; n < instances_.size(); ++n) {
         const NetworkInstance& instance = instances_[n];
-        const size_t count = instance.channel_count();
-        set_guard(&outputs_[0]);
-        set_guard(&outputs_[count + 1]);
+        GuardedArray& own = outputs_[n];
         tell_time(time_, [&] {
-            instance.outputs(&outputs_[1]);
-            check_guards(n, outputs_, count, "output");
+            instance.outputs(own.data());
+            check_guards(n, own, "output");
         });
-        for (uint32_t c = 0; c < count; ++c) {
-            values[c] = outputs_[1 + c];
+        for (uint32_t c = 0; c < instance.channel_count(); ++c) {
+            values[c] = own[c];
             if (std::isfinite(values[c])) [[likely]]
                 continue;
             const dttmm_channel& channel = instance.channel(c);
-            throw Error(ExitCode::plugin_failure, fmt::format("{} \"{}\" at t = {:.9g} s: its plugin says {} is {}",
-                                                              channel.of == DTTMM_OF_NODE ? "node" : "element",
-                                                              instance.owner_of(channel), time_, channel.name, values[c]));
+            throw Error(ExitCode::plugin_failure,
+                        fmt::format("{} \"{}\" at t = {:.9g} s: plugin {} says {} is {}",
+                                    channel.of == DTTMM_OF_NODE ? "node" : "element", instance.owner_of(channel), time_,
+                                    instance.plugin_name(), channel.name, values[c]));
         }
-        values += count;
+        values += instance.channel_count();
     }
     refuse_changed_arithmetic();
 }

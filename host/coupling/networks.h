@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "coupling/network_description.h"
+#include "loader/guarded_array.h"
 #include "loader/network_instance.h"
 #include "loader/plugins.h"
 #include "model/model.h"
@@ -54,8 +55,9 @@ public:
     /// naming element and body when one is not finite or beyond 1e15 N. Unless is_implicit(), `trial` is not looked at;
     /// otherwise the plugins are told to expect it first. stiffness: if given, receives that of the wrenches.
     void evaluate(const std::vector<BodyState>& trial, double* wrenches, const StiffnessSink* stiffness = nullptr);
-    /// An element whose last answer has not converged: there must be another trial before the step is committed. NULL: none.
-    const std::string* unconverged() const { return unconverged_; }
+    /// An instance whose last answer has not converged: there must be another trial before the step is committed. NULL:
+    /// none.
+    const NetworkInstance* unconverged() const { return unconverged_; }
     void commit_step(const std::vector<BodyState>& accepted);
 
     /// Whether all plugins tell what stands at an instant.
@@ -89,11 +91,10 @@ private:
     static void tell_time(double time, Action&& action);
     const double* gather_loads(size_t instance, const double* node_loads);
     void gather(const std::vector<BodyState>& motion);
-    double* wrench_array() { return wrenches_.data() + 1; }
     void scatter(size_t instance, double* wrenches) const;
-    void check_guards(size_t instance, const std::vector<double>& array, size_t size, const char* name) const;
-    double* make_room(size_t instance, std::vector<double>& matrix) const;
-    void check_matrix(size_t instance, const std::vector<double>& matrix, const char* name) const;
+    void check_guards(size_t instance, const GuardedArray& array, const char* name) const;
+    double* make_room(size_t instance, GuardedArray& matrix) const;
+    void check_matrix(size_t instance, const GuardedArray& matrix, const char* name, const char* when = "") const;
     [[noreturn]] void refuse_wrench(size_t instance, size_t body) const;
 
     std::vector<NetworkInstance> instances_;
@@ -103,14 +104,14 @@ private:
     std::vector<std::pair<int, int>> neighbours_;
     double weights_[3] = {0, 1, 0};
     bool is_implicit_ = false, stand_ = true;
-    const std::string* unconverged_ = nullptr;
+    const NetworkInstance* unconverged_ = nullptr;
 
     double time_ = 0, step_size_ = 0;
     std::vector<dttmm_motion> motions_;  ///< of every body, as last gathered
-    // Written by a plugin, each between two guard words:
-    std::vector<double> wrenches_;             ///< of every body
-    std::vector<double> stiffness_, damping_;  ///< blocks of the instance at hand
-    mutable std::vector<double> outputs_;      ///< of all instances
+    // Written by plugins:
+    GuardedArray wrenches_;                      ///< of every body
+    GuardedArray stiffness_, damping_;           ///< blocks of the instance at hand
+    mutable std::vector<GuardedArray> outputs_;  ///< of every instance
     std::vector<double> loads_;
 };
 

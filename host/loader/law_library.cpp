@@ -30,7 +30,12 @@ std::vector<const dttmm_law*> LawLibrary::laws_of(const SharedLibrary& library) 
     std::vector<const dttmm_law*> laws;
     const PluginCall at_work(library.name());
     for (uint32_t i = 0; i < kMostLaws; ++i) {
-        const dttmm_law* law = entry(DTTMM_LAW_MAJOR, i);
+        const dttmm_law* law = nullptr;
+        try {
+            law = entry(DTTMM_LAW_MAJOR, i);
+        } catch (...) {
+            throw Error(ExitCode::plugin_failure, fmt::format("plugin {}: {}", library.name(), describe_exception()));
+        }
         if (!law) break;
         if (std::ranges::find(laws, law) != laws.end() || i + 1 == kMostLaws)
             throw Error(

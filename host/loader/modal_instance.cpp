@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstring>
 
 #include "loader/plugin_call.h"
@@ -34,8 +35,8 @@ void ModalInstance::ask(Action&& action) const {
     } catch (...) {
         throw NetworkError(ExitCode::plugin_failure, fmt::format("plugin {}: {}", plugin_.name(), describe_exception()), -1);
     }
+    refuse_changed_arithmetic("plugin " + plugin_.name());
     check(status, error);
-    refuse_changed_arithmetic();
 }
 
 ModalInstance::~ModalInstance() {
@@ -60,34 +61,63 @@ ModalInstance::ModalInstance(const PluginLibrary& plugin, const dttmm_modal_mode
     watched.network = &network;
     dttmm_modal* modal = nullptr;
     ask([&](dttmm_error* error) { return table_->create(&watched, &modal, error); });
+    if (!modal) blame("create returned no model");
     modal_ = {modal, table_->destroy};
 }
 
+void ModalInstance::blame(const std::string& text) const {
+    throw NetworkError(ExitCode::plugin_failure, fmt::format("plugin {}: {}", plugin_.name(), text), -1);
+}
+
+/// What the plugin has written must be whole and finite.
+void ModalInstance::check(const GuardedArray& array, const char* name) const {
+    if (const char* end = array.overrun()) blame(fmt::format("it wrote past the {} of the {} array", end, name));
+    for (size_t i = 0; i < array.size(); ++i)
+        if (!std::isfinite(array[i])) blame(fmt::format("a number of the {} array is {}", name, array[i]));
+}
+
 uint32_t ModalInstance::find_modes(uint32_t count, double below) {
+    constexpr uint32_t kMostModes = 1'000'000;
     uint32_t found = 0;
     ask([&](dttmm_error* error) { return table_->find_modes(modal_.get(), count, below, &found, error); });
+    if (found > kMostModes)
+        blame(fmt::format("it says that it has found {} modes; at most {} are taken", found, kMostModes));
     return found;
 }
 
 ModalInstance::Mode ModalInstance::mode(uint32_t index) {
     Mode mode;
-    mode.bodies.resize(body_count_);
-    mode.nodes.resize(node_count_);
-    mode.shares.resize(element_names_.size());
-    const auto data = [](std::vector<Vector6>& list) { return list.empty() ? nullptr : list.front().data(); };
+    GuardedArray bodies(6 * body_count_), nodes(6 * node_count_), shares(element_names_.size());
     ask([&](dttmm_error* error) {
-        return table_->mode(modal_.get(), index, &mode.numbers, data(mode.bodies), data(mode.nodes), mode.shares.data(),
-                            error);
+        return table_->mode(modal_.get(), index, &mode.numbers, bodies.data(), nodes.data(), shares.data(), error);
     });
+    check(bodies, "shape of bodies");
+    check(nodes, "shape of nodes");
+    check(shares, "shares of energy");
+    const dttmm_mode& m = mode.numbers;
+    if (!std::isfinite(m.frequency + m.bracket + m.mass) || m.frequency < 0)
+        blame(fmt::format("mode {}: frequency {}, modal mass {}: not finite, or less than nothing", index + 1, m.frequency,
+                          m.mass));
+    const auto list = [](const GuardedArray& from) {
+        std::vector<Vector6> to(from.size() / 6);
+        for (size_t i = 0; i < to.size(); ++i) to[i] = Eigen::Map<const Vector6>(from.data() + 6 * i);
+        return to;
+    };
+    mode.bodies = list(bodies);
+    mode.nodes = list(nodes);
+    mode.shares.assign(shares.data(), shares.data() + shares.size());
     return mode;
 }
 
 std::vector<ModalInstance::Vector6> ModalInstance::along(uint32_t index, uint32_t element, uint32_t count, double& length) {
-    std::vector<Vector6> shape(count, Vector6::Zero());
+    GuardedArray own(6 * size_t{count});
     ask([&](dttmm_error* error) {
-        return table_->mode_along(modal_.get(), index, element, count, &length, shape.front().data(), error);
+        return table_->mode_along(modal_.get(), index, element, count, &length, own.data(), error);
     });
-    if (!(length > 0)) shape.clear();
+    check(own, "shape along an element");
+    if (!std::isfinite(length)) blame(fmt::format("an element has the length {}", length));
+    std::vector<Vector6> shape;
+    for (uint32_t i = 0; length > 0 && i < count; ++i) shape.emplace_back(Eigen::Map<const Vector6>(own.data() + 6 * i));
     return shape;
 }
 
@@ -118,18 +148,19 @@ ModalInstance::Response ModalInstance::respond(double frequency, int body, int n
     if (!plugin_.response())
         throw Error(ExitCode::plugin_failure,
                     fmt::format("plugin {} knows natural frequencies only, no response", plugin_.name()));
-    Response response;
-    response.bodies.resize(body_count_);
-    response.nodes.resize(node_count_);
-    // A complex number is its two parts in a row
-    const auto data = [](std::vector<Complex6>& list) {
-        return list.empty() ? nullptr : reinterpret_cast<double*>(list.front().data());
-    };
+    GuardedArray bodies(12 * body_count_), nodes(12 * node_count_);
     ask([&](dttmm_error* error) {
-        return plugin_.response()->respond(modal_.get(), frequency, body, node, point.data(), wrench.data(),
-                                           data(response.bodies), data(response.nodes), error);
+        return plugin_.response()->respond(modal_.get(), frequency, body, node, point.data(), wrench.data(), bodies.data(),
+                                           nodes.data(), error);
     });
-    return response;
+    check(bodies, "response of bodies");
+    check(nodes, "response of nodes");
+    const auto list = [](const GuardedArray& from) {
+        std::vector<Complex6> to(from.size() / 12);
+        for (size_t i = 0; i < from.size(); i += 2) to[i / 12](as_row(i % 12 / 2)) = {from[i], from[i + 1]};
+        return to;
+    };
+    return {list(bodies), list(nodes)};
 }
 
 double ModalInstance::force_at_start(uint32_t element) const {

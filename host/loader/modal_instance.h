@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "loader/guarded_array.h"
 #include "loader/network_instance.h"
 
 namespace dttmm::host {
@@ -50,6 +51,8 @@ private:
     template <class Action>
     void ask(Action&& action) const;
     void check(dttmm_status status, const dttmm_error& error) const;
+    void check(const GuardedArray& array, const char* name) const;
+    [[noreturn]] void blame(const std::string& text) const;
 
     PluginLibrary plugin_;
     const dttmm_modal_table* table_;

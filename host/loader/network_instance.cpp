@@ -9,6 +9,7 @@
 #include <string_view>
 #include <tuple>
 
+#include "loader/guarded_array.h"
 #include "model/index.h"
 #include "model/wording.h"
 
@@ -52,6 +53,13 @@ NetworkInstance::NetworkInstance(const PluginLibrary& plugin, const dttmm_networ
     read_channels(network);
 }
 
+void NetworkInstance::load_weights(double weights[3]) const {
+    GuardedArray own(3);
+    call([&] { table_->load_weights(instance_.get(), own.data()); });
+    if (own.overrun()) blame("it wrote more than three weights of loads");
+    std::copy_n(own.data(), 3, weights);
+}
+
 NetworkInstance::~NetworkInstance() {
     if (!instance_) return;
     const PluginCall at_work(plugin_.name(), &element_names_, at_work_.get());
@@ -62,11 +70,13 @@ bool NetworkInstance::is_declared(const dttmm_channel& channel, const dttmm_netw
     // Names become columns and datasets: no control character, no slash.
     const auto is_plain = [](const char* text) {
         if (!text || !*text) return false;
+        const std::string_view all = text;
         for (; *text; ++text)
             if (static_cast<unsigned char>(*text) < ' ' || *text == '/' || *text == 127) return false;
-        return true;
+        return printable(all) == all;
     };
-    if (!is_plain(channel.name) || !channel.unit || channel.role > DTTMM_ROLE_LIMIT) return false;
+    const auto is_unit = [](const char* text) { return text && *text && printable(text) == text; };
+    if (!is_plain(channel.name) || !is_unit(channel.unit) || channel.role > DTTMM_ROLE_LIMIT) return false;
     const bool is_energy = channel.role >= DTTMM_ROLE_STRAIN_ENERGY && channel.role <= DTTMM_ROLE_WORK;
     if (is_energy && std::strcmp(channel.unit, "J") != 0) return false;
     if (channel.role == DTTMM_ROLE_LIMIT && channel.of != DTTMM_OF_ELEMENT) return false;
@@ -90,6 +100,10 @@ void NetworkInstance::read_blocks(const dttmm_network& network) {
                  fmt::format("block {} of its matrices is no pair of bodies, or is there twice", b));
         blocks_.push_back(blocks[b]);
     }
+    for (const auto& [row, column] : pairs)
+        if (!pairs.contains({column, row}))
+            fail(DTTMM_ERROR_INTERNAL, -1,
+                 fmt::format("its matrices have a block ({}, {}), but none ({}, {})", row, column, column, row));
 }
 
 /// Asks once and keeps a copy: a plugin may say something else the next time.

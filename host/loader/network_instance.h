@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <memory>
 #include <span>
@@ -44,9 +46,7 @@ public:
     bool is_implicit() const {
         return call([&] { return table_->is_implicit(instance_.get()); }) != 0;
     }
-    void load_weights(double weights[3]) const {
-        call([&] { table_->load_weights(instance_.get(), weights); });
-    }
+    void load_weights(double weights[3]) const;
 
     void linearise(const dttmm_motion* bodies, double* wrench, double* stiffness, double* damping) const {
         ask([&](dttmm_error* error) {
@@ -61,15 +61,17 @@ public:
         PluginCall::set_time(step.time);
         ask([&](dttmm_error* error) { return table_->begin_step(instance_.get(), &step, loads, error); });
     }
-    /// Does nothing if the plugin does not want to know. An element for which to expect once more before the step is
-    /// committed; NULL: none.
-    const std::string* expect(const dttmm_motion* trial) {
-        if (!table_->expect) return nullptr;
+    /// Does nothing if the plugin does not want to know. Whether to expect once more before the step is committed.
+    bool expect(const dttmm_motion* trial) {
+        if (!table_->expect) return false;
         dttmm_error error;
         const dttmm_status status = call([&] { return table_->expect(instance_.get(), trial, cleared(error)); });
-        if (status == DTTMM_AGAIN) return &element_names_[as_size(std::max(culprit(error.element), 0))];
+        if (status == DTTMM_AGAIN) {
+            unconverged_ = culprit(error.element);
+            return true;
+        }
         check(status, error);
-        return nullptr;
+        return false;
     }
     void evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const {
         ask([&](dttmm_error* error) { return table_->evaluate(instance_.get(), trial, wrench, stiffness, error); });
@@ -101,11 +103,19 @@ public:
     void outputs(double* values) const {
         ask([&](dttmm_error* error) { return table_->outputs(instance_.get(), values, error); });
     }
+    const std::string& plugin_name() const { return plugin_.name(); }
+    /// The element that the plugin blames, or else works on, or its only one; −1: that is not known.
+    int culprit(int blamed) const {
+        if (is_named(blamed)) return blamed;
+        return element_names_.size() == 1 ? 0 : is_named(*at_work_) ? *at_work_ : -1;
+    }
     size_t element_count() const { return element_names_.size(); }
     const std::string& element_name(uint32_t element) const { return element_names_[element]; }
     /// How messages call all of it: `bolt1`, or `elements of plugin spring.so`.
     std::string name() const;
     /// Throws NetworkError(plugin_failure) of what the plugin has done in its last call, naming the element if it is known.
+    /// Who wanted the last expect() once more: `element "bolt1" (plugin ..)`, or the plugin alone.
+    std::string unconverged() const { return whose(unconverged_); }
     [[noreturn]] void blame(const std::string& text) const;
     /// Name of the element or node that a channel belongs to.
     const std::string& owner_of(const dttmm_channel& channel) const {
@@ -127,7 +137,16 @@ private:
     std::invoke_result_t<Action> call(Action&& action) const {
         const PluginCall at_work(plugin_.name(), &element_names_, at_work_.get());
         try {
-            return action();
+            if constexpr (std::is_void_v<std::invoke_result_t<Action>>) {
+                action();
+                refuse_changed_mode();
+            } else {
+                const auto answer = action();
+                refuse_changed_mode();
+                return answer;
+            }
+        } catch (const NetworkError&) {
+            throw;
         } catch (...) {
             fail_by_exception();
         }
@@ -138,14 +157,13 @@ private:
         dttmm_error error;
         check(call([&] { return action(cleared(error)); }), error);
     }
+    void refuse_changed_mode() const {
+        if (const char* what = changed_mode()) [[unlikely]]
+            blame(fmt::format("it has changed {}", what));
+    }
     [[noreturn]] void fail_by_exception() const;
     [[noreturn]] void fail(dttmm_status status, const dttmm_error& error) const;
     [[noreturn]] void fail(dttmm_status status, int element, const std::string& text) const;
-    /// The element that the plugin blames, or else works on, or its only one; −1: that is not known.
-    int culprit(int blamed) const {
-        if (is_named(blamed)) return blamed;
-        return element_names_.size() == 1 ? 0 : is_named(*at_work_) ? *at_work_ : -1;
-    }
     bool is_named(int element) const { return element >= 0 && as_size(element) < element_names_.size(); }
     std::string whose(int element) const;
     void read_blocks(const dttmm_network& network);
@@ -157,6 +175,7 @@ private:
     std::unique_ptr<volatile int32_t> at_work_ = std::make_unique<volatile int32_t>(-1);  ///< the element it works on
     std::unique_ptr<dttmm_instance, void (*)(dttmm_instance*)> instance_;
     std::vector<std::string> element_names_, node_names_;
+    int unconverged_ = -1;
     std::vector<dttmm_block> blocks_;
     std::vector<dttmm_channel> channels_;
 };

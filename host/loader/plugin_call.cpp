@@ -16,14 +16,6 @@
 
 namespace dttmm::host {
 
-namespace {
-
-[[noreturn]] void refuse(const char* what) {
-    throw Error(ExitCode::plugin_failure, fmt::format("a plugin has changed {}", what));
-}
-
-}  // namespace
-
 std::string describe_exception() {
     try {
         throw;
@@ -34,14 +26,28 @@ std::string describe_exception() {
     }
 }
 
-void refuse_changed_arithmetic() {
-    if (std::fegetround() != FE_TONEAREST) refuse("the rounding mode of the processor");
+const char* restore_mode() {
+    const bool rounds = std::fegetround() != FE_TONEAREST;
+    bool computes = false;
 #ifdef __SSE2__
-    // MXCSR without its six flags: all exceptions masked, round to nearest, no flush to zero, no denormals as zero
-    if ((_mm_getcsr() & ~0x3fu) != 0x1f80u)
-        refuse("how the processor computes: numbers below 2.2e-308 become zero (FTZ, DAZ), or exceptions trap");
+    computes = (_mm_getcsr() & ~0x3fu) != 0x1f80u;
 #endif
-    if (std::strcmp(std::setlocale(LC_NUMERIC, nullptr), "C") != 0) refuse("the locale in which numbers are written");
+    if (!rounds && !computes) return nullptr;
+    std::fesetenv(FE_DFL_ENV);
+#ifdef __SSE2__
+    _mm_setcsr(0x1f80u);
+#endif
+    return rounds ? "the rounding mode of the processor"
+                  : "how the processor computes: numbers below 2.2e-308 become zero (FTZ, DAZ), or exceptions trap";
+}
+
+void refuse_changed_arithmetic(const std::string& who) {
+    const char* what = restore_mode();
+    if (!what && std::strcmp(std::setlocale(LC_NUMERIC, nullptr), "C") != 0) {
+        std::setlocale(LC_NUMERIC, "C");
+        what = "the locale in which numbers are written";
+    }
+    if (what) throw Error(ExitCode::plugin_failure, fmt::format("{} has changed {}", who, what));
 }
 
 }  // namespace dttmm::host

@@ -5,6 +5,9 @@
 #include <limits>
 #include <string>
 #include <vector>
+#ifdef __SSE2__
+#include <xmmintrin.h>
+#endif
 
 #include "model/index.h"
 
@@ -52,11 +55,25 @@ private:
     static inline volatile double time_ = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// As changed_mode(), where something may have changed.
+const char* restore_mode();
+
 /// The text of the exception being handled, as a failure of a plugin.
 std::string describe_exception();
 
+/// What a plugin has changed of the processor's arithmetic, which is put right again: "the rounding mode of the processor",
+/// ..; NULL: nothing. Quick enough to be asked after every call.
+inline const char* changed_mode() {
+#ifdef __SSE2__
+    // MXCSR without its six flags: all exceptions masked, round to nearest, no flush to zero, no denormals as zero
+    if ((_mm_getcsr() & ~0x3fu) == 0x1f80u) [[likely]]
+        return nullptr;
+#endif
+    return restore_mode();
+}
+
 /// Throws Error(plugin_failure) if a plugin has changed how the process computes or writes numbers: rounding mode, numbers
 /// below 2.2e-308 taken for zero (FTZ, DAZ), floating-point traps, decimal point of the locale. No call must return so.
-void refuse_changed_arithmetic();
+void refuse_changed_arithmetic(const std::string& who = "a plugin");
 
 }  // namespace dttmm::host

@@ -23,6 +23,19 @@ namespace {
     throw Error(ExitCode::plugin_failure, fmt::format("plugin {}: {}", name, printable(fault)));
 }
 
+constexpr uint32_t kMostTypes = 10'000;
+
+/// UTF-8 that a terminal and a file of JSON take as it is.
+bool is_text(const char* text) { return printable(text) == text; }
+
+/// Letters, digits, underscore, hyphen and point.
+bool is_word(const std::string_view text) {
+    return !text.empty() && std::ranges::all_of(text, [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+               c == '.';
+    });
+}
+
 /// Words are one text for one number, each its own, none that reads as a number.
 bool has_good_words(const dttmm_parameter& parameter) {
     if (parameter.word_count == 0) return !(parameter.flags & DTTMM_PARAMETER_WORDS_ONLY);
@@ -46,7 +59,8 @@ bool has_good_default(const dttmm_parameter& parameter) {
 }
 
 bool is_well_declared(const dttmm_parameter& parameter) {
-    return parameter.name && parameter.unit && parameter.documentation && parameter.count >= 1 && parameter.count <= 1000 &&
+    return parameter.name && is_word(parameter.name) && parameter.unit && is_text(parameter.unit) &&
+           parameter.documentation && is_text(parameter.documentation) && parameter.count >= 1 && parameter.count <= 1000 &&
            parameter.minimum <= parameter.maximum && has_good_words(parameter) && has_good_default(parameter);
 }
 
@@ -85,11 +99,15 @@ const dttmm_plugin* checked(const std::string& name, const dttmm_plugin* table) 
                        table->discard_step && table->is_implicit && table->load_weights && table->channel_count &&
                        table->channels && table->outputs;
     if (!whole) fail(name, "its table has a null entry; only extension, expect, mean_wrench, stand and take_up may be null");
+    if (table->element_type_count > kMostTypes)
+        fail(name, fmt::format("it declares {} element types; at most {} are taken", table->element_type_count, kMostTypes));
     if (table->element_type_count > 0 && table->element_types == nullptr) fail(name, "its list of element types is null");
     for (uint32_t t = 0; t < table->element_type_count; ++t) {
         const dttmm_element_type& type = table->element_types[t];
         if (!type.name || (type.parameter_count > 0 && !type.parameters))
             fail(name, fmt::format("element type {} has a null name or parameter list", t));
+        if (!is_word(type.name) || (type.documentation && !is_text(type.documentation)))
+            fail(name, fmt::format("element type {}: its name or documentation is no plain text", t));
         if (type.ends > DTTMM_ENDS_ALONG)
             fail(name, fmt::format("element type \"{}\": there is no kind {} of ends", type.name, type.ends));
         check_parameters(name, type);
@@ -142,7 +160,11 @@ PluginLibrary PluginLibrary::load(const SharedLibrary& library) {
     if (!entry)
         fail(name, fmt::format("it exports neither {} nor {}: not a dttmm plugin", DTTMM_PLUGIN_ENTRY, DTTMM_LAW_ENTRY));
     try {
-        return {name, entry(DTTMM_PLUGIN_MAJOR), library.handle()};
+        const dttmm_plugin* table = entry(DTTMM_PLUGIN_MAJOR);
+        refuse_changed_arithmetic("plugin " + name);
+        PluginLibrary plugin(name, table, library.handle());
+        refuse_changed_arithmetic("plugin " + name);
+        return plugin;
     } catch (const Error&) {
         throw;
     } catch (...) {
@@ -154,7 +176,15 @@ bool PluginLibrary::add_law(const dttmm_law& law) const {
     if (!laws_) return false;
     const PluginCall at_work(name_);
     dttmm_error error{-1, {}};
-    if (laws_->add_law(&law, LawLibrary::at_work(), &error) != DTTMM_OK) fail(LawLibrary::file_of(&law), error.text);
+    dttmm_status status = DTTMM_OK;
+    try {
+        status = laws_->add_law(&law, LawLibrary::at_work(), &error);
+    } catch (...) {
+        fail(name_, describe_exception());
+    }
+    const std::string text(error.text, ::strnlen(error.text, sizeof error.text));
+    if (status != DTTMM_OK)
+        fail(LawLibrary::file_of(&law), text.empty() ? fmt::format("plugin {} does not take the law", name_) : text);
     return true;
 }
 

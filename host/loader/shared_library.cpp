@@ -41,6 +41,7 @@ SharedLibrary::SharedLibrary(const std::filesystem::path& file) : name_(file) {
         refuse_library(name_, describe_exception());
     }
     if (!handle_) refuse_library(name_, dlerror());
+    refuse_changed_arithmetic(name_);
 }
 
 void* SharedLibrary::symbol(const char* name) const { return dlsym(handle_.get(), name); }

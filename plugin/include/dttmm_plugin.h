@@ -179,8 +179,8 @@ typedef struct dttmm_network {
     uint32_t scheme;    /* DTTMM_SCHEME_... */
     double beta, gamma; /* of the centred scheme */
     double gravity[3];  /* on the masses of the network [m/s^2] */
-    /* Where the plugin may write the index of the element it works on, for whoever reports a crash. It stays; NULL: not
-     * wanted. */
+    /* Where the plugin may write the index of the element it works on, for whoever reports a crash. It lives as long as the
+     * instance; NULL: not wanted. */
     volatile int32_t* at_work;
 } dttmm_network;
 
@@ -245,7 +245,7 @@ typedef struct dttmm_plugin {
     void (*destroy)(dttmm_instance* instance);
 
     /* The blocks of all matrices over the bodies, each pair once: the pairs of bodies, and bodies with themselves, whose
-     * forces hang on each other. *count: how many. [after create] */
+     * forces hang on each other; with (i, j) also (j, i). *count: how many. [after create] */
     const dttmm_block* (*blocks)(const dttmm_instance* instance, uint32_t* count);
 
     /* The force law at one instant, no time scheme in it: wrench (6 per body) at the given poses and velocities and, where

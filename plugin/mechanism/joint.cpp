@@ -155,7 +155,9 @@ Vector6 Joint::deformation(const JointPose& pose, FrameView from, FrameView to) 
 LawOnPath Joint::ask(int direction, const LawPath& path) const {
     if (at_work_) *at_work_ = reported_;
     try {
-        return law_->along(direction, path);
+        const LawOnPath answer = law_->along(direction, path);
+        if (at_work_) *at_work_ = -1;
+        return answer;
     } catch (const Error& error) {
         throw Error(error.status(), error.what(), element_);
     }

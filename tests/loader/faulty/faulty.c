@@ -4,7 +4,7 @@
  * two ends and never pulls. To tell whether the library was run at all, it makes the file named by DTTMM_LOADED_MARKER when
  * it is loaded.
  */
-#define _POSIX_C_SOURCE 200809L
+#define _GNU_SOURCE
 #include <fenv.h>
 #include <locale.h>
 #include <math.h>
@@ -69,6 +69,8 @@ enum fault {
     instruction_at_step_1000,
     bus_at_step_1000,
     endless, /* from step 1000 on */
+    traps_at_step_1000,
+    weights_overrun,
     many_channels,
     shrinking_channels,
     underrun,
@@ -120,6 +122,9 @@ static void crash(void) {
             break;
         case division_at_step_1000:
             zero = 12345 / zero;
+            break;
+        case traps_at_step_1000:
+            feenableexcept(FE_DIVBYZERO | FE_INVALID | FE_INEXACT);
             break;
         case instruction_at_step_1000:
             raise(SIGILL);
@@ -266,6 +271,7 @@ static dttmm_status discard_step(dttmm_instance *instance, dttmm_error *error) {
 static dttmm_status expect(dttmm_instance *instance, const dttmm_motion *trial, dttmm_error *error) {
     (void)trial;
     (void)error;
+    go_to_work(instance);
     return ++instance->expected == 1 || FAULT == always_rough ? DTTMM_AGAIN : DTTMM_OK;
 }
 
@@ -277,6 +283,7 @@ static int32_t is_implicit(const dttmm_instance *instance) {
 static void load_weights(const dttmm_instance *instance, double weights[3]) {
     (void)instance;
     weights[0] = weights[2] = FAULT == uneven_weights ? 5 : 0;
+    if (FAULT == weights_overrun) weights[3] = 0;
     weights[1] = FAULT == heavy_weights ? 15 : FAULT == uneven_weights ? -9 : 1;
 }
 

@@ -11,7 +11,7 @@ namespace dttmm::host {
 
 /// Which mode of a case of a sweep belongs to which curve.
 struct CaseCurves {
-    static constexpr size_t kNone = as_size(-1);
+    static constexpr size_t kNone = static_cast<size_t>(-1);
     std::vector<size_t> mode_of;   ///< of every curve; kNone: no mode of this case goes on with it
     std::vector<double> likeness;  ///< to the shape of the same curve in the case `nearest`; NaN where the curve begins
     size_t nearest = kNone;        ///< the case it was compared with; kNone: the first

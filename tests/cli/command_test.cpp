@@ -66,6 +66,23 @@ TEST(Command, ThePluginInCGivesWhatTheBuiltInSpringGives) {
             EXPECT_NEAR(force_z(plugin, bolt, statistic), force_z(built_in, bolt, statistic), 1e-9) << bolt;  // N
 }
 
+// Oracle: the same plate on springs of one plugin. Two of four bolts are of another; both meet on one body.
+TEST(Command, TwoPluginsServeOneModel) {
+    const TemporaryFolder folder;
+    std::string text = read_text(example("minimal_plugin"));
+    const size_t second_half = text.find("name      = \"bolt3\"");
+    for (size_t at; (at = text.find("\"c_spring\"", second_half)) != text.npos;)
+        text.replace(at, std::string("\"c_spring\"").size(), "\"spring_damper\"");
+    write_text(folder / "mixed.toml", text);
+    const std::string mixed_model = (folder / "mixed.toml").string();
+    const nlohmann::json one = summary_of(
+                             {example("minimal_plugin"), "--plugin", test::paths::c_spring(), "--set", "k1=400 N/mm"}),
+                         mixed = summary_of({mixed_model, "--plugin", test::paths::c_spring(), "--set", "k1=400 N/mm"});
+    for (const char* bolt : {"bolt1", "bolt2", "bolt3", "bolt4"})
+        for (const char* statistic : {"peak", "final"})
+            EXPECT_NEAR(force_z(mixed, bolt, statistic), force_z(one, bolt, statistic), 1e-9) << bolt;  // N
+}
+
 // Oracle: the same inputs give the same bytes.
 TEST(Command, ARunRepeatsItselfToTheByte) {
     const TemporaryFolder folder;

@@ -223,6 +223,26 @@ TEST(Machine, SavesAllItsNetworks) {
     EXPECT_THROW(other.restore_state(state.data(), state.size() - 1), Error);
 }
 
+// Oracle: two equal dampers in a row: the node between them moves half as fast as the body. No spring holds it anywhere.
+TEST(Machine, ANodeMayHangOnDampersAlone) {
+    NetworkModel model;
+    model.node("ground", DTTMM_NODE_GROUND, {0, 0, 0});
+    model.node("node", DTTMM_NODE_INNER, {0, 0, 0});
+    model.node("body", DTTMM_NODE_ON_BODY, {0, 0, 0});
+    const NetworkModel::Values damper = {{"stiffness", {0}}, {"damping", {40, 50, 60}}, {"rotational_damping", {3}}};
+    model.element("one", "spring_damper", {"ground", "node"}, damper);
+    model.element("two", "spring_damper", {"node", "body"}, damper);
+    const dttmm_network network = model.description();
+    Machine machine(network);
+    dttmm_motion motion = motions(network, 0).front();
+    const double accelerations[6] = {};
+    machine.start({0, 0, kMachineStep}, &motion, accelerations, nullptr);
+    double wrench[6];
+    machine.linearise(&motion, wrench, nullptr, nullptr);
+    for (int i = 0; i < 3; ++i)
+        EXPECT_NEAR(wrench[i], -(40 + 10 * i) / 2.0 * motion.velocity[i], 1e-9 * 60) << "direction " << i;
+}
+
 TEST(Machine, BlamesTheElementOfTheWhole) {
     NetworkModel model = make_model();
     model.element("bad", "spring_damper", {"b", "c"}, {{"stiffness", {-1}}});

@@ -41,11 +41,12 @@ History read(const fs::path& file) {
     return history;
 }
 
-/// Largest difference of a value, as share of the largest value of its unit; of positions by the way from the start.
-double difference(const History& a, const History& b) {
+/// Largest difference of a value from a row on, as share of the largest value of its unit; of positions by the way from the
+/// start.
+double difference(const History& a, const History& b, size_t first_row) {
     if (a.units != b.units || a.rows.size() != b.rows.size()) return HUGE_VAL;
     std::map<std::string, double> scale, apart;
-    for (size_t n = 0; n < a.rows.size(); ++n)
+    for (size_t n = first_row; n < a.rows.size(); ++n)
         for (size_t c = 0; c < a.units.size(); ++c) {
             const bool is_place = a.units[c] == "m";
             const double x = a.rows[n][c] - (is_place ? a.rows[0][c] : 0), y = b.rows[n][c] - (is_place ? b.rows[0][c] : 0);
@@ -74,11 +75,12 @@ int run(const std::string& program, const fs::path& model, const fs::path& out) 
 
 int main(int argc, char** argv) {
     if (argc < 5) {
-        fmt::print(stderr, "compare_machines PROGRAM OTHER FIRST_SEED COUNT [TOLERANCE]\n");
+        fmt::print(stderr, "compare_machines PROGRAM OTHER FIRST_SEED COUNT [TOLERANCE [FIRST_ROW]]\n");
         return 2;
     }
     const uint64_t first = std::strtoull(argv[3], nullptr, 10), count = std::strtoull(argv[4], nullptr, 10);
     const double tolerance = argc > 5 ? std::atof(argv[5]) : 1e-9;
+    const size_t first_row = argc > 6 ? std::strtoull(argv[6], nullptr, 10) : 0;
     const fs::path folder = fs::temp_directory_path() / fmt::format("compare_machines_{}", first);
     fs::create_directories(folder);
     size_t both = 0, neither = 0, changed = 0;
@@ -98,9 +100,9 @@ int main(int argc, char** argv) {
         } else {
             ++both;
             const History history = read(folder / "other/history.csv");
-            const double apart = difference(read(folder / "one/history.csv"), history);
+            const double apart = difference(read(folder / "one/history.csv"), history, first_row);
             const bool runs_beside = run(argv[2], beside, folder / "beside") == 0;
-            const double rounding = runs_beside ? difference(read(folder / "beside/history.csv"), history) : 0;
+            const double rounding = runs_beside ? difference(read(folder / "beside/history.csv"), history, first_row) : 0;
             ++decades[decade_of(apart)];
             ++of_place[decade_of(rounding)];
             if (!(apart <= std::max(tolerance, kSpread * rounding))) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * A complete plugin: springs f = k d between the ground and bodies, d the way of a body's marker from where it started.
+ * A complete plugin: springs f = k d between the ground and bodies, d the displacement of a body's marker since the start.
  * To be read next to dttmm_plugin.h. Nothing but constants is static: what changes lives in the instance.
  */
 #include <stdio.h>

@@ -53,7 +53,7 @@ public:
     void begin_step(const dttmm_step& step, const double* node_loads);
     /// Adds the wrenches that act over the open step if the bodies end it as in `trial`. Throws Error(numerical_failure)
     /// naming element and body when one is not finite or beyond 1e15 N. Unless is_implicit(), `trial` is not looked at;
-    /// otherwise the plugins are told to expect it first. stiffness: if given, receives that of the wrenches.
+    /// otherwise `expect` is called before. stiffness: if given, receives that of the wrenches.
     void evaluate(const std::vector<BodyState>& trial, double* wrenches, const StiffnessSink* stiffness = nullptr);
     /// An instance whose last answer has not converged: there must be another trial before the step is committed. NULL:
     /// none.

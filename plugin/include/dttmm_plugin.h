@@ -296,7 +296,7 @@ typedef struct dttmm_plugin {
     /* NULL: the plugin need not know. The bodies will end the open step near `trial`; said before every evaluate of an
      * implicit network, as the host comes to know it. The plugin may move there the point from which it works out its
      * answers, which then differ by what it takes for good enough; evaluate stays pure from one such call to the next. On an
-     * error its answers are again those of a step of which it has been told nothing. Returns DTTMM_AGAIN where they have not
+     * error its answers are again those of a step for which `expect` was not called. Returns DTTMM_AGAIN where they have not
      * converged: good enough for a trial, but to be called once more before the step is committed. Who always says so ends
      * the run. [step open] */
     dttmm_status (*expect)(dttmm_instance* instance, const dttmm_motion* trial, dttmm_error* error);

@@ -14,7 +14,7 @@ namespace dttmm::plugin {
 
 namespace {
 
-constexpr double kMostForce = 1e15;  // [N, N m]: no machine has it
+constexpr double kMostForce = 1e15;  // [N, N m]: the cap that the host has for wrenches on bodies
 
 }  // namespace
 

@@ -416,7 +416,7 @@ void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) co
 // ---- Results ------------------------------------------------------------------------------------------------------------
 
 double Interior::work(const Mechanism& mechanism) const {
-    double work = books_.load_work;
+    double work = record_.load_work;
     for (size_t i = 0; i < layout_.inertias.size(); ++i) {
         const Vector3& start = mechanism.assembly.frames[as_size(layout_.driven) + i].pose.position;
         work += layout_.inertias[i].mass *

@@ -181,7 +181,7 @@ public:
         visit(std::span(self.port_u_));
         visit(std::span(self.port_u_before_));
         visit(std::span(self.instant_.of_ports));
-        visit(std::span(&self.books_, 1));
+        visit(std::span(&self.record_, 1));
     }
     void refactor(const Mechanism& mechanism);
 
@@ -224,7 +224,7 @@ private:
         double momentum = 0;  ///< lacking, but for what rounding feigns [N s]
         bool is_known_for(double change) const { return change <= speed; }
     };
-    struct Books {
+    struct ConvergenceRecord {
         double port_turn =
             0;  ///< of the joints at ports in the last step, since the matrix was formed, as share of their arms
         Convergence motion, momentum;  ///< in [m/s] and [N s]
@@ -242,7 +242,7 @@ private:
         std::vector<double> q_change;  ///< correction of them, times h
         std::vector<double> laws;      ///< ψ of the last correction
         std::vector<JointForce> near;  ///< forces of layout_.near_joints over the step, before the correction
-        Convergence motion, momentum;  ///< as in Books
+        Convergence motion, momentum;  ///< as in ConvergenceRecord
         double scale = 0;              ///< likewise
         double correction = 0;         ///< size of the last one [m/s]
         double first_correction = 0;   ///< largest of those with which solutions of the step began [m/s]
@@ -428,7 +428,7 @@ private:
     std::vector<FrameLoad> frame_loads_;
     std::vector<double> rigid_;                    ///< forces of the rigid directions over the step before t_n
     std::vector<Vector6> port_u_, port_u_before_;  ///< of the ports over the two steps before, world [m/s, rad/s]
-    Books books_;
+    ConvergenceRecord record_;
 
     Instant instant_;
     OpenStep open_;

@@ -252,7 +252,7 @@ void Interior::start(Mechanism& mechanism, Ports ports, const double* accelerati
     refuse_forbidden_velocities(mechanism, start);
     mechanism.frames = start.frames;
     std::fill(rigid_.begin(), rigid_.end(), 0.0);
-    books_ = {};
+    record_ = {};
     read_loads(mechanism, loads);
     for (size_t k = 0; k < frame_loads_.size(); ++k) {
         FrameLoad& loaded = frame_loads_[k];

@@ -115,10 +115,10 @@ void Interior::open_anchor(const Mechanism& mechanism) {
     std::fill(open_.anchor.change.begin(), open_.anchor.change.end(), Vector6::Zero());
     std::fill(open_.anchor.q_change.begin(), open_.anchor.q_change.end(), 0.0);
     open_.anchor.q = rigid_;
-    open_.anchor.motion = books_.motion;
-    open_.anchor.momentum = books_.momentum;
+    open_.anchor.motion = record_.motion;
+    open_.anchor.momentum = record_.momentum;
     for (Convergence* convergence : {&open_.anchor.motion, &open_.anchor.momentum}) convergence->forget(kForget);
-    open_.anchor.scale = books_.scale;
+    open_.anchor.scale = record_.scale;
     open_.size = kSmallestSize;
     for (size_t i = 0; i < layout_.inertias.size(); ++i) {
         const FrameView frame = mechanism.frames[as_size(layout_.driven) + i];
@@ -380,7 +380,7 @@ void Interior::refuse_lack_of_convergence(const Mechanism& mechanism, const Solu
 /// correction is like that of the step before.
 bool Interior::may_be_rough(double correction, const Solution& solution) const {
     return solution.motion.measured_at > 0 && solution.motion.contraction <= kRoughly &&
-           correction <= kSudden * books_.first_correction;
+           correction <= kSudden * record_.first_correction;
 }
 
 bool Interior::is_good_enough(double correction, double residual, const Solution& solution) const {
@@ -391,7 +391,7 @@ bool Interior::is_good_enough(double correction, double residual, const Solution
 }
 
 bool Interior::is_never_linear() const {
-    return layout_.has_free_parts || layout_.has_near_laws || books_.port_turn > kTurnedPorts;
+    return layout_.has_free_parts || layout_.has_near_laws || record_.port_turn > kTurnedPorts;
 }
 
 /// Whether the linear answer to work_.port_change leaves no more over than is good enough.
@@ -577,11 +577,11 @@ void Interior::commit(Mechanism& mechanism, Ports ports) {
     rigid_ = work_.q;
     // A step with a matrix formed for it converges like no other
     const bool is_like_the_next = !matrix_.is_fresh && !solution.has_own_matrix;
-    books_.motion = is_like_the_next ? solution.motion : Convergence{};
-    books_.momentum = is_like_the_next ? solution.momentum : Convergence{};
+    record_.motion = is_like_the_next ? solution.motion : Convergence{};
+    record_.momentum = is_like_the_next ? solution.momentum : Convergence{};
     matrix_.is_fresh = false;
-    books_.scale = 0.98 * solution.scale;
-    books_.first_correction = open_.anchor.first_correction;
+    record_.scale = 0.98 * solution.scale;
+    record_.first_correction = open_.anchor.first_correction;
     const bool is_slow = solution.slowest_rate > kSlowestContraction;
     for (size_t p = 0; p < port_u_.size(); ++p) work_.trial[p] = ports[p].copy();
     take_forces(mechanism, solution);
@@ -589,8 +589,8 @@ void Interior::commit(Mechanism& mechanism, Ports ports) {
     take_momenta(mechanism);
     take_loads(mechanism);
     take_motion(mechanism);
-    books_.port_turn = turn_at_ports(mechanism);
-    matrix_.is_stale = is_slow || books_.port_turn > kTurnedPorts || rigid_directions_have_turned(mechanism);
+    record_.port_turn = turn_at_ports(mechanism);
+    matrix_.is_stale = is_slow || record_.port_turn > kTurnedPorts || rigid_directions_have_turned(mechanism);
     if (!matrix_.is_stale) look_at_joints(mechanism);
 }
 
@@ -726,13 +726,13 @@ void Interior::take_loads(const Mechanism& mechanism) {
         own.elastic[1] = own.elastic[0];
     }
     // Mean force times displacement: exact for Newmark's rule
-    books_.load_work += books_.last_work;
-    books_.last_work = 0;
+    record_.load_work += record_.last_work;
+    record_.last_work = 0;
     const double h = mechanism.scheme.step_size();
     for (size_t k = 0; k < layout_.loaded.size(); ++k) {
         FrameLoad& own = frame_loads_[k];
         const Vector6 next = load_at_end(k, work_.trial[as_size(layout_.driven) + layout_.loaded[k]]);
-        books_.last_work += 0.5 * h * (own.load[1] + next).dot(joined(past_.velocity[layout_.loaded[k]]));
+        record_.last_work += 0.5 * h * (own.load[1] + next).dot(joined(past_.velocity[layout_.loaded[k]]));
         own.load[2] = own.load[1];
         own.load[1] = next;
     }

@@ -40,6 +40,12 @@ TEST(Install, AMovedTreeRunsAndServesForeignPlugins) {
                     "cc -shared -fPIC $(pkg-config --cflags dttmm) spring.c -o by_pkg_config.so"),
               0)
         << read_text(folder / "out");
+    // Every header of the interface is there
+    EXPECT_EQ(shell("export PKG_CONFIG_PATH=$(dirname $(find $PWD/moved -name dttmm.pc)); "
+                    "cc -c $(pkg-config --cflags dttmm) " +
+                    test::paths::source_dir() + "/tests/abi/header_in_c.c -o headers.o"),
+              0)
+        << read_text(folder / "out");
     for (const char* plugin : {"build/libby_cmake.so", "./by_pkg_config.so"})
         EXPECT_EQ(
             shell(fmt::format("moved/bin/dttmm run -q {}minimal_plugin/model.toml --plugin {} -o own", examples, plugin)), 0)

@@ -17,7 +17,7 @@ namespace dttmm::plugin {
 
 namespace {
 
-/// So slow [1/s] that springs alone resist, unless there are only dampers, or masses.
+/// So slow [1/s] that springs alone resist, unless there are only dampers, or masses; 1e-2 to 1e-6 pass the same tests.
 constexpr double kSlowRate = 1e-4;
 /// Of the largest speed [m/s or rad/s], in start velocities: rounding, and what the stiff hold of those given gives way.
 constexpr double kTolerated = 1e-7;

@@ -18,9 +18,9 @@ namespace dttmm::host {
 /// the model file where a node joins elements of two plugins: one must solve for its motion.
 std::vector<std::vector<size_t>> split_by_plugin(const Model& model, const Plugins& plugins);
 
-/// The bodies of a model and elements of one plugin as its description in the C interface. An end on the ground is a node of its own,
-/// where the element's other end is at the start, with its axes. The `from` end has the axes that the element is given.
-/// Nodes stand in the order in which the elements name them.
+/// The bodies of a model and elements of one plugin as its description in the C interface. An end on the ground is a node of
+/// its own, where the element's other end is at the start, with its axes. The `from` end has the axes that the element is
+/// given. Nodes stand in the order in which the elements name them.
 class NetworkDescription {
 public:
     /// `elements`: indices into Model::elements, of one plugin.

@@ -27,10 +27,10 @@ void print_channels(const Request& request) {
         listed.erase(listed.begin());  // the time, which is always selected
     }
     size_t width = 0;
-    for (const int c : listed) width = std::max(width, all[as_size(c)].name.size());
+    for (const int c : listed) width = std::max(width, all[as_size(c)].name().size());
     for (const int c : listed) {
         const Channel& channel = all[as_size(c)];
-        fmt::print("{:<{}}  {}{}\n", channel.name, width, channel.unit, channel.by_default ? "" : "  (on request)");
+        fmt::print("{:<{}}  {}{}\n", channel.name(), width, channel.unit(), channel.by_default() ? "" : "  (on request)");
     }
 }
 

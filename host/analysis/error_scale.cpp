@@ -20,7 +20,7 @@ struct Kind {
 };
 
 Kind kind_of(const Channel& channel, double L) {
-    const std::string& unit = channel.unit;
+    const std::string& unit = channel.unit();
     if (channel.quantity() == "quaternion" || unit == "rad") return {"m", L};
     if (unit == "rad/s") return {"m/s", L};
     if (unit == "rad/s^2") return {"m/s^2", L};
@@ -62,7 +62,7 @@ std::vector<double> error_scales(const Model& model, const FastestMode& fastest,
         const Kind& kind = kinds[as_size(c)];
         const double size = kind.name == "m" ? statistics.maximum - statistics.minimum : statistics.peak;
         largest[kind.name] = std::max(largest[kind.name], kind.factor * size);
-        if (seen.channels()[as_size(c)].unit == "m") coordinate = std::max(coordinate, statistics.peak);
+        if (seen.channels()[as_size(c)].unit() == "m") coordinate = std::max(coordinate, statistics.peak);
     }
 
     double m = model.bodies.empty() ? 1 : 0;  // what nodes weigh is the plugin's

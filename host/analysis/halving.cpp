@@ -35,7 +35,7 @@ double rows_of(const Model& model) {
 
 size_t digest_of(std::span<const Channel> channels) {
     size_t digest = channels.size();
-    for (const Channel& channel : channels) digest = std::rotl(digest, 1) ^ std::hash<std::string>{}(channel.name);
+    for (const Channel& channel : channels) digest = std::rotl(digest, 1) ^ std::hash<std::string>{}(channel.name());
     return digest;
 }
 
@@ -196,8 +196,8 @@ void Halving::write_to(Recorder& recorder) const {
     recorder.adopt_unselected(kept_->statistics);
 }
 
-const std::string& Halving::channel(size_t selected) const {
-    return kept_->simulation.channels()[as_size(selection_[selected])].name;
+std::string Halving::channel(size_t selected) const {
+    return kept_->simulation.channels()[as_size(selection_[selected])].name();
 }
 
 }  // namespace dttmm::host

@@ -59,7 +59,7 @@ public:
     /// Estimated error per selected channel, the first the time's; empty before two runs have finished.
     const std::vector<double>& estimates() const { return convergence_.estimates(); }
     /// Name of a selected channel.
-    const std::string& channel(size_t selected) const;
+    std::string channel(size_t selected) const;
     /// The run with the shortest step of those kept. After run() only.
     const Simulation& simulation() const { return kept_->simulation; }
 

@@ -94,7 +94,7 @@ Json describe(const Model& model, const ModalMachine& machine, const std::vector
 }
 
 /// Columns in front, then a place and how it moves.
-std::vector<Channel> columns_of_shapes(std::vector<Channel> columns) {
+std::vector<Column> columns_of_shapes(std::vector<Column> columns) {
     for (const char* axis : {"x", "y", "z"}) columns.push_back({axis, "m"});
     for (const char* axis : {"ux", "uy", "uz"}) columns.push_back({axis, "1"});
     for (const char* axis : {"urx", "ury", "urz"}) columns.push_back({axis, "1/m"});

@@ -61,7 +61,7 @@ double least_likeness(const CaseCurves& curves) {
 std::string modes_sweep_table(const std::vector<SweptCase>& cases, const std::vector<CaseCurves>& curves,
                               const std::vector<Parameter>& parameters) {
     const size_t count = curves.empty() ? 0 : curves.front().mode_of.size();
-    std::vector<Channel> columns;
+    std::vector<Column> columns;
     for (size_t k = 0; k < count; ++k) columns.push_back({fmt::format("curve{}", k + 1), "Hz"});
     for (size_t k = 0; k < count; ++k) columns.push_back({fmt::format("mac{}", k + 1), "1"});
     std::vector<SweepRow> rows;

@@ -29,7 +29,7 @@ std::map<std::string, int> find_largest_directions(const Recorder& recorder) {
     for (int c = 1; c < as_int(recorder.channels().size()); ++c) {
         const Channel& channel = recorder.channels()[as_size(c)];
         if (channel.quantity() != "force" && channel.quantity() != "moment") continue;
-        const auto [entry, is_new] = largest.emplace(std::string(channel.without_axis()), c);
+        const auto [entry, is_new] = largest.emplace(channel.without_axis(), c);
         if (!is_new && recorder.statistics(c).peak > recorder.statistics(entry->second).peak) entry->second = c;
     }
     return largest;
@@ -63,9 +63,9 @@ void print_forces(const Recorder& recorder, const Model& model) {
             const Channel& channel = recorder.channels()[as_size(found->second)];
             const ChannelStatistics& statistics = recorder.statistics(found->second);
             if (statistics.peak == 0 && quantity != std::string_view("force")) continue;
-            fmt::print("{:<{}}  {:>12}  {:>13}  {:>10.5g}  {:>13}\n", owner, width, channel.name.substr(owner.size() + 1),
-                       fmt::format("{:.5g} {}", statistics.peak, channel.unit), statistics.peak_time,
-                       fmt::format("{:.5g} {}", statistics.final, channel.unit));
+            fmt::print("{:<{}}  {:>12}  {:>13}  {:>10.5g}  {:>13}\n", owner, width, channel.name().substr(owner.size() + 1),
+                       fmt::format("{:.5g} {}", statistics.peak, channel.unit()), statistics.peak_time,
+                       fmt::format("{:.5g} {}", statistics.final, channel.unit()));
         }
     }
     if (count > kMostOwners) fmt::print("and {} with smaller forces; summary.json has all of them\n", count - kMostOwners);

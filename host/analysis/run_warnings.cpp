@@ -47,7 +47,7 @@ Ledger read_ledger(const Recorder& recorder, const Model& model, double step) {
     ledger.rounding += 1e-12 * find_largest_force(recorder);
     for (size_t c = 0; c < recorder.channels().size(); ++c) {
         const Channel& channel = recorder.channels()[c];
-        if (channel.of != Channel::Of::energy) continue;
+        if (channel.of() != Channel::Of::energy) continue;
         const ChannelStatistics& statistics = recorder.statistics(as_int(c));
         if (channel.quantity() == "residual") {
             ledger.residual = statistics.peak;
@@ -125,7 +125,7 @@ void warn_ripple(const Recorder& recorder, const Model& model, Warnings& warning
     std::unordered_map<std::string_view, Force> forces;  // by element
     for (size_t c = 1; c < recorder.channels().size(); ++c) {
         const Channel& channel = recorder.channels()[c];
-        if (channel.of != Channel::Of::element || channel.quantity() != "force") continue;
+        if (channel.of() != Channel::Of::element || channel.quantity() != "force") continue;
         Force& force = forces[channel.owner()];
         const ChannelStatistics& statistics = recorder.statistics(as_int(c));
         force = {std::max(force.peak, statistics.peak), std::max(force.ripple, statistics.ripple)};
@@ -157,7 +157,8 @@ void warn_rows(const Recorder& recorder, const Model& model, const Simulation& s
     const auto for_each_force = [&](const auto& look) {
         for (size_t c = 1; c < recorder.channels().size(); ++c) {
             const Channel& channel = recorder.channels()[c];
-            if ((channel.of == Channel::Of::element || channel.of == Channel::Of::joint) && channel.quantity() == "force")
+            if ((channel.of() == Channel::Of::element || channel.of() == Channel::Of::joint) &&
+                channel.quantity() == "force")
                 look(channel, recorder.statistics(as_int(c)));
         }
     };
@@ -177,7 +178,7 @@ void warn_rows(const Recorder& recorder, const Model& model, const Simulation& s
         warnings.add("peaks-between-rows",
                      fmt::format("rows every {:g} s are too far apart for the peak of \"{}\": between them it may be "
                                  "{:.2g} % larger, or missed. Record more often, e.g. --output-step {:.1g}",
-                                 spacing, worst->name, 100 * worst_share,
+                                 spacing, worst->name(), 100 * worst_share,
                                  std::max(simulation.step_size(), spacing * std::sqrt(0.01 / worst_share))));
 }
 
@@ -189,7 +190,7 @@ void warn_limits(const Simulation& simulation, Warnings& warnings) {
         warnings.add("beyond-limit",
                      fmt::format("\"{}\" is {:.3g} at t = {:g} s: beyond 1 the law of element \"{}\" does not hold and its "
                                  "results are wrong; \"dttmm elements\" says what limits it",
-                                 channel.name, limit.most, limit.time, limit.element));
+                                 channel.name(), limit.most, limit.time, limit.element));
     }
 }
 

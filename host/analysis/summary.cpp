@@ -109,8 +109,8 @@ void describe_channels(const Recorder& recorder, const Wanted& wanted, const Tel
         Json quantities;
         for (size_t c : channels) {
             const Channel& channel = recorder.channels()[c];
-            Json& quantity = quantities[std::string(channel.quantity())];
-            (channel.axis().empty() ? quantity : quantity[std::string(channel.axis())]) =
+            Json& quantity = quantities[channel.quantity()];
+            (channel.axis().empty() ? quantity : quantity[channel.axis()]) =
                 describe_statistics(recorder.statistics(as_int(c)));
         }
         tell(recorder.channels()[channels.front()].owner(), std::move(quantities));
@@ -127,9 +127,9 @@ void write_channels(JsonWriter& out, const char* section, const Recorder& record
 /// Whether a channel is a force or moment of an element, or of a joint; its angle or travel; the length of an element.
 Wanted is_of(Channel::Of of) {
     return [of](const Channel& channel) {
-        const std::string_view quantity = channel.quantity();
-        return channel.of == of && (quantity == "force" || quantity == "moment" || quantity == "angle" ||
-                                    quantity == "travel" || quantity == "length");
+        const std::string& quantity = channel.quantity();
+        return channel.of() == of && (quantity == "force" || quantity == "moment" || quantity == "angle" ||
+                                      quantity == "travel" || quantity == "length");
     };
 }
 
@@ -160,9 +160,9 @@ Json describe_energy(const Recorder& recorder) {
     Json energy = Json::object();
     for (size_t c = 1; c < recorder.channels().size(); ++c) {
         const Channel& channel = recorder.channels()[c];
-        if (channel.of != Channel::Of::energy) continue;
+        if (channel.of() != Channel::Of::energy) continue;
         const ChannelStatistics& statistics = recorder.statistics(as_int(c));
-        energy[std::string(channel.quantity())] = {{"peak", statistics.peak}, {"final", statistics.final}};
+        energy[channel.quantity()] = {{"peak", statistics.peak}, {"final", statistics.final}};
     }
     return energy;
 }

@@ -90,13 +90,13 @@ bool reuse(Case& one, const Model& model, const Request& request) {
     return true;
 }
 
-/// Columns of sweep.csv behind case, parameters, status, reason and warnings: owner, quantity, axis and statistic.
-struct Column {
+/// Figures of sweep.csv behind case, parameters, status, reason and warnings: owner, quantity, axis and statistic.
+struct Figure {
     const char* section;
     std::string owner, quantity, axis, statistic;
 };
 
-std::vector<Column> result_columns(const std::vector<Case>& cases, const Model& model) {
+std::vector<Figure> result_columns(const std::vector<Case>& cases, const Model& model) {
     std::set<std::string> used;
     const auto note = [&](const Attachment& at) {
         if (at.node >= 0) used.insert(model.nodes[as_size(at.node)].name);
@@ -108,7 +108,7 @@ std::vector<Column> result_columns(const std::vector<Case>& cases, const Model& 
         for (const Attachment& end : element.ends) note(end);
     for (const Load& load : model.loads) note(load.on);
 
-    std::vector<Column> columns;
+    std::vector<Figure> columns;
     const auto first = std::find_if(cases.begin(), cases.end(), [](const Case& one) { return one.status == "completed"; });
     if (first == cases.end()) return columns;
     for (const auto& [owner, quantities] : first->summary["elements"].items())
@@ -149,16 +149,16 @@ std::vector<Parameter> parameters_of(const Case& one) {
 }
 
 std::string sweep_table(const std::vector<Case>& cases, const Model& model, const std::vector<Parameter>& parameters) {
-    const std::vector<Column> columns = result_columns(cases, model);
-    std::vector<Channel> heads = {{"status", ""}, {"reason", ""}, {"warnings", ""}};
-    for (const Column& c : columns)
+    const std::vector<Figure> columns = result_columns(cases, model);
+    std::vector<Column> heads = {{"status", ""}, {"reason", ""}, {"warnings", ""}};
+    for (const Figure& c : columns)
         heads.push_back({fmt::format("{}.{}.{}.{}", c.owner, c.quantity, c.axis, c.statistic),
                          std::string_view(c.quantity) == "force" ? "N" : "m/s^2"});
     std::vector<SweepRow> rows;
     for (const Case& one : cases) {
         rows.push_back({parameters_of(one), {one.status, one.reason, count_warnings(one)}});
         if (one.status != "completed") continue;
-        for (const Column& c : columns)
+        for (const Figure& c : columns)
             rows.back().cells.emplace_back(
                 one.summary.at(c.section).at(c.owner).at(c.quantity).at(c.axis).at(c.statistic).get<double>());
     }

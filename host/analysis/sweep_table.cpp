@@ -31,9 +31,9 @@ bool is_own_column(std::string_view name) {
 
 std::string case_name(size_t index) { return fmt::format("case-{:06}", index + 1); }
 
-std::string make_sweep_table(const std::vector<Parameter>& parameters, const std::vector<Channel>& columns,
+std::string make_sweep_table(const std::vector<Parameter>& parameters, const std::vector<Column>& columns,
                              const std::vector<SweepRow>& rows) {
-    std::vector<Channel> heads = {{"case", ""}};
+    std::vector<Column> heads = {{"case", ""}};
     // The result of an expression has no unit of its own: it is a plain number in SI
     for (const Parameter& parameter : parameters) heads.push_back({parameter.name, parameter.unit});
     heads.insert(heads.end(), columns.begin(), columns.end());

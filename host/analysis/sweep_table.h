@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "model/model.h"
-#include "record/channels.h"
+#include "record/column.h"
 
 namespace dttmm::host {
 
@@ -22,7 +22,7 @@ std::string case_name(size_t index);
 
 /// sweep.csv, of runs and of natural frequencies: a row of names, a row of units, then a row per case: its name, all
 /// parameters of the model in SI, expressions included, then `columns`. `parameters`: names and units.
-std::string make_sweep_table(const std::vector<Parameter>& parameters, const std::vector<Channel>& columns,
+std::string make_sweep_table(const std::vector<Parameter>& parameters, const std::vector<Column>& columns,
                              const std::vector<SweepRow>& rows);
 
 /// Throws Error(model_invalid) for a parameter that is called like a column of ours: "case", "status", "reason", "curve1",

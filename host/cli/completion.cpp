@@ -139,7 +139,7 @@ Words channels(const Typed& typed) {
     if (model.simulation.step == 0) model.simulation.step = kShortestStep;
     const Simulation simulation(model, plugins);
     Words found;
-    for (const Channel& channel : simulation.channels()) found.push_back(channel.name);
+    for (const Channel& channel : simulation.channels()) found.push_back(channel.name());
     return found;
 }
 

@@ -117,15 +117,21 @@ void NetworkInstance::read_channels(const dttmm_network& network) {
     const PluginCall at_work(plugin_.name(), &element_names_, at_work_.get());  // its list may end too soon
     *at_work_ = last;
     channels_.reserve(count);
-    std::set<std::tuple<uint32_t, uint32_t, std::string_view>> names;
     for (uint32_t c = 0; c < count; ++c) {
         if (!channels || !is_declared(channels[c], network)) fail(DTTMM_ERROR_INTERNAL, -1, kBadChannel);
         channels_.push_back(channels[c]);
         dttmm_channel& own = channels_.back();
         own.name = plugin_.keep(own.name);
         own.unit = plugin_.keep(own.unit);
-        if (!names.emplace(own.of, own.index, own.name).second) fail(DTTMM_ERROR_INTERNAL, -1, kBadChannel);
     }
+    const auto identity = [](const dttmm_channel& c) { return std::tuple(c.of, c.index, std::string_view(c.name)); };
+    std::vector<const dttmm_channel*> sorted;
+    sorted.reserve(count);
+    for (const dttmm_channel& own : channels_) sorted.push_back(&own);
+    const auto by_identity = [&](const auto* a, const auto* b) { return identity(*a) < identity(*b); };
+    const auto is_same = [&](const auto* a, const auto* b) { return identity(*a) == identity(*b); };
+    std::ranges::sort(sorted, by_identity);
+    if (std::ranges::adjacent_find(sorted, is_same) != sorted.end()) fail(DTTMM_ERROR_INTERNAL, -1, kBadChannel);
 }
 
 void NetworkInstance::fail_by_exception() const { fail(DTTMM_ERROR_INTERNAL, -1, describe_exception()); }

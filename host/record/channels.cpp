@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <mutex>
 #include <numeric>
+#include <set>
 #include <string_view>
-#include <unordered_set>
+#include <utility>
 
 #include "model/error.h"
 #include "model/index.h"
@@ -19,8 +21,13 @@ namespace {
 
 constexpr std::size_t kShownGroups = 12;
 
-bool has_control_character(const std::string& text) {
-    return std::any_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
+/// The one copy of `value` of this process. Models of one process share their names, so it is never freed.
+template <class Value>
+const Value* keep(Value value) {
+    static std::mutex mutex;
+    static std::set<Value> kept;
+    const std::lock_guard lock(mutex);
+    return &*kept.insert(std::move(value)).first;
 }
 
 /// "bolt1.force.x" -> "bolt1", "bolt1.force", "bolt1.force.x": all that a pattern may match.
@@ -57,7 +64,7 @@ std::string nearest(const std::vector<Channel>& all, const std::string& pattern)
     std::string best;
     std::size_t best_distance = std::numeric_limits<std::size_t>::max();
     for (const Channel& channel : all)
-        for (const std::string& part : leading_parts(channel.name))
+        for (const std::string& part : leading_parts(channel.name()))
             if (const std::size_t distance = compute_distance(pattern, part); distance < best_distance) {
                 best = part;
                 best_distance = distance;
@@ -69,9 +76,8 @@ std::string nearest(const std::vector<Channel>& all, const std::string& pattern)
 std::string list_available(const std::vector<Channel>& all) {
     std::vector<std::string> groups;
     for (const Channel& channel : all) {
-        std::string group(channel.of == Channel::Of::nothing ? channel.name
-                          : channel.axis().empty()           ? channel.owner()
-                                                             : channel.without_axis());
+        const bool is_scalar = channel.of() != Channel::Of::nothing && channel.axis().empty();
+        std::string group = is_scalar ? channel.owner() : channel.without_axis();
         if (std::find(groups.rbegin(), groups.rend(), group) == groups.rend()) groups.push_back(std::move(group));
     }
     const std::size_t shown = std::min(groups.size(), kShownGroups);
@@ -89,30 +95,25 @@ Error no_match(const std::vector<Channel>& all, const std::string& pattern) {
 
 }  // namespace
 
-void check_channels(std::span<const Channel> all) {
-    if (all.empty() || all.front().name != "time")
-        throw Error(ExitCode::internal_error, "channel 0 must be \"time\"; this is a fault of dttmm, please report it");
-    std::unordered_set<std::string_view> names;
-    names.reserve(all.size());
-    for (const Channel& channel : all) {
-        const bool sound = !channel.name.empty() && channel.name != "." && channel.name.find('/') == std::string::npos &&
-                           !has_control_character(channel.name) && !has_control_character(channel.unit);
-        if (!sound || !names.insert(channel.name).second)
-            throw Error(ExitCode::internal_error,
-                        fmt::format("channel {:?} [{:?}]: the name is empty, taken, or holds a character that no file can "
-                                    "store; rename what it belongs to",
-                                    channel.name, channel.unit));
-    }
-}
+Channel::Channel(Of of, std::string_view owner, std::string_view quantity, std::string_view axis, std::string_view unit,
+                 bool by_default)
+    : owner_(keep(std::string(owner))),
+      what_(keep(What{std::string(quantity), std::string(axis), std::string(unit)})),
+      of_(of),
+      by_default_(by_default) {}
+
+std::string Channel::name() const { return axis().empty() ? without_axis() : without_axis() + '.' + axis(); }
+
+std::string Channel::without_axis() const { return owner().empty() ? quantity() : owner() + '.' + quantity(); }
 
 std::vector<int> select_channels(const std::vector<Channel>& all, const std::vector<std::string>& patterns) {
     std::vector<bool> selected(all.size(), false);
     if (!all.empty()) selected[0] = true;
-    for (std::size_t i = 0; i < all.size() && patterns.empty(); ++i) selected[i] = selected[i] || all[i].by_default;
+    for (std::size_t i = 0; i < all.size() && patterns.empty(); ++i) selected[i] = selected[i] || all[i].by_default();
 
     std::vector<bool> has_match(patterns.size(), false);
     for (std::size_t i = 0; i < all.size() && !patterns.empty(); ++i) {
-        const std::vector<std::string> parts = leading_parts(all[i].name);
+        const std::vector<std::string> parts = leading_parts(all[i].name());
         for (std::size_t p = 0; p < patterns.size(); ++p)
             if (matches(patterns[p], parts)) selected[i] = has_match[p] = true;
     }
@@ -123,15 +124,6 @@ std::vector<int> select_channels(const std::vector<Channel>& all, const std::vec
     for (std::size_t i = 0; i < all.size(); ++i)
         if (selected[i]) indices.push_back(as_int(i));
     return indices;
-}
-
-Channel make_channel(Channel::Of of, std::string_view owner, std::string_view quantity, std::string_view axis,
-                     std::string unit, bool by_default) {
-    Channel channel{fmt::format("{}.{}", owner, quantity), std::move(unit), by_default, of};
-    channel.owner_size = static_cast<uint32_t>(owner.size());
-    channel.before_axis = static_cast<uint32_t>(channel.name.size());
-    if (!axis.empty()) channel.name.append(".").append(axis);
-    return channel;
 }
 
 }  // namespace dttmm::host

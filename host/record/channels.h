@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <algorithm>
-#include <cstdint>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,39 +8,42 @@
 namespace dttmm::host {
 
 /// One recorded quantity: a column of history.csv and a dataset of history.h5. Its name is made of what it is; nobody takes
-/// a name apart.
-struct Channel {
+/// a name apart. A large machine has a hundred thousand, so each text stands in memory once, for all of them and for good.
+class Channel {
+public:
     /// What it belongs to.
     enum class Of : unsigned char { nothing, element, joint, body, marker, node, energy };
 
-    std::string name;          ///< "bolt1.force.x": owner, quantity, axis
-    std::string unit;          ///< of the SI value, as text; "1" for a pure number
-    bool by_default = true;    ///< recorded when the user asks for nothing in particular
-    Of of = Of::nothing;       ///< then it has a name only, as "time" has
-    uint32_t owner_size = 0;   ///< of the owner in the name
-    uint32_t before_axis = 0;  ///< owner and quantity, with the point between them
+    /// quantity: may hold dots; axis: may be empty; unit: of the SI value, "1" for a pure number; by_default: recorded when
+    /// the user asks for nothing in particular.
+    Channel(Of of, std::string_view owner, std::string_view quantity, std::string_view axis, std::string_view unit,
+            bool by_default = true);
+    /// It belongs to nothing and has a name only, as "time" has.
+    Channel(std::string_view name, std::string_view unit) : Channel(Of::nothing, {}, name, {}, unit) {}
 
-    std::string_view owner() const { return std::string_view(name).substr(0, owner_size); }
-    std::string_view quantity() const {
-        return before_axis == 0 ? std::string_view()
-                                : std::string_view(name).substr(owner_size + 1, before_axis - owner_size - 1);
-    }
-    /// Empty where it has none.
-    std::string_view axis() const {
-        return before_axis == 0 ? std::string_view()
-                                : std::string_view(name).substr(std::min<size_t>(before_axis + 1, name.size()));
-    }
+    Of of() const { return of_; }
+    bool by_default() const { return by_default_; }
+    const std::string& owner() const { return *owner_; }
+    const std::string& quantity() const { return what_->quantity; }
+    const std::string& axis() const { return what_->axis; }
+    const std::string& unit() const { return what_->unit; }
+
+    /// "bolt1.force.x": owner, quantity, axis.
+    std::string name() const;
     /// Owner and quantity: what its axes have in common.
-    std::string_view without_axis() const { return std::string_view(name).substr(0, before_axis); }
+    std::string without_axis() const;
+
+private:
+    struct What {
+        std::string quantity, axis, unit;
+        auto operator<=>(const What&) const = default;
+    };
+
+    const std::string* owner_;
+    const What* what_;
+    Of of_;
+    bool by_default_;
 };
-
-/// axis: may be empty.
-Channel make_channel(Channel::Of of, std::string_view owner, std::string_view quantity, std::string_view axis,
-                     std::string unit, bool by_default = true);
-
-/// What every writer relies on: channel 0 is "time", names differ and are not empty, no control character in a name or unit,
-/// no slash in a name (HDF5 would make a group of it). Throws Error(internal_error) otherwise.
-void check_channels(std::span<const Channel> all);
 
 /// Indices into `all` of the channels to record, ascending; channel 0, the time, is always the first.
 /// No patterns: the channels recorded by default. A pattern is a glob (*, ?, [abc]) and selects a channel when it matches

@@ -9,7 +9,7 @@
 
 namespace dttmm::host {
 
-CsvTable::CsvTable(const std::vector<Channel>& columns) : text_(csv_header(columns)), columns_(columns.size()) {}
+CsvTable::CsvTable(const std::vector<Column>& columns) : text_(csv_header(columns)), columns_(columns.size()) {}
 
 void CsvTable::separate() {
     assert(filled_ < columns_);

@@ -5,14 +5,14 @@
 #include <string_view>
 #include <vector>
 
-#include "record/channels.h"
+#include "record/column.h"
 
 namespace dttmm::host {
 
 /// A CSV file that is made whole in memory, of numbers and texts: names, units, rows, in the form of history.csv.
 class CsvTable {
 public:
-    explicit CsvTable(const std::vector<Channel>& columns);
+    explicit CsvTable(const std::vector<Column>& columns);
 
     /// Fields of the row that is open. A number that is not there, NaN, is an empty field.
     CsvTable& add(double value);

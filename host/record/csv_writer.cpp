@@ -23,10 +23,10 @@ constexpr std::size_t kLongestNumber = 25;  // "-2.2250738585072014e-308" and a 
 std::atomic<CsvWriter*> last_made = nullptr;
 static_assert(std::atomic<CsvWriter*>::is_always_lock_free, "a signal handler reads it");
 
-std::string make_row(const std::vector<Channel>& channels, std::string Channel::*text) {
+std::string make_row(const std::vector<Column>& columns, std::string Column::*text) {
     std::string line;
-    for (const Channel& channel : channels) {
-        line += csv_field(channel.*text);
+    for (const Column& column : columns) {
+        line += csv_field(column.*text);
         line += ',';
     }
     line.back() = '\n';
@@ -42,8 +42,8 @@ std::string csv_field(const std::string& text) {
     return quoted + '"';
 }
 
-std::string csv_header(const std::vector<Channel>& channels) {
-    return make_row(channels, &Channel::name) + make_row(channels, &Channel::unit);
+std::string csv_header(const std::vector<Column>& columns) {
+    return make_row(columns, &Column::name) + make_row(columns, &Column::unit);
 }
 
 /// While this lives, a signal leaves the waiting rows alone.
@@ -64,11 +64,11 @@ private:
     CsvWriter& writer_;
 };
 
-CsvWriter::CsvWriter(const std::filesystem::path& path, const std::vector<Channel>& channels) : file_(File::create(path)) {
-    assert(!channels.empty());
-    waiting_ = csv_header(channels);
+CsvWriter::CsvWriter(const std::filesystem::path& path, const std::vector<Column>& columns) : file_(File::create(path)) {
+    assert(!columns.empty());
+    waiting_ = csv_header(columns);
     write_waiting_rows();
-    waiting_.reserve(kMostWaiting + kLongestNumber * channels.size());
+    waiting_.reserve(kMostWaiting + kLongestNumber * columns.size());
     last_made = this;
 }
 

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "record/channels.h"
+#include "record/column.h"
 #include "record/file.h"
 
 namespace dttmm::host {
@@ -18,8 +18,8 @@ namespace dttmm::host {
 /// `text` as a field of a CSV file: between quotes where it needs them (RFC 4180).
 std::string csv_field(const std::string& text);
 
-/// Two rows: the names of `channels`, then their units.
-std::string csv_header(const std::vector<Channel>& channels);
+/// Two rows: the names of `columns`, then their units.
+std::string csv_header(const std::vector<Column>& columns);
 
 /// history.csv: the names, the units, then one row per output time; commas, line feeds, quotes where a text needs them
 /// (RFC 4180). A number is the shortest text that reads back as the same double.
@@ -32,13 +32,13 @@ std::string csv_header(const std::vector<Channel>& channels);
 class CsvWriter {
 public:
     /// Creates the file and writes names and units; empties a file that is there. Throws Error(input_output).
-    CsvWriter(const std::filesystem::path& path, const std::vector<Channel>& channels);
+    CsvWriter(const std::filesystem::path& path, const std::vector<Column>& columns);
     CsvWriter(const CsvWriter&) = delete;
     CsvWriter& operator=(const CsvWriter&) = delete;
     /// Writes the rows that wait, without complaint if that fails.
     ~CsvWriter();
 
-    /// values: one per channel. Throws Error(input_output); the file is then cut to its last whole row.
+    /// values: one per column. Throws Error(input_output); the file is then cut to its last whole row.
     void write_row(std::span<const double> values);
     /// Brings all rows to the disk and closes the file. Throws Error(input_output).
     void finish();

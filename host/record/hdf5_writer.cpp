@@ -108,7 +108,7 @@ struct Settings {
 
 class Hdf5Writer::Implementation {
 public:
-    Implementation(const std::filesystem::path& path, const std::vector<Channel>& channels, const Attributes& attributes);
+    Implementation(const std::filesystem::path& path, const std::vector<Column>& columns, const Attributes& attributes);
 
     void write_row(std::span<const double> values);
     void write_waiting_rows();
@@ -120,8 +120,8 @@ private:
     Result check(Result result, std::string_view fault) const;
 
     Handle create_file() const;
-    Handle create_dataset(const Channel& channel) const;
-    void write_whole(const Channel& channel, const double* values) const;
+    Handle create_dataset(const Column& column) const;
+    void write_whole(const Column& column, const double* values) const;
     Handle open_dataset(const std::string& name) const;
     void write_attribute(hid_t owner, const std::string& name, const std::string& text) const;
     void append(hid_t dataset, const double* values) const;
@@ -129,7 +129,7 @@ private:
 
     PartFile part_;  // declared first: removed last
     Handle file_;
-    const std::vector<Channel> channels_;
+    const std::vector<Column> heads_;
     std::vector<Handle> datasets_;  ///< of the first kMostOpen channels once rows were written; others are opened every time
     hsize_t rows_per_chunk_;        ///< few for many channels, so that a short run of a large machine stays small
     Settings settings_;
@@ -147,17 +147,17 @@ Result Hdf5Writer::Implementation::check(Result result, std::string_view fault) 
                                                     part_.path().string(), fault, last_fault()));
 }
 
-Hdf5Writer::Implementation::Implementation(const std::filesystem::path& path, const std::vector<Channel>& channels,
+Hdf5Writer::Implementation::Implementation(const std::filesystem::path& path, const std::vector<Column>& columns,
                                            const Attributes& attributes)
     : part_(path),
       file_(create_file()),
-      channels_(channels),
-      rows_per_chunk_(std::clamp(kNumbersWaiting / channels.size(), kFewestRowsPerChunk, kMostRowsPerChunk)),
+      heads_(columns),
+      rows_per_chunk_(std::clamp(kNumbersWaiting / columns.size(), kFewestRowsPerChunk, kMostRowsPerChunk)),
       settings_(rows_per_chunk_),
-      waiting_(channels.size() * rows_per_chunk_),
+      waiting_(columns.size() * rows_per_chunk_),
       columns_(kTogether * rows_per_chunk_) {
     for (const auto& [name, text] : attributes) write_attribute(file_, name, text);
-    datasets_.reserve(std::min(channels.size(), kMostOpen));
+    datasets_.reserve(std::min(columns.size(), kMostOpen));
 }
 
 Handle Hdf5Writer::Implementation::create_file() const {
@@ -170,25 +170,25 @@ Handle Hdf5Writer::Implementation::create_file() const {
     return Handle(check(H5Fcreate(part_.path().c_str(), H5F_ACC_EXCL, creation, access), "cannot create"), &H5Fclose);
 }
 
-Handle Hdf5Writer::Implementation::create_dataset(const Channel& channel) const {
+Handle Hdf5Writer::Implementation::create_dataset(const Column& column) const {
     const hsize_t none = 0, unlimited = H5S_UNLIMITED;
     const Handle space(H5Screate_simple(1, &none, &unlimited), &H5Sclose);
-    Handle dataset(check(H5Dcreate2(file_, channel.name.c_str(), H5T_NATIVE_DOUBLE, space, settings_.link, settings_.layout,
+    Handle dataset(check(H5Dcreate2(file_, column.name.c_str(), H5T_NATIVE_DOUBLE, space, settings_.link, settings_.layout,
                                     settings_.access),
                          "cannot write"),
                    &H5Dclose);
-    write_attribute(dataset, "unit", channel.unit);
+    write_attribute(dataset, "unit", column.unit);
     return dataset;
 }
 
 /// A dataset whose rows are all there: no index of chunks, which takes most of the time and space of a short one.
-void Hdf5Writer::Implementation::write_whole(const Channel& channel, const double* values) const {
+void Hdf5Writer::Implementation::write_whole(const Column& column, const double* values) const {
     const Handle space(H5Screate_simple(1, &rows_waiting_, nullptr), &H5Sclose);
-    Handle dataset(check(H5Dcreate2(file_, channel.name.c_str(), H5T_NATIVE_DOUBLE, space, settings_.link, settings_.whole,
-                                    H5P_DEFAULT),
-                         "cannot write"),
-                   &H5Dclose);
-    write_attribute(dataset, "unit", channel.unit);
+    Handle dataset(
+        check(H5Dcreate2(file_, column.name.c_str(), H5T_NATIVE_DOUBLE, space, settings_.link, settings_.whole, H5P_DEFAULT),
+              "cannot write"),
+        &H5Dclose);
+    write_attribute(dataset, "unit", column.unit);
     if (rows_waiting_ > 0)
         check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), "cannot write");
     check(dataset.close(), "cannot write");
@@ -208,24 +208,24 @@ void Hdf5Writer::Implementation::write_attribute(hid_t owner, const std::string&
 }
 
 void Hdf5Writer::Implementation::write_row(std::span<const double> values) {
-    assert(values.size() == channels_.size());
+    assert(values.size() == heads_.size());
     if (rows_waiting_ == rows_per_chunk_) {
         const Hdf5Turn turn;
         write_waiting_rows();
     }
-    std::copy(values.begin(), values.end(), &waiting_[rows_waiting_ * channels_.size()]);
+    std::copy(values.begin(), values.end(), &waiting_[rows_waiting_ * heads_.size()]);
     ++rows_waiting_;
 }
 
 void Hdf5Writer::Implementation::write_waiting_rows() {
     if (rows_waiting_ == 0) return;
-    for (std::size_t i = 0; i < channels_.size(); ++i) {
+    for (std::size_t i = 0; i < heads_.size(); ++i) {
         const double* const values = take_column(i);
         if (i < datasets_.size()) {
             append(datasets_[i], values);
             continue;
         }
-        Handle dataset = rows_written_ == 0 ? create_dataset(channels_[i]) : open_dataset(channels_[i].name);
+        Handle dataset = rows_written_ == 0 ? create_dataset(heads_[i]) : open_dataset(heads_[i].name);
         append(dataset, values);
         if (i < kMostOpen)
             datasets_.push_back(std::move(dataset));
@@ -238,10 +238,10 @@ void Hdf5Writer::Implementation::write_waiting_rows() {
 
 /// The waiting values of a channel. Channels are asked for in their order.
 const double* Hdf5Writer::Implementation::take_column(std::size_t channel) {
-    const std::size_t column = channel % kTogether, count = std::min(kTogether, channels_.size() - (channel - column));
+    const std::size_t column = channel % kTogether, count = std::min(kTogether, heads_.size() - (channel - column));
     for (hsize_t row = 0; column == 0 && row < rows_waiting_; ++row)
         for (std::size_t k = 0; k < count; ++k)
-            columns_[k * rows_per_chunk_ + row] = waiting_[row * channels_.size() + channel + k];
+            columns_[k * rows_per_chunk_ + row] = waiting_[row * heads_.size() + channel + k];
     return &columns_[column * rows_per_chunk_];
 }
 
@@ -256,17 +256,16 @@ void Hdf5Writer::Implementation::append(hid_t dataset, const double* values) con
 
 void Hdf5Writer::Implementation::close() {
     if (rows_written_ == 0)
-        for (std::size_t i = 0; i < channels_.size(); ++i) write_whole(channels_[i], take_column(i));
+        for (std::size_t i = 0; i < heads_.size(); ++i) write_whole(heads_[i], take_column(i));
     else
         write_waiting_rows();
     for (Handle& dataset : datasets_) check(dataset.close(), "cannot write");
     check(file_.close(), "cannot write");
 }
 
-Hdf5Writer::Hdf5Writer(const std::filesystem::path& path, const std::vector<Channel>& channels,
-                       const Attributes& attributes) {
+Hdf5Writer::Hdf5Writer(const std::filesystem::path& path, const std::vector<Column>& columns, const Attributes& attributes) {
     const Hdf5Turn turn;
-    implementation_ = std::make_unique<Implementation>(path, channels, attributes);
+    implementation_ = std::make_unique<Implementation>(path, columns, attributes);
 }
 
 Hdf5Writer::~Hdf5Writer() {

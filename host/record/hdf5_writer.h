@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "record/channels.h"
+#include "record/column.h"
 
 namespace dttmm::host {
 
@@ -24,13 +24,13 @@ using Attributes = std::vector<std::pair<std::string, std::string>>;
 class Hdf5Writer {
 public:
     /// Creates `<path>.part`. Throws Error(input_output).
-    Hdf5Writer(const std::filesystem::path& path, const std::vector<Channel>& channels, const Attributes& attributes);
+    Hdf5Writer(const std::filesystem::path& path, const std::vector<Column>& columns, const Attributes& attributes);
     /// Of the library: "1.10.8".
     static std::string version();
     /// Removes the part unless it was published.
     ~Hdf5Writer();
 
-    /// values: one per channel. Throws Error(input_output).
+    /// values: one per column. Throws Error(input_output).
     void write_row(std::span<const double> values);
     /// Writes the rest, closes, brings the file to the disk and gives it its final name. Throws Error(input_output).
     void publish();

@@ -16,23 +16,22 @@ namespace dttmm::host {
 
 namespace {
 
-std::vector<Channel> pick(std::span<const Channel> all, const std::vector<int>& selection) {
-    std::vector<Channel> picked;
-    for (const int index : selection) picked.push_back(all[as_size(index)]);
+std::vector<Column> pick(std::span<const Channel> all, const std::vector<int>& selection) {
+    std::vector<Column> picked;
+    for (const int index : selection) picked.push_back({all[as_size(index)].name(), all[as_size(index)].unit()});
     return picked;
 }
 
 }  // namespace
 
-Recorder::Recorder(std::span<const Channel> all) : channels_(all), statistics_(as_row(channels_.size())) {
-    check_channels(channels_);
-}
+Recorder::Recorder(std::span<const Channel> all) : channels_(all), statistics_(as_row(channels_.size())) {}
 
 Recorder::Recorder(const ResultsFolder& folder, std::span<const Channel> all, std::vector<int> selection,
                    const Attributes& attributes, Rows rows)
     : Recorder(all) {
     selection_ = std::move(selection);
-    std::vector<Channel> picked = pick(channels_, selection_);
+    std::vector<Column> picked = pick(channels_, selection_);
+    check_columns(picked);
     csv_.emplace(folder.file("history.csv"), picked);
     if (rows == Rows::estimated)
         for (std::size_t i = 1, count = picked.size(); i < count; ++i)
@@ -73,53 +72,60 @@ void Recorder::close_selected_row(std::span<const double> values, std::span<cons
 }
 
 void Recorder::adopt_unselected(const Recorder& other) {
-    for (int i = 0; i < as_int(channels_.size()); ++i)
-        if (!std::binary_search(selection_.begin(), selection_.end(), i))
-            for (const auto kind : {&Statistics::peak, &Statistics::peak_time, &Statistics::minimum, &Statistics::maximum,
-                                    &Statistics::final, &Statistics::ripple, &Statistics::bend})
-                (statistics_.*kind)[i] = (other.statistics_.*kind)[i];
+    for (int i = 0; i < as_int(channels_.size()); ++i) {
+        if (std::binary_search(selection_.begin(), selection_.end(), i)) continue;
+        for (const auto kind : {&Statistics::peak_time, &Statistics::minimum, &Statistics::maximum, &Statistics::final})
+            (statistics_.*kind)[i] = (other.statistics_.*kind)[i];
+        for (const auto kind : {&Statistics::ripple, &Statistics::bend})
+            (statistics_.*kind)[i] = (other.statistics_.*kind)[i];
+    }
 }
 
 void Recorder::check_finite(int channel, double value, double time) const {
     if (!std::isfinite(value))
         throw Error(ExitCode::internal_error,
                     fmt::format("channel \"{}\" is {} at t = {} s; this should have been caught earlier: please report it",
-                                channels_[as_size(channel)].name, value, time));
+                                channels_[as_size(channel)].name(), value, time));
 }
 
 ChannelStatistics Recorder::statistics(int channel) const {
     const Statistics& s = statistics_;
-    return {s.peak[channel],  s.peak_time[channel], s.minimum[channel], s.maximum[channel],
-            s.final[channel], s.ripple[channel],    s.bend[channel]};
+    return {std::max(std::abs(s.minimum[channel]), std::abs(s.maximum[channel])),
+            s.peak_time[channel],
+            s.minimum[channel],
+            s.maximum[channel],
+            s.final[channel],
+            s.ripple[channel],
+            s.bend[channel]};
 }
 
 /// What the values of channels from `first` on do to the statistics.
 void Recorder::count(std::size_t first, std::span<const double> row, double time) {
     const auto size = as_row(row.size());
     const Eigen::Map<const Eigen::ArrayXd> value(row.data(), size);
-    const auto of = [&](Eigen::ArrayXd& numbers) { return numbers.segment(as_row(first), size); };
-    auto peak = of(statistics_.peak), peak_time = of(statistics_.peak_time), minimum = of(statistics_.minimum),
-         maximum = of(statistics_.maximum), final = of(statistics_.final), ripple = of(statistics_.ripple),
-         bend = of(statistics_.bend), change = of(statistics_.change), alternation = of(statistics_.alternation);
+    const auto of = [&](auto& numbers) { return numbers.segment(as_row(first), size); };
+    auto peak_time = of(statistics_.peak_time), minimum = of(statistics_.minimum), maximum = of(statistics_.maximum),
+         final = of(statistics_.final);
+    auto ripple = of(statistics_.ripple), bend = of(statistics_.bend), change = of(statistics_.change),
+         alternation = of(statistics_.alternation);
     if (rows_ == 0) {
-        peak = value.abs();
         peak_time = time;
         minimum = maximum = final = value;
     }
-    if (rows_ >= 2) bend = (final.abs() == peak).select((value - final - change).abs(), bend);
+    const auto peak = (-minimum).max(maximum);  // up to the row before
+    if (rows_ >= 2) bend = (final.abs() == peak).select((value - final - change.cast<double>()).abs().cast<float>(), bend);
     for (Eigen::Index i = 0; i < size; ++i)
         if (std::abs(value[i]) > peak[i]) {
             bend[i] = 0;
-            peak[i] = std::abs(value[i]);
             peak_time[i] = time;
         }
     minimum = minimum.min(value);
     maximum = maximum.max(value);
-    constexpr double kRows = 10;  // to look back
+    constexpr float kRows = 10;  // to look back
     // The smaller of the last two changes where they are opposite, else 0
-    const auto now = value - final;
+    const auto now = (value - final).cast<float>();
     const auto opposite = now.min(-change).max((-now).min(change)).max(0);
-    alternation += (0.5 * opposite - alternation) * (1 / kRows);
+    alternation += (0.5F * opposite - alternation) * (1 / kRows);
     ripple = ripple.max(alternation);
     change = now;
     final = value;

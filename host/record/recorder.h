@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "record/channels.h"
+#include "record/column.h"
 #include "record/csv_writer.h"
 #include "record/hdf5_writer.h"
 #include "record/results_folder.h"
@@ -38,7 +39,7 @@ public:
     enum class Rows : unsigned char { plain, estimated };
 
     /// all: outlive the recorder; selection: indices into them as select_channels gives them; rows: which of the two ways
-    /// they come. Throws Error(input_output), or Error(internal_error) for channels that check_channels refuses.
+    /// they come. Throws Error(input_output), or Error(internal_error) for selected channels that check_columns refuses.
     Recorder(const ResultsFolder& folder, std::span<const Channel> all, std::vector<int> selection,
              const Attributes& attributes, Rows rows = Rows::plain);
     /// Statistics only: nothing is written.
@@ -66,13 +67,14 @@ private:
     /// One kind of number of every channel stands together, so that a row is counted several channels at a time.
     struct Statistics {
         explicit Statistics(Eigen::Index count) {
-            for (Eigen::ArrayXd* numbers :
-                 {&peak, &peak_time, &minimum, &maximum, &final, &ripple, &bend, &change, &alternation})
-                numbers->setZero(count);
+            for (Eigen::ArrayXd* numbers : {&peak_time, &minimum, &maximum, &final}) numbers->setZero(count);
+            for (Eigen::ArrayXf* numbers : {&ripple, &bend, &change, &alternation}) numbers->setZero(count);
         }
-        Eigen::ArrayXd peak, peak_time, minimum, maximum, final, ripple, bend;
-        Eigen::ArrayXd change;       ///< in the last row
-        Eigen::ArrayXd alternation;  ///< mean amplitude at which the last rows alternated
+        Eigen::ArrayXd peak_time, minimum, maximum, final;
+        // Seven digits are enough for what a warning compares with a share of the peak
+        Eigen::ArrayXf ripple, bend;
+        Eigen::ArrayXf change;       ///< in the last row
+        Eigen::ArrayXf alternation;  ///< mean amplitude at which the last rows alternated
     };
 
     void check_finite(int channel, double value, double time) const;

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <map>
 #include <set>
 #include <string_view>
 #include <unordered_set>
@@ -49,29 +50,37 @@ std::set<std::pair<int, int>> used_markers(const Model& model) {
 Channel channel_of(const NetworkInstance& instance, const dttmm_channel& declared) {
     const std::string_view name = declared.name;
     const size_t dot = std::min(name.rfind('.'), name.size());
-    return make_channel(declared.of == DTTMM_OF_ELEMENT ? Of::element : Of::node, instance.owner_of(declared),
-                        name.substr(0, dot), name.substr(std::min(dot + 1, name.size())), declared.unit,
-                        declared.role == DTTMM_ROLE_RESULT);
+    return Channel(declared.of == DTTMM_OF_ELEMENT ? Of::element : Of::node, instance.owner_of(declared),
+                   name.substr(0, dot), name.substr(std::min(dot + 1, name.size())), declared.unit,
+                   declared.role == DTTMM_ROLE_RESULT);
 }
 
 /// An element may be called like a node as long as their channels differ.
-[[noreturn]] void refuse_shared_name(const Model& model, const std::string& name, const char* channel) {
-    const auto is_called = [&](const auto& thing) { return thing.name == name; };
-    const auto element = std::ranges::find_if(model.elements, is_called);
-    if (element != model.elements.end() && std::ranges::any_of(model.nodes, is_called))
+void refuse_shared_channels(const Model& model, const std::vector<Channel>& channels) {
+    std::unordered_set<std::string_view> nodes;
+    for (const Node& node : model.nodes) nodes.insert(node.name);
+    std::map<std::string_view, const Element*> shared;  // elements called like a node
+    for (const Element& element : model.elements)
+        if (nodes.contains(element.name)) shared.emplace(element.name, &element);
+    std::set<std::string> names;
+    for (const Channel& channel : channels) {
+        const auto found = shared.find(channel.owner());
+        if (found == shared.end() || names.insert(channel.name()).second) continue;
+        const Element& element = *found->second;
         throw Error(ExitCode::model_invalid,
                     fmt::format("{}: element \"{}\": a node has the same name, and both have a channel \"{}\"; rename one",
-                                element->place, name, channel));
-    throw Error(ExitCode::plugin_failure, fmt::format("\"{}\": its plugin declares channel \"{}\" twice", name, channel));
+                                element.place, element.name, channel.name().substr(element.name.size() + 1)));
+    }
 }
 
 }  // namespace
 
 Observer::Observer(const Model& model, const Networks& networks, const EndOfStep& end_of_step)
     : bodies_(model.bodies), gravity_(model.simulation.gravity) {
-    // What markers and joints add is little; a machine of many elements has millions of channels
-    channels_.reserve(1 + networks.output_count() + 16 * bodies_.size());
-    channels_.push_back({"time", "s"});
+    size_t markers = 0;
+    for (const Body& body : bodies_) markers += body.markers.size();
+    channels_.reserve(networks.output_count() + 7 * model.joints.size() + 16 * bodies_.size() + 9 * markers + 6);
+    channels_.emplace_back("time", "s");
     declare_networks(model, networks);
     declare_joints(model, end_of_step.joints());
     declare_bodies(model);
@@ -82,12 +91,10 @@ Observer::Observer(const Model& model, const Networks& networks, const EndOfStep
 
 void Observer::add_vector(Channel::Of of, const std::string& owner, const char* quantity, const char* unit,
                           bool by_default) {
-    for (const char* axis : kAxes) channels_.push_back(make_channel(of, owner, quantity, axis, unit, by_default));
+    for (const char* axis : kAxes) channels_.push_back(Channel(of, owner, quantity, axis, unit, by_default));
 }
 
 void Observer::declare_networks(const Model& model, const Networks& networks) {
-    std::unordered_set<std::string_view> names;  // into channels_, which has room for all of them
-    names.reserve(networks.output_count());
     for (const NetworkInstance& instance : networks.instances()) {
         for (uint32_t c = 0; c < instance.channel_count(); ++c) {
             const dttmm_channel& channel = instance.channel(c);
@@ -95,10 +102,9 @@ void Observer::declare_networks(const Model& model, const Networks& networks) {
             if (channel.role >= DTTMM_ROLE_STRAIN_ENERGY && channel.role <= DTTMM_ROLE_WORK) continue;
             if (channel.role == DTTMM_ROLE_LIMIT) limits_.push_back({channels_.size(), instance.owner_of(channel)});
             channels_.push_back(channel_of(instance, channel));
-            if (!names.insert(channels_.back().name).second)
-                refuse_shared_name(model, instance.owner_of(channel), channel.name);
         }
     }
+    refuse_shared_channels(model, channels_);
 }
 
 void Observer::declare_joints(const Model& model, const std::vector<JointEquations>& joints) {
@@ -109,9 +115,9 @@ void Observer::declare_joints(const Model& model, const std::vector<JointEquatio
         const JointEquations& equations = joints[j];
         if (!equations.has_coordinate()) continue;
         if (equations.turns())
-            channels_.push_back(make_channel(Of::joint, name, "angle", "", "rad"));
+            channels_.push_back(Channel(Of::joint, name, "angle", "", "rad"));
         else
-            channels_.push_back(make_channel(Of::joint, name, "travel", "", "m"));
+            channels_.push_back(Channel(Of::joint, name, "travel", "", "m"));
     }
 }
 
@@ -123,8 +129,7 @@ void Observer::declare_bodies(const Model& model) {
         add_vector(Of::body, name, "velocity", "m/s");
         add_vector(Of::body, name, "acceleration", "m/s^2");
         add_vector(Of::body, name, "angular_velocity", "rad/s");
-        for (const char* part : {"w", "x", "y", "z"})
-            channels_.push_back(make_channel(Of::body, name, "quaternion", part, "1"));
+        for (const char* part : {"w", "x", "y", "z"}) channels_.push_back(Channel(Of::body, name, "quaternion", part, "1"));
         for (size_t m = 0; m < bodies_[b].markers.size(); ++m) {
             const Marker& marker = bodies_[b].markers[m];
             const std::string point = name + "." + marker.name;
@@ -138,7 +143,7 @@ void Observer::declare_bodies(const Model& model) {
 
 void Observer::declare_energies() {
     for (const char* part : {"kinetic", "strain", "dissipated", "work", "residual"})
-        channels_.push_back(make_channel(Of::energy, "energy", part, "", "J"));
+        channels_.push_back(Channel(Of::energy, "energy", part, "", "J"));
 }
 
 void Observer::advance(const Loads& loads, const EndOfStep& end_of_step, const std::vector<BodyState>& before,

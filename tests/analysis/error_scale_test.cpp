@@ -19,7 +19,7 @@ const std::vector<Channel> kChannels = {{"time", "s"},
                                         {"plate.velocity.z", "m/s"},
                                         {"plate.acceleration.z", "m/s^2"},
                                         {"plate.angular_velocity.x", "rad/s"},
-                                        make_channel(Channel::Of::body, "plate", "quaternion", "x", "1"),
+                                        Channel(Channel::Of::body, "plate", "quaternion", "x", "1"),
                                         {"other.slip", "1"},
                                         {"energy.kinetic", "J"},
                                         {"energy.residual", "J"}};
@@ -42,7 +42,7 @@ std::map<std::string, double> scales(const std::vector<std::vector<double>>& row
     fastest.omega = omega;
     const std::vector<double> all = error_scales(plate(), fastest, seen, h);
     std::map<std::string, double> named;
-    for (size_t c = 0; c < kChannels.size(); ++c) named[kChannels[c].name] = all[c];
+    for (size_t c = 0; c < kChannels.size(); ++c) named[kChannels[c].name()] = all[c];
     return named;
 }
 

@@ -126,15 +126,15 @@ public:
             convergence_->evaluate_row(n, values, estimates);
             const bool at_jump = plate.rise == 0 && std::abs(values[0] - plate.start) <= model_.simulation.step;
             for (size_t c = 0; c < channels_.size(); ++c)
-                if (const auto found = exact[n].find(channels_[c].name);
-                    found != exact[n].end() && !(at_jump && channels_[c].unit == "m/s^2"))
+                if (const auto found = exact[n].find(channels_[c].name());
+                    found != exact[n].end() && !(at_jump && channels_[c].unit() == "m/s^2"))
                     largest[found->first] = std::max(largest[found->first], std::abs(values[c] - found->second));
         }
         return largest;
     }
     double estimate(const std::string& channel) const {
         for (size_t c = 0; c < channels_.size(); ++c)
-            if (channels_[c].name == channel) return convergence_->estimates()[c];
+            if (channels_[c].name() == channel) return convergence_->estimates()[c];
         ADD_FAILURE() << channel;
         return 0;
     }

@@ -41,7 +41,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-const std::vector<Channel> kCsvChannels{{"time", "s"}, {"bolt1.force.x", "N"}, {"bolt1.moment.z", "N m"}};
+const std::vector<Column> kCsvChannels{{"time", "s"}, {"bolt1.force.x", "N"}, {"bolt1.moment.z", "N m"}};
 constexpr const char* kHeader = "time,bolt1.force.x,bolt1.moment.z\ns,N,N m\n";
 
 /// Sets the stand-in for the life of one scope.

@@ -17,7 +17,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-const std::vector<Channel> kHdf5Channels{{"time", "s"}, {"bolt1.force.x", "N"}, {"плита.moment.z", "N m"}};
+const std::vector<Column> kHdf5Channels{{"time", "s"}, {"bolt1.force.x", "N"}, {"плита.moment.z", "N m"}};
 const Attributes kAttributes{{"title", "Four bolts"}, {"version", "0.1.0"}, {"model", std::string(100'000, '#')}};
 
 std::vector<double> hdf5_row(int n) { return {0.001 * n, std::sin(n), -1e6 / (n + 1)}; }
@@ -77,7 +77,7 @@ TEST(Hdf5Writer, ValuesReadBackToTheBit) {
 // Oracle: the numbers given, of more channels than stay open; no row, and rows around those that wait together.
 TEST(Hdf5Writer, ManyChannelsReadBack) {
     const TemporaryFolder folder;
-    std::vector<Channel> channels{{"time", "s"}};
+    std::vector<Column> channels{{"time", "s"}};
     while (channels.size() < 5000) channels.push_back({"c" + std::to_string(channels.size()), "N"});
     for (const int rows : {0, 5, 900}) {
         {
@@ -104,7 +104,7 @@ TEST(Hdf5Writer, UnitsAndFileAttributesReadBack) {
     const TemporaryFolder folder;
     write_file(folder / "history.h5", 5);
     const hid_t file = H5Fopen((folder / "history.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-    for (const Channel& channel : kHdf5Channels) EXPECT_EQ(read_attribute(file, channel.name, "unit"), channel.unit);
+    for (const Column& channel : kHdf5Channels) EXPECT_EQ(read_attribute(file, channel.name, "unit"), channel.unit);
     for (const auto& [name, text] : kAttributes) EXPECT_EQ(read_attribute(file, "/", name), text);
     H5Fclose(file);
 }

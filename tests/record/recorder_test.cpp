@@ -167,7 +167,9 @@ TEST(Recorder, WithoutAFolderWritesNothing) {
 
 TEST(Recorder, RefusesChannelsNoFileCanStore) {
     const std::vector<Channel> channels = {{"time", "s"}, {"a/b", "m"}};
-    expect_error([&] { Recorder recorder(channels); }, ExitCode::internal_error, HasSubstr("a/b"));
+    const TemporaryFolder temporary;
+    const ResultsFolder folder(temporary / "plate");
+    expect_error([&] { const Recorder recorder(folder, channels, {0, 1}, {}); }, ExitCode::internal_error, HasSubstr("a/b"));
 }
 
 // Oracle: a count of all calls of operator new in this program.

@@ -115,7 +115,7 @@ double error_of_tip(int refinement, double& largest_moment) {
     model.elements[0].values[1] *= refinement;  // segments
     Simulation simulation(model, plugins);
     std::map<std::string, size_t> column;
-    for (size_t c = 0; c < simulation.channels().size(); ++c) column[simulation.channels()[c].name] = c;
+    for (size_t c = 0; c < simulation.channels().size(); ++c) column[simulation.channels()[c].name()] = c;
     const ExactBeamAndBody oracle = exact(12);
     double error = 0;
     largest_moment = 0;

@@ -39,7 +39,7 @@ std::vector<Forces> run(const Case& what, double step) {
     model.simulation.duration = what.duration;
     Simulation simulation(model, plugins);
     std::map<std::string, size_t> column;
-    for (size_t c = 0; c < simulation.channels().size(); ++c) column[simulation.channels()[c].name] = c;
+    for (size_t c = 0; c < simulation.channels().size(); ++c) column[simulation.channels()[c].name()] = c;
     std::vector<Forces> rows;
     simulation.record_to([&](std::span<const double> values) {
         rows.emplace_back();

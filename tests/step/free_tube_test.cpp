@@ -40,7 +40,7 @@ std::map<std::string, std::vector<double>> run(const Parameters::Overrides& para
     Simulation simulation(model, plugins);
     std::map<std::string, std::vector<double>> columns;
     simulation.record_to([&](std::span<const double> row) {
-        for (size_t c = 0; c < row.size(); ++c) columns[simulation.channels()[c].name].push_back(row[c]);
+        for (size_t c = 0; c < row.size(); ++c) columns[simulation.channels()[c].name()].push_back(row[c]);
     });
     while (simulation.index() < simulation.step_count()) simulation.step();
     return columns;

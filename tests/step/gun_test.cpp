@@ -41,7 +41,7 @@ GunHistory run(Model model, const Plugins& plugins) {
     model.output.every = 1;
     Simulation simulation(model, plugins);
     std::map<std::string, size_t> column;
-    for (size_t c = 0; c < simulation.channels().size(); ++c) column[simulation.channels()[c].name] = c;
+    for (size_t c = 0; c < simulation.channels().size(); ++c) column[simulation.channels()[c].name()] = c;
     GunHistory history;
     simulation.record_to([&](std::span<const double> values) {
         Row row;

@@ -58,7 +58,7 @@ History run(Model model, const Plugins& plugins, double step, double duration) {
     Simulation simulation(model, plugins);
     History history;
     simulation.record_to([&](std::span<const double> row) {
-        for (size_t c = 0; c < row.size(); ++c) history.channels[simulation.channels()[c].name].push_back(row[c]);
+        for (size_t c = 0; c < row.size(); ++c) history.channels[simulation.channels()[c].name()].push_back(row[c]);
     });
     while (simulation.index() < simulation.step_count()) simulation.step();
     const auto steps = static_cast<double>(simulation.index());

@@ -129,7 +129,7 @@ TEST(Nodes, ChannelsAreNamedAfterElementOrNodeAndShownByRole) {
     const Simulation simulation(model, plugins);
     const auto shown = [&](const std::string& name) {
         const auto found = std::ranges::find(simulation.channels(), name, &Channel::name);
-        return found == simulation.channels().end() ? -1 : static_cast<int>(found->by_default);
+        return found == simulation.channels().end() ? -1 : static_cast<int>(found->by_default());
     };
     EXPECT_EQ(shown("middle.force.z"), 1);
     EXPECT_EQ(shown("far.position.x"), 1);

@@ -25,7 +25,7 @@ public:
     size_t count() const { return rows_.size(); }
     double operator()(size_t row, const std::string& channel) const {
         for (size_t c = 0; c < channels_.size(); ++c)
-            if (channels_[c].name == channel) return rows_[row][c];
+            if (channels_[c].name() == channel) return rows_[row][c];
         ADD_FAILURE() << "no channel " << channel;
         return NAN;
     }

@@ -34,7 +34,7 @@ Forces simulated_forces(const std::string& example, const ModelOverrides& overri
     std::array<size_t, 4> column{};
     for (size_t c = 0; c < simulation.channels().size(); ++c)
         for (size_t i = 0; i < 4; ++i)
-            if (simulation.channels()[c].name == fmt::format("bolt{}.force.z", i + 1)) column[i] = c;
+            if (simulation.channels()[c].name() == fmt::format("bolt{}.force.z", i + 1)) column[i] = c;
     Forces forces;
     const auto per_millisecond = static_cast<long>(std::llround(1e-3 / model.simulation.step));
     long row = 0;

@@ -22,7 +22,7 @@ public:
         const Plugins plugins(libraries);
         const Model model = parse_model("format = \"dttmm/1\"\n" + text, "model.toml", plugins.catalogue());
         Simulation simulation(model, plugins);
-        for (size_t c = 0; c < simulation.channels().size(); ++c) columns_[simulation.channels()[c].name] = c;
+        for (size_t c = 0; c < simulation.channels().size(); ++c) columns_[simulation.channels()[c].name()] = c;
         simulation.record_to([&](std::span<const double> row) { rows_.emplace_back(row.begin(), row.end()); });
         while (simulation.index() < simulation.step_count()) simulation.step();
     }

@@ -37,7 +37,7 @@ Networks::Networks(const Model& model, const Plugins& plugins) : path_(model.pat
     if (!instances_.empty()) take_weights();
     motions_.resize(model.bodies.size());
     wrenches_.resize(6 * model.bodies.size());
-    for (const NetworkInstance& instance : instances_) outputs_.emplace_back(instance.channel_count());
+    for (const NetworkInstance& instance : instances_) outputs_.emplace_back(instance.channels().size());
     refuse_changed_arithmetic();
 }
 
@@ -289,7 +289,7 @@ void Networks::commit_step(const std::vector<BodyState>& accepted) {
 
 size_t Networks::output_count() const {
     size_t count = 0;
-    for (const NetworkInstance& instance : instances_) count += instance.channel_count();
+    for (const NetworkInstance& instance : instances_) count += instance.channels().size();
     return count;
 }
 
@@ -318,17 +318,17 @@ void Networks::outputs(double* values) const {
             instance.outputs(own.data());
             check_guards(n, own, "output");
         });
-        for (uint32_t c = 0; c < instance.channel_count(); ++c) {
+        for (size_t c = 0; c < instance.channels().size(); ++c) {
             values[c] = own[c];
             if (std::isfinite(values[c])) [[likely]]
                 continue;
-            const dttmm_channel& channel = instance.channel(c);
+            const Channel& channel = instance.channels()[c];
             throw Error(ExitCode::plugin_failure,
                         fmt::format("{} \"{}\" at t = {:.9g} s: plugin {} says {} is {}",
-                                    channel.of == DTTMM_OF_NODE ? "node" : "element", instance.owner_of(channel), time_,
-                                    instance.plugin_name(), channel.name, values[c]));
+                                    channel.of() == Channel::Of::node ? "node" : "element", channel.owner(), time_,
+                                    instance.plugin_name(), channel.name_in_owner(), values[c]));
         }
-        values += instance.channel_count();
+        values += instance.channels().size();
     }
     refuse_changed_arithmetic();
 }

@@ -21,6 +21,23 @@ namespace {
 constexpr uint32_t kMostChannels = 10'000'000;
 constexpr const char* kBadChannel = "an output channel is not well declared";
 
+/// As a plugin declares it: "force.x", "section3.force.x", "turn_to_limit".
+Channel channel_of(const dttmm_channel& declared, const dttmm_network& network) {
+    const std::string_view name = declared.name;
+    const size_t dot = std::min(name.rfind('.'), name.size());
+    const bool is_of_element = declared.of == DTTMM_OF_ELEMENT;
+    return Channel(is_of_element ? Channel::Of::element : Channel::Of::node,
+                   is_of_element ? network.elements[declared.index].name : network.nodes[declared.index].name,
+                   name.substr(0, dot), name.substr(std::min(dot + 1, name.size())), declared.unit,
+                   declared.role == DTTMM_ROLE_RESULT);
+}
+
+/// What no two channels have alike.
+auto identity(const Channel* channel) {
+    using Text = const std::string&;
+    return std::tuple<Channel::Of, Text, Text, Text>(channel->of(), channel->owner(), channel->quantity(), channel->axis());
+}
+
 }  // namespace
 
 ExitCode exit_code_of(dttmm_status status) {
@@ -40,7 +57,6 @@ ExitCode exit_code_of(dttmm_status status) {
 
 NetworkInstance::NetworkInstance(const PluginLibrary& plugin, const dttmm_network& network)
     : plugin_(plugin), table_(&plugin.table()), instance_(nullptr, table_->destroy) {
-    for (uint32_t n = 0; n < network.node_count; ++n) node_names_.emplace_back(network.nodes[n].name);
     for (uint32_t e = 0; e < network.element_count; ++e) element_names_.emplace_back(network.elements[e].name);
     PluginCall::set_time(std::numeric_limits<double>::quiet_NaN());
     dttmm_network watched = network;
@@ -117,21 +133,17 @@ void NetworkInstance::read_channels(const dttmm_network& network) {
     const PluginCall at_work(plugin_.name(), &element_names_, at_work_.get());  // its list may end too soon
     *at_work_ = last;
     channels_.reserve(count);
+    roles_.reserve(count);
     for (uint32_t c = 0; c < count; ++c) {
         if (!channels || !is_declared(channels[c], network)) fail(DTTMM_ERROR_INTERNAL, -1, kBadChannel);
-        channels_.push_back(channels[c]);
-        dttmm_channel& own = channels_.back();
-        own.name = plugin_.keep(own.name);
-        own.unit = plugin_.keep(own.unit);
+        channels_.push_back(channel_of(channels[c], network));
+        roles_.push_back(static_cast<uint8_t>(channels[c].role));
     }
-    const auto identity = [](const dttmm_channel& c) { return std::tuple(c.of, c.index, std::string_view(c.name)); };
-    std::vector<const dttmm_channel*> sorted;
+    std::vector<const Channel*> sorted;
     sorted.reserve(count);
-    for (const dttmm_channel& own : channels_) sorted.push_back(&own);
-    const auto by_identity = [&](const auto* a, const auto* b) { return identity(*a) < identity(*b); };
-    const auto is_same = [&](const auto* a, const auto* b) { return identity(*a) == identity(*b); };
-    std::ranges::sort(sorted, by_identity);
-    if (std::ranges::adjacent_find(sorted, is_same) != sorted.end()) fail(DTTMM_ERROR_INTERNAL, -1, kBadChannel);
+    for (const Channel& channel : channels_) sorted.push_back(&channel);
+    std::ranges::sort(sorted, {}, identity);
+    if (std::ranges::adjacent_find(sorted, {}, identity) != sorted.end()) fail(DTTMM_ERROR_INTERNAL, -1, kBadChannel);
 }
 
 void NetworkInstance::fail_by_exception() const { fail(DTTMM_ERROR_INTERNAL, -1, describe_exception()); }

@@ -12,6 +12,7 @@
 
 #include "loader/plugin_call.h"
 #include "loader/plugin_library.h"
+#include "model/channel.h"
 #include "model/error.h"
 #include "model/index.h"
 
@@ -98,8 +99,9 @@ public:
     }
 
     /// As they were when the instance was made: the plugin is not asked again.
-    uint32_t channel_count() const { return static_cast<uint32_t>(channels_.size()); }
-    const dttmm_channel& channel(uint32_t index) const { return channels_[index]; }
+    const std::vector<Channel>& channels() const { return channels_; }
+    /// One per channel: a DTTMM_ROLE.
+    const std::vector<uint8_t>& roles() const { return roles_; }
     void outputs(double* values) const {
         ask([&](dttmm_error* error) { return table_->outputs(instance_.get(), values, error); });
     }
@@ -117,10 +119,6 @@ public:
     /// Who wanted the last expect() once more: `element "bolt1" (plugin ..)`, or the plugin alone.
     std::string unconverged() const { return whose(unconverged_); }
     [[noreturn]] void blame(const std::string& text) const;
-    /// Name of the element or node that a channel belongs to.
-    const std::string& owner_of(const dttmm_channel& channel) const {
-        return (channel.of == DTTMM_OF_NODE ? node_names_ : element_names_)[channel.index];
-    }
 
 private:
     static dttmm_error* cleared(dttmm_error& error) {
@@ -174,10 +172,11 @@ private:
     const dttmm_plugin* table_;
     std::unique_ptr<volatile int32_t> at_work_ = std::make_unique<volatile int32_t>(-1);  ///< the element it works on
     std::unique_ptr<dttmm_instance, void (*)(dttmm_instance*)> instance_;
-    std::vector<std::string> element_names_, node_names_;
+    std::vector<std::string> element_names_;
     int unconverged_ = -1;
     std::vector<dttmm_block> blocks_;
-    std::vector<dttmm_channel> channels_;
+    std::vector<Channel> channels_;
+    std::vector<uint8_t> roles_;
 };
 
 }  // namespace dttmm::host

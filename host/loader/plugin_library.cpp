@@ -141,11 +141,6 @@ PluginLibrary::PluginLibrary(std::string name, const dttmm_plugin* table, std::s
     if (!whole) fail(name_, "an extension of it has a null entry, or is without the one that it stands on");
 }
 
-const char* PluginLibrary::keep(const char* text) const {
-    const auto found = kept_->texts.find(std::string_view(text));
-    return (found != kept_->texts.end() ? found : kept_->texts.emplace(text).first)->c_str();
-}
-
 PluginLibrary PluginLibrary::built_in() { return {"built in", dttmm_plugin_entry(DTTMM_PLUGIN_MAJOR), nullptr}; }
 
 std::filesystem::path PluginLibrary::built_in_file() {

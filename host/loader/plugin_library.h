@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -37,13 +36,7 @@ public:
     /// Gives its elements one more law; false: they take none. Throws Error(plugin_failure) with what it says of the law.
     bool add_law(const dttmm_law& law) const;
 
-    /// A text of the plugin, copied once for all of its instances; stays as long as this library.
-    const char* keep(const char* text) const;
-
 private:
-    struct Kept {
-        std::set<std::string, std::less<>> texts;
-    };
     PluginLibrary(std::string name, const dttmm_plugin* table, std::shared_ptr<void> handle);
     std::string name_;
     const dttmm_plugin* table_;
@@ -51,7 +44,6 @@ private:
     const dttmm_response_table* response_ = nullptr;
     const dttmm_laws_table* laws_ = nullptr;
     std::shared_ptr<void> handle_;
-    std::shared_ptr<Kept> kept_ = std::make_shared<Kept>();
 };
 
 }  // namespace dttmm::host

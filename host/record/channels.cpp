@@ -6,11 +6,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <mutex>
 #include <numeric>
-#include <set>
 #include <string_view>
-#include <utility>
 
 #include "model/error.h"
 #include "model/index.h"
@@ -20,15 +17,6 @@ namespace dttmm::host {
 namespace {
 
 constexpr std::size_t kShownGroups = 12;
-
-/// The one copy of `value` of this process. Models of one process share their names, so it is never freed.
-template <class Value>
-const Value* keep(Value value) {
-    static std::mutex mutex;
-    static std::set<Value> kept;
-    const std::lock_guard lock(mutex);
-    return &*kept.insert(std::move(value)).first;
-}
 
 /// "bolt1.force.x" -> "bolt1", "bolt1.force", "bolt1.force.x": all that a pattern may match.
 std::vector<std::string> leading_parts(const std::string& name) {
@@ -94,17 +82,6 @@ Error no_match(const std::vector<Channel>& all, const std::string& pattern) {
 }
 
 }  // namespace
-
-Channel::Channel(Of of, std::string_view owner, std::string_view quantity, std::string_view axis, std::string_view unit,
-                 bool by_default)
-    : owner_(keep(std::string(owner))),
-      what_(keep(What{std::string(quantity), std::string(axis), std::string(unit)})),
-      of_(of),
-      by_default_(by_default) {}
-
-std::string Channel::name() const { return axis().empty() ? without_axis() : without_axis() + '.' + axis(); }
-
-std::string Channel::without_axis() const { return owner().empty() ? quantity() : owner() + '.' + quantity(); }
 
 std::vector<int> select_channels(const std::vector<Channel>& all, const std::vector<std::string>& patterns) {
     std::vector<bool> selected(all.size(), false);

@@ -2,48 +2,11 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "model/channel.h"
+
 namespace dttmm::host {
-
-/// One recorded quantity: a column of history.csv and a dataset of history.h5. Its name is made of what it is; nobody takes
-/// a name apart. A large machine has a hundred thousand, so each text stands in memory once, for all of them and for good.
-class Channel {
-public:
-    /// What it belongs to.
-    enum class Of : unsigned char { nothing, element, joint, body, marker, node, energy };
-
-    /// quantity: may hold dots; axis: may be empty; unit: of the SI value, "1" for a pure number; by_default: recorded when
-    /// the user asks for nothing in particular.
-    Channel(Of of, std::string_view owner, std::string_view quantity, std::string_view axis, std::string_view unit,
-            bool by_default = true);
-    /// It belongs to nothing and has a name only, as "time" has.
-    Channel(std::string_view name, std::string_view unit) : Channel(Of::nothing, {}, name, {}, unit) {}
-
-    Of of() const { return of_; }
-    bool by_default() const { return by_default_; }
-    const std::string& owner() const { return *owner_; }
-    const std::string& quantity() const { return what_->quantity; }
-    const std::string& axis() const { return what_->axis; }
-    const std::string& unit() const { return what_->unit; }
-
-    /// "bolt1.force.x": owner, quantity, axis.
-    std::string name() const;
-    /// Owner and quantity: what its axes have in common.
-    std::string without_axis() const;
-
-private:
-    struct What {
-        std::string quantity, axis, unit;
-        auto operator<=>(const What&) const = default;
-    };
-
-    const std::string* owner_;
-    const What* what_;
-    Of of_;
-    bool by_default_;
-};
 
 /// Indices into `all` of the channels to record, ascending; channel 0, the time, is always the first.
 /// No patterns: the channels recorded by default. A pattern is a glob (*, ?, [abc]) and selects a channel when it matches

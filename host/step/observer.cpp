@@ -46,15 +46,6 @@ std::set<std::pair<int, int>> used_markers(const Model& model) {
     return used;
 }
 
-/// As a plugin declares it: "force.x", "section3.force.x", "turn_to_limit".
-Channel channel_of(const NetworkInstance& instance, const dttmm_channel& declared) {
-    const std::string_view name = declared.name;
-    const size_t dot = std::min(name.rfind('.'), name.size());
-    return Channel(declared.of == DTTMM_OF_ELEMENT ? Of::element : Of::node, instance.owner_of(declared),
-                   name.substr(0, dot), name.substr(std::min(dot + 1, name.size())), declared.unit,
-                   declared.role == DTTMM_ROLE_RESULT);
-}
-
 /// An element may be called like a node as long as their channels differ.
 void refuse_shared_channels(const Model& model, const std::vector<Channel>& channels) {
     std::unordered_set<std::string_view> nodes;
@@ -69,7 +60,7 @@ void refuse_shared_channels(const Model& model, const std::vector<Channel>& chan
         const Element& element = *found->second;
         throw Error(ExitCode::model_invalid,
                     fmt::format("{}: element \"{}\": a node has the same name, and both have a channel \"{}\"; rename one",
-                                element.place, element.name, channel.name().substr(element.name.size() + 1)));
+                                element.place, element.name, channel.name_in_owner()));
     }
 }
 
@@ -79,6 +70,7 @@ Observer::Observer(const Model& model, const Networks& networks, const EndOfStep
     : bodies_(model.bodies), gravity_(model.simulation.gravity) {
     size_t markers = 0;
     for (const Body& body : bodies_) markers += body.markers.size();
+    roles_.reserve(networks.output_count());
     channels_.reserve(networks.output_count() + 7 * model.joints.size() + 16 * bodies_.size() + 9 * markers + 6);
     channels_.emplace_back("time", "s");
     declare_networks(model, networks);
@@ -95,15 +87,15 @@ void Observer::add_vector(Channel::Of of, const std::string& owner, const char* 
 }
 
 void Observer::declare_networks(const Model& model, const Networks& networks) {
-    for (const NetworkInstance& instance : networks.instances()) {
-        for (uint32_t c = 0; c < instance.channel_count(); ++c) {
-            const dttmm_channel& channel = instance.channel(c);
-            roles_.push_back(channel.role);
-            if (channel.role >= DTTMM_ROLE_STRAIN_ENERGY && channel.role <= DTTMM_ROLE_WORK) continue;
-            if (channel.role == DTTMM_ROLE_LIMIT) limits_.push_back({channels_.size(), instance.owner_of(channel)});
-            channels_.push_back(channel_of(instance, channel));
+    for (const NetworkInstance& instance : networks.instances())
+        for (size_t c = 0; c < instance.channels().size(); ++c) {
+            const Channel& channel = instance.channels()[c];
+            const uint8_t role = instance.roles()[c];
+            roles_.push_back(role);
+            if (role >= DTTMM_ROLE_STRAIN_ENERGY && role <= DTTMM_ROLE_WORK) continue;
+            if (role == DTTMM_ROLE_LIMIT) limits_.push_back({channels_.size(), channel.owner()});
+            channels_.push_back(channel);
         }
-    }
     refuse_shared_channels(model, channels_);
 }
 

@@ -81,7 +81,7 @@ private:
     std::vector<double> row_, outputs_;
 
     std::vector<Limit> limits_;
-    std::vector<uint32_t> roles_;  ///< of the outputs of the networks: a number of the row, or part of an energy
+    std::vector<uint8_t> roles_;  ///< of the outputs of the networks: a number of the row, or part of an energy
     Ledger ledger_;
 };
 

@@ -30,6 +30,7 @@ constexpr size_t kCount = Lanes::kCount;
 
 JointsByFour::JointsByFour(const Mechanism& mechanism, std::span<const size_t> joints) {
     std::vector<size_t> open[2][2];  // by whether they carry moments, keep rates
+    fours_.reserve(joints.size() / kCount);
     for (size_t j : joints) {
         const Joint& joint = mechanism.joints[j];
         const bool keeps_rates = mechanism.damper(j) != nullptr;

@@ -8,16 +8,22 @@ namespace dttmm::plugin {
 
 Mechanism::Mechanism(const dttmm_network& description)
     : assembly(assemble(description)), scheme(description.scheme, {description.beta, description.gamma}) {
+    const size_t count = assembly.joints.size();
+    int damper_count = 0;
+    joints.reserve(count);
+    damper_of.reserve(count);
+    memory_of.reserve(count);
     for (const JointSpec& spec : assembly.joints) {
         joints.emplace_back(spec, assembly);
         const bool keeps_rates = joints.back().is_damped() || joints.back().has_laws() || scheme.lag() != 0;
-        damper_of.push_back(keeps_rates ? as_int(dampers.size()) : -1);
-        if (keeps_rates) dampers.emplace_back();
+        damper_of.push_back(keeps_rates ? damper_count++ : -1);
         const size_t memory = spec.law->memory_before(6);
         memory_of.push_back(memory > 0 ? as_int(law_memory.size()) : -1);
         law_memory.resize(law_memory.size() + memory);
     }
-    states.resize(joints.size());
+    states.resize(count);
+    dampers.resize(as_size(damper_count));
+    frames.reserve(assembly.frames.size());
     for (const FrameSpec& frame : assembly.frames) frames.push_back(make_frame(frame.pose));
     before = frames;
     law_memory_before = law_memory;

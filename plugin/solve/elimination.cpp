@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "core/error.h"
@@ -40,12 +41,9 @@ Elimination::Elimination(int frame_count, const std::vector<Link>& links, double
     const auto n = as_size(frame_count);
     diagonal_.assign(n, Matrix6::Zero());
     acting_.assign(n, Vector6::Zero());
-    work_.assign(n, Matrix6::Zero());
+    own_size_.assign(n, Vector6::Zero());
     couplings_.assign(order_->couplings().size(), Matrix6::Zero());
-    filled_.assign(as_size(order_->filled_count()), Matrix6::Zero());
     rows_.resize(order_->rows().size());
-    inverses_.assign(order_->plain().size(), Matrix6::Zero());
-    gains_ = inverses_;
     const auto reserve = [](OpenRows& open, size_t frames) {
         open.rows.reserve(kMostRows);
         open.by.resize(frames);
@@ -63,6 +61,7 @@ Elimination::Elimination(int frame_count, const std::vector<Link>& links, double
 }
 
 void Elimination::set_zero() {
+    is_factored_ = false;
     for (Matrix6& block : diagonal_) block.setZero();
     for (Vector6& acting : acting_) acting.setZero();
     for (Matrix6& coupling : couplings_) coupling.setZero();
@@ -85,10 +84,10 @@ void Elimination::set_rigid(int link, int i, const Vector6& by_from, const Vecto
 // ---- The factor ---------------------------------------------------------------------------------------------------------
 
 std::optional<Elimination::Fault> Elimination::factor() {
+    assert(!is_factored_);
+    is_factored_ = true;
     negatives_ = 0;
-    work_ = diagonal_;
-    for (size_t c = 0; c < couplings_.size(); ++c)
-        if (const int filled = order_->couplings()[c].filled; filled >= 0) filled_[as_size(filled)] = couplings_[c];
+    for (size_t f = 0; f < diagonal_.size(); ++f) own_size_[f] = (diagonal_[f].diagonal() - acting_[f]).cwiseAbs();
     Fault fault;
     for (const Pivot& pivot : order_->pivots())
         if (!(pivot.is_plain ? factor_plain(pivot, fault) : factor_general(pivot, fault))) return fault;
@@ -144,8 +143,8 @@ bool Elimination::gather(const Pivot& pivot, OpenRows& open) const {
 Vector6 Elimination::motion_scale(const Pivot& pivot) const {
     constexpr double kNothing = 1e-6, kRounding = 1e-14, kRoundingOfOther = 1e-16;
     const auto f = as_size(pivot.frame);
-    Vector6 own = (diagonal_[f].diagonal() - acting_[f]).cwiseAbs();
-    Vector6 size = own.cwiseMax((work_[f].diagonal() - acting_[f]).cwiseAbs());
+    Vector6 own = own_size_[f];
+    Vector6 size = own.cwiseMax((diagonal_[f].diagonal() - acting_[f]).cwiseAbs());
     for (Vector6* entries : {&own, &size}) {
         const double least = least_turning_ * size.head<3>().maxCoeff();
         for (double& entry : entries->tail<3>())
@@ -233,13 +232,15 @@ Columns Elimination::solve_block(const Columns& B) const {
 }
 
 bool Elimination::factor_plain(const Pivot& pivot, Fault& fault) {
-    if (!decompose(pivot, work_[as_size(pivot.frame)], motion_scale(pivot), {}, smallest_ratio_, fault)) return false;
-    const auto index = as_size(pivot.index);
-    inverses_[index] = inverse();
+    Matrix6& own = diagonal_[as_size(pivot.frame)];
+    if (!decompose(pivot, own, motion_scale(pivot), {}, smallest_ratio_, fault)) return false;
+    own = inverse();
     if (pivot.neighbours.empty()) return true;
-    const Matrix6& B = coupling(pivot.neighbours.front());
-    gains_[index] = solve_block(B);
-    work_[as_size(pivot.neighbours.front().frame)] -= B.transpose() * gains_[index];
+    const auto [neighbour, index] = pivot.neighbours.front();
+    Matrix6& coupling = couplings_[as_size(index)];
+    const Matrix6 gain = solve_block(coupling);
+    diagonal_[as_size(neighbour)] -= coupling.transpose() * gain;
+    coupling = gain;
     return true;
 }
 
@@ -290,7 +291,7 @@ bool Elimination::decompose_with_rows(const Pivot& pivot, const Vector6& motions
     const auto n = as_row(6 + choice_.size());
     Block block = Block::Zero(n, n);
     Column scale(n);
-    block.topLeftCorner<6, 6>() = work_[as_size(pivot.frame)];
+    block.topLeftCorner<6, 6>() = diagonal_[as_size(pivot.frame)];
     scale.head<6>() = motions;
     general.kept.clear();
     for (Eigen::Index i = 6; i < n; ++i) {
@@ -332,14 +333,14 @@ void Elimination::update_neighbours(const Pivot& pivot) {
     const auto n = as_row(6 + choice_.size()), passed = as_row(rest_.size());
     const auto coupling_rows = [&](size_t i) {
         Rows B = Rows::Zero(n, 6);
-        B.topRows<6>() = coupling(pivot.neighbours[i]);
+        B.topRows<6>() = couplings_[as_size(pivot.neighbours[i].coupling)];
         for (Eigen::Index k = 6; k < n; ++k) B.row(k) = open_.by[i + 1].row(choice_[as_size(k - 6)]);
         return B;
     };
     for (size_t i = 0; i < pivot.neighbours.size(); ++i) {
         const Rows B = coupling_rows(i);
         general.gains[i] = solve_block(B);
-        work_[as_size(pivot.neighbours[i].frame)] -= B.transpose() * general.gains[i];
+        diagonal_[as_size(pivot.neighbours[i].frame)] -= B.transpose() * general.gains[i];
         if (!on) continue;
         Rows& by = on->open.by[i];
         by.resize(passed, 6);
@@ -350,10 +351,10 @@ void Elimination::update_neighbours(const Pivot& pivot) {
     for (size_t i = 0; i < pivot.neighbours.size(); ++i) {
         const Rows B = coupling_rows(i);
         for (size_t j = i + 1; j < pivot.neighbours.size(); ++j) {
-            const EliminationOrder::Coupling& between = order_->couplings()[as_size(pivot.fills[fill++])];
+            const auto between = as_size(pivot.fills[fill++]);
             const Matrix6 update = B.transpose() * general.gains[j];
-            Matrix6& block = filled_[as_size(between.filled)];
-            if (between.row == pivot.neighbours[i].frame)
+            Matrix6& block = couplings_[between];
+            if (order_->couplings()[between].row == pivot.neighbours[i].frame)
                 block -= update;
             else
                 block -= update.transpose();
@@ -372,25 +373,24 @@ DTTMM_WIDE void Elimination::solve(std::span<Vector6> r, std::span<double> g) co
             eliminate(pivots[k], r, g);
             continue;
         }
-        const auto index = as_size(plain_index[k]);
-        const EliminationOrder::Plain plain = plains[index];
+        const EliminationOrder::Plain plain = plains[as_size(plain_index[k])];
         if (plain.neighbour < 0) continue;
         double* const next = r[as_size(plain.neighbour)].data();
-        (Six(next) - transposed_product(gains_[index].data(), r[as_size(plain.frame)].data())).store(next);
+        (Six(next) - transposed_product(couplings_[as_size(plain.coupling)].data(), r[as_size(plain.frame)].data()))
+            .store(next);
     }
     for (size_t k = pivots.size(); k-- > 0;) {
         if (plain_index[k] < 0) [[unlikely]] {
             substitute(pivots[k], r, g);
             continue;
         }
-        const auto index = as_size(plain_index[k]);
-        const EliminationOrder::Plain plain = plains[index];
+        const EliminationOrder::Plain plain = plains[as_size(plain_index[k])];
         double* const own = r[as_size(plain.frame)].data();
-        const Six held = product(inverses_[index].data(), own);
+        const Six held = product(diagonal_[as_size(plain.frame)].data(), own);
         if (plain.neighbour < 0)
             held.store(own);
         else
-            (held - product(gains_[index].data(), r[as_size(plain.neighbour)].data())).store(own);
+            (held - product(couplings_[as_size(plain.coupling)].data(), r[as_size(plain.neighbour)].data())).store(own);
     }
 }
 

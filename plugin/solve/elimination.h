@@ -36,6 +36,7 @@ public:
         add_diagonal(frame, block);
         acting_[as_size(frame)] += block.diagonal();
     }
+    /// As added so far; before factor().
     const Matrix6& diagonal(int frame) const { return diagonal_[as_size(frame)]; }
     /// Block (from, to) of the frames of a link; its transpose is understood.
     void add_coupling(int link, const Matrix6& block);
@@ -51,7 +52,7 @@ public:
         int link = -1, rigid = -1;
         bool too_many = false;  ///< rigid directions meet here, kMostRows at most can
     };
-    /// Nothing if all is well.
+    /// Nothing if all is well. The factor takes the place of the blocks added: for another one set_zero() comes first.
     std::optional<Fault> factor();
 
     /// Lets factor() also count the negative eigenvalues of K on the motions that the rigid directions leave, K of any sign:
@@ -113,10 +114,6 @@ private:
                              Fault& fault);
     void pass_rows_on(const Pivot& pivot, const Vector6& motions);
     void update_neighbours(const Pivot& pivot);
-    const Matrix6& coupling(const EliminationOrder::Neighbour& neighbour) const {
-        const int filled = order_->couplings()[as_size(neighbour.coupling)].filled;
-        return filled < 0 ? couplings_[as_size(neighbour.coupling)] : filled_[as_size(filled)];
-    }
     /// Of a pivot that is not plain, on the way in and on the way back.
     [[gnu::noinline]] void eliminate(const Pivot& pivot, std::span<Vector6> r, std::span<double> g) const;
     [[gnu::noinline]] void substitute(const Pivot& pivot, std::span<Vector6> r, std::span<double> g) const;
@@ -127,12 +124,13 @@ private:
 
     std::shared_ptr<const EliminationOrder> order_;
     double least_turning_;  ///< share of the translations' largest below which a rotation's entry is rounding [m²]
-    std::vector<Matrix6> diagonal_, work_;
-    std::vector<Vector6> acting_;  ///< part of the diagonals by add_acting
-    std::vector<Matrix6> couplings_;
-    std::vector<Matrix6> filled_;            ///< those that the elimination of other frames changes, as far as it has come
-    std::vector<Derivatives> rows_;          ///< of the rigid directions
-    std::vector<Matrix6> inverses_, gains_;  ///< of plain pivots: of the block, and that times the coupling
+    bool is_factored_ = false;
+    // As added, then as far as the elimination has come; of plain pivots in the end their inverse, and that times the
+    // coupling
+    std::vector<Matrix6> diagonal_, couplings_;
+    std::vector<Vector6> acting_;    ///< part of the diagonals by add_acting
+    std::vector<Vector6> own_size_;  ///< entries of the diagonals as added, less those
+    std::vector<Derivatives> rows_;  ///< of the rigid directions
     std::vector<General> general_;
     std::vector<Passed> passed_;
     bool counts_ = false;

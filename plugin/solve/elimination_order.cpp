@@ -125,10 +125,7 @@ void EliminationOrder::add_pivots(const std::vector<int>& order, const Later& la
         pivot.neighbours = later[as_size(frame)];
         for (size_t i = 0; i < pivot.neighbours.size(); ++i)
             for (size_t j = i + 1; j < pivot.neighbours.size(); ++j) {
-                const int fill = coupling_of(later, pivot.neighbours[i].frame, pivot.neighbours[j].frame);
-                pivot.fills.push_back(fill);
-                int& filled = couplings_[as_size(fill)].filled;
-                if (filled < 0) filled = filled_count_++;
+                pivot.fills.push_back(coupling_of(later, pivot.neighbours[i].frame, pivot.neighbours[j].frame));
             }
     }
     for (size_t row = 0; row < rows_.size(); ++row) {
@@ -156,7 +153,9 @@ void EliminationOrder::sort_pivots() {
             pivots_[as_size(next)].children.push_back(as_int(k));
         }
         if (pivot.is_plain)
-            plain_.push_back({pivot.frame, pivot.neighbours.empty() ? -1 : pivot.neighbours.front().frame});
+            plain_.push_back(pivot.neighbours.empty()
+                                 ? Plain{pivot.frame, -1, -1}
+                                 : Plain{pivot.frame, pivot.neighbours.front().frame, pivot.neighbours.front().coupling});
         else
             general_.push_back(pivot.neighbours.size());
     }

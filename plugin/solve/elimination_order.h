@@ -38,10 +38,10 @@ public:
     /// All that a solution wants to know of a plain pivot, close together; neighbour: −1: none.
     struct Plain {
         int frame, neighbour;
+        int coupling;  ///< of the two
     };
     struct Coupling {
         int row, column;  ///< frames; the row is eliminated first
-        int filled = -1;  ///< among those that the elimination of others changes; −1: none does
     };
     struct OfLink {
         int coupling = -1;  ///< −1: with what is known
@@ -64,7 +64,6 @@ public:
     /// Numbers of neighbours: of every general pivot, of every one that may pass rows on.
     const std::vector<std::size_t>& general() const { return general_; }
     const std::vector<std::size_t>& passing() const { return passing_; }
-    int filled_count() const { return filled_count_; }
 
 private:
     using Later = std::vector<std::vector<Neighbour>>;  ///< of every frame
@@ -83,7 +82,6 @@ private:
     std::vector<OfLink> links_;
     std::vector<Row> rows_;
     std::vector<std::size_t> general_, passing_;
-    int filled_count_ = 0;
 };
 
 }  // namespace dttmm::plugin

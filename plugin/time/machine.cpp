@@ -188,6 +188,9 @@ void Machine::place_channels(std::span<const std::vector<uint32_t>> units) {
         const auto channels = network.piece(piece);
         channels_.insert(channels_.end(), channels.begin(), channels.end());
     };
+    size_t count = 0;
+    for (const Part& part : networks_) count += part.network.channels().size();
+    channels_.reserve(count);
     for (const std::vector<uint32_t>& unit : units) {
         for (uint32_t e : unit) place(*piece_of[e].first, piece_of[e].second);
         Network& network = *piece_of[unit.front()].first;

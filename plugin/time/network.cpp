@@ -8,9 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
-#include <mutex>
 #include <numeric>
-#include <unordered_set>
 #include <utility>
 
 #include "core/error.h"
@@ -27,14 +25,6 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 using RowMajor6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
 constexpr const char* kAxes[] = {"x", "y", "z"};
-
-/// One copy of every channel's name, for as long as the plugin is loaded: a machine may have 10^5 times "force.x".
-const char* keep(const std::string& name) {
-    static std::mutex mutex;
-    static std::unordered_set<std::string> names;
-    const std::lock_guard lock(mutex);
-    return names.insert(name).first->c_str();
-}
 
 Places all_places(const dttmm_network& description) {
     Places places;
@@ -78,7 +68,9 @@ Network::Network(const dttmm_network& description, Places places) : places_(std:
 
 void Network::declare(const std::string& name, const char* unit, uint32_t of, uint32_t index, uint32_t role) {
     const uint32_t at = (of == DTTMM_OF_ELEMENT ? places_.elements : places_.nodes)[index];
-    results_.channels.push_back({keep(name), unit, of, at, role});
+    char* kept = static_cast<char*>(results_.names->allocate(name.size() + 1, 1));
+    std::copy_n(name.c_str(), name.size() + 1, kept);
+    results_.channels.push_back({kept, unit, of, at, role});
 }
 
 void Network::declare_vectors(const std::string& prefix, std::initializer_list<std::pair<const char*, const char*>> vectors,

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <memory>
+#include <memory_resource>
 #include <span>
 #include <string>
 #include <vector>
@@ -74,7 +75,7 @@ public:
             .subspan(results_.piece_begin[piece], results_.piece_begin[piece + 1] - results_.piece_begin[piece]);
     }
     void place_outputs(size_t piece, size_t at) { results_.places[piece] = at; }
-    /// Where another has them.
+    /// Where another has them; their names stay.
     void forget_channels() { results_.channels = {}; }
     void outputs(double* values) const;
 
@@ -183,6 +184,8 @@ private:
         std::vector<ChainView> chains;  ///< of every element; unused where it has one joint or none
         std::vector<int> nodes;         ///< with channels
         std::vector<dttmm_channel> channels;
+        /// Of channels: a long beam has 10^5.
+        std::unique_ptr<std::pmr::monotonic_buffer_resource> names = std::make_unique<std::pmr::monotonic_buffer_resource>();
         std::vector<size_t> piece_begin, places;
     };
     Results results_;

@@ -28,23 +28,6 @@ const std::vector<Channel> kChannels{
     Channel(Of::energy, "energy", "residual", "", "J", false),  // 8
 };
 
-TEST(Channel, IsNamedByWhatItIs) {
-    const Channel whole = Channel(Of::marker, "plate.tip", "velocity", "x", "m/s");
-    EXPECT_EQ(whole.name(), "plate.tip.velocity.x");
-    EXPECT_EQ(whole.owner(), "plate.tip");
-    EXPECT_EQ(whole.quantity(), "velocity");
-    EXPECT_EQ(whole.axis(), "x");
-    EXPECT_EQ(whole.without_axis(), "plate.tip.velocity");
-    const Channel scalar = Channel(Of::energy, "energy", "residual", "", "J");
-    EXPECT_EQ(scalar.name(), "energy.residual");
-    EXPECT_EQ(scalar.quantity(), "residual");
-    EXPECT_EQ(scalar.axis(), "");
-    const Channel nobody{"time", "s"};
-    EXPECT_EQ(nobody.name(), "time");
-    EXPECT_EQ(nobody.owner(), "");
-    EXPECT_EQ(nobody.axis(), "");
-}
-
 // Oracle for all selections: the rule of the header, applied by hand to the nine channels above.
 TEST(SelectChannels, WithoutPatternsTakesTheDefaults) {
     EXPECT_THAT(select_channels(kChannels, {}), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <utility>
 
 #include "core/driven_ends.h"
 #include "core/error.h"
@@ -12,43 +13,53 @@
 
 namespace dttmm::plugin {
 
-Joint::Joint(const JointSpec& spec, const Assembly& assembly)
-    : element_(spec.element), from_(spec.from), to_(spec.to), rigid_(spec.law->rigid), law_(spec.law) {
+JointKind::JointKind(std::shared_ptr<const JointLaw> of)
+    : law(std::move(of)),
+      is_damped(!law->damping.isZero(0)),
+      is_axial(law->axial.has_value()),
+      has_laws(law->has_laws() || is_axial) {
     for (int half : {0, 1}) {
-        springs_.halves[half].stiffness = law_->stiffness.segment<3>(3 * half);
-        springs_.halves[half].damping = law_->damping.segment<3>(3 * half);
+        springs.halves[half].stiffness = law->stiffness.segment<3>(3 * half);
+        springs.halves[half].damping = law->damping.segment<3>(3 * half);
     }
-    springs_.turns = (law_->carried() >> 3).any();
-    springs_.line = law_->line;
-    springs_.is_line = law_->line.mixed != 0;
-    is_damped_ = !law_->damping.isZero(0);
-    is_axial_ = law_->axial.has_value();
-    has_laws_ = law_->has_laws() || is_axial_;
+    springs.turns = (law->carried() >> 3).any();
+    springs.line = law->line;
+    springs.is_line = law->line.mixed != 0;
+}
+
+void JointKind::set_scheme(const Scheme& scheme) {
+    if (step_size == scheme.step_size()) return;
+    // The unknown of the transfer equations is the increment over the open step, or, explicit, the one that ends at t_n.
+    const StepCoefficients step =
+        scheme.is_implicit() ? StepCoefficients{scheme.weight(0), scheme.rate(0)} : StepCoefficients{1, scheme.rate(1)};
+    // f = [−q; m] of the input end against d = x_O − x_I: −∂q/∂x_O for forces, ∂m/∂θ_O for moments
+    const EndForces ends = solve_driven_ends(law->transfer(step, Vector6::Zero()), law->resisting());
+    for (int i = 0; i < 3; ++i) {
+        solved[0](i) = -ends.S(i, 6 + i);
+        solved[1](i) = ends.S(3 + i, 9 + i);
+    }
+    step_size = scheme.step_size();
+}
+
+Joint::Joint(const JointSpec& spec, const Assembly& assembly, std::shared_ptr<JointKind> kind)
+    : element_(spec.element), from_(spec.from), to_(spec.to), kind_(std::move(kind)) {
     const Pose& from = assembly.frames[as_size(from_)].pose;
     const Pose& to = assembly.frames[as_size(to_)].pose;
     seat_.from_axes = from.rotation.transpose() * spec.pose.rotation;
     seat_.to_axes = to.rotation.transpose() * spec.pose.rotation;
-    springs_.rest = spec.pose.rotation.transpose() * (spec.pose.position - from.position);
+    seat_.rest = spec.pose.rotation.transpose() * (spec.pose.position - from.position);
     seat_.to_point = to.rotation.transpose() * (spec.pose.position - to.position);
     seat_.is_aligned = from.rotation == spec.pose.rotation;
     seat_.is_straight = to.rotation == spec.pose.rotation;
     seat_.has_lever = spec.pose.position != to.position;
     if (!is_axial()) return;
-    const Vector3 start = spec.pose.position - law_->axial->length * spec.pose.rotation.col(0);
+    const Vector3 start = spec.pose.position - law().axial->length * spec.pose.rotation.col(0);
     from_point_ = from.rotation.transpose() * (start - from.position);
 }
 
 void Joint::set_scheme(const Scheme& scheme) {
-    // The unknown of the transfer equations is the increment over the open step, or, explicit, the one that ends at t_n.
-    const StepCoefficients step =
-        scheme.is_implicit() ? StepCoefficients{scheme.weight(0), scheme.rate(0)} : StepCoefficients{1, scheme.rate(1)};
     try {
-        // f = [−q; m] of the input end against d = x_O − x_I: −∂q/∂x_O for forces, ∂m/∂θ_O for moments
-        const EndForces ends = solve_driven_ends(law_->transfer(step, Vector6::Zero()), law_->resisting());
-        for (int i = 0; i < 3; ++i) {
-            solved_[0](i) = -ends.S(i, 6 + i);
-            solved_[1](i) = ends.S(3 + i, 9 + i);
-        }
+        kind_->set_scheme(scheme);
     } catch (const Error& error) {
         throw Error(error.status(), error.what(), element_);
     }
@@ -69,7 +80,7 @@ JointPose Joint::axial_pose(FrameView from, FrameView to) const {
 }
 
 Vector6 Joint::rate(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity) const {
-    const Vector6 x = springs_.is_line ? deformation(pose(from, to), from, to) : Vector6(Vector6::Zero());
+    const Vector6 x = kind_->springs.is_line ? deformation(pose(from, to), from, to) : Vector6(Vector6::Zero());
     return rate(from, from_velocity, to, to_velocity, x);
 }
 
@@ -81,7 +92,7 @@ Vector6 Joint::rate(FrameView from, const Twist& from_velocity, FrameView to, co
     rate << R.transpose() * (to_velocity.linear + to_velocity.angular.cross(lever) - from_velocity.linear -
                              from_velocity.angular.cross(arm)),
         R.transpose() * (to_velocity.angular - from_velocity.angular);
-    if (springs_.is_line) rate(0) = stretch(x).dot(rate);
+    if (kind_->springs.is_line) rate(0) = stretch(x).dot(rate);
     if (is_axial()) rate.tail<5>().setZero();
     return rate;
 }
@@ -106,10 +117,10 @@ Vector6 Joint::acceleration(FrameView from, const Twist& from_velocity, const Tw
         return acceleration;
     }
     acceleration << R.transpose() * a, R.transpose() * alpha;
-    if (springs_.is_line) {  // of second degree: its second rate has twice its value for the rates
+    if (kind_->springs.is_line) {  // of second degree: its second rate has twice its value for the rates
         const Vector3 slide = R.transpose() * (p_rate - w.cross(p)), turn = R.transpose() * (w_to - w);
-        acceleration(0) =
-            stretch(deformation(pose(from, to), from, to)).dot(acceleration) + 2 * springs_.drawn(slide, turn).elongation;
+        acceleration(0) = stretch(deformation(pose(from, to), from, to)).dot(acceleration) +
+                          2 * kind_->springs.drawn(slide, turn).elongation;
     }
     return acceleration;
 }
@@ -142,12 +153,12 @@ Matrix6 Joint::by_to(const JointPose& pose) const {
 Vector6 Joint::deformation(const JointPose& pose, FrameView from, FrameView to) const {
     Vector6 x;
     if (is_axial()) {
-        x << way(from, to).norm() - law_->axial->natural, 0, 0, 0, 0, 0;
+        x << way(from, to).norm() - kind_->law->axial->natural, 0, 0, 0, 0, 0;
         return x;
     }
-    x << pose.axes.transpose() * pose.arm - springs_.rest, Vector3::Zero();
+    x << pose.axes.transpose() * pose.arm - seat_.rest, Vector3::Zero();
     if (turns()) x.tail<3>() = rotation_vector(Matrix3(pose.axes.transpose() * seat_.axes_at_to(to)));
-    if (springs_.is_line) x(0) += springs_.drawn(x.head<3>(), x.tail<3>()).elongation;
+    if (kind_->springs.is_line) x(0) += kind_->springs.drawn(x.head<3>(), x.tail<3>()).elongation;
     return x;
 }
 
@@ -155,7 +166,7 @@ Vector6 Joint::deformation(const JointPose& pose, FrameView from, FrameView to) 
 LawOnPath Joint::ask(int direction, const LawPath& path) const {
     if (at_work_) *at_work_ = reported_;
     try {
-        const LawOnPath answer = law_->along(direction, path);
+        const LawOnPath answer = kind_->law->along(direction, path);
         if (at_work_) *at_work_ = -1;
         return answer;
     } catch (const Error& error) {
@@ -170,7 +181,7 @@ void Joint::put_laws(const LawsAt& from, const Vector6& x, Vector6& f) const {
 
 /// Its derivative by the deformations.
 Vector6 Joint::spring_tangent(const LawsAt& from, const Vector6& x) const {
-    if (!has_laws_) return law_->stiffness;
+    if (!kind_->has_laws) return kind_->law->stiffness;
     Vector6 k;
     for (int d = 0; d < 6; ++d) k(d) = ask(d, {from.x(d), x(d), from.time, from.memory}).tangent;
     return k;
@@ -192,7 +203,7 @@ LawOnPath Joint::law_on_path(int direction, const LawPath& path) const {
 }
 
 Joint::OnPath Joint::on_path(const Scheme& scheme, int direction, double now, double end, const double* memory) const {
-    const double weight = scheme.elastic_weight(0), lag = scheme.lag(), k = law_->stiffness(direction);
+    const double weight = scheme.elastic_weight(0), lag = scheme.lag(), k = kind_->law->stiffness(direction);
     const LawOnPath path = law_on_path(direction, {now, end, scheme.step_size(), memory});
     const double start = ask(direction, {now, now, 0, memory}).force;
     OnPath step;
@@ -207,9 +218,9 @@ Joint::OnPath Joint::on_path(const Scheme& scheme, int direction, double now, do
 Joint::Beyond Joint::beyond(const Scheme& scheme, const Vector6& x, const Vector6& end, const double* memory) const {
     Beyond beyond;
     for (int d = 0; d < 6; ++d) {
-        if (!law_->laws[as_size(d)]) continue;
+        if (!kind_->law->laws[as_size(d)]) continue;
         const OnPath step = on_path(scheme, d, x(d), end(d), memory);
-        beyond.force(d) = step.force - scheme.elastic_weight(0) * law_->stiffness(d) * end(d);
+        beyond.force(d) = step.force - scheme.elastic_weight(0) * kind_->law->stiffness(d) * end(d);
         beyond.mean(d) = step.mean;
         beyond.rate(d) = step.rate;
         beyond.gain(d) = step.rate_gain;
@@ -218,8 +229,8 @@ Joint::Beyond Joint::beyond(const Scheme& scheme, const Vector6& x, const Vector
 }
 
 JointForce Joint::act(const JointPose& pose, const Vector6& x, const Vector6& f) const {
-    return springs_.act(pose, springs_.drawn(x.head<3>(), x.tail<3>()), x.tail<3>(), f.head<3>(), f.tail<3>(),
-                        Vector3::Zero());
+    return kind_->springs.act(pose, kind_->springs.drawn(x.head<3>(), x.tail<3>()), x.tail<3>(), f.head<3>(), f.tail<3>(),
+                              Vector3::Zero());
 }
 
 void Joint::strain_laws(Ends at, const JointPose& pose, const LawsAt& from, Strained& strained) const {
@@ -234,7 +245,7 @@ void Joint::strain_laws(Ends at, const JointPose& pose, const LawsAt& from, Stra
 void Joint::start_laws(Ends at, const JointPose& pose, LawMemory memory, Strained& strained) const {
     const Vector6 x = deformation(pose, at.from, at.to);
     if (is_axial()) strained.d = x.head<3>();
-    const size_t size = law_->memory_before(6);
+    const size_t size = kind_->law->memory_before(6);
     std::fill_n(memory.before, size, 0.0);
     std::fill_n(memory.now, size, 0.0);
     for (int d = 0; d < 6; ++d) ask(d, {0, x(d), 0, memory.before, memory.now});
@@ -252,16 +263,17 @@ void Joint::add_laws(const Scheme& scheme, const Strained& end, const JointPose&
 
 Vector6 Joint::stretch(const Vector6& x) const {
     Vector6 columns = Vector6::UnitX();
-    if (!springs_.is_line) return columns;
-    const SpringsOf<double>::Drawn e = springs_.drawn(x.head<3>(), x.tail<3>());
+    if (!kind_->springs.is_line) return columns;
+    const SpringsOf<double>::Drawn e = kind_->springs.drawn(x.head<3>(), x.tail<3>());
     columns << 1, e.by_y, e.by_z, moment_of_gradient(x.tail<3>(), Vector3(0, e.by_turn_y, e.by_turn_z));
     return columns;
 }
 
 Vector6 Joint::damping(const Vector6& x, const Vector6& rate) const {
     Vector6 f;
-    f << springs_.halves[0].damping.cwiseProduct(rate.head<3>()), springs_.halves[1].damping.cwiseProduct(rate.tail<3>());
-    if (springs_.is_line) f += f(0) * (stretch(x) - Vector6::UnitX());
+    f << kind_->springs.halves[0].damping.cwiseProduct(rate.head<3>()),
+        kind_->springs.halves[1].damping.cwiseProduct(rate.tail<3>());
+    if (kind_->springs.is_line) f += f(0) * (stretch(x) - Vector6::UnitX());
     return f;
 }
 
@@ -283,7 +295,7 @@ Matrix6 Joint::along(const Vector6& x, const Vector6& k) const {
 
 Matrix6 Joint::damping_tangent(const Vector6& x) const {
     Vector6 c;
-    c << springs_.halves[0].damping, springs_.halves[1].damping;
+    c << kind_->springs.halves[0].damping, kind_->springs.halves[1].damping;
     const Vector6 e = stretch(x);
     Matrix6 C = c(0) * e * e.transpose();
     C.diagonal().tail<5>() += c.tail<5>();
@@ -294,9 +306,10 @@ Matrix6 Joint::gain(const Scheme& scheme, const Vector6& now, const Vector6& x, 
     // Beside the elastic force over the step there are its dampers, and the scheme's own
     const double weight = scheme.elastic_weight(0);
     Matrix6 gain = weight * along(x, spring_tangent({now, memory, scheme.step_size()}, x));
-    if (has_laws_) gain += along(x, beyond(scheme, now, x, memory).gain);
+    if (kind_->has_laws) gain += along(x, beyond(scheme, now, x, memory).gain);
     Vector6 other;
-    other << solved_[0] - weight * springs_.halves[0].stiffness, solved_[1] - weight * springs_.halves[1].stiffness;
+    other << kind_->solved[0] - weight * kind_->springs.halves[0].stiffness,
+        kind_->solved[1] - weight * kind_->springs.halves[1].stiffness;
     const Vector6 e = stretch(x);
     gain += other(0) * e * e.transpose();
     gain.diagonal().segment<2>(1) += other.segment<2>(1);
@@ -346,9 +359,9 @@ EndBlocks Joint::acting_stiffness(const JointPose& pose, FrameView from, FrameVi
     K.at[1][0].topRightCorner<3, 3>() = -F;
     K.at[1][0].bottomRightCorner<3, 3>() = -lF;
     K.at[1][1].bottomRightCorner<3, 3>() = 0.5 * (lF + lF.transpose());
-    if (!springs_.is_line) return K;
+    if (!kind_->springs.is_line) return K;
     // A pull along a line stretches it as it bends and shears
-    const Foreshortening& line = springs_.line;
+    const Foreshortening& line = kind_->springs.line;
     Matrix6 curvature = Matrix6::Zero();  // of the elongation, by d and θ
     curvature.diagonal() << 0, 2 * line.sway_y, 2 * line.sway_z, 0, -2 * line.bow, -2 * line.bow;
     curvature(1, 5) = curvature(5, 1) = line.mixed;
@@ -367,8 +380,8 @@ void Joint::start(const Scheme& scheme, FrameView from, FrameView to, const Vect
                   JointState& state, DamperState* damper, LawMemory memory) const {
     const double h = scheme.step_size();
     const JointPose now = pose(from, to);
-    Strained strained = springs_.strain(now, seat_.axes_at_to(to));
-    if (has_laws_) start_laws({from, to}, now, memory, strained);
+    Strained strained = kind_->springs.strain(seat_.rest, now, seat_.axes_at_to(to));
+    if (kind_->has_laws) start_laws({from, to}, now, memory, strained);
     state.elastic = strained.elastic;
     state.d = strained.d;
     state.theta = strained.theta;
@@ -383,39 +396,39 @@ void Joint::start(const Scheme& scheme, FrameView from, FrameView to, const Vect
         damper->dissipated = 0;
         damper->last_loss = 0;
     }
-    if (!scheme.is_implicit()) return springs_.recall(scheme, now, state.elastic, state, damper);
+    if (!scheme.is_implicit()) return kind_->springs.recall(scheme, now, state.elastic, state, damper);
     // The rate of the first step is Newmark's from d, d', d'': γ δ₊/h + (1 − γ) d' + (β − γ/2) h d''
     const double gamma = scheme.centred().gamma;
     const Vector6 known = (1 - gamma) * rate + (scheme.centred().beta - 0.5 * gamma) * h * acceleration;
     state.known = {};
     state.known.add(1 - scheme.elastic_weight(0), state.elastic);
-    state.known.add(1,
-                    springs_.act(now, strained.drawn, state.theta, springs_.halves[0].damping.cwiseProduct(known.head<3>()),
-                                 Vector3::Zero(), springs_.halves[1].damping.cwiseProduct(known.tail<3>())));
+    state.known.add(1, kind_->springs.act(now, strained.drawn, state.theta,
+                                          kind_->springs.halves[0].damping.cwiseProduct(known.head<3>()), Vector3::Zero(),
+                                          kind_->springs.halves[1].damping.cwiseProduct(known.tail<3>())));
 }
 
 JointForce Joint::damping_half_way(Ends trial, Ends now, double h, const JointState& state,
                                    const DamperState& damper) const {
     const JointPose at = pose(now), end = pose(trial);
     const Vector6 x = deformation(end, trial.from, trial.to);
-    const Vector3 slide = (springs_.halves[0].damping / h).cwiseProduct(x.head<3>() - state.d);
+    const Vector3 slide = (kind_->springs.halves[0].damping / h).cwiseProduct(x.head<3>() - state.d);
     Vector3 turn = Vector3::Zero();
     if (turns())
-        turn = (springs_.halves[1].damping / h)
+        turn = (kind_->springs.halves[1].damping / h)
                    .cwiseProduct(rotation_vector(attitude(trial.from, trial.to) * damper.attitude.transpose()));
     const Vector3 d = 0.5 * (x.head<3>() + state.d), theta = 0.5 * (x.tail<3>() + state.theta);
-    return springs_.act({0.5 * (end.axes + at.axes), at.arm, at.lever}, springs_.drawn(d, theta), theta, slide,
-                        Vector3::Zero(), turn);
+    return kind_->springs.act({0.5 * (end.axes + at.axes), at.arm, at.lever}, kind_->springs.drawn(d, theta), theta, slide,
+                              Vector3::Zero(), turn);
 }
 
 [[gnu::flatten]] void Joint::advance(const Scheme& scheme, Ends next, Ends now, JointState& state, DamperState* damper,
                                      LawMemory memory, JointForce* force) const {
-    if (has_laws_) [[unlikely]]
+    if (kind_->has_laws) [[unlikely]]
         return advance_with_laws(scheme, next, now, state, damper, memory, force);
     const JointPose at_end = seat_.pose(next.from, next.to);
-    const Strained end = springs_.strain(at_end, seat_.axes_at_to(next.to));
-    if (force) *force = springs_.weigh(scheme, end, at_end, state, damper);
-    springs_.advance(
+    const Strained end = kind_->springs.strain(seat_.rest, at_end, seat_.axes_at_to(next.to));
+    if (force) *force = kind_->springs.weigh(scheme, end, at_end, state, damper);
+    kind_->springs.advance(
         scheme, end, at_end, [&] { return seat_.pose(now.from, now.to); }, state, damper);
 }
 
@@ -425,21 +438,21 @@ void Joint::advance_with_laws(const Scheme& scheme, Ends next, Ends now, JointSt
     const JointPose at_end = pose(next), at_now = pose(now);
     const Strained end = strain(scheme, next, at_end, state, memory.now);
     if (force) *force = weigh(scheme, end, at_end, state, damper, memory.now);
-    springs_.advance(
+    kind_->springs.advance(
         scheme, end, at_end, [&] { return at_now; }, state, damper);
     const Vector6 start = state.deformation_before(), x = state.deformation();
     if (scheme.is_implicit()) state.known.add(1, act(at_now, start, beyond(scheme, start, x, memory.now).rate));
-    std::copy_n(memory.now, law_->memory_before(6), memory.before);
+    std::copy_n(memory.now, kind_->law->memory_before(6), memory.before);
     for (int d = 0; d < 6; ++d)
         damper->last_loss += ask(d, {start(d), x(d), scheme.step_size(), memory.before, memory.now}).dissipated;
 }
 
 void Joint::refuse_large_rotation(FrameView from, FrameView to) const {
-    if (turns() && !springs_.halves[1].stiffness.isZero(0)) refuse_rotation(rotation(from, to).norm());
+    if (turns() && !kind_->springs.halves[1].stiffness.isZero(0)) refuse_rotation(rotation(from, to).norm());
 }
 
 void Joint::refuse_rotation(double angle) const {
-    if (angle <= kLargestRotation || springs_.halves[1].stiffness.isZero(0)) return;
+    if (angle <= kLargestRotation || kind_->springs.halves[1].stiffness.isZero(0)) return;
     throw Error(
         DTTMM_ERROR_NUMERIC,
         fmt::format("its ends have turned {:.3g} rad against each other; a rotational stiffness holds up to {:g} rad", angle,

@@ -40,6 +40,19 @@ struct LawMemory {
     double *now = nullptr, *before = nullptr;
 };
 
+/// What all joints of one law have alike, as those along a beam.
+struct JointKind {
+    explicit JointKind(std::shared_ptr<const JointLaw> law);
+    /// Solves the transfer equations for the law at the scheme's step size.
+    void set_scheme(const Scheme& scheme);
+
+    std::shared_ptr<const JointLaw> law;
+    SpringsOf<double> springs;
+    bool is_damped, is_axial, has_laws;
+    double step_size = 0;  ///< `solved` is for [s]
+    Vector3 solved[2];     ///< k̂ = ∂f/∂d of the solved transfer equations, translations, rotations [N/m, N m/rad]
+};
+
 /// A massless joint at work between two frames: its rest configuration, its law solved for the step size, its kinematics. It
 /// measures its deformation in its axes, which go with the `from` frame; the wrenches on its two ends balance exactly, lever
 /// arms included. A rotational stiffness holds for relative rotations θ up to kLargestRotation. A rotational damper may turn
@@ -50,28 +63,30 @@ class Joint {
 public:
     static constexpr double kLargestRotation = 2.5;  ///< rad
 
-    Joint(const JointSpec& spec, const Assembly& assembly);
+    /// kind: of the law of `spec`.
+    Joint(const JointSpec& spec, const Assembly& assembly, std::shared_ptr<JointKind> kind);
 
     int element() const { return element_; }
     int from() const { return from_; }
     int to() const { return to_; }
     int frame(int end) const { return end == 0 ? from_ : to_; }
     /// Whether it carries a moment: otherwise rotations are not worked out.
-    bool turns() const { return springs_.turns; }
-    Directions rigid() const { return rigid_; }
-    const JointLaw& law() const { return *law_; }
-    const JointHalf& translation_half() const { return springs_.halves[0]; }
-    const JointHalf& rotation_half() const { return springs_.halves[1]; }
+    bool turns() const { return kind_->springs.turns; }
+    Directions rigid() const { return kind_->law->rigid; }
+    const JointLaw& law() const { return *kind_->law; }
+    const JointHalf& translation_half() const { return kind_->springs.halves[0]; }
+    const JointHalf& rotation_half() const { return kind_->springs.halves[1]; }
     const JointSeat& seat() const { return seat_; }
-    bool is_line() const { return springs_.is_line; }
-    const SpringsOf<double>& springs() const { return springs_; }
-    bool is_damped() const { return is_damped_; }
+    bool is_line() const { return kind_->springs.is_line; }
+    const SpringsOf<double>& springs() const { return kind_->springs; }
+    const JointKind& kind() const { return *kind_; }
+    bool is_damped() const { return kind_->is_damped; }
     /// Laws of its translations (0) or rotations count with the mean of the two ends of a step, not with that along the
     /// path: as massless frames balance, at the ends.
     void take_ends(int half) { takes_ends_[half] = true; }
     /// Whether a spring is not linear, or acts along a line that turns: neither is for the lanes.
-    bool has_laws() const { return has_laws_; }
-    bool is_axial() const { return is_axial_; }
+    bool has_laws() const { return kind_->has_laws; }
+    bool is_axial() const { return kind_->is_axial; }
 
     /// Where to write the element's index while its law is asked; NULL: nowhere.
     void report_work(volatile int32_t* at_work, uint32_t element) {
@@ -79,7 +94,7 @@ public:
         reported_ = static_cast<int32_t>(element);
     }
 
-    /// Solves the transfer equations for the law at the scheme's step size. Throws Error naming the element.
+    /// Solves its kind for the step size. Throws Error naming the element.
     void set_scheme(const Scheme& scheme);
 
     /// Kinematics at given frames: its pose; its attitude; its rotation θ.
@@ -134,10 +149,10 @@ public:
     OnPath on_path(const Scheme& scheme, int direction, double now, double end, const double* memory) const;
     /// Its energy [J].
     double strain_energy(const Vector3& d, const Vector3& theta, const double* memory) const {
-        if (has_laws_) [[unlikely]]
+        if (kind_->has_laws) [[unlikely]]
             return energy_of_laws((Vector6() << d, theta).finished(), memory);
-        return 0.5 * d.dot(springs_.halves[0].stiffness.cwiseProduct(d)) +
-               0.5 * theta.dot(springs_.halves[1].stiffness.cwiseProduct(theta));
+        return 0.5 * d.dot(kind_->springs.halves[0].stiffness.cwiseProduct(d)) +
+               0.5 * theta.dot(kind_->springs.halves[1].stiffness.cwiseProduct(theta));
     }
     /// The dampers' force of a rate [d; relative turn] likewise.
     Vector6 damping(const Vector6& deformation, const Vector6& rate) const;
@@ -145,17 +160,17 @@ public:
     [[gnu::always_inline]] Vector6 force(const Vector6& deformation, const Vector6& rate, const double* memory,
                                          double elastic_share = 1) const {
         Vector6 f = elastic_share * spring_force(deformation, memory);
-        f.head<3>() += springs_.halves[0].damping.cwiseProduct(rate.head<3>());
+        f.head<3>() += kind_->springs.halves[0].damping.cwiseProduct(rate.head<3>());
         f = spread(deformation, f);
-        if (turns()) f.tail<3>() += springs_.halves[1].damping.cwiseProduct(rate.tail<3>());
+        if (turns()) f.tail<3>() += kind_->springs.halves[1].damping.cwiseProduct(rate.tail<3>());
         return f;
     }
     using Strained = StrainedOf<double>;
     /// Its elastic part with the deformation it stems from.
     Strained strain(const Scheme& scheme, Ends at, const JointPose& pose, const JointState& state,
                     const double* memory) const {
-        Strained strained = springs_.strain(pose, seat_.axes_at_to(at.to));
-        if (has_laws_) [[unlikely]]
+        Strained strained = kind_->springs.strain(seat_.rest, pose, seat_.axes_at_to(at.to));
+        if (kind_->has_laws) [[unlikely]]
             strain_laws(at, pose, {state.deformation(), memory, scheme.step_size()}, strained);
         return strained;
     }
@@ -179,15 +194,16 @@ public:
     /// The force over the open step at a trial end of it, where the joint is at `at_end`; without rigid directions.
     JointForce weigh(const Scheme& scheme, const Strained& end, const JointPose& at_end, const JointState& state,
                      const DamperState* damper, const double* memory) const {
-        JointForce force = springs_.weigh(scheme, end, at_end, state, damper);
-        if (has_laws_) [[unlikely]]
+        JointForce force = kind_->springs.weigh(scheme, end, at_end, state, damper);
+        if (kind_->has_laws) [[unlikely]]
             add_laws(scheme, end, at_end, state, memory, force);
         return force;
     }
     /// The same of a joint without laws: what every step does for most joints.
     JointForce over_step(const Scheme& scheme, Ends trial, const JointState& state, const DamperState* damper) const {
         const JointPose at_end = seat_.pose(trial.from, trial.to);
-        return springs_.weigh(scheme, springs_.strain(at_end, seat_.axes_at_to(trial.to)), at_end, state, damper);
+        return kind_->springs.weigh(scheme, kind_->springs.strain(seat_.rest, at_end, seat_.axes_at_to(trial.to)), at_end,
+                                    state, damper);
     }
     /// The damping force from the start of the open step to a trial end of it: the mean rate in the mean of the axes.
     JointForce damping_half_way(Ends trial, Ends now, double h, const JointState& state, const DamperState& damper) const;
@@ -223,8 +239,9 @@ private:
     /// Of the springs along the deformations; translations as forces, rotations as the gradient by θ.
     Vector6 spring_force(const Vector6& x, const double* memory) const {
         Vector6 f;
-        f << springs_.halves[0].stiffness.cwiseProduct(x.head<3>()), springs_.halves[1].stiffness.cwiseProduct(x.tail<3>());
-        if (has_laws_) [[unlikely]]
+        f << kind_->springs.halves[0].stiffness.cwiseProduct(x.head<3>()),
+            kind_->springs.halves[1].stiffness.cwiseProduct(x.tail<3>());
+        if (kind_->has_laws) [[unlikely]]
             put_laws({x, memory, 0}, x, f);
         return f;
     }
@@ -246,7 +263,7 @@ private:
         Vector3 force = f.head<3>(), by_theta = f.tail<3>();
         f.tail<3>().setZero();
         if (turns()) {
-            springs_.spread(springs_.drawn(x.head<3>(), x.tail<3>()), force, by_theta);
+            kind_->springs.spread(kind_->springs.drawn(x.head<3>(), x.tail<3>()), force, by_theta);
             f.tail<3>() = moment_of_gradient(Vector3(x.tail<3>()), by_theta);
         }
         f.head<3>() = force;
@@ -258,15 +275,12 @@ private:
     Vector6 stretch(const Vector6& deformation) const;
 
     int element_, from_, to_;
-    volatile int32_t* at_work_ = nullptr;
     int32_t reported_ = 0;
-    bool is_damped_, is_axial_, has_laws_, takes_ends_[2] = {false, false};
-    Directions rigid_;
-    std::shared_ptr<const JointLaw> law_;
+    volatile int32_t* at_work_ = nullptr;
+    std::shared_ptr<JointKind> kind_;
+    bool takes_ends_[2] = {false, false};
     JointSeat seat_;
     Vector3 from_point_ = Vector3::Zero();  ///< of a line: its first point in the axes of the `from` frame [m]
-    SpringsOf<double> springs_;
-    Vector3 solved_[2];  ///< k̂ = ∂f/∂d of the solved transfer equations, translations, rotations [N/m, N m/rad]
 };
 
 // ---- What every step does for every joint -------------------------------------------------------------------------------

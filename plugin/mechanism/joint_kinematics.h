@@ -39,21 +39,35 @@ struct JointPoseOf {
 };
 using JointPose = JointPoseOf<double>;
 
-/// How a joint sits between its frames.
+// from, to: FrameView, or FrameOf
+
+/// The axes of a joint.
 template <class Real>
-struct JointSeatOf {
-    Vector3Of<Real> to_point;   ///< its point from the `to` origin, axes of the `to` frame [m]
+struct JointAxesOf {
     bool is_aligned = false;    ///< from_axes = I
     bool is_straight = false;   ///< to_axes = I
-    bool has_lever = true;      ///< to_point ≠ 0
     Matrix3Of<Real> from_axes;  ///< of the joint in the axes of the `from` frame
     Matrix3Of<Real> to_axes;    ///< the same at rest in those of the `to` frame
 
-    // from, to: FrameView, or FrameOf
     /// The joint's axes, which go with the `from` frame; those that are the same at rest and go with the `to` frame.
     Matrix3Of<Real> axes(const auto& from) const { return in_world(from, is_aligned, from_axes); }
     Matrix3Of<Real> axes_at_to(const auto& to) const { return in_world(to, is_straight, to_axes); }
-    /// The joint's point from the origins of its frames.
+
+private:
+    Matrix3Of<Real> in_world(const auto& frame, bool is_one, const Matrix3Of<Real>& own) const {
+        if (is_one) return frame.axes();
+        return frame.axes() * own;
+    }
+};
+
+/// The point where its ends meet at rest.
+template <class Real>
+struct JointPointOf {
+    Vector3Of<Real> to_point;  ///< from the `to` origin, axes of the `to` frame [m]
+    Vector3Of<Real> rest;      ///< from the `from` origin at rest, joint axes [m]
+    bool has_lever = true;     ///< to_point ≠ 0
+
+    /// It from the origins of its frames, where it goes with the `to` frame.
     Vector3Of<Real> arm(const auto& from, const auto& to) const {
         if (!has_lever) return to.origin() - from.origin();
         return to.origin() + to.axes() * to_point - from.origin();
@@ -62,14 +76,14 @@ struct JointSeatOf {
         if (!has_lever) return Vector3Of<Real>::Zero();
         return to.axes() * to_point;
     }
-    JointPoseOf<Real> pose(const auto& from, const auto& to) const { return {axes(from), arm(from, to), lever(to)}; }
-
-private:
-    Matrix3Of<Real> in_world(const auto& frame, bool is_one, const Matrix3Of<Real>& own) const {
-        if (is_one) return frame.axes();
-        return frame.axes() * own;
+    JointPoseOf<Real> pose(const JointAxesOf<Real>& own, const auto& from, const auto& to) const {
+        return {own.axes(from), arm(from, to), lever(to)};
     }
 };
-using JointSeat = JointSeatOf<double>;
+
+/// How a joint sits between its frames.
+struct JointSeat : JointAxesOf<double>, JointPointOf<double> {
+    JointPose pose(const auto& from, const auto& to) const { return JointPointOf::pose(*this, from, to); }
+};
 
 }  // namespace dttmm::plugin

@@ -29,14 +29,21 @@ public:
     void advance(Mechanism& mechanism, const std::vector<Frame>& next, std::vector<Vector6>& wrench) const;
 
 private:
+    using Indices = uint32_t[Lanes::kCount];
     struct Four {
-        size_t joint[Lanes::kCount];
-        size_t from[Lanes::kCount], to[Lanes::kCount];  ///< frames
-        bool keeps_rates;                               ///< they have a DamperState
-        SpringsOf<Lanes> springs;
-        JointSeatOf<Lanes> seat;
+        JointPointOf<Lanes> point;
+        Indices joint, from, to;  ///< from, to: frames
+        uint32_t springs, axes;   ///< indices into those below
+        bool keeps_rates;         ///< they have a DamperState
     };
+    void take(const Mechanism& mechanism, std::span<const size_t> four);
+    void take_springs(std::span<const Joint* const> four);
+    void take_axes(std::span<const Joint* const> four);
+
     std::vector<Four> fours_;
+    // Each four's that differ from those of the four before: few along a beam
+    std::vector<SpringsOf<Lanes>> springs_;
+    std::vector<JointAxesOf<Lanes>> axes_;
     std::vector<size_t> others_;
 };
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mechanism/mechanism.h"
 
+#include <memory>
+#include <unordered_map>
+
 #include "core/error.h"
 #include "core/index.h"
 
@@ -10,11 +13,14 @@ Mechanism::Mechanism(const dttmm_network& description)
     : assembly(assemble(description)), scheme(description.scheme, {description.beta, description.gamma}) {
     const size_t count = assembly.joints.size();
     int damper_count = 0;
+    std::unordered_map<const JointLaw*, std::shared_ptr<JointKind>> kinds;
     joints.reserve(count);
     damper_of.reserve(count);
     memory_of.reserve(count);
     for (const JointSpec& spec : assembly.joints) {
-        joints.emplace_back(spec, assembly);
+        std::shared_ptr<JointKind>& kind = kinds[spec.law.get()];
+        if (!kind) kind = std::make_shared<JointKind>(spec.law);
+        joints.emplace_back(spec, assembly, kind);
         const bool keeps_rates = joints.back().is_damped() || joints.back().has_laws() || scheme.lag() != 0;
         damper_of.push_back(keeps_rates ? damper_count++ : -1);
         const size_t memory = spec.law->memory_before(6);

@@ -86,7 +86,6 @@ struct SpringsOf {
     using Drawn = DrawnOf<Real>;
 
     JointHalfOf<Real> halves[2];  ///< translations, rotations
-    Vector3Of<Real> rest;         ///< the point of the `to` end from the `from` origin at rest, joint axes
     bool turns = true;            ///< it carries a moment
     bool is_line = false;         ///< it foreshortens; of four: one does
     ForeshorteningOf<Real> line;
@@ -98,9 +97,10 @@ struct SpringsOf {
     Force act(const JointPoseOf<Real>& pose, const Drawn& e, const Vector3Of<Real>& theta, Vector3Of<Real> force,
               Vector3Of<Real> by_theta, Vector3Of<Real> moment) const;
 
-    /// to_axes: those that are the joint's at rest and go with the `to` frame. The elastic force is needed by `advance`, and
-    /// by `weigh` where rates do not count.
-    Strained strain(const JointPoseOf<Real>& pose, const Matrix3Of<Real>& to_axes, bool with_elastic = true) const;
+    /// rest: of the joint's point; to_axes: those that are the joint's at rest and go with the `to` frame. The elastic force
+    /// is needed by `advance`, and by `weigh` where rates do not count.
+    Strained strain(const Vector3Of<Real>& rest, const JointPoseOf<Real>& pose, const Matrix3Of<Real>& to_axes,
+                    bool with_elastic = true) const;
     /// The force over the open step at a trial end of it, when the joint is at `at_end`; damper: NULL where rates do not
     /// count.
     Force weigh(const Scheme& scheme, const Strained& end, const JointPoseOf<Real>& at_end, const State& state,
@@ -153,7 +153,8 @@ template <class Real>
 }
 
 template <class Real>
-[[gnu::always_inline]] inline StrainedOf<Real> SpringsOf<Real>::strain(const JointPoseOf<Real>& pose,
+[[gnu::always_inline]] inline StrainedOf<Real> SpringsOf<Real>::strain(const Vector3Of<Real>& rest,
+                                                                       const JointPoseOf<Real>& pose,
                                                                        const Matrix3Of<Real>& to_axes,
                                                                        bool with_elastic) const {
     Strained strained;

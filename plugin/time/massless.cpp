@@ -253,7 +253,7 @@ void MasslessFrames::add_balance(const Mechanism& mechanism, const Cluster& clus
                   per_deformation = joint.stiffness_tangent(deformation, mechanism.memory_before(j));
     Matrix6 G[2] = {joint.by_from(pose), joint.by_to(pose)};
     // A lever that is deformation alone damps no rotation to speak of
-    if (joint.springs().rest.isZero(1e-9)) G[0].topRightCorner<3, 3>().setZero();
+    if (joint.seat().rest.isZero(1e-9)) G[0].topRightCorner<3, 3>().setZero();
     const int frames[2] = {frame_in(mechanism, cluster, joint.from()), frame_in(mechanism, cluster, joint.to())};
     for (int row : {0, 1}) {
         if (frames[row] < 0) continue;

@@ -76,7 +76,7 @@ public:
     }
     void place_outputs(size_t piece, size_t at) { results_.places[piece] = at; }
     /// Where another has them; their names stay.
-    void forget_channels() { results_.channels = {}; }
+    void forget_channels() { std::vector<dttmm_channel>().swap(results_.channels); }
     void outputs(double* values) const;
 
     /// What moves inside; null where everything is joints between bodies and ground.

@@ -90,7 +90,7 @@ TEST(AxialJoint, RatesAreThoseOfItsLength) {
     }
     model.element("s", "axial_spring", {"a", "b"}, {{"stiffness", {1}}, {"natural_length", {0.2}}});
     const Assembly assembly = assemble(model.description());
-    const Joint joint(assembly.joints[0], assembly);
+    const Joint joint(assembly.joints[0], assembly, std::make_shared<JointKind>(assembly.joints[0].law));
     // The frames lie at the centres of mass. θ' = ω to second order as ω + ½ α t turns about the start
     const auto frame_at = [&](int p, double t) {
         const Vector3 centre = start[p].position - start[p].rotation * arms[p];

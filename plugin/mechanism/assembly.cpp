@@ -40,7 +40,12 @@ public:
         hold_fixed_nodes();
     }
 
-    Assembly take() { return std::move(assembly_); }
+    Assembly take() {
+        assembly_.frames.shrink_to_fit();
+        assembly_.joints.shrink_to_fit();
+        assembly_.nodes.shrink_to_fit();
+        return std::move(assembly_);
+    }
 
 private:
     const dttmm_node& node(int n) const { return description_.nodes[n]; }
@@ -117,6 +122,7 @@ private:
         const Parts parts = at(e, [&] { return made->discretise(ends); });
 
         const int first_lump = as_int(parts_.size());
+        parts_.reserve(parts_.size() + parts.lumps.size());
         for (size_t l = 0; l < parts.lumps.size(); ++l) {
             const Lump& lump = parts.lumps[l];
             FrameSpec frame;

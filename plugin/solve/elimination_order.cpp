@@ -119,6 +119,7 @@ void EliminationOrder::add_links(const std::vector<Link>& links, const Later& la
 }
 
 void EliminationOrder::add_pivots(const std::vector<int>& order, const Later& later) {
+    pivots_.reserve(order.size());
     for (int frame : order) {
         Pivot& pivot = pivots_.emplace_back();
         pivot.frame = frame;

@@ -100,9 +100,12 @@ void Interior::make_room(const Mechanism& mechanism) {
     rigid_.assign(rigid, 0);
     for (auto* list : {&port_u_, &port_u_before_}) list->assign(ports, Vector6::Zero());
 
-    for (auto* list : {&instant_.velocities, &instant_.corrections, &instant_.accelerations}) list->resize(n);
+    for (auto* list : {&instant_.velocities, &instant_.accelerations}) list->resize(n);
     instant_.of_ports.resize(ports);
-    instant_.wrench_rates.resize(n);
+    if (massless_.has_balances()) {
+        instant_.corrections.resize(n);
+        instant_.wrench_rates.resize(n);
+    }
     instant_.rigid = instant_.rigid_rates = rigid_;
 
     open_.rigid_known.resize(layout_.rigid_joints.size());
@@ -120,8 +123,8 @@ void Interior::make_room(const Mechanism& mechanism) {
     work_.rigid_change.setZero(as_row(rigid));
     work_.trial = mechanism.frames;
     work_.motion.assign(n, Vector6::Zero());
-    for (auto* list : {&work_.wrench, &work_.end_wrench, &work_.damping_wrench})
-        list->assign(mechanism.frames.size(), Vector6::Zero());
+    work_.wrench.assign(mechanism.frames.size(), Vector6::Zero());
+    for (auto* list : {&work_.end_wrench, &work_.damping_wrench}) list->assign(massless_.frames().size(), Vector6::Zero());
     work_.massless_residuals.resize(massless_.frames().size());
     work_.q = rigid_;
 }

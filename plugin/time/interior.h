@@ -114,7 +114,9 @@ public:
             [&](size_t i) { return frame_load(i).load[2]; }, instant_.velocities, instant_.corrections, instant_.rigid);
     }
     /// What that has added to the velocity of a frame's origin, world.
-    Twist correction(int frame) const { return is_inner(frame) ? instant_.corrections[at(frame)] : Twist{}; }
+    Twist correction(int frame) const {
+        return is_inner(frame) && !instant_.corrections.empty() ? instant_.corrections[at(frame)] : Twist{};
+    }
     /// Whether nothing of mass (half 0) or inertia (1) is in a frame.
     bool is_massless(int frame, int half) const { return is_inner(frame) && massless_.is_massless(at(frame), half); }
     bool has_rigid_directions() const { return matrix_.factor.rigid_count() > 0; }
@@ -382,8 +384,9 @@ private:
     };
     /// At the start of the step last committed, world.
     struct Instant {
-        std::vector<Twist> velocities, corrections, accelerations;
-        std::vector<double> rigid;  ///< forces of the rigid directions then
+        std::vector<Twist> velocities, accelerations;
+        std::vector<Twist> corrections;  ///< empty where there is no massless frame; so is wrench_rates
+        std::vector<double> rigid;       ///< forces of the rigid directions then
         // For accelerations at the start of a run:
         std::vector<Twist> of_ports;        ///< their accelerations
         std::vector<Vector6> wrench_rates;  ///< on the inner frames, known ones
@@ -409,7 +412,7 @@ private:
         std::vector<Frame> trial;
         std::vector<Vector6> motion;  ///< of the inner frames over the step that is committed, each in its axes at t_n
         std::vector<Vector6> wrench;  ///< over the step, on every frame at its origin at t_n, world
-        std::vector<Vector6> end_wrench, damping_wrench;  ///< on massless frames at the end, and half way
+        std::vector<Vector6> end_wrench, damping_wrench;  ///< on the massless frames at the end, and half way
         std::vector<MasslessFrames::Residual> massless_residuals;
         std::vector<double> q;
         long passes = 0;

@@ -13,6 +13,8 @@ InteriorLayout::InteriorLayout(const Mechanism& mechanism, const dttmm_network& 
       count(mechanism.assembly.inner_count()),
       gravity(Eigen::Map<const Vector3>(description.gravity)) {
     read_nodes(description);
+    inertias.reserve(as_size(count));
+    inverse_moments.reserve(as_size(count));
     for (int f = 0; f < count; ++f) {
         const FrameSpec& frame = mechanism.assembly.frames[as_size(driven + f)];
         inertias.push_back({frame.mass, frame.inertia});

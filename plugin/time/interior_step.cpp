@@ -160,11 +160,12 @@ JointForce Interior::force_over_step(const Mechanism& mechanism, size_t j, const
 /// Wrenches of all joints over the step, and on massless frames at its end and half way.
 void Interior::find_forces(const Mechanism& mechanism, Solution& solution) const {
     std::fill(work_.wrench.begin(), work_.wrench.end(), Vector6::Zero());
-    for (size_t j : layout_.settling_joints)
-        for (int frame : {mechanism.joints[j].from(), mechanism.joints[j].to()}) {
-            work_.end_wrench[as_size(frame)].setZero();
-            work_.damping_wrench[as_size(frame)].setZero();
-        }
+    for (auto* wrenches : {&work_.end_wrench, &work_.damping_wrench})
+        std::fill(wrenches->begin(), wrenches->end(), Vector6::Zero());
+    const auto on_massless = [&](std::vector<Vector6>& wrenches, int frame) {
+        const int m = is_inner(frame) ? massless_.index_of(at(frame)) : -1;
+        return m < 0 ? nullptr : wrenches[as_size(m)].data();
+    };
     work_.q = solution.q;
     double largest = by_four_.add_forces(mechanism, work_.trial, work_.wrench);
     for (size_t j : others_) {
@@ -183,11 +184,12 @@ void Interior::find_forces(const Mechanism& mechanism, Solution& solution) const
             const Vector6 q = rigid_values(mechanism, j, work_.q);
             then.add(1, at_end.act(at_end.axes * head(q), at_end.axes * moment_of_gradient(end.theta, tail(q))));
         }
-        Joint::add_wrench(then, work_.end_wrench[a].data(), work_.end_wrench[b].data());
+        Joint::add_wrench(then, on_massless(work_.end_wrench, joint.from()), on_massless(work_.end_wrench, joint.to()));
         if (massless_.is_half_way(j))
             Joint::add_wrench(joint.damping_half_way(trial, mechanism.ends(j), mechanism.scheme.step_size(),
                                                      mechanism.states[j], *mechanism.damper(j)),
-                              work_.damping_wrench[a].data(), work_.damping_wrench[b].data());
+                              on_massless(work_.damping_wrench, joint.from()),
+                              on_massless(work_.damping_wrench, joint.to()));
     }
     solution.impulse = mechanism.scheme.step_size() * std::sqrt(largest);
 }
@@ -234,14 +236,14 @@ void Interior::balance_massless(const Mechanism& mechanism, Solution& solution) 
         const FrameLoad& own = frame_load(i);
         const FrameView now = mechanism.frames[f], end = work_.trial[f];
         const Vector6 load = load_at_end(as_size(layout_.load_of[i]), end);
-        const Vector6 elastic = in_axes(end, work_.end_wrench[f]), load_then = in_axes(end, load);
+        const Vector6 elastic = in_axes(end, work_.end_wrench[m]), load_then = in_axes(end, load);
         MasslessFrames::Residual& residual = work_.massless_residuals[m];
         residual.step = solution.change[i];
         // Both with the factors that make their derivatives by the end of the step those of the forces over it
         residual.end = h * (mechanism.scheme.weight(0) + massless_.relaxation(m) * mechanism.scheme.rate(0)) *
                        (elastic + settled(mechanism, m, load_then));
         residual.half_way = 0.25 * h * (elastic + load_then + in_axes(now, own.elastic[1] + own.load[1])) +
-                            0.5 * h * in_axes(now, work_.damping_wrench[f]);
+                            0.5 * h * in_axes(now, work_.damping_wrench[m]);
     }
     massless_.combine(work_.massless_residuals);
     for (size_t m = 0; m < frames.size(); ++m) {

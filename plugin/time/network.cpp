@@ -62,7 +62,6 @@ Network::Network(const dttmm_network& description, Places places) : places_(std:
     instant_.port_velocities.resize(places_.bodies.size());
     start_velocities_.resize(places_.bodies.size());
     instant_.forces.assign(mechanism_.joints.size(), Vector6::Zero());
-    instant_.poses.resize(mechanism_.joints.size());
     instant_.wrenches.assign(mechanism_.frames.size(), Vector6::Zero());
 }
 
@@ -447,8 +446,7 @@ void Network::find_mean_wrenches() const {
         if (joint.has_laws()) f += joint.beyond_mean(mechanism_.scheme, x, state.deformation(), mechanism_.memory_before(j));
         if (joint.rigid().any()) f += interior_->rigid_force(mechanism_, j);
         const auto from = as_size(joint.from()), to = as_size(joint.to());
-        instant_.poses[j] = joint.pose(mechanism_.before[from], mechanism_.before[to]);
-        JointForce force = instant_.poses[j].act(f);
+        JointForce force = joint.pose(mechanism_.before[from], mechanism_.before[to]).act(f);
         force.add(0.5, state.elastic);
         Joint::add_wrench(force, instant_.wrenches[from].data(), instant_.wrenches[to].data());
     }
@@ -494,12 +492,12 @@ void Network::stand_by_port_velocities() const {
         const Joint& joint = mechanism_.joints[j];
         const JointState& state = mechanism_.states[j];
         const auto from = as_size(joint.from()), to = as_size(joint.to());
-        if (!is_implicit()) instant_.poses[j] = joint.pose(mechanism_.before[from], mechanism_.before[to]);
         Vector6& f = instant_.forces[j] =
             joint.force(state.deformation_before(), mechanism_.damper(j) ? rate_at_start(j) : Vector6(Vector6::Zero()),
                         mechanism_.memory_before(j));
         if (joint.rigid().any()) f += interior_->rigid_force_at_start(mechanism_, j);
-        Joint::add_wrench(instant_.poses[j].act(f), instant_.wrenches[from].data(), instant_.wrenches[to].data());
+        const JointForce force = joint.pose(mechanism_.before[from], mechanism_.before[to]).act(f);
+        Joint::add_wrench(force, instant_.wrenches[from].data(), instant_.wrenches[to].data());
     }
     if (interior_)
         interior_->find_accelerations(

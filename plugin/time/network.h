@@ -165,7 +165,6 @@ private:
     /// What stands at t_n, the start of the step last committed.
     struct Instant {
         std::vector<Twist> port_velocities;
-        std::vector<JointPose> poses;   ///< of the joints
         std::vector<Vector6> forces;    ///< of them, their axes
         std::vector<Vector6> wrenches;  ///< on the frames, at their origins, world
         bool is_known = false;

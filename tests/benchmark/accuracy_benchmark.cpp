@@ -179,7 +179,7 @@ Forces simulated_forces(const PlateOnBolts& plate, Coupling coupling, long per_m
     std::array<size_t, 4> column{};
     for (size_t c = 0; c < simulation.channels().size(); ++c)
         for (size_t i = 0; i < 4; ++i)
-            if (simulation.channels()[c].name == fmt::format("bolt1_{}.force.z", i + 1)) column[i] = c;
+            if (simulation.channels()[c].name() == fmt::format("bolt1_{}.force.z", i + 1)) column[i] = c;
     Forces forces;
     simulation.record_to([&](std::span<const double> row) {
         forces.push_back({row[column[0]], row[column[1]], row[column[2]], row[column[3]]});
@@ -220,7 +220,8 @@ public:
     }
     double time() {
         return seconds_of([this] {
-            Halving halving(model_, plugins_, select_channels(Simulation(model_, plugins_).channels(), {"bolt*.force"}));
+            const std::vector<Channel> channels = Simulation(model_, plugins_).channels();
+            Halving halving(model_, plugins_, channels, select_channels(channels, {"bolt*.force"}));
             reached_ = halving.run(true).code == ExitCode::ok;
             steps_per_millisecond_.clear();
             for (const Level& level : halving.levels()) steps_per_millisecond_.push_back(std::lround(1e-3 / level.step));

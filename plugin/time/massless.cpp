@@ -21,6 +21,8 @@ constexpr double kDependent = 1e-6;
 constexpr double kLeastDamping = 1e-4;
 /// Of the largest diagonal, of the largest pivot: rounding.
 constexpr double kNothing = 1e-13;
+/// A lever [m] of a force on what moves it by one: rounding of places.
+constexpr double kRoundingOfLever = 1e-12;
 /// Ratios of damping to stiffness that differ by less are one.
 constexpr double kSameRatio = 1e-9;
 
@@ -307,12 +309,14 @@ void MasslessFrames::drop_dependent_rows(const Cluster& cluster) const {
     }
 }
 
-/// Leaves out halves with a mass, and brings the rest to units of what damper and spring do over a step: a weak damper is a
-/// small pivot in them.
+/// Leaves out halves with a mass, and rigid directions of which nothing but rounding is left then, as of a force along the
+/// arm of a point mass; brings the rest to units of what damper and spring do over a step: a weak damper is a small pivot in
+/// them.
 void MasslessFrames::scale_balance(const Cluster& cluster, double h) const {
     Eigen::MatrixXd &A = cluster.matrix, &K = cluster.stiffness;
     Eigen::VectorXd &r = cluster.right_hand_side, &d = cluster.scale;
     const auto count = as_row(6 * cluster.frames.size());
+    for (Eigen::Index i = count; i < A.rows(); ++i) d(i) = A.row(i).head(count).norm();
     for (size_t k = 0; k < cluster.frames.size(); ++k)
         for (int half : {0, 1}) {
             if (massless_[cluster.frames[k]][as_size(half)]) continue;
@@ -323,6 +327,12 @@ void MasslessFrames::scale_balance(const Cluster& cluster, double h) const {
             K.middleCols<3>(at).setZero();
             r.segment<3>(at).setZero();
         }
+    for (Eigen::Index i = count; i < A.rows(); ++i) {
+        if (A.row(i).head(count).norm() > kRoundingOfLever * d(i)) continue;
+        A.row(i).setZero();
+        A.col(i).setZero();
+        r(i) = 0;
+    }
     double largest[2] = {0, 0};
     for (Eigen::Index i = 0; i < count; ++i) {
         double& of_half = largest[i / 3 % 2];

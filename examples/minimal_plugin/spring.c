@@ -237,6 +237,6 @@ static dttmm_status outputs(const dttmm_instance *s, double *values, dttmm_error
 static const dttmm_plugin plugin = {
     sizeof(dttmm_plugin), DTTMM_PLUGIN_MAJOR, DTTMM_PLUGIN_MINOR, "minimal plugin", "1.0", 1, types, create, destroy, blocks,
     linearise, start, begin_step, evaluate, commit_step, discard_step, is_implicit, load_weights, channel_count, channels,
-    outputs, NULL, /* no extensions: histories only, no modes */ NULL, /* nothing to expect */ mean_wrench, stand, NULL};
+    outputs, NULL, /* no extensions: histories only, no modes */ NULL, NULL, /* nothing inside that iterates */ mean_wrench, stand, NULL};
 
 const dttmm_plugin *dttmm_plugin_entry(uint32_t host_major) { return host_major == DTTMM_PLUGIN_MAJOR ? &plugin : NULL; }

@@ -19,15 +19,6 @@ namespace dttmm::host {
 
 namespace {
 
-/// A kept rate of convergence is trusted half as much with every step that did not measure it anew.
-constexpr double kForget = 2;
-
-/// Slower than this, the matrix is formed anew.
-constexpr double kSlowestContraction = 0.1;
-
-/// After so many passes a correction that has not halved is rounding, if it is small.
-constexpr int kPassesToFall = 4;
-
 /// Numbers the groups of bodies that elements connect: group of every body, from 0.
 std::vector<size_t> find_groups(size_t count, const std::vector<std::pair<int, int>>& neighbours) {
     std::vector<size_t> group(count);
@@ -92,6 +83,8 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks)
         bodies_.push_back({Inertia(body), body.name, holders[b], least, reach, group[b]});
     }
     groups_.resize(n == 0 ? 0 : 1 + *std::max_element(group.begin(), group.end()));
+    group_progress_.resize(groups_.size());
+    parts_.assign(networks.progress().size(), NewtonConvergence(NewtonConvergence::kInside));
     for (auto* list : {&u_, &previous_u_, &base_u_, &correction_, &free_momentum_, &feedback_})
         list->assign(n, Vector6::Zero());
     wrenches_.resize(6 * n);
@@ -113,6 +106,7 @@ std::vector<BodyState> EndOfStep::start(const dttmm_step& step, const std::vecto
     steps_ = 0;
     stiffness_wanted_ = true;
     std::fill(groups_.begin(), groups_.end(), Group{});
+    std::fill(parts_.begin(), parts_.end(), NewtonConvergence(NewtonConvergence::kInside));
 
     loads.start(step.time);
     std::fill(wrenches_.begin(), wrenches_.end(), 0.0);
@@ -378,7 +372,7 @@ void EndOfStep::remember(const std::vector<BodyState>& now) {
 bool EndOfStep::go_back(const std::vector<BodyState>& now) {
     bool is_felt = false;
     for (size_t b = 0; b < u_.size(); ++b)
-        is_felt = is_felt || speed_squared(b, u_[b] - base_u_[b]) > groups_[bodies_[b].group].floor_squared;
+        is_felt = is_felt || speed_of(b, u_[b] - base_u_[b]) > groups_[bodies_[b].group].floor;
     if (!is_felt || lack(now) <= base_lack_) return false;
     for (size_t b = 0; b < u_.size(); ++b) u_[b] = 0.5 * (u_[b] + base_u_[b]);
     stiffness_wanted_ = true;
@@ -389,18 +383,17 @@ bool EndOfStep::go_back(const std::vector<BodyState>& now) {
 void EndOfStep::open_groups(const std::vector<BodyState>& now) {
     const double least_contraction = system_.empty() ? 0 : JointSystem::kProximal;
     for (Group& group : groups_) {
-        group.scale_squared = 0.98 * std::max(group.scale_squared, group.speed_squared);
-        group.contraction = std::clamp(kForget * group.contraction, least_contraction, 1.0);
-        group.rumour_squared *= 0.5;
-        group.floor_squared = group.rumour_squared;
+        group.scale = 0.98 * group.size();
+        group.convergence.open(least_contraction);
+        group.floor = group.correction = 0;
     }
+    for (NewtonConvergence& part : parts_) part.open();
     const double rounding = kRounding / h_;
     for (size_t b = 0; b < now.size(); ++b) {
         Group& group = groups_[bodies_[b].group];
-        group.floor_squared = std::max(group.floor_squared, kRounding * kRounding * speed_squared(b, u_[b]));
-        if (bodies_[b].holder.empty()) continue;
-        const double size_squared = now[b].position.squaredNorm() + bodies_[b].reach * bodies_[b].reach;
-        group.floor_squared = std::max(group.floor_squared, rounding * rounding * size_squared);
+        group.floor = std::max(group.floor, kRounding * speed_of(b, u_[b]));
+        if (!bodies_[b].holder.empty())
+            group.floor = std::max(group.floor, rounding * std::hypot(now[b].position.norm(), bodies_[b].reach));
     }
 }
 
@@ -415,39 +408,35 @@ void EndOfStep::raise_floors() {
             const double p = impulse.head<3>().norm(), L = impulse.tail<3>().norm() + body.reach * p;
             const double speed = kRounding * (p / body.inertia.mass + body.reach * L / body.least);
             Group& group = groups_[body.group];
-            group.floor_squared = std::max(group.floor_squared, speed * speed);
+            group.floor = std::max(group.floor, speed);
         }
     }
 }
 
-/// Takes a pass into the books; true if every group may stop.
+/// Whether the bodies have converged by this pass. With joints the first correction is that of multipliers from zero, and
+/// measures nothing.
 bool EndOfStep::judge(int pass) {
-    for (Group& group : groups_) {
-        group.previous_squared = group.correction_squared;
-        group.correction_squared = group.speed_squared = 0;
-    }
+    std::vector<dttmm_progress>& progress = group_progress_;
+    std::fill(progress.begin(), progress.end(), dttmm_progress{});
+    for (Group& group : groups_) group.speed = 0;
     for (size_t b = 0; b < u_.size(); ++b) {
         Group& group = groups_[bodies_[b].group];
-        group.speed_squared = std::max(group.speed_squared, speed_squared(b, u_[b]));
-        const double correction = speed_squared(b, correction_[b]);
+        group.speed = std::max(group.speed, speed_of(b, u_[b]));
+        const double correction = speed_of(b, correction_[b]);
         if (!std::isfinite(correction)) fail(pass);
-        group.correction_squared = std::max(group.correction_squared, correction);
+        dttmm_progress& own = progress[bodies_[b].group];
+        own.correction = std::max(own.correction, correction);
     }
     bool done = true, slow = false;
-    for (Group& group : groups_) {
-        // A correction at rounding measures nothing; with joints nor does the first, that of multipliers from zero
-        if ((pass == 1 && system_.empty()) || (pass > 1 && group.correction_squared > group.floor_squared)) {
-            const double rate =
-                group.previous_squared > 0 ? std::sqrt(group.correction_squared / group.previous_squared) : 0;
-            group.contraction = rate < 1 ? rate / (1 - rate) : 1e3;
-            slow = slow || (rate > kSlowestContraction && group.correction_squared > 100 * group.floor_squared);
-        }
-        if (pass > kPassesToFall && group.correction_squared > 0.25 * group.previous_squared &&
-            group.correction_squared <= kRumour * kRumour * group.size_squared())
-            group.floor_squared = group.rumour_squared = std::max(group.floor_squared, group.correction_squared);
-        const double remaining_squared = group.contraction * group.contraction * group.correction_squared;
-        done = done && (group.correction_squared <= group.floor_squared ||
-                        remaining_squared <= std::max(kTolerance * kTolerance * group.size_squared(), group.floor_squared));
+    for (size_t g = 0; g < groups_.size(); ++g) {
+        Group& group = groups_[g];
+        progress[g].previous = pass > 1 || system_.empty() ? group.correction : 0;
+        progress[g].motion = group.size();
+        progress[g].enough = group.floor;
+        group.correction = progress[g].correction;
+        group.convergence.take(progress[g]);
+        done = done && group.convergence.is_done();
+        slow = slow || group.convergence.is_slow();
     }
     if (slow) {
         if (pass > 2) system_.tighten();  // a new matrix was not enough
@@ -490,7 +479,8 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
         stiffness_wanted_ = stiffness_wanted_ || has_gone_back;
         if (pass == 0 || networks.is_implicit() || stiffness_wanted_) evaluate(now, networks);
         // Where springs have kinks, Newton's tangents may lead from one side to the other for ever
-        const bool may_go_back = !has_joints && (networks.unconverged() || has_gone_back);
+        const bool parts_done = judge_parts(networks);
+        const bool may_go_back = !has_joints && (!parts_done || has_gone_back);
         if (may_go_back && pass > 0 && go_back(now)) {
             has_gone_back = true;
             --pass;  // halving ends where the correction is no longer felt
@@ -500,18 +490,35 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
         correct(now);
         if (has_joints) raise_floors();
         done = judge(pass);
-        if (!done || pass < first_trusted || networks.unconverged()) continue;
+        if (!done || pass < first_trusted || !parts_done) continue;
         if (!revise_stops(now)) {
             form_feedback(now);
             return feedback_;
         }
         first_trusted = pass + 2;
     }
-    if (done && networks.unconverged())
-        throw Error(ExitCode::plugin_failure,
-                    fmt::format("t = {:.9g} s: {}: it says after {} passes still that its answers have not converged", time_,
-                                networks.unconverged()->unconverged(), kMostPasses));
+    if (done) refuse_unconverged_part(networks);
     fail(kMostPasses);
+}
+
+/// Takes what the last evaluation says of the plugins' parts; true if every one may stop.
+bool EndOfStep::judge_parts(const Networks& networks) {
+    bool done = true;
+    for (size_t p = 0; p < parts_.size(); ++p) {
+        parts_[p].take(networks.progress()[p]);
+        done = done && parts_[p].is_done();
+    }
+    return done;
+}
+
+void EndOfStep::refuse_unconverged_part(const Networks& networks) const {
+    const auto part = std::ranges::find_if_not(parts_, &NewtonConvergence::is_done);
+    if (part == parts_.end()) return;
+    throw Error(
+        ExitCode::numerical_failure,
+        fmt::format("t = {:.9g} s: {}: the motion inside was not found in {} passes (last correction {:.1e} m/s); "
+                    "try a smaller step",
+                    time_, networks.whose_part(as_size(part - parts_.begin())), kMostPasses, part->progress().correction));
 }
 
 /// Adds the first stop that the motion found would run through, so that it ends there, and lets go those that would pull;
@@ -568,13 +575,13 @@ void EndOfStep::confirm(const std::vector<BodyState>& after) const {
             difference.head<3>() -= after[b].velocity;
             difference.tail<3>() -= after[b].angular_velocity;
             const Group& group = groups_[bodies_[b].group];
-            const double off_squared = speed_squared(b, difference);
-            if (off_squared <= kAgreement * kAgreement * group.size_squared() + 1e4 * group.floor_squared) continue;
+            const double off = speed_of(b, difference), floor = group.convergence.progress().enough;
+            if (off <= std::max(kAgreement * group.size(), 100 * floor)) continue;
             throw Error(
                 ExitCode::numerical_failure,
                 fmt::format("t = {:.9g} s: ODE's joints move body \"{}\" otherwise than foretold, by {:.1e} m/s (joint "
                             "\"{}\"); {}",
-                            time_, bodies_[b].name, std::sqrt(off_squared), descriptions_[j].name,
+                            time_, bodies_[b].name, off, descriptions_[j].name,
                             system_.is_near_singular() ? kSingularCure
                                                        : "a step too long for the turning, or very unequal masses?"));
         }

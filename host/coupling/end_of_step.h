@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "coupling/loads.h"
 #include "coupling/networks.h"
+#include "coupling/newton_convergence.h"
 #include "model/model.h"
 #include "world/block_factor.h"
 #include "world/block_matrix.h"
@@ -41,16 +43,11 @@ struct Instant {
 /// just as ODE and the closing of its joints will: only f is handed to ODE, whose joints then find q by themselves. ODE is
 /// asked whether it agrees; it has the last word on which stops act.
 ///
-/// A step is accepted when in every group of connected bodies the estimated remaining error, θ/(1 − θ) × (last
-/// correction), θ the rate of convergence, is below kTolerance of the group's motion or at rounding, all measured as the
-/// largest speed of a point of its bodies. The rate of the steps before may be used, so that a linear model takes one pass,
-/// with joints two (their multipliers do not show in the correction). Long networks round more than the bodies' positions
-/// tell: corrections that no longer fall are taken for rounding too, below kRumour of the motion. Source of the acceptance
-/// rule: Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.8.
+/// A step is accepted when every group of connected bodies and every part of the plugins has converged (NewtonConvergence).
+/// The rate of the steps before may be used, so that a linear model takes one pass, with joints two (their multipliers do
+/// not show in the correction).
 class EndOfStep {
 public:
-    static constexpr double kTolerance = 1e-13;
-    static constexpr double kRumour = 1e-9;
     static constexpr int kMostPasses = 50;
     static constexpr double kAgreement = 1e-8;
 
@@ -105,17 +102,14 @@ private:
         double reach;        ///< of its markers and of its mass from the centre of mass [m]
         size_t group;        ///< of connected bodies
     };
-    /// The books of a group over a step: squares of speeds [m²/s²].
+    /// Connected bodies. Speeds are the largest of a point of theirs [m/s].
     struct Group {
-        double contraction = 1;    ///< θ/(1 − θ) last measured, grown by kForget per step since; θ: rate of convergence
-        double scale_squared = 0;  ///< of the motion found before, slowly forgetting
-        double speed_squared = 0;  ///< of the last pass: what a pass overshoots is no motion
-        double size_squared() const { return std::max(scale_squared, speed_squared); }
-        double floor_squared = 0;  ///< apparent corrections from rounding of the held bodies' positions and of the joints'
-                                   ///< impulses: nothing below can be asked for
-        double correction_squared = 0;  ///< of the last pass
-        double previous_squared = 0;    ///< of the one before
-        double rumour_squared = 0;      ///< of corrections that no longer fell, slowly forgetting: a floor as well
+        double scale = 0;  ///< of the motion found before, slowly forgetting
+        double speed = 0;  ///< of the last pass: what a pass overshoots is no motion
+        double floor = 0;  ///< apparent corrections from rounding of the held bodies' positions and of the joints' impulses
+        double correction = 0;  ///< of the last pass
+        NewtonConvergence convergence{NewtonConvergence::kBodies};
+        double size() const { return std::max(scale, speed); }
     };
 
     void predict(const std::vector<BodyState>& now);
@@ -136,14 +130,17 @@ private:
     void open_groups(const std::vector<BodyState>& now);
     void raise_floors();
     bool judge(int pass);
+    bool judge_parts(const Networks& networks);
+    void refuse_unconverged_part(const Networks& networks) const;
     bool revise_stops(const std::vector<BodyState>& now);
     Eigen::Vector3d momentum_over_step(size_t body, const Eigen::Matrix3d& R, const Eigen::Vector3d& w) const;
     void form_feedback(const std::vector<BodyState>& now);
     [[noreturn]] void fail(int passes) const;
 
-    /// Square of the largest speed of a point of the body, at most.
-    double speed_squared(size_t body, const Vector6& u) const {
-        return 2 * (u.head<3>().squaredNorm() + bodies_[body].reach * bodies_[body].reach * u.tail<3>().squaredNorm());
+    /// The largest speed of a point of the body, at most.
+    double speed_of(size_t body, const Vector6& u) const {
+        const double reach = bodies_[body].reach;
+        return std::sqrt(2 * (u.head<3>().squaredNorm() + reach * reach * u.tail<3>().squaredNorm()));
     }
 
     double h_ = 0, time_ = 0;
@@ -176,6 +173,8 @@ private:
     Eigen::VectorXd multipliers_;                   ///< q in the joints' rows; the others are not looked at
     bool stiffness_wanted_ = true;                  ///< by the next evaluation, which then factors the matrix anew
     std::vector<Group> groups_;
+    std::vector<dttmm_progress> group_progress_;
+    std::vector<NewtonConvergence> parts_;  ///< of the plugins
     long passes_ = 0, factorisations_ = 0;
 };
 

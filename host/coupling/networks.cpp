@@ -37,7 +37,11 @@ Networks::Networks(const Model& model, const Plugins& plugins) : path_(model.pat
     if (!instances_.empty()) take_weights();
     motions_.resize(model.bodies.size());
     wrenches_.resize(6 * model.bodies.size());
-    for (const NetworkInstance& instance : instances_) outputs_.emplace_back(instance.channels().size());
+    for (const NetworkInstance& instance : instances_) {
+        outputs_.emplace_back(instance.channels().size());
+        first_part_.push_back(progress_.size());
+        if (is_implicit_) progress_.resize(progress_.size() + instance.part_count());
+    }
     refuse_changed_arithmetic();
 }
 
@@ -261,11 +265,11 @@ void Networks::begin_step(const dttmm_step& step, const double* node_loads) {
 
 void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches, const StiffnessSink* sink) {
     if (is_implicit_ || sink) gather(trial);
-    unconverged_ = nullptr;
     for (size_t n = 0; n < instances_.size(); ++n) {
         const double* stiffness = sink ? make_room(n, stiffness_) : nullptr;
         tell_time(time_, [&] {
-            if (is_implicit_ && instances_[n].expect(motions_.data()) && !unconverged_) unconverged_ = &instances_[n];
+            if (is_implicit_)
+                std::ranges::copy(instances_[n].iterate(motions_.data()), progress_.begin() + as_row(first_part_[n]));
             instances_[n].evaluate(motions_.data(), wrenches_.data(), sink ? stiffness_.data() : nullptr);
             scatter(n, wrenches);
             if (sink) check_matrix(n, stiffness_, "stiffness");
@@ -276,6 +280,11 @@ void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches, c
             stiffness += kBlock;
         }
     }
+}
+
+std::string Networks::whose_part(size_t part) const {
+    const auto instance = std::ranges::upper_bound(first_part_, part) - first_part_.begin() - 1;
+    return instances_[as_size(instance)].whose(progress_[part].element);
 }
 
 void Networks::commit_step(const std::vector<BodyState>& accepted) {

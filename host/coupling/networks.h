@@ -53,11 +53,12 @@ public:
     void begin_step(const dttmm_step& step, const double* node_loads);
     /// Adds the wrenches that act over the open step if the bodies end it as in `trial`. Throws Error(numerical_failure)
     /// naming element and body when one is not finite or beyond 1e15 N. Unless is_implicit(), `trial` is not looked at;
-    /// otherwise `expect` is called before. stiffness: if given, receives that of the wrenches.
+    /// otherwise the plugins' parts iterate before. stiffness: if given, receives that of the wrenches.
     void evaluate(const std::vector<BodyState>& trial, double* wrenches, const StiffnessSink* stiffness = nullptr);
-    /// An instance whose last answer has not converged: there must be another trial before the step is committed. NULL:
-    /// none.
-    const NetworkInstance* unconverged() const { return unconverged_; }
+    /// Of all parts of the plugins that find a motion of their own, how far the last evaluation has brought them.
+    const std::vector<dttmm_progress>& progress() const { return progress_; }
+    /// Whose part it is: `element "bolt1" (plugin ..)`.
+    std::string whose_part(size_t part) const;
     void commit_step(const std::vector<BodyState>& accepted);
 
     /// Whether all plugins tell what stands at an instant.
@@ -104,7 +105,8 @@ private:
     std::vector<std::pair<int, int>> neighbours_;
     double weights_[3] = {0, 1, 0};
     bool is_implicit_ = false, stand_ = true;
-    const NetworkInstance* unconverged_ = nullptr;
+    std::vector<dttmm_progress> progress_;
+    std::vector<size_t> first_part_;  ///< of every instance
 
     double time_ = 0, step_size_ = 0;
     std::vector<dttmm_motion> motions_;  ///< of every body, as last gathered

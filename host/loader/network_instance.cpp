@@ -19,6 +19,7 @@ namespace {
 
 /// Of one network: 320 MB of declarations. A beam of 100 000 segments has a tenth of them.
 constexpr uint32_t kMostChannels = 10'000'000;
+constexpr uint32_t kMostParts = 1'000'000;
 constexpr const char* kBadChannel = "an output channel is not well declared";
 
 /// As a plugin declares it: "force.x", "section3.force.x", "turn_to_limit".
@@ -67,6 +68,7 @@ NetworkInstance::NetworkInstance(const PluginLibrary& plugin, const dttmm_networ
     instance_.reset(instance);
     read_blocks(network);
     read_channels(network);
+    read_parts();
 }
 
 void NetworkInstance::load_weights(double weights[3]) const {
@@ -144,6 +146,28 @@ void NetworkInstance::read_channels(const dttmm_network& network) {
     for (const Channel& channel : channels_) sorted.push_back(&channel);
     std::ranges::sort(sorted, {}, identity);
     if (std::ranges::adjacent_find(sorted, {}, identity) != sorted.end()) fail(DTTMM_ERROR_INTERNAL, -1, kBadChannel);
+}
+
+void NetworkInstance::read_parts() {
+    if (!table_->part_count) return;
+    const uint32_t count = call([&] { return table_->part_count(instance_.get()); });
+    if (count > kMostParts)
+        fail(DTTMM_ERROR_INTERNAL, -1, fmt::format("it has {} parts that iterate; at most {} are taken", count, kMostParts));
+    progress_.resize(count);
+    own_progress_.resize(count * sizeof(dttmm_progress) / sizeof(double));
+}
+
+std::span<const dttmm_progress> NetworkInstance::iterate(const dttmm_motion* trial) {
+    if (progress_.empty()) return {};
+    auto* const own = reinterpret_cast<dttmm_progress*>(own_progress_.data());
+    ask([&](dttmm_error* error) { return table_->iterate(instance_.get(), trial, own, error); });
+    if (own_progress_.overrun()) blame("it wrote more of its progress than its parts have");
+    std::memcpy(progress_.data(), own_progress_.data(), progress_.size() * sizeof(dttmm_progress));
+    for (const dttmm_progress& part : progress_)
+        for (const double number : {part.correction, part.previous, part.motion, part.enough, part.residual, part.impulse})
+            if (!(number >= 0 && number <= std::numeric_limits<double>::max()))
+                blame(fmt::format("the progress of its iteration is {}", number));
+    return progress_;
 }
 
 void NetworkInstance::fail_by_exception() const { fail(DTTMM_ERROR_INTERNAL, -1, describe_exception()); }

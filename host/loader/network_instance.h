@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "loader/guarded_array.h"
 #include "loader/plugin_call.h"
 #include "loader/plugin_library.h"
 #include "model/channel.h"
@@ -62,18 +63,10 @@ public:
         PluginCall::set_time(step.time);
         ask([&](dttmm_error* error) { return table_->begin_step(instance_.get(), &step, loads, error); });
     }
-    /// Does nothing if the plugin does not want to know. Whether to expect once more before the step is committed.
-    bool expect(const dttmm_motion* trial) {
-        if (!table_->expect) return false;
-        dttmm_error error;
-        const dttmm_status status = call([&] { return table_->expect(instance_.get(), trial, cleared(error)); });
-        if (status == DTTMM_AGAIN) {
-            unconverged_ = culprit(error.element);
-            return true;
-        }
-        check(status, error);
-        return false;
-    }
+    /// How many parts of it find a motion of their own.
+    size_t part_count() const { return progress_.size(); }
+    /// One iteration of them. Throws NetworkError(plugin_failure) where it tells no finite numbers of their progress.
+    std::span<const dttmm_progress> iterate(const dttmm_motion* trial);
     void evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const {
         ask([&](dttmm_error* error) { return table_->evaluate(instance_.get(), trial, wrench, stiffness, error); });
     }
@@ -116,8 +109,8 @@ public:
     /// How messages call all of it: `bolt1`, or `elements of plugin spring.so`.
     std::string name() const;
     /// Throws NetworkError(plugin_failure) of what the plugin has done in its last call, naming the element if it is known.
-    /// Who wanted the last expect() once more: `element "bolt1" (plugin ..)`, or the plugin alone.
-    std::string unconverged() const { return whose(unconverged_); }
+    /// `element "bolt1" (plugin ..)`, or the plugin alone where the element is none.
+    std::string whose(int element) const;
     [[noreturn]] void blame(const std::string& text) const;
 
 private:
@@ -163,9 +156,9 @@ private:
     [[noreturn]] void fail(dttmm_status status, const dttmm_error& error) const;
     [[noreturn]] void fail(dttmm_status status, int element, const std::string& text) const;
     bool is_named(int element) const { return element >= 0 && as_size(element) < element_names_.size(); }
-    std::string whose(int element) const;
     void read_blocks(const dttmm_network& network);
     void read_channels(const dttmm_network& network);
+    void read_parts();
     bool is_declared(const dttmm_channel& channel, const dttmm_network& network) const;
 
     PluginLibrary plugin_;
@@ -173,7 +166,8 @@ private:
     std::unique_ptr<volatile int32_t> at_work_ = std::make_unique<volatile int32_t>(-1);  ///< the element it works on
     std::unique_ptr<dttmm_instance, void (*)(dttmm_instance*)> instance_;
     std::vector<std::string> element_names_;
-    int unconverged_ = -1;
+    std::vector<dttmm_progress> progress_;
+    GuardedArray own_progress_;
     std::vector<dttmm_block> blocks_;
     std::vector<Channel> channels_;
     std::vector<uint8_t> roles_;

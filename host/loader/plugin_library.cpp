@@ -97,8 +97,11 @@ const dttmm_plugin* checked(const std::string& name, const dttmm_plugin* table) 
     const bool whole = table->name && table->version && table->create && table->destroy && table->blocks &&
                        table->linearise && table->start && table->begin_step && table->evaluate && table->commit_step &&
                        table->discard_step && table->is_implicit && table->load_weights && table->channel_count &&
-                       table->channels && table->outputs;
-    if (!whole) fail(name, "its table has a null entry; only extension, expect, mean_wrench, stand and take_up may be null");
+                       table->channels && table->outputs && !table->part_count == !table->iterate;
+    if (!whole)
+        fail(name,
+             "its table has a null entry; only extension, part_count and iterate, mean_wrench, stand and take_up may be "
+             "null");
     if (table->element_type_count > kMostTypes)
         fail(name, fmt::format("it declares {} element types; at most {} are taken", table->element_type_count, kMostTypes));
     if (table->element_type_count > 0 && table->element_types == nullptr) fail(name, "its list of element types is null");

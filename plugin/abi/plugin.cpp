@@ -130,12 +130,10 @@ dttmm_status outputs(const dttmm_instance* instance, double* values, dttmm_error
     return guard(error, [&] { instance->machine.outputs(values); });
 }
 
-dttmm_status expect(dttmm_instance* instance, const dttmm_motion* trial, dttmm_error* error) {
-    int32_t again = -1;
-    const dttmm_status status = guard(error, [&] { again = instance->machine.expect(trial); });
-    if (again < 0 || status != DTTMM_OK) return status;
-    error->element = again;
-    return DTTMM_AGAIN;
+uint32_t part_count(const dttmm_instance* instance) { return instance->machine.part_count(); }
+
+dttmm_status iterate(dttmm_instance* instance, const dttmm_motion* trial, dttmm_progress* progress, dttmm_error* error) {
+    return guard(error, [&] { instance->machine.iterate(trial, progress); });
 }
 
 dttmm_status mean_wrench(dttmm_instance* instance, double* wrench, dttmm_error* error) {
@@ -255,7 +253,8 @@ dttmm_plugin& table() {
         channels,
         outputs,
         extension,
-        expect,
+        part_count,
+        iterate,
         mean_wrench,
         stand,
         take_up,

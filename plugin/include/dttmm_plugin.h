@@ -16,10 +16,10 @@
  * - Matrices over the bodies are lists of 6x6 blocks, those that the instance declares (blocks).
  * - Memory: whoever calls owns every buffer it passes; what a plugin returns by pointer lives as long as the instance or,
  *   for tables and what they point to, as long as the library stays loaded. No allocated memory crosses.
- * - Errors: every function that can fail returns a dttmm_status; on anything but DTTMM_OK (and DTTMM_AGAIN) it has filled
+ * - Errors: every function that can fail returns a dttmm_status; on anything but DTTMM_OK it has filled
  *   *error (which the caller owns and which is never NULL) and the instance is as before the call. No exception crosses.
  * - Threads: one thread at a time per instance; different instances may be used by different threads. No statics.
- * - Phases: create -> [linearise] -> start -> { begin_step -> { [expect ->] evaluate }* -> commit_step | discard_step }* ->
+ * - Phases: create -> [linearise] -> start -> { begin_step -> { [iterate ->] evaluate }* -> commit_step | discard_step }* ->
  *   destroy; after a commit [mean_wrench, stand ->] outputs. A comment in [brackets] names the phases in which a function
  * may be called.
  * - Versions: the tables start with their size. Minor versions append members to them; a host reads only what `size` covers.
@@ -52,7 +52,6 @@ typedef int32_t dttmm_status;
 enum {
     DTTMM_OK = 0,
     DTTMM_DISCARD = 1,         /* this step cannot be done; the instance is unchanged, the host may discard and retry */
-    DTTMM_AGAIN = 2,           /* only of expect: call it again before the step is committed; error->element: for which */
     DTTMM_ERROR_ARGUMENT = -1, /* a null pointer, a size or a value outside its range */
     DTTMM_ERROR_PHASE = -2,    /* called out of order */
     DTTMM_ERROR_MODEL = -3,    /* the network cannot be solved as described: error->element names the element */
@@ -207,6 +206,18 @@ typedef struct dttmm_step {
     double size;    /* h [s], the same from start to the next start */
 } dttmm_step;
 
+/* How far an iteration has brought a part of a plugin: the host judges by it. */
+typedef struct dttmm_progress {
+    double correction; /* the largest speed of a point that this iteration changes [m/s] */
+    double previous;   /* that of the iteration before with the way of the bodies since; 0: the first of the step [m/s] */
+    double motion;     /* the largest speed of a point over the step [m/s] */
+    double enough;     /* a correction that is not larger is rounding [m/s] */
+    double residual;   /* the largest momentum that lacked before this iteration [N s] */
+    double impulse;    /* the largest of an element over the step [N s] */
+    int32_t is_new;    /* non-zero: rates of convergence of other steps say nothing of this one, nor this one's of them */
+    int32_t element;   /* which is worst; -1: unknown */
+} dttmm_progress;
+
 /* What a channel belongs to and what becomes of it: a column of the results, by default or only when asked for; or a part of
  * the host's energy ledger, in joules. */
 enum { DTTMM_OF_ELEMENT = 0, DTTMM_OF_NODE = 1 };
@@ -293,13 +304,17 @@ typedef struct dttmm_plugin {
     /* The table of an extension, by the name in its header; NULL: the plugin has it not. The member itself may be NULL. */
     const void* (*extension)(const char* name);
 
-    /* NULL: the plugin need not know. The bodies will end the open step near `trial`; said before every evaluate of an
-     * implicit network, as the host comes to know it. The plugin may move there the point from which it works out its
-     * answers, which then differ by what it takes for good enough; evaluate stays pure from one such call to the next. On an
-     * error its answers are again those of a step for which `expect` was not called. Returns DTTMM_AGAIN where they have not
-     * converged: good enough for a trial, but to be called once more before the step is committed. Who always says so ends
-     * the run. [step open] */
-    dttmm_status (*expect)(dttmm_instance* instance, const dttmm_motion* trial, dttmm_error* error);
+    /* Both NULL: what the plugin answers hangs on the trial alone. Otherwise it has parts that find a motion of their own
+     * inside, together with the host: how many. [after create] */
+    uint32_t (*part_count)(const dttmm_instance* instance);
+    /* One iteration of every part towards the end of the open step, the bodies ending it as in `trial`; progress: takes how
+     * far each has come. The host says so before every evaluate of an implicit network, and goes on until bodies and parts
+     * have converged. evaluate then answers from where the parts have come to: the wrench that the iteration leads to, for
+     * other trials as far as a linear answer reaches, with the stiffness of the bodies on the parts that follow. It is pure
+     * from one iteration to the next. commit_step takes the motion that the last one leads to. After an error the parts are
+     * where begin_step left them. [step open] */
+    dttmm_status (*iterate)(dttmm_instance* instance, const dttmm_motion* trial, dttmm_progress* progress,
+                            dttmm_error* error);
 
     /* NULL: the host takes the mean of the velocities over the two steps around an instant as the velocity there, and
      * linearise for the wrench. They serve rows of results only, which are to be in balance: mass times acceleration equals

@@ -110,15 +110,16 @@ void Interior::make_room(const Mechanism& mechanism) {
 
     open_.rigid_known.resize(layout_.rigid_joints.size());
     open_.node_loads.assign(layout_.inner_nodes.size(), Vector6::Zero());
-    open_.anchor.ports.assign(mechanism.frames.begin(), mechanism.frames.begin() + layout_.ports);
-    open_.anchor.u.assign(n, Vector6::Zero());
-    open_.anchor.change.assign(n, Vector6::Zero());
-    open_.anchor.q.assign(rigid, 0);
-    open_.anchor.q_change.assign(rigid, 0);
-    open_.anchor.near.resize(layout_.near_joints.size());
-    open_.anchor.laws.assign(work_.laws.count(), 0);
+    open_.solution.ports.assign(mechanism.frames.begin(), mechanism.frames.begin() + layout_.ports);
+    open_.solution.u.assign(n, Vector6::Zero());
+    open_.solution.change.assign(n, Vector6::Zero());
+    open_.solution.q.assign(rigid, 0);
+    open_.solution.q_change.assign(rigid, 0);
+    open_.solution.near.resize(layout_.near_joints.size());
+    open_.solution.laws.assign(work_.laws.count(), 0);
 
-    work_.other = open_.anchor;
+    work_.column_u.assign(n, Vector6::Zero());
+    work_.column_q.assign(rigid, 0);
     work_.port_change.setZero(6 * layout_.ports);
     work_.rigid_change.setZero(as_row(rigid));
     work_.trial = mechanism.frames;
@@ -195,34 +196,30 @@ Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, Ends at,
             in_frames(joint.acting_stiffness(pose, at.from, at.to, mechanism.scheme.elastic_weight(0) * acting))};
 }
 
-void Interior::add_blocks(const Joint& joint, size_t j, const Blocks& K, Elimination& matrix) const {
+/// Adds a joint to the matrix.
+void Interior::add_joint(const Mechanism& mechanism, size_t j, const Blocks& K) {
+    const Joint& joint = mechanism.joints[j];
     const int frames[2] = {joint.from(), joint.to()};
     for (int end : {0, 1}) {
         if (!is_inner(frames[end])) continue;
-        matrix.add_diagonal(frames[end] - layout_.driven, K.own.at[end][end]);
-        matrix.add_acting(frames[end] - layout_.driven, K.acting.at[end][end]);
+        matrix_.factor.add_diagonal(frames[end] - layout_.driven, K.own.at[end][end]);
+        matrix_.factor.add_acting(frames[end] - layout_.driven, K.acting.at[end][end]);
     }
-    if (is_inner(frames[0]) && is_inner(frames[1])) matrix.add_coupling(as_int(j), K.between(0, 1));
+    if (is_inner(frames[0]) && is_inner(frames[1])) matrix_.factor.add_coupling(as_int(j), K.between(0, 1));
+    if (layout_.near_index[j] < 0) return;
+    const auto k = as_size(layout_.near_index[j]);
+    for (int row : {0, 1})
+        for (int column : {0, 1}) matrix_.near_blocks[k].at[row][column] = K.between(row, column);
+    for (int end : {0, 1}) matrix_.near_columns[k].at[end] = local_columns(mechanism, j, end);
 }
 
 /// at: the frames at the end of the step, as far as they are known.
 void Interior::assemble(const Mechanism& mechanism, const std::vector<Frame>& at) {
     matrix_.factor.set_zero();
     for (int i = 0; i < layout_.count; ++i) matrix_.factor.add_diagonal(i, mass_matrix(as_size(i)));
-    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
-        const Blocks K = blocks(mechanism, j, at);
-        add_blocks(mechanism.joints[j], j, K, matrix_.factor);
-        if (layout_.near_index[j] < 0) continue;
-        const auto k = as_size(layout_.near_index[j]);
-        for (int row : {0, 1})
-            for (int column : {0, 1}) matrix_.near_blocks[k].at[row][column] = K.between(row, column);
-        for (int end : {0, 1}) matrix_.near_columns[k].at[end] = local_columns(mechanism, j, end);
-    }
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) add_joint(mechanism, j, blocks(mechanism, j, at));
     for (size_t j : layout_.rigid_joints)
         set_rigid_rows(mechanism, j, mechanism.pose(j), mechanism.theta(j), matrix_.factor);
-    matrix_.stiffest = 0;
-    for (int i = 0; i < layout_.count; ++i)
-        matrix_.stiffest = std::max(matrix_.stiffest, matrix_.factor.diagonal(i).diagonal().head<3>().maxCoeff());
 }
 
 /// K + s C + s² M in the frames' axes, s a rate [1/s], with the frames where they are in `at`: springs, dampers and masses
@@ -293,21 +290,26 @@ void Interior::set_rigid_rows(const Mechanism& mechanism, size_t j, const JointP
     });
 }
 
-/// The matrix where the frames are on trial, into work_.at_trial. False if it is singular.
-bool Interior::form_at_trial(const Mechanism& mechanism) const {
-    work_.at_trial.set_zero();
-    for (int i = 0; i < layout_.count; ++i) work_.at_trial.add_diagonal(i, mass_matrix(as_size(i)));
+/// The matrix where the last iteration has brought everything, under the forces there; if that is singular, where the step
+/// began. It serves for this step.
+void Interior::form_at_trial(const Mechanism& mechanism) {
+    matrix_.is_own = true;
+    matrix_.is_stale = true;
+    matrix_.factor.set_zero();
+    for (int i = 0; i < layout_.count; ++i) matrix_.factor.add_diagonal(i, mass_matrix(as_size(i)));
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Joint& joint = mechanism.joints[j];
         const FrameView from = work_.trial[as_size(joint.from())], to = work_.trial[as_size(joint.to())];
         const JointPose pose = joint.pose(from, to);
         const Joint::Strained strained =
             joint.strain(mechanism.scheme, {from, to}, pose, mechanism.states[j], mechanism.memory(j));
-        add_blocks(joint, j, blocks(mechanism, j, {from, to}, pose, strained.deformation(), strained.elastic.force, work_.q),
-                   work_.at_trial);
-        if (joint.rigid().any()) set_rigid_rows(mechanism, j, pose, strained.theta, work_.at_trial);
+        add_joint(mechanism, j,
+                  blocks(mechanism, j, {from, to}, pose, strained.deformation(), strained.elastic.force, work_.q));
+        if (joint.rigid().any()) set_rigid_rows(mechanism, j, pose, strained.theta, matrix_.factor);
     }
-    return !work_.at_trial.factor();
+    ++work_.factorisations;
+    if (matrix_.factor.factor()) return form_matrix(mechanism, mechanism.frames);
+    take_factor(mechanism, work_.trial);
 }
 
 void Interior::factor(const Mechanism& mechanism, Elimination& matrix, dttmm_status status) const {
@@ -341,9 +343,11 @@ void Interior::refuse(const Mechanism& mechanism, const Elimination::Fault& faul
 
 void Interior::refactor(const Mechanism& mechanism) {
     predict(mechanism);
-    std::copy(open_.anchor.ports.begin(), open_.anchor.ports.end(), work_.trial.begin());
-    for (size_t i = 0; i < layout_.inertias.size(); ++i) place(mechanism, i, open_.anchor.u[i]);
+    std::copy(open_.solution.ports.begin(), open_.solution.ports.end(), work_.trial.begin());
+    place(mechanism, open_.solution.u);
     form_matrix(mechanism, work_.trial);
+    look_at_joints(mechanism);
+    matrix_.is_stale = matrix_.is_own = false;
     matrix_.is_fresh = true;
 }
 
@@ -351,17 +355,20 @@ void Interior::form_matrix(const Mechanism& mechanism, const std::vector<Frame>&
     matrix_.is_stale = true;
     assemble(mechanism, at);
     factor(mechanism, matrix_.factor, DTTMM_ERROR_SINGULAR);
+    take_factor(mechanism, at);
+}
+
+/// What follows from the factor.
+void Interior::take_factor(const Mechanism& mechanism, const std::vector<Frame>& at) {
     find_responses(mechanism);
     work_.laws.form(mechanism, at);
-    work_.laws.find_responses(matrix_.factor, mechanism.scheme.step_size(), work_.other.change, work_.other.q_change);
-    look_at_joints(mechanism);
-    matrix_.is_stale = false;
+    work_.laws.find_responses(matrix_.factor, mechanism.scheme.step_size(), work_.column_u, work_.column_q);
 }
 
 /// How the inside follows a unit motion of each port.
 void Interior::find_responses(const Mechanism& mechanism) {
-    std::vector<Vector6>& r = work_.other.change;
-    std::vector<double>& g = work_.other.q_change;
+    std::vector<Vector6>& r = work_.column_u;
+    std::vector<double>& g = work_.column_q;
     for (int column = 0; column < 6 * layout_.ports; ++column) {
         const int port = column / 6, c = column % 6;
         std::fill(r.begin(), r.end(), Vector6::Zero());

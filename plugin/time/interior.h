@@ -32,22 +32,13 @@ namespace dttmm::plugin {
 /// h²/m is in the thousands where it is stiff. Rigid directions enter it where they are at t_n, in the middle of the three
 /// instants.
 ///
-/// Passes start from the extrapolated motion; a solution is accepted when θ/(1 − θ) × (last correction), θ the rate of
-/// convergence, is below kShare of its first correction and of the motion, and, in the same way, what is left of the
-/// momentum is below kShare of the largest impulse of a joint: a stiff joint makes much of a small motion, and would feed
-/// its own vibration with what is left, step after step. (Where parts are free to turn, what is lacking before the last
-/// correction may not be much more either.) What is below the rounding of places, or no longer falls, is accepted too. The
-/// forces where it ends then move the momentum, in pairs that balance exactly, so that it is kept however few passes were
-/// taken; what the motion lacks to it is made up for in the next step.
-///
-/// Where the host expects the ports to end the step it is solved for them (the anchor), and solved on wherever it expects
-/// them next: one iteration with the host's own. The answer to another motion of the ports is the linear one from there, as
-/// long as that is good enough, by what it left over when the anchor moved there in this step; not where joints at ports
-/// turn (the error of the force they tell grows with their stiffness) or parts are free to turn: there the anchor stays, and
-/// every motion is solved for from it. It stays too where the host does not come to rest in a few moves, and what is then
-/// rounding of the motion is answered linearly. At the first motion that is expected one pass may do, where passes are known
-/// to converge: the host is told to come again. A step of small vibrations takes two passes or three, whatever the number of
-/// frames.
+/// The iteration goes on with the host's: an iteration per trial of the ports, from where the last one leads to and with the
+/// linear answer to the ports' way since then. The first of a step starts from the extrapolated motion. The host says when
+/// it is enough: when what remains of the correction is a small share of the first one and of the motion, and what remains
+/// of the momentum of the largest impulse of a joint: a stiff joint makes much of a small motion, and would feed its own
+/// vibration with what is left, step after step. The forces where it ends then move the momentum, in pairs that balance
+/// exactly, so that it is kept however few iterations were made; what the motion lacks to it is made up for in the next
+/// step. The ports are answered linearly from where the forces were worked out.
 ///
 /// What a massless frame leaves unbalanced over a step by its own rule (MasslessFrames) its receiver takes over, a frame
 /// nearby with a mass, so that no momentum is lost: force and moment about where the frame is at t_n, in the equations of
@@ -60,9 +51,6 @@ namespace dttmm::plugin {
 /// under a pull began to swing.)
 class Interior {
 public:
-    static constexpr double kShare = 1e-6;  ///< that may be left over, of the measures named above
-    static constexpr int kMostPasses = 30;
-
     /// Throws Error(DTTMM_ERROR_MODEL) naming what cannot move as described: a massless node that nothing holds in some
     /// direction, a rigid direction that is driven from both its ends; or a scheme that is explicit.
     Interior(const Mechanism& mechanism, const dttmm_network& description);
@@ -81,10 +69,11 @@ public:
     /// loads: NULL: none. Forms the matrix anew where the last step has left it stale; throws Error, nothing being changed,
     /// if that is singular or a rotational spring has turned too far.
     void begin_step(const Mechanism& mechanism, const double* loads);
-    /// Where the ports will end the open step, as far as is known. Whether the answer there is rough still: to be told
-    /// again. Throws Error(DTTMM_ERROR_NUMERIC) where no motion is found.
-    bool expect(const Mechanism& mechanism, Ports ports);
-    /// Finds the wrenches on the ports over the open step, at a trial end of it. Throws as expect().
+    /// One iteration for ports that end the open step where they are given. Throws Error(DTTMM_ERROR_NUMERIC) where the
+    /// motion is no number; then it is where begin_step has left it.
+    void iterate(const Mechanism& mechanism, Ports ports, dttmm_progress& progress);
+    /// Finds the wrenches on the ports over the open step, at a trial end of it near the last of iterate(). Throws
+    /// Error(DTTMM_ERROR_PHASE) if there was none.
     void evaluate(const Mechanism& mechanism, Ports ports) const;
     const Vector6& wrench(int port) const { return work_.wrench[as_size(port)]; }
     /// −∂(wrench)/∂(pose), 6P × 6P row-major.
@@ -203,37 +192,11 @@ private:
             settled.setZero();
         }
     };
-    /// How fast passes converge, in one measure. A larger correction than the one it was measured at turns the joints' axes
-    /// more, and contracts less in proportion.
-    struct Convergence {
-        double contraction = 1;  ///< θ/(1 − θ), θ the rate
-        double measured_at = 0;  ///< correction after which it was measured; 0: not yet
-        /// What remains after a correction.
-        double left(double correction) const {
-            if (correction > measured_at) {
-                if (measured_at == 0) return correction;
-                return std::min(contraction * (correction / measured_at), 1.0) * correction;
-            }
-            return std::min(contraction, 1.0) * correction;
-        }
-        void measure(double rate, double previous) { *this = {rate < 1 ? rate / (1 - rate) : 1e3, previous}; }
-        void forget(double factor) { contraction = std::min(factor * contraction, 1.0); }
-    };
-    /// What the linear answer left over when the ports moved last within a step; the same share, or less, of a smaller move.
-    struct LinearAnswer {
-        double speed = 0;     ///< of the move, the largest of a point [m/s]; 0: there was none
-        double motion = 0;    ///< still to be corrected [m/s]
-        double momentum = 0;  ///< lacking, but for what rounding feigns [N s]
-        bool is_known_for(double change) const { return change <= speed; }
-    };
-    struct ConvergenceRecord {
-        double port_turn =
-            0;  ///< of the joints at ports in the last step, since the matrix was formed, as share of their arms
-        Convergence motion, momentum;  ///< in [m/s] and [N s]
-        double scale = 0;              ///< size of the motion, slowly forgetting [m/s]
-        double first_correction = 0;   ///< the largest first one of the last step [m/s]
-        double load_work = 0;          ///< of the loads up to t_{n−1} [J]
-        double last_work = 0;          ///< over the step from there to t_n [J]
+    struct Record {
+        double port_turn = 0;  ///< of joints at ports in the last step, since the matrix was formed, as share of their arms
+        double scale = 0;      ///< size of the motion, slowly forgetting [m/s]
+        double load_work = 0;  ///< of the loads up to t_{n−1} [J]
+        double last_work = 0;  ///< over the step from there to t_n [J]
     };
     /// The motion inside for one motion of the ports, linear about the last pass: u + change.
     struct Solution {
@@ -244,17 +207,10 @@ private:
         std::vector<double> q_change;  ///< correction of them, times h
         std::vector<double> laws;      ///< ψ of the last correction
         std::vector<JointForce> near;  ///< forces of layout_.near_joints over the step, before the correction
-        Convergence motion, momentum;  ///< as in ConvergenceRecord
-        double scale = 0;              ///< likewise
-        double correction = 0;         ///< size of the last one [m/s]
-        double first_correction = 0;   ///< largest of those with which solutions of the step began [m/s]
-        double residual = 0;           ///< of the momentum before it [N s]
-        LinearAnswer answer;           ///< that it began with
-        bool is_rough = false;         ///< not good enough yet
-        double impulse = 0;            ///< of a joint over the step, at most [N s]
-        bool has_own_matrix = false;   ///< the one kept did not serve
-        double slowest_rate = 0;       ///< largest θ in this step; 0: not measured
-        double tolerance = 0;          ///< of what remains to be corrected [m/s]
+        double scale = 0;              ///< as in Record
+        double correction = 0;         ///< size of the last one [m/s]; 0: there was none
+        double rate = 0;               ///< of the last two
+        double impulse = 0;            ///< of a joint over the step [N s]
         double floor = 0;              ///< corrections below are rounding [m/s]
     };
 
@@ -312,25 +268,21 @@ private:
     void balance_massless(const Mechanism& mechanism, Solution& solution) const;
     Vector6 settled(const Mechanism& mechanism, size_t massless, const Vector6& load) const;
     Vector6 passed_on(const std::vector<Frame>& frames, size_t frame, const Vector6& left) const;
-    double correct(const Mechanism& mechanism, const Elimination& matrix, Solution& solution) const;
-    bool may_be_rough(double correction, const Solution& solution) const;
-    bool is_good_enough(double correction, double residual, const Solution& solution) const;
+    double correct(const Mechanism& mechanism, Solution& solution) const;
     double speed_of_port_change() const;
-    /// Whether every motion of the ports is solved for.
-    bool is_never_linear() const;
-    bool linear_answer_serves() const;
     Vector3 mean_velocity(const Mechanism& mechanism, const Solution& solution) const;
     void take_measures(const Mechanism& mechanism, Solution& solution) const;
-    void solve(const Mechanism& mechanism, Solution& solution, bool roughly) const;
-    [[noreturn]] void refuse_lack_of_convergence(const Mechanism& mechanism, const Solution& solution) const;
+    void pass(const Mechanism& mechanism, dttmm_progress& progress);
+    int worst_element(const Mechanism& mechanism) const;
+    void refuse_unstarted() const;
     void look_at_joints(const Mechanism& mechanism);
     void form_matrix(const Mechanism& mechanism, const std::vector<Frame>& at);
+    void take_factor(const Mechanism& mechanism, const std::vector<Frame>& at);
     void hold_given(const Mechanism& mechanism, const Start& start, Elimination& matrix, std::vector<Vector6>& load) const;
     void predict(const Mechanism& mechanism);
-    void open_anchor(const Mechanism& mechanism);
+    void open_solution(const Mechanism& mechanism);
     void take_port_change(const Mechanism& mechanism, Ports ports) const;
-    void begin_solution(const Mechanism& mechanism, Ports ports, Solution& solution) const;
-    const Solution& respond(const Mechanism& mechanism, Ports ports, bool finally) const;
+    void go_on(const Mechanism& mechanism, Ports ports);
     /// The motion of all inner frames over the step, with the linear answer to the ports.
     void find_motion(const Solution& solution, std::span<Vector6> motion) const;
     Vector6 motion_of(size_t frame, const Solution& solution) const;
@@ -362,10 +314,10 @@ private:
     Blocks blocks(const Mechanism& mechanism, size_t joint, const std::vector<Frame>& at) const;
     Blocks blocks(const Mechanism& mechanism, size_t joint, Ends at, const JointPose& pose, const Vector6& deformation,
                   Vector3 acting, const std::vector<double>& q) const;
-    void add_blocks(const Joint& joint, size_t index, const Blocks& blocks, Elimination& matrix) const;
+    void add_joint(const Mechanism& mechanism, size_t index, const Blocks& blocks);
     void set_rigid_rows(const Mechanism& mechanism, size_t joint, const JointPose& pose, const Vector3& theta,
                         Elimination& matrix) const;
-    bool form_at_trial(const Mechanism& mechanism) const;
+    void form_at_trial(const Mechanism& mechanism);
 
     struct Columns {
         Matrix6 at[2];
@@ -378,9 +330,9 @@ private:
         Eigen::MatrixXd rigid_responses;     ///< the same of the forces of rigid directions, times h
         std::vector<EndBlocks> near_blocks;  ///< stiffness of the near joints as in the matrix, frames' axes
         std::vector<Columns> near_columns;   ///< of their deformation by either frame, when it was formed
-        double stiffest = 0;                 ///< what it has most of against the shift of a frame [kg]
         bool is_stale = false;               ///< it no longer serves
         bool is_fresh = false;               ///< it was formed for the open step
+        bool is_own = false;                 ///< it was formed within the open step
     };
     /// At the start of the step last committed, world.
     struct Instant {
@@ -396,17 +348,16 @@ private:
         std::vector<RigidMap> rigid_known;  ///< of the rigid joints: what the two instants before the end contribute
         std::vector<Vector6> node_loads;    ///< at the end of the step
         double size = 0;                    ///< of the network and its way from the world's origin, at t_n [m]
-        Solution anchor;                    ///< where the ports are expected
-        bool is_solved = false;             ///< the anchor; before that it is where everything goes on as it has
-        int moves = 0;                      ///< of the anchor
-        bool stays_linear = false;          ///< it moves no more, and all answers are linear
+        Solution solution;                  ///< of the last iteration; before that where everything goes on as it has
+        bool is_begun = false;              ///< there was an iteration
     };
     /// Working memory.
     struct Work {
         Work(const Elimination& factor, LawRows law_rows) : at_trial(factor), laws(std::move(law_rows)) {}
-        Elimination at_trial;  ///< where the matrix kept does not serve, and of slow motions
+        Elimination at_trial;  ///< of slow motions
         LawRows laws;
-        Solution other;
+        std::vector<Vector6> column_u;  ///< of a unit load or motion
+        std::vector<double> column_q;
         Eigen::VectorXd port_change;   ///< from the solution in use to the end of the step asked for, 6 per port, local
         Eigen::VectorXd rigid_change;  ///< what it changes in the forces of rigid directions, times h
         std::vector<Frame> trial;
@@ -431,7 +382,7 @@ private:
     std::vector<FrameLoad> frame_loads_;
     std::vector<double> rigid_;                    ///< forces of the rigid directions over the step before t_n
     std::vector<Vector6> port_u_, port_u_before_;  ///< of the ports over the two steps before, world [m/s, rad/s]
-    ConvergenceRecord record_;
+    Record record_;
 
     Instant instant_;
     OpenStep open_;

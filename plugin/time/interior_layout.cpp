@@ -32,7 +32,6 @@ InteriorLayout::InteriorLayout(const Mechanism& mechanism, const dttmm_network& 
         if (joint.rigid().any()) rigid_joints.push_back(j);
         if (massless.is_settling(j)) settling_joints.push_back(j);
     }
-    has_free_parts = find_free_parts(mechanism, massless);
 }
 
 void InteriorLayout::read_nodes(const dttmm_network& description) {
@@ -63,22 +62,6 @@ void InteriorLayout::set_reaches(const Mechanism& mechanism) {
         turn_weight.push_back(length * length);
         spin_weight.push_back(length > 0 ? 1 / (length * length) : 0);
     }
-}
-
-/// Whether some joint leaves a frame free to turn that has an attitude: an inertia, or a joint that carries a moment.
-bool InteriorLayout::find_free_parts(const Mechanism& mechanism, const MasslessFrames& massless) const {
-    std::vector<bool> has_attitude(mechanism.frames.size(), false);
-    for (int f = 0; f < driven + count; ++f)
-        has_attitude[as_size(f)] = is_inner(f) ? !massless.is_massless(at(f), 1) : f < ports;
-    for (const Joint& joint : mechanism.joints)
-        for (int frame : {joint.from(), joint.to()})
-            if (joint.turns()) has_attitude[as_size(frame)] = true;
-    return std::ranges::any_of(mechanism.joints, [&](const Joint& joint) {
-        if (!has_attitude[as_size(joint.from())] && !has_attitude[as_size(joint.to())]) return false;
-        for (size_t d = 0; d < 3; ++d)
-            if (!joint.rigid()[3 + d] && !(joint.rotation_half().stiffness(as_row(d)) > 0)) return true;
-        return false;
-    });
 }
 
 void InteriorLayout::choose_loaded(const Mechanism& mechanism, const MasslessFrames& massless) {
@@ -133,9 +116,7 @@ void InteriorLayout::choose_near(const Mechanism& mechanism) {
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const bool is_near = at_port[as_size(mechanism.joints[j].from())] || at_port[as_size(mechanism.joints[j].to())];
         near_index.push_back(is_near ? as_int(near_joints.size()) : -1);
-        if (!is_near) continue;
-        near_joints.push_back(j);
-        has_near_laws = has_near_laws || mechanism.joints[j].has_laws();
+        if (is_near) near_joints.push_back(j);
     }
 }
 

@@ -20,8 +20,6 @@ struct InteriorLayout {
 
     int ports, driven, count;  ///< frames that are ports, ports and ground, and inner ones
     Vector3 gravity;
-    bool has_free_parts = false;  ///< that can turn against each other
-    bool has_near_laws = false;   ///< a near joint is not linear
 
     // Of every inner frame:
     std::vector<Inertia> inertias;
@@ -63,7 +61,6 @@ private:
     void choose_receivers(const Mechanism& mechanism, const MasslessFrames& massless);
     void choose_near(const Mechanism& mechanism);
     void choose_loaded(const Mechanism& mechanism, const MasslessFrames& massless);
-    bool find_free_parts(const Mechanism& mechanism, const MasslessFrames& massless) const;
 };
 
 }  // namespace dttmm::plugin

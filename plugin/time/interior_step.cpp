@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/error.h"
 #include "core/index.h"
@@ -18,42 +17,20 @@ namespace dttmm::plugin {
 
 namespace {
 
-/// A kept rate of convergence is trusted half as much with every step that did not measure it anew.
-constexpr double kForget = 2;
-/// Slower than this, the matrix is formed anew.
-constexpr double kSlowestContraction = 0.1;
-/// Slower than this, it is formed anew within the step.
-constexpr double kTooSlow = 0.3;
+/// Slower than this, the matrix is formed anew within the step.
+constexpr double kTooSlow = 0.1;
 /// Share by which a rigid direction may have turned against its frames since the matrix was formed.
 constexpr double kTurnedRows = 0.02;
 /// The same of joints at ports: as k h²/m of a stiff hinge is in the thousands, so is the error of the force they are told.
 constexpr double kTurnedPorts = 1e-4;
-/// A first pass at a step may be rough where passes contract by so much,
-constexpr double kRoughly = 0.1;
-/// and its correction is less than so many times that of the step before.
-constexpr double kSudden = 10;
-/// After so many passes a correction that has not halved is rounding,
-constexpr int kPassesToFall = 4;
-/// if it is so small a share of the motion, and the momentum is found.
-constexpr double kLargestRounding = 1e-7;
-/// A linear answer may lack so much of the momentum that may be lacking: it errs in the same sense step after step.
-constexpr double kLinearly = 0.01;
-/// So often in a step the anchor moves. A change of the ports that is then below kLargestRounding of the motion is rounding,
-constexpr int kMostMoves = 4;
-/// and up to so many times that they are answered linearly from then on, lest answers flip.
-constexpr double kStillLinear = 100;
 /// Of a frame's place, in the corrections: nothing finer can be asked for.
 constexpr double kRounding = 1e-14;
-/// Of the place itself, of which stiff joints make forces.
-constexpr double kRoundingOfPlace = 2 * std::numeric_limits<double>::epsilon();
-/// Smallest size of a network [m], for both.
+/// Smallest size of a network [m].
 constexpr double kSmallestSize = 1e-6;
 /// Of the motion: no more digits are asked for.
 constexpr double kFinest = 1e-13;
 /// Axes lose their right angles by rounding only.
 constexpr uint64_t kStepsBetweenNormalisations = 64;
-/// Where parts are free to turn: so much more than may be left over is never left to a kept rate of convergence.
-constexpr double kTrusted = 30;
 /// Beyond these something has flown apart, by the host's measure of its bodies.
 constexpr double kFarthest = 1e6;  // m
 constexpr double kFastest = 1e8;   // m/s and rad/s
@@ -80,7 +57,7 @@ void Interior::begin_step(const Mechanism& mechanism, const double* loads) {
     if (matrix_.is_stale) refactor(mechanism);
     read_loads(mechanism, loads);
     predict(mechanism);
-    open_anchor(mechanism);
+    open_solution(mechanism);
 }
 
 /// Where the ports and the inside end if they go on as they have.
@@ -89,36 +66,29 @@ void Interior::predict(const Mechanism& mechanism) {
     for (size_t p = 0; p < port_u_.size(); ++p) {
         const Vector6 u = 2 * port_u_[p] - port_u_before_[p];
         const FrameView now = mechanism.frames[p];
-        Map3{open_.anchor.ports[p].position} = now.origin() + h * head(u);
-        MapR{open_.anchor.ports[p].rotation} = rotation_from_vector(h * tail(u)) * now.axes();
+        Map3{open_.solution.ports[p].position} = now.origin() + h * head(u);
+        MapR{open_.solution.ports[p].rotation} = rotation_from_vector(h * tail(u)) * now.axes();
     }
-    for (size_t i = 0; i < layout_.inertias.size(); ++i) open_.anchor.u[i] = 2 * past_.u[i] - past_.u_before[i];
+    for (size_t i = 0; i < layout_.inertias.size(); ++i) open_.solution.u[i] = 2 * past_.u[i] - past_.u_before[i];
     if (mechanism.steps == 0) {  // velocities of an instant: over the step what turns has turned half of it on the mean
-        const Vector3 mean = mean_velocity(mechanism, open_.anchor);
+        const Vector3 mean = mean_velocity(mechanism, open_.solution);
         for (size_t i = 0; i < layout_.inertias.size(); ++i) {
             const Vector3 drift = mechanism.frame(layout_.driven + as_int(i)).axes().transpose() * mean;
-            Vector6& u = open_.anchor.u[i];
+            Vector6& u = open_.solution.u[i];
             u.head<3>() = (drift + turned(0.5 * h * u.tail<3>(), u.head<3>() - drift)).eval();
         }
     }
 }
 
-/// What is known of the anchor before anything is solved: ports that go on as they have.
-void Interior::open_anchor(const Mechanism& mechanism) {
-    open_.is_solved = false;
-    open_.moves = 0;
-    open_.stays_linear = false;
-    open_.anchor.answer = {};
-    open_.anchor.correction = open_.anchor.residual = open_.anchor.first_correction = 0;
-    open_.anchor.slowest_rate = 0;
-    open_.anchor.has_own_matrix = false;
-    std::fill(open_.anchor.change.begin(), open_.anchor.change.end(), Vector6::Zero());
-    std::fill(open_.anchor.q_change.begin(), open_.anchor.q_change.end(), 0.0);
-    open_.anchor.q = rigid_;
-    open_.anchor.motion = record_.motion;
-    open_.anchor.momentum = record_.momentum;
-    for (Convergence* convergence : {&open_.anchor.motion, &open_.anchor.momentum}) convergence->forget(kForget);
-    open_.anchor.scale = record_.scale;
+/// What is known before the first iteration: ports that go on as they have.
+void Interior::open_solution(const Mechanism& mechanism) {
+    Solution& solution = open_.solution;
+    open_.is_begun = false;
+    solution.correction = solution.rate = 0;
+    std::fill(solution.change.begin(), solution.change.end(), Vector6::Zero());
+    std::fill(solution.q_change.begin(), solution.q_change.end(), 0.0);
+    solution.q = rigid_;
+    solution.scale = record_.scale;
     open_.size = kSmallestSize;
     for (size_t i = 0; i < layout_.inertias.size(); ++i) {
         const FrameView frame = mechanism.frames[as_size(layout_.driven) + i];
@@ -279,12 +249,9 @@ Vector6 Interior::passed_on(const std::vector<Frame>& frames, size_t frame, cons
 }
 
 /// Solves for the correction and returns its size: the largest speed of a point.
-double Interior::correct(const Mechanism& mechanism, const Elimination& matrix, Solution& solution) const {
-    matrix.solve(solution.change, solution.q_change);
-    if (&matrix == &matrix_.factor)
-        work_.laws.correct(mechanism, work_.trial, solution.change, solution.q_change, solution.laws);
-    else
-        std::fill(solution.laws.begin(), solution.laws.end(), 0.0);
+double Interior::correct(const Mechanism& mechanism, Solution& solution) const {
+    matrix_.factor.solve(solution.change, solution.q_change);
+    work_.laws.correct(mechanism, work_.trial, solution.change, solution.q_change, solution.laws);
     return largest_size(solution.change, layout_.turn_weight);
 }
 
@@ -312,108 +279,10 @@ void Interior::take_measures(const Mechanism& mechanism, Solution& solution) con
     solution.floor = std::max(kRounding * open_.size / h, kFinest * solution.scale);
 }
 
-/// Passes from the motion in `solution` on until the last change is good enough, or one if `roughly`; contraction and
-/// measures as last known. solution.correction and solution.residual: of a pass before; 0: there was none.
-void Interior::solve(const Mechanism& mechanism, Solution& solution, bool roughly) const {
-    const double h = mechanism.scheme.step_size(), floor = solution.floor;
-    const Elimination* matrix = &matrix_.factor;
-    double rate = 0;
-    if (solution.has_own_matrix) solution.motion = solution.momentum = {};  // rates of a matrix that is no more
-    for (int pass = 0; pass < kMostPasses; ++pass) {
-        ++work_.passes;
-        if (pass > 0) {
-            for (size_t i = 0; i < layout_.inertias.size(); ++i) solution.u[i] += solution.change[i];
-            for (size_t i = 0; i < solution.q.size(); ++i) solution.q[i] += solution.q_change[i] / h;
-        }
-        std::copy(solution.ports.begin(), solution.ports.end(), work_.trial.begin());
-        place(mechanism, solution.u);
-        find_forces(mechanism, solution);
-        form_residuals(mechanism, solution);
-        if (rate > kTooSlow) {
-            ++work_.factorisations;
-            if (form_at_trial(mechanism)) matrix = &work_.at_trial;
-            solution.has_own_matrix = true;
-        }
-        const double residual = largest_size(solution.change, layout_.spin_weight);  // the momentum that is lacking [N s]
-        const double correction = correct(mechanism, *matrix, solution);
-        if (!std::isfinite(correction + floor)) break;
-        if (solution.correction > 0 && correction > floor) {
-            rate = correction / solution.correction;
-            solution.slowest_rate = std::max(solution.slowest_rate, rate);
-            solution.motion.measure(rate, solution.correction);
-            if (solution.residual > 0) solution.momentum.measure(residual / solution.residual, solution.residual);
-        }
-        if (pass == 0) {
-            const double first = solution.correction > 0 ? solution.correction : correction;
-            solution.first_correction = std::max(solution.first_correction, first);
-            solution.tolerance = std::max(floor, kShare * std::min(first, solution.scale));
-            solution.answer.motion = correction;
-            solution.answer.momentum = std::max(residual - kRoundingOfPlace * open_.size / h * matrix_.stiffest, 0.0);
-        }
-        solution.correction = correction;
-        solution.residual = residual;
-        solution.is_rough = !is_good_enough(correction, residual, solution);
-        // What no longer falls is rounding, if it is small
-        if (pass >= kPassesToFall && rate > 0.5 && correction <= kLargestRounding * solution.scale &&
-            residual <= kShare * solution.impulse)
-            solution.is_rough = false;
-        if (!solution.is_rough || (roughly && may_be_rough(correction, solution))) return;
-    }
-    refuse_lack_of_convergence(mechanism, solution);
-}
-
-void Interior::refuse_lack_of_convergence(const Mechanism& mechanism, const Solution& solution) const {
-    const auto left = [&](size_t i) {
-        return solution.change[i].head<3>().squaredNorm() +
-               layout_.turn_weight[i] * solution.change[i].tail<3>().squaredNorm();
-    };
-    size_t worst = 0;
-    for (size_t i = 1; i < layout_.inertias.size(); ++i)
-        if (!(left(i) <= left(worst))) worst = i;
-    const FrameSpec& frame = mechanism.assembly.frames[as_size(layout_.driven) + worst];
-    throw Error(DTTMM_ERROR_NUMERIC,
-                fmt::format("the motion inside the network was not found in {} passes, worst at {} (last correction {:.1e} "
-                            "m/s); try a smaller step",
-                            kMostPasses, frame.name, solution.correction),
-                frame.element);
-}
-
-/// Whether what a first pass leaves over may be left to the next trial: passes are known to converge fast, and its
-/// correction is like that of the step before.
-bool Interior::may_be_rough(double correction, const Solution& solution) const {
-    return solution.motion.measured_at > 0 && solution.motion.contraction <= kRoughly &&
-           correction <= kSudden * record_.first_correction;
-}
-
-bool Interior::is_good_enough(double correction, double residual, const Solution& solution) const {
-    if (correction <= solution.floor) return true;
-    const double allowed = kShare * solution.impulse;
-    return solution.motion.left(correction) <= solution.tolerance && solution.momentum.left(residual) <= allowed &&
-           (!layout_.has_free_parts || residual <= kTrusted * allowed);
-}
-
-bool Interior::is_never_linear() const {
-    return layout_.has_free_parts || layout_.has_near_laws || record_.port_turn > kTurnedPorts;
-}
-
-/// Whether the linear answer to work_.port_change leaves no more over than is good enough.
-bool Interior::linear_answer_serves() const {
-    if (!open_.is_solved) return false;
-    if (work_.port_change.isZero(0)) return true;
-    if (open_.anchor.is_rough || is_never_linear()) return false;
-    const double change = speed_of_port_change();
-    if (open_.stays_linear) return change <= kStillLinear * kLargestRounding * open_.anchor.scale;
-    if (change <= open_.anchor.floor) return true;
-    if (!open_.anchor.answer.is_known_for(change)) return false;
-    const double part = change / open_.anchor.answer.speed;
-    return part * open_.anchor.answer.motion <= open_.anchor.tolerance &&
-           part * open_.anchor.answer.momentum <= kLinearly * kShare * open_.anchor.impulse;
-}
-
-/// Sets work_.port_change: what leads the ports from the anchor to where they are to go.
+/// Sets work_.port_change: what leads the ports from where they were at the last iteration to where they are to go.
 void Interior::take_port_change(const Mechanism& mechanism, Ports ports) const {
     for (size_t p = 0; p < port_u_.size(); ++p) {
-        const FrameView now = mechanism.frames[p], anchor = open_.anchor.ports[p], trial = ports[p];
+        const FrameView now = mechanism.frames[p], anchor = open_.solution.ports[p], trial = ports[p];
         auto change = work_.port_change.segment<6>(as_row(6 * p));
         change << now.axes().transpose() * (trial.origin() - anchor.origin()),
             now.axes().transpose() * rotation_vector(trial.axes() * anchor.axes().transpose());
@@ -434,66 +303,71 @@ double Interior::speed_of_port_change() const {
     return std::sqrt(largest + poison);
 }
 
-/// Begins a solution for ports work_.port_change away from the anchor by the linear answer. `solution` may be the anchor
-/// itself.
-void Interior::begin_solution(const Mechanism& mechanism, Ports ports, Solution& solution) const {
+/// The motion that the last iteration leads to, the ports going work_.port_change further.
+void Interior::go_on(const Mechanism& mechanism, Ports ports) {
+    Solution& solution = open_.solution;
     for (size_t p = 0; p < port_u_.size(); ++p) solution.ports[p] = ports[p].copy();
-    const bool is_as_foreseen = &solution == &open_.anchor && open_.moves == 0 && work_.port_change.isZero(0);
-    if (!is_as_foreseen) find_motion(open_.anchor, solution.u);
-    work_.rigid_change.noalias() = matrix_.rigid_responses * work_.port_change;
-    for (size_t i = 0; i < solution.q.size(); ++i)
-        solution.q[i] =
-            open_.anchor.q[i] + (open_.anchor.q_change[i] + work_.rigid_change(as_row(i))) / mechanism.scheme.step_size();
+    find_rigid_forces(mechanism, solution);
+    solution.q = work_.q;
+    find_motion(solution, solution.u);
     take_measures(mechanism, solution);
     work_.port_change.setZero();
 }
 
-bool Interior::expect(const Mechanism& mechanism, Ports ports) {
-    // Where parts turn, or trials do not come to rest, all answers are worked out from one point: smooth, as the host wants
-    if (open_.is_solved && !open_.anchor.is_rough && is_never_linear()) return false;
+void Interior::iterate(const Mechanism& mechanism, Ports ports, dttmm_progress& progress) {
     take_port_change(mechanism, ports);
-    if (open_.is_solved && !open_.anchor.is_rough && open_.moves >= kMostMoves) {
-        open_.stays_linear = open_.stays_linear || speed_of_port_change() <= kLargestRounding * open_.anchor.scale;
-        return false;
+    double way = speed_of_port_change();
+    if (!open_.is_begun && way <= kRounding * open_.size / mechanism.scheme.step_size()) {  // where they were foreseen
+        work_.port_change.setZero();
+        way = 0;
     }
-    const bool is_first = !open_.is_solved;
-    if (is_first) {
-        // Where they were foreseen but for rounding there is nothing to answer
-        if (speed_of_port_change() <= kRounding * open_.size / mechanism.scheme.step_size()) work_.port_change.setZero();
-    } else {
-        if (!open_.anchor.is_rough && linear_answer_serves()) return false;
-        open_.anchor.answer.speed = speed_of_port_change();
-        open_.anchor.correction +=
-            open_.anchor.answer.speed;  // of this and the linear answer, the first pass tells what is left
-        ++open_.moves;
-    }
-    open_.is_solved = false;
-    begin_solution(mechanism, ports, open_.anchor);
+    progress.previous = open_.is_begun ? open_.solution.correction + way : 0;
     try {
-        solve(mechanism, open_.anchor, is_first && !is_never_linear());
+        go_on(mechanism, ports);
+        pass(mechanism, progress);
     } catch (...) {
         predict(mechanism);
-        open_anchor(mechanism);
+        open_solution(mechanism);
         throw;
     }
-    open_.is_solved = true;
-    return open_.anchor.is_rough;
+    open_.is_begun = true;
 }
 
-/// The solution for a motion of the ports: the anchored one, to which work_.port_change is to be added linearly, if that is
-/// good enough, else one of its own.
-const Interior::Solution& Interior::respond(const Mechanism& mechanism, Ports ports, bool finally) const {
-    take_port_change(mechanism, ports);
-    if (linear_answer_serves() && !(finally && open_.anchor.is_rough)) return open_.anchor;
-    work_.other.motion = open_.anchor.motion;
-    work_.other.momentum = open_.anchor.momentum;
-    work_.other.scale = open_.anchor.scale;
-    work_.other.correction = work_.other.residual = 0;
-    work_.other.slowest_rate = open_.anchor.slowest_rate;
-    work_.other.has_own_matrix = open_.anchor.has_own_matrix;
-    begin_solution(mechanism, ports, work_.other);
-    solve(mechanism, work_.other, false);
-    return work_.other;
+/// The forces of the motion in open_.solution, and the correction to which they lead.
+void Interior::pass(const Mechanism& mechanism, dttmm_progress& progress) {
+    Solution& solution = open_.solution;
+    ++work_.passes;
+    std::copy(solution.ports.begin(), solution.ports.end(), work_.trial.begin());
+    place(mechanism, solution.u);
+    find_forces(mechanism, solution);
+    form_residuals(mechanism, solution);
+    if (solution.rate > kTooSlow) form_at_trial(mechanism);
+    const double residual = largest_size(solution.change, layout_.spin_weight);
+    solution.correction = correct(mechanism, solution);
+    if (!std::isfinite(solution.correction + solution.floor))
+        throw Error(DTTMM_ERROR_NUMERIC, "the motion inside the network was not found; try a smaller step",
+                    worst_element(mechanism));
+    solution.rate =
+        progress.previous > 0 && solution.correction > solution.floor ? solution.correction / progress.previous : 0;
+    progress.correction = solution.correction;
+    progress.motion = solution.scale;
+    progress.enough = solution.floor;
+    progress.residual = residual;
+    progress.impulse = solution.impulse;
+    progress.is_new = matrix_.is_fresh || matrix_.is_own;
+    progress.element = solution.rate > kTooSlow ? worst_element(mechanism) : -1;
+}
+
+/// Of the frame that the last iteration moves most.
+int Interior::worst_element(const Mechanism& mechanism) const {
+    const auto size = [&](size_t i) {
+        const Vector6& change = open_.solution.change[i];
+        return change.head<3>().squaredNorm() + layout_.turn_weight[i] * change.tail<3>().squaredNorm();
+    };
+    size_t worst = 0;
+    for (size_t i = 1; i < layout_.inertias.size(); ++i)
+        if (!(size(i) <= size(worst))) worst = i;
+    return mechanism.assembly.frames[as_size(layout_.driven) + worst].element;
 }
 
 void Interior::find_motion(const Solution& solution, std::span<Vector6> motion) const {
@@ -555,8 +429,14 @@ JointForce Interior::near_force(const Mechanism& mechanism, size_t k, const Solu
     return force;
 }
 
+void Interior::refuse_unstarted() const {
+    if (!open_.is_begun) throw Error(DTTMM_ERROR_PHASE, "there was no iteration in this step yet");
+}
+
 void Interior::evaluate(const Mechanism& mechanism, Ports ports) const {
-    const Solution& solution = respond(mechanism, ports, false);
+    refuse_unstarted();
+    const Solution& solution = open_.solution;
+    take_port_change(mechanism, ports);
     find_rigid_forces(mechanism, solution);
     for (int frame : layout_.port_frames) work_.wrench[as_size(frame)].setZero();
     for (size_t k = 0; k < layout_.near_joints.size(); ++k) {
@@ -573,18 +453,13 @@ void Interior::evaluate(const Mechanism& mechanism, Ports ports) const {
 }
 
 void Interior::commit(Mechanism& mechanism, Ports ports) {
-    const Solution& solution = respond(mechanism, ports, true);
+    refuse_unstarted();
+    const Solution& solution = open_.solution;
+    take_port_change(mechanism, ports);
     find_rigid_forces(mechanism, solution);
     find_end(mechanism, solution);
     rigid_ = work_.q;
-    // A step with a matrix formed for it converges like no other
-    const bool is_like_the_next = !matrix_.is_fresh && !solution.has_own_matrix;
-    record_.motion = is_like_the_next ? solution.motion : Convergence{};
-    record_.momentum = is_like_the_next ? solution.momentum : Convergence{};
-    matrix_.is_fresh = false;
     record_.scale = 0.98 * solution.scale;
-    record_.first_correction = open_.anchor.first_correction;
-    const bool is_slow = solution.slowest_rate > kSlowestContraction;
     for (size_t p = 0; p < port_u_.size(); ++p) work_.trial[p] = ports[p].copy();
     take_forces(mechanism, solution);
     set_elastic(mechanism);
@@ -592,7 +467,8 @@ void Interior::commit(Mechanism& mechanism, Ports ports) {
     take_loads(mechanism);
     take_motion(mechanism);
     record_.port_turn = turn_at_ports(mechanism);
-    matrix_.is_stale = is_slow || record_.port_turn > kTurnedPorts || rigid_directions_have_turned(mechanism);
+    matrix_.is_stale = matrix_.is_own || record_.port_turn > kTurnedPorts || rigid_directions_have_turned(mechanism);
+    matrix_.is_fresh = false;
     if (!matrix_.is_stale) look_at_joints(mechanism);
 }
 

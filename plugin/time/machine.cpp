@@ -244,12 +244,18 @@ void Machine::begin_step(const dttmm_step& step, const double* loads) {
     }
 }
 
-int32_t Machine::expect(const dttmm_motion* trial) {
-    int32_t again = -1;
+uint32_t Machine::part_count() const {
+    return static_cast<uint32_t>(std::ranges::count_if(networks_, [](const Part& part) { return part.network.iterates(); }));
+}
+
+void Machine::iterate(const dttmm_motion* trial, dttmm_progress* progress) {
     for_each(*this, [&](Part& part) {
-        if (part.network.expect(trial) && again < 0) again = static_cast<int32_t>(part.network.places().elements.front());
+        if (!part.network.iterates()) return;
+        part.network.iterate(trial, *progress);
+        const auto& elements = part.network.places().elements;
+        progress->element = static_cast<int32_t>(elements[as_size(std::max(progress->element, 0))]);
+        ++progress;
     });
-    return again;
 }
 
 void Machine::evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const {

@@ -26,8 +26,9 @@ public:
     void take_up(const double* motion, double* elastic, double* damped) const;
     void start(const dttmm_step& step, const dttmm_motion* bodies, const double* accelerations, const double* loads);
     void begin_step(const dttmm_step& step, const double* loads);
-    /// An element whose network is to be asked again before the step is committed; −1: none is.
-    int32_t expect(const dttmm_motion* trial);
+    /// Networks that iterate.
+    uint32_t part_count() const;
+    void iterate(const dttmm_motion* trial, dttmm_progress* progress);
     void evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const;
     void commit_step(const dttmm_motion* accepted);
     void discard_step();

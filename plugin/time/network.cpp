@@ -274,35 +274,42 @@ void Network::begin_step(const dttmm_step& step, const double* loads) {
     if (step.size != mechanism_.scheme.step_size())
         throw Error(DTTMM_ERROR_ARGUMENT, "begin_step: a new step size wants a new start");
     if (interior_) interior_->begin_step(mechanism_, loads);
-    is_open_ = is_first_look_ = true;
+    is_open_ = true;
 }
 
-bool Network::expect(const dttmm_motion* trial) {
-    if (!is_open_) throw Error(DTTMM_ERROR_PHASE, "expect: no step is open");
+void Network::iterate(const dttmm_motion* trial, dttmm_progress& progress) {
+    if (!is_open_) throw Error(DTTMM_ERROR_PHASE, "iterate: no step is open");
+    progress = {};
+    if (interior_) {
+        interior_->iterate(mechanism_, ports(trial), progress);
+    } else {
+        constexpr double kPredicted = 1e-6;  // of the force; 1e-4 to 1e-9 find the same ends in the tests of kinks
+        progress.correction = find_worst_prediction(trial);
+        progress.enough = kPredicted;
+        progress.motion = 1;
+    }
     // Where a spring is not linear, a rate of convergence of another step says nothing of this one
-    const bool is_first = !joints_with_laws_.empty() && std::exchange(is_first_look_, false);
-    if (interior_) return interior_->expect(mechanism_, ports(trial)) || is_first;
-    return !laws_follow_prediction(trial) || is_first;
+    if (!joints_with_laws_.empty()) progress.is_new = 1;
 }
 
-/// Whether the laws do at this trial what their gains at the trial before let expect. Newton's corrections are trusted from
-/// there on only: a kink between two trials makes another force of the last one.
-bool Network::laws_follow_prediction(const dttmm_motion* bodies) {
-    constexpr double kPredicted = 1e-6;  // of the force; 1e-4 to 1e-9 find the same ends in the tests of kinks
-    bool are = true;
+/// By how much laws do otherwise at this trial than their gains at the trial before let expect, as share of their force.
+/// Newton's corrections are trusted where that is little: a kink between two trials makes another force of the last one.
+double Network::find_worst_prediction(const dttmm_motion* bodies) {
+    double worst = 0;
     for (LawLook& last : law_looks_) {
         const Joint& joint = mechanism_.joints[last.joint];
         const Ends at = seen(joint, bodies);
         const double x = joint.deformation(joint.pose(at), at.from, at.to)(last.direction),
                      now = mechanism_.states[last.joint].deformation()(last.direction);
         const Joint::OnPath path = joint.on_path(mechanism_.scheme, last.direction, now, x, mechanism_.memory(last.joint));
-        const double predicted = last.force + last.gain * (x - last.x);
-        are = are && std::abs(path.force - predicted) <= kPredicted * std::max(std::abs(path.force), std::abs(predicted));
+        const double predicted = last.force + last.gain * (x - last.x),
+                     largest = std::max(std::abs(path.force), std::abs(predicted));
+        if (largest > 0) worst = std::max(worst, std::abs(path.force - predicted) / largest);
         last.x = x;
         last.force = path.force;
         last.gain = path.gain;
     }
-    return are;
+    return worst;
 }
 
 void Network::evaluate(const dttmm_motion* bodies, double* wrench, double* stiffness) const {

@@ -52,7 +52,9 @@ public:
     /// loads: of its own inner nodes; NULL: none.
     void start(const dttmm_step& step, const dttmm_motion* bodies, const double* accelerations, const double* loads);
     void begin_step(const dttmm_step& step, const double* loads);
-    bool expect(const dttmm_motion* trial);
+    /// Whether it finds a motion of its own, or has laws: then iterate() comes before every evaluate().
+    bool iterates() const { return interior_ || !joints_with_laws_.empty(); }
+    void iterate(const dttmm_motion* trial, dttmm_progress& progress);
     void evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const;
     void commit_step(const dttmm_motion* accepted);
     void discard_step();
@@ -108,7 +110,7 @@ private:
     void evaluate_joints(const dttmm_motion* bodies, double* wrench, double* stiffness) const;
     void evaluate_linear_joints(const dttmm_motion* bodies, double* wrench, double* stiffness) const;
     void evaluate_joints_with_laws(const dttmm_motion* bodies, double* wrench, double* stiffness) const;
-    bool laws_follow_prediction(const dttmm_motion* bodies);
+    double find_worst_prediction(const dttmm_motion* bodies);
     void add_joint_stiffness(size_t joint, Ends at, double* stiffness) const;
     void start_joints(const dttmm_motion* bodies, const double* accelerations);
     void commit_joints(const dttmm_motion* bodies);
@@ -158,7 +160,6 @@ private:
         double x, force, gain;
     };
     std::vector<LawLook> law_looks_;
-    bool is_first_look_ = false;  ///< nothing was asked of the open step
 
     std::vector<Frame> earlier_;           ///< the ports, and the ground behind them, at t_{n−1}
     std::vector<Twist> start_velocities_;  ///< of the ports

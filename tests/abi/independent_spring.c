@@ -590,7 +590,7 @@ static const dttmm_plugin table = {
     begin_step,           evaluate,           commit_step,
     discard_step,         is_implicit,        load_weights,
     channel_count,        channels,           outputs,
-    extension,            NULL, /* nothing to expect */
+    extension,            NULL,               NULL, /* nothing inside that iterates */
     mean_wrench,          stand,              NULL,
 };
 

@@ -177,7 +177,6 @@ TEST(Plugin, CallsOutOfPhaseComeBackWithATextAndChangeNothing) {
     };
     expect_refused(table().evaluate(joint.instance(), ports, wrench, nullptr, &error), "evaluate: ");
     expect_refused(table().commit_step(joint.instance(), ports, &error), "commit_step: ");
-    expect_refused(table().expect(joint.instance(), ports, &error), "expect: ");
     expect_refused(table().discard_step(joint.instance(), &error), "discard_step: ");
     expect_refused(table().outputs(joint.instance(), wrench, &error), "outputs: ");
     EXPECT_EQ(joint.step(0), twin.step(0));

@@ -20,7 +20,31 @@ public:
         spread(K, stiffness);
         spread(C, damping);
     }
-    void evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const {
+    /// Iterates until it has converged for this trial.
+    void settle(const dttmm_motion* trial) {
+        dttmm_progress progress{};
+        for (int n = 0; iterates() && n < 50; ++n) {
+            iterate(trial, progress);
+            fprintf(stderr, "n %d corr %.2e prev %.2e mot %.2e enough %.1e res %.2e imp %.2e new %d\n", n,
+                    progress.correction, progress.previous, progress.motion, progress.enough, progress.residual,
+                    progress.impulse, progress.is_new);
+            if (n > 0 && (progress.correction <= progress.enough ||
+                          (progress.correction <= 1e-9 * progress.motion && progress.residual <= 1e-9 * progress.impulse)))
+                return;
+        }
+    }
+    /// Where it has converged.
+    void commit_settled(const dttmm_motion* accepted) {
+        settle(accepted);
+        commit_step(accepted);
+    }
+    /// The answer where it has converged.
+    void evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) {
+        settle(trial);
+        answer(trial, wrench, stiffness);
+    }
+    /// The answer from where it has come to.
+    void answer(const dttmm_motion* trial, double* wrench, double* stiffness) const {
         std::vector<double> K(36 * blocks().size());
         Network::evaluate(trial, cleared(wrench), stiffness ? K.data() : nullptr);
         spread(K, stiffness);

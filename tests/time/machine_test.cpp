@@ -66,6 +66,15 @@ struct Answer {
     std::vector<double> wrench, stiffness, mean, standing, outputs;
 };
 
+void iterate(Machine& machine, const dttmm_motion* trial) {
+    std::vector<dttmm_progress> progress(machine.part_count());
+    for (int n = 0; n < 4; ++n) machine.iterate(trial, progress.data());
+}
+void iterate(Network& network, const dttmm_motion* trial) {
+    dttmm_progress progress;
+    for (int n = 0; n < 4; ++n) network.iterate(trial, progress);
+}
+
 template <class Machine>
 Answer take_step(Machine& machine, const dttmm_network& network, uint64_t n, size_t blocks) {
     const double t = static_cast<double>(n) * kMachineStep;
@@ -75,7 +84,7 @@ Answer take_step(Machine& machine, const dttmm_network& network, uint64_t n, siz
                   std::vector<double>(size), std::vector<double>(machine.channels().size())};
     machine.begin_step({n, t, kMachineStep}, loads.data());
     const std::vector<dttmm_motion> now = motions(network, t), end = motions(network, t + kMachineStep);
-    machine.expect(end.data());
+    iterate(machine, end.data());
     machine.evaluate(end.data(), answer.wrench.data(), answer.stiffness.data());
     machine.commit_step(end.data());
     machine.mean_wrench(answer.mean.data());

@@ -478,7 +478,11 @@ TEST(Network, CallsOutOfOrderAreRefusedAndChangeNothing) {
     double wrench[12];
     EXPECT_EQ(status_of([&] { network.begin_step({0, 0, kStep}, nullptr); }), DTTMM_ERROR_PHASE);
     EXPECT_EQ(status_of([&] { network.evaluate(ports, wrench, nullptr); }), DTTMM_ERROR_PHASE);
-    EXPECT_EQ(status_of([&] { network.expect(ports); }), DTTMM_ERROR_PHASE);
+    EXPECT_EQ(status_of([&] {
+                  dttmm_progress progress;
+                  network.iterate(ports, progress);
+              }),
+              DTTMM_ERROR_PHASE);
     network.start({0, 0, kStep}, ports, accelerations, nullptr);
     EXPECT_EQ(status_of([&] { network.commit_step(ports); }), DTTMM_ERROR_PHASE);
     EXPECT_EQ(status_of([&] { network.discard_step(); }), DTTMM_ERROR_PHASE);

@@ -53,8 +53,12 @@ enum fault {
     overrun,
     error_at_step_1000,
     silent_error,
-    rough, /* no fault: it wants to be told twice where a step ends */
+    rough, /* no fault: it wants to iterate twice in a step */
     always_rough,
+    nan_progress,
+    progress_overrun,
+    too_many_parts,
+    half_an_iteration,
     small_extension,
     throw_entry,
     throw_create,
@@ -90,6 +94,9 @@ enum fault {
 };
 
 enum { FAILING_STEP = 1000 };
+
+#define ITERATES                                                                                                         \
+    (FAULT == rough || FAULT == always_rough || FAULT == nan_progress || FAULT == progress_overrun || FAULT == too_many_parts)
 
 void throw_exception(void);
 
@@ -147,7 +154,7 @@ struct dttmm_instance {
     uint32_t block_count;
     volatile int32_t *at_work;
     uint64_t step;
-    int expected; /* so often in the open step */
+    int iterated; /* so often in the open step */
 };
 
 __attribute__((constructor)) static void make_marker(void) {
@@ -234,7 +241,7 @@ static dttmm_status start(dttmm_instance *instance, const dttmm_step *step, cons
 static dttmm_status begin_step(dttmm_instance *instance, const dttmm_step *step, const double *loads, dttmm_error *error) {
     (void)loads, (void)error;
     instance->step = step->index;
-    instance->expected = 0;
+    instance->iterated = 0;
     return DTTMM_OK;
 }
 
@@ -258,8 +265,8 @@ static dttmm_status evaluate(const dttmm_instance *instance, const dttmm_motion 
 
 static dttmm_status commit_step(dttmm_instance *instance, const dttmm_motion *accepted, dttmm_error *error) {
     (void)accepted;
-    if (FAULT == rough && instance->expected < 2)
-        return fail(error, DTTMM_ERROR_INTERNAL, 0, "it was told only once where the step ends");
+    if (FAULT == rough && instance->iterated < 2)
+        return fail(error, DTTMM_ERROR_INTERNAL, 0, "it has iterated only once");
     return DTTMM_OK;
 }
 
@@ -268,16 +275,30 @@ static dttmm_status discard_step(dttmm_instance *instance, dttmm_error *error) {
     return DTTMM_OK;
 }
 
-static dttmm_status expect(dttmm_instance *instance, const dttmm_motion *trial, dttmm_error *error) {
+static uint32_t part_count(const dttmm_instance *instance) {
+    go_to_work(instance);
+    return FAULT == too_many_parts ? 4000000000u : 1;
+}
+
+static dttmm_status iterate(dttmm_instance *instance, const dttmm_motion *trial, dttmm_progress *progress,
+                            dttmm_error *error) {
     (void)trial;
     (void)error;
     go_to_work(instance);
-    return ++instance->expected == 1 || FAULT == always_rough ? DTTMM_AGAIN : DTTMM_OK;
+    progress->correction = ++instance->iterated == 1 || FAULT == always_rough ? 1 : 0;
+    progress->previous = instance->iterated == 1 ? 0 : 1;
+    progress->motion = progress->residual = progress->impulse = 1;
+    progress->enough = 0;
+    progress->is_new = 0;
+    progress->element = 0;
+    if (FAULT == nan_progress) progress->residual = NAN;
+    if (FAULT == progress_overrun) progress[1].motion = 0;
+    return DTTMM_OK;
 }
 
 static int32_t is_implicit(const dttmm_instance *instance) {
     (void)instance;
-    return FAULT == rough || FAULT == always_rough;
+    return ITERATES;
 }
 
 static void load_weights(const dttmm_instance *instance, double weights[3]) {
@@ -356,7 +377,8 @@ static const dttmm_plugin table = {
     channels,
     outputs,
     FAULT == small_extension ? extension : NULL,
-    FAULT == rough || FAULT == always_rough ? expect : NULL,
+    ITERATES || FAULT == half_an_iteration ? part_count : NULL,
+    ITERATES ? iterate : NULL,
     NULL, /* rows by the means over two steps */
     NULL,
     NULL,

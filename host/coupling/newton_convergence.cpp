@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "coupling/newton_convergence.h"
+
+#include <algorithm>
+
+namespace dttmm::host {
+
+namespace {
+
+/// Slower than this, the matrix is to be formed anew, unless the correction is near rounding already.
+constexpr double kSlow = 0.1, kNearRounding = 10;
+/// After so many passes a correction that has not halved is rounding, if it is small.
+constexpr int kPassesToFall = 4;
+
+}  // namespace
+
+double Contraction::left(double correction) const {
+    if (correction <= measured_at_) return std::min(share_, 1.0) * correction;
+    return measured_at_ == 0 ? correction : std::min(share_ * (correction / measured_at_), 1.0) * correction;
+}
+
+void Contraction::measure(double rate, double previous) {
+    share_ = rate < 1 ? rate / (1 - rate) : 1e3;
+    measured_at_ = previous;
+}
+
+void Contraction::forget(double least) { share_ = std::clamp(2 * share_, least, 1.0); }
+
+void NewtonConvergence::open(double least) {
+    if (last_.is_new) motion_ = momentum_ = {};
+    motion_.forget(least);
+    momentum_.forget(least);
+    last_ = {};
+    noise_ *= 0.5;
+    first_ = passes_ = 0;
+    is_done_ = is_slow_ = false;
+}
+
+void NewtonConvergence::take(const dttmm_progress& progress) {
+    if (progress.is_new && passes_ == 0) motion_ = momentum_ = {};
+    measure(progress);
+    first_ = passes_ == 0 ? progress.correction : std::max(first_, passes_ == 1 ? progress.previous : 0);
+    last_ = progress;
+    last_.enough = std::max(progress.enough, noise_);
+    ++passes_;
+    is_done_ = judge();
+}
+
+void NewtonConvergence::measure(const dttmm_progress& progress) {
+    is_slow_ = false;
+    if (progress.previous == 0) return;
+    // Of corrections at rounding the first measures something, for it comes after a large one
+    if (progress.correction <= progress.enough && passes_ > 1) return;
+    const double rate = progress.correction / progress.previous;
+    motion_.measure(rate, progress.previous);
+    if (last_.residual > 0) momentum_.measure(progress.residual / last_.residual, last_.residual);
+    is_slow_ = rate > kSlow && progress.correction > kNearRounding * progress.enough;
+}
+
+bool NewtonConvergence::judge() {
+    if (last_.is_new && passes_ == 1) return false;
+    if (last_.correction <= last_.enough) return true;
+    const double tolerance = std::max(last_.enough, std::min(limits_.first * first_, limits_.motion * last_.motion)),
+                 allowed = limits_.impulse * last_.impulse;
+    if (motion_.left(last_.correction) <= tolerance && momentum_.left(last_.residual) <= allowed) return true;
+    if (passes_ <= kPassesToFall || last_.correction <= 0.5 * last_.previous ||
+        last_.correction > limits_.rounding * last_.motion || last_.residual > allowed)
+        return false;
+    noise_ = last_.correction;
+    return true;
+}
+
+}  // namespace dttmm::host

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "coupling/newton_convergence.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace dttmm::host {
+namespace {
+
+// Oracle for all of them: the rules of the header, applied by hand.
+
+TEST(Contraction, EstimatesWhatRemainsOfACorrection) {
+    Contraction contraction;
+    EXPECT_EQ(contraction.left(0.3), 0.3) << "nothing is known";
+    contraction.measure(0.1, 2);
+    EXPECT_DOUBLE_EQ(contraction.left(0.9), 0.1);
+    EXPECT_DOUBLE_EQ(contraction.left(2), 2 * 0.1 / 0.9);
+    EXPECT_DOUBLE_EQ(contraction.left(6), 3 * 6 * 0.1 / 0.9) << "a larger one contracts less in proportion";
+    EXPECT_EQ(contraction.left(200), 200);
+    contraction.forget(0);
+    EXPECT_DOUBLE_EQ(contraction.left(0.9), 0.2);
+    contraction.measure(1e-9, 2);
+    contraction.forget(0.01);
+    EXPECT_DOUBLE_EQ(contraction.left(1), 0.01) << "no better than what is trusted at best";
+    contraction.measure(1.5, 1);
+    EXPECT_EQ(contraction.left(0.9), 0.9) << "it grows";
+}
+
+/// A part that moves at 1 m/s under impulses of 1 N s.
+dttmm_progress part(double correction, double previous, double residual = 0) {
+    return {correction, previous, 1, 1e-15, residual, 1, 0, -1};
+}
+
+/// The pass by which it is done, from 1 on; 0: by none.
+int pass_done(NewtonConvergence& convergence, const std::vector<dttmm_progress>& passes) {
+    convergence.open();
+    for (size_t n = 0; n < passes.size(); ++n) {
+        convergence.take(passes[n]);
+        if (convergence.is_done()) return static_cast<int>(n) + 1;
+    }
+    return 0;
+}
+
+TEST(NewtonConvergence, EndsWhereAMillionthOfTheFirstCorrectionRemains) {
+    NewtonConvergence inside(NewtonConvergence::kInside);
+    // 1e-3 of 1e-2 remains after the second pass, about 1e-5 after it: 1e-8 wants one more
+    EXPECT_EQ(pass_done(inside, {part(1e-2, 0), part(1e-5, 1e-2), part(1e-8, 1e-5)}), 3);
+    NewtonConvergence fast(NewtonConvergence::kInside);
+    EXPECT_EQ(pass_done(fast, {part(1e-2, 0), part(1e-6, 1e-2)}), 2);
+    NewtonConvergence large(NewtonConvergence::kInside);
+    EXPECT_EQ(pass_done(large, {part(1e3, 0), part(1e-1, 1e3), part(1e-5, 1e-1)}), 3) << "of the motion, 1 m/s";
+}
+
+TEST(NewtonConvergence, KeepsTheRateForTheNextStep) {
+    NewtonConvergence inside(NewtonConvergence::kInside);
+    EXPECT_EQ(pass_done(inside, {part(1e-2, 0), part(1e-9, 1e-2)}), 2);
+    EXPECT_EQ(pass_done(inside, {part(1e-2, 0)}), 1) << "2e-7 of it remains";
+    EXPECT_EQ(pass_done(inside, {part(1e-1, 0), part(1e-8, 1e-1)}), 2) << "ten times as large: 4e-6 of it may remain";
+}
+
+TEST(NewtonConvergence, TrustsNoRateOfAnotherMatrix) {
+    NewtonConvergence inside(NewtonConvergence::kInside);
+    pass_done(inside, {part(1e-2, 0), part(1e-9, 1e-2)});
+    dttmm_progress first = part(1e-2, 0), second = part(1e-9, 1e-2), none = part(0, 0);
+    first.is_new = second.is_new = none.is_new = 1;
+    EXPECT_EQ(pass_done(inside, {first, second}), 2);
+    EXPECT_EQ(pass_done(inside, {part(1e-2, 0), part(1e-9, 1e-2)}), 2) << "nor of that step in the next";
+    EXPECT_EQ(pass_done(inside, {none, none}), 2) << "not at first, be it at rest";
+}
+
+TEST(NewtonConvergence, WantsTheMomentumToo) {
+    NewtonConvergence inside(NewtonConvergence::kInside);
+    EXPECT_EQ(pass_done(inside, {part(1e-2, 0, 1), part(1e-9, 1e-2, 1e-3), part(1e-12, 1e-9, 1e-6)}), 3)
+        << "1e-6 of 1e-3 remains after the second pass";
+    NewtonConvergence fast(NewtonConvergence::kInside);
+    EXPECT_EQ(pass_done(fast, {part(1e-2, 0, 1), part(1e-9, 1e-2, 0.9e-4)}), 2);
+}
+
+TEST(NewtonConvergence, TakesForRoundingWhatNoLongerFalls) {
+    const auto noise = [](double size, double residual) {
+        std::vector<dttmm_progress> passes{part(size, 0, residual)};
+        for (int n = 0; n < 8; ++n) passes.push_back(part(size, size, residual));
+        return passes;
+    };
+    NewtonConvergence small(NewtonConvergence::kInside), large(NewtonConvergence::kInside),
+        unbalanced(NewtonConvergence::kInside);
+    EXPECT_EQ(pass_done(small, noise(0.5e-7, 1e-9)), 5);
+    EXPECT_EQ(pass_done(small, noise(0.2e-7, 1e-9)), 1) << "half of what was noise in the step before is noise";
+    EXPECT_EQ(pass_done(large, noise(2e-7, 1e-9)), 0);
+    EXPECT_EQ(pass_done(unbalanced, noise(0.5e-7, 1e-6)), 0);
+}
+
+TEST(NewtonConvergence, FindsBodiesToRounding) {
+    NewtonConvergence bodies(NewtonConvergence::kBodies);
+    EXPECT_EQ(pass_done(bodies, {part(1e-2, 0), part(1e-6, 1e-2), part(1e-10, 1e-6)}), 3);
+    NewtonConvergence linear(NewtonConvergence::kBodies);
+    EXPECT_EQ(pass_done(linear, {part(1e-2, 0), part(1e-16, 1e-2)}), 2);
+    EXPECT_EQ(pass_done(linear, {part(1e-2, 0)}), 1) << "what is at rounding at the second pass tells of the first";
+}
+
+TEST(NewtonConvergence, ASlowIterationWantsAnotherMatrix) {
+    NewtonConvergence bodies(NewtonConvergence::kBodies);
+    bodies.open();
+    bodies.take(part(1e-2, 0));
+    EXPECT_FALSE(bodies.is_slow());
+    bodies.take(part(2e-3, 1e-2));
+    EXPECT_TRUE(bodies.is_slow());
+    bodies.take(part(1e-4, 2e-3));
+    EXPECT_FALSE(bodies.is_slow());
+    bodies.take(part(0.5e-14, 1e-14));
+    EXPECT_FALSE(bodies.is_slow()) << "near rounding";
+}
+
+}  // namespace
+}  // namespace dttmm::host

@@ -60,16 +60,14 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
     : massless_(mechanism, massless_halves(mechanism)),
       layout_(mechanism, description, massless_),
       matrix_(Elimination(layout_.count, links_of(mechanism), least_lever(mechanism))),
-      work_(matrix_.factor, LawRows(mechanism, layout_.driven)) {
+      work_(LawRows(mechanism, layout_.driven)) {
     if (!mechanism.scheme.is_implicit())
         throw Error(DTTMM_ERROR_MODEL,
                     "it hangs on a node that is no body, or has a mass of its own: that wants the implicit coupling", 0);
     choose_lanes(mechanism);
     make_room(mechanism);
-    for (Elimination* matrix : {&matrix_.factor, &work_.at_trial}) {  // the working memory of both is then there
-        form_dynamic_stiffness(mechanism, mechanism.frames, kTrialRate, *matrix);
-        factor(mechanism, *matrix, DTTMM_ERROR_MODEL);
-    }
+    form_dynamic_stiffness(mechanism, mechanism.frames, kTrialRate, matrix_.factor);
+    factor(mechanism, matrix_.factor, DTTMM_ERROR_MODEL);
 }
 
 /// The joints that go by four, and the others.

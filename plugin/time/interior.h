@@ -234,7 +234,7 @@ private:
     /// Springs, dampers and masses under slow motions of the ports, factored; and what couples the ports to the inside.
     struct Slow {
         const std::vector<Frame>& frames;
-        Elimination& matrix;
+        Elimination matrix;
         std::vector<EndBlocks> at_ports;  ///< of layout_.port_joints
     };
     void form_dynamic_stiffness(const Mechanism& mechanism, const std::vector<Frame>& at, double rate,
@@ -353,8 +353,7 @@ private:
     };
     /// Working memory.
     struct Work {
-        Work(const Elimination& factor, LawRows law_rows) : at_trial(factor), laws(std::move(law_rows)) {}
-        Elimination at_trial;  ///< of slow motions
+        explicit Work(LawRows law_rows) : laws(std::move(law_rows)) {}
         LawRows laws;
         std::vector<Vector6> column_u;  ///< of a unit load or motion
         std::vector<double> column_q;

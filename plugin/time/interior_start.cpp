@@ -39,11 +39,11 @@ Vector6 in_world(FrameView frame, const Vector6& v) {
 
 // ---- Slow motions -------------------------------------------------------------------------------------------------------
 
-/// The factor overwrites work_.at_trial. hold(matrix): adds to it before it is factored. Where a motion is resisted by
+/// hold(matrix): adds to it before it is factored. Where a motion is resisted by
 /// nothing, inertias are made heavier and it is factored again.
 template <class Hold>
 Interior::Slow Interior::form_slow(const Mechanism& mechanism, const std::vector<Frame>& frames, const Hold& hold) const {
-    Slow slow{frames, work_.at_trial, {}};
+    Slow slow{frames, matrix_.factor, {}};
     for (size_t j : layout_.port_joints) slow.at_ports.push_back(dynamic_stiffness(mechanism, j, frames, kSlowRate));
     form_dynamic_stiffness(mechanism, frames, kSlowRate, slow.matrix);
     hold(slow.matrix);

@@ -100,6 +100,7 @@ std::unique_ptr<Halving::Run> Halving::make_run() const {
     auto run = std::make_unique<Run>(at_level(model_, skipped_ + levels_.size()), plugins_);
     if (digest_of(run->simulation.channels()) != channels_)
         throw Error(ExitCode::plugin_failure, "a plugin declares other channels when it is given the same model again");
+    prepare_(run->simulation);
     run->history.reserve(static_cast<size_t>(rows_of(model_)) * selection_.size());
     run->simulation.record_to([this, &to = *run](std::span<const double> row) { take_row(to, row); });
     return run;

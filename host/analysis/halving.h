@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
@@ -38,6 +39,9 @@ public:
     /// channels: of the model; selection: as select_channels gives it. The model must have a tolerance. Model and plugins
     /// must outlive this. Throws Error(resource_limit) when the histories would take more than 2 GiB.
     Halving(const Model& model, const Plugins& plugins, std::span<const Channel> channels, std::vector<int> selection);
+
+    /// What is done with the simulation of every run before it begins.
+    void prepare_with(std::function<void(Simulation&)> prepare) { prepare_ = std::move(prepare); }
 
     /// Runs until the tolerance is reached, and gives up (numerical_failure) after 12 halvings or where the step or the
     /// number of steps would leave the bounds of the model file. A first step at which the run fails (numerical_failure) is
@@ -76,6 +80,7 @@ private:
     std::unique_ptr<Run> make_run() const;
     void take_row(Run& run, std::span<const double> row) const;
     void keep(std::unique_ptr<Run> run);
+    std::function<void(Simulation&)> prepare_ = [](Simulation&) {};
     void judge();
     bool may_halve() const;
     std::string describe_shortfall() const;

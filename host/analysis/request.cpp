@@ -50,6 +50,8 @@ constexpr Option kOptions[] = {
      [](Request& request, const std::string&) { request.force = true; }},
     {"-o,--output", Kind::text, kRun, "results folder; default results/<model name>", false, false,
      [](Request& request, const std::string& value) { request.output = value; }},
+    {"--trace", Kind::text, kRun, "CSV file with a row per step: how its end was found, and what it waited for", false,
+     false, [](Request& request, const std::string& value) { request.trace = value; }},
     {"-o,--output", Kind::text, kFrequency, "results folder; default results/<model name>-modes, or -frf", false, false,
      [](Request& request, const std::string& value) { request.output = value; }},
     {"--beams", Kind::text, kFrequency, "\"exact\" or \"lumped\" instead of the model's", false, true,

@@ -20,6 +20,7 @@ struct Request {
     ModelOverrides overrides;
     std::vector<std::string> plugins;             ///< paths of foreign plugins
     std::optional<std::filesystem::path> output;  ///< results folder; none: results/<model name>
+    std::optional<std::filesystem::path> trace;   ///< run: file with a row per step
     bool force = false;                           ///< run an explicit coupling beyond its limit
     bool quiet = false;                           ///< no table, no progress
     std::vector<std::string> sweeps;              ///< "name=from..to:count", as typed

@@ -14,6 +14,7 @@
 #include "analysis/session.h"
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
+#include "analysis/trace_file.h"
 #include "model/index.h"
 #include "record/recorder.h"
 #include "record/results_folder.h"
@@ -134,13 +135,20 @@ ExitCode run(const Request& request) {
     const auto make_recorder = [&](Recorder::Rows rows) {
         return Recorder(folder, session.simulation.channels(), session.selection, attributes, rows);
     };
+    std::optional<TraceFile> trace;
+    if (request.trace) trace.emplace(*request.trace);
+    const auto trace_from = [&](Simulation& simulation) {
+        if (trace) simulation.trace_to([&](const StepReport& report) { trace->write(simulation, report); });
+    };
     if (session.halving) {
         Halving& halving = *session.halving;
+        halving.prepare_with(trace_from);
         const Ending ending = halving.run(request.quiet);
         Recorder recorder = make_recorder(halving.has_estimates() ? Recorder::Rows::estimated : Recorder::Rows::plain);
         halving.write_to(recorder);
         return conclude(request, session, halving.simulation(), folder, recorder, ending);
     }
+    trace_from(session.simulation);
     Recorder recorder = make_recorder(Recorder::Rows::plain);
     session.simulation.record_to([&](std::span<const double> row) { recorder.close_row(row); });
     const Ending ending = advance_to_end(session.simulation, request.quiet);

@@ -295,6 +295,13 @@ void write_run(JsonWriter& out, const Model& model, const Request& request, cons
     out.member("rows", recorder.rows());
     out.member("wall_time", outcome.wall_time);
     out.member("wall_time_per_step", outcome.wall_time / static_cast<double>(std::max<uint64_t>(outcome.steps, 1)));
+    const StepReport& worst = simulation.end_of_step().worst();
+    out.member("worst_step", {{"step", worst.step},
+                              {"time", worst.time},
+                              {"passes", worst.passes},
+                              {"factorisations", worst.factorisations},
+                              {"rate", worst.rate},
+                              {"waited_for", simulation.waited_for(worst)}});
     out.member("coupling", {{"passes", simulation.end_of_step().passes()},
                             {"passes_per_step", static_cast<double>(simulation.end_of_step().passes()) / steps},
                             {"factorisations", simulation.end_of_step().factorisations()},

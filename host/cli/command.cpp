@@ -80,7 +80,12 @@ ExitCode check_all(const Request& request) {
 // In the order of the help. Columns: bit, name, help, what it is given besides options, what it does.
 const CommandLine kCommands[] = {
     {kRun, "run", "run a model and record its histories", Given::model,
-     [](const Request& request) { return request.sweeps.empty() ? run(request) : run_sweep(request, axes_of(request)); }},
+     [](const Request& request) {
+         if (request.sweeps.empty()) return run(request);
+         if (request.trace)
+             throw Error(ExitCode::usage, "--trace is for one run: a sweep has many; run the case of interest with --set");
+         return run_sweep(request, axes_of(request));
+     }},
     {kCheck, "check", "validate a model, print what would be solved", Given::models, check_all},
     {kModes, "modes", "natural frequencies and shapes of a model", Given::model,
      [](const Request& request) {

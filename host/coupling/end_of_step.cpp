@@ -299,6 +299,7 @@ void EndOfStep::evaluate(const std::vector<BodyState>& now, Networks& networks) 
     networks.evaluate(trial_, wrenches_.data(), &add);
     factor(now);
     ++factorisations_;
+    ++report_.factorisations;
     stiffness_wanted_ = false;
 }
 
@@ -448,6 +449,7 @@ bool EndOfStep::judge(int pass) {
 void EndOfStep::begin_step(const dttmm_step& step, const std::vector<BodyState>& now, const Loads& loads) {
     time_ = step.time;
     ++steps_;
+    report_ = {step.index, step.time};
     std::fill(wrenches_.begin(), wrenches_.end(), 0.0);
     loads.add_over_step(now, wrenches_.data());
     for (size_t b = 0; b < now.size(); ++b) {
@@ -490,8 +492,10 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
         correct(now);
         if (has_joints) raise_floors();
         done = judge(pass);
+        take_report(done, parts_done);
         if (!done || pass < first_trusted || !parts_done) continue;
         if (!revise_stops(now)) {
+            if (report_.passes > worst_.passes) worst_ = report_;
             form_feedback(now);
             return feedback_;
         }
@@ -509,6 +513,51 @@ bool EndOfStep::judge_parts(const Networks& networks) {
         done = done && parts_[p].is_done();
     }
     return done;
+}
+
+/// Of a pass. Who is not done by then is what the next one is for.
+void EndOfStep::take_report(bool done, bool parts_done) {
+    ++report_.passes;
+    report_.correction = report_.inside_correction = report_.inside_residual = report_.rate = 0;
+    report_.stops = as_int(std::ranges::count_if(stops_, &Stop::acts));
+    const auto take_rate = [&](const NewtonConvergence& convergence) {
+        const dttmm_progress& last = convergence.progress();
+        if (last.previous > 0) report_.rate = std::max(report_.rate, last.correction / last.previous);
+    };
+    for (const Group& group : groups_) {
+        report_.correction = std::max(report_.correction, group.correction);
+        take_rate(group.convergence);
+    }
+    for (const NewtonConvergence& part : parts_) {
+        report_.inside_correction = std::max(report_.inside_correction, part.progress().correction);
+        report_.inside_residual = std::max(report_.inside_residual, part.progress().residual);
+        take_rate(part);
+    }
+    if (!done) {
+        const auto waits = [&](size_t b) { return !groups_[bodies_[b].group].convergence.is_done(); };
+        double largest = -1;
+        for (size_t b = 0; b < bodies_.size(); ++b) {
+            const double correction = waits(b) ? speed_of(b, correction_[b]) : -1;
+            if (correction <= largest) continue;
+            largest = correction;
+            report_.body = as_int(b);
+        }
+        report_.part = -1;
+    } else if (!parts_done) {
+        report_.part = as_int(std::ranges::find_if_not(parts_, &NewtonConvergence::is_done) - parts_.begin());
+        report_.body = -1;
+    }
+}
+
+std::string EndOfStep::waited_for(const StepReport& report, const Networks& networks) const {
+    if (report.part >= 0) return networks.whose_part(as_size(report.part));
+    return report.body >= 0 ? name_of(as_size(report.body)) : "";
+}
+
+/// With what holds it.
+std::string EndOfStep::name_of(size_t body) const {
+    return fmt::format("body \"{}\"{}", bodies_[body].name,
+                       bodies_[body].holder.empty() ? "" : " on " + bodies_[body].holder);
 }
 
 void EndOfStep::refuse_unconverged_part(const Networks& networks) const {
@@ -634,10 +683,8 @@ void EndOfStep::fail(int passes) const {
     throw Error(
         ExitCode::numerical_failure,
         fmt::format(
-            "t = {:.9g} s: the end of the step was not found in {} passes (last correction {:.1e} m/s), worst at body "
-            "\"{}\"{}; {}",
-            time_, passes, correction_[worst].norm(), bodies_[worst].name,
-            bodies_[worst].holder.empty() ? "" : " on " + bodies_[worst].holder,
+            "t = {:.9g} s: the end of the step was not found in {} passes (last correction {:.1e} m/s), worst at {}; {}",
+            time_, passes, correction_[worst].norm(), name_of(worst),
             system_.is_near_singular() ? kSingularCure : "try a smaller step"));
 }
 

@@ -7,6 +7,7 @@
 #include "coupling/loads.h"
 #include "coupling/networks.h"
 #include "coupling/newton_convergence.h"
+#include "coupling/step_report.h"
 #include "model/model.h"
 #include "world/block_factor.h"
 #include "world/block_matrix.h"
@@ -87,6 +88,14 @@ public:
     /// now: velocities over the step before; after: those over this one.
     double stop_work(const std::vector<BodyState>& now, const std::vector<BodyState>& after) const;
 
+    /// How the end of the open step was found, or of the last one.
+    const StepReport& report() const { return report_; }
+    /// The first of the steps with the most passes.
+    const StepReport& worst() const { return worst_; }
+    /// What its last pass but one was not enough for: `body "plate" on element "bolt1"`, `element "beam" (plugin ..)`; or
+    /// nothing.
+    std::string waited_for(const StepReport& report, const Networks& networks) const;
+
     /// Evaluations of the networks over all steps so far, and matrix factorisations.
     long passes() const { return passes_; }
     long factorisations() const { return factorisations_; }
@@ -131,6 +140,8 @@ private:
     void raise_floors();
     bool judge(int pass);
     bool judge_parts(const Networks& networks);
+    void take_report(bool done, bool parts_done);
+    std::string name_of(size_t body) const;
     void refuse_unconverged_part(const Networks& networks) const;
     bool revise_stops(const std::vector<BodyState>& now);
     Eigen::Vector3d momentum_over_step(size_t body, const Eigen::Matrix3d& R, const Eigen::Vector3d& w) const;
@@ -176,6 +187,7 @@ private:
     std::vector<dttmm_progress> group_progress_;
     std::vector<NewtonConvergence> parts_;  ///< of the plugins
     long passes_ = 0, factorisations_ = 0;
+    StepReport report_, worst_;
 };
 
 }  // namespace dttmm::host

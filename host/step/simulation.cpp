@@ -57,7 +57,13 @@ void Simulation::step() {
     loads_.begin_step(step);
     networks_.begin_step(step, loads_.on_nodes());
     end_of_step_.begin_step(step, now_, loads_);
-    move_bodies();
+    try {
+        move_bodies();
+    } catch (...) {
+        if (trace_) trace_(end_of_step_.report());
+        throw;
+    }
+    if (trace_) trace_(end_of_step_.report());
     refuse_divergence();
     follow_turning();
     networks_.commit_step(after_);

@@ -38,6 +38,10 @@ public:
     using RowSink = std::function<void(std::span<const double>)>;
     /// Where rows go; without one nothing is observed.
     void record_to(RowSink sink) { sink_ = std::move(sink); }
+    /// Takes what is told of a step: after it, or when it has failed.
+    using TraceSink = std::function<void(const StepReport& report)>;
+    void trace_to(TraceSink sink) { trace_ = std::move(sink); }
+    std::string waited_for(const StepReport& report) const { return end_of_step_.waited_for(report, networks_); }
     const std::vector<Channel>& channels() const { return observer_.channels(); }
     const std::vector<Limit>& limits() const { return observer_.limits(); }
 
@@ -82,6 +86,7 @@ private:
     EndOfStep end_of_step_;
     Observer observer_;
     RowSink sink_;
+    TraceSink trace_;
     FastestMode fastest_;
     std::optional<ExplicitLimit> limit_;
     std::vector<BodyState> now_, after_;  ///< at the start and at the end of the step

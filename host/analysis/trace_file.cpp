@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/trace_file.h"
+
+#include <fmt/format.h>
+
+#include <iterator>
+
+#include "record/csv_writer.h"
+
+namespace dttmm::host {
+
+namespace {
+
+constexpr size_t kMostWaiting = 64 * 1024;  // bytes
+
+const std::vector<Column> kColumns = {{"step", "1"},
+                                      {"time", "s"},
+                                      {"step_size", "s"},
+                                      {"passes", "1"},
+                                      {"factorisations", "1"},
+                                      {"correction", "m/s"},
+                                      {"inside_correction", "m/s"},
+                                      {"inside_residual", "N*s"},
+                                      {"rate", "1"},
+                                      {"stops", "1"},
+                                      {"waited_for", ""}};
+
+}  // namespace
+
+TraceFile::TraceFile(const std::filesystem::path& path) : file_(File::create(path)) { file_.write(csv_header(kColumns)); }
+
+TraceFile::~TraceFile() { file_.write_some(waiting_); }
+
+void TraceFile::write(const Simulation& simulation, const StepReport& report) {
+    fmt::format_to(std::back_inserter(waiting_), "{},{},{},{},{},{:.3g},{:.3g},{:.3g},{:.3g},{},{}\n", report.step,
+                   report.time, simulation.step_size(), report.passes, report.factorisations, report.correction,
+                   report.inside_correction, report.inside_residual, report.rate, report.stops,
+                   csv_field(simulation.waited_for(report)));
+    if (waiting_.size() < kMostWaiting) return;
+    file_.write(waiting_);
+    waiting_.clear();
+}
+
+}  // namespace dttmm::host

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+namespace dttmm::host {
+
+/// How the end of a step was found, by its last pass. Corrections are the largest speeds of a point [m/s].
+struct StepReport {
+    uint64_t step = 0;  ///< from 0
+    double time = 0;    ///< of its start [s]
+    int passes = 0, factorisations = 0;
+    double correction = 0;         ///< of the bodies
+    double inside_correction = 0;  ///< of the plugins' parts
+    double inside_residual = 0;    ///< momentum that lacked in one of them before that correction [N s]
+    double rate = 0;               ///< largest ratio of the last two corrections, of bodies or parts; 0: not measured
+    int stops = 0;                 ///< of joints that act
+    /// What the pass before was not enough for; -1: there is none, or it is not of this kind.
+    int body = -1, part = -1;
+};
+
+}  // namespace dttmm::host

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// What a run tells of its steps: dttmm run --trace, and the worst step in summary.json.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <sstream>
+
+#include "cli/process.h"
+#include "support/paths.h"
+
+namespace dttmm::host {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// A file of a trace: names, units, rows of texts. No field but the last holds a comma.
+struct Trace {
+    explicit Trace(const fs::path& path) {
+        std::istringstream in(read_text(path));
+        std::getline(in, names);
+        std::getline(in, units);
+        for (std::string line; std::getline(in, line);) {
+            std::istringstream fields(line);
+            rows.emplace_back();
+            for (std::string field; rows.back().size() < 10 && std::getline(fields, field, ',');)
+                rows.back().push_back(field);
+            rows.back().emplace_back();
+            std::getline(fields, rows.back().back());
+        }
+    }
+    double number(size_t row, size_t column) const { return std::stod(rows[row][column]); }
+
+    std::string names, units;
+    std::vector<std::vector<std::string>> rows;
+};
+
+enum : size_t { kStep, kTime, kStepSize, kPasses, kFactorisations, kCorrection, kInside, kResidual, kRate, kStops, kWaited };
+
+/// A beam from the wall to a body that falls onto its bending, undamped.
+std::string beam_and_body(const std::string& simulation) {
+    return "format = \"dttmm/1\"\n[simulation]\n" + simulation + R"(
+gravity = [0, 0, -9.81]
+[nodes]
+root = { position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+[[body]]
+name = "load"
+mass = 2
+box = [0.1, 0.1, 0.1]
+position = [0.8, 0, 0]
+[[element]]
+name = "beam"
+type = "beam"
+from = "root"
+to = "load"
+segments = 5
+section = { circle = "12 mm" }
+material = { E = "210 GPa", poisson = 0.3, density = "7850 kg/m^3" }
+)";
+}
+
+// Oracle: the counts of the run's summary, and the rows among themselves.
+TEST(TraceOption, TellsHowEveryStepWasFound) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", beam_and_body("step = 1e-3\nduration = 0.3"));
+    const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--trace", "steps.csv"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    const Trace trace(folder / "steps.csv");
+    EXPECT_EQ(
+        trace.names,
+        "step,time,step_size,passes,factorisations,correction,inside_correction,inside_residual,rate,stops,waited_for");
+    EXPECT_EQ(trace.units, "1,s,s,1,1,m/s,m/s,N*s,1,1,");
+    const nlohmann::json summary = read_json(folder / "out/summary.json");
+    ASSERT_EQ(trace.rows.size(), summary["coupling"]["engine_steps"]);
+    double passes = 0, factorisations = 0, most = 0;
+    for (size_t n = 0; n < trace.rows.size(); ++n) {
+        EXPECT_EQ(trace.number(n, kStep), n);
+        EXPECT_NEAR(trace.number(n, kTime), 1e-3 * static_cast<double>(n), 1e-12);
+        EXPECT_EQ(trace.number(n, kStepSize), 1e-3);
+        passes += trace.number(n, kPasses);
+        factorisations += trace.number(n, kFactorisations);
+        most = std::max(most, trace.number(n, kPasses));
+        EXPECT_EQ(trace.rows[n][kWaited].empty(), trace.number(n, kPasses) == 1) << n;
+        EXPECT_EQ(trace.number(n, kStops), 0);
+    }
+    EXPECT_EQ(passes, summary["coupling"]["passes"]);
+    EXPECT_EQ(factorisations, summary["coupling"]["factorisations"]);
+    const nlohmann::json& worst = summary["worst_step"];
+    const auto row = worst["step"].get<size_t>();
+    EXPECT_EQ(worst["passes"], most);
+    EXPECT_EQ(trace.number(row, kPasses), most);
+    for (size_t n = 0; n < row; ++n) EXPECT_LT(trace.number(n, kPasses), most) << "the first of them";
+    EXPECT_THAT(worst["waited_for"].get<std::string>(),
+                testing::AnyOf("body \"load\" on element \"beam\"", "element \"beam\" (plugin built in)"));
+}
+
+// Oracle: the step named by the error, which stops at 50 passes.
+TEST(TraceOption, KeepsTheStepThatFails) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", R"(format = "dttmm/1"
+[simulation]
+step = 0.02
+duration = 2
+[[body]]
+name = "rotor"
+mass = 1
+inertia = { xx = 0.01, yy = 0.02, zz = 0.03 }
+angular_velocity = [40, 80, 1]
+markers.rim = [0.3, 0.1, 0.2]
+[[element]]
+name = "post"
+type = "spring_damper"
+from = "ground"
+to = "rotor.rim"
+stiffness = 3e5
+)");
+    const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--trace", "steps.csv"});
+    ASSERT_EQ(ended.code, 4) << ended.err;
+    const Trace trace(folder / "steps.csv");
+    ASSERT_FALSE(trace.rows.empty());
+    std::ostringstream time;
+    time << "t = " << trace.number(trace.rows.size() - 1, kTime) << " s";
+    EXPECT_THAT(ended.err, HasSubstr(time.str()));
+    EXPECT_EQ(trace.number(trace.rows.size() - 1, kPasses), 50) << ended.err;
+    EXPECT_EQ(trace.rows.back()[kWaited], "\"body \"\"rotor\"\" on element \"\"post\"\"\"");
+}
+
+TEST(TraceOption, HasAllRunsToATolerance) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", beam_and_body("step = 2e-3\nduration = 0.1\ntolerance = \"5 %\""));
+    const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--trace", "steps.csv"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    const Trace trace(folder / "steps.csv");
+    std::map<double, size_t, std::greater<>> count;
+    for (size_t n = 0; n < trace.rows.size(); ++n) ++count[trace.number(n, kStepSize)];
+    const nlohmann::json levels = read_json(folder / "out/summary.json")["tolerance"]["levels"];
+    ASSERT_EQ(count.size(), levels.size());
+    size_t level = 0;
+    for (const auto& [step, rows] : count) {
+        EXPECT_EQ(step, levels[level]["step"]);
+        EXPECT_EQ(rows, levels[level]["steps"].get<size_t>() + 1) << "one beyond the last row";
+        ++level;
+    }
+}
+
+TEST(TraceOption, IsForOneRunAndAFileThatCanBeWritten) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", beam_and_body("step = 1e-3\nduration = 0.01"));
+    const Ended sweep = run_dttmm(folder.path(), {"run", "model.toml", "--sweep", "x=1,2", "--trace", "steps.csv"});
+    EXPECT_EQ(sweep.code, 2);
+    EXPECT_THAT(sweep.err, HasSubstr("--trace is for one run"));
+    const Ended nowhere = run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--trace", "no/steps.csv"});
+    EXPECT_EQ(nowhere.code, 5);
+    EXPECT_THAT(nowhere.err, HasSubstr("no/steps.csv: cannot open for writing"));
+}
+
+}  // namespace
+}  // namespace dttmm::host

@@ -341,14 +341,17 @@ void FrequencyModel::add_line(const LineSpec& spec) {
 }
 
 void FrequencyModel::cut(double omega) {
+    std::vector<int> counts;
+    for (const Kind& kind : kinds_) counts.push_back(kind.waves->pieces(omega, kMostPieces));
+    if (is_cut_ && counts == counts_) return;
+    is_cut_ = false;  // until it is
+    counts_ = counts;
     positions_.resize(own_frames_);
     names_.resize(own_frames_);
     elements_.resize(own_frames_);
     pieces_.clear();
     held_pieces_.clear();
     bar_masses_.clear();
-    std::vector<int> counts;
-    for (const Kind& kind : kinds_) counts.push_back(kind.waves->pieces(omega, kMostPieces));
     size_t total = 0;
     for (LineModel& line : lines_) {
         const int count = counts[line.kind];
@@ -363,6 +366,7 @@ void FrequencyModel::cut(double omega) {
     }
     build();
     if (!acting_.empty() && !has_reactions_) add_reactions();
+    is_cut_ = true;
 }
 
 void FrequencyModel::cut_line(LineModel& line, int count) {

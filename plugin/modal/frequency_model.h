@@ -234,6 +234,8 @@ private:
         std::map<int, std::pair<Matrix12, Matrix12>> at_lambda;  ///< stiffness and mass of one of so many pieces
     };
     std::vector<Kind> kinds_;
+    std::vector<int> counts_;  ///< of pieces of a line of each kind
+    bool is_cut_ = false;      ///< into these
     std::optional<Elimination> elimination_;
     double lambda_ = 0;
 };

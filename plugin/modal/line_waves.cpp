@@ -39,9 +39,9 @@ Matrix6 mass_per_length(const Section& s) {
     return M;
 }
 
-/// e^X and its derivative by Y, X' = Y: Taylor of a small fraction, then squared.
+/// e^X and its derivative by Y, X' = Y: Taylor of a small fraction, then squared. At λ = 0 the series ends by itself.
 template <class Square>
-void exponential(Square X, Square Y, bool with_derivative, Square& E, Square& D) {
+void exponential_of(Square X, Square Y, bool with_derivative, Square& E, Square& D) {
     constexpr int kTerms = 16;
     const double norm = X.cwiseAbs().colwise().sum().maxCoeff();
     const int squarings = norm > 0.5 ? static_cast<int>(std::ceil(std::log2(norm / 0.5))) : 0;
@@ -59,10 +59,39 @@ void exponential(Square X, Square Y, bool with_derivative, Square& E, Square& D)
         }
         term = (X * term / k).eval();
         E += term;
+        if (!with_derivative && term.isZero(0)) break;
     }
     for (int k = 0; k < squarings; ++k) {
         if (with_derivative) D = (E * D + D * E).eval();
         E = (E * E).eval();
+    }
+}
+
+/// The same of blocks of one, two, .. six directions, each worked out at its own size.
+template <class Scalar, int kSize>
+void exponential_in(const LineWaves::Block<Scalar>& X, const LineWaves::Block<Scalar>& Y, bool with_derivative,
+                    LineWaves::Block<Scalar>& E, LineWaves::Block<Scalar>& D) {
+    Eigen::Matrix<Scalar, kSize, kSize> exponential, derivative;
+    exponential_of<Eigen::Matrix<Scalar, kSize, kSize>>(X, Y, with_derivative, exponential, derivative);
+    E = exponential;
+    D = derivative;
+}
+template <class Scalar>
+void exponential(const LineWaves::Block<Scalar>& X, const LineWaves::Block<Scalar>& Y, bool with_derivative,
+                 LineWaves::Block<Scalar>& E, LineWaves::Block<Scalar>& D) {
+    switch (X.rows()) {
+        case 2:
+            return exponential_in<Scalar, 2>(X, Y, with_derivative, E, D);
+        case 4:
+            return exponential_in<Scalar, 4>(X, Y, with_derivative, E, D);
+        case 6:
+            return exponential_in<Scalar, 6>(X, Y, with_derivative, E, D);
+        case 8:
+            return exponential_in<Scalar, 8>(X, Y, with_derivative, E, D);
+        case 10:
+            return exponential_in<Scalar, 10>(X, Y, with_derivative, E, D);
+        default:
+            exponential_in<Scalar, 12>(X, Y, with_derivative, E, D);
     }
 }
 
@@ -159,9 +188,12 @@ LineWaves::Waves<Scalar> LineWaves::waves(const Group& group, double s, Scalar l
     return waves;
 }
 
-/// A lower bound of the square of the lowest frequency of a piece with its ends held: one over the sum of what every part of
-/// the mass would do alone, ∫ tr(G(s, s) M) ds, G the compliance at s of the massless piece.
-double LineWaves::lowest_held(const Group& group, double length) const {
+/// A lower bound of the square of the lowest frequency of one of `count` pieces with its ends held: one over the sum of what
+/// every part of the mass would do alone, ∫ tr(G(s, s) M) ds, G the compliance at s of the massless piece.
+double LineWaves::lowest_held(const Group& group, int count) const {
+    const auto known = group.lowest_held.find(count);
+    if (known != group.lowest_held.end()) return known->second;
+    const double length = length_ / count;
     constexpr std::array kPoints = {0.0694318442029737, 0.3300094782075719, 0.6699905217924281, 0.9305681557970263};
     constexpr std::array kWeights = {0.1739274225687269, 0.3260725774312731, 0.3260725774312731, 0.1739274225687269};
     const auto n = as_row(group.directions.size());
@@ -178,7 +210,7 @@ double LineWaves::lowest_held(const Group& group, double length) const {
         const Matrix stiffness = held(s, true).inverse() + held(length - s, false).inverse();
         sum += kWeights[k] * length * (stiffness.inverse() * group.M).trace();
     }
-    return 1 / sum;
+    return group.lowest_held[count] = 1 / sum;
 }
 
 int LineWaves::pieces(double omega, int most) const {
@@ -186,7 +218,7 @@ int LineWaves::pieces(double omega, int most) const {
     int count = 1;
     for (const Group& group : groups_) {
         while (count <= most) {
-            const double ratio = kMargin * omega * omega / lowest_held(group, length_ / count);
+            const double ratio = kMargin * omega * omega / lowest_held(group, count);
             if (ratio <= 1) break;
             const double next = std::ceil(count * std::pow(ratio, 0.25));  // bending; axial waves take another round
             count = next > most ? most + 1 : std::max(count + 1, static_cast<int>(next));

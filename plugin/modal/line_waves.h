@@ -2,6 +2,7 @@
 #pragma once
 
 #include <complex>
+#include <map>
 #include <vector>
 
 #include "core/driven_ends.h"
@@ -54,6 +55,9 @@ private:
         std::vector<int> directions;
         Eigen::MatrixXd A, M;
         Eigen::VectorXd C, unit_d, unit_n;  ///< diagonal of C; units of d and n for a piece of unit length
+        /// By count of pieces, as far as they were asked for: the lines are cut anew for every frequency. Mutable: what is
+        /// kept is what would be found again.
+        mutable std::map<int, double> lowest_held;
     };
     template <class Scalar>
     struct Waves {
@@ -62,7 +66,7 @@ private:
     };
     template <class Scalar>
     Waves<Scalar> waves(const Group& group, double s, Scalar lambda, Scalar stiffening, bool with_derivative) const;
-    double lowest_held(const Group& group, double length) const;
+    double lowest_held(const Group& group, int count) const;
 
     double length_;
     Directions passed_, pinned_;

@@ -182,31 +182,31 @@ Vector6 Elimination::scale_with_rows(const Pivot& pivot) const {
     return scale;
 }
 
-/// Full-pivot elimination of a pivot's block in the units of `scale`; rows: those of J in it. smallest: of its eigenvalues,
-/// where they are counted, as share of the largest; less is at fault.
-bool Elimination::decompose(const Pivot& pivot, const Block& block, const Column& scale, std::span<const int> rows,
-                            double smallest, Fault& fault) {
+/// Full-pivot elimination of a pivot's block in the units of result.scale; rows: those of J in it. smallest: of its
+/// eigenvalues, where they are counted, as share of the largest; less is at fault.
+template <class Square>
+bool Elimination::decompose(const Pivot& pivot, const Square& block, std::span<const int> rows, double smallest,
+                            Decomposed<Square>& result, Fault& fault) {
     constexpr double kSmallestCondition = 1e-13;
     const Eigen::Index n = block.rows();
-    scale_ = scale;
-    const Block scaled = scale.asDiagonal() * block * scale.asDiagonal();
-    lu_.setThreshold(0);
-    lu_.compute(scaled);
+    const Square scaled = result.scale.asDiagonal() * block * result.scale.asDiagonal();
+    result.lu.setThreshold(0);
+    result.lu.compute(scaled);
     if (counts_ && scaled.allFinite()) {
-        const Column eigenvalues = Eigen::SelfAdjointEigenSolver<Block>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
-        const Column sizes = eigenvalues.cwiseAbs();
+        const auto eigenvalues = Eigen::SelfAdjointEigenSolver<Square>(scaled, Eigen::EigenvaluesOnly).eigenvalues().eval();
+        const auto sizes = eigenvalues.cwiseAbs().eval();
         if (sizes.minCoeff() > smallest * sizes.maxCoeff()) {
             negatives_ += as_int((eigenvalues.array() < 0).count());
-            inverse_ = lu_.inverse();
+            result.scaled_inverse = result.lu.inverse();
             return true;
         }
-    } else if (scaled.allFinite() && lu_.matrixLU()(n - 1, n - 1) != 0) {
+    } else if (scaled.allFinite() && result.lu.matrixLU()(n - 1, n - 1) != 0) {
         // The condition from the inverse, which is wanted anyway: the library's estimate allocates
-        inverse_ = lu_.inverse();
-        const auto norm = [](const Block& matrix) { return matrix.cwiseAbs().colwise().sum().maxCoeff(); };
-        if (norm(scaled) * norm(inverse_) < 1 / kSmallestCondition) return true;
+        result.scaled_inverse = result.lu.inverse();
+        const auto norm = [](const Square& matrix) { return matrix.cwiseAbs().colwise().sum().maxCoeff(); };
+        if (norm(scaled) * norm(result.scaled_inverse) < 1 / kSmallestCondition) return true;
     }
-    const auto weakest = as_int(lu_.permutationQ().indices()(n - 1));
+    const auto weakest = as_int(result.lu.permutationQ().indices()(n - 1));
     fault = {};
     fault.frame = pivot.frame;
     if (weakest < 6) {
@@ -219,26 +219,15 @@ bool Elimination::decompose(const Pivot& pivot, const Block& block, const Column
     return false;
 }
 
-Elimination::Block Elimination::inverse() const {
-    return scale_.asDiagonal() * (0.5 * (inverse_ + inverse_.transpose())) * scale_.asDiagonal();
-}
-
-/// Of the block at hand. Not by its inverse: where a block is stiff in one direction and soft in another, what the inverse
-/// owes to the soft one would swamp what is handed on of the stiff one.
-template <class Columns>
-Columns Elimination::solve_block(const Columns& B) const {
-    const Columns scaled = scale_.asDiagonal() * B;
-    return scale_.asDiagonal() * Columns(lu_.solve(scaled));
-}
-
 bool Elimination::factor_plain(const Pivot& pivot, Fault& fault) {
     Matrix6& own = diagonal_[as_size(pivot.frame)];
-    if (!decompose(pivot, own, motion_scale(pivot), {}, smallest_ratio_, fault)) return false;
-    own = inverse();
+    Decomposed<Matrix6> block{motion_scale(pivot), {}, {}};
+    if (!decompose(pivot, own, {}, smallest_ratio_, block, fault)) return false;
+    own = block.inverse();
     if (pivot.neighbours.empty()) return true;
     const auto [neighbour, index] = pivot.neighbours.front();
     Matrix6& coupling = couplings_[as_size(index)];
-    const Matrix6 gain = solve_block(coupling);
+    const Matrix6 gain = block.solve(coupling);
     diagonal_[as_size(neighbour)] -= coupling.transpose() * gain;
     coupling = gain;
     return true;
@@ -278,7 +267,7 @@ bool Elimination::factor_general(const Pivot& pivot, Fault& fault) {
         for (int k = 0; k < count; ++k) choice_.push_back(k);
         if (!decompose_with_rows(pivot, motions, row_scale, smallest_ratio_, fault)) return false;
     }
-    general_[as_size(pivot.index)].inverse = inverse();
+    general_[as_size(pivot.index)].inverse = block_.inverse();
     if (pivot.passed >= 0) pass_rows_on(pivot, motions);
     update_neighbours(pivot);
     return true;
@@ -290,7 +279,8 @@ bool Elimination::decompose_with_rows(const Pivot& pivot, const Vector6& motions
     General& general = general_[as_size(pivot.index)];
     const auto n = as_row(6 + choice_.size());
     Block block = Block::Zero(n, n);
-    Column scale(n);
+    Column& scale = block_.scale;
+    scale.resize(n);
     block.topLeftCorner<6, 6>() = diagonal_[as_size(pivot.frame)];
     scale.head<6>() = motions;
     general.kept.clear();
@@ -302,7 +292,7 @@ bool Elimination::decompose_with_rows(const Pivot& pivot, const Vector6& motions
         scale(i) = row_scale(k);
         general.kept.push_back(open_.rows[as_size(k)]);
     }
-    return decompose(pivot, block, scale, general.kept, smallest, fault);
+    return decompose(pivot, block, general.kept, smallest, block_, fault);
 }
 
 /// The rows of rest_: they are coupled with what is eliminated here like a neighbour.
@@ -323,7 +313,7 @@ void Elimination::pass_rows_on(const Pivot& pivot, const Vector6& motions) {
         const double own = open_.by[0].row(k).transpose().cwiseProduct(motions).norm();
         on.open.among_size(p) = std::hypot(open_.among_size(k), own);
     }
-    on.gain = solve_block(E);
+    on.gain = block_.solve(E);
     on.open.among -= E.transpose() * on.gain;
 }
 
@@ -339,7 +329,7 @@ void Elimination::update_neighbours(const Pivot& pivot) {
     };
     for (size_t i = 0; i < pivot.neighbours.size(); ++i) {
         const Rows B = coupling_rows(i);
-        general.gains[i] = solve_block(B);
+        general.gains[i] = block_.solve(B);
         diagonal_[as_size(pivot.neighbours[i].frame)] -= B.transpose() * general.gains[i];
         if (!on) continue;
         Rows& by = on->open.by[i];

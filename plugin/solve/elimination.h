@@ -94,6 +94,26 @@ private:
         std::vector<Rows> gains;  ///< of each neighbour
         std::vector<int> kept;    ///< rows of J eliminated here, below the frame in the block
     };
+    /// The block of a pivot after full-pivot elimination, in units that balance it. A plain one has its own size at compile
+    /// time: there are many.
+    template <class Square>
+    struct Decomposed {
+        static constexpr int kSize = Square::RowsAtCompileTime, kMost = Square::MaxRowsAtCompileTime;
+        Eigen::Matrix<double, kSize, 1, 0, kMost, 1> scale;
+        Eigen::FullPivLU<Square> lu;
+        Square scaled_inverse;
+
+        Square inverse() const {
+            return scale.asDiagonal() * (0.5 * (scaled_inverse + scaled_inverse.transpose())) * scale.asDiagonal();
+        }
+        /// Not by its inverse: where a block is stiff in one direction and soft in another, what the inverse owes to the
+        /// soft one would swamp what is handed on of the stiff one.
+        template <class Columns>
+        Columns solve(const Columns& B) const {
+            const Columns scaled = scale.asDiagonal() * B;
+            return scale.asDiagonal() * Columns(lu.solve(scaled));
+        }
+    };
     /// What a pivot passes on to the next: rows by the motion of its neighbours, and their gains, one column each.
     struct Passed {
         OpenRows open;
@@ -103,11 +123,9 @@ private:
     bool gather(const Pivot& pivot, OpenRows& open) const;
     Vector6 motion_scale(const Pivot& pivot) const;
     Vector6 scale_with_rows(const Pivot& pivot) const;
-    bool decompose(const Pivot& pivot, const Block& block, const Column& scale, std::span<const int> rows, double smallest,
-                   Fault& fault);
-    Block inverse() const;
-    template <class Columns>
-    Columns solve_block(const Columns& B) const;
+    template <class Square>
+    bool decompose(const Pivot& pivot, const Square& block, std::span<const int> rows, double smallest,
+                   Decomposed<Square>& result, Fault& fault);
     bool factor_plain(const Pivot& pivot, Fault& fault);
     bool factor_general(const Pivot& pivot, Fault& fault);
     bool decompose_with_rows(const Pivot& pivot, const Vector6& motions, const Column& row_scale, double smallest,
@@ -137,9 +155,7 @@ private:
     double smallest_ratio_ = 0;
     int negatives_ = 0;
     // Of the pivot at hand
-    Eigen::FullPivLU<Block> lu_;  ///< of its block in the units of scale_
-    Block inverse_;               ///< in these units
-    Column scale_;
+    Decomposed<Block> block_;
     OpenRows open_;
     std::vector<int> choice_, rest_;
     Block passed_columns_;

@@ -122,7 +122,6 @@ private:
         const Parts parts = at(e, [&] { return made->discretise(ends); });
 
         const int first_lump = as_int(parts_.size());
-        parts_.reserve(parts_.size() + parts.lumps.size());
         for (size_t l = 0; l < parts.lumps.size(); ++l) {
             const Lump& lump = parts.lumps[l];
             FrameSpec frame;

@@ -340,10 +340,10 @@ void FrequencyModel::add_line(const LineSpec& spec) {
     pins_.push_back(pin);
 }
 
-void FrequencyModel::cut(double omega) {
+bool FrequencyModel::cut(double omega) {
     std::vector<int> counts;
     for (const Kind& kind : kinds_) counts.push_back(kind.waves->pieces(omega, kMostPieces));
-    if (is_cut_ && counts == counts_) return;
+    if (is_cut_ && counts == counts_) return false;
     is_cut_ = false;  // until it is
     counts_ = counts;
     positions_.resize(own_frames_);
@@ -366,7 +366,7 @@ void FrequencyModel::cut(double omega) {
     }
     build();
     if (!acting_.empty() && !has_reactions_) add_reactions();
-    is_cut_ = true;
+    return is_cut_ = true;
 }
 
 void FrequencyModel::cut_line(LineModel& line, int count) {

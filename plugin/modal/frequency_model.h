@@ -37,9 +37,10 @@ public:
     /// nothing that moves.
     explicit FrequencyModel(const dttmm_modal_model& model);
 
-    /// Cuts the lines so that frequencies below ω [rad/s] can be counted; comes before all that follows. Throws Error naming
-    /// the element that would take too many pieces, or what nothing holds and has no mass.
-    void cut(double omega);
+    /// Cuts the lines so that frequencies below ω [rad/s] can be counted; comes before all that follows. Whether that
+    /// changes anything. Throws Error naming the element that would take too many pieces, or what nothing holds and has no
+    /// mass.
+    bool cut(double omega);
 
     /// Sets D(λ), λ = ω² [1/s²], and factors it; the number of natural frequencies below ω. Nothing: λ belongs to one of
     /// them, to rounding. Without −∂D/∂λ it is quicker, and only counts.

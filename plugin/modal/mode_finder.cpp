@@ -316,8 +316,8 @@ bool ModeFinder::converge(Cluster& cluster, double tolerance) {
 bool ModeFinder::settle(Cluster& cluster) {
     const double omega = std::sqrt(cluster.lambdas.back());
     if (!model_.has_lines()) return true;
-    model_.cut(kAhead * omega);
     cut_ = kAhead * omega;
+    if (!model_.cut(cut_)) return converge(cluster, kFine);
     for (Motion& shape : cluster.shapes) shape = random_motion();
     const double beside = omega * (1 + 1e-8);
     if (iterate(cluster.shapes, beside * beside, 3).empty()) return false;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solve/elimination.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
@@ -32,6 +33,20 @@ void choose_independent(Matrix rows, double threshold, std::vector<int>& choice,
         rows.row(next) /= length;
         for (int k : rest) rows.row(k) -= rows.row(k).dot(rows.row(next)) * rows.row(next);
     }
+}
+
+/// Of the least pivot of a Cholesky factor, of the largest: eigenvalues are then above 1e-6/4⁶ of the largest, far from any
+/// limit asked for.
+constexpr double kClearPivot = 1e-6, kFarFromSingular = 1e-11;
+
+/// Whether no eigenvalue is negative, or near it; quicker than to find them.
+template <class Square>
+bool is_clearly_positive(const Square& block) {
+    const Eigen::LLT<Square> factor(block);
+    if (factor.info() != Eigen::Success) return false;
+    const auto pivots = factor.matrixLLT().diagonal();
+    const double least = pivots.minCoeff(), largest = pivots.maxCoeff();
+    return least * least > kClearPivot * largest * largest;
 }
 
 }  // namespace
@@ -192,6 +207,10 @@ bool Elimination::decompose(const Pivot& pivot, const Square& block, std::span<c
     const Square scaled = result.scale.asDiagonal() * block * result.scale.asDiagonal();
     result.lu.setThreshold(0);
     result.lu.compute(scaled);
+    if (counts_ && smallest <= kFarFromSingular && is_clearly_positive(scaled)) {
+        result.scaled_inverse = result.lu.inverse();
+        return true;
+    }
     if (counts_ && scaled.allFinite()) {
         const auto eigenvalues = Eigen::SelfAdjointEigenSolver<Square>(scaled, Eigen::EigenvaluesOnly).eigenvalues().eval();
         const auto sizes = eigenvalues.cwiseAbs().eval();

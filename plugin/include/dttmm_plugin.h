@@ -212,7 +212,7 @@ typedef struct dttmm_progress {
     double previous;   /* that of the iteration before with the way of the bodies since; 0: the first of the step [m/s] */
     double motion;     /* the largest speed of a point over the step [m/s] */
     double enough;     /* a correction that is not larger is rounding [m/s] */
-    double residual;   /* the largest momentum that lacked before this iteration [N s] */
+    double residual;   /* the largest momentum that lacked before this iteration, but for what is rounding [N s] */
     double impulse;    /* the largest of an element over the step [N s] */
     int32_t is_new;    /* non-zero: rates of convergence of other steps say nothing of this one, nor this one's of them */
     int32_t element;   /* which is worst; -1: unknown */

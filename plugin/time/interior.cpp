@@ -305,6 +305,7 @@ void Interior::form_at_trial(const Mechanism& mechanism) {
                   blocks(mechanism, j, {from, to}, pose, strained.deformation(), strained.elastic.force, work_.q));
         if (joint.rigid().any()) set_rigid_rows(mechanism, j, pose, strained.theta, matrix_.factor);
     }
+    find_stiffest();
     ++work_.factorisations;
     if (matrix_.factor.factor()) return form_matrix(mechanism, mechanism.frames);
     take_factor(mechanism, work_.trial);
@@ -352,8 +353,15 @@ void Interior::refactor(const Mechanism& mechanism) {
 void Interior::form_matrix(const Mechanism& mechanism, const std::vector<Frame>& at) {
     matrix_.is_stale = true;
     assemble(mechanism, at);
+    find_stiffest();
     factor(mechanism, matrix_.factor, DTTMM_ERROR_SINGULAR);
     take_factor(mechanism, at);
+}
+
+void Interior::find_stiffest() {
+    matrix_.stiffest = 0;
+    for (int i = 0; i < layout_.count; ++i)
+        matrix_.stiffest = std::max(matrix_.stiffest, matrix_.factor.diagonal(i).diagonal().head<3>().maxCoeff());
 }
 
 /// What follows from the factor.

@@ -277,6 +277,7 @@ private:
     void refuse_unstarted() const;
     void look_at_joints(const Mechanism& mechanism);
     void form_matrix(const Mechanism& mechanism, const std::vector<Frame>& at);
+    void find_stiffest();
     void take_factor(const Mechanism& mechanism, const std::vector<Frame>& at);
     void hold_given(const Mechanism& mechanism, const Start& start, Elimination& matrix, std::vector<Vector6>& load) const;
     void predict(const Mechanism& mechanism);
@@ -330,6 +331,7 @@ private:
         Eigen::MatrixXd rigid_responses;     ///< the same of the forces of rigid directions, times h
         std::vector<EndBlocks> near_blocks;  ///< stiffness of the near joints as in the matrix, frames' axes
         std::vector<Columns> near_columns;   ///< of their deformation by either frame, when it was formed
+        double stiffest = 0;                 ///< what it has most of against the shift of a frame [kg]
         bool is_stale = false;               ///< it no longer serves
         bool is_fresh = false;               ///< it was formed for the open step
         bool is_own = false;                 ///< it was formed within the open step

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
 #include "core/index.h"
@@ -25,7 +26,9 @@ constexpr double kTurnedRows = 0.02;
 constexpr double kTurnedPorts = 1e-4;
 /// Of a frame's place, in the corrections: nothing finer can be asked for.
 constexpr double kRounding = 1e-14;
-/// Smallest size of a network [m].
+/// Of the place itself, of which stiff joints make forces.
+constexpr double kRoundingOfPlace = 2 * std::numeric_limits<double>::epsilon();
+/// Smallest size of a network [m], for both.
 constexpr double kSmallestSize = 1e-6;
 /// Of the motion: no more digits are asked for.
 constexpr double kFinest = 1e-13;
@@ -352,7 +355,9 @@ void Interior::pass(const Mechanism& mechanism, dttmm_progress& progress) {
     progress.correction = solution.correction;
     progress.motion = solution.scale;
     progress.enough = solution.floor;
-    progress.residual = residual;
+    // Stiff joints make momentum of the rounding of places
+    progress.residual =
+        std::max(residual - kRoundingOfPlace * open_.size / mechanism.scheme.step_size() * matrix_.stiffest, 0.0);
     progress.impulse = solution.impulse;
     progress.is_new = matrix_.is_fresh || matrix_.is_own;
     progress.element = solution.rate > kTooSlow ? worst_element(mechanism) : -1;

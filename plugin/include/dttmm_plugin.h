@@ -311,8 +311,8 @@ typedef struct dttmm_plugin {
      * far each has come. The host says so before every evaluate of an implicit network, and goes on until bodies and parts
      * have converged. evaluate then answers from where the parts have come to: the wrench that the iteration leads to, for
      * other trials as far as a linear answer reaches, with the stiffness of the bodies on the parts that follow. It is pure
-     * from one iteration to the next. commit_step takes the motion that the last one leads to. After an error the parts are
-     * where begin_step left them. [step open] */
+     * from one iteration to the next. commit_step takes the motion that the last one leads to. After an error the step can
+     * only be discarded. [step open] */
     dttmm_status (*iterate)(dttmm_instance* instance, const dttmm_motion* trial, dttmm_progress* progress,
                             dttmm_error* error);
 

@@ -340,11 +340,12 @@ void FrequencyModel::add_line(const LineSpec& spec) {
     pins_.push_back(pin);
 }
 
-bool FrequencyModel::cut(double omega) {
+void FrequencyModel::cut(double omega) {
     std::vector<int> counts;
     for (const Kind& kind : kinds_) counts.push_back(kind.waves->pieces(omega, kMostPieces));
-    if (is_cut_ && counts == counts_) return false;
+    if (is_cut_ && counts == counts_) return;
     is_cut_ = false;  // until it is
+    ++cuts_;
     counts_ = counts;
     positions_.resize(own_frames_);
     names_.resize(own_frames_);
@@ -366,7 +367,7 @@ bool FrequencyModel::cut(double omega) {
     }
     build();
     if (!acting_.empty() && !has_reactions_) add_reactions();
-    return is_cut_ = true;
+    is_cut_ = true;
 }
 
 void FrequencyModel::cut_line(LineModel& line, int count) {

@@ -37,10 +37,11 @@ public:
     /// nothing that moves.
     explicit FrequencyModel(const dttmm_modal_model& model);
 
-    /// Cuts the lines so that frequencies below ω [rad/s] can be counted; comes before all that follows. Whether that
-    /// changes anything. Throws Error naming the element that would take too many pieces, or what nothing holds and has no
-    /// mass.
-    bool cut(double omega);
+    /// Cuts the lines so that frequencies below ω [rad/s] can be counted; comes before all that follows. Throws Error naming
+    /// the element that would take too many pieces, or what nothing holds and has no mass.
+    void cut(double omega);
+    /// So often they were cut otherwise than before: motions of one count are of the same frames.
+    int cuts() const { return cuts_; }
 
     /// Sets D(λ), λ = ω² [1/s²], and factors it; the number of natural frequencies below ω. Nothing: λ belongs to one of
     /// them, to rounding. Without −∂D/∂λ it is quicker, and only counts.
@@ -237,6 +238,7 @@ private:
     std::vector<Kind> kinds_;
     std::vector<int> counts_;  ///< of pieces of a line of each kind
     bool is_cut_ = false;      ///< into these
+    int cuts_ = 0;
     std::optional<Elimination> elimination_;
     double lambda_ = 0;
 };

@@ -277,6 +277,7 @@ bool ModeFinder::refine(const Interval& interval) {
         if (clusters.empty() || lambdas[k] > clusters.back().lambdas.back() * (1 + 1e-4)) clusters.emplace_back();
         clusters.back().lambdas.push_back(lambdas[k]);
         clusters.back().shapes.push_back(shapes[k]);
+        clusters.back().cuts = model_.cuts();
     }
     for (Cluster& cluster : clusters)
         if (!converge(cluster, model_.has_lines() ? kRough : kFine)) return false;
@@ -317,7 +318,8 @@ bool ModeFinder::settle(Cluster& cluster) {
     const double omega = std::sqrt(cluster.lambdas.back());
     if (!model_.has_lines()) return true;
     cut_ = kAhead * omega;
-    if (!model_.cut(cut_)) return converge(cluster, kFine);
+    model_.cut(cut_);
+    if (model_.cuts() == cluster.cuts) return converge(cluster, kFine);
     for (Motion& shape : cluster.shapes) shape = random_motion();
     const double beside = omega * (1 + 1e-8);
     if (iterate(cluster.shapes, beside * beside, 3).empty()) return false;

@@ -57,6 +57,7 @@ private:
     struct Cluster {
         std::vector<double> lambdas;
         std::vector<Motion> shapes;
+        int cuts = 0;  ///< of the model when the shapes were found
     };
 
     void cut_for(double omega);

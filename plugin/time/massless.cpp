@@ -163,7 +163,7 @@ void MasslessFrames::make_balances(const Mechanism& mechanism) {
         const auto motions = as_row(6 * cluster.frames.size());
         cluster.stiffness.setZero(motions, motions);
         // Forces at a massless rotation are those of masses, moments are its own: these balance it first
-        std::ranges::stable_partition(cluster.rigid, [](const Row& row) { return row.direction >= 3; });
+        std::stable_partition(cluster.rigid.begin(), cluster.rigid.end(), [](const Row& row) { return row.direction >= 3; });
         cluster.directions.setZero(motions, as_row(cluster.rigid.size()));
         for (Eigen::VectorXd* v : {&cluster.scale, &cluster.follow}) v->setOnes(unknowns);
         cluster.undamped.setZero(unknowns, unknowns);

@@ -83,7 +83,6 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks)
         bodies_.push_back({Inertia(body), body.name, holders[b], least, reach, group[b]});
     }
     groups_.resize(n == 0 ? 0 : 1 + *std::max_element(group.begin(), group.end()));
-    group_progress_.resize(groups_.size());
     parts_.assign(networks.progress().size(), NewtonConvergence(NewtonConvergence::kInside));
     for (auto* list : {&u_, &previous_u_, &base_u_, &correction_, &free_momentum_, &feedback_})
         list->assign(n, Vector6::Zero());
@@ -286,6 +285,7 @@ void EndOfStep::place_trial(const std::vector<BodyState>& now) {
 void EndOfStep::evaluate(const std::vector<BodyState>& now, Networks& networks) {
     std::fill(wrenches_.begin(), wrenches_.end(), 0.0);
     ++passes_;
+    ++open_.passes;
     if (!stiffness_wanted_) {
         networks.evaluate(trial_, wrenches_.data());
         return;
@@ -299,7 +299,7 @@ void EndOfStep::evaluate(const std::vector<BodyState>& now, Networks& networks) 
     networks.evaluate(trial_, wrenches_.data(), &add);
     factor(now);
     ++factorisations_;
-    ++report_.factorisations;
+    ++open_.factorisations;
     stiffness_wanted_ = false;
 }
 
@@ -386,7 +386,7 @@ void EndOfStep::open_groups(const std::vector<BodyState>& now) {
     for (Group& group : groups_) {
         group.scale = 0.98 * group.size();
         group.convergence.open(least_contraction);
-        group.floor = group.correction = 0;
+        group.floor = 0;
     }
     for (NewtonConvergence& part : parts_) part.open();
     const double rounding = kRounding / h_;
@@ -417,25 +417,23 @@ void EndOfStep::raise_floors() {
 /// Whether the bodies have converged by this pass. With joints the first correction is that of multipliers from zero, and
 /// measures nothing.
 bool EndOfStep::judge(int pass) {
-    std::vector<dttmm_progress>& progress = group_progress_;
-    std::fill(progress.begin(), progress.end(), dttmm_progress{});
-    for (Group& group : groups_) group.speed = 0;
+    for (Group& group : groups_) {
+        group.progress = {};
+        group.speed = 0;
+    }
     for (size_t b = 0; b < u_.size(); ++b) {
         Group& group = groups_[bodies_[b].group];
         group.speed = std::max(group.speed, speed_of(b, u_[b]));
         const double correction = speed_of(b, correction_[b]);
         if (!std::isfinite(correction)) fail(pass);
-        dttmm_progress& own = progress[bodies_[b].group];
-        own.correction = std::max(own.correction, correction);
+        group.progress.correction = std::max(group.progress.correction, correction);
     }
     bool done = true, slow = false;
-    for (size_t g = 0; g < groups_.size(); ++g) {
-        Group& group = groups_[g];
-        progress[g].previous = pass > 1 || system_.empty() ? group.correction : 0;
-        progress[g].motion = group.size();
-        progress[g].enough = group.floor;
-        group.correction = progress[g].correction;
-        group.convergence.take(progress[g]);
+    for (Group& group : groups_) {
+        group.progress.previous = pass > 1 || system_.empty() ? group.convergence.progress().correction : 0;
+        group.progress.motion = group.size();
+        group.progress.enough = group.floor;
+        group.convergence.take(group.progress);
         done = done && group.convergence.is_done();
         slow = slow || group.convergence.is_slow();
     }
@@ -449,7 +447,7 @@ bool EndOfStep::judge(int pass) {
 void EndOfStep::begin_step(const dttmm_step& step, const std::vector<BodyState>& now, const Loads& loads) {
     time_ = step.time;
     ++steps_;
-    report_ = {step.index, step.time};
+    open_ = {step.index, step.time};
     std::fill(wrenches_.begin(), wrenches_.end(), 0.0);
     loads.add_over_step(now, wrenches_.data());
     for (size_t b = 0; b < now.size(); ++b) {
@@ -492,10 +490,9 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
         correct(now);
         if (has_joints) raise_floors();
         done = judge(pass);
-        take_report(done, parts_done);
         if (!done || pass < first_trusted || !parts_done) continue;
         if (!revise_stops(now)) {
-            if (report_.passes > worst_.passes) worst_ = report_;
+            if (open_.passes > worst_.passes) worst_ = report();
             form_feedback(now);
             return feedback_;
         }
@@ -515,38 +512,40 @@ bool EndOfStep::judge_parts(const Networks& networks) {
     return done;
 }
 
-/// Of a pass. Who is not done by then is what the next one is for.
-void EndOfStep::take_report(bool done, bool parts_done) {
-    ++report_.passes;
-    report_.correction = report_.inside_correction = report_.inside_residual = report_.rate = 0;
-    report_.stops = as_int(std::ranges::count_if(stops_, &Stop::acts));
-    const auto take_rate = [&](const NewtonConvergence& convergence) {
+StepReport EndOfStep::report() const {
+    StepReport report = open_;
+    report.stops = as_int(std::ranges::count_if(stops_, &Stop::acts));
+    int longest = 0;  // passes that did not do
+    const auto take = [&](const NewtonConvergence& convergence) {
         const dttmm_progress& last = convergence.progress();
-        if (last.previous > 0) report_.rate = std::max(report_.rate, last.correction / last.previous);
+        if (last.previous > 0) report.rate = std::max(report.rate, last.correction / last.previous);
+        const bool is_longest = convergence.passes_not_done() > longest;
+        longest = std::max(longest, convergence.passes_not_done());
+        return is_longest;
     };
-    for (const Group& group : groups_) {
-        report_.correction = std::max(report_.correction, group.correction);
-        take_rate(group.convergence);
+    for (size_t g = 0; g < groups_.size(); ++g) {
+        report.correction = std::max(report.correction, groups_[g].progress.correction);
+        if (take(groups_[g].convergence)) report.body = as_int(farthest_off(g));
     }
-    for (const NewtonConvergence& part : parts_) {
-        report_.inside_correction = std::max(report_.inside_correction, part.progress().correction);
-        report_.inside_residual = std::max(report_.inside_residual, part.progress().residual);
-        take_rate(part);
+    for (size_t p = 0; p < parts_.size(); ++p) {
+        const dttmm_progress& last = parts_[p].progress();
+        report.inside_correction = std::max(report.inside_correction, last.correction);
+        report.inside_residual = std::max(report.inside_residual, last.residual);
+        if (!take(parts_[p])) continue;
+        report.part = as_int(p);
+        report.body = -1;
     }
-    if (!done) {
-        const auto waits = [&](size_t b) { return !groups_[bodies_[b].group].convergence.is_done(); };
-        double largest = -1;
-        for (size_t b = 0; b < bodies_.size(); ++b) {
-            const double correction = waits(b) ? speed_of(b, correction_[b]) : -1;
-            if (correction <= largest) continue;
-            largest = correction;
-            report_.body = as_int(b);
-        }
-        report_.part = -1;
-    } else if (!parts_done) {
-        report_.part = as_int(std::ranges::find_if_not(parts_, &NewtonConvergence::is_done) - parts_.begin());
-        report_.body = -1;
-    }
+    return report;
+}
+
+/// The body of a group that the last pass corrected most.
+size_t EndOfStep::farthest_off(size_t group) const {
+    size_t body = bodies_.size();
+    for (size_t b = 0; b < bodies_.size(); ++b)
+        if (bodies_[b].group == group &&
+            (body == bodies_.size() || speed_of(b, correction_[b]) > speed_of(body, correction_[body])))
+            body = b;
+    return body;
 }
 
 std::string EndOfStep::waited_for(const StepReport& report, const Networks& networks) const {

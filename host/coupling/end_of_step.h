@@ -89,7 +89,7 @@ public:
     double stop_work(const std::vector<BodyState>& now, const std::vector<BodyState>& after) const;
 
     /// How the end of the open step was found, or of the last one.
-    const StepReport& report() const { return report_; }
+    StepReport report() const;
     /// The first of the steps with the most passes.
     const StepReport& worst() const { return worst_; }
     /// What its last pass but one was not enough for: `body "plate" on element "bolt1"`, `element "beam" (plugin ..)`; or
@@ -116,7 +116,7 @@ private:
         double scale = 0;  ///< of the motion found before, slowly forgetting
         double speed = 0;  ///< of the last pass: what a pass overshoots is no motion
         double floor = 0;  ///< apparent corrections from rounding of the held bodies' positions and of the joints' impulses
-        double correction = 0;  ///< of the last pass
+        dttmm_progress progress{};  ///< by the pass at hand
         NewtonConvergence convergence{NewtonConvergence::kBodies};
         double size() const { return std::max(scale, speed); }
     };
@@ -140,7 +140,7 @@ private:
     void raise_floors();
     bool judge(int pass);
     bool judge_parts(const Networks& networks);
-    void take_report(bool done, bool parts_done);
+    size_t farthest_off(size_t group) const;
     std::string name_of(size_t body) const;
     void refuse_unconverged_part(const Networks& networks) const;
     bool revise_stops(const std::vector<BodyState>& now);
@@ -184,10 +184,9 @@ private:
     Eigen::VectorXd multipliers_;                   ///< q in the joints' rows; the others are not looked at
     bool stiffness_wanted_ = true;                  ///< by the next evaluation, which then factors the matrix anew
     std::vector<Group> groups_;
-    std::vector<dttmm_progress> group_progress_;
     std::vector<NewtonConvergence> parts_;  ///< of the plugins
     long passes_ = 0, factorisations_ = 0;
-    StepReport report_, worst_;
+    StepReport open_, worst_;  ///< of the open step its counts only
 };
 
 }  // namespace dttmm::host

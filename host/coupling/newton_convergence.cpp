@@ -32,7 +32,8 @@ void NewtonConvergence::open(double least) {
     momentum_.forget(least);
     last_ = {};
     noise_ *= 0.5;
-    first_ = passes_ = 0;
+    first_ = 0;
+    passes_ = not_done_ = 0;
     is_done_ = is_slow_ = false;
 }
 
@@ -44,6 +45,7 @@ void NewtonConvergence::take(const dttmm_progress& progress) {
     last_.enough = std::max(progress.enough, noise_);
     ++passes_;
     is_done_ = judge();
+    if (!is_done_) not_done_ = passes_;
 }
 
 void NewtonConvergence::measure(const dttmm_progress& progress) {

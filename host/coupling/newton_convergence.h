@@ -49,6 +49,8 @@ public:
     /// After the last pass: whether it is enough; whether another matrix is wanted.
     bool is_done() const { return is_done_; }
     bool is_slow() const { return is_slow_; }
+    /// So many passes of the step, from the first on, were not enough.
+    int passes_not_done() const { return not_done_; }
     /// Of the last pass; `enough`: with what former passes have shown of rounding.
     const dttmm_progress& progress() const { return last_; }
 
@@ -59,9 +61,9 @@ private:
     Limits limits_;
     Contraction motion_, momentum_;
     dttmm_progress last_{};
-    double first_ = 0;  ///< correction of the step, with the way of the bodies to which it leads [m/s]
-    double noise_ = 0;  ///< corrections that no longer fell, slowly forgetting [m/s]
-    int passes_ = 0;    ///< of the step
+    double first_ = 0;               ///< first correction of the step, with the move of the bodies that follows it [m/s]
+    double noise_ = 0;               ///< corrections that no longer fell, slowly forgetting [m/s]
+    int passes_ = 0, not_done_ = 0;  ///< of the step
     bool is_done_ = false, is_slow_ = false;
 };
 

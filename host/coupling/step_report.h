@@ -15,7 +15,7 @@ struct StepReport {
     double inside_residual = 0;    ///< momentum that lacked in one of them before that correction [N s]
     double rate = 0;               ///< largest ratio of the last two corrections, of bodies or parts; 0: not measured
     int stops = 0;                 ///< of joints that act
-    /// What the pass before was not enough for; -1: there is none, or it is not of this kind.
+    /// What the last pass but one was not enough for, a body before a part; -1: there is none, or it is of the other kind.
     int body = -1, part = -1;
 };
 

@@ -38,7 +38,7 @@ public:
     using RowSink = std::function<void(std::span<const double>)>;
     /// Where rows go; without one nothing is observed.
     void record_to(RowSink sink) { sink_ = std::move(sink); }
-    /// Takes what is told of a step: after it, or when it has failed.
+    /// Takes the report of a step: after it, or when it has failed.
     using TraceSink = std::function<void(const StepReport& report)>;
     void trace_to(TraceSink sink) { trace_ = std::move(sink); }
     std::string waited_for(const StepReport& report) const { return end_of_step_.waited_for(report, networks_); }

@@ -209,7 +209,7 @@ typedef struct dttmm_step {
 /* How far an iteration has brought a part of a plugin: the host judges by it. */
 typedef struct dttmm_progress {
     double correction; /* the largest speed of a point that this iteration changes [m/s] */
-    double previous;   /* that of the iteration before with the way of the bodies since; 0: the first of the step [m/s] */
+    double previous;   /* that of the iteration before with the move of the bodies since; 0: the first of the step [m/s] */
     double motion;     /* the largest speed of a point over the step [m/s] */
     double enough;     /* a correction that is not larger is rounding [m/s] */
     double residual;   /* the largest momentum that lacked before this iteration, but for what is rounding [N s] */

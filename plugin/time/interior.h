@@ -273,7 +273,7 @@ private:
     Vector3 mean_velocity(const Mechanism& mechanism, const Solution& solution) const;
     void take_measures(const Mechanism& mechanism, Solution& solution) const;
     void pass(const Mechanism& mechanism, dttmm_progress& progress);
-    int worst_element(const Mechanism& mechanism) const;
+    int fastest_element(const Mechanism& mechanism, std::span<const Vector6> u) const;
     void refuse_unstarted() const;
     void look_at_joints(const Mechanism& mechanism);
     void form_matrix(const Mechanism& mechanism, const std::vector<Frame>& at);

@@ -349,7 +349,7 @@ void Interior::pass(const Mechanism& mechanism, dttmm_progress& progress) {
     solution.correction = correct(mechanism, solution);
     if (!std::isfinite(solution.correction + solution.floor))
         throw Error(DTTMM_ERROR_NUMERIC, "the motion inside the network was not found; try a smaller step",
-                    worst_element(mechanism));
+                    fastest_element(mechanism, solution.u));
     solution.rate =
         progress.previous > 0 && solution.correction > solution.floor ? solution.correction / progress.previous : 0;
     progress.correction = solution.correction;
@@ -360,14 +360,13 @@ void Interior::pass(const Mechanism& mechanism, dttmm_progress& progress) {
         std::max(residual - kRoundingOfPlace * open_.size / mechanism.scheme.step_size() * matrix_.stiffest, 0.0);
     progress.impulse = solution.impulse;
     progress.is_new = matrix_.is_fresh || matrix_.is_own;
-    progress.element = solution.rate > kTooSlow ? worst_element(mechanism) : -1;
+    progress.element = solution.rate > kTooSlow ? fastest_element(mechanism, solution.change) : -1;
 }
 
-/// Of the frame that the last iteration moves most.
-int Interior::worst_element(const Mechanism& mechanism) const {
+/// Of the frame that moves most.
+int Interior::fastest_element(const Mechanism& mechanism, std::span<const Vector6> u) const {
     const auto size = [&](size_t i) {
-        const Vector6& change = open_.solution.change[i];
-        return change.head<3>().squaredNorm() + layout_.turn_weight[i] * change.tail<3>().squaredNorm();
+        return u[i].head<3>().squaredNorm() + layout_.turn_weight[i] * u[i].tail<3>().squaredNorm();
     };
     size_t worst = 0;
     for (size_t i = 1; i < layout_.inertias.size(); ++i)

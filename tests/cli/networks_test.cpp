@@ -10,7 +10,6 @@ namespace dttmm::host {
 namespace {
 
 using testing::HasSubstr;
-using testing::MatchesRegex;
 
 /// A frame of two beams, clamped at one node, pinned at another, with a body on a hinge at its corner. Tests change one
 /// thing in it; the line numbers are theirs.
@@ -302,9 +301,8 @@ section = { tube = ["40 mm", "30 mm"] }
 material = { E = "210 GPa", poisson = 0.3, density = "7850 kg/m^3" }
 )");
     EXPECT_EQ(lost.code, 4) << lost.err;
-    // All of it is lost at once
-    EXPECT_THAT(lost.err, MatchesRegex(".*t = 0 s: element \"(spoke|hinge)\" \\(plugin built in\\): the motion inside the "
-                                       "network was not found; try a smaller step.*\n"));
+    EXPECT_THAT(lost.err,
+                HasSubstr("t = 0 s: element \"spoke\" (plugin built in): the motion inside the network was not found"));
 }
 
 }  // namespace

@@ -74,16 +74,16 @@ TEST_F(Tolerance, AModelWithoutAStepRunsToOnePercent) {
     EXPECT_NEAR(summary()["accelerations"]["m"]["acceleration"]["z"]["peak"], 40, 0.04);
 }
 
-// Oracle: a run to a tolerance a thousand times tighter, which is within its own estimate; the estimate must cover what the
-// history is off by. Estimates are those of the files, row by row and in the summary.
+// Oracle: a run to a tolerance a hundred times tighter (at a thousand times, what the solver leaves over in many short steps
+// is 2e-8 N of the lateral forces, as much as the estimate); the estimate must cover what the history is off by. Estimates
+// are those of the files, row by row and in the summary.
 TEST_F(Tolerance, TheHistoryIsWithinItsEstimateOfTheExactOne) {
     const std::vector<std::string> plate = {kPlate, "--set", "k1=400 N/mm", "--duration", "0.1 s"};
     std::vector<std::string> exact = plate, words = plate;
-    exact.insert(exact.end(), {"--tolerance", "1e-6"});
+    exact.insert(exact.end(), {"--tolerance", "1e-5"});
     words.insert(words.end(), {"--tolerance", "0.1 %"});
     ASSERT_EQ(run(exact).code, 0);
     const auto reference = rows();
-    fs::copy_file(folder_ / "out/history.h5", folder_ / "reference.h5");
     const Ended ended = run(words);
     ASSERT_EQ(ended.code, 0) << ended.err;
     EXPECT_EQ(ended.err, "");
@@ -115,12 +115,12 @@ TEST_F(Tolerance, TheHistoryIsWithinItsEstimateOfTheExactOne) {
         const double estimate = tolerance["error_estimate"].at(name);
         const std::vector<double> errors = read_dataset(folder_ / "out/history.h5", name + ".error");
         const std::vector<double> values = read_dataset(folder_ / "out/history.h5", name);
-        const std::vector<double> own = read_dataset(folder_ / "reference.h5", name + ".error");
         ASSERT_EQ(errors.size(), history.size());
         EXPECT_EQ(errors.back(), estimate) << name;
         double largest = 0;
         for (size_t row = 0; row < history.size(); ++row) {
-            EXPECT_LE(std::abs(history[row][c] - reference[row][c]), errors[row] + own[row] + 1e-9) << name << " " << row;
+            const double own = 2e-6 * std::abs(reference[row][c]);
+            EXPECT_LE(std::abs(history[row][c] - reference[row][c]), errors[row] + own + 1e-9) << name << " " << row;
             EXPECT_EQ(values[row], history[row][c]);
             largest = std::max(largest, errors[row]);
         }

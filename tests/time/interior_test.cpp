@@ -1109,7 +1109,7 @@ TEST(Interior, PortsBesideTheLastIterationAreAnsweredLinearly) {
     }
 }
 
-// Oracle: an instance that was not told.
+// Oracle: an instance that was not asked.
 TEST(Interior, PortsThatAreNoNumbersAreRefusedAndForgotten) {
     Bridge told, twin;
     for (int n = 0; n < 10; ++n) told.step(), twin.step();

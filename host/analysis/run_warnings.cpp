@@ -194,6 +194,18 @@ void warn_limits(const Simulation& simulation, Warnings& warnings) {
     }
 }
 
+/// What the linkages did without.
+void warn_singular_positions(const Simulation& simulation, const Model& model, Warnings& warnings) {
+    const EndOfStep::Passed& passed = simulation.end_of_step().singular_positions();
+    if (passed.steps == 0) return;
+    warnings.add(
+        "singular-position",
+        fmt::format("a linkage passes singular positions, the first at t = {:.4g} s (joint \"{}\"): over {} steps "
+                    "equations of its joints were let go, and the momentum chose the way on. Forces of these joints "
+                    "and accelerations are not reliable there; a smaller step narrows it",
+                    passed.time, model.joints[passed.joint].name, passed.steps));
+}
+
 /// A run to a tolerance that could not begin at the step asked for.
 void warn_skipped(const Halving& halving, Warnings& warnings) {
     if (halving.first_step() != halving.asked_step())
@@ -220,6 +232,7 @@ void warn_of_run(Session& session, const Simulation& simulation, const Recorder&
     if (session.halving) session.look_at_loads(simulation);
     warn_energy(recorder, session.model, simulation, session.fast_loads, warnings);
     warn_limits(simulation, warnings);
+    warn_singular_positions(simulation, session.model, warnings);
     warn_rows(recorder, session.model, simulation, warnings);
     if (!session.halving) return warn_ripple(recorder, session.model, warnings);
     warn_skipped(*session.halving, warnings);

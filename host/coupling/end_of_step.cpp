@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <utility>
 
 #include "model/diagnostics.h"
 #include "model/error.h"
@@ -18,6 +19,10 @@
 namespace dttmm::host {
 
 namespace {
+
+/// What a message says near a singular position of the joints.
+constexpr const char* kSingularCure =
+    "the joints are near a singular position; an element in place of one joint of the loop passes it";
 
 /// Numbers the groups of bodies that elements connect: group of every body, from 0.
 std::vector<size_t> find_groups(size_t count, const std::vector<std::pair<int, int>>& neighbours) {
@@ -101,18 +106,20 @@ std::vector<BodyState> EndOfStep::start(const dttmm_step& step, const std::vecto
                                         Loads& loads) {
     h_ = step.size;
     time_ = step.time;
-    trial_ = at;
+    trial_ = half_ = at;
     steps_ = 0;
     stiffness_wanted_ = true;
     std::fill(groups_.begin(), groups_.end(), Group{});
     std::fill(parts_.begin(), parts_.end(), NewtonConvergence(NewtonConvergence::kInside));
+    singular_ = {};
+    passed_ = {};
 
     loads.start(step.time);
     std::fill(wrenches_.begin(), wrenches_.end(), 0.0);
     networks.linearise(at, wrenches_.data(), nullptr);
     loads.add_at_start(at, wrenches_.data());
     refuse_opening_joints(at);
-    system_.linearise(at, std::vector<Stop>(descriptions_.size()));
+    system_.linearise(at, at, std::vector<Stop>(descriptions_.size()));
     factor_instant(at);
     find_accelerations(at);
     start_ = at;
@@ -137,7 +144,7 @@ void EndOfStep::factor_instant(const std::vector<BodyState>& at) {
     instant_matrix_.set_zero();
     for (size_t b = 0; b < at.size(); ++b)
         instant_matrix_.add(as_int(b), as_int(b), bodies_[b].inertia.block(at[b].rotation));
-    system_.write_to(instant_matrix_);
+    system_.write_start_to(instant_matrix_);
     if (!instant_factor_.factor(instant_matrix_))
         throw Error(
             ExitCode::numerical_failure,
@@ -273,12 +280,13 @@ void EndOfStep::predict(const std::vector<BodyState>& now) {
     }
 }
 
-void EndOfStep::place_trial(const std::vector<BodyState>& now) {
+/// The bodies after a part t of the step with the velocities of the trial.
+void EndOfStep::move(const std::vector<BodyState>& now, double t, std::vector<BodyState>& to) const {
     for (size_t b = 0; b < now.size(); ++b) {
-        trial_[b].velocity = u_[b].head<3>();
-        trial_[b].angular_velocity = u_[b].tail<3>();
-        trial_[b].position = now[b].position + h_ * trial_[b].velocity;
-        trial_[b].rotation = RotationStep(h_ * trial_[b].angular_velocity).apply(now[b].rotation);
+        to[b].velocity = u_[b].head<3>();
+        to[b].angular_velocity = u_[b].tail<3>();
+        to[b].position = now[b].position + t * to[b].velocity;
+        to[b].rotation = RotationStep(t * to[b].angular_velocity).apply(now[b].rotation);
     }
 }
 
@@ -313,8 +321,8 @@ void EndOfStep::factor(const std::vector<BodyState>& now) {
                                 "\"{}\": {}",
                                 time_, bodies_[least_held(now)].name,
                                 system_.empty() ? "its elements push it over faster than the step follows; try a smaller one"
-                                : system_.is_near_singular() ? kSingularCure
-                                                             : "very unequal masses on joints?"));
+                                : singular_.is_near ? kSingularCure
+                                                    : "very unequal masses on joints?"));
 }
 
 /// The body whose stiffness takes most from its inertia.
@@ -463,21 +471,38 @@ void EndOfStep::begin_step(const dttmm_step& step, const std::vector<BodyState>&
 }
 
 const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& networks, const std::vector<Stop>& stops) {
+    stops_ = stops;
+    if (!find_end(now, networks)) {
+        // A stop at a dead centre can hold the joints open: it lets go
+        if (std::ranges::none_of(stops_, &Stop::acts)) refuse(networks);
+        for (Stop& stop : stops_) stop.acts = false;
+        for (size_t b = 0; b < now.size(); ++b) u_[b] << now[b].velocity, now[b].angular_velocity;
+        if (!find_end(now, networks)) refuse(networks);
+    }
+    if (open_.passes > worst_.passes) worst_ = report();
+    remember_let_go();
+    if (!system_.empty()) move(now, h_, trial_);
+    form_feedback(now);
+    return feedback_;
+}
+
+/// Newton's iteration; false if kMostPasses are not enough.
+bool EndOfStep::find_end(const std::vector<BodyState>& now, Networks& networks) {
     const bool has_joints = !system_.empty();
+    const JointSystem::SingularPosition before = std::exchange(singular_, {});
     if (has_joints) {
-        stops_ = stops;
-        foreseen_.assign(stops.size(), false);
-        system_.linearise(now, stops_);
+        foreseen_.assign(stops_.size(), false);
         multipliers_.setZero();  // what redundant joints share is then found anew at every step, and stays small
-        stiffness_wanted_ = true;
+        linearise_joints(now);
     }
     // A pass finds the multipliers to kProximal only, and that does not show in its own correction: so two with joints.
     int first_trusted = has_joints ? 1 : 0;
-    bool done = false, has_gone_back = false;
+    bool has_gone_back = false;
     for (int pass = 0; pass < kMostPasses; ++pass) {
-        if (networks.is_implicit() || has_joints) place_trial(now);
+        if (networks.is_implicit() || has_joints) move(now, h_, trial_);
         stiffness_wanted_ = stiffness_wanted_ || has_gone_back;
         if (pass == 0 || networks.is_implicit() || stiffness_wanted_) evaluate(now, networks);
+        if (pass == 0 && has_joints) see_singular_position(now, networks, before);
         // Where springs have kinks, Newton's tangents may lead from one side to the other for ever
         const bool parts_done = judge_parts(networks);
         const bool may_go_back = !has_joints && (!parts_done || has_gone_back);
@@ -489,17 +514,38 @@ const Feedback& EndOfStep::solve(const std::vector<BodyState>& now, Networks& ne
         if (may_go_back) remember(now);
         correct(now);
         if (has_joints) raise_floors();
-        done = judge(pass);
+        const bool done = judge(pass);
         if (!done || pass < first_trusted || !parts_done) continue;
-        if (!revise_stops(now)) {
-            if (open_.passes > worst_.passes) worst_ = report();
-            form_feedback(now);
-            return feedback_;
-        }
+        if (!revise_stops(now)) return true;
         first_trusted = pass + 2;
     }
-    if (done) refuse_unconverged_part(networks);
-    fail(kMostPasses);
+    return false;
+}
+
+/// Takes the matrix half way near a singular position, and lets go equations of joints that do not decide about the step.
+void EndOfStep::see_singular_position(const std::vector<BodyState>& now, Networks& networks,
+                                      const JointSystem::SingularPosition& before) {
+    if (!system_.may_be_near_singular(matrix_, factor_) && !before.is_near) return;
+    move(now, 0.5 * h_, half_);
+    singular_ = system_.find_singular_position(now, half_, trial_);
+    // ODE's joints are not ours where they stand open: the step that closes them does without
+    const bool is_open = std::ranges::any_of(before.let_go, [](unsigned equations) { return equations != 0; });
+    if (is_open && singular_.let_go.empty()) singular_.let_go.assign(descriptions_.size(), 0);
+    for (Group& group : groups_) group.floor /= singular_.least;
+    if (!singular_.is_near) return;
+    linearise_joints(now);
+    evaluate(now, networks);
+}
+
+void EndOfStep::remember_let_go() {
+    const auto joint = std::ranges::find_if(singular_.let_go, [](unsigned equations) { return equations != 0; });
+    if (joint == singular_.let_go.end()) return;
+    if (passed_.steps++ == 0) passed_ = {1, time_, static_cast<size_t>(joint - singular_.let_go.begin())};
+}
+
+void EndOfStep::linearise_joints(const std::vector<BodyState>& now) {
+    system_.linearise(now, singular_.is_near ? half_ : now, stops_, singular_.let_go);
+    stiffness_wanted_ = true;
 }
 
 /// Takes what the last evaluation says of the plugins' parts; true if every one may stop.
@@ -559,9 +605,11 @@ std::string EndOfStep::name_of(size_t body) const {
                        bodies_[body].holder.empty() ? "" : " on " + bodies_[body].holder);
 }
 
-void EndOfStep::refuse_unconverged_part(const Networks& networks) const {
+/// Names a part that has not converged, where the bodies have; else the worst body.
+void EndOfStep::refuse(const Networks& networks) const {
+    const bool bodies_done = std::ranges::all_of(groups_, [](const Group& group) { return group.convergence.is_done(); });
     const auto part = std::ranges::find_if_not(parts_, &NewtonConvergence::is_done);
-    if (part == parts_.end()) return;
+    if (!bodies_done || part == parts_.end()) fail(kMostPasses);
     throw Error(
         ExitCode::numerical_failure,
         fmt::format("t = {:.9g} s: {}: the motion inside was not found in {} passes (last correction {:.1e} m/s); "
@@ -573,7 +621,7 @@ void EndOfStep::refuse_unconverged_part(const Networks& networks) const {
 /// true if anything has changed.
 bool EndOfStep::revise_stops(const std::vector<BodyState>& now) {
     if (!system_.has_stops()) return false;
-    place_trial(now);
+    move(now, h_, trial_);
     bool changed = false;
     double first = std::numeric_limits<double>::infinity();  // share of the step after which a stop is reached
     size_t reached = stops_.size();
@@ -607,10 +655,7 @@ bool EndOfStep::revise_stops(const std::vector<BodyState>& now) {
         stops_[reached] = stop_reached;
         foreseen_[reached] = changed = true;
     }
-    if (changed) {
-        system_.linearise(now, stops_);
-        stiffness_wanted_ = true;
-    }
+    if (changed) linearise_joints(now);
     return changed;
 }
 
@@ -630,8 +675,7 @@ void EndOfStep::confirm(const std::vector<BodyState>& after) const {
                 fmt::format("t = {:.9g} s: ODE's joints move body \"{}\" otherwise than foretold, by {:.1e} m/s (joint "
                             "\"{}\"); {}",
                             time_, bodies_[b].name, off, descriptions_[j].name,
-                            system_.is_near_singular() ? kSingularCure
-                                                       : "a step too long for the turning, or very unequal masses?"));
+                            singular_.is_near ? kSingularCure : "a step too long for the turning, or very unequal masses?"));
         }
     }
 }
@@ -684,7 +728,7 @@ void EndOfStep::fail(int passes) const {
         fmt::format(
             "t = {:.9g} s: the end of the step was not found in {} passes (last correction {:.1e} m/s), worst at {}; {}",
             time_, passes, correction_[worst].norm(), name_of(worst),
-            system_.is_near_singular() ? kSingularCure : "try a smaller step"));
+            singular_.is_near ? kSingularCure : "try a smaller step"));
 }
 
 }  // namespace dttmm::host

@@ -66,6 +66,18 @@ public:
     /// worst body when it does not converge.
     const Feedback& solve(const std::vector<BodyState>& now, Networks& networks, const std::vector<Stop>& stops);
 
+    /// Equations of joints that the step last solved does without; empty: ODE's joints hold.
+    const LetGo& let_go() const { return singular_.let_go; }
+    /// Steps so far that went without equations of joints, near singular positions; the first: its time [s], and a joint.
+    struct Passed {
+        long steps = 0;
+        double time = 0;
+        size_t joint = 0;
+    };
+    const Passed& singular_positions() const { return passed_; }
+    /// The bodies at the end of the step last solved.
+    const std::vector<BodyState>& foretold() const { return trial_; }
+
     /// Throws Error(numerical_failure) naming body and joints unless ODE has moved the bodies as solve() foretold, to
     /// kAgreement of their speeds.
     void confirm(const std::vector<BodyState>& after) const;
@@ -122,7 +134,7 @@ private:
     };
 
     void predict(const std::vector<BodyState>& now);
-    void place_trial(const std::vector<BodyState>& now);
+    void move(const std::vector<BodyState>& now, double t, std::vector<BodyState>& to) const;
     void evaluate(const std::vector<BodyState>& now, Networks& networks);
     void factor(const std::vector<BodyState>& now);
     size_t least_held(const std::vector<BodyState>& now) const;
@@ -142,8 +154,13 @@ private:
     bool judge_parts(const Networks& networks);
     size_t farthest_off(size_t group) const;
     std::string name_of(size_t body) const;
-    void refuse_unconverged_part(const Networks& networks) const;
+    [[noreturn]] void refuse(const Networks& networks) const;
     bool revise_stops(const std::vector<BodyState>& now);
+    bool find_end(const std::vector<BodyState>& now, Networks& networks);
+    void remember_let_go();
+    void linearise_joints(const std::vector<BodyState>& now);
+    void see_singular_position(const std::vector<BodyState>& now, Networks& networks,
+                               const JointSystem::SingularPosition& before);
     Eigen::Vector3d momentum_over_step(size_t body, const Eigen::Matrix3d& R, const Eigen::Vector3d& w) const;
     void form_feedback(const std::vector<BodyState>& now);
     [[noreturn]] void fail(int passes) const;
@@ -163,7 +180,7 @@ private:
     std::vector<Vector6> u_, previous_u_, correction_;  ///< motion over the step, over the one before, last change of it
     std::vector<Vector6> free_momentum_;                ///< P− + h f_loads
     std::vector<double> wrenches_;
-    std::vector<BodyState> trial_;
+    std::vector<BodyState> trial_, half_;  ///< at the end of the step, and half way
     Feedback feedback_;
 
     JointSystem system_;
@@ -171,6 +188,8 @@ private:
     BlockFactor factor_;
     Eigen::VectorXd right_hand_side_, solution_;
     std::vector<Stop> stops_;
+    JointSystem::SingularPosition singular_;  ///< of the open step
+    Passed passed_;
     BlockMatrix instant_matrix_;  ///< M and the joints, of an instant
     BlockFactor instant_factor_;
     bool joints_turn_ = false;  ///< some leave a rotation free

@@ -161,7 +161,7 @@ public:
 private:
     static JointSystem linearised(const Model& model, const std::vector<BodyState>& at) {
         JointSystem joints(model.bodies, model.joints);
-        joints.linearise(at, std::vector<Stop>(model.joints.size()));
+        joints.linearise(at, at, std::vector<Stop>(model.joints.size()));
         return joints;
     }
     void hand_out(const Networks::LinearSink& sink) const {

@@ -18,6 +18,8 @@ public:
     bool factor(const BlockMatrix& matrix);
     /// x ← matrix⁻¹ b; x has its size already.
     void solve(const Eigen::VectorXd& b, Eigen::VectorXd& x) const;
+    /// The entry of D of an unknown; only with joints.
+    double pivot(int index) const { return solver_.pivot(index); }
 
 private:
     using Sparse = Eigen::SparseMatrix<double>;
@@ -26,6 +28,7 @@ private:
     class Solver : public Ldlt {
     public:
         void refactor(const Sparse& matrix) { this->template factorize_preordered<true>(matrix); }
+        double pivot(int index) const { return this->m_diag(index); }
     };
     Solver solver_;
     std::vector<int> starts_;  ///< first unknown of every body, if none is coupled to another; else empty

@@ -18,9 +18,6 @@ namespace {
 /// Of the speeds at a stop: less is no parting.
 constexpr double kParting = 1e-9;
 
-/// What stays open at rounding of the motion, over that rounding: more is a contradiction between joints and stops.
-constexpr double kOpen = 1e4;
-
 /// A pass that leaves more of the correction before is slow.
 constexpr double kSlow = 0.3;
 
@@ -45,12 +42,12 @@ void JointClosure::factor(const std::vector<BodyState>& now) {
     if (!factor_.factor(matrix_)) fail();
 }
 
-/// A stop has acted unless ODE lets the joint part from it; true if one has parted.
-bool JointClosure::judge(std::vector<Stop>& stops, double h, const std::vector<BodyState>& after) const {
+/// A stop has acted unless the motion lets the joint part from it; true if one has parted.
+bool JointClosure::judge(std::vector<Stop>& stops, double h, const std::vector<BodyState>& motion) const {
     bool parted = false;
     for (size_t j = 0; j < stops.size(); ++j) {
         if (!stops[j].acts) continue;
-        const double speed = system_.coordinate_speed(j, after);
+        const double speed = system_.coordinate_speed(j, motion);
         const double parting = stops[j].side * (speed - stops[j].speed) - Stop::kPlay / h;  // ODE's stop has no play
         stops[j].acts = parting <= kParting * (std::abs(speed) + std::abs(stops[j].speed) + Stop::kPlay / h);
         parted = parted || !stops[j].acts;
@@ -58,58 +55,51 @@ bool JointClosure::judge(std::vector<Stop>& stops, double h, const std::vector<B
     return parted;
 }
 
-void JointClosure::close(const std::vector<BodyState>& now, double h, std::vector<Stop>& stops,
-                         std::vector<BodyState>& after) {
-    system_.linearise(now, stops);
-    if (judge(stops, h, after)) system_.linearise(now, stops);
-    engine_ = after;
-    if (find_closed(now, h, after)) return;
-    // A stop at a dead centre can hold the joints open: it lets go
-    bool released = false;
-    for (Stop& stop : stops) {
-        released = released || stop.acts;
-        stop.acts = false;
-    }
-    if (!released) fail();
-    after = engine_;
-    system_.linearise(now, stops);
-    if (!find_closed(now, h, after)) fail();
-}
-
-/// Whether the joints and the stops that act can be closed together.
-bool JointClosure::find_closed(const std::vector<BodyState>& now, double h, std::vector<BodyState>& after) {
+void JointClosure::close(const std::vector<BodyState>& now, double h, const LetGo& let_go,
+                         const std::vector<BodyState>& foretold, std::vector<Stop>& stops, std::vector<BodyState>& after) {
+    system_.linearise(now, now, stops, let_go);
+    // A stop at a dead centre lets go although ODE holds it
+    const bool parted = judge(stops, h, after), held = !judge(stops, h, foretold);
+    if (parted || !held) system_.linearise(now, now, stops, let_go);
     factor(now);
     double before = std::numeric_limits<double>::infinity();  // the correction of the last pass
-    for (int pass = 0; pass < kMostPasses; ++pass) {
-        for (size_t b = 0; b < now.size(); ++b) {
-            after[b].position = now[b].position + h * after[b].velocity;
-            after[b].rotation = RotationStep(h * after[b].angular_velocity).apply(now[b].rotation);
-        }
+    for (int pass = 0;; ++pass) {
+        if (pass == kMostPasses) fail();
         right_hand_side_.setZero();
-        system_.write_openings(matrix_, after, h, right_hand_side_);
-        factor_.solve(right_hand_side_, solution_);
-        double correction = 0, scale = 0;
-        for (size_t b = 0; b < now.size(); ++b) {
-            const auto change = solution_.segment<6>(matrix_.index(as_int(b)));
-            after[b].velocity += change.head<3>();
-            after[b].angular_velocity += change.tail<3>();
-            const double reach = reaches_[b];
-            correction = std::max(correction, change.head<3>().norm() + reach * change.tail<3>().norm());
-            scale = std::max({scale, after[b].velocity.norm() + reach * after[b].angular_velocity.norm(),
-                              (now[b].position.norm() + reach) / h});
-        }
-        if (!std::isfinite(correction)) fail();
+        system_.write_speeds(matrix_, after, foretold, right_hand_side_);
+        const double correction = correct(after);
+        double scale = 0;
+        for (size_t b = 0; b < now.size(); ++b)
+            scale = std::max({scale, after[b].velocity.norm() + reaches_[b] * after[b].angular_velocity.norm(),
+                              (now[b].position.norm() + reaches_[b]) / h});
         // Near rounding no pass gains any more
         const bool stalls = correction > kSlow * before;
-        if (correction <= kRounding * scale || (stalls && correction <= 10 * kRounding * scale))
-            return right_hand_side_.cwiseAbs().maxCoeff() <= kOpen * kRounding * scale;
+        if (correction <= kRounding * scale || (stalls && correction <= 10 * kRounding * scale)) break;
         if (stalls) {
             system_.tighten();
             factor(now);
         }
         before = correction;
     }
-    return false;
+    for (size_t b = 0; b < now.size(); ++b) {
+        after[b].position = now[b].position + h * after[b].velocity;
+        after[b].rotation = RotationStep(h * after[b].angular_velocity).apply(now[b].rotation);
+    }
+}
+
+/// Changes the velocities along M⁻¹ Jᵀ so that J times the change is what the right-hand side asks for, but for E; the
+/// largest change of a speed.
+double JointClosure::correct(std::vector<BodyState>& after) {
+    factor_.solve(right_hand_side_, solution_);
+    double largest = 0;
+    for (size_t b = 0; b < after.size(); ++b) {
+        const auto change = solution_.segment<6>(matrix_.index(as_int(b)));
+        after[b].velocity += change.head<3>();
+        after[b].angular_velocity += change.tail<3>();
+        largest = std::max(largest, change.head<3>().norm() + reaches_[b] * change.tail<3>().norm());
+    }
+    if (!std::isfinite(largest)) fail();
+    return largest;
 }
 
 void JointClosure::fail() const {
@@ -120,8 +110,7 @@ void JointClosure::fail() const {
         if (const int start = matrix_.joint_index(as_int(j)); worst >= start && worst < start + system_.joints()[j].count())
             joint = as_int(j);
     throw Error(ExitCode::numerical_failure,
-                fmt::format("joint \"{}\" does not close within a step; {}", names_[as_size(joint)],
-                            system_.is_near_singular() ? kSingularCure : "try a smaller step"));
+                fmt::format("joint \"{}\" does not close within a step; try a smaller step", names_[as_size(joint)]));
 }
 
 }  // namespace dttmm::host

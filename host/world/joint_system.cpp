@@ -2,7 +2,7 @@
 #include "world/joint_system.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -31,6 +31,7 @@ JointEquations::Values rates(const JointEquations& joint, const JointEquations::
 JointSystem::JointSystem(const std::vector<Body>& bodies, const std::vector<Joint>& joints) {
     for (const Joint& joint : joints) joints_.emplace_back(joint, bodies);
     jacobians_.resize(joints.size());
+    matrix_jacobians_.resize(joints.size());
     stops_.resize(joints.size());
 }
 
@@ -48,19 +49,29 @@ double JointSystem::longest_arm(int body) const {
     return longest;
 }
 
-void JointSystem::linearise(const std::vector<BodyState>& now, const std::vector<Stop>& stops) {
+/// An equation that holds nothing over this step: of a stop that does not act, or let go.
+bool JointSystem::is_idle(size_t joint, int row) const {
+    if (row == joints_[joint].lasting()) return !stops_[joint].acts;
+    return !let_go_.empty() && (let_go_[joint] >> row & 1) != 0;
+}
+
+void JointSystem::linearise(const std::vector<BodyState>& now, const std::vector<BodyState>& by,
+                            const std::vector<Stop>& stops, const LetGo& let_go) {
     stops_ = stops;
+    let_go_ = let_go;
     proximal_ = std::min(kProximal, 10 * proximal_);
     for (size_t j = 0; j < joints_.size(); ++j) {
         jacobians_[j] = joints_[j].jacobian(now);
-        if (!joints_[j].has_stops() || stops_[j].acts) continue;
-        for (const auto side : kSides) jacobians_[j][side].row(joints_[j].lasting()).setZero();
+        matrix_jacobians_[j] = joints_[j].jacobian(by);
+        for (int row = 0; row < joints_[j].count(); ++row)
+            if (is_idle(j, row))
+                for (auto* jacobians : {&jacobians_, &matrix_jacobians_})
+                    for (const auto side : kSides) (*jacobians)[j][side].row(row).setZero();
     }
-    if (first_jacobians_.empty()) first_jacobians_ = jacobians_;
 }
 
-/// Of the equations that always hold, by velocities and angular velocities times the longest arm; the largest first.
-std::vector<double> JointSystem::singular_values(const std::vector<JointEquations::Jacobian>& jacobians) const {
+/// The equations that always hold, by velocities and angular velocities times the longest arm.
+Eigen::MatrixXd JointSystem::dense(const std::vector<JointEquations::Jacobian>& jacobians) const {
     Eigen::Index rows = 0;
     int bodies = 0;
     double arm = 0;
@@ -83,26 +94,75 @@ std::vector<double> JointSystem::singular_values(const std::vector<JointEquation
         }
         row += count;
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> squares(J * J.transpose(), Eigen::EigenvaluesOnly);
-    std::vector<double> values;
-    for (Eigen::Index i = rows; i-- > 0;) values.push_back(std::sqrt(std::max(squares.eigenvalues()(i), 0.0)));
-    return values;
+    return J;
 }
 
-bool JointSystem::is_near_singular() const {
-    constexpr Eigen::Index kMostEquations = 1000;  // a decomposition of them takes a second
-    constexpr double kNone = 1e-6;  // of the largest: squares of singular values are found to 1e-16 of its square, and some
-    constexpr double kNear = 0.2;   // of the value at the start: it falls in proportion to the angle that is left
-    Eigen::Index rows = 0;
-    for (const JointEquations& joint : joints_) rows += joint.lasting();
-    if (rows == 0 || rows > kMostEquations || first_jacobians_.empty()) return false;
-    const std::vector<double> first = singular_values(first_jacobians_), now = singular_values(jacobians_);
-    size_t rank = 0;
-    while (rank < first.size() && first[rank] > kNone * first[0]) ++rank;
-    return rank > 0 && now[rank - 1] < kNear * first[rank - 1];
+bool JointSystem::may_be_near_singular(const BlockMatrix& matrix, const BlockFactor& factor) {
+    constexpr double kHidden = 0.03;  // at a hundredth of it E hides the distance
+    constexpr double kFast = 0.3;     // change over the distance
+    distances_.resize(as_size(matrix.size()));
+    bool is_suspect = false;
+    for (size_t j = 0; j < joints_.size(); ++j)
+        for (int row = 0; row < joints_[j].lasting(); ++row) {
+            const int i = matrix.joint_index(as_int(j)) + row;
+            double distance = std::sqrt(proximal_ * std::max(0.0, factor.pivot(i) / matrix.upper().diagonal()(i)));
+            if (distance < kHidden) distance = 0;
+            Distance& known = distances_[as_size(i)];
+            is_suspect =
+                is_suspect || std::abs(distance - known.last) > kFast * distance || (distance == 0 && known.largest > 0);
+            known = {distance, std::max(distance, known.largest)};
+        }
+    return is_suspect;
 }
 
-void JointSystem::write_to(BlockMatrix& matrix) const {
+std::vector<JointEquations::Jacobian> JointSystem::jacobians_at(const std::vector<BodyState>& at) const {
+    std::vector<JointEquations::Jacobian> jacobians;
+    for (const JointEquations& joint : joints_) jacobians.push_back(joint.jacobian(at));
+    return jacobians;
+}
+
+JointSystem::SingularPosition JointSystem::find_singular_position(const std::vector<BodyState>& now,
+                                                                  const std::vector<BodyState>& half,
+                                                                  const std::vector<BodyState>& end) const {
+    constexpr double kRedundant = 1e-9;  // rows at a smaller distance from the span of others say nothing
+    constexpr double kSlow = 0.3;        // what a pass may leave of an error
+    constexpr double kLongest = 0.5;     // a step that turns joints by more [rad] decides about none
+    Eigen::Index equations = 0;
+    for (const JointEquations& joint : joints_) equations += joint.lasting();
+    if (equations == 0 || equations > kMostEquations) return {};
+    // A column per equation, of length one half way
+    Eigen::MatrixXd A = dense(jacobians_at(half)).transpose(), B = dense(jacobians_at(end)).transpose();
+    const Eigen::RowVectorXd lengths = A.colwise().norm();
+    const Eigen::MatrixXd turned = B - dense(jacobians_at(now)).transpose();
+    const double change = (turned.array().rowwise() / lengths.array()).matrix().colwise().norm().maxCoeff();
+    if (change > kLongest) return {};
+    A.array().rowwise() /= lengths.array();
+    B.array().rowwise() /= lengths.array();
+    // With pivoting, the diagonal of R has the distance of each column from the span of those before
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> middle(A), finish(B);
+    const auto rank = [](const auto& qr, double least) {
+        const Eigen::Index count = std::min(qr.matrixQR().rows(), qr.matrixQR().cols());
+        return (qr.matrixQR().diagonal().head(count).array().abs() > least).count();
+    };
+    const double hidden = std::sqrt(10 * kProximal);  // E leaves a tenth of an error there
+    const Eigen::Index kept = rank(middle, std::max(0.5 * change / std::sqrt(kSlow), hidden));
+    const bool all_decided = kept >= std::max(rank(middle, kRedundant), rank(finish, kRedundant));
+    SingularPosition found;
+    if (kept > 0) found.least = std::abs(middle.matrixQR()(kept - 1, kept - 1));
+    found.is_near = !all_decided || found.least < change / kSlow;
+    if (all_decided) return found;
+    found.let_go.assign(joints_.size(), 0);
+    const auto& order = middle.colsPermutation().indices();
+    for (Eigen::Index i = kept; i < order.size(); ++i) {
+        Eigen::Index row = order(i);
+        size_t j = 0;
+        for (; row >= joints_[j].lasting(); ++j) row -= joints_[j].lasting();
+        found.let_go[j] |= 1u << row;
+    }
+    return found;
+}
+
+void JointSystem::write(const std::vector<JointEquations::Jacobian>& jacobians, BlockMatrix& matrix) const {
     for (size_t j = 0; j < joints_.size(); ++j) {
         const JointEquations& joint = joints_[j];
         JointEquations::Values E = JointEquations::Values::Zero(joint.count());
@@ -112,13 +172,14 @@ void JointSystem::write_to(BlockMatrix& matrix) const {
             const Eigen::LLT<BlockMatrix::Block> K(matrix.diagonal(joint.bodies()[side]));
             const auto L = K.matrixL();
             for (int row = 0; row < joint.count(); ++row) {
-                Eigen::Matrix<double, 6, 1> direction = jacobians_[j][side].row(row).transpose();
+                Eigen::Matrix<double, 6, 1> direction = jacobians[j][side].row(row).transpose();
                 L.solveInPlace(direction);
                 E(row) += proximal_ * direction.squaredNorm();
             }
         }
-        if (joint.has_stops() && !stops_[j].acts) E(joint.lasting()) = 1;
-        matrix.set_joint(as_int(j), jacobians_[j][0], jacobians_[j][1], E);
+        for (int row = 0; row < joint.count(); ++row)
+            if (is_idle(j, row)) E(row) = 1;
+        matrix.set_joint(as_int(j), jacobians[j][0], jacobians[j][1], E);
     }
 }
 
@@ -132,9 +193,17 @@ void JointSystem::write_openings(const BlockMatrix& matrix, const std::vector<Bo
         const JointEquations& joint = joints_[j];
         const int start = matrix.joint_index(as_int(j));
         rows.segment(start, joint.lasting()) = joint.residual(end) / -h;
-        if (!joint.has_stops()) continue;
-        rows(start + joint.lasting()) = stops_[j].acts ? stops_[j].speed - coordinate_speed(j, end) : 0;
+        if (joint.has_stops()) rows(start + joint.lasting()) = stops_[j].speed - coordinate_speed(j, end);
+        for (int row = 0; row < joint.count(); ++row)
+            if (is_idle(j, row)) rows(start + row) = 0;
     }
+}
+
+void JointSystem::write_speeds(const BlockMatrix& matrix, const std::vector<BodyState>& end,
+                               const std::vector<BodyState>& wanted, Eigen::VectorXd& rows) const {
+    for (size_t j = 0; j < joints_.size(); ++j)
+        rows.segment(matrix.joint_index(as_int(j)), joints_[j].count()) =
+            rates(joints_[j], jacobians_[j], wanted) - rates(joints_[j], jacobians_[j], end);
 }
 
 void JointSystem::write_curvatures(const BlockMatrix& matrix, const std::vector<BodyState>& at,
@@ -144,6 +213,8 @@ void JointSystem::write_curvatures(const BlockMatrix& matrix, const std::vector<
         const int start = matrix.joint_index(as_int(j));
         rows.segment(start, joint.lasting()) = -joint.curvature(at);
         if (joint.has_stops()) rows(start + joint.lasting()) = 0;
+        for (int row = 0; row < joint.lasting(); ++row)
+            if (is_idle(j, row)) rows(start + row) = 0;
     }
 }
 

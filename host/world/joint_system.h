@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "model/model.h"
+#include "world/block_factor.h"
 #include "world/block_matrix.h"
 #include "world/body_state.h"
 #include "world/joint_equations.h"
@@ -22,9 +23,8 @@ struct Stop {
     int side = 0;  ///< 1: the lower stop, which pushes the coordinate up; −1: the upper
 };
 
-/// What a message says where is_near_singular().
-inline constexpr const char* kSingularCure =
-    "are the joints near a singular position? No step size passes one; an element in place of one joint of the loop does";
+/// Equations of joints that do not hold over a step, a bit each, one number per joint; empty: all hold.
+using LetGo = std::vector<unsigned>;
 
 /// All ideal joints of a model, linearised at t_n, as rows of a BlockMatrix. Over the step they act by impulses −Jᵀ q along
 /// the directions of t_n, such that the joints are closed at its end:
@@ -53,10 +53,31 @@ public:
     /// For the pattern of a BlockMatrix.
     std::vector<BlockMatrix::JointNode> nodes() const;
 
-    /// Takes J at t_n; `stops`: one per joint. What tighten() has done wears off from step to step.
-    void linearise(const std::vector<BodyState>& now, const std::vector<Stop>& stops);
-    /// Writes J and E; E is measured by the bodies' own blocks K, which are to be complete.
-    void write_to(BlockMatrix& matrix) const;
+    /// Takes J at t_n, for impulses, and at `by`, for the matrix. `stops`: one per joint; `let_go`: equations that do not
+    /// hold over the step. What tighten() has done wears off from step to step.
+    void linearise(const std::vector<BodyState>& now, const std::vector<BodyState>& by, const std::vector<Stop>& stops,
+                   const LetGo& let_go = {});
+    /// A linkage that passes a singular position has one free motion more there: a combination of equations w obeys wᵀ J = σ
+    /// dᵀ, and σ passes through zero. With σ₀, σ₁ at the ends of a step and σ half way, a pass leaves of an error along d
+    ///     1 − σ₁/σ₀ with the matrix at t_n,     1 − σ₀ σ₁/σ² = (σ₁ − σ₀)²/4σ² with the matrix half way.
+    /// Where the latter is too much, one equation of the combination is let go over the step: the motion goes on by its
+    /// momentum, and the steps that follow close the joint, as C is of second order in what they have moved.
+    struct SingularPosition {
+        bool is_near = false;  ///< the matrix is wanted half way
+        LetGo let_go;          ///< empty where all equations are decided
+        double least = 1;      ///< σ of those kept, over their length: rounding of poses moves the bodies by its inverse
+    };
+    /// Where the bodies stand at t_n, half way and at the end of a step. Takes decompositions of all equations; says that
+    /// nothing is near beyond kMostEquations.
+    SingularPosition find_singular_position(const std::vector<BodyState>& now, const std::vector<BodyState>& half,
+                                            const std::vector<BodyState>& end) const;
+    /// Whether a decomposition is worth its time: whether an equation's distance from the span of those before, which the
+    /// factor of the matrix has, changes fast from step to step, or has vanished. Remembers the distances.
+    bool may_be_near_singular(const BlockMatrix& matrix, const BlockFactor& factor);
+    /// Writes J of the matrix and E; E is measured by the bodies' own blocks K, which are to be complete.
+    void write_to(BlockMatrix& matrix) const { write(matrix_jacobians_, matrix); }
+    /// The same with J at t_n.
+    void write_start_to(BlockMatrix& matrix) const { write(jacobians_, matrix); }
 
     /// Rate at which a joint's coordinate moves with the velocities of `end` [rad/s, m/s]; of a joint whose stop acts.
     double coordinate_speed(size_t joint, const std::vector<BodyState>& end) const;
@@ -64,6 +85,9 @@ public:
     /// Writes −C(end)/h [m/s, rad/s], and speed − J u for stops, into the joints' rows of a right-hand side. `end`: poses at
     /// the end of the step, velocities u over it.
     void write_openings(const BlockMatrix& matrix, const std::vector<BodyState>& end, double h, Eigen::VectorXd& rows) const;
+    /// Writes J (u' − u) for velocities u' of `wanted` and u of `end`.
+    void write_speeds(const BlockMatrix& matrix, const std::vector<BodyState>& end, const std::vector<BodyState>& wanted,
+                      Eigen::VectorXd& rows) const;
     /// Writes −C̈ of bodies that keep their velocities: the right-hand side for accelerations.
     void write_curvatures(const BlockMatrix& matrix, const std::vector<BodyState>& at, Eigen::VectorXd& rows) const;
     /// Adds −Jᵀ q to the bodies' rows; q: the joints' rows of `multipliers`.
@@ -71,22 +95,26 @@ public:
     /// The impulse −Jᵀ q of one joint on its body on that side.
     Eigen::Matrix<double, 6, 1> impulse(size_t joint, JointEquations::Side side, const double* q) const;
 
-    /// Whether the bodies, as last linearised, stand near a singular position of the joints, where one more motion is free
-    /// to first order than at the first linearisation: there the joints decide too little about the step. Takes a
-    /// decomposition of all equations: for messages. Joints that are redundant throughout do not count. False beyond 1000
-    /// equations.
-    bool is_near_singular() const;
-
     /// Largest speed at which a joint opens at the instant `at` [m/s, rad/s].
     double opening_speed(size_t joint, const std::vector<BodyState>& at) const;
 
 private:
+    static constexpr Eigen::Index kMostEquations = 1000;  ///< a decomposition of them takes a second
     double proximal_ = kProximal;
     std::vector<JointEquations> joints_;
-    std::vector<double> singular_values(const std::vector<JointEquations::Jacobian>& jacobians) const;
+    std::vector<JointEquations::Jacobian> jacobians_at(const std::vector<BodyState>& at) const;
+    Eigen::MatrixXd dense(const std::vector<JointEquations::Jacobian>& jacobians) const;
+    bool is_idle(size_t joint, int row) const;
+    void write(const std::vector<JointEquations::Jacobian>& jacobians, BlockMatrix& matrix) const;
 
-    std::vector<JointEquations::Jacobian> jacobians_, first_jacobians_;
+    std::vector<JointEquations::Jacobian> jacobians_, matrix_jacobians_;
     std::vector<Stop> stops_;
+    LetGo let_go_;
+    /// Of an equation from the span of those before, 0 where E hides it, over its own length.
+    struct Distance {
+        double last = 0, largest = 0;
+    };
+    std::vector<Distance> distances_;  ///< at the matrix's indices
 };
 
 }  // namespace dttmm::host

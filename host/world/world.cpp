@@ -229,7 +229,16 @@ void World::find_stops(double h, std::vector<Stop>& stops) const {
     }
 }
 
-void World::advance(double h) {
+/// ODE's own, with or without its joints; 0 if it ran out of memory.
+int World::step(double h, bool with_joints) {
+    if (with_joints) return dWorldStep(world_->id(), h);
+    for (const JointHandle& joint : joints_) dJointDisable(static_cast<dJointID>(joint.id));
+    const int done = dWorldStep(world_->id(), h);
+    for (const JointHandle& joint : joints_) dJointEnable(static_cast<dJointID>(joint.id));
+    return done;
+}
+
+void World::advance(double h, const std::vector<BodyState>& foretold, const LetGo& let_go) {
     const int before = complaints;
     if (closure_) {
         read_states(before_);
@@ -237,7 +246,7 @@ void World::advance(double h) {
     }
     int done = 0;
     try {
-        done = dWorldStep(world_->id(), h);
+        done = step(h, let_go.empty());
     } catch (...) {
         (void)world_.release();  // of a world that was left in the middle of a step nothing can be freed
         throw;
@@ -246,7 +255,7 @@ void World::advance(double h) {
     if (complaints != before) throw Error(ExitCode::numerical_failure, "ODE reported a numerical problem during the step");
     if (!closure_) return;
     read_states(after_);
-    closure_->close(before_, h, stops_, after_);
+    closure_->close(before_, h, let_go, foretold, stops_, after_);
     set_states(after_);
 }
 

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <map>
 
@@ -474,6 +476,92 @@ TEST(Joints, HeavyLoadHangsOnALightLink) {
     }
     EXPECT_GT((ends[0] - at(0.25, 0.15)).norm(), 0.01);
     EXPECT_LT((ends[0] - ends[1]).norm(), 1e-6);
+}
+
+// ---- Singular positions --------------------------------------------------------------------------------------------------
+
+/// Bars in a row on parallel cranks of length kCrank, at an angle θ from kY about −kZ. When all lie in one line, each window
+/// could go on in two ways.
+constexpr double kCrank = 0.31;
+Model windows(int count, double theta, double omega) {
+    Model model;
+    model.simulation.gravity = -9.81 * kY;
+    const Eigen::Vector3d along = kCrank * (std::sin(theta) * kX + std::cos(theta) * kY);
+    Eigen::Vector3d foot = at(0, 0);
+    for (int i = 0; i <= count; ++i) {
+        if (i > 0) {
+            const Eigen::Vector3d next = foot + at(0.4 + 0.13 * i, 0);
+            model.bodies.push_back(rod(fmt::format("bar{}", i), 1.7 - 0.4 * i, foot + along, next + along));
+            model.bodies.back().velocity = -omega * kZ.cross(along);
+            foot = next;
+        }
+        model.bodies.push_back(rod(fmt::format("crank{}", i), 0.8 + 0.3 * i, foot, foot + along));
+        turn(model.bodies.back(), foot, -omega);
+        const int crank = static_cast<int>(model.bodies.size()) - 1;
+        model.joints.push_back(test::pin(fmt::format("foot{}", i), -1, crank, foot, kZ));
+        if (i > 0) {
+            model.joints.push_back(
+                test::pin(fmt::format("left{}", i), crank - 2, crank - 1, foot - at(0.4 + 0.13 * i, 0) + along, kZ));
+            model.joints.push_back(test::pin(fmt::format("right{}", i), crank - 1, crank, foot + along, kZ));
+        }
+    }
+    return model;
+}
+
+/// Oracle: the branch that momentum chooses has one degree of freedom,
+///     (Σ I_crank + Σ m_bar a²) θ'' = g a (Σ m_crank/2 + Σ m_bar) sin θ.
+double exact_angle(const Model& model, double theta, double omega, double t) {
+    double inertia = 0, weight = 0;
+    for (const Body& body : model.bodies) {
+        const bool is_crank = body.name.starts_with("crank");
+        inertia += body.mass * kCrank * kCrank * (is_crank ? 0.25 : 1) + (is_crank ? body.inertia(2, 2) : 0);
+        weight += body.mass * 9.81 * kCrank * (is_crank ? 0.5 : 1);
+    }
+    const auto f = [&](double, const Eigen::VectorXd& y) {
+        return Eigen::VectorXd(Eigen::Vector2d(y(1), weight / inertia * std::sin(y(0))));
+    };
+    return test::integrate(f, Eigen::Vector2d(theta, omega), t)(0);
+}
+
+/// How far the first crank is from the exact motion at the end [m].
+double error_at_end(const Model& model, const History& history, double theta, double omega) {
+    const double exact = exact_angle(model, theta, omega, history["time"].back());
+    Eigen::Vector3d centre;
+    for (int i = 0; i < 3; ++i) centre(i) = history[std::string("crank0.position.") + "xyz"[i]].back();
+    return (centre - 0.5 * kCrank * (std::sin(exact) * kX + std::cos(exact) * kY)).norm();
+}
+
+// Two turns, four singular positions, one to three windows, each of other size, that lie flat at once: IFToMM A02 among
+// them. Second order: the energy falls fourfold with the step.
+TEST(Joints, LinkagesPassSingularPositionsOnTheBranchOfTheirMomentum) {
+    const Plugins plugins;
+    const double theta = 0.2, omega = 3.1;
+    for (const int count : {1, 2, 3}) {
+        const Model model = windows(count, theta, omega);
+        double energy[2];
+        for (const int halving : {0, 1}) {
+            const History history = run(model, plugins, 2.5e-3 / (1 << halving), 2);
+            EXPECT_LT(error_at_end(model, history, theta, omega), 1e-3 / (1 << 2 * halving)) << count;
+            energy[halving] = history.largest("energy.residual") / history.largest("energy.kinetic");
+        }
+        EXPECT_LT(energy[0], 3e-4) << count;
+        EXPECT_LT(energy[1], 0.3 * energy[0]) << count;
+        const History coarse = run(model, plugins, 10e-3, 2);
+        EXPECT_LT(error_at_end(model, coarse, theta, omega), 0.05) << count;
+        const History fine = run(model, plugins, 0.1e-3, 2);
+        EXPECT_LT(error_at_end(model, fine, theta, omega), 2e-6) << count;
+    }
+}
+
+// From rest and in motion; the equations of the joints have one rank at the start and another ever after.
+TEST(Joints, LinkagesStartInSingularPositions) {
+    const Plugins plugins;
+    for (const double omega : {0.0, 2.7}) {
+        const double theta = M_PI / 2;
+        const Model model = windows(2, theta, omega);
+        for (const double h : {10e-3, 2.5e-3})
+            EXPECT_LT(error_at_end(model, run(model, plugins, h, 0.5), theta, omega), 20 * h * h) << omega << ", " << h;
+    }
 }
 
 TEST(Joints, VelocitiesThatOpenAJointAreRefused) {

@@ -8,18 +8,20 @@
 
 #include "core/error.h"
 #include "core/index.h"
+#include "modal/geometric_stiffness.h"
 
 namespace dttmm::plugin {
 
-ModalAnalysis::ModalAnalysis(const dttmm_modal_model& model)
-    : model_(model), topology_(model_), element_count_(model.network->element_count) {}
+ModalAnalysis::ModalAnalysis(const dttmm_modal_model& model) : model_(model), stiffness_(model_), topology_(model_) {
+    add_geometric_stiffness(model_);
+}
 
 size_t ModalAnalysis::find_modes(uint32_t count, double below) {
     if (!model_.is_elastic())
         throw Error(DTTMM_ERROR_MODEL, "nothing is elastic: no element stores energy, nothing vibrates");
     if (!(below >= 0) || !std::isfinite(below) || (below == 0 && count == 0))
         throw Error(DTTMM_ERROR_ARGUMENT, "find_modes wants a frequency or a count");
-    ModeFinder finder(model_);
+    ModeFinder finder(stiffness_);
     modes_ = below > 0 ? finder.find_below(2 * M_PI * below) : finder.find_first(as_int(count));
     cut_ = 0;
     at_ = -1;
@@ -38,9 +40,9 @@ const Mode& ModalAnalysis::stand_at(uint32_t index) {
     if (index >= modes_.size()) throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("there is no mode {}", index));
     const Mode& mode = modes_[index];
     if (at_ == static_cast<long>(index)) return mode;
-    if (cut_ != mode.cut || at_ < 0) model_.cut(mode.cut);
+    if (cut_ != mode.cut || at_ < 0) stiffness_.cut(mode.cut);
     cut_ = mode.cut;
-    model_.factor(mode.omega * mode.omega);
+    stiffness_.factor(mode.omega * mode.omega);
     at_ = static_cast<long>(index);
     return mode;
 }
@@ -51,23 +53,23 @@ void ModalAnalysis::mode(uint32_t index, dttmm_mode* out, double* bodies, double
         *out = {mode.omega / (2 * M_PI), mode.bracket, static_cast<uint32_t>(mode.multiplicity),
                 mode.residual,           mode.mass,    {}};
         Eigen::Map<Vector6>{out->participation} = mode.participation;
-        if (topology_.is_short() && !model_.has_pins()) out->residual = overall_residual(mode.omega);
+        if (topology_.is_short() && model_.pins.empty()) out->residual = overall_residual(mode.omega);
     }
-    for (int b = 0; bodies && b < model_.body_count(); ++b)
+    for (int b = 0; bodies && b < as_int(model_.centres.size()); ++b)
         Eigen::Map<Vector6>{bodies + 6 * b} = model_.by_centre(b) * mode.shape[as_size(b)];
-    for (size_t n = 0; nodes && n < model_.node_count(); ++n)
+    for (size_t n = 0; nodes && n < model_.nodes.size(); ++n)
         Eigen::Map<Vector6>{nodes + 6 * n} = model_.node_motion(n, mode.shape);
     if (!shares) return;
-    const std::vector<FrequencyModel::Strain> strains = model_.strain_energies(mode.shape, element_count_);
+    const std::vector<Strain> strains = strain_energies(stiffness_, mode.shape);
     double total = 0;
-    for (const FrequencyModel::Strain& strain : strains) total += strain.energy;
+    for (const Strain& strain : strains) total += strain.energy;
     // Of a rigid-body mode rounding is all there is
     const bool is_rigid = mode.omega == 0 || !(total > 0);
-    for (size_t e = 0; e < element_count_; ++e) shares[e] = is_rigid ? 0 : strains[e].energy / total;
+    for (size_t e = 0; e < model_.element_count; ++e) shares[e] = is_rigid ? 0 : strains[e].energy / total;
 }
 
 OverallTransfer::Check ModalAnalysis::overall(double frequency) {
-    if (!topology_.is_short() || model_.has_pins())
+    if (!topology_.is_short() || !model_.pins.empty())
         throw Error(DTTMM_ERROR_NUMERIC,
                     "the paths are too long for products of transfer matrices: they would have no digits left");
     const double omega = 2 * M_PI * frequency;
@@ -75,14 +77,14 @@ OverallTransfer::Check ModalAnalysis::overall(double frequency) {
 }
 
 double ModalAnalysis::along(uint32_t index, uint32_t element, uint32_t count, double* shape) {
-    return model_.along(element, stand_at(index).shape, count, shape);
+    return dttmm::plugin::along(stiffness_, element, stand_at(index).shape, count, shape);
 }
 
 /// A place and direction that a rigid-body mode moves, as the model file calls it.
 std::string ModalAnalysis::describe_motion(const Mode& mode) const {
     constexpr const char* kNames[] = {"x", "y", "z", "rx", "ry", "rz"};
     for (const Eigen::Index first : {0, 3})
-        for (int f = 0; f < model_.own_frame_count(); ++f) {
+        for (int f = 0; f < as_int(model_.frames.size()); ++f) {
             Eigen::Index d = 0;
             if (mode.shape[as_size(f)].segment<3>(first).cwiseAbs().maxCoeff(&d) > 0.1)
                 return fmt::format("{} in {}", model_.name(f), kNames[first + d]);
@@ -92,13 +94,13 @@ std::string ModalAnalysis::describe_motion(const Mode& mode) const {
 
 /// At 0 Hz of a machine with `free` rigid-body modes. Low frequencies ω have the same response but for (ω/ω₁)² of it, ω₁ the
 /// first that is not zero; two of them leave (ω/ω₁)⁴ (Richardson). What rounding moves as a whole is taken out.
-ModalAnalysis::Response ModalAnalysis::respond_at_rest(int free, int frame, const Vector3& point, const Vector6& force) {
+Response ModalAnalysis::respond_at_rest(int free, int frame, const Vector3& point, const Vector6& force) {
     constexpr double kNoWork = 1e-7;    // of the force times the largest displacement: rounding of a shape is below 1e-8
     constexpr double kLowShare = 1e-3;  // ω/ω₁: leaves 1e-12, and rounding grows as its inverse square
-    const std::vector<Mode> modes = ModeFinder(model_).find_first(free + 1);
+    const std::vector<Mode> modes = ModeFinder(stiffness_).find_first(free + 1);
     const auto count = as_size(free);
     for (size_t m = 0; m < count && frame >= 0; ++m) {
-        const Vector6 moved = FrequencyModel::at_point(point, model_.position(frame)) * modes[m].shape[as_size(frame)];
+        const Vector6 moved = FrequencyModel::at_point(point, model_.origin(frame)) * modes[m].shape[as_size(frame)];
         if (std::abs(moved.dot(force)) > kNoWork * force.norm())
             throw Error(DTTMM_ERROR_SINGULAR,
                         fmt::format("0 Hz: the machine is free to move in {} direction{}, and the force moves it ({}): it "
@@ -107,13 +109,13 @@ ModalAnalysis::Response ModalAnalysis::respond_at_rest(int free, int frame, cons
                                     free, free == 1 ? "" : "s", describe_motion(modes[m])));
     }
     cut_ = modes.front().cut;
-    model_.cut(cut_);
+    stiffness_.cut(cut_);
     const double first = modes.size() > count ? modes[count].omega : 1;
-    model_.factor(-kLowShare * kLowShare * first * first);  // for the masses alone
-    std::vector<FrequencyModel::Motion> momenta;
-    for (size_t m = 0; m < count; ++m) momenta.push_back(model_.mass_times(modes[m].shape));
-    Response motion = model_.respond(kLowShare * first, frame, point, force);
-    const Response at_half = model_.respond(0.5 * kLowShare * first, frame, point, force);
+    stiffness_.factor(-kLowShare * kLowShare * first * first);  // for the masses alone
+    std::vector<FrameVector> momenta;
+    for (size_t m = 0; m < count; ++m) momenta.push_back(stiffness_.mass_times(modes[m].shape));
+    Response motion = dttmm::plugin::respond(stiffness_, kLowShare * first, frame, point, force);
+    const Response at_half = dttmm::plugin::respond(stiffness_, 0.5 * kLowShare * first, frame, point, force);
     for (size_t f = 0; f < motion.size(); ++f) motion[f] = (4 * at_half[f] - motion[f]) / 3;
     for (size_t m = 0; m < count; ++m) {
         std::complex<double> share = 0;
@@ -132,29 +134,28 @@ void ModalAnalysis::respond(double frequency, int on_body, int on_node, const Ve
     if (!(frequency >= 0) || !std::isfinite(frequency)) throw Error(DTTMM_ERROR_ARGUMENT, "a frequency must be finite");
     if ((on_body < 0) == (on_node < 0)) throw Error(DTTMM_ERROR_ARGUMENT, "respond wants a body or a node");
     const double omega = 2 * M_PI * frequency;
-    const int frame = on_body >= 0 ? on_body : model_.frame_of_node(as_size(on_node));
-    const int free = frequency == 0 ? ModeFinder(model_).count_rigid() : 0;
+    const int frame = on_body >= 0 ? on_body : model_.nodes[as_size(on_node)].frame;
+    const int free = frequency == 0 ? ModeFinder(stiffness_).count_rigid() : 0;
     if (frequency == 0) cut_ = 0;
     if (at_ >= 0 || !(omega <= cut_ && cut_ < 4 * omega)) {  // here pieces only keep numbers small
         cut_ = 2 * std::max(omega, 1.0);
-        model_.cut(cut_);
+        stiffness_.cut(cut_);
         at_ = -1;
     }
-    if (model_.has_start_forces() && !is_stable_)
-        model_.refuse_growing(-1e-11 * model_.largest_stiffness() / model_.total_mass());
+    if (!model_.levers.empty() && !is_stable_) stiffness_.refuse_growing(-1e-11 * stiffness_.stiffest());
     is_stable_ = true;
-    const Response motion =
-        free > 0 ? respond_at_rest(free, frame, point, force) : model_.respond(omega, frame, point, force);
+    const Response motion = free > 0 ? respond_at_rest(free, frame, point, force)
+                                     : dttmm::plugin::respond(stiffness_, omega, frame, point, force);
     const auto write = [](const Eigen::Matrix<std::complex<double>, 6, 1>& u, double* out) {
         for (Eigen::Index d = 0; d < 6; ++d) {
             out[2 * d] = u(d).real();
             out[2 * d + 1] = u(d).imag();
         }
     };
-    for (int b = 0; bodies && b < model_.body_count(); ++b)
+    for (int b = 0; bodies && b < as_int(model_.centres.size()); ++b)
         write(model_.by_centre(b).cast<std::complex<double>>() * motion[as_size(b)], bodies + 12 * b);
-    for (size_t n = 0; nodes && n < model_.node_count(); ++n) {
-        const int f = model_.frame_of_node(n);
+    for (size_t n = 0; nodes && n < model_.nodes.size(); ++n) {
+        const int f = model_.nodes[n].frame;
         write(f < 0 ? Eigen::Matrix<std::complex<double>, 6, 1>::Zero()
                     : Eigen::Matrix<std::complex<double>, 6, 1>(model_.by_node(n).cast<std::complex<double>>() *
                                                                 motion[as_size(f)]),

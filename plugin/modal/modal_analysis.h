@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "modal/frequency_model.h"
 #include "modal/mode_finder.h"
 #include "modal/overall_transfer.h"
+#include "modal/response.h"
 
 namespace dttmm::plugin {
 
@@ -34,15 +34,14 @@ public:
     double force_at_start(size_t element) const { return model_.force_at_start(element); }
 
 private:
-    using Response = std::vector<Eigen::Matrix<std::complex<double>, 6, 1>>;
     Response respond_at_rest(int free, int frame, const Vector3& point, const Vector6& force);
     std::string describe_motion(const Mode& mode) const;
     const Mode& stand_at(uint32_t index);
     double overall_residual(double omega) const;
 
     FrequencyModel model_;
+    DynamicStiffness stiffness_;
     OverallTransfer topology_;
-    size_t element_count_;
     std::vector<Mode> modes_;
     double cut_ = 0;          ///< [rad/s] for which the lines are cut; 0: not known
     bool is_stable_ = false;  ///< it was found that nothing grows

@@ -37,12 +37,6 @@ constexpr double kFirstTrial = 2 * M_PI, kFastest = 1e12;
 /// Without a range to measure it by: slower is rigid [rad/s].
 constexpr double kSlowest = 1e-6;
 
-double dot(const FrequencyModel::Motion& a, const FrequencyModel::Motion& b) {
-    double sum = 0;
-    for (size_t f = 0; f < a.size(); ++f) sum += a[f].dot(b[f]);
-    return sum;
-}
-
 /// A displacement (or another linear measure) of every shape of a group, and what decides between equal ones.
 struct Measure {
     Eigen::VectorXd values;
@@ -76,15 +70,13 @@ const Measure* find_largest(const std::vector<Measure>& measures, double grain) 
 
 /// Cuts the lines for a frequency unless they are.
 void ModeFinder::cut_for(double omega) {
-    if (omega <= cut_ && (cut_ < 2 * omega || !model_.has_lines())) return;
-    model_.cut(kAhead * omega);
+    if (omega <= cut_ && (cut_ < 2 * omega || stiffness_.model().lines.empty())) return;
+    stiffness_.cut(kAhead * omega);
     cut_ = kAhead * omega;
 }
 
 /// What rounding makes of λ = 0 [1/s²].
-double ModeFinder::rounding() const {
-    return model_.total_mass() > 0 ? kRigidRounding * model_.largest_stiffness() / model_.total_mass() : 0;
-}
+double ModeFinder::rounding() const { return kRigidRounding * stiffness_.stiffest(); }
 
 double ModeFinder::lowest_for(double below) const { return std::max(std::sqrt(rounding()), kLowest * below); }
 
@@ -93,7 +85,7 @@ int ModeFinder::count_at(double& omega) {
     cut_for(omega);
     for (const double shift : {0.0, 1e-10, 3e-10, 1e-9, 3e-9, 1e-8}) {
         const double beside = omega * (1 + shift);
-        if (const auto count = model_.factor(beside * beside, false); count && *count >= 0) {
+        if (const auto count = stiffness_.factor(beside * beside, false); count && *count >= 0) {
             omega = beside;
             return *count;
         }
@@ -154,12 +146,13 @@ std::vector<Mode> ModeFinder::find_first(int count) {
 }
 
 int ModeFinder::count_rigid() {
+    cut_for(kSlowest);
     double lowest = std::max(lowest_for(0), kSlowest);
     return count_at(lowest);
 }
 
-FrequencyModel::Motion ModeFinder::random_motion() {
-    Motion motion(as_size(model_.frame_count()));
+FrameVector ModeFinder::random_motion() {
+    FrameVector motion(as_size(stiffness_.frame_count()));
     for (Vector6& u : motion)
         for (double& x : u) {
             seed_ = seed_ * 6364136223846793005u + 1442695040888963407u;
@@ -170,24 +163,24 @@ FrequencyModel::Motion ModeFinder::random_motion() {
 
 /// Inverse iteration on a group of shapes at a shift, and what their span says of the frequencies next to it: λ, ascending.
 /// The shapes are then these, of unit modal mass.
-std::vector<double> ModeFinder::iterate(std::vector<Motion>& shapes, double lambda, int rounds) {
+std::vector<double> ModeFinder::iterate(std::vector<FrameVector>& shapes, double lambda, int rounds) {
     const auto n = as_row(shapes.size());
-    if (!model_.factor(lambda)) return {};
+    if (!stiffness_.factor(lambda)) return {};
     Eigen::MatrixXd A(n, n), B(n, n);
     std::vector<double> lambdas(shapes.size());
     for (int round = 0; round < rounds; ++round) {
-        std::vector<Motion> loads, masses;
-        for (Motion& shape : shapes) {
-            loads.push_back(model_.mass_times(shape));
+        std::vector<FrameVector> loads, masses;
+        for (FrameVector& shape : shapes) {
+            loads.push_back(stiffness_.mass_times(shape));
             shape = loads.back();
-            model_.solve(shape);
+            stiffness_.solve(shape);
             // Overflow and underflow have nothing to do with shapes
             double largest = 0;
             for (const Vector6& u : shape) largest = std::max(largest, u.cwiseAbs().maxCoeff());
             if (!(largest > 0) || !std::isfinite(largest)) return {};
             for (Vector6& u : shape) u /= largest;
             for (Vector6& r : loads.back()) r /= largest;
-            masses.push_back(model_.mass_times(shape));
+            masses.push_back(stiffness_.mass_times(shape));
         }
         for (Eigen::Index i = 0; i < n; ++i)
             for (Eigen::Index j = 0; j < n; ++j) {
@@ -202,7 +195,7 @@ std::vector<double> ModeFinder::iterate(std::vector<Motion>& shapes, double lamb
         const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> ritz(scaled_a, scaled_b);
         if (ritz.info() != Eigen::Success || !ritz.eigenvectors().allFinite()) return {};
         const Eigen::MatrixXd mix = unit.asDiagonal() * ritz.eigenvectors();
-        std::vector<Motion> mixed(shapes.size(), Motion(shapes.front().size(), Vector6::Zero()));
+        std::vector<FrameVector> mixed(shapes.size(), FrameVector(shapes.front().size(), Vector6::Zero()));
         for (Eigen::Index j = 0; j < n; ++j)
             for (Eigen::Index i = 0; i < n; ++i)
                 for (size_t f = 0; f < shapes.front().size(); ++f) mixed[as_size(j)][f] += mix(i, j) * shapes[as_size(i)][f];
@@ -214,10 +207,10 @@ std::vector<double> ModeFinder::iterate(std::vector<Motion>& shapes, double lamb
 
 void ModeFinder::find_rigid(int count) {
     if (count == 0) return;
-    std::vector<Motion> shapes;
+    std::vector<FrameVector> shapes;
     for (int i = 0; i < count; ++i) shapes.push_back(random_motion());
     const double shift = -10 * lowest_ * lowest_;  // all is held there
-    if (model_.has_start_forces()) model_.refuse_growing(shift);
+    if (!stiffness_.model().levers.empty()) stiffness_.refuse_growing(shift);
     // What slow modes leave in the shapes falls by shift/(shift + λ) per round: until nothing is strained any more, to
     // rounding
     double lambda = std::numeric_limits<double>::infinity();
@@ -225,12 +218,12 @@ void ModeFinder::find_rigid(int count) {
         if (iterate(shapes, shift, 4).empty())
             throw Error(DTTMM_ERROR_NUMERIC, "the shapes of the rigid-body modes were not found");
         double strained = 0;
-        for (const Motion& shape : shapes) strained = std::max(strained, model_.strain_quotient(shape).lambda);
+        for (const FrameVector& shape : shapes) strained = std::max(strained, strain_quotient(stiffness_, shape).lambda);
         const bool stands = strained > 0.5 * lambda;
         lambda = std::min(lambda, strained);
         if (stands) break;
     }
-    if (lambda > (model_.has_lines() ? kLineStrain * rounding() : kJointStrain * lowest_ * lowest_))
+    if (lambda > (!stiffness_.model().lines.empty() ? kLineStrain * rounding() : kJointStrain * lowest_ * lowest_))
         throw Error(DTTMM_ERROR_NUMERIC,
                     fmt::format("there is a natural frequency at about {:.3g} Hz, below {:.3g} Hz where rounding hides what "
                                 "is counted: make the stiffest parts rigid, or ask for lower frequencies",
@@ -265,7 +258,7 @@ void ModeFinder::separate(Interval interval) {
 
 bool ModeFinder::refine(const Interval& interval) {
     cut_for(interval.high);
-    std::vector<Motion> shapes;
+    std::vector<FrameVector> shapes;
     for (int i = interval.before; i < interval.until; ++i) shapes.push_back(random_motion());
     const double middle = 0.5 * (interval.low + interval.high);
     const std::vector<double> lambdas = iterate(shapes, middle * middle, 4);
@@ -277,10 +270,10 @@ bool ModeFinder::refine(const Interval& interval) {
         if (clusters.empty() || lambdas[k] > clusters.back().lambdas.back() * (1 + 1e-4)) clusters.emplace_back();
         clusters.back().lambdas.push_back(lambdas[k]);
         clusters.back().shapes.push_back(shapes[k]);
-        clusters.back().cuts = model_.cuts();
+        clusters.back().cuts = stiffness_.cuts();
     }
     for (Cluster& cluster : clusters)
-        if (!converge(cluster, model_.has_lines() ? kRough : kFine)) return false;
+        if (!converge(cluster, !stiffness_.model().lines.empty() ? kRough : kFine)) return false;
     const size_t known = modes_.size();
     int before = interval.before;
     for (Cluster& cluster : clusters) {
@@ -289,7 +282,7 @@ bool ModeFinder::refine(const Interval& interval) {
             modes_.resize(known);
             return false;
         }
-        model_.factor(cluster.lambdas.front());
+        stiffness_.factor(cluster.lambdas.front());
         add(cluster, std::max(bracket, lost_in_rounding(cluster)));
         before += as_int(cluster.shapes.size());
     }
@@ -316,11 +309,11 @@ bool ModeFinder::converge(Cluster& cluster, double tolerance) {
 /// Once more with the lines cut for this frequency alone, however far the search reaches.
 bool ModeFinder::settle(Cluster& cluster) {
     const double omega = std::sqrt(cluster.lambdas.back());
-    if (!model_.has_lines()) return true;
+    if (stiffness_.model().lines.empty()) return true;
     cut_ = kAhead * omega;
-    model_.cut(cut_);
-    if (model_.cuts() == cluster.cuts) return converge(cluster, kFine);
-    for (Motion& shape : cluster.shapes) shape = random_motion();
+    stiffness_.cut(cut_);
+    if (stiffness_.cuts() == cluster.cuts) return converge(cluster, kFine);
+    for (FrameVector& shape : cluster.shapes) shape = random_motion();
     const double beside = omega * (1 + 1e-8);
     if (iterate(cluster.shapes, beside * beside, 3).empty()) return false;
     return converge(cluster, kFine);
@@ -332,7 +325,7 @@ bool ModeFinder::confirm(const Cluster& cluster, int before, double& bracket) {
     for (bracket = kFinestBracket; bracket <= kWidestBracket; bracket *= 4) {
         const double low = std::sqrt(cluster.lambdas.front()) * (1 - bracket);
         const double high = std::sqrt(cluster.lambdas.back()) * (1 + bracket);
-        if (model_.factor(low * low, false) == before && model_.factor(high * high, false) == until) return true;
+        if (stiffness_.factor(low * low, false) == before && stiffness_.factor(high * high, false) == until) return true;
     }
     return false;
 }
@@ -343,7 +336,7 @@ bool ModeFinder::confirm(const Cluster& cluster, int before, double& bracket) {
 double ModeFinder::lost_in_rounding(const Cluster& cluster) const {
     double lost = 0;  // of λ; of ω it is half
     for (size_t k = 0; k < cluster.shapes.size(); ++k) {
-        const FrequencyModel::Quotient quotient = model_.strain_quotient(cluster.shapes[k]);
+        const Quotient quotient = strain_quotient(stiffness_, cluster.shapes[k]);
         lost = std::max(lost, (std::abs(quotient.lambda - cluster.lambdas[k]) + quotient.unsure) / cluster.lambdas[k]);
     }
     if (lost > kWidestBracket)
@@ -356,9 +349,9 @@ double ModeFinder::lost_in_rounding(const Cluster& cluster) const {
 }
 
 /// Mixes shapes of equal frequencies to the basis that the header describes; the model stands at them.
-void ModeFinder::fix_basis(std::vector<Motion>& shapes, bool is_rigid) const {
-    for (Motion& shape : shapes) {
-        const double unit = 1 / std::sqrt(dot(shape, model_.mass_times(shape)));
+void ModeFinder::fix_basis(std::vector<FrameVector>& shapes, bool is_rigid) const {
+    for (FrameVector& shape : shapes) {
+        const double unit = 1 / std::sqrt(dot(shape, stiffness_.mass_times(shape)));
         if (!std::isfinite(unit)) return;
         for (Vector6& u : shape) u *= unit;
     }
@@ -366,17 +359,17 @@ void ModeFinder::fix_basis(std::vector<Motion>& shapes, bool is_rigid) const {
     std::vector<Measure> measures, whole;
     double size = 0;
     for (Eigen::Index j = 0; j < n; ++j) {
-        const std::vector<FrequencyModel::Station> stations = model_.stations(shapes[as_size(j)]);
-        measures.resize(6 * stations.size());
+        const std::vector<Station> list = stations(stiffness_, shapes[as_size(j)]);
+        measures.resize(6 * list.size());
         for (size_t i = 0; i < measures.size(); ++i) {
-            const FrequencyModel::Station& station = stations[i / 6];
+            const Station& station = list[i / 6];
             if (j == 0) measures[i] = {Eigen::VectorXd(n), as_int(i % 6), station.position};
             measures[i].values(j) = station.motion(as_row(i % 6));
             size = std::max(size, station.position.norm());
         }
     }
     for (int d = 0; d < 6 && is_rigid; ++d) {  // momentum of the machine as a whole
-        const FrequencyModel::Whole moved = model_.move_whole(d);
+        const DynamicStiffness::Whole moved = stiffness_.move_whole(d);
         Measure measure{Eigen::VectorXd(n), d, Vector3::Zero()};
         for (Eigen::Index j = 0; j < n; ++j)
             measure.values(j) = moved.mass > 0 ? dot(shapes[as_size(j)], moved.momenta) / std::sqrt(moved.mass) : 0;
@@ -397,7 +390,7 @@ void ModeFinder::fix_basis(std::vector<Motion>& shapes, bool is_rigid) const {
         for (auto* list : {&measures, &whole})
             for (Measure& m : *list) m.values -= m.values.dot(mix.col(k)) * mix.col(k);
     }
-    std::vector<Motion> mixed(shapes.size(), Motion(shapes.front().size(), Vector6::Zero()));
+    std::vector<FrameVector> mixed(shapes.size(), FrameVector(shapes.front().size(), Vector6::Zero()));
     for (Eigen::Index j = 0; j < n; ++j)
         for (Eigen::Index i = 0; i < n; ++i)
             for (size_t f = 0; f < shapes.front().size(); ++f) mixed[as_size(j)][f] += mix(i, j) * shapes[as_size(i)][f];
@@ -414,13 +407,13 @@ void ModeFinder::add(Cluster cluster, double bracket) {
         mode.multiplicity = as_int(cluster.shapes.size());
         mode.shape = cluster.shapes[k];
         mode.cut = cut_;
-        const auto [largest, turn] = model_.largest(mode.shape);
+        const auto [most, turn] = largest(stiffness_, mode.shape);
         // A shape is scaled by its largest displacement, one that only turns by its rotation
-        const double scale = 1 / (largest > 1e-9 * turn ? largest : turn);
+        const double scale = 1 / (most > 1e-9 * turn ? most : turn);
         for (Vector6& u : mode.shape) u *= scale;
-        mode.mass = dot(mode.shape, model_.mass_times(mode.shape));
+        mode.mass = dot(mode.shape, stiffness_.mass_times(mode.shape));
         const double inertial = mode.omega * mode.omega * mode.mass;
-        if (inertial > 0) mode.residual = std::abs(dot(mode.shape, model_.stiffness_times(mode.shape))) / inertial;
+        if (inertial > 0) mode.residual = std::abs(dot(mode.shape, stiffness_.stiffness_times(mode.shape))) / inertial;
         modes_.push_back(std::move(mode));
     }
 }
@@ -428,24 +421,24 @@ void ModeFinder::add(Cluster cluster, double bracket) {
 std::vector<Mode> ModeFinder::finish() {
     std::ranges::stable_sort(modes_, {}, &Mode::omega);
     // Shares of what moves as a whole. Of two motions φ at λ and r at 0 the mass between them is −φᵀ (D(λ) − D(0)) r / λ
-    std::vector<FrequencyModel::Whole> at_rest, whole;
+    std::vector<DynamicStiffness::Whole> at_rest, whole;
     const auto move_whole = [&] {
-        std::vector<FrequencyModel::Whole> all;
-        for (int d = 0; d < 6; ++d) all.push_back(model_.move_whole(d));
+        std::vector<DynamicStiffness::Whole> all;
+        for (int d = 0; d < 6; ++d) all.push_back(stiffness_.move_whole(d));
         return all;
     };
     double cut = 0, lambda = 0;
     for (Mode& mode : modes_) {
         if (mode.cut != cut) {
-            model_.cut(mode.cut);
+            stiffness_.cut(mode.cut);
             cut_ = cut = mode.cut;
             lambda = 0;
-            model_.factor(0);
+            stiffness_.factor(0);
             at_rest = whole = move_whole();
         }
         if (mode.omega > 0 && mode.omega * mode.omega != lambda) {
             lambda = mode.omega * mode.omega;
-            model_.factor(lambda);
+            stiffness_.factor(lambda);
             whole = move_whole();
         }
         for (int d = 0; d < 6; ++d) {

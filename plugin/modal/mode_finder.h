@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "modal/frequency_model.h"
+#include "modal/shape.h"
 
 namespace dttmm::plugin {
 
@@ -17,7 +17,7 @@ struct Mode {
     double residual = 0;  ///< |uᵀ D(ω²) u| over ω² × modal mass, twice the kinetic energy
     /// Modal, of the shape as scaled: largest displacement 1 m [kg]; of one that only turns, rotation 1 rad [kg m²].
     double mass = 0;
-    FrequencyModel::Motion shape;             ///< of the frames
+    FrameVector shape;                        ///< of the frames
     Vector6 participation = Vector6::Zero();  ///< share of the mass or inertia moved as a whole in each direction
     double cut = 0;                           ///< [rad/s] for which the lines were cut when the shape was found
 };
@@ -37,10 +37,10 @@ struct Mode {
 /// alone. Where the machine itself is a long chain of short elements rounding keeps the bracket wide, which is then told.
 class ModeFinder {
 public:
-    explicit ModeFinder(FrequencyModel& model) : model_(model) {}
+    explicit ModeFinder(DynamicStiffness& stiffness) : stiffness_(stiffness) {}
 
     /// All up to `below` [rad/s]. Throws Error(DTTMM_ERROR_NUMERIC) where the count cannot be made out or rounding hides
-    /// frequencies that low, and what FrequencyModel::cut() throws.
+    /// frequencies that low, and what DynamicStiffness::cut() throws.
     std::vector<Mode> find_below(double below);
     /// The first `count`, and what is equal to the last of them; all if there are fewer.
     std::vector<Mode> find_first(int count);
@@ -48,7 +48,6 @@ public:
     int count_rigid();
 
 private:
-    using Motion = FrequencyModel::Motion;
     struct Interval {
         double low, high;   ///< [rad/s]
         int before, until;  ///< counts at its ends
@@ -56,7 +55,7 @@ private:
     /// Approximations of equal or nearly equal frequencies.
     struct Cluster {
         std::vector<double> lambdas;
-        std::vector<Motion> shapes;
+        std::vector<FrameVector> shapes;
         int cuts = 0;  ///< of the model when the shapes were found
     };
 
@@ -71,13 +70,13 @@ private:
     bool settle(Cluster& cluster);
     bool confirm(const Cluster& cluster, int before, double& bracket);
     double lost_in_rounding(const Cluster& cluster) const;
-    std::vector<double> iterate(std::vector<Motion>& shapes, double lambda, int rounds);
+    std::vector<double> iterate(std::vector<FrameVector>& shapes, double lambda, int rounds);
     void add(Cluster cluster, double bracket);
-    void fix_basis(std::vector<Motion>& shapes, bool is_rigid) const;
-    Motion random_motion();
+    void fix_basis(std::vector<FrameVector>& shapes, bool is_rigid) const;
+    FrameVector random_motion();
     std::vector<Mode> finish();
 
-    FrequencyModel& model_;
+    DynamicStiffness& stiffness_;
     std::vector<Mode> modes_;
     double lowest_ = 0;  ///< below lie rigid-body modes only [rad/s]
     double cut_ = 0;     ///< [rad/s] for which the lines are cut

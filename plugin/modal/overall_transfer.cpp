@@ -42,15 +42,15 @@ Eigen::MatrixXd complement(const Eigen::MatrixXd& columns, Eigen::Index size) {
 
 OverallTransfer::OverallTransfer(const FrequencyModel& model) : model_(model) {
     for (size_t d = 0; d < 6; ++d)
-        if (model.directions()[d]) active_.push_back(as_row(d));
+        if (model.directions[d]) active_.push_back(as_row(d));
     directions_ = as_int(active_.size());
-    for (int f = 0; f < model.own_frame_count(); ++f) add_vertex(f);
-    for (size_t b = 0; b < model.bonds().size(); ++b) {
-        const auto& bond = model.bonds()[b];
+    for (int f = 0; f < as_int(model.frames.size()); ++f) add_vertex(f);
+    for (size_t b = 0; b < model.bonds.size(); ++b) {
+        const auto& bond = model.bonds[b];
         add_edge(false, b, bond.from, bond.to, bond.points[0], bond.points[1]);
     }
-    for (size_t l = 0; l < model.lines().size(); ++l) {
-        const auto& line = model.lines()[l];
+    for (size_t l = 0; l < model.lines.size(); ++l) {
+        const auto& line = model.lines[l];
         add_edge(true, l, line.from, line.to, line.start, line.finish);
     }
     add_boundaries();
@@ -64,7 +64,7 @@ OverallTransfer::OverallTransfer(const FrequencyModel& model) : model_(model) {
             basis.topRows(directions_).setIdentity();
             vertices_[v].tips.push_back(as_int(boundaries_.size()));
             boundaries_.push_back(
-                {model.name(vertices_[v].frame) + ", free", model.position(vertices_[v].frame), basis, unknowns_, 1});
+                {model.name(vertices_[v].frame) + ", free", model.origin(vertices_[v].frame), basis, unknowns_, 1});
             unknowns_ += directions_;
             grow_tree(as_int(v));
         }
@@ -121,7 +121,7 @@ void OverallTransfer::add_boundaries() {
                                                                         : std::string("the ground"));
         }
         vertex.tips.push_back(as_int(boundaries_.size()));
-        const Vector3 point = vertex.frame >= 0 ? model_.position(vertex.frame) : Vector3(Vector3::Zero());
+        const Vector3 point = vertex.frame >= 0 ? model_.origin(vertex.frame) : Vector3(Vector3::Zero());
         boundaries_.push_back({name, point, basis, unknowns_, 1});
         unknowns_ += directions_;
     }
@@ -181,12 +181,12 @@ OverallTransfer::Matrix OverallTransfer::restricted(const Matrix6& all) const { 
 /// Displacement at a point of a vertex by its motion; an end on the ground is its own point.
 OverallTransfer::Matrix OverallTransfer::by_point(const Vertex& vertex, const Vector3& point) const {
     if (vertex.frame < 0) return Matrix::Identity(directions_, directions_);
-    return restricted(FrequencyModel::at_point(point, model_.position(vertex.frame)));
+    return restricted(FrequencyModel::at_point(point, model_.origin(vertex.frame)));
 }
 
 /// A joint's compliance and the directions in which it carries nothing, among those that are left.
 OverallTransfer::Law OverallTransfer::law_of(const Edge& edge) const {
-    const auto& bond = model_.bonds()[edge.index];
+    const auto& bond = model_.bonds[edge.index];
     const Eigen::Index n = directions_;
     Matrix held(n, 0);
     for (const Vector6& direction : bond.held) {
@@ -223,11 +223,11 @@ OverallTransfer::Matrix OverallTransfer::through(const Edge& edge, bool is_forwa
         if (edge.loose > 0) out.block(0, edge.first_loose, n, edge.loose) += law.loose;
         return out;
     }
-    const auto& line = model_.lines()[edge.index];
+    const auto& line = model_.lines[edge.index];
     const double length = line.length();
     // Local [d; n] → world [u; w], w = −n; the way back inverts a symplectic matrix and turns the loads round
     Matrix12 U = line.waves->transfer(lambda, length);
-    if (line.line.stretches_only && model_.directions().all()) {
+    if (model_.is_bar(line)) {
         const Section& s = line.line.section;
         Matrix6 lever = Matrix6::Identity(), middle = Matrix6::Identity();
         lever.topRightCorner<3, 3>() = -skew(Vector3(length, 0, 0));
@@ -274,9 +274,9 @@ OverallTransfer::Matrix OverallTransfer::assemble(double lambda) const {
         row += rows.rows();
     };
     std::vector<Matrix> handed_on(edges_.size());
-    std::vector<Matrix6> inertial(as_size(model_.own_frame_count()), Matrix6::Zero());
-    for (const auto& mass : model_.masses()) inertial[as_size(mass.frame)] += lambda * mass.block;
-    for (const auto& lever : model_.levers()) inertial[as_size(lever.frame)] -= lever.stiffness;
+    std::vector<Matrix6> inertial(model_.frames.size(), Matrix6::Zero());
+    for (const auto& mass : model_.masses) inertial[as_size(mass.frame)] += lambda * mass.block;
+    for (const auto& lever : model_.levers) inertial[as_size(lever.frame)] -= lever.stiffness;
     for (size_t k = order_.size(); k-- > 0;) {
         const Vertex& vertex = vertices_[as_size(order_[k])];
         if (vertex.edges.empty()) continue;

@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modal/dynamic_stiffness.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/SparseCore>
+#include <Eigen/SparseQR>
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/state_vector.h"
+
+namespace dttmm::plugin {
+
+namespace {
+
+/// Pieces of a line, at most.
+constexpr int kMostPieces = 20000;
+/// Of the eigenvalues of a pivot when all that moves is held: smaller ones, as share of the largest, stem from rounding.
+constexpr double kSingular = 1e-14;
+/// Of a frame's largest stiffness: what is less in its rotations, or its translations, is rounding of levers [m²].
+constexpr double kIdleRounding = 1e-24;
+/// Of a row of rigid directions: what is left of one that follows from others.
+constexpr double kRedundant = 1e-9;
+
+/// Of a bar between pins: m [1/3 1/6; 1/6 1/3].
+Vector12 momentum_of(const Pin& pin, const Vector12& ends) {
+    Vector12 momentum;
+    momentum << pin.mass * (ends.head<6>() / 3 + ends.tail<6>() / 6), pin.mass * (ends.head<6>() / 6 + ends.tail<6>() / 3);
+    return momentum;
+}
+
+}  // namespace
+
+// ---- The pieces ---------------------------------------------------------------------------------------------------------
+
+void DynamicStiffness::cut(double omega) {
+    std::vector<int> counts;
+    for (const auto& kind : model_.kinds) counts.push_back(kind->pieces(omega, kMostPieces));
+    if (is_cut_ && counts == counts_) return;
+    is_cut_ = false;  // until it is
+    ++cuts_;
+    counts_ = counts;
+    points_.clear();
+    pieces_.clear();
+    bar_masses_.clear();
+    for (size_t l = 0; l < model_.lines.size(); ++l) {
+        const LineModel& line = model_.lines[l];
+        if (count(line) > kMostPieces || pieces_.size() + as_size(count(line)) > 100 * as_size(kMostPieces))
+            throw Error(DTTMM_ERROR_MEMORY,
+                        fmt::format("up to {:.4g} Hz it has too many waves to count: more than {} pieces; ask for lower "
+                                    "frequencies",
+                                    omega / (2 * M_PI), kMostPieces),
+                        line.element);
+        cut_line(l);
+    }
+    build();
+    is_cut_ = true;
+}
+
+void DynamicStiffness::cut_line(size_t l) {
+    const LineModel& line = model_.lines[l];
+    const int pieces = count(line);
+    const auto point = [&](int i) { return Vector3(line.start + double(i) / pieces * (line.finish - line.start)); };
+    int from = line.from;
+    for (int i = 0; i < pieces; ++i) {
+        int to = line.to;
+        if (i + 1 < pieces) {
+            to = frame_count();
+            points_.push_back({point(i + 1), l});
+        }
+        add_piece({{line.element, from, to, {}, {}, {}}, l, i}, point(i), point(i + 1));
+        from = to;
+    }
+}
+
+void DynamicStiffness::add_piece(Piece piece, const Vector3& start, const Vector3& finish) {
+    const LineModel& line = model_.lines[piece.line];
+    const auto by = [&](int frame, const Vector3& point) {
+        return Matrix6(both(line.axes.transpose()) * model_.masked_at(point, origin(frame)));
+    };
+    piece.by_from = by(piece.from, start);
+    piece.by_to = by(piece.to, finish);
+    // A rod is a bar, its far end goes with its near one; in a restricted state it passes all but x as it is
+    const bool is_bar = model_.is_bar(line);
+    const Matrix6 carried = is_bar ? by(piece.from, finish) : piece.by_from;
+    // What lies between pins: points inside go across with the start, no piece feels them
+    Directions held = line.waves->passed();
+    if (piece.index + 1 < count(line)) held |= line.waves->pinned();
+    for (Eigen::Index d = 0; d < 6; ++d)
+        if (held[as_size(d)]) piece.hold(-carried.row(d).transpose(), piece.by_to.row(d).transpose());
+    if (const int frame = piece.from >= 0 ? piece.from : piece.to; is_bar && frame >= 0) {
+        const Matrix6 middle = by(frame, 0.5 * (start + finish));
+        bar_masses_.push_back({frame, middle.transpose() * bar_mass(line.line.section, piece_length(line)) * middle});
+    }
+    pieces_.push_back(std::move(piece));
+}
+
+Vector3 DynamicStiffness::origin(int frame) const {
+    const int own = as_int(model_.frames.size());
+    return frame < own ? model_.origin(frame) : points_[as_size(frame - own)].position;
+}
+
+// ---- Elimination --------------------------------------------------------------------------------------------------------
+
+/// Fixes the order of elimination, and strikes out what rigid directions say twice.
+void DynamicStiffness::build() {
+    for (;;) {
+        std::vector<Link> links;
+        for (int l = 0; l < link_count(); ++l)
+            links.push_back({joined(l).from, joined(l).to, as_int(joined(l).rigid.size())});
+        elimination_.emplace(frame_count(), links);
+        elimination_->count_negatives(kSingular);
+        for (int l = 0; l < link_count(); ++l)
+            for (size_t i = 0; i < joined(l).rigid.size(); ++i)
+                elimination_->set_rigid(l, as_int(i), joined(l).rigid[i].by_from, joined(l).rigid[i].by_to);
+
+        // With λ < 0 all that moves is held: what is singular then is so at every frequency
+        const double stiff = stiffest();
+        set_matrices(stiff > 0 ? -1e-3 * stiff : -1, false);
+        const auto fault = elimination_->factor();
+        if (!fault) {
+            elimination_->count_negatives(0);
+            return;
+        }
+        if (fault->too_many)
+            refuse(DTTMM_ERROR_MODEL, fault->frame,
+                   fmt::format("more than {} rigid directions meet there; give some of them a stiffness",
+                               Elimination::kMostRows));
+        if (fault->link < 0)
+            refuse(DTTMM_ERROR_MODEL, fault->frame,
+                   fmt::format("nothing determines its motion in {} (world axes): it has no mass, and no element holds it "
+                               "there; give it a stiffness, a mass or a `fixed` direction, or leave the direction out of "
+                               "dofs",
+                               kDirectionNames[as_size(fault->direction)]));
+        // Of rigid directions that say the same one is enough, in small motions
+        if (!is_redundant(fault->link, fault->rigid))
+            refuse(DTTMM_ERROR_NUMERIC, fault->frame,
+                   "the rigid directions that meet there cannot be told apart from rounding; give some of them a stiffness");
+        std::vector<Rigid>& rows = joined(fault->link).rigid;
+        rows.erase(rows.begin() + fault->rigid);
+    }
+}
+
+/// Bonds, then pieces, then pins: the links of the elimination.
+Joined& DynamicStiffness::joined(int link) {
+    const size_t l = as_size(link), bonds = model_.bonds.size(), before = bonds + pieces_.size();
+    if (l < bonds) return model_.bonds[l];
+    if (l < before) return pieces_[l - bonds];
+    return model_.pins[l - before];
+}
+
+/// Whether rigid direction number i of a link says what the others, of all links together, say.
+bool DynamicStiffness::is_redundant(int link, int i) {
+    const Eigen::Index frames = frame_count();
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::VectorXd own = Eigen::VectorXd::Zero(6 * frames);
+    Eigen::Index count = 0;
+    for (int l = 0; l < link_count(); ++l) {
+        const Joined& at = joined(l);
+        for (size_t k = 0; k < at.rigid.size(); ++k) {
+            const bool is_own = l == link && as_int(k) == i;
+            for (const auto& [frame, by] : {std::pair(at.from, &at.rigid[k].by_from), {at.to, &at.rigid[k].by_to}})
+                for (int d = 0; frame >= 0 && d < 6; ++d) {
+                    if (is_own)
+                        own(6 * frame + d) += (*by)(d);
+                    else if ((*by)(d) != 0)
+                        entries.emplace_back(6 * frame + d, count, (*by)(d));
+                }
+            if (!is_own) ++count;
+        }
+    }
+    if (count == 0) return false;
+    Eigen::SparseMatrix<double> others(6 * frames, count);
+    others.setFromTriplets(entries.begin(), entries.end());
+    const Eigen::SparseQR<Eigen::SparseMatrix<double>, Eigen::COLAMDOrdering<int>> qr(others);
+    return qr.info() == Eigen::Success && (others * qr.solve(own) - own).norm() <= kRedundant * own.norm();
+}
+
+void DynamicStiffness::refuse(dttmm_status status, int frame, const std::string& why) const {
+    const size_t f = as_size(frame), own = model_.frames.size();
+    if (f < own) throw Error(status, fmt::format("{}: {}", model_.frames[f].name, why), model_.frames[f].element);
+    const auto& [position, line] = points_[f - own];
+    throw Error(
+        status,
+        fmt::format("a point of the line at ({:.4g}, {:.4g}, {:.4g}) m: {}", position.x(), position.y(), position.z(), why),
+        model_.lines[line].element);
+}
+
+void DynamicStiffness::set_matrices(double lambda, bool with_mass) {
+    lambda_ = lambda;
+    waves_.resize(model_.kinds.size());
+    for (size_t k = 0; k < waves_.size(); ++k)
+        model_.kinds[k]->evaluate<double>(counts_[k], lambda, 1, waves_[k].stiffness, with_mass ? &waves_[k].mass : nullptr);
+    Elimination& e = *elimination_;
+    e.set_zero();
+    int link = 0;
+    const auto add = [&](const Joined& at, const Matrix6& start, const Matrix6& across, const Matrix6& end) {
+        if (at.from >= 0) e.add_diagonal(at.from, at.by_from.transpose() * start * at.by_from);
+        if (at.to >= 0) e.add_diagonal(at.to, at.by_to.transpose() * end * at.by_to);
+        if (at.from >= 0 && at.to >= 0) e.add_coupling(link, at.by_from.transpose() * across * at.by_to);
+        ++link;
+    };
+    for (const Bond& bond : model_.bonds) add(bond, bond.stiffness, -bond.stiffness, bond.stiffness);
+    for (const Piece& piece : pieces_) {
+        const Matrix12& D = waves(piece).stiffness;
+        add(piece, D.topLeftCorner<6, 6>(), D.topRightCorner<6, 6>(), D.bottomRightCorner<6, 6>());
+    }
+    for (const Pin& pin : model_.pins) add(pin, -lambda / 3 * pin.mass, -lambda / 6 * pin.mass, -lambda / 3 * pin.mass);
+    for_each_mass([&](const FrequencyModel::Mass& mass) {
+        e.add_diagonal(mass.frame, -lambda * model_.mask * mass.block * model_.mask);
+    });
+    for (const FrequencyModel::Lever& lever : model_.levers) e.add_diagonal(lever.frame, lever.stiffness);
+    if (!model_.directions.all()) hold_idle();
+}
+
+/// Directions left out get a stiffness like that of the others.
+void DynamicStiffness::hold_idle() {
+    for (int f = 0; f < frame_count(); ++f) {
+        Matrix6 idle = Matrix6::Zero();
+        const Vector6 sizes = elimination_->diagonal(f).diagonal().cwiseAbs();
+        for (Eigen::Index half : {0, 3}) {
+            double size = sizes.segment<3>(half).maxCoeff();
+            if (size <= kIdleRounding * sizes.maxCoeff()) size = sizes.maxCoeff();
+            for (Eigen::Index d = half; d < half + 3; ++d)
+                if (!model_.directions[as_size(d)]) idle(d, d) = size > 0 ? size : 1;
+        }
+        elimination_->add_diagonal(f, idle);
+    }
+}
+
+std::optional<int> DynamicStiffness::factor(double lambda, bool with_mass) {
+    set_matrices(lambda, with_mass);
+    if (elimination_->factor()) return std::nullopt;
+    return elimination_->negatives();
+}
+
+std::vector<double> DynamicStiffness::solve(FrameVector& r) const {
+    for (Vector6& own : r) own = model_.mask * own;
+    std::vector<double> q(as_size(elimination_->rigid_count()));
+    elimination_->solve(r, q);
+    return q;
+}
+
+// ---- Products -----------------------------------------------------------------------------------------------------------
+
+FrameVector DynamicStiffness::mass_times(const FrameVector& u, const Vector6& ground, Vector6& on_ground) const {
+    FrameVector out(u.size(), Vector6::Zero());
+    for_each_mass([&](const FrequencyModel::Mass& mass) {
+        const auto f = as_size(mass.frame);
+        out[f] += model_.mask * (mass.block * (model_.mask * u[f]));
+    });
+    for (const Pin& pin : model_.pins) on_ground += pin.add(momentum_of(pin, pin.ends(u, ground)), out);
+    for (const Piece& piece : pieces_) on_ground += piece.add(waves(piece).mass * piece.ends(u, ground), out);
+    return out;
+}
+
+FrameVector DynamicStiffness::stiffness_times(const FrameVector& u, const Vector6& ground) const {
+    FrameVector out(u.size(), Vector6::Zero());
+    for_each_mass([&](const FrequencyModel::Mass& mass) {
+        const auto f = as_size(mass.frame);
+        out[f] -= lambda_ * model_.mask * (mass.block * (model_.mask * u[f]));
+    });
+    for (const Pin& pin : model_.pins) pin.add(-lambda_ * momentum_of(pin, pin.ends(u, ground)), out);
+    for (const FrequencyModel::Lever& lever : model_.levers)
+        out[as_size(lever.frame)] += lever.stiffness * u[as_size(lever.frame)];
+    for (const Bond& bond : model_.bonds) {
+        const Vector12 ends = bond.ends(u, ground);
+        const Vector6 force = bond.stiffness * (ends.tail<6>() - ends.head<6>());
+        Vector12 forces;
+        forces << -force, force;
+        bond.add(forces, out);
+    }
+    for (const Piece& piece : pieces_) piece.add(waves(piece).stiffness * piece.ends(u, ground), out);
+    return out;
+}
+
+FrameVector DynamicStiffness::mass_times(const FrameVector& u) const {
+    Vector6 on_ground = Vector6::Zero();
+    return mass_times(u, Vector6::Zero(), on_ground);
+}
+
+FrameVector DynamicStiffness::stiffness_times(const FrameVector& u) const { return stiffness_times(u, Vector6::Zero()); }
+
+DynamicStiffness::Whole DynamicStiffness::move_whole(int direction) const {
+    const Vector6 ground = model_.mask.col(direction);
+    Vector6 on_ground = Vector6::Zero();
+    Whole whole;
+    for (int f = 0; f < frame_count(); ++f)
+        whole.motion.push_back(model_.masked_at(origin(f), Vector3::Zero()).col(direction));
+    whole.forces = stiffness_times(whole.motion, ground);
+    whole.momenta = mass_times(whole.motion, ground, on_ground);
+    whole.mass = dot(whole.motion, whole.momenta) + ground.dot(on_ground);
+    return whole;
+}
+
+double DynamicStiffness::stiffest() const {
+    double largest = 0;
+    for (const Bond& bond : model_.bonds) largest = std::max(largest, bond.stiffness.diagonal().head<3>().maxCoeff());
+    for (const LineModel& line : model_.lines) largest = std::max(largest, line.line.section.EA / piece_length(line));
+    return model_.total_mass > 0 ? largest / model_.total_mass : 0;
+}
+
+void DynamicStiffness::refuse_growing(double lambda) {
+    const std::optional<int> growing = factor(lambda, false);
+    if (growing && *growing > 0)
+        throw Error(DTTMM_ERROR_MODEL,
+                    fmt::format("{} of its motions would grow, not vibrate: the forces of its springs at the start drive it "
+                                "away from there",
+                                *growing));
+}
+
+}  // namespace dttmm::plugin

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "modal/frequency_model.h"
+#include "solve/elimination.h"
+
+namespace dttmm::plugin {
+
+/// The dynamic stiffness of a machine at λ = ω²,
+///     D(λ) = K − λ M + Σ lines,     J u = 0 in rigid directions.
+/// It is factored by the elimination of the time solver, from the tips inwards (Riccati's form of the transfer equations),
+/// which also counts the negative eigenvalues. As lines are cut into pieces that do not vibrate with their ends held, that
+/// is the number of natural frequencies below ω, each with its multiplicity. Source: Wittrick and Williams (1971), Q. J.
+/// Mech. Appl. Math. 24, 263–284, with J0 = 0.
+///
+/// Motions have 6 numbers per frame: those of the machine, then the points between the pieces of its lines.
+class DynamicStiffness {
+public:
+    /// A piece of a line between two frames, local axes.
+    struct Piece : Joined {
+        size_t line;
+        int index;  ///< along the line
+    };
+    /// Of the pieces of a kind of lines at λ: by the displacements of the ends, local axes.
+    struct Waves {
+        Matrix12 stiffness, mass;  ///< D and −∂D/∂λ
+    };
+
+    /// Of rigid directions in the model that say the same it keeps one. The model must live on.
+    explicit DynamicStiffness(FrequencyModel& model) : model_(model) {}
+
+    /// Cuts the lines so that frequencies below ω [rad/s] can be counted; comes before all that follows. Throws Error naming
+    /// the element that would take too many pieces, or what nothing holds and has no mass.
+    void cut(double omega);
+    /// So often they were cut otherwise than before: motions of one count are of the same frames.
+    int cuts() const { return cuts_; }
+
+    /// Sets D(λ), λ [1/s²], and factors it; the number of natural frequencies below ω. Nothing: λ belongs to one of them, to
+    /// rounding. Without −∂D/∂λ it is quicker, and only counts.
+    std::optional<int> factor(double lambda, bool with_mass = true);
+
+    // At the λ last set:
+    double lambda() const { return lambda_; }
+    /// D⁻¹ r on the motions that rigid directions allow; the result: minus the forces of these, bond by bond, then by piece.
+    std::vector<double> solve(FrameVector& r) const;
+    /// −∂D/∂λ u, and D u with the forces of rigid directions left out.
+    FrameVector mass_times(const FrameVector& u) const;
+    FrameVector stiffness_times(const FrameVector& u) const;
+    /// All moves as a whole in direction d about the world's origin, the ground too: the motion of the frames, the forces D
+    /// r and the momenta −∂D/∂λ r on them, and twice the kinetic energy, that of clamped lines included. See dttmm_mode.
+    struct Whole {
+        FrameVector motion, forces, momenta;
+        double mass;  ///< [kg, kg m²]
+    };
+    Whole move_whole(int direction) const;
+
+    const FrequencyModel& model() const { return model_; }
+    int frame_count() const { return as_int(model_.frames.size() + points_.size()); }
+    const std::vector<Piece>& pieces() const { return pieces_; }
+    const LineModel& line(const Piece& piece) const { return model_.lines[piece.line]; }
+    const Waves& waves(const Piece& piece) const { return waves_[line(piece).kind]; }
+    /// Pieces of a line, and their length [m].
+    int count(const LineModel& line) const { return counts_[line.kind]; }
+    double piece_length(const LineModel& line) const { return line.length() / count(line); }
+    /// All masses, those of bars included.
+    template <class Body>
+    void for_each_mass(const Body& body) const {
+        for (const FrequencyModel::Mass& mass : model_.masses) body(mass);
+        for (const FrequencyModel::Mass& mass : bar_masses_) body(mass);
+    }
+
+    /// Largest stiffness over the whole mass [1/s²]; 0: nothing is stiff, or has a mass.
+    double stiffest() const;
+    /// Throws Error(DTTMM_ERROR_MODEL) if motions grow faster than λ < 0 allows [1/s²].
+    void refuse_growing(double lambda);
+
+private:
+    /// A point between pieces.
+    struct Point {
+        Vector3 position;
+        size_t line;
+    };
+
+    void cut_line(size_t l);
+    void add_piece(Piece piece, const Vector3& start, const Vector3& finish);
+    void build();
+    void set_matrices(double lambda, bool with_mass);
+    void hold_idle();
+    int link_count() const { return as_int(model_.bonds.size() + pieces_.size() + model_.pins.size()); }
+    Joined& joined(int link);
+    Vector3 origin(int frame) const;
+    bool is_redundant(int link, int i);
+    [[noreturn]] void refuse(dttmm_status status, int frame, const std::string& why) const;
+    FrameVector mass_times(const FrameVector& u, const Vector6& ground, Vector6& on_ground) const;
+    FrameVector stiffness_times(const FrameVector& u, const Vector6& ground) const;
+
+    FrequencyModel& model_;
+    std::vector<Point> points_;
+    std::vector<Piece> pieces_;
+    std::vector<FrequencyModel::Mass> bar_masses_;
+    std::vector<int> counts_;  ///< of pieces of a line of each kind
+    bool is_cut_ = false;      ///< into these
+    int cuts_ = 0;
+    std::vector<Waves> waves_;  ///< of each kind
+    std::optional<Elimination> elimination_;
+    double lambda_ = 0;
+};
+
+}  // namespace dttmm::plugin

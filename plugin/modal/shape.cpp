@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modal/shape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace dttmm::plugin {
+
+namespace {
+
+/// Of the entries of a piece's stiffness.
+constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
+/// Stations of a piece, which is half a wave at most.
+constexpr int kStations = 8;
+
+/// The strain energy V of a piece by the motion of its ends, local axes: uᵀ D u = 2 (V − λ T') and uᵀ (−∂D/∂λ) u = 2 T'.
+/// A short piece's ends move almost as one rigid body, which strains it by what rounding makes of D and, of order λ², by
+/// its own mass: that motion is taken out where it makes no more than rounding would.
+Strain strain_of(const Matrix12& D, const Matrix12& lambda_M, const Vector12& ends, double length) {
+    Vector12 deformed;
+    deformed << Vector6::Zero(), ends.segment<3>(6) - ends.head<3>() - length * Vector3(0, ends(5), -ends(4)),
+        ends.tail<3>() - ends.segment<3>(3);
+    const Matrix12 B = D + lambda_M;
+    const double of_ends = 0.5 * ends.dot(B * ends), of_deformed = 0.5 * deformed.dot(B * deformed);
+    const double rounding = kRounding * ends.cwiseAbs().dot(D.cwiseAbs() * ends.cwiseAbs());
+    const double difference = std::abs(of_ends - of_deformed);
+    return difference <= rounding ? Strain{of_deformed, difference} : Strain{of_ends, rounding};
+}
+
+/// [d; n] at the start of a piece, local axes.
+Vector12 state_at_start(const DynamicStiffness& D, const DynamicStiffness::Piece& piece, const FrameVector& u) {
+    const Vector12 ends = piece.ends(u);
+    Vector12 state;
+    state << ends.head<6>(), -(D.waves(piece).stiffness.topRows<6>() * ends);
+    return state;
+}
+
+}  // namespace
+
+std::vector<Strain> strain_energies(const DynamicStiffness& D, const FrameVector& u) {
+    const FrequencyModel& model = D.model();
+    std::vector<Strain> energies(model.element_count);
+    const auto add = [&](int element, const Strain& strain) {
+        if (element < 0) return;
+        energies[as_size(element)].energy += strain.energy;
+        energies[as_size(element)].unsure += strain.unsure;
+    };
+    for (const Bond& bond : model.bonds) {
+        const Vector12 ends = bond.ends(u);
+        const Vector6 d = bond.axes.transpose() * (ends.tail<6>() - ends.head<6>());
+        // In its own axes: where nothing holds there is no strain, not rounding of it
+        add(bond.element, {0.5 * d.dot(bond.springs.cwiseProduct(d)), 0});
+    }
+    for (const FrequencyModel::Lever& lever : model.levers) {
+        const Vector6& own = u[as_size(lever.frame)];
+        add(lever.element, {0.5 * own.dot(lever.stiffness * own), 0});
+    }
+    for (const DynamicStiffness::Piece& piece : D.pieces()) {
+        const auto& [stiffness, mass] = D.waves(piece);
+        add(piece.element, strain_of(stiffness, D.lambda() * mass, piece.ends(u), D.piece_length(D.line(piece))));
+    }
+    return energies;
+}
+
+Quotient strain_quotient(const DynamicStiffness& D, const FrameVector& u) {
+    Strain all;
+    for (const Strain& strain : strain_energies(D, u)) {
+        all.energy += strain.energy;
+        all.unsure += strain.unsure;
+    }
+    const double mass = dot(u, D.mass_times(u));
+    return {2 * std::max(all.energy, 0.0) / mass, 2 * all.unsure / mass};
+}
+
+double along(const DynamicStiffness& D, size_t element, const FrameVector& u, size_t count, double* shape) {
+    const FrequencyModel& model = D.model();
+    const auto own =
+        std::ranges::find_if(model.lines, [&](const LineModel& line) { return line.element == as_int(element); });
+    if (own == model.lines.end()) return 0;
+    const LineModel& line = *own;
+    const auto first = std::ranges::find_if(D.pieces(), [&](const auto& piece) { return piece.element == line.element; });
+    const double length = line.length(), piece_length = D.piece_length(line);
+    const Vector12 first_ends = first->ends(u), last_ends = (first + D.count(line) - 1)->ends(u);
+    for (size_t k = 0; shape && k < count; ++k) {
+        const double s = count > 1 ? static_cast<double>(k) / static_cast<double>(count - 1) * length : 0;
+        const int i = std::min(D.count(line) - 1, static_cast<int>(s / piece_length));
+        const double from_start = s - i * piece_length;
+        const Vector12 start = state_at_start(D, *(first + i), u);
+        Vector6 local = (line.waves->transfer(D.lambda(), from_start) * start).head<6>();
+        if (model.is_bar(line)) local.segment<3>(1) += from_start * Vector3(start(5), -start(4), 0);
+        for (Eigen::Index d : {1, 2})  // straight between pins
+            if (line.waves->pinned()[as_size(d)])
+                local(d) = (1 - s / length) * first_ends(d) + s / length * last_ends(6 + d);
+        Eigen::Map<Vector6>{shape + 6 * k} = both(line.axes) * local;
+    }
+    return length;
+}
+
+std::vector<Station> stations(const DynamicStiffness& D, const FrameVector& u) {
+    const FrequencyModel& model = D.model();
+    std::vector<Station> list;
+    for (size_t b = 0; b < model.centres.size(); ++b) list.push_back({model.centres[b], model.by_centre(as_int(b)) * u[b]});
+    for (size_t n = 0; n < model.nodes.size(); ++n) list.push_back({model.nodes[n].position, model.node_motion(n, u)});
+    std::vector<std::vector<Matrix12>> transfers(model.kinds.size());
+    for (const DynamicStiffness::Piece& piece : D.pieces()) {
+        const LineModel& line = D.line(piece);
+        const double length = D.piece_length(line);
+        std::vector<Matrix12>& known = transfers[line.kind];
+        for (int k = as_int(known.size()) + 1; k <= kStations; ++k)
+            known.push_back(line.waves->transfer(D.lambda(), k * length / kStations));
+        const Vector12 start = state_at_start(D, piece, u);
+        for (int k = 1; k <= kStations; ++k) {
+            const double s = (piece.index + static_cast<double>(k) / kStations) * length;
+            const Vector6 local = (known[as_size(k - 1)] * start).head<6>();
+            list.push_back({line.start + s * line.axes.col(0), both(line.axes) * local});
+        }
+    }
+    return list;
+}
+
+std::pair<double, double> largest(const DynamicStiffness& D, const FrameVector& u) {
+    double displacement = 0, rotation = 0;
+    const auto add = [&](const Vector6& motion) {
+        displacement = std::max(displacement, motion.head<3>().norm());
+        rotation = std::max(rotation, motion.tail<3>().norm());
+    };
+    for (const Vector6& motion : u) add(motion);
+    for (const Station& station : stations(D, u)) add(station.motion);
+    return {displacement, rotation};
+}
+
+}  // namespace dttmm::plugin

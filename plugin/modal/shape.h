@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "modal/dynamic_stiffness.h"
+
+namespace dttmm::plugin {
+
+// A motion u of the frames at the λ at which D stands, everywhere in the machine.
+
+/// Strain energy for a motion of amplitude u, and what of it may be rounding [J].
+struct Strain {
+    double energy = 0, unsure = 0;
+};
+/// Of every element.
+std::vector<Strain> strain_energies(const DynamicStiffness& D, const FrameVector& u);
+
+/// ω² of a motion by its strain and kinetic energy, as far as the elements tell them, and what of it may be rounding [1/s²].
+struct Quotient {
+    double lambda, unsure;
+};
+Quotient strain_quotient(const DynamicStiffness& D, const FrameVector& u);
+
+/// Displacement [6, world] along an element at `count` equally spaced stations, ends included; its length [m], 0 if it is no
+/// line. shape: NULL, or 6 numbers per station.
+double along(const DynamicStiffness& D, size_t element, const FrameVector& u, size_t count, double* shape);
+
+/// Points of the machine and how they move: centres of mass of the bodies, nodes, stations along the lines. They do not
+/// depend on the order in which the model lists its parts.
+struct Station {
+    Vector3 position;  ///< at the start [m, world]
+    Vector6 motion;    ///< [world]
+};
+std::vector<Station> stations(const DynamicStiffness& D, const FrameVector& u);
+
+/// Largest displacement [m] and rotation [rad] of frames and stations.
+std::pair<double, double> largest(const DynamicStiffness& D, const FrameVector& u);
+
+}  // namespace dttmm::plugin

@@ -41,6 +41,7 @@ void DynamicStiffness::cut(double omega) {
     if (is_cut_ && counts == counts_) return;
     is_cut_ = false;  // until it is
     ++cuts_;
+    cut_for_ = omega;
     counts_ = counts;
     points_.clear();
     pieces_.clear();
@@ -118,7 +119,8 @@ void DynamicStiffness::build() {
 
         // With λ < 0 all that moves is held: what is singular then is so at every frequency
         const double stiff = stiffest();
-        set_matrices(stiff > 0 ? -1e-3 * stiff : -1, false);
+        evaluate_waves(stiff > 0 ? -1e-3 * stiff : -1, false);
+        assemble();
         const auto fault = elimination_->factor();
         if (!fault) {
             elimination_->count_negatives(0);
@@ -188,11 +190,14 @@ void DynamicStiffness::refuse(dttmm_status status, int frame, const std::string&
         model_.lines[line].element);
 }
 
-void DynamicStiffness::set_matrices(double lambda, bool with_mass) {
+void DynamicStiffness::evaluate_waves(double lambda, bool with_mass) {
     lambda_ = lambda;
     waves_.resize(model_.kinds.size());
     for (size_t k = 0; k < waves_.size(); ++k)
         model_.kinds[k]->evaluate<double>(counts_[k], lambda, 1, waves_[k].stiffness, with_mass ? &waves_[k].mass : nullptr);
+}
+
+void DynamicStiffness::assemble() {
     Elimination& e = *elimination_;
     e.set_zero();
     int link = 0;
@@ -207,9 +212,9 @@ void DynamicStiffness::set_matrices(double lambda, bool with_mass) {
         const Matrix12& D = waves(piece).stiffness;
         add(piece, D.topLeftCorner<6, 6>(), D.topRightCorner<6, 6>(), D.bottomRightCorner<6, 6>());
     }
-    for (const Pin& pin : model_.pins) add(pin, -lambda / 3 * pin.mass, -lambda / 6 * pin.mass, -lambda / 3 * pin.mass);
+    for (const Pin& pin : model_.pins) add(pin, -lambda_ / 3 * pin.mass, -lambda_ / 6 * pin.mass, -lambda_ / 3 * pin.mass);
     for_each_mass([&](const FrequencyModel::Mass& mass) {
-        e.add_diagonal(mass.frame, -lambda * model_.mask * mass.block * model_.mask);
+        e.add_diagonal(mass.frame, -lambda_ * model_.mask * mass.block * model_.mask);
     });
     for (const FrequencyModel::Lever& lever : model_.levers) e.add_diagonal(lever.frame, lever.stiffness);
     if (!model_.directions.all()) hold_idle();
@@ -231,7 +236,8 @@ void DynamicStiffness::hold_idle() {
 }
 
 std::optional<int> DynamicStiffness::factor(double lambda, bool with_mass) {
-    set_matrices(lambda, with_mass);
+    evaluate_waves(lambda, with_mass);
+    assemble();
     if (elimination_->factor()) return std::nullopt;
     return elimination_->negatives();
 }

@@ -38,14 +38,18 @@ public:
     void cut(double omega);
     /// So often they were cut otherwise than before: motions of one count are of the same frames.
     int cuts() const { return cuts_; }
+    double cut_for() const { return cut_for_; }  ///< ω of the last such cut [rad/s]
 
-    /// Sets D(λ), λ [1/s²], and factors it; the number of natural frequencies below ω. Nothing: λ belongs to one of them, to
-    /// rounding. Without −∂D/∂λ it is quicker, and only counts.
+    /// Sets D(λ), λ [1/s²], for products.
+    void set(double lambda) { evaluate_waves(lambda, true); }
+    /// Sets D(λ) and factors it; the number of natural frequencies below ω. Nothing: λ belongs to one of them, to rounding.
+    /// Without −∂D/∂λ it is quicker, and only counts.
     std::optional<int> factor(double lambda, bool with_mass = true);
 
     // At the λ last set:
     double lambda() const { return lambda_; }
-    /// D⁻¹ r on the motions that rigid directions allow; the result: minus the forces of these, bond by bond, then by piece.
+    /// After factor(): D⁻¹ r on the motions that rigid directions allow; the result: minus the forces of these, bond by
+    /// bond, then by piece.
     std::vector<double> solve(FrameVector& r) const;
     /// −∂D/∂λ u, and D u with the forces of rigid directions left out.
     FrameVector mass_times(const FrameVector& u) const;
@@ -88,7 +92,8 @@ private:
     void cut_line(size_t l);
     void add_piece(Piece piece, const Vector3& start, const Vector3& finish);
     void build();
-    void set_matrices(double lambda, bool with_mass);
+    void evaluate_waves(double lambda, bool with_mass);
+    void assemble();
     void hold_idle();
     int link_count() const { return as_int(model_.bonds.size() + pieces_.size() + model_.pins.size()); }
     Joined& joined(int link);
@@ -105,6 +110,7 @@ private:
     std::vector<int> counts_;  ///< of pieces of a line of each kind
     bool is_cut_ = false;      ///< into these
     int cuts_ = 0;
+    double cut_for_ = 0;
     std::vector<Waves> waves_;  ///< of each kind
     std::optional<Elimination> elimination_;
     double lambda_ = 0;

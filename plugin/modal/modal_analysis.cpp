@@ -23,49 +23,36 @@ size_t ModalAnalysis::find_modes(uint32_t count, double below) {
         throw Error(DTTMM_ERROR_ARGUMENT, "find_modes wants a frequency or a count");
     ModeFinder finder(stiffness_);
     modes_ = below > 0 ? finder.find_below(2 * M_PI * below) : finder.find_first(as_int(count));
-    cut_ = 0;
     at_ = -1;
     return modes_.size();
 }
 
 /// The smallest singular value of the overall transfer matrix at a frequency as share of what it is a little beside.
-double ModalAnalysis::overall_residual(double omega) const {
+double ModalAnalysis::overall_residual(const Mode& mode) const {
     constexpr double kBeside = 1e-3;
-    const double beside = omega > 0 ? omega * (1 + kBeside) : kBeside * std::max(cut_, 1.0);
+    const double omega = mode.omega, beside = omega > 0 ? omega * (1 + kBeside) : kBeside * std::max(mode.cut, 1.0);
     const OverallTransfer::Units units = topology_.units_at(beside * beside);
     return topology_.check(omega * omega, units).smallest / topology_.check(beside * beside, units).smallest;
 }
 
-const Mode& ModalAnalysis::stand_at(uint32_t index) {
+const Mode& ModalAnalysis::mode_at(uint32_t index) const {
     if (index >= modes_.size()) throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("there is no mode {}", index));
-    const Mode& mode = modes_[index];
-    if (at_ == static_cast<long>(index)) return mode;
-    if (cut_ != mode.cut || at_ < 0) stiffness_.cut(mode.cut);
-    cut_ = mode.cut;
-    stiffness_.factor(mode.omega * mode.omega);
-    at_ = static_cast<long>(index);
-    return mode;
+    return modes_[index];
 }
 
 void ModalAnalysis::mode(uint32_t index, dttmm_mode* out, double* bodies, double* nodes, double* shares) {
-    const Mode& mode = stand_at(index);
+    const Mode& mode = mode_at(index);
     if (out) {
         *out = {mode.omega / (2 * M_PI), mode.bracket, static_cast<uint32_t>(mode.multiplicity),
                 mode.residual,           mode.mass,    {}};
         Eigen::Map<Vector6>{out->participation} = mode.participation;
-        if (topology_.is_short() && model_.pins.empty()) out->residual = overall_residual(mode.omega);
+        if (topology_.is_short() && model_.pins.empty()) out->residual = overall_residual(mode);
     }
     for (int b = 0; bodies && b < as_int(model_.centres.size()); ++b)
         Eigen::Map<Vector6>{bodies + 6 * b} = model_.by_centre(b) * mode.shape[as_size(b)];
     for (size_t n = 0; nodes && n < model_.nodes.size(); ++n)
         Eigen::Map<Vector6>{nodes + 6 * n} = model_.node_motion(n, mode.shape);
-    if (!shares) return;
-    const std::vector<Strain> strains = strain_energies(stiffness_, mode.shape);
-    double total = 0;
-    for (const Strain& strain : strains) total += strain.energy;
-    // Of a rigid-body mode rounding is all there is
-    const bool is_rigid = mode.omega == 0 || !(total > 0);
-    for (size_t e = 0; e < model_.element_count; ++e) shares[e] = is_rigid ? 0 : strains[e].energy / total;
+    if (shares) std::ranges::copy(mode.shares, shares);
 }
 
 OverallTransfer::Check ModalAnalysis::overall(double frequency) {
@@ -77,7 +64,13 @@ OverallTransfer::Check ModalAnalysis::overall(double frequency) {
 }
 
 double ModalAnalysis::along(uint32_t index, uint32_t element, uint32_t count, double* shape) {
-    return dttmm::plugin::along(stiffness_, element, stand_at(index).shape, count, shape);
+    const Mode& mode = mode_at(index);
+    if (at_ != static_cast<long>(index)) {
+        stiffness_.cut(mode.cut);
+        stiffness_.set(mode.omega * mode.omega);
+        at_ = static_cast<long>(index);
+    }
+    return dttmm::plugin::along(stiffness_, element, mode.shape, count, shape);
 }
 
 /// A place and direction that a rigid-body mode moves, as the model file calls it.
@@ -108,10 +101,9 @@ Response ModalAnalysis::respond_at_rest(int free, int frame, const Vector3& poin
                                     "begin above 0 Hz",
                                     free, free == 1 ? "" : "s", describe_motion(modes[m])));
     }
-    cut_ = modes.front().cut;
-    stiffness_.cut(cut_);
+    stiffness_.cut(modes.front().cut);
     const double first = modes.size() > count ? modes[count].omega : 1;
-    stiffness_.factor(-kLowShare * kLowShare * first * first);  // for the masses alone
+    stiffness_.set(-kLowShare * kLowShare * first * first);  // for the masses alone
     std::vector<FrameVector> momenta;
     for (size_t m = 0; m < count; ++m) momenta.push_back(stiffness_.mass_times(modes[m].shape));
     Response motion = dttmm::plugin::respond(stiffness_, kLowShare * first, frame, point, force);
@@ -124,8 +116,6 @@ Response ModalAnalysis::respond_at_rest(int free, int frame, const Vector3& poin
         for (size_t f = 0; f < motion.size(); ++f) motion[f] -= share * modes[m].shape[f].cast<std::complex<double>>();
     }
     for (auto& u : motion) u = u.real().cast<std::complex<double>>();
-    cut_ = 0;
-    at_ = -1;
     return motion;
 }
 
@@ -136,12 +126,8 @@ void ModalAnalysis::respond(double frequency, int on_body, int on_node, const Ve
     const double omega = 2 * M_PI * frequency;
     const int frame = on_body >= 0 ? on_body : model_.nodes[as_size(on_node)].frame;
     const int free = frequency == 0 ? ModeFinder(stiffness_).count_rigid() : 0;
-    if (frequency == 0) cut_ = 0;
-    if (at_ >= 0 || !(omega <= cut_ && cut_ < 4 * omega)) {  // here pieces only keep numbers small
-        cut_ = 2 * std::max(omega, 1.0);
-        stiffness_.cut(cut_);
-        at_ = -1;
-    }
+    stiffness_.cut(omega);  // here pieces only keep numbers small
+    at_ = -1;
     if (!model_.levers.empty() && !is_stable_) stiffness_.refuse_growing(-1e-11 * stiffness_.stiffest());
     is_stable_ = true;
     const Response motion = free > 0 ? respond_at_rest(free, frame, point, force)

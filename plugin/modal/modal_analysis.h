@@ -36,14 +36,13 @@ public:
 private:
     Response respond_at_rest(int free, int frame, const Vector3& point, const Vector6& force);
     std::string describe_motion(const Mode& mode) const;
-    const Mode& stand_at(uint32_t index);
-    double overall_residual(double omega) const;
+    const Mode& mode_at(uint32_t index) const;
+    double overall_residual(const Mode& mode) const;
 
     FrequencyModel model_;
     DynamicStiffness stiffness_;
     OverallTransfer topology_;
     std::vector<Mode> modes_;
-    double cut_ = 0;          ///< [rad/s] for which the lines are cut; 0: not known
     bool is_stable_ = false;  ///< it was found that nothing grows
     long at_ = -1;            ///< mode that the model stands at; −1: none
 };

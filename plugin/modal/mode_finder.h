@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
+#include <span>
 #include <vector>
 
 #include "modal/shape.h"
@@ -18,6 +20,7 @@ struct Mode {
     /// Modal, of the shape as scaled: largest displacement 1 m [kg]; of one that only turns, rotation 1 rad [kg m²].
     double mass = 0;
     FrameVector shape;                        ///< of the frames
+    std::vector<double> shares;               ///< of its strain energy, by element; zero of a rigid-body mode
     Vector6 participation = Vector6::Zero();  ///< share of the mass or inertia moved as a whole in each direction
     double cut = 0;                           ///< [rad/s] for which the lines were cut when the shape was found
 };
@@ -25,13 +28,8 @@ struct Mode {
 /// Finds natural frequencies in order and proves that none is missing: the count separates them, inverse iteration on the
 /// shapes of a group (so that multiple ones come whole) refines them, and the count on both sides of each confirms it.
 /// Source: Wittrick and Williams (1971), Q. J. Mech. Appl. Math. 24; inverse iteration with the derivative of the dynamic
-/// stiffness: Yuan, Ye, Williams and Kennedy (2003), Int. J. Numer. Meth. Eng. 56.
-///
-/// Shapes of equal frequencies are a basis of what vibrates at that frequency, and any mixture would do. The one listed does
-/// not depend on how it was found: the first shape moves one point in one direction as far as a unit of modal mass can, that
-/// point and direction where this is farthest; the next does the same among the motions at right angles to the first by
-/// mass, and so on. Rigid-body modes begin with the translations in x, y, z and the turns about them. Where points tie, x
-/// comes before y before z, then the smaller coordinate. The sign is that of a positive displacement there.
+/// stiffness: Yuan, Ye, Williams and Kennedy (2003), Int. J. Numer. Meth. Eng. 56. Shapes of equal frequencies are those of
+/// fix_basis().
 ///
 /// Short pieces of a line are stiff, and their rounding stands beside ω²: every frequency is found with the lines cut for it
 /// alone. Where the machine itself is a long chain of short elements rounding keeps the bracket wide, which is then told.
@@ -56,30 +54,28 @@ private:
     struct Cluster {
         std::vector<double> lambdas;
         std::vector<FrameVector> shapes;
-        int cuts = 0;  ///< of the model when the shapes were found
+        int cuts;  ///< of the lines when the shapes were found
     };
 
-    void cut_for(double omega);
     double rounding() const;
     double lowest_for(double below) const;
-    int count_at(double& omega);
-    void find_rigid(int count);
-    void separate(Interval interval);
+    int count_at(double omega);
+    void find_until(double below, size_t wanted);
+    void find_rigid(int count, double lowest);
     bool refine(const Interval& interval);
-    bool converge(Cluster& cluster, double tolerance);
-    bool settle(Cluster& cluster);
-    bool confirm(const Cluster& cluster, int before, double& bracket);
-    double lost_in_rounding(const Cluster& cluster) const;
+    std::vector<Cluster> approximate(const Interval& interval);
+    bool converge(Cluster& cluster);
+    double confirm(const Cluster& cluster, int before);
+    void split(const Interval& interval);
     std::vector<double> iterate(std::vector<FrameVector>& shapes, double lambda, int rounds);
+    std::vector<FrameVector> random_shapes(size_t count);
     void add(Cluster cluster, double bracket);
-    void fix_basis(std::vector<FrameVector>& shapes, bool is_rigid) const;
-    FrameVector random_motion();
-    std::vector<Mode> finish();
+    Mode describe(FrameVector shape, double lambda) const;
+    void find_participation(std::span<Mode> modes);
 
     DynamicStiffness& stiffness_;
-    std::vector<Mode> modes_;
-    double lowest_ = 0;  ///< below lie rigid-body modes only [rad/s]
-    double cut_ = 0;     ///< [rad/s] for which the lines are cut
+    std::vector<Mode> modes_;       ///< found so far, in order
+    std::map<double, int> counts_;  ///< of natural frequencies below ω [rad/s], as far as they are known
     uint64_t seed_ = 1;
 };
 

@@ -251,14 +251,16 @@ std::vector<double> DynamicStiffness::solve(FrameVector& r) const {
 
 // ---- Products -----------------------------------------------------------------------------------------------------------
 
-FrameVector DynamicStiffness::mass_times(const FrameVector& u, const Vector6& ground, Vector6& on_ground) const {
+FrameVector DynamicStiffness::mass_times(const FrameVector& u, const Vector6& ground, Vector6* on_ground) const {
     FrameVector out(u.size(), Vector6::Zero());
+    Vector6 reaction = Vector6::Zero();
     for_each_mass([&](const FrequencyModel::Mass& mass) {
         const auto f = as_size(mass.frame);
         out[f] += model_.mask * (mass.block * (model_.mask * u[f]));
     });
-    for (const Pin& pin : model_.pins) on_ground += pin.add(momentum_of(pin, pin.ends(u, ground)), out);
-    for (const Piece& piece : pieces_) on_ground += piece.add(waves(piece).mass * piece.ends(u, ground), out);
+    for (const Pin& pin : model_.pins) reaction += pin.add(momentum_of(pin, pin.ends(u, ground)), out);
+    for (const Piece& piece : pieces_) reaction += piece.add(waves(piece).mass * piece.ends(u, ground), out);
+    if (on_ground) *on_ground += reaction;
     return out;
 }
 
@@ -282,13 +284,6 @@ FrameVector DynamicStiffness::stiffness_times(const FrameVector& u, const Vector
     return out;
 }
 
-FrameVector DynamicStiffness::mass_times(const FrameVector& u) const {
-    Vector6 on_ground = Vector6::Zero();
-    return mass_times(u, Vector6::Zero(), on_ground);
-}
-
-FrameVector DynamicStiffness::stiffness_times(const FrameVector& u) const { return stiffness_times(u, Vector6::Zero()); }
-
 DynamicStiffness::Whole DynamicStiffness::move_whole(int direction) const {
     const Vector6 ground = model_.mask.col(direction);
     Vector6 on_ground = Vector6::Zero();
@@ -296,7 +291,7 @@ DynamicStiffness::Whole DynamicStiffness::move_whole(int direction) const {
     for (int f = 0; f < frame_count(); ++f)
         whole.motion.push_back(model_.masked_at(origin(f), Vector3::Zero()).col(direction));
     whole.forces = stiffness_times(whole.motion, ground);
-    whole.momenta = mass_times(whole.motion, ground, on_ground);
+    whole.momenta = mass_times(whole.motion, ground, &on_ground);
     whole.mass = dot(whole.motion, whole.momenta) + ground.dot(on_ground);
     return whole;
 }

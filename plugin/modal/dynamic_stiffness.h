@@ -51,9 +51,11 @@ public:
     /// After factor(): D⁻¹ r on the motions that rigid directions allow; the result: minus the forces of these, bond by
     /// bond, then by piece.
     std::vector<double> solve(FrameVector& r) const;
-    /// −∂D/∂λ u, and D u with the forces of rigid directions left out.
-    FrameVector mass_times(const FrameVector& u) const;
-    FrameVector stiffness_times(const FrameVector& u) const;
+    /// −∂D/∂λ u, and D u with the forces of rigid directions left out; of a motion of the ground, too, about the world's
+    /// origin. on_ground: adds to the momentum there.
+    FrameVector mass_times(const FrameVector& u, const Vector6& ground = Vector6::Zero(),
+                           Vector6* on_ground = nullptr) const;
+    FrameVector stiffness_times(const FrameVector& u, const Vector6& ground = Vector6::Zero()) const;
     /// All moves as a whole in direction d about the world's origin, the ground too: the motion of the frames, the forces D
     /// r and the momenta −∂D/∂λ r on them, and twice the kinetic energy, that of clamped lines included. See dttmm_mode.
     struct Whole {
@@ -100,8 +102,6 @@ private:
     Vector3 origin(int frame) const;
     bool is_redundant(int link, int i);
     [[noreturn]] void refuse(dttmm_status status, int frame, const std::string& why) const;
-    FrameVector mass_times(const FrameVector& u, const Vector6& ground, Vector6& on_ground) const;
-    FrameVector stiffness_times(const FrameVector& u, const Vector6& ground) const;
 
     FrequencyModel& model_;
     std::vector<Point> points_;

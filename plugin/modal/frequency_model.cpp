@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "core/error.h"
 #include "core/state_vector.h"
@@ -28,29 +30,8 @@ Matrix6 mass_block(double mass, const Matrix3& inertia) {
     return block;
 }
 
-/// Numbers that lines of one kind share. What a section does not give is −1.
-std::vector<double> key_of(const Line& line, double length, Directions active) {
-    const Section& s = line.section;
-    std::vector<double> key = {s.EA,
-                               s.EIy,
-                               s.EIz,
-                               s.GJ,
-                               s.GAy,
-                               s.GAz,
-                               s.mass,
-                               s.inertia,
-                               s.rotary_y,
-                               s.rotary_z,
-                               s.offset_y,
-                               s.offset_z,
-                               s.stiffness_damping,
-                               length,
-                               static_cast<double>(line.stretches_only),
-                               static_cast<double>(active.to_ulong())};
-    for (double& number : key)
-        if (!is_given(number)) number = -1;
-    return key;
-}
+/// What lines of one kind share, to the bit: section, length, whether it is a rod, active directions.
+using Key = std::tuple<std::array<uint64_t, sizeof(Section) / sizeof(double)>, double, bool, unsigned long>;
 
 }  // namespace
 
@@ -228,11 +209,13 @@ Directions FrequencyModel::active_axes(const LineSpec& spec) const {
 }
 
 void FrequencyModel::add_lines(const std::vector<LineSpec>& specs, const std::vector<int>& frame_of) {
-    std::map<std::vector<double>, size_t> known;
+    std::map<Key, size_t> known;
     for (const LineSpec& spec : specs) {
         const Directions active = active_axes(spec);
         const double length = (spec.finish - spec.start).norm();
-        const auto [kind, is_new] = known.try_emplace(key_of(spec.line, length, active), kinds.size());
+        const Key key = {std::bit_cast<std::tuple_element_t<0, Key>>(spec.line.section), length, spec.line.stretches_only,
+                         active.to_ulong()};
+        const auto [kind, is_new] = known.try_emplace(key, kinds.size());
         if (is_new) try {
                 kinds.push_back(std::make_unique<LineWaves>(spec.line, length, active));
             } catch (const Error& error) {

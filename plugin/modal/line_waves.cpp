@@ -39,10 +39,11 @@ Matrix6 mass_per_length(const Section& s) {
     return M;
 }
 
-/// e^X and its derivative by Y, X' = Y: Taylor of a small fraction, then squared. At λ = 0 the series ends by itself.
+/// e^X and its derivative by Y, X' = Y: Taylor of a small fraction until a term changes nothing, then squared. At λ = 0 the
+/// series ends by itself.
 template <class Square>
 void exponential_of(Square X, Square Y, bool with_derivative, Square& E, Square& D) {
-    constexpr int kTerms = 16;
+    constexpr int kMostTerms = 16;  // of a norm of 0.5 the next is 1e-20
     const double norm = X.cwiseAbs().colwise().sum().maxCoeff();
     const int squarings = norm > 0.5 ? static_cast<int>(std::ceil(std::log2(norm / 0.5))) : 0;
     const double part = std::ldexp(1.0, -squarings);
@@ -52,14 +53,11 @@ void exponential_of(Square X, Square Y, bool with_derivative, Square& E, Square&
     Square term = Square::Identity(n, n), change = Square::Zero(n, n);
     E = term;
     D = change;
-    for (int k = 1; k <= kTerms; ++k) {
-        if (with_derivative) {
-            change = ((X * change + Y * term) / k).eval();
-            D += change;
-        }
-        term = (X * term / k).eval();
-        E += term;
-        if (!with_derivative && term.isZero(0)) break;
+    for (int k = 1; k <= kMostTerms; ++k) {
+        const Square before = E, derivative = D;
+        if (with_derivative) D += change = ((X * change + Y * term) / k).eval();
+        E += term = (X * term / k).eval();
+        if (E == before && D == derivative) break;
     }
     for (int k = 0; k < squarings; ++k) {
         if (with_derivative) D = (E * D + D * E).eval();
@@ -238,7 +236,7 @@ void LineWaves::evaluate(int count, Scalar lambda, Scalar stiffening, Square<Sca
         const Block<Scalar> Udd = w.U.topLeftCorner(n, n), Unn = w.U.bottomRightCorner(n, n);
         const Block<Scalar> W = Block<Scalar>(w.U.topRightCorner(n, n)).fullPivLu().inverse();
         // n0 = W (d1 − Udd d0),  n1 = Und d0 + Unn n0; on the piece act −n0 and n1
-        Eigen::VectorXi at(2 * n);
+        Eigen::Matrix<int, Eigen::Dynamic, 1, 0, 12, 1> at(2 * n);
         for (Eigen::Index k = 0; k < n; ++k) {
             at(k) = group.directions[as_size(k)];
             at(n + k) = 6 + at(k);
@@ -247,7 +245,7 @@ void LineWaves::evaluate(int count, Scalar lambda, Scalar stiffening, Square<Sca
                                double sign, Square<Scalar>& into) {
             Block<Scalar> all(2 * n, 2 * n);
             all << start, across, across.transpose(), end;
-            const Eigen::VectorXd un = w.unit_n.replicate(2, 1), ud = w.unit_d.replicate(2, 1).cwiseInverse();
+            const Column un = w.unit_n.replicate(2, 1), ud = w.unit_d.replicate(2, 1).cwiseInverse();
             // In units: the upper right block is taken, its transpose would have the units of the other side
             Block<Scalar> scaled = un.asDiagonal() * all * ud.asDiagonal();
             scaled.bottomLeftCorner(n, n) = scaled.topRightCorner(n, n).transpose();
@@ -269,7 +267,7 @@ Matrix12 LineWaves::transfer(double lambda, double s) const {
     for (const Group& group : groups_) {
         const auto n = as_row(group.directions.size());
         const Waves<double> w = waves<double>(group, s, lambda, 1, false);
-        Eigen::VectorXd unit(2 * n);
+        Column unit(2 * n);
         unit << w.unit_d, w.unit_n;
         const Matrix own = unit.asDiagonal() * w.U * unit.cwiseInverse().asDiagonal();
         for (Eigen::Index i = 0; i < 2 * n; ++i)

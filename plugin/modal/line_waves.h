@@ -24,6 +24,7 @@ public:
     using Square = Eigen::Matrix<Scalar, 12, 12>;
     template <class Scalar>
     using Block = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, 0, 12, 12>;
+    using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 12, 1>;
 
     /// The directions of its ends in which it moves with waves: `active` are those of the local axes that the model leaves.
     /// A bending plane goes by its deflection; without it the rotation passes unchanged (see passed()). Throws
@@ -53,8 +54,8 @@ private:
     /// Directions that couple with each other.
     struct Group {
         std::vector<int> directions;
-        Eigen::MatrixXd A, M;
-        Eigen::VectorXd C, unit_d, unit_n;  ///< diagonal of C; units of d and n for a piece of unit length
+        Block<double> A, M;
+        Column C, unit_d, unit_n;  ///< diagonal of C; units of d and n for a piece of unit length
         /// By count of pieces, as far as they were asked for: the lines are cut anew for every frequency. Mutable: what is
         /// kept is what would be found again.
         mutable std::map<int, double> lowest_held;
@@ -62,7 +63,7 @@ private:
     template <class Scalar>
     struct Waves {
         Block<Scalar> U, by_lambda;
-        Eigen::VectorXd unit_d, unit_n;
+        Column unit_d, unit_n;
     };
     template <class Scalar>
     Waves<Scalar> waves(const Group& group, double s, Scalar lambda, Scalar stiffening, bool with_derivative) const;

@@ -67,7 +67,7 @@ private:
     bool converge(Cluster& cluster);
     double confirm(const Cluster& cluster, int before);
     void split(const Interval& interval);
-    std::vector<double> iterate(std::vector<FrameVector>& shapes, double lambda, int rounds);
+    std::vector<double> iterate(std::vector<FrameVector>& shapes, double lambda);
     std::vector<FrameVector> random_shapes(size_t count);
     void add(Cluster cluster, double bracket);
     Mode describe(FrameVector shape, double lambda) const;

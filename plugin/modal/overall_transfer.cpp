@@ -38,6 +38,13 @@ Eigen::MatrixXd complement(const Eigen::MatrixXd& columns, Eigen::Index size) {
     return Q.rightCols(size - qr.rank());
 }
 
+/// The smallest singular value as share of the largest; 1 of a matrix that is empty, not square or overflows.
+double smallest_of(const Eigen::MatrixXd& U) {
+    if (U.rows() == 0 || U.rows() != U.cols() || !U.allFinite()) return 1;
+    const Eigen::VectorXd singular = U.bdcSvd().singularValues();
+    return singular(singular.size() - 1) / singular(0);
+}
+
 }  // namespace
 
 OverallTransfer::OverallTransfer(const FrequencyModel& model) : model_(model) {
@@ -83,7 +90,8 @@ int OverallTransfer::add_vertex(int frame) {
 }
 
 void OverallTransfer::add_edge(bool is_line, size_t index, int from, int to, const Vector3& start, const Vector3& finish) {
-    Edge edge{is_line, index, {from, to}, {start, finish}, 0, -1};
+    Edge edge{is_line, index, {from, to}, {start, finish}, {}, 0, -1};
+    if (!is_line) edge.law = law_of(model_.bonds[index]);
     bool is_grounded = false;
     for (int end : {0, 1})
         if (edge.ends[end] < 0) {
@@ -91,7 +99,7 @@ void OverallTransfer::add_edge(bool is_line, size_t index, int from, int to, con
             is_grounded = true;
         }
     if (!is_line && !is_grounded) {
-        edge.loose = as_int(law_of(edge).loose.cols());
+        edge.loose = as_int(edge.law.loose.cols());
         edge.first_loose = unknowns_;
         unknowns_ += edge.loose;
         loose_ += edge.loose;
@@ -113,7 +121,7 @@ void OverallTransfer::add_boundaries() {
             basis.topRows(n).setIdentity();
             name = model_.name(vertex.frame) + ", free";
         } else {
-            const Matrix loose = edge.is_line ? Matrix(n, 0) : law_of(edge).loose;
+            const Matrix loose = edge.is_line ? Matrix(n, 0) : edge.law.loose;
             basis.topLeftCorner(n, loose.cols()) = loose;
             basis.bottomRightCorner(n, n - loose.cols()) = complement(loose, n);
             const int other = edge.ends[edge.ends[0] == as_int(v) ? 1 : 0];
@@ -185,8 +193,7 @@ OverallTransfer::Matrix OverallTransfer::by_point(const Vertex& vertex, const Ve
 }
 
 /// A joint's compliance and the directions in which it carries nothing, among those that are left.
-OverallTransfer::Law OverallTransfer::law_of(const Edge& edge) const {
-    const auto& bond = model_.bonds[edge.index];
+OverallTransfer::Law OverallTransfer::law_of(const Bond& bond) const {
     const Eigen::Index n = directions_;
     Matrix held(n, 0);
     for (const Vector6& direction : bond.held) {
@@ -212,49 +219,51 @@ OverallTransfer::Law OverallTransfer::law_of(const Edge& edge) const {
     return law;
 }
 
-/// A state handed through a joint or a line; the free directions of a joint move by unknowns of their own.
+/// A state handed through a joint or a line; the free directions of a joint move by unknowns of their own. lines: transfer
+/// matrices as far as they are known.
 OverallTransfer::Matrix OverallTransfer::through(const Edge& edge, bool is_forward, const Matrix& state,
-                                                 double lambda) const {
+                                                 std::vector<Matrix>& lines, double lambda) const {
     const Eigen::Index n = directions_;
-    Matrix out = state;
     if (!edge.is_line) {
-        const Law law = law_of(edge);
-        out.topRows(n) -= law.compliance * state.bottomRows(n);
-        if (edge.loose > 0) out.block(0, edge.first_loose, n, edge.loose) += law.loose;
+        Matrix out = state;
+        out.topRows(n) -= edge.law.compliance * state.bottomRows(n);
+        if (edge.loose > 0) out.block(0, edge.first_loose, n, edge.loose) += edge.law.loose;
         return out;
     }
-    const auto& line = model_.lines[edge.index];
-    const double length = line.length();
+    const LineModel& line = model_.lines[edge.index];
+    Matrix& local = lines[line.kind];
+    if (local.size() == 0) local = line_transfer(line, lambda);
     // Local [d; n] → world [u; w], w = −n; the way back inverts a symplectic matrix and turns the loads round
-    Matrix12 U = line.waves->transfer(lambda, length);
-    if (model_.is_bar(line)) {
-        const Section& s = line.line.section;
-        Matrix6 lever = Matrix6::Identity(), middle = Matrix6::Identity();
-        lever.topRightCorner<3, 3>() = -skew(Vector3(length, 0, 0));
-        middle.topRightCorner<3, 3>() = -skew(Vector3(0.5 * length, 0, 0));
-        // As a rigid body but for x: n_O = G⁻ᵀ (n_I − λ M d)
-        const Matrix6 back = lever.inverse().transpose(), mass = middle.transpose() * bar_mass(s, length) * middle;
-        Matrix12 body = Matrix12::Zero();
-        body.topLeftCorner<6, 6>() = lever;
-        body.bottomRightCorner<6, 6>() = back;
-        body.bottomLeftCorner<6, 6>() = -lambda * back * mass;
-        for (Eigen::Index i : {0, 6}) body.row(i) = U.row(i);
-        U = body;
-    }
     Matrix12 turn = Matrix12::Zero();
-    for (Eigen::Index i : {0, 3}) {
-        turn.block<3, 3>(i, i) = line.axes;
-        turn.block<3, 3>(6 + i, 6 + i) = -line.axes;
-    }
-    const Matrix12 world = turn * U * turn.transpose();
-    std::vector<Eigen::Index> both = active_;
-    for (Eigen::Index d : active_) both.push_back(6 + d);
-    const Matrix own = world(both, both);
+    turn << both(line.axes), Matrix6::Zero(), Matrix6::Zero(), -both(line.axes);
+    const Matrix12 world = turn * local * turn.transpose();
+    std::vector<Eigen::Index> halves = active_;
+    for (Eigen::Index d : active_) halves.push_back(6 + d);
+    const Matrix own = world(halves, halves);
     if (is_forward) return own * state;
     Matrix inverse(2 * n, 2 * n);
     inverse << own.bottomRightCorner(n, n).transpose(), own.topRightCorner(n, n).transpose(),
         own.bottomLeftCorner(n, n).transpose(), own.topLeftCorner(n, n).transpose();
     return inverse * state;
+}
+
+/// [d; n] at the end of a line by that at its start, local axes.
+OverallTransfer::Matrix OverallTransfer::line_transfer(const LineModel& line, double lambda) const {
+    const double length = line.length();
+    const Matrix12 U = line.waves->transfer(lambda, length);
+    if (!model_.is_bar(line)) return U;
+    Matrix6 lever = Matrix6::Identity(), middle = Matrix6::Identity();
+    lever.topRightCorner<3, 3>() = -skew(Vector3(length, 0, 0));
+    middle.topRightCorner<3, 3>() = -skew(Vector3(0.5 * length, 0, 0));
+    // As a rigid body but for x: n_O = G⁻ᵀ (n_I − λ M d)
+    const Matrix6 back = lever.inverse().transpose(),
+                  mass = middle.transpose() * bar_mass(line.line.section, length) * middle;
+    Matrix12 body = Matrix12::Zero();
+    body.topLeftCorner<6, 6>() = lever;
+    body.bottomRightCorner<6, 6>() = back;
+    body.bottomLeftCorner<6, 6>() = -lambda * back * mass;
+    for (Eigen::Index i : {0, 6}) body.row(i) = U.row(i);
+    return body;
 }
 
 OverallTransfer::Matrix OverallTransfer::state_of(const Boundary& boundary) const {
@@ -273,7 +282,7 @@ OverallTransfer::Matrix OverallTransfer::assemble(double lambda) const {
         U.middleRows(row, rows.rows()) = rows;
         row += rows.rows();
     };
-    std::vector<Matrix> handed_on(edges_.size());
+    std::vector<Matrix> handed_on(edges_.size()), lines(model_.kinds.size());
     std::vector<Matrix6> inertial(model_.frames.size(), Matrix6::Zero());
     for (const auto& mass : model_.masses) inertial[as_size(mass.frame)] += lambda * mass.block;
     for (const auto& lever : model_.levers) inertial[as_size(lever.frame)] -= lever.stiffness;
@@ -306,15 +315,14 @@ OverallTransfer::Matrix OverallTransfer::assemble(double lambda) const {
         const Matrix by = by_point(vertex, point(vertex.parent));
         const Edge& edge = edges_[as_size(vertex.parent)];
         const Matrix state = stack(by * motion, by.transpose().partialPivLu().solve(load));
-        handed_on[as_size(vertex.parent)] = through(edge, edge.ends[0] == order_[k], state, lambda);
-        if (edge.loose > 0) add(law_of(edge).loose.transpose() * state.bottomRows(n));
+        handed_on[as_size(vertex.parent)] = through(edge, edge.ends[0] == order_[k], state, lines, lambda);
+        if (edge.loose > 0) add(edge.law.loose.transpose() * state.bottomRows(n));
     }
     return U;
 }
 
 /// Units in which rows and columns are about one, first by their largest entries, then by all that are not rounding.
-OverallTransfer::Units OverallTransfer::units_at(double lambda) const {
-    Matrix U = assemble(lambda);
+OverallTransfer::Units OverallTransfer::units_of(Matrix U) {
     Units units{Eigen::VectorXd::Ones(U.rows()), Eigen::VectorXd::Ones(U.cols())};
     const auto balance = [&](auto&& line, double& unit, double rounding) {
         const double largest = line.cwiseAbs().maxCoeff();
@@ -336,10 +344,10 @@ OverallTransfer::Units OverallTransfer::units_at(double lambda) const {
     return units;
 }
 
-OverallTransfer::Check OverallTransfer::check(double lambda, const Units& units) const {
+OverallTransfer::Check OverallTransfer::check(double lambda, double beside) const {
+    const Units units = units_of(assemble(beside));
     const Matrix U = units.rows.asDiagonal() * assemble(lambda) * units.columns.asDiagonal();
     if (U.rows() == 0 || U.rows() != U.cols() || !U.allFinite()) return {1, 0, 0};
-    const Eigen::VectorXd singular = U.jacobiSvd().singularValues();
     const Eigen::FullPivLU<Matrix> lu(U);
     auto sign = static_cast<double>(lu.permutationP().determinant() * lu.permutationQ().determinant());
     double logarithm = -units.rows.array().log10().sum() - units.columns.array().log10().sum();
@@ -348,7 +356,14 @@ OverallTransfer::Check OverallTransfer::check(double lambda, const Units& units)
         sign *= pivot > 0 ? 1 : pivot < 0 ? -1 : 0;
         logarithm += std::log10(std::max(std::abs(pivot), std::numeric_limits<double>::min()));
     }
-    return {singular(singular.size() - 1) / singular(0), sign, logarithm};
+    return {smallest_of(U), sign, logarithm};
+}
+
+double OverallTransfer::residual(double lambda, double beside) const {
+    const Matrix there = assemble(beside);
+    const Units units = units_of(there);
+    const auto in_units = [&](const Matrix& U) { return Matrix(units.rows.asDiagonal() * U * units.columns.asDiagonal()); };
+    return smallest_of(in_units(assemble(lambda))) / smallest_of(in_units(there));
 }
 
 std::string OverallTransfer::layout() const {

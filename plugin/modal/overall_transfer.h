@@ -42,25 +42,30 @@ public:
     struct Check {
         double smallest, sign, log10_determinant;
     };
-    /// Units of rows and columns in which the matrix is about one at some λ. Not at a natural frequency: what vanishes there
-    /// would be blown up to one.
-    struct Units {
-        Eigen::VectorXd rows, columns;
-    };
-    Units units_at(double lambda) const;
-    Check check(double lambda, const Units& units) const;
+    /// In units in which it is about one at another λ, `beside`. Not at a natural frequency: what vanishes there would be
+    /// blown up to one.
+    Check check(double lambda, double beside) const;
+    /// The smallest singular value at λ as share of what it is at λ `beside`.
+    double residual(double lambda, double beside) const;
 
     /// Boundaries, paths, inputs and the size of the equation, as text.
     std::string layout() const;
 
 private:
     using Matrix = Eigen::MatrixXd;
+    struct Units {
+        Eigen::VectorXd rows, columns;
+    };
+    struct Law {
+        Matrix compliance, loose;  ///< of a joint: u_O = u_I − C w + F α
+    };
     /// A joint or a line between two vertices: frames, ends on the ground, ends of cut loops.
     struct Edge {
         bool is_line;
         size_t index;
         int ends[2];                      ///< vertices of `from` and `to`
         Vector3 points[2];                ///< where they are attached
+        Law law;                          ///< of a joint
         int loose = 0, first_loose = -1;  ///< free directions that are unknowns, the first of them
     };
     struct Boundary {
@@ -77,21 +82,20 @@ private:
         int parent = -1;        ///< edge towards the root; −1: the root itself
         int root = -1;          ///< boundary at the root
     };
-    struct Law {
-        Matrix compliance, loose;  ///< of a joint: u_O = u_I − C w + F α
-    };
 
     int add_vertex(int frame);
     void add_edge(bool is_line, size_t index, int from, int to, const Vector3& start, const Vector3& finish);
     void add_boundaries();
     void grow_tree(int root);
     void cut(int edge);
-    Law law_of(const Edge& edge) const;
+    Law law_of(const Bond& bond) const;
     Matrix restricted(const Matrix6& all) const;
     Matrix by_point(const Vertex& vertex, const Vector3& point) const;
-    Matrix through(const Edge& edge, bool is_forward, const Matrix& state, double lambda) const;
+    Matrix through(const Edge& edge, bool is_forward, const Matrix& state, std::vector<Matrix>& lines, double lambda) const;
+    Matrix line_transfer(const LineModel& line, double lambda) const;
     Matrix state_of(const Boundary& boundary) const;
     Matrix assemble(double lambda) const;
+    static Units units_of(Matrix U);
 
     const FrequencyModel& model_;
     int directions_;

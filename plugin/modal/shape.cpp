@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace dttmm::plugin {
 
@@ -63,14 +64,10 @@ std::vector<Strain> strain_energies(const DynamicStiffness& D, const FrameVector
     return energies;
 }
 
-Quotient strain_quotient(const DynamicStiffness& D, const FrameVector& u) {
+Strain sum(const std::vector<Strain>& strains) {
     Strain all;
-    for (const Strain& strain : strain_energies(D, u)) {
-        all.energy += strain.energy;
-        all.unsure += strain.unsure;
-    }
-    const double mass = dot(u, D.mass_times(u));
-    return {2 * std::max(all.energy, 0.0) / mass, 2 * all.unsure / mass};
+    for (const Strain& strain : strains) all = {all.energy + strain.energy, all.unsure + strain.unsure};
+    return all;
 }
 
 double along(const DynamicStiffness& D, size_t element, const FrameVector& u, size_t count, double* shape) {
@@ -102,18 +99,17 @@ std::vector<Station> stations(const DynamicStiffness& D, const FrameVector& u) {
     std::vector<Station> list;
     for (size_t b = 0; b < model.centres.size(); ++b) list.push_back({model.centres[b], model.by_centre(as_int(b)) * u[b]});
     for (size_t n = 0; n < model.nodes.size(); ++n) list.push_back({model.nodes[n].position, model.node_motion(n, u)});
-    std::vector<std::vector<Matrix12>> transfers(model.kinds.size());
+    std::vector<std::optional<Matrix12>> steps(model.kinds.size());  // from station to station
     for (const DynamicStiffness::Piece& piece : D.pieces()) {
         const LineModel& line = D.line(piece);
-        const double length = D.piece_length(line);
-        std::vector<Matrix12>& known = transfers[line.kind];
-        for (int k = as_int(known.size()) + 1; k <= kStations; ++k)
-            known.push_back(line.waves->transfer(D.lambda(), k * length / kStations));
-        const Vector12 start = state_at_start(D, piece, u);
+        const double step = D.piece_length(line) / kStations;
+        std::optional<Matrix12>& transfer = steps[line.kind];
+        if (!transfer) transfer = line.waves->transfer(D.lambda(), step);
+        Vector12 state = state_at_start(D, piece, u);
         for (int k = 1; k <= kStations; ++k) {
-            const double s = (piece.index + static_cast<double>(k) / kStations) * length;
-            const Vector6 local = (known[as_size(k - 1)] * start).head<6>();
-            list.push_back({line.start + s * line.axes.col(0), both(line.axes) * local});
+            state = (*transfer * state).eval();
+            const double s = (piece.index * kStations + k) * step;
+            list.push_back({line.start + s * line.axes.col(0), both(line.axes) * state.head<6>()});
         }
     }
     return list;

@@ -16,11 +16,8 @@ struct Strain {
 /// Of every element.
 std::vector<Strain> strain_energies(const DynamicStiffness& D, const FrameVector& u);
 
-/// ω² of a motion by its strain and kinetic energy, as far as the elements tell them, and what of it may be rounding [1/s²].
-struct Quotient {
-    double lambda, unsure;
-};
-Quotient strain_quotient(const DynamicStiffness& D, const FrameVector& u);
+/// Of all elements.
+Strain sum(const std::vector<Strain>& strains);
 
 /// Displacement [6, world] along an element at `count` equally spaced stations, ends included; its length [m], 0 if it is no
 /// line. shape: NULL, or 6 numbers per station.

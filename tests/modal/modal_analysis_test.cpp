@@ -182,6 +182,24 @@ TEST(ModalAnalysis, CantileverHasItsModalAndEffectiveMasses) {
     }
 }
 
+// Oracle: by hand. Where rotations are left out a rod turns like a bar about its pin on the ground, on a spring across at
+// its other end: m/3 there, and the mass that takes part is (m/2)²/(m/3) = 3/4 m.
+TEST(ModalAnalysis, ARodBetweenPinsIsABarAcross) {
+    NetworkModel network;
+    network.node("pin", DTTMM_NODE_GROUND, {0.2, 0.1, 0});
+    network.node("tip", DTTMM_NODE_INNER, {0.9, 0.1, 0});
+    network.node("anchor", DTTMM_NODE_GROUND, {0.9, 0.1, 0});
+    network.element("rod", "rod", {"pin", "tip"}, {{"section.EA", {7e7}}, {"section.mass", {2.5}}});
+    network.element("spring", "spring_damper", {"anchor", "tip"}, {{"stiffness", {0, 900, 0}}});
+    Machine machine(network, 0b000010);
+    const std::vector<dttmm_mode> modes = machine.find(1);
+    ASSERT_EQ(modes.size(), 1u);
+    const double third = 2.5 * 0.7 / 3;
+    EXPECT_NEAR(modes[0].frequency * 2 * kPi, std::sqrt(900 / third), 1e-9 * std::sqrt(900 / third));
+    EXPECT_NEAR(modes[0].mass, third, 1e-12);
+    EXPECT_NEAR(modes[0].participation[1], 0.75, 1e-9);
+}
+
 // Oracle: of the beam on two pins the largest displacement is between its nodes: φ = sin nπx/l, modal mass ml/2.
 TEST(ModalAnalysis, TheLargestDisplacementMayLieInsideABeam) {
     for (const uint32_t count : {1u, 5u}) {

@@ -209,7 +209,9 @@ static dttmm_status mean_wrench(dttmm_instance *s, double *wrenches, dttmm_error
     return DTTMM_OK;
 }
 
-static dttmm_status stand(dttmm_instance *s, const dttmm_motion *bodies, double *wrenches, dttmm_error *error) {
+static dttmm_status stand(dttmm_instance *s, const dttmm_motion *bodies, const double *accelerations, double *wrenches,
+                          dttmm_error *error) {
+    (void)accelerations;
     (void)bodies; /* nothing hangs on velocities here */
     if (s->first) return fail(error, DTTMM_ERROR_PHASE, -1, "stand: no step has been committed");
     clear(s, wrenches, NULL);

@@ -246,10 +246,12 @@ const Instant& EndOfStep::find_instant(const std::vector<BodyState>& now, const 
         find_velocities(after);
     }
     std::fill(wrenches_.begin(), wrenches_.end(), 0.0);
-    networks.stand_at(instant_.at, wrenches_.data());
+    networks.stand_at(instant_.at, nullptr, wrenches_.data());
     if (is_impact) return instant_;
     loads.add_at_start(now, wrenches_.data());
     find_accelerations(instant_.at);
+    if (steps_ == 1 && !instant_.accelerations.empty())
+        networks.stand_at(instant_.at, instant_.accelerations.front().data(), wrenches_.data());
     return instant_;
 }
 

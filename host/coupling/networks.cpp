@@ -310,11 +310,11 @@ void Networks::add_mean_wrenches(double* wrenches) {
         });
 }
 
-void Networks::stand_at(const std::vector<BodyState>& at, double* wrenches) {
+void Networks::stand_at(const std::vector<BodyState>& at, const double* accelerations, double* wrenches) {
     gather(at);
     for (size_t n = 0; n < instances_.size(); ++n)
         tell_time(time_, [&] {
-            instances_[n].stand(motions_.data(), wrenches_.data());
+            instances_[n].stand(motions_.data(), accelerations, wrenches_.data());
             scatter(n, wrenches);
         });
 }

@@ -66,8 +66,8 @@ public:
     /// Adds the mean wrenches over the step last committed. Only if stand().
     void add_mean_wrenches(double* wrenches);
     /// Adds the wrenches at the start of that step, when the bodies have the poses and velocities of `at` there; outputs are
-    /// then of that instant. Only if stand().
-    void stand_at(const std::vector<BodyState>& at, double* wrenches);
+    /// then of that instant. accelerations: of the bodies there, 6 each; null: not known. Only if stand().
+    void stand_at(const std::vector<BodyState>& at, const double* accelerations, double* wrenches);
 
     const std::vector<NetworkInstance>& instances() const { return instances_; }
     /// Results of all elements, plugin after plugin, at the start of the step last committed. Throws Error(plugin_failure)

@@ -82,8 +82,8 @@ public:
     void mean_wrench(double* wrench) {
         ask([&](dttmm_error* error) { return table_->mean_wrench(instance_.get(), wrench, error); });
     }
-    void stand(const dttmm_motion* bodies, double* wrench) {
-        ask([&](dttmm_error* error) { return table_->stand(instance_.get(), bodies, wrench, error); });
+    void stand(const dttmm_motion* bodies, const double* accelerations, double* wrench) {
+        ask([&](dttmm_error* error) { return table_->stand(instance_.get(), bodies, accelerations, wrench, error); });
     }
     /// Whether the plugin tells elements apart.
     bool takes_up() const { return table_->take_up; }

@@ -98,8 +98,8 @@ Eigen::MatrixXd JointSystem::dense(const std::vector<JointEquations::Jacobian>& 
 }
 
 bool JointSystem::may_be_near_singular(const BlockMatrix& matrix, const BlockFactor& factor) {
-    constexpr double kHidden = 0.03;  // at a hundredth of it E hides the distance
-    constexpr double kFast = 0.3;     // change over the distance
+    constexpr double kHidden = 0.03;  // at a hundredth of it E hides the distance; 0.003 to 0.06 pass the tests
+    constexpr double kFast = 0.3;     // change over the distance; 0.15 to 0.6 pass
     distances_.resize(as_size(matrix.size()));
     bool is_suspect = false;
     for (size_t j = 0; j < joints_.size(); ++j)
@@ -124,9 +124,10 @@ std::vector<JointEquations::Jacobian> JointSystem::jacobians_at(const std::vecto
 JointSystem::SingularPosition JointSystem::find_singular_position(const std::vector<BodyState>& now,
                                                                   const std::vector<BodyState>& half,
                                                                   const std::vector<BodyState>& end) const {
-    constexpr double kRedundant = 1e-9;  // rows at a smaller distance from the span of others say nothing
-    constexpr double kSlow = 0.3;        // what a pass may leave of an error
-    constexpr double kLongest = 0.5;     // a step that turns joints by more [rad] decides about none
+    // Half and twice pass the tests where nothing else is said
+    constexpr double kRedundant = 1e-9;  // rows at a smaller distance from the span of others say nothing; 1e-6 fails
+    constexpr double kSlow = 0.3;        // what a pass may leave of an error; 0.15 fails
+    constexpr double kLongest = 0.5;     // a step that turns joints by more [rad] decides about none; 1 fails
     Eigen::Index equations = 0;
     for (const JointEquations& joint : joints_) equations += joint.lasting();
     if (equations == 0 || equations > kMostEquations) return {};
@@ -144,7 +145,7 @@ JointSystem::SingularPosition JointSystem::find_singular_position(const std::vec
         const Eigen::Index count = std::min(qr.matrixQR().rows(), qr.matrixQR().cols());
         return (qr.matrixQR().diagonal().head(count).array().abs() > least).count();
     };
-    const double hidden = std::sqrt(10 * kProximal);  // E leaves a tenth of an error there
+    const double hidden = std::sqrt(10 * kProximal);  // E leaves a tenth of an error there; twice that fails
     const Eigen::Index kept = rank(middle, std::max(0.5 * change / std::sqrt(kSlow), hidden));
     const bool all_decided = kept >= std::max(rank(middle, kRedundant), rank(finish, kRedundant));
     SingularPosition found;

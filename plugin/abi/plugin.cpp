@@ -140,8 +140,9 @@ dttmm_status mean_wrench(dttmm_instance* instance, double* wrench, dttmm_error* 
     return guard(error, [&] { instance->machine.mean_wrench(wrench); });
 }
 
-dttmm_status stand(dttmm_instance* instance, const dttmm_motion* bodies, double* wrench, dttmm_error* error) {
-    return guard(error, [&] { instance->machine.stand(bodies, wrench); });
+dttmm_status stand(dttmm_instance* instance, const dttmm_motion* bodies, const double* accelerations, double* wrench,
+                   dttmm_error* error) {
+    return guard(error, [&] { instance->machine.stand(bodies, accelerations, wrench); });
 }
 
 dttmm_status take_up(const dttmm_instance* instance, const double* motion, double* elastic, double* damped,

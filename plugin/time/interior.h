@@ -93,7 +93,7 @@ public:
         std::fill(instant_.corrections.begin(), instant_.corrections.end(), Twist{});
         if (!massless_.has_balances()) return;
         massless_.find_instant(
-            mechanism, MasslessFrames::Find::velocities, mechanism.scheme.step_size(), mechanism.before,
+            mechanism, mechanism.scheme.step_size(), mechanism.before,
             [&](size_t j) {
                 const JointState& state = mechanism.states[j];
                 return MasslessFrames::Acting{
@@ -108,11 +108,15 @@ public:
     }
     /// Whether nothing of mass (half 0) or inertia (1) is in a frame.
     bool is_massless(int frame, int half) const { return is_inner(frame) && massless_.is_massless(at(frame), half); }
+    /// Of a port at that instant, linear and angular; at the start what the host knows there.
+    void set_port_acceleration(int port, const double* a) {
+        instant_.of_ports[as_size(port)] = {Eigen::Map<const Vector3>(a), Eigen::Map<const Vector3>(a + 3)};
+    }
     bool has_rigid_directions() const { return matrix_.factor.rigid_count() > 0; }
     /// Accelerations: of frames with mass by the wrenches of the joints at that instant, of massless ones by the velocities
-    /// over the steps around it. At the start there is one step only: there those that dampers act on have the accelerations
-    /// that keep their forces in balance, and those with rigid directions the mean over half that step, to first order.
-    /// velocity(frame), force(joint): at that instant, the force in the joint's axes.
+    /// over the steps around it. At the start there is one step only: there those that dampers or rigid directions act on
+    /// have the accelerations that keep their forces in balance and rigid directions closed. velocity(frame), force(joint):
+    /// at that instant, the force in the joint's axes.
     template <class Velocity, class Force>
     void find_accelerations(const Mechanism& mechanism, std::span<const Vector6> wrenches, const Velocity& velocity,
                             const Force& force) {
@@ -127,7 +131,7 @@ public:
             add_arm_rates(mechanism, j, from, to, force(j));
         }
         massless_.find_instant(
-            mechanism, MasslessFrames::Find::accelerations, mechanism.scheme.step_size(), mechanism.before,
+            mechanism, mechanism.scheme.step_size(), mechanism.before,
             [&](size_t j) {
                 const auto [from, to] = ends(j);
                 return rate_of_force(mechanism, j, from, to, force(j));

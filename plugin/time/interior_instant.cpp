@@ -37,8 +37,7 @@ void Interior::find_accelerations(const Mechanism& mechanism, std::span<const Ve
         if (layout_.load_of[i] >= 0) wrench += frame_load(i).load[2];
         const Twist &later = past_.velocity[i], &earlier = past_.velocity_before[i];
         Twist& a = instant_.accelerations[i];
-        // The first velocity is that of the start, and half a step before the next
-        const double h = (mechanism.steps == 1 && massless_.is_rigidly_joined(i) ? 0.5 : 1) * mechanism.scheme.step_size();
+        const double h = mechanism.scheme.step_size();
         a.linear = massless_.is_massless(i, 0) ? Vector3((later.linear - earlier.linear) / h)
                                                : Vector3(head(wrench) / layout_.inertias[i].mass + layout_.gravity);
         if (massless_.is_massless(i, 1)) {

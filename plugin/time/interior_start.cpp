@@ -201,7 +201,7 @@ void Interior::balance_at_start(const Mechanism& mechanism, double h, Start& sta
     std::vector<Twist> velocities = before, corrections(before.size());
     std::vector<double> rigid(rigid_.size());
     massless_.find_instant(
-        mechanism, MasslessFrames::Find::velocities, h, start.frames,
+        mechanism, h, start.frames,
         [&](size_t j) {
             const Joint& joint = mechanism.joints[j];
             const auto [from, to] = ends(joint, start.frames);

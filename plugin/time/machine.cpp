@@ -277,9 +277,9 @@ void Machine::mean_wrench(double* wrench) const {
     for_each(*this, [&](const Part& part) { part.network.mean_wrench(wrench); });
 }
 
-void Machine::stand(const dttmm_motion* bodies, double* wrench) const {
+void Machine::stand(const dttmm_motion* bodies, const double* accelerations, double* wrench) const {
     cleared(wrench);
-    for_each(*this, [&](const Part& part) { part.network.stand(bodies, wrench); });
+    for_each(*this, [&](const Part& part) { part.network.stand(bodies, accelerations, wrench); });
 }
 
 // ---- State and results --------------------------------------------------------------------------------------------------

@@ -33,7 +33,7 @@ public:
     void commit_step(const dttmm_motion* accepted);
     void discard_step();
     void mean_wrench(double* wrench) const;
-    void stand(const dttmm_motion* bodies, double* wrench) const;
+    void stand(const dttmm_motion* bodies, const double* accelerations, double* wrench) const;
 
     size_t state_size() const;
     void save_state(void* buffer, size_t size) const;

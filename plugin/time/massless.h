@@ -49,12 +49,6 @@ public:
     /// What must vanish of them, into `step`, in massless halves; the rest of `step` stays.
     void combine(std::span<Residual> residuals) const;
 
-    /// Whether rigid directions are in the balance of an inner frame.
-    bool is_rigidly_joined(size_t frame) const {
-        if (index_[frame] < 0) return false;
-        const auto cluster = as_size(balances_.cluster_of[as_size(index_[frame])]);
-        return !balances_.clusters[cluster].rigid.empty();
-    }
     /// Whether a massless frame has dampers or rigid directions: then find_instant has something to find.
     bool has_balances() const { return has_balances_; }
     /// A joint at an instant: its deformation [d; θ], the rate of that [d; relative turn] as known before, and what it does
@@ -69,15 +63,13 @@ public:
     /// velocities: of the inner frames, and corrections: what is added to them; q: forces of all rigid directions, in the
     /// joints' order. Both as they are but for what they lack: what no damper and no rigid direction holds keeps its
     /// velocity, and forces that a massless frame only hands on between what has mass stay as they are.
-    /// The same finds accelerations, of rates of rates, forces and loads, where nothing is rigid: how fast the forces of
-    /// rigid directions grow is not known.
-    enum class Find { velocities, accelerations };
+    /// The same finds accelerations, and rates of the forces of rigid directions, of rates of rates, forces and loads.
     template <class Acts, class Load>
-    void find_instant(const Mechanism& mechanism, Find what, double h, const std::vector<Frame>& frames, const Acts& acting,
+    void find_instant(const Mechanism& mechanism, double h, const std::vector<Frame>& frames, const Acts& acting,
                       const Load& load, std::vector<Twist>& velocities, std::vector<Twist>& corrections,
                       std::vector<double>& q) const {
         for (const Cluster& cluster : balances_.clusters) {
-            if (!cluster.is_balanced || (what == Find::accelerations && !cluster.rigid.empty())) continue;
+            if (!cluster.is_balanced) continue;
             cluster.matrix.setZero();
             cluster.stiffness.setZero();
             cluster.right_hand_side.setZero();

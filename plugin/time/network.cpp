@@ -466,9 +466,12 @@ void Network::mean_wrench(double* wrench) const {
     add_wrenches(wrench);
 }
 
-void Network::stand(const dttmm_motion* bodies, double* wrench) const {
+void Network::stand(const dttmm_motion* bodies, const double* accelerations, double* wrench) const {
     if (mechanism_.steps == 0 || is_open_) throw Error(DTTMM_ERROR_PHASE, "stand: only after a commit");
     for (int p = 0; p < port_count(); ++p) instant_.port_velocities[as_size(p)] = ports(bodies).twist(p);
+    if (accelerations && interior_)
+        for (int p = 0; p < port_count(); ++p)
+            interior_->set_port_acceleration(p, accelerations + 6 * ports(bodies).bodies[p]);
     stand_by_port_velocities();
     add_wrenches(wrench);
 }

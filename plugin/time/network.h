@@ -62,7 +62,7 @@ public:
     /// velocities of `bodies` there, with the wrench on them at that instant. outputs() are of the latter; without it, of
     /// bodies that have the means of their velocities over the two steps around t_n.
     void mean_wrench(double* wrench) const;
-    void stand(const dttmm_motion* bodies, double* wrench) const;
+    void stand(const dttmm_motion* bodies, const double* accelerations, double* wrench) const;
 
     size_t state_size() const;
     void save_state(void* buffer, size_t size) const;

@@ -536,7 +536,9 @@ static dttmm_status mean_wrench(dttmm_instance *s, double *wrench, dttmm_error *
     return DTTMM_OK;
 }
 
-static dttmm_status stand(dttmm_instance *s, const dttmm_motion *bodies, double *wrench, dttmm_error *error) {
+static dttmm_status stand(dttmm_instance *s, const dttmm_motion *bodies, const double *accelerations, double *wrench,
+                          dttmm_error *error) {
+    (void)accelerations;
     if (isnan(s->memory.last_loss)) return fail(error, DTTMM_ERROR_PHASE, -1, "stand: no step has been committed");
     const struct view v = look(s, bodies);
     to_local(v.axes, v.velocity, s->memory.rate);

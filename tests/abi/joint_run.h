@@ -126,7 +126,7 @@ public:
                 standing[p].velocity[i] = 0.3 * static_cast<double>(i) - 0.2 + 0.1 * static_cast<double>(p);
                 standing[p].angular_velocity[i] = 0.5 - 0.4 * static_cast<double>(i * p);
             }
-        check(table_.stand(instance_, standing.data(), answer.standing.data(), &error_));
+        check(table_.stand(instance_, standing.data(), nullptr, answer.standing.data(), &error_));
         std::vector<double> values(table_.channel_count(instance_));
         check(table_.outputs(instance_, values.data(), &error_));
         for (size_t c = 0; c < values.size(); ++c) answer.outputs[table_.channels(instance_)[c].name] = values[c];

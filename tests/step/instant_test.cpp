@@ -294,6 +294,42 @@ force = "=400*t"
     }
 }
 
+// Oracle: two nodes that a joint holds together rigidly, but for a rotation, balance and accelerate as one; and so does a
+// node held rigidly to the body go on with it.
+TEST(Instant, NodesJoinedRigidlyAccelerateFromTheStartAsOne) {
+    const double v = 0.3 * 9 / 14, body = -9 * (0.3 - v) / 2;
+    const double expected = (9 * body + 10000 * (0.3 - v) - 20000 * v) / 14;
+    for (const double step : {1e-3, 1e-4, 1e-5}) {
+        std::string model = damped_node(step);
+        const auto replace = [&](const std::string& what, const std::string& by) {
+            model.replace(model.find(what), what.size(), by);
+        };
+        replace("from = \"mid\"\nto = \"b\"", "from = \"other\"\nto = \"tip\"");
+        replace("mid = [0, 0, 0]",
+                "mid = [0, 0, 0]\nother = { position = [0, 0, 0], rotation = { axis = [1, 2, 2], angle = \"40 deg\" } "
+                "}\ntip = [0, 0, 0]");
+        const RecordedRun rows(model + R"toml(
+[[element]]
+name = "pin"
+type = "elastic_hinge"
+from = "mid"
+to = "other"
+stiffness = { rz = 30 }
+damping = { rz = 0.2 }
+[[element]]
+name = "end"
+type = "elastic_hinge"
+from = "tip"
+to = "b"
+stiffness = { rx = 50 }
+)toml");
+        for (const char* node : {"mid", "other"})
+            EXPECT_NEAR(rows(0, node + std::string(".acceleration.y")), expected, 1e-9 * std::abs(expected)) << step << node;
+        for (const char* moving : {"tip", "b"})
+            EXPECT_NEAR(rows(0, moving + std::string(".acceleration.y")), body, 1e-9) << step << moving;
+    }
+}
+
 /// A massless node between dampers that leave it without damping in y, or a turned one beside an undamped spring.
 std::string partly_damped(const char* turn, const char* first, const char* second, double step) {
     return fmt::format(R"toml(

@@ -50,7 +50,7 @@ public:
         spread(K, stiffness);
     }
     void mean_wrench(double* wrench) const { Network::mean_wrench(cleared(wrench)); }
-    void stand(const dttmm_motion* bodies, double* wrench) const { Network::stand(bodies, cleared(wrench)); }
+    void stand(const dttmm_motion* bodies, double* wrench) const { Network::stand(bodies, nullptr, cleared(wrench)); }
 
 private:
     double* cleared(double* wrench) const { return std::fill_n(wrench, 6 * port_count(), 0.0), wrench; }

@@ -88,7 +88,7 @@ Answer take_step(Machine& machine, const dttmm_network& network, uint64_t n, siz
     machine.evaluate(end.data(), answer.wrench.data(), answer.stiffness.data());
     machine.commit_step(end.data());
     machine.mean_wrench(answer.mean.data());
-    machine.stand(now.data(), answer.standing.data());
+    machine.stand(now.data(), nullptr, answer.standing.data());
     machine.outputs(answer.outputs.data());
     return answer;
 }

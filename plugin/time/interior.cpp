@@ -367,6 +367,7 @@ void Interior::find_stiffest() {
 /// What follows from the factor.
 void Interior::take_factor(const Mechanism& mechanism, const std::vector<Frame>& at) {
     find_responses(mechanism);
+    if (!work_.laws.are_wanted(record_.is_slow != 0)) return;
     work_.laws.form(mechanism, at);
     work_.laws.find_responses(matrix_.factor, mechanism.scheme.step_size(), work_.column_u, work_.column_q);
 }

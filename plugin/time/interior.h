@@ -201,6 +201,7 @@ private:
         double scale = 0;      ///< size of the motion, slowly forgetting [m/s]
         double load_work = 0;  ///< of the loads up to t_{n−1} [J]
         double last_work = 0;  ///< over the step from there to t_n [J]
+        double is_slow = 0;    ///< 1: some step was slow; laws are found together from then on
     };
     /// The motion inside for one motion of the ports, linear about the last pass: u + change.
     struct Solution {

@@ -254,7 +254,8 @@ Vector6 Interior::passed_on(const std::vector<Frame>& frames, size_t frame, cons
 /// Solves for the correction and returns its size: the largest speed of a point.
 double Interior::correct(const Mechanism& mechanism, Solution& solution) const {
     matrix_.factor.solve(solution.change, solution.q_change);
-    work_.laws.correct(mechanism, work_.trial, solution.change, solution.q_change, solution.laws);
+    if (work_.laws.are_wanted(record_.is_slow != 0))
+        work_.laws.correct(mechanism, work_.trial, solution.change, solution.q_change, solution.laws);
     return largest_size(solution.change, layout_.turn_weight);
 }
 
@@ -344,7 +345,10 @@ void Interior::pass(const Mechanism& mechanism, dttmm_progress& progress) {
     place(mechanism, solution.u);
     find_forces(mechanism, solution);
     form_residuals(mechanism, solution);
-    if (solution.rate > kTooSlow) form_at_trial(mechanism);
+    if (solution.rate > kTooSlow) {
+        record_.is_slow = 1;
+        form_at_trial(mechanism);
+    }
     const double residual = largest_size(solution.change, layout_.spin_weight);
     solution.correction = correct(mechanism, solution);
     if (!std::isfinite(solution.correction + solution.floor))

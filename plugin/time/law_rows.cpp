@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/index.h"
 #include "time/interior_parts.h"
@@ -21,11 +20,16 @@ LawRows::LawRows(const Mechanism& mechanism, int driven) {
     // Measured: 3.3 ns a step times the cube of the rows; without them some passes more, about 0.5 us for a frame
     constexpr double kCubePerFrame = 150;
     const auto count = static_cast<double>(rows_.size());
-    if (count * count * count > kCubePerFrame * mechanism.assembly.inner_count()) rows_.clear();
+    is_cheap_ = count * count * count <= kCubePerFrame * mechanism.assembly.inner_count();
+    if (rows_.size() > kMostRows) rows_.clear();
     const auto n = as_row(rows_.size());
     for (Eigen::VectorXd* list : {&start_, &base_, &wanted_, &z_, &change_, &psi_, &slope_, &lack_}) list->setZero(n);
     for (Eigen::MatrixXd* matrix : {&compliance_, &newton_}) matrix->setZero(n, n);
     if (n > 0) factor_ = Eigen::PartialPivLU<Eigen::MatrixXd>(n);
+    size_t rigid = 0;
+    for (const Joint& joint : mechanism.joints) rigid += joint.rigid().count();
+    responses_.reserve(rows_.size() * as_size(mechanism.assembly.inner_count()));
+    rigid_responses_.reserve(rows_.size() * rigid);
 }
 
 void LawRows::form(const Mechanism& mechanism, const std::vector<Frame>& at) {
@@ -87,30 +91,38 @@ void LawRows::look(const Mechanism& mechanism, const std::vector<Frame>& trial, 
     }
 }
 
-/// Newton's iteration for z, until its last digits no longer fall.
+/// What z lacks of the motion wanted, with the laws there.
+void LawRows::find_lack(const Mechanism& mechanism) {
+    for (Eigen::Index r = 0; r < z_.size(); ++r) {
+        const Joint::OnPath path = on_path(mechanism, r, z_(r));
+        const double gain = rows_[as_size(r)].gain;
+        psi_(r) = path.force - base_(r) - gain * z_(r);
+        slope_(r) = path.gain - gain;
+    }
+    lack_ = wanted_ - z_;
+    lack_.noalias() -= compliance_ * psi_;
+}
+
+/// Newton's iteration for z, until its last digits no longer fall. A correction that makes it worse, as across the kink of a
+/// law, is halved until it does not: a small enough part of it never does.
 bool LawRows::solve(const Mechanism& mechanism) {
     constexpr int kMostPasses = 200;
     constexpr double kRounding = 1e-12;  // a change that no longer falls is that of the last digits, if it is so small
     z_.setZero();
-    double last = std::numeric_limits<double>::infinity();
+    find_lack(mechanism);
     for (int pass = 0; pass < kMostPasses; ++pass) {
-        for (Eigen::Index r = 0; r < z_.size(); ++r) {
-            const Joint::OnPath path = on_path(mechanism, r, z_(r));
-            const double gain = rows_[as_size(r)].gain;
-            psi_(r) = path.force - base_(r) - gain * z_(r);
-            slope_(r) = path.gain - gain;
-        }
-        lack_ = wanted_ - z_;
-        lack_.noalias() -= compliance_ * psi_;
         newton_ = compliance_ * slope_.asDiagonal();
         newton_.diagonal().array() += 1;
         factor_.compute(newton_);
         change_ = factor_.solve(lack_);
-        const double size = change_.norm();
-        if (!std::isfinite(size)) return false;
-        if (size == 0 || (size >= last && size <= kRounding * (start_.norm() + z_.norm() + wanted_.norm()))) return true;
-        z_ += change_;
-        last = size;
+        if (!change_.allFinite()) return false;
+        const double lacking = lack_.norm();
+        for (z_ += change_;; z_ -= change_) {
+            find_lack(mechanism);
+            if (lack_.norm() < lacking) break;
+            if (change_.norm() <= kRounding * (start_.norm() + z_.norm() + wanted_.norm())) return true;
+            change_ *= 0.5;
+        }
     }
     return false;
 }

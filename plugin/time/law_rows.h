@@ -16,10 +16,13 @@ namespace dttmm::plugin {
 ///     z = z₀ − C ψ(z),   ψ(z) = Φ(s + z) − Φ(s) − D z,   C = h² G A⁻¹ Gᵀ,
 /// z = h G δ the change of their deformations s, Φ their forces over the step; then δ = δ₀ − h A⁻¹ Gᵀ ψ. So a pass finds the
 /// forces of laws as it finds linear ones, and the matrix is kept. (Woodbury's identity, for forces that are not linear.)
-/// These equations take the cube of the number of rows. Where that is more than some passes over the network none is taken:
-/// the iteration of the network then finds the laws by itself.
+/// These equations take the cube of the number of rows. Where that is more than some passes over the network they are wanted
+/// only once the iteration of the network, which otherwise finds the laws by itself, has been slow. Networks with more than
+/// kMostRows take none.
 class LawRows {
 public:
+    static constexpr size_t kMostRows = 100;  ///< at 3 ms a step
+
     /// driven: number of frames before the inner ones.
     LawRows(const Mechanism& mechanism, int driven);
 
@@ -34,6 +37,8 @@ public:
     /// Adds to the force of a joint, as D has it, what ψ adds; its frames' axes.
     void add_force(size_t joint, const std::vector<double>& psi, Vector6& on_from, Vector6& on_to) const;
     size_t count() const { return rows_.size(); }
+    /// is_slow: whether a step of the network has been slow.
+    bool are_wanted(bool is_slow) const { return !rows_.empty() && (is_cheap_ || is_slow); }
 
 private:
     struct Row {
@@ -45,9 +50,11 @@ private:
     };
     Joint::OnPath on_path(const Mechanism& mechanism, Eigen::Index row, double z) const;
     void look(const Mechanism& mechanism, const std::vector<Frame>& trial, std::span<const Vector6> change);
+    void find_lack(const Mechanism& mechanism);
     bool solve(const Mechanism& mechanism);
 
     std::vector<Row> rows_;
+    bool is_cheap_ = false;
     std::vector<Vector6> responses_;  ///< A⁻¹ Gᵀ of a row, all inner frames, behind each other
     std::vector<double> rigid_responses_;
     size_t frames_ = 0, rigid_ = 0;

@@ -25,6 +25,7 @@ struct StepCoefficients {
 template <class Real>
 struct ForeshorteningOf {
     Real mixed{}, bow{}, sway_y{}, sway_z{};  ///< [1, m, 1/m, 1/m]
+    bool operator==(const ForeshorteningOf&) const = default;
 };
 using Foreshortening = ForeshorteningOf<double>;
 
@@ -32,6 +33,7 @@ using Foreshortening = ForeshorteningOf<double>;
 struct Axial {
     double length;   ///< of the line at the start [m]
     double natural;  ///< at which the joint is undeformed [m]
+    bool operator==(const Axial&) const = default;
 };
 
 /// The law of a massless joint in its six directions, each a spring with a damper beside it, rigid, or free. Its deformation
@@ -50,6 +52,8 @@ struct JointLaw {
     std::optional<Axial> axial;                                  ///< it acts along a line, which its x goes with
     double most_turn = std::numeric_limits<double>::infinity();  ///< |θ| up to which it holds [rad]
 
+    /// The laws of directions are equal where they are one object.
+    bool operator==(const JointLaw&) const = default;
     /// Gives a direction the law in place of a linear spring.
     void set(int direction, std::shared_ptr<const Law> law);
     bool has_laws() const;

@@ -23,6 +23,10 @@ bool is_rotation(const Matrix3& R) {
     return R.allFinite() && (R * R.transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff() < 1e-9 && R.determinant() > 0;
 }
 
+std::shared_ptr<const std::string> label(const char* kind, const char* name) {
+    return std::make_shared<const std::string>(fmt::format("{} \"{}\"", kind, name));
+}
+
 /// What becomes one frame: nodes and lumps that are rigidly one.
 struct Part {
     FrameSpec frame;
@@ -56,11 +60,11 @@ private:
             const dttmm_body& body = description_.bodies[b];
             FrameSpec frame;
             frame.kind = FrameSpec::Kind::port;
-            frame.name = fmt::format("body \"{}\"", body.name);
+            frame.label = label("body", body.name);
             frame.pose = {Eigen::Map<const Vector3>(body.position), Eigen::Map<const RowMajor3>(body.rotation)};
             if (!frame.pose.position.allFinite() || !is_rotation(frame.pose.rotation))
                 throw Error(DTTMM_ERROR_ARGUMENT,
-                            fmt::format("{}: its position must be finite and its axes orthonormal", frame.name));
+                            fmt::format("{}: its position must be finite and its axes orthonormal", frame.name()));
             assembly_.frames.push_back(frame);
         }
         assembly_.port_count = as_int(assembly_.frames.size());
@@ -82,7 +86,7 @@ private:
                     throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("node \"{}\": it is on no body", node.name));
                 part.body = as_int(node.body);
             }
-            part.frame.name = fmt::format("node \"{}\"", node.name);
+            part.frame.label = label("node", node.name);
             part.frame.kind = node.kind == DTTMM_NODE_ON_BODY                        ? FrameSpec::Kind::port
                               : node.kind == DTTMM_NODE_GROUND || node.fixed == 0x3f ? FrameSpec::Kind::ground
                                                                                      : FrameSpec::Kind::inner;
@@ -122,10 +126,12 @@ private:
         const Parts parts = at(e, [&] { return made->discretise(ends); });
 
         const int first_lump = as_int(parts_.size());
+        const auto of_element = label("element", data.name);
         for (size_t l = 0; l < parts.lumps.size(); ++l) {
             const Lump& lump = parts.lumps[l];
             FrameSpec frame;
-            frame.name = fmt::format("segment {} of element \"{}\"", l + 1, data.name);
+            frame.segment = as_int(l) + 1;
+            frame.label = of_element;
             frame.element = e;
             frame.mass = lump.mass;
             frame.inertia = lump.inertia;
@@ -137,7 +143,7 @@ private:
             if (parts_[as_size(end)].frame.kind != FrameSpec::Kind::inner)
                 throw Error(DTTMM_ERROR_MODEL,
                             fmt::format("{}: a mass there would have no effect, or belongs to the body",
-                                        parts_[as_size(end)].frame.name),
+                                        parts_[as_size(end)].frame.name()),
                             e);
             welds_.emplace_back(first_lump + parts.mounted[i], end);
         }
@@ -145,8 +151,10 @@ private:
             return s < as_int(data.end_count) ? as_int(data.ends[s]) : first_lump + s - as_int(data.end_count);
         };
         assembly_.first_joint.push_back(as_int(assembly_.joints.size()));
-        for (const JointPart& joint : parts.joints)
-            assembly_.joints.push_back({e, station(joint.from), station(joint.to), joint.law, joint.pose});
+        for (const JointPart& joint : parts.joints) {
+            if (!law_ || (law_ != joint.law && *law_ != *joint.law)) law_ = joint.law;
+            assembly_.joints.push_back({e, station(joint.from), station(joint.to), law_, joint.pose});
+        }
     }
 
     std::unique_ptr<const Element> make(int e) const {
@@ -196,7 +204,7 @@ private:
             const Pose& frame = assembly_.frames[as_size(spec.frame)].pose;
             spec.offset = frame.rotation.transpose() * (parts_[n].pose.position - frame.position);
             spec.rotation = frame.rotation.transpose() * parts_[n].pose.rotation;
-            spec.name = parts_[n].frame.name;
+            spec.name = parts_[n].frame.name();
             spec.element = parts_[n].frame.element;
             assembly_.nodes.push_back(spec);
         }
@@ -286,7 +294,7 @@ private:
             if ((data.fixed >> d & 1) == 0 || speed == 0) continue;
             throw Error(DTTMM_ERROR_MODEL,
                         fmt::format("{}: its {} at the start moves it in {}, which is fixed; give none there",
-                                    parts_[n].frame.name, d < 3 ? "velocity" : "angular velocity", kDirectionNames[d]),
+                                    parts_[n].frame.name(), d < 3 ? "velocity" : "angular velocity", kDirectionNames[d]),
                         parts_[n].frame.element);
         }
     }
@@ -295,7 +303,7 @@ private:
     int ground_at(const Vector3& point) {
         FrameSpec frame;
         frame.kind = FrameSpec::Kind::ground;
-        frame.name = "the ground";
+        frame.label = std::make_shared<const std::string>("the ground");
         frame.pose.position = point;
         const int index = assembly_.driven_count++;
         assembly_.frames.insert(assembly_.frames.begin() + index, frame);
@@ -315,10 +323,13 @@ private:
     const Waves waves_;
     std::vector<Part> parts_;  ///< the nodes, then the lumps of the elements
     std::vector<std::pair<int, int>> welds_;
+    std::shared_ptr<const JointLaw> law_;  ///< of the joint before: joints in succession that are alike share one
     Assembly assembly_;
 };
 
 }  // namespace
+
+std::string FrameSpec::name() const { return segment > 0 ? fmt::format("segment {} of {}", segment, *label) : *label; }
 
 Assembly assemble(const dttmm_network& description, Waves waves) { return Assembler(description, waves).take(); }
 

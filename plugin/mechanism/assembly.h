@@ -17,11 +17,14 @@ namespace dttmm::plugin {
 struct FrameSpec {
     enum class Kind { port, ground, inner };
     Kind kind = Kind::inner;
-    std::string name;                   ///< for messages: node "muzzle", segment 3 of element "barrel"
-    int element = -1;                   ///< one that hangs on it
-    Pose pose;                          ///< at the start; of a port that of its body
-    double mass = 0;                    ///< [kg]
-    Matrix3 inertia = Matrix3::Zero();  ///< about the origin, axes of the frame [kg m²]
+    int segment = 0;                           ///< of an element, from 1; 0: it is no segment
+    int element = -1;                          ///< one that hangs on it
+    std::shared_ptr<const std::string> label;  ///< node "muzzle"; of all segments of an element: element "barrel"
+    Pose pose;                                 ///< at the start; of a port that of its body
+    double mass = 0;                           ///< [kg]
+    Matrix3 inertia = Matrix3::Zero();         ///< about the origin, axes of the frame [kg m²]
+    /// For messages: node "muzzle", segment 3 of element "barrel".
+    std::string name() const;
 };
 
 /// A massless joint between two frames.
@@ -55,10 +58,10 @@ struct NodeSpec {
 struct Assembly {
     std::vector<FrameSpec> frames;
     int port_count = 0, driven_count = 0;  ///< ports; ports and ground
-    std::vector<JointSpec> joints;
-    std::vector<LineSpec> lines;   ///< with Waves::exact
-    std::vector<NodeSpec> nodes;   ///< in the order of the description
-    std::vector<int> first_joint;  ///< of every element, and one past the last
+    std::vector<JointSpec> joints;         ///< of a Network until it is made
+    std::vector<LineSpec> lines;           ///< with Waves::exact
+    std::vector<NodeSpec> nodes;           ///< in the order of the description
+    std::vector<int> first_joint;          ///< of every element, and one past the last
     int inner_count() const { return as_int(frames.size()) - driven_count; }
 };
 

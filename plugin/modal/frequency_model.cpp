@@ -133,7 +133,7 @@ std::vector<int> FrequencyModel::add_inner_frames(const Assembly& assembly) {
         frame_of.push_back(is_port ? as_int(frame_of.size()) : -1);
         if (is_port || spec.kind != FrameSpec::Kind::inner) continue;
         const int own = frame_of.back() = as_int(frames.size());
-        frames.push_back({spec.pose.position, spec.name, spec.element});
+        frames.push_back({spec.pose.position, spec.name(), spec.element});
         const Matrix3& R = spec.pose.rotation;
         if (spec.mass > 0) masses.push_back({own, mass_block(spec.mass, R * spec.inertia * R.transpose())});
         total_mass += spec.mass;

@@ -65,7 +65,7 @@ Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
         throw Error(DTTMM_ERROR_MODEL,
                     "it hangs on a node that is no body, or has a mass of its own: that wants the implicit coupling", 0);
     choose_lanes(mechanism);
-    make_room(mechanism);
+    make_room();
     form_dynamic_stiffness(mechanism, mechanism.frames, kTrialRate, matrix_.factor);
     factor(mechanism, matrix_.factor, DTTMM_ERROR_MODEL);
 }
@@ -83,12 +83,11 @@ void Interior::choose_lanes(const Mechanism& mechanism) {
     std::sort(others_.begin(), others_.end());
 }
 
-/// Nothing is allocated later.
-void Interior::make_room(const Mechanism& mechanism) {
+/// Of what is kept from step to step, and of what is small.
+void Interior::make_room() {
     const size_t n = as_size(layout_.count), rigid = as_size(matrix_.factor.rigid_count()), ports = as_size(layout_.ports);
     matrix_.near_blocks.resize(layout_.near_joints.size());
     matrix_.near_columns.resize(layout_.near_joints.size());
-    matrix_.responses.assign(36 * n * ports, 0);
     matrix_.rigid_responses.setZero(as_row(rigid), 6 * layout_.ports);
 
     for (auto* list : {&past_.u, &past_.u_before}) list->assign(n, Vector6::Zero());
@@ -98,34 +97,38 @@ void Interior::make_room(const Mechanism& mechanism) {
     rigid_.assign(rigid, 0);
     for (auto* list : {&port_u_, &port_u_before_}) list->assign(ports, Vector6::Zero());
 
-    for (auto* list : {&instant_.velocities, &instant_.accelerations}) list->resize(n);
     instant_.of_ports.resize(ports);
-    if (massless_.has_balances()) {
-        instant_.corrections.resize(n);
-        instant_.wrench_rates.resize(n);
-    }
     instant_.rigid = instant_.rigid_rates = rigid_;
 
     open_.rigid_known.resize(layout_.rigid_joints.size());
     open_.node_loads.assign(layout_.inner_nodes.size(), Vector6::Zero());
-    open_.solution.ports.assign(mechanism.frames.begin(), mechanism.frames.begin() + layout_.ports);
-    open_.solution.u.assign(n, Vector6::Zero());
-    open_.solution.change.assign(n, Vector6::Zero());
     open_.solution.q.assign(rigid, 0);
     open_.solution.q_change.assign(rigid, 0);
     open_.solution.near.resize(layout_.near_joints.size());
     open_.solution.laws.assign(work_.laws.count(), 0);
 
-    work_.column_u.assign(n, Vector6::Zero());
     work_.column_q.assign(rigid, 0);
     work_.port_change.setZero(6 * layout_.ports);
     work_.rigid_change.setZero(as_row(rigid));
-    work_.trial = mechanism.frames;
-    work_.motion.assign(n, Vector6::Zero());
-    work_.wrench.assign(mechanism.frames.size(), Vector6::Zero());
     for (auto* list : {&work_.end_wrench, &work_.damping_wrench}) list->assign(massless_.frames().size(), Vector6::Zero());
     work_.massless_residuals.resize(massless_.frames().size());
     work_.q = rigid_;
+}
+
+/// Of all frames, for the steps to come: nothing is allocated later. Not before the start, as linearise() takes much memory
+/// for a while.
+void Interior::make_room_for_steps(const Mechanism& mechanism) {
+    const size_t n = as_size(layout_.count);
+    matrix_.responses.assign(36 * n * as_size(layout_.ports), 0);
+    for (auto* list : {&instant_.velocities, &instant_.accelerations}) list->resize(n);
+    if (massless_.has_balances()) {
+        instant_.corrections.resize(n);
+        instant_.wrench_rates.resize(n);
+    }
+    open_.solution.ports.assign(mechanism.frames.begin(), mechanism.frames.begin() + layout_.ports);
+    for (auto* list : {&open_.solution.u, &open_.solution.change, &work_.motion}) list->assign(n, Vector6::Zero());
+    work_.wrench.assign(mechanism.frames.size(), Vector6::Zero());
+    work_.trial = mechanism.frames;
 }
 
 // ---- The matrix ---------------------------------------------------------------------------------------------------------
@@ -325,7 +328,7 @@ void Interior::refuse(const Mechanism& mechanism, const Elimination::Fault& faul
             fmt::format("{}: nothing determines its motion in {} (its own axes): {}no element holds it there; give "
                         "it a stiffness, a mass or "
                         "a `fixed` direction",
-                        frame.name, kDirectionNames[as_size(fault.direction)], is_massless ? "it has no mass, and " : ""),
+                        frame.name(), kDirectionNames[as_size(fault.direction)], is_massless ? "it has no mass, and " : ""),
             frame.element);
     }
     const Joint& joint = mechanism.joints[as_size(fault.link)];
@@ -369,12 +372,12 @@ void Interior::take_factor(const Mechanism& mechanism, const std::vector<Frame>&
     find_responses(mechanism);
     if (!work_.laws.are_wanted(record_.is_slow != 0)) return;
     work_.laws.form(mechanism, at);
-    work_.laws.find_responses(matrix_.factor, mechanism.scheme.step_size(), work_.column_u, work_.column_q);
+    work_.laws.find_responses(matrix_.factor, mechanism.scheme.step_size(), work_.motion, work_.column_q);
 }
 
 /// How the inside follows a unit motion of each port.
 void Interior::find_responses(const Mechanism& mechanism) {
-    std::vector<Vector6>& r = work_.column_u;
+    std::vector<Vector6>& r = work_.motion;
     std::vector<double>& g = work_.column_q;
     for (int column = 0; column < 6 * layout_.ports; ++column) {
         const int port = column / 6, c = column % 6;

@@ -223,7 +223,8 @@ private:
     bool is_inner(int frame) const { return layout_.is_inner(frame); }
 
     void choose_lanes(const Mechanism& mechanism);
-    void make_room(const Mechanism& mechanism);
+    void make_room();
+    void make_room_for_steps(const Mechanism& mechanism);
     FrameLoad& frame_load(size_t frame) { return frame_loads_[as_size(layout_.load_of[frame])]; }
     const FrameLoad& frame_load(size_t frame) const { return frame_loads_[as_size(layout_.load_of[frame])]; }
     void assemble(const Mechanism& mechanism, const std::vector<Frame>& at);
@@ -362,13 +363,14 @@ private:
     struct Work {
         explicit Work(LawRows law_rows) : laws(std::move(law_rows)) {}
         LawRows laws;
-        std::vector<Vector6> column_u;  ///< of a unit load or motion
-        std::vector<double> column_q;
+        std::vector<double> column_q;  ///< of a unit load or motion
         Eigen::VectorXd port_change;   ///< from the solution in use to the end of the step asked for, 6 per port, local
         Eigen::VectorXd rigid_change;  ///< what it changes in the forces of rigid directions, times h
         std::vector<Frame> trial;
-        std::vector<Vector6> motion;  ///< of the inner frames over the step that is committed, each in its axes at t_n
-        std::vector<Vector6> wrench;  ///< over the step, on every frame at its origin at t_n, world
+        /// Of the inner frames: over the step that is committed, each in its axes at t_n. Before that of a unit load or
+        /// motion.
+        std::vector<Vector6> motion;
+        std::vector<Vector6> wrench;                      ///< over the step, on every frame at its origin at t_n, world
         std::vector<Vector6> end_wrench, damping_wrench;  ///< on the massless frames at the end, and half way
         std::vector<MasslessFrames::Residual> massless_residuals;
         std::vector<double> q;

@@ -287,7 +287,7 @@ void Interior::start(Mechanism& mechanism, Ports ports, const double* accelerati
     }
     for (size_t p = 0; p < port_u_.size(); ++p) port_u_[p] = joined(start.velocities[p]);
     port_u_before_ = port_u_;
-    work_.trial = mechanism.frames;
+    make_room_for_steps(mechanism);
     refactor(mechanism);
 }
 

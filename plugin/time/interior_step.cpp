@@ -537,7 +537,7 @@ void Interior::refuse_divergence(const Mechanism& mechanism, size_t i) const {
     throw Error(DTTMM_ERROR_NUMERIC,
                 fmt::format("{} has diverged, or turns more than half a turn a step: position ({:.4g}, {:.4g}, {:.4g}) m, "
                             "velocity ({:.4g}, {:.4g}, {:.4g}) m/s, turning at {:.4g} rad/s; try a smaller step",
-                            frame.name, x.x(), x.y(), x.z(), v.x(), v.y(), v.z(), tail(work_.motion[i]).norm()),
+                            frame.name(), x.x(), x.y(), x.z(), v.x(), v.y(), v.z(), tail(work_.motion[i]).norm()),
                 frame.element);
 }
 

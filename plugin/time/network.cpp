@@ -58,6 +58,7 @@ Network::Network(const dttmm_network& description, Places places) : places_(std:
     }
     choose_blocks();
     declare_channels(description);
+    std::vector<JointSpec>().swap(mechanism_.assembly.joints);
     earlier_.assign(mechanism_.frames.begin(), mechanism_.frames.begin() + mechanism_.assembly.driven_count);
     instant_.port_velocities.resize(places_.bodies.size());
     start_velocities_.resize(places_.bodies.size());
@@ -83,7 +84,6 @@ void Network::declare_channels(const dttmm_network& description) {
     for (uint32_t e = 0; e < description.element_count; ++e) {
         const int first = assembly.first_joint[e], count = assembly.first_joint[e + 1] - first;
         results_.piece_begin.push_back(results_.channels.size());
-        results_.chains.push_back({});
         if (count == 0) continue;
         if (count == 1 && mechanism_.joints[as_size(first)].is_axial()) {
             declare("force", "N", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_RESULT);
@@ -103,7 +103,7 @@ void Network::declare_channels(const dttmm_network& description) {
         for (int k = 0; k < count; ++k)
             declare_vectors(fmt::format("section{}.", k), {{"force", "N"}, {"moment", "N*m"}}, DTTMM_OF_ELEMENT, e,
                             DTTMM_ROLE_ON_REQUEST);
-        ChainView& chain = results_.chains.back();
+        ChainView& chain = results_.chains.emplace_back();
         chain.from_node = as_int(description.elements[e].ends[0]);
         chain.to_node = as_int(description.elements[e].ends[1]);
         const Matrix3& axes = assembly.joints[as_size(first)].pose.rotation;
@@ -607,9 +607,8 @@ double* Network::write_energies(double* out, int first, int last) const {
 }
 
 /// A beam or rod: force and moment at its `from` end, motion of its `to` end against that, then what its sections carry.
-double* Network::write_chain(double* out, size_t element) const {
+double* Network::write_chain(double* out, size_t element, const ChainView& chain) const {
     const Assembly& assembly = mechanism_.assembly;
-    const ChainView& chain = results_.chains[element];
     const int first = assembly.first_joint[element], last = assembly.first_joint[element + 1];
     double* const total = out;
     const NodeSpec &from_node = assembly.nodes[as_size(chain.from_node)], &to_node = assembly.nodes[as_size(chain.to_node)];
@@ -658,13 +657,14 @@ void Network::outputs(double* values) const {
     if (!instant_.is_known) stand_by_centred_velocities();
     const std::vector<int>& first_joint = mechanism_.assembly.first_joint;
     const size_t elements = first_joint.size() - 1;
+    auto chain = results_.chains.begin();
     for (size_t e = 0; e < elements; ++e) {
         const int count = first_joint[e + 1] - first_joint[e];
         double* const out = values + results_.places[e];
         if (count == 1)
             write_energies(write_joint(out, as_size(first_joint[e])), first_joint[e], first_joint[e + 1]);
         else if (count > 1)
-            write_chain(out, e);
+            write_chain(out, e, *chain++);
     }
     if (!interior_) return;
     double* out = values + results_.places[elements];

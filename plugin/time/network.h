@@ -127,8 +127,9 @@ private:
     void stand_by_centred_velocities() const;
     void add_wrenches(double* wrench) const;
     bool has_limit(int joint) const { return std::isfinite(mechanism_.joints[as_size(joint)].law().most_turn); }
+    struct ChainView;
     double* write_joint(double* out, size_t joint) const;
-    double* write_chain(double* out, size_t element) const;
+    double* write_chain(double* out, size_t element, const ChainView& chain) const;
     double* write_node(double* out, size_t node) const;
     double* write_energies(double* out, int first, int last) const;
 
@@ -181,7 +182,7 @@ private:
         Vector3 rest = Vector3::Zero();           ///< from end to end, axes of the element
     };
     struct Results {
-        std::vector<ChainView> chains;  ///< of every element; unused where it has one joint or none
+        std::vector<ChainView> chains;  ///< of the elements with several joints
         std::vector<int> nodes;         ///< with channels
         std::vector<dttmm_channel> channels;
         /// Of channels: a long beam has 10^5.

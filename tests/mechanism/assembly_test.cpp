@@ -113,7 +113,7 @@ TEST(Assembly, PortsComeFirstThenTheGroundThenTheInside) {
     EXPECT_EQ(a.driven_count, 4);
     EXPECT_EQ(a.inner_count(), 4) << "a node and three segments";
     std::vector<std::string> names;
-    for (const FrameSpec& frame : a.frames) names.push_back(frame.name);
+    for (const FrameSpec& frame : a.frames) names.push_back(frame.name());
     EXPECT_EQ(names, (std::vector<std::string>{"body \"r\"", "body \"l\"", "node \"w\"", "node \"h\"", "node \"i\"",
                                                "segment 1 of element \"beam\"", "segment 2 of element \"beam\"",
                                                "segment 3 of element \"beam\""}));
@@ -168,7 +168,7 @@ TEST(Assembly, MassesAtANodeBecomeOne) {
     EXPECT_LT((frame.pose.position - centre).norm(), 1e-15);
     EXPECT_EQ(frame.pose.rotation, R);
     EXPECT_LT((frame.inertia - tensor).norm(), 1e-14 * tensor.norm());
-    EXPECT_EQ(frame.name, "node \"first\"");
+    EXPECT_EQ(frame.name(), "node \"first\"");
     EXPECT_EQ(frame.kind, FrameSpec::Kind::inner);
     EXPECT_EQ(a.joints[0].to, 1);
     EXPECT_EQ(a.joints[0].pose.position, d.position(second)) << "where it is, not at the centre of mass";

@@ -193,14 +193,16 @@ void Networks::refuse_wrench(size_t instance, size_t body) const {
 
 void Networks::linearise(const std::vector<BodyState>& at, double* wrenches, const LinearSink* sink) {
     gather(at);
+    GuardedArray damping_blocks;
     for (size_t n = 0; n < instances_.size(); ++n) {
-        double *stiffness = sink ? make_room(n, stiffness_) : nullptr, *damping = sink ? make_room(n, damping_) : nullptr;
+        double* stiffness = sink ? make_room(n, stiffness_) : nullptr;
+        double* damping = sink ? make_room(n, damping_blocks) : nullptr;
         tell_place(n, [&] {
             instances_[n].linearise(motions_.data(), wrenches_.data(), stiffness, damping);
             scatter(n, wrenches);
             if (!sink) return;
             check_matrix(n, stiffness_, "stiffness", " at the start");
-            check_matrix(n, damping_, "damping", " at the start");
+            check_matrix(n, damping_blocks, "damping", " at the start");
         });
         if (!sink) continue;
         for (const dttmm_block& block : instances_[n].blocks()) {
@@ -228,11 +230,12 @@ std::vector<Networks::TakenUp> Networks::take_up(const std::vector<BodyState>& a
                 list.push_back({instance.element_name(e), elastic[e], damped[e]});
             continue;
         }
-        double *stiffness = make_room(n, stiffness_), *damping = make_room(n, damping_);
+        GuardedArray damping_blocks;
+        double *stiffness = make_room(n, stiffness_), *damping = make_room(n, damping_blocks);
         tell_place(n, [&] {
             instance.linearise(motions_.data(), wrenches_.data(), stiffness, damping);
             check_matrix(n, stiffness_, "stiffness", " at the start");
-            check_matrix(n, damping_, "damping", " at the start");
+            check_matrix(n, damping_blocks, "damping", " at the start");
         });
         TakenUp& all = list.emplace_back(instance.name(), 0.0, 0.0);
         using Map = Eigen::Map<const Eigen::Matrix<double, 6, 1>>;

@@ -112,7 +112,7 @@ private:
     std::vector<dttmm_motion> motions_;  ///< of every body, as last gathered
     // Written by plugins:
     GuardedArray wrenches_;                      ///< of every body
-    GuardedArray stiffness_, damping_;           ///< blocks of the instance at hand
+    GuardedArray stiffness_;                     ///< blocks of the instance at hand
     mutable std::vector<GuardedArray> outputs_;  ///< of every instance
     std::vector<double> loads_;
 };

@@ -77,8 +77,7 @@ Observer::Observer(const Model& model, const Networks& networks, const EndOfStep
     declare_joints(model, end_of_step.joints());
     declare_bodies(model);
     declare_energies();
-    row_.resize(channels_.size());
-    outputs_.resize(networks.output_count());
+    row_.resize(std::max(channels_.size(), 1 + networks.output_count()));
 }
 
 void Observer::add_vector(Channel::Of of, const std::string& owner, const char* quantity, const char* unit,
@@ -162,27 +161,29 @@ std::span<const double> Observer::row(double time, const Networks& networks, con
     if (!ledger_.opened) ledger_.initial = balance;
     ledger_.opened = true;
     for (double value : {kinetic, strain, dissipated, work, balance - ledger_.initial}) *out++ = value;
-    return row_;
+    return std::span(row_).first(channels_.size());
 }
 
+/// The outputs come into the row. Those that are parts of energies are taken out of it, the others move up.
 double* Observer::write_networks(double* out, const Networks& networks, Energies& energies) {
-    networks.outputs(outputs_.data());
-    for (size_t i = 0; i < outputs_.size(); ++i) {
+    networks.outputs(out);
+    const double* output = out;
+    for (size_t i = 0; i < roles_.size(); ++i, ++output) {
         switch (roles_[i]) {
             case DTTMM_ROLE_STRAIN_ENERGY:
-                energies.strain += outputs_[i];
+                energies.strain += *output;
                 break;
             case DTTMM_ROLE_KINETIC_ENERGY:
-                energies.kinetic += outputs_[i];
+                energies.kinetic += *output;
                 break;
             case DTTMM_ROLE_DISSIPATED_ENERGY:
-                energies.dissipated += outputs_[i];
+                energies.dissipated += *output;
                 break;
             case DTTMM_ROLE_WORK:
-                energies.work += outputs_[i];
+                energies.work += *output;
                 break;
             default:
-                *out++ = outputs_[i];
+                *out++ = *output;
         }
     }
     return out;

@@ -28,6 +28,7 @@ struct Limit {
 /// under Newmark's rule the ledger of a linear machine closes to rounding.
 class Observer {
 public:
+    /// The model must outlive it.
     Observer(const Model& model, const Networks& networks, const EndOfStep& end_of_step);
 
     /// One per number of a row; the first is "time".
@@ -75,10 +76,10 @@ private:
     double gravity_work(const std::vector<BodyState>& at) const;
 
     std::vector<Channel> channels_;
-    std::vector<Body> bodies_;
+    const std::vector<Body>& bodies_;
     std::vector<Point> markers_;
     Eigen::Vector3d gravity_;
-    std::vector<double> row_, outputs_;
+    std::vector<double> row_;  ///< with room for all outputs of the networks behind the time
 
     std::vector<Limit> limits_;
     std::vector<uint8_t> roles_;  ///< of the outputs of the networks: a number of the row, or part of an energy

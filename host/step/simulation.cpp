@@ -18,6 +18,12 @@ constexpr double kFastest = 1e8;  // m/s and rad/s
 
 constexpr int kMostAttempts = 10;
 
+std::vector<BodyState> read_states(const World& world, size_t count) {
+    std::vector<BodyState> states(count);
+    world.read_states(states);
+    return states;
+}
+
 }  // namespace
 
 Simulation::Simulation(const Model& model, const Plugins& plugins)
@@ -27,17 +33,16 @@ Simulation::Simulation(const Model& model, const Plugins& plugins)
       networks_(model, plugins),
       loads_(model, networks_.load_weights()),
       end_of_step_(model, networks_),
-      observer_(model, networks_, end_of_step_),
-      now_(model.bodies.size()),
+      now_(read_states(world_, model.bodies.size())),
       after_(model.bodies.size()),
+      fastest_(find_fastest_mode(model, networks_, now_)),
+      observer_(model, networks_, end_of_step_),
       stops_(model.joints.size()),
       held_(model.bodies.size()) {
     for (const Joint& joint : model.joints) has_stops_ = has_stops_ || joint.limits;
     for (const Element& element : model.elements)
         for (const Attachment& end : element.ends)
             if (end.body >= 0) held_[as_size(end.body)] = true;
-    world_.read_states(now_);
-    fastest_ = find_fastest_mode(model, networks_, now_);
     if (!networks_.is_implicit()) limit_ = find_explicit_limit(model, networks_, now_, step_size_, model.simulation.scheme);
     first_after_ = now_;
     now_ = end_of_step_.start({0, 0.0, step_size_}, now_, networks_, loads_);

@@ -84,14 +84,14 @@ private:
     Networks networks_;
     Loads loads_;
     EndOfStep end_of_step_;
-    Observer observer_;
-    RowSink sink_;
-    TraceSink trace_;
+    std::vector<BodyState> now_, after_;  ///< at the start and at the end of the step
     FastestMode fastest_;
     std::optional<ExplicitLimit> limit_;
-    std::vector<BodyState> now_, after_;  ///< at the start and at the end of the step
-    World::Saved saved_;                  ///< now_ as ODE has it
-    std::vector<Stop> stops_;             ///< that are thought to act over the step
+    Observer observer_;  ///< made last: finding the fastest vibration takes much memory
+    RowSink sink_;
+    TraceSink trace_;
+    World::Saved saved_;       ///< now_ as ODE has it
+    std::vector<Stop> stops_;  ///< that are thought to act over the step
     bool has_stops_ = false;
     uint64_t engine_steps_ = 0;
     std::vector<BodyState>

@@ -130,9 +130,9 @@ ExitCode run(const Request& request) {
     session.refuse_unstable(request.force);
 
     const ResultsFolder folder(request.output.value_or(default_results_path(request.model)));
-    const Attributes attributes = {
-        {"title", session.model.title}, {"version", DTTMM_VERSION}, {"model", session.model.source}};
     const auto make_recorder = [&](Recorder::Rows rows) {
+        const Attributes attributes = {
+            {"title", session.model.title}, {"version", DTTMM_VERSION}, {"model", session.model.source}};
         return Recorder(folder, session.simulation.channels(), session.selection, attributes, rows);
     };
     std::optional<TraceFile> trace;

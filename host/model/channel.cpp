@@ -24,9 +24,7 @@ Channel::Channel(Of of, std::string_view owner, std::string_view quantity, std::
                  bool by_default)
     : owner_(keep(std::string(owner))),
       quantity_(keep(std::string(quantity))),
-      axis_(keep(Axis{std::string(axis), std::string(unit)})),
-      of_(of),
-      by_default_(by_default) {}
+      axis_(keep(Axis{std::string(axis), std::string(unit), of, by_default})) {}
 
 std::string Channel::without_axis() const { return owner().empty() ? quantity() : owner() + '.' + quantity(); }
 

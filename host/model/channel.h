@@ -20,8 +20,8 @@ public:
     /// It belongs to nothing and has a name only, as "time" has.
     Channel(std::string_view name, std::string_view unit) : Channel(Of::nothing, {}, name, {}, unit) {}
 
-    Of of() const { return of_; }
-    bool by_default() const { return by_default_; }
+    Of of() const { return axis_->of; }
+    bool by_default() const { return axis_->by_default; }
     const std::string& owner() const { return *owner_; }
     const std::string& quantity() const { return *quantity_; }
     const std::string& axis() const { return axis_->name; }
@@ -35,15 +35,16 @@ public:
     std::string without_axis() const;
 
 private:
+    /// What few channels differ in.
     struct Axis {
         std::string name, unit;
+        Of of;
+        bool by_default;
         auto operator<=>(const Axis&) const = default;
     };
 
     const std::string *owner_, *quantity_;
     const Axis* axis_;
-    Of of_;
-    bool by_default_;
 };
 
 }  // namespace dttmm::host

@@ -119,7 +119,7 @@ private:
     template <typename Result>
     Result check(Result result, std::string_view fault) const;
 
-    Handle create_file() const;
+    Handle create_file(const Attributes& attributes) const;
     Handle create_dataset(const Column& column) const;
     void write_whole(const Column& column, const double* values) const;
     Handle open_dataset(const std::string& name) const;
@@ -128,12 +128,12 @@ private:
     const double* take_column(std::size_t channel);
 
     PartFile part_;  // declared first: removed last
-    Handle file_;
     const std::vector<Column> heads_;
-    std::vector<Handle> datasets_;  ///< of the first kMostOpen channels once rows were written; others are opened every time
-    hsize_t rows_per_chunk_;        ///< few for many channels, so that a short run of a large machine stays small
+    hsize_t rows_per_chunk_;  ///< few for many channels, so that a short run of a large machine stays small
     Settings settings_;
-    std::vector<double> waiting_;  ///< rows that are not written, one behind the other
+    Handle file_;
+    std::vector<Handle> datasets_;  ///< of the first kMostOpen channels once rows were written; others are opened every time
+    std::vector<double> waiting_;   ///< rows that are not written, one behind the other
     /// Values of kTogether channels, each channel's behind each other: as many as a line of the cache holds of a row.
     std::vector<double> columns_;
     hsize_t rows_waiting_ = 0;
@@ -150,24 +150,31 @@ Result Hdf5Writer::Implementation::check(Result result, std::string_view fault) 
 Hdf5Writer::Implementation::Implementation(const std::filesystem::path& path, const std::vector<Column>& columns,
                                            const Attributes& attributes)
     : part_(path),
-      file_(create_file()),
       heads_(columns),
       rows_per_chunk_(std::clamp(kNumbersWaiting / columns.size(), kFewestRowsPerChunk, kMostRowsPerChunk)),
       settings_(rows_per_chunk_),
+      file_(create_file(attributes)),
       waiting_(columns.size() * rows_per_chunk_),
       columns_(kTogether * rows_per_chunk_) {
-    for (const auto& [name, text] : attributes) write_attribute(file_, name, text);
     datasets_.reserve(std::min(columns.size(), kMostOpen));
 }
 
-Handle Hdf5Writer::Implementation::create_file() const {
+/// The file, with its attributes, closed and opened again: HDF5 would keep twice the text of the model in memory while it is
+/// open.
+Handle Hdf5Writer::Implementation::create_file(const Attributes& attributes) const {
     ::unlink(part_.path().c_str());  // what a killed run left, or a link: never written through
     const Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);
     H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);  // closing the file closes whatever a failure left open in it
     H5Pset_file_locking(access, false, true);        // the results folder is locked already, and not every disk can lock
     const Handle creation(H5Pcreate(H5P_FILE_CREATE), &H5Pclose);
     H5Pset_istore_k(creation, kHalfNode);
-    return Handle(check(H5Fcreate(part_.path().c_str(), H5F_ACC_EXCL, creation, access), "cannot create"), &H5Fclose);
+    {
+        Handle file(check(H5Fcreate(part_.path().c_str(), H5F_ACC_EXCL, creation, access), "cannot create"), &H5Fclose);
+        for (const auto& [name, text] : attributes) write_attribute(file, name, text);
+        check(file.close(), "cannot write");
+    }
+    H5garbage_collect();
+    return Handle(check(H5Fopen(part_.path().c_str(), H5F_ACC_RDWR, access), "cannot write"), &H5Fclose);
 }
 
 Handle Hdf5Writer::Implementation::create_dataset(const Column& column) const {

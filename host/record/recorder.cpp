@@ -24,12 +24,11 @@ std::vector<Column> pick(std::span<const Channel> all, const std::vector<int>& s
 
 }  // namespace
 
-Recorder::Recorder(std::span<const Channel> all) : channels_(all), statistics_(as_row(channels_.size())) {}
+Recorder::Recorder(std::span<const Channel> all) : channels_(all), statistics_(as_row(channels_.size())) { find_forces(); }
 
 Recorder::Recorder(const ResultsFolder& folder, std::span<const Channel> all, std::vector<int> selection,
                    const Attributes& attributes, Rows rows)
-    : Recorder(all) {
-    selection_ = std::move(selection);
+    : channels_(all), selection_(std::move(selection)) {
     std::vector<Column> picked = pick(channels_, selection_);
     check_columns(picked);
     csv_.emplace(folder.file("history.csv"), picked);
@@ -38,6 +37,21 @@ Recorder::Recorder(const ResultsFolder& folder, std::span<const Channel> all, st
             picked.push_back({picked[i].name + ".error", picked[i].unit});
     selected_values_.resize(picked.size());
     hdf5_.emplace(folder.file("history.h5"), picked, attributes);
+    statistics_ = Statistics(as_row(channels_.size()));  // last: HDF5 writes the attributes with several copies of them
+    find_forces();
+}
+
+void Recorder::find_forces() {
+    const auto is_force = [](const Channel& channel) { return channel.unit() == "N" && channel.by_default(); };
+    forces_.reserve(as_size(std::ranges::count_if(channels_, is_force)));
+    for (std::size_t c = 0; c < channels_.size(); ++c)
+        if (is_force(channels_[c])) forces_.push_back({as_int(c)});
+}
+
+/// Those among the channels first … end − 1.
+std::span<Recorder::Force> Recorder::forces(int first, int end) {
+    const auto begin = std::ranges::lower_bound(forces_, first, {}, &Force::channel);
+    return {begin, std::ranges::lower_bound(begin, forces_.end(), end, {}, &Force::channel)};
 }
 
 void Recorder::close_row(std::span<const double> values) {
@@ -76,8 +90,11 @@ void Recorder::adopt_unselected(const Recorder& other) {
         if (std::binary_search(selection_.begin(), selection_.end(), i)) continue;
         for (const auto kind : {&Statistics::peak_time, &Statistics::minimum, &Statistics::maximum, &Statistics::final})
             (statistics_.*kind)[i] = (other.statistics_.*kind)[i];
-        for (const auto kind : {&Statistics::ripple, &Statistics::bend})
-            (statistics_.*kind)[i] = (other.statistics_.*kind)[i];
+        for (Force& force : forces(i, i + 1)) {
+            const Force& others = other.forces_[as_size(&force - forces_.data())];
+            force.ripple = others.ripple;
+            force.bend = others.bend;
+        }
     }
 }
 
@@ -90,45 +107,51 @@ void Recorder::check_finite(int channel, double value, double time) const {
 
 ChannelStatistics Recorder::statistics(int channel) const {
     const Statistics& s = statistics_;
+    const auto force = std::ranges::lower_bound(forces_, channel, {}, &Force::channel);
+    const bool is_force = force != forces_.end() && force->channel == channel;
     return {std::max(std::abs(s.minimum[channel]), std::abs(s.maximum[channel])),
             s.peak_time[channel],
             s.minimum[channel],
             s.maximum[channel],
             s.final[channel],
-            s.ripple[channel],
-            s.bend[channel]};
+            is_force ? force->ripple : 0,
+            is_force ? force->bend : 0};
+}
+
+/// What the value of a force does to its ripple and bend, before it is in the statistics.
+void Recorder::count_force(Force& force, double value) const {
+    const double before = rows_ == 0 ? value : statistics_.final[force.channel];
+    const double peak = std::max(-statistics_.minimum[force.channel], statistics_.maximum[force.channel]);
+    if (rows_ >= 2 && std::abs(before) == peak)
+        force.bend = static_cast<float>(std::abs(value - before - static_cast<double>(force.change)));
+    if (std::abs(value) > peak) force.bend = 0;
+    constexpr float kRows = 10;  // to look back
+    // The smaller of the last two changes where they are opposite, else 0
+    const auto now = static_cast<float>(value - before);
+    const float opposite = std::max({std::min(now, -force.change), std::min(-now, force.change), 0.0F});
+    force.alternation += (0.5F * opposite - force.alternation) * (1 / kRows);
+    force.ripple = std::max(force.ripple, force.alternation);
+    force.change = now;
 }
 
 /// What the values of channels from `first` on do to the statistics.
 void Recorder::count(std::size_t first, std::span<const double> row, double time) {
+    for (Force& force : forces(as_int(first), as_int(first + row.size())))
+        count_force(force, row[as_size(force.channel) - first]);
     const auto size = as_row(row.size());
     const Eigen::Map<const Eigen::ArrayXd> value(row.data(), size);
     const auto of = [&](auto& numbers) { return numbers.segment(as_row(first), size); };
-    auto peak_time = of(statistics_.peak_time), minimum = of(statistics_.minimum), maximum = of(statistics_.maximum),
-         final = of(statistics_.final);
-    auto ripple = of(statistics_.ripple), bend = of(statistics_.bend), change = of(statistics_.change),
-         alternation = of(statistics_.alternation);
+    auto peak_time = of(statistics_.peak_time), minimum = of(statistics_.minimum), maximum = of(statistics_.maximum);
     if (rows_ == 0) {
         peak_time = time;
-        minimum = maximum = final = value;
+        minimum = maximum = value;
     }
     const auto peak = (-minimum).max(maximum);  // up to the row before
-    if (rows_ >= 2) bend = (final.abs() == peak).select((value - final - change.cast<double>()).abs().cast<float>(), bend);
     for (Eigen::Index i = 0; i < size; ++i)
-        if (std::abs(value[i]) > peak[i]) {
-            bend[i] = 0;
-            peak_time[i] = time;
-        }
+        if (std::abs(value[i]) > peak[i]) peak_time[i] = time;
     minimum = minimum.min(value);
     maximum = maximum.max(value);
-    constexpr float kRows = 10;  // to look back
-    // The smaller of the last two changes where they are opposite, else 0
-    const auto now = (value - final).cast<float>();
-    const auto opposite = now.min(-change).max((-now).min(change)).max(0);
-    alternation += (0.5F * opposite - alternation) * (1 / kRows);
-    ripple = ripple.max(alternation);
-    change = now;
-    final = value;
+    of(statistics_.final) = value;
 }
 
 void Recorder::finish() {

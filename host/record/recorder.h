@@ -21,6 +21,7 @@ struct ChannelStatistics {
     double minimum = 0;
     double maximum = 0;
     double final = 0;  ///< in the last row
+    // Of forces [N] that are recorded by default; else zero:
     /// Largest amplitude at which it alternated from row to row, as a mean over some ten rows: a vibration near half the
     /// rate of rows.
     double ripple = 0;
@@ -66,22 +67,29 @@ public:
 private:
     /// One kind of number of every channel stands together, so that a row is counted several channels at a time.
     struct Statistics {
+        Statistics() = default;
         explicit Statistics(Eigen::Index count) {
             for (Eigen::ArrayXd* numbers : {&peak_time, &minimum, &maximum, &final}) numbers->setZero(count);
-            for (Eigen::ArrayXf* numbers : {&ripple, &bend, &change, &alternation}) numbers->setZero(count);
         }
         Eigen::ArrayXd peak_time, minimum, maximum, final;
-        // Seven digits are enough for what a warning compares with a share of the peak
-        Eigen::ArrayXf ripple, bend;
-        Eigen::ArrayXf change;       ///< in the last row
-        Eigen::ArrayXf alternation;  ///< mean amplitude at which the last rows alternated
+    };
+    /// More of a channel that is a force. Seven digits are enough for what a warning compares with a share of the peak.
+    struct Force {
+        int channel;
+        float ripple = 0, bend = 0;
+        float change = 0;       ///< in the last row
+        float alternation = 0;  ///< mean amplitude at which the last rows alternated
     };
 
     void check_finite(int channel, double value, double time) const;
+    void find_forces();
+    std::span<Force> forces(int first, int end);
+    void count_force(Force& force, double value) const;
     void count(std::size_t first, std::span<const double> row, double time);
 
     std::span<const Channel> channels_;
     Statistics statistics_;
+    std::vector<Force> forces_;  ///< by channel
     long rows_ = 0;
 
     std::vector<int> selection_;

@@ -136,6 +136,7 @@ JointForce Interior::start_force(const Mechanism& mechanism, size_t j, const Sta
 /// The frames as the network is described.
 std::vector<Frame> Interior::frames_at_start(const Mechanism& mechanism) {
     std::vector<Frame> frames;
+    frames.reserve(mechanism.assembly.frames.size());
     for (const FrameSpec& frame : mechanism.assembly.frames) frames.push_back(make_frame(frame.pose));
     return frames;
 }

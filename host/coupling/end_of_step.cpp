@@ -234,7 +234,11 @@ const Instant& EndOfStep::find_instant(const std::vector<BodyState>& now, const 
         instant_.accelerations[b] << (after[b].velocity - now[b].velocity) / h_,
             (after[b].angular_velocity - now[b].angular_velocity) / h_;
     }
-    instant_multipliers_ = multipliers_;
+    for (size_t j = 0; j < descriptions_.size(); ++j) {  // the two matrices have orders of their own
+        const int count = system_.joints()[j].count();
+        instant_multipliers_.segment(instant_matrix_.joint_index(as_int(j)), count) =
+            multipliers_.segment(matrix_.joint_index(as_int(j)), count);
+    }
     if (!networks.stand()) return instant_;
     factor_instant(now);
     std::fill(wrenches_.begin(), wrenches_.end(), 0.0);

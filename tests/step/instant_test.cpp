@@ -605,6 +605,51 @@ material = {{ E = 51e9, poisson = 0.3, density = 5594 }}
     EXPECT_LT(apart, 0.05 * largest);
 }
 
+// Oracle: Newton's second law of a hub of 2 kg that a stop of its slider brings to rest, over each of the two steps of the
+// impact: the joint's force is the change of momentum over the step. The three springs pull with 3 x 10 N/m x 10.3 mm at
+// most. They make the hub the last body in the order of elimination of the step's matrix, not of that of an instant.
+TEST(Instant, AnImpactsRowHasTheImpulseOfTheStop) {
+    std::string text = R"toml(
+[simulation]
+duration = "0.02 s"
+step = "1 ms"
+[[body]]
+name = "hub"
+mass = 2
+inertia = [0.1, 0.1, 0.1]
+velocity = [1, 0, 0]
+[[joint]]
+name = "guide"
+type = "slider"
+between = ["ground", "hub"]
+anchor = [0, 0, 0]
+axis = [1, 0, 0]
+limits = ["-1 m", "10.3 mm"]
+)toml";
+    for (int i = 1; i <= 3; ++i)
+        text += fmt::format(R"toml(
+[[body]]
+name = "b{0}"
+mass = 1
+inertia = [0.1, 0.1, 0.1]
+position = [0, {0}, 0]
+[[element]]
+name = "s{0}"
+type = "spring_damper"
+from = "hub"
+to = "b{0}"
+stiffness = [10, 10, 10]
+)toml",
+                            i);
+    const RecordedRun rows(text);
+    double largest = 0;
+    for (size_t n = 0; n < rows.count(); ++n) {
+        EXPECT_NEAR(rows(n, "guide.force.x"), -2 * rows(n, "hub.acceleration.x"), 0.31) << n;
+        largest = std::max(largest, rows(n, "guide.force.x"));
+    }
+    EXPECT_GT(largest, 1000);
+}
+
 // Oracle: the turn of a free body about the axis of its spin; a mount without rotational stiffness does not resist it.
 TEST(Instant, TheRotationOfAMountThatResistsNoneIsMeasured) {
     const RecordedRun rows(R"toml(

@@ -64,7 +64,8 @@ void print_run(const Session& session) {
     const FastestMode& fastest = simulation.fastest_mode();
     const bool implicit = model.simulation.coupling == Coupling::implicit;
     int equations = 0;
-    for (const JointEquations& joint : simulation.end_of_step().joints()) equations += joint.lasting();
+    for (const JointEquations& joint : simulation.end_of_step().equations().joint_system().joints())
+        equations += joint.lasting();
     fmt::print(
         "  {} ({} unknowns per step), {}{}, {} ({} equations), {}, {}\n", counted(model.bodies.size(), "body", "bodies"),
         6 * model.bodies.size(), model.nodes.empty() ? "" : counted(model.nodes.size(), "node", "nodes") + ", ",

@@ -196,7 +196,7 @@ void warn_limits(const Simulation& simulation, Warnings& warnings) {
 
 /// What the linkages did without.
 void warn_singular_positions(const Simulation& simulation, const Model& model, Warnings& warnings) {
-    const EndOfStep::Passed& passed = simulation.end_of_step().singular_positions();
+    const SingularPosition::Passed& passed = simulation.end_of_step().singular_position().passed();
     if (passed.steps == 0) return;
     warnings.add(
         "singular-position",

@@ -66,15 +66,15 @@ void refuse_shared_channels(const Model& model, const std::vector<Channel>& chan
 
 }  // namespace
 
-Observer::Observer(const Model& model, const Networks& networks, const EndOfStep& end_of_step)
-    : bodies_(model.bodies), gravity_(model.simulation.gravity) {
+Observer::Observer(const Model& model, const Networks& networks, const JointSystem& joints)
+    : bodies_(model.bodies), joints_(joints.joints()), gravity_(model.simulation.gravity) {
     size_t markers = 0;
     for (const Body& body : bodies_) markers += body.markers.size();
     roles_.reserve(networks.output_count());
     channels_.reserve(networks.output_count() + 7 * model.joints.size() + 16 * bodies_.size() + 9 * markers + 6);
     channels_.emplace_back("time", "s");
     declare_networks(model, networks);
-    declare_joints(model, end_of_step.joints());
+    declare_joints(model);
     declare_bodies(model);
     declare_energies();
     row_.resize(std::max(channels_.size(), 1 + networks.output_count()));
@@ -98,12 +98,12 @@ void Observer::declare_networks(const Model& model, const Networks& networks) {
     refuse_shared_channels(model, channels_);
 }
 
-void Observer::declare_joints(const Model& model, const std::vector<JointEquations>& joints) {
+void Observer::declare_joints(const Model& model) {
     for (size_t j = 0; j < model.joints.size(); ++j) {
         const std::string& name = model.joints[j].name;
         add_vector(Of::joint, name, "force", "N");
         add_vector(Of::joint, name, "moment", "N*m");
-        const JointEquations& equations = joints[j];
+        const JointEquations& equations = joints_[j];
         if (!equations.has_coordinate()) continue;
         if (equations.turns())
             channels_.push_back(Channel(Of::joint, name, "angle", "", "rad"));
@@ -137,23 +137,22 @@ void Observer::declare_energies() {
         channels_.push_back(Channel(Of::energy, "energy", part, "", "J"));
 }
 
-void Observer::advance(const Loads& loads, const EndOfStep& end_of_step, const std::vector<BodyState>& before,
+void Observer::advance(const Loads& loads, const StepEquations& step, const std::vector<BodyState>& before,
                        const std::vector<BodyState>& after, double h) {
-    const double stop_loss = -end_of_step.stop_work(before, after);
+    const double stop_loss = -step.stop_work(before, after);
     ledger_.stop_loss += 0.5 * (ledger_.stop_loss_now + stop_loss);
     ledger_.stop_loss_now = stop_loss;
     ledger_.load_work += ledger_.last_work;
     ledger_.last_work = loads.work_over_step(before, after, h);
 }
 
-std::span<const double> Observer::row(double time, const Networks& networks, const EndOfStep& end_of_step,
-                                      const Instant& instant) {
+std::span<const double> Observer::row(double time, const Networks& networks, const Instant& instant) {
     Energies energies{kinetic_energy(instant.at), 0, ledger_.stop_loss, ledger_.load_work + gravity_work(instant.at)};
     row_.front() = time;
     double* out = write_networks(row_.data() + 1, networks, energies);
     for (Limit& limit : limits_)
         if (row_[limit.channel] > limit.most) limit.most = row_[limit.channel], limit.time = time;
-    out = write_joints(out, end_of_step, instant.at);
+    out = write_joints(out, instant);
     out = write_bodies(out, instant);
 
     const auto& [kinetic, strain, dissipated, work] = energies;
@@ -189,14 +188,13 @@ double* Observer::write_networks(double* out, const Networks& networks, Energies
     return out;
 }
 
-double* Observer::write_joints(double* out, const EndOfStep& end_of_step, const std::vector<BodyState>& at) const {
-    const std::vector<JointEquations>& joints = end_of_step.joints();
-    for (size_t j = 0; j < joints.size(); ++j) {
-        const Eigen::Matrix<double, 6, 1> wrench = end_of_step.joint_wrench(j, at);
-        const Eigen::Matrix3d axes = joints[j].axes(at);
+double* Observer::write_joints(double* out, const Instant& instant) const {
+    for (size_t j = 0; j < joints_.size(); ++j) {
+        const Eigen::Matrix<double, 6, 1>& wrench = instant.joint_wrenches[j];
+        const Eigen::Matrix3d axes = joints_[j].axes(instant.at);
         out = write(out, axes.transpose() * wrench.head<3>());
         out = write(out, axes.transpose() * wrench.tail<3>());
-        if (joints[j].has_coordinate()) *out++ = joints[j].coordinate(at);
+        if (joints_[j].has_coordinate()) *out++ = joints_[j].coordinate(instant.at);
     }
     return out;
 }

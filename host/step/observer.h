@@ -4,9 +4,10 @@
 #include <span>
 #include <vector>
 
-#include "coupling/end_of_step.h"
+#include "coupling/instant.h"
 #include "coupling/loads.h"
 #include "coupling/networks.h"
+#include "coupling/step_equations.h"
 #include "model/model.h"
 #include "record/channels.h"
 #include "world/world.h"
@@ -29,7 +30,7 @@ struct Limit {
 class Observer {
 public:
     /// The model must outlive it.
-    Observer(const Model& model, const Networks& networks, const EndOfStep& end_of_step);
+    Observer(const Model& model, const Networks& networks, const JointSystem& joints);
 
     /// One per number of a row; the first is "time".
     const std::vector<Channel>& channels() const { return channels_; }
@@ -37,12 +38,12 @@ public:
 
     /// Adds the work of loads over the step from t_n, which counts from the row at its end on, and that of stops; every
     /// step. `before`: poses at t_n, velocities over the step before; `after`: one step later.
-    void advance(const Loads& loads, const EndOfStep& end_of_step, const std::vector<BodyState>& before,
+    void advance(const Loads& loads, const StepEquations& step, const std::vector<BodyState>& before,
                  const std::vector<BodyState>& after, double h);
 
     /// The row at t_n, after the step from t_n was committed, advance() was called and the networks stand there. Valid until
     /// the next call.
-    std::span<const double> row(double time, const Networks& networks, const EndOfStep& end_of_step, const Instant& instant);
+    std::span<const double> row(double time, const Networks& networks, const Instant& instant);
 
 private:
     /// A point of a body that is recorded.
@@ -66,17 +67,18 @@ private:
     void add_vector(Channel::Of of, const std::string& owner, const char* quantity, const char* unit,
                     bool by_default = true);
     void declare_networks(const Model& model, const Networks& networks);
-    void declare_joints(const Model& model, const std::vector<JointEquations>& joints);
+    void declare_joints(const Model& model);
     void declare_bodies(const Model& model);
     void declare_energies();
     double* write_networks(double* out, const Networks& networks, Energies& energies);
-    double* write_joints(double* out, const EndOfStep& end_of_step, const std::vector<BodyState>& at) const;
+    double* write_joints(double* out, const Instant& instant) const;
     double* write_bodies(double* out, const Instant& instant) const;
     double kinetic_energy(const std::vector<BodyState>& at) const;
     double gravity_work(const std::vector<BodyState>& at) const;
 
     std::vector<Channel> channels_;
     const std::vector<Body>& bodies_;
+    std::vector<JointEquations> joints_;
     std::vector<Point> markers_;
     Eigen::Vector3d gravity_;
     std::vector<double> row_;  ///< with room for all outputs of the networks behind the time

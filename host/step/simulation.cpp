@@ -33,10 +33,11 @@ Simulation::Simulation(const Model& model, const Plugins& plugins)
       networks_(model, plugins),
       loads_(model, networks_.load_weights()),
       end_of_step_(model, networks_),
+      instant_(model),
       now_(read_states(world_, model.bodies.size())),
       after_(model.bodies.size()),
       fastest_(find_fastest_mode(model, networks_, now_)),
-      observer_(model, networks_, end_of_step_),
+      observer_(model, networks_, end_of_step_.equations().joint_system()),
       stops_(model.joints.size()),
       held_(model.bodies.size()) {
     for (const Joint& joint : model.joints) has_stops_ = has_stops_ || joint.limits;
@@ -45,7 +46,8 @@ Simulation::Simulation(const Model& model, const Plugins& plugins)
             if (end.body >= 0) held_[as_size(end.body)] = true;
     if (!networks_.is_implicit()) limit_ = find_explicit_limit(model, networks_, now_, step_size_, model.simulation.scheme);
     first_after_ = now_;
-    now_ = end_of_step_.start({0, 0.0, step_size_}, now_, networks_, loads_);
+    const Instant& start = instant_.start(model, {0, 0.0, step_size_}, now_, networks_, loads_);
+    now_ = end_of_step_.start(step_size_, now_, start.accelerations);
     for (size_t b = 0; b < now_.size(); ++b) {
         first_after_[b].velocity += first_after_[b].velocity - now_[b].velocity;
         first_after_[b].angular_velocity += first_after_[b].angular_velocity - now_[b].angular_velocity;
@@ -84,7 +86,7 @@ void Simulation::move_bodies() {
     if (has_stops_) world_.save(saved_);
     for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
         world_.apply(end_of_step_.solve(now_, networks_, stops_));  // calls evaluate at will
-        world_.advance(step_size_, end_of_step_.foretold(), end_of_step_.let_go());
+        world_.advance(step_size_, end_of_step_.foretold(), end_of_step_.singular_position().let_go());
         ++engine_steps_;
         world_.read_states(after_);
         if (std::ranges::equal(world_.stops(), stops_, {}, &Stop::acts, &Stop::acts)) return end_of_step_.confirm(after_);
@@ -97,12 +99,13 @@ void Simulation::move_bodies() {
 }
 
 void Simulation::observe() {
-    observer_.advance(loads_, end_of_step_, now_, after_, step_size_);
+    observer_.advance(loads_, end_of_step_.equations(), now_, after_, step_size_);
     if (index_ % static_cast<uint64_t>(model_.output.every) != 0) return;
     // Where accelerations are the means over two steps, those at the start are by the initial conditions all the same
     const bool is_start = index_ == 0 && !networks_.stand();
-    const Instant& instant = end_of_step_.find_instant(now_, is_start ? first_after_ : after_, networks_, loads_);
-    sink_(observer_.row(time(), networks_, end_of_step_, instant));
+    const Instant& instant =
+        instant_.solve(time(), end_of_step_.equations(), now_, is_start ? first_after_ : after_, networks_, loads_);
+    sink_(observer_.row(time(), networks_, instant));
 }
 
 std::string Simulation::describe_speed() const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "coupling/end_of_step.h"
+#include "coupling/instant.h"
 #include "coupling/loads.h"
 #include "coupling/networks.h"
 #include "coupling/stability.h"
@@ -84,6 +85,7 @@ private:
     Networks networks_;
     Loads loads_;
     EndOfStep end_of_step_;
+    InstantSolver instant_;
     std::vector<BodyState> now_, after_;  ///< at the start and at the end of the step
     FastestMode fastest_;
     std::optional<ExplicitLimit> limit_;

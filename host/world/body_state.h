@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 namespace dttmm::host {
 
@@ -14,5 +15,8 @@ struct BodyState {
     Eigen::Vector3d velocity;          ///< [m/s]
     Eigen::Vector3d angular_velocity;  ///< [rad/s]
 };
+
+/// Six numbers per body, world axes: [of the centre of mass; angular], or [force; moment about the centre of mass].
+using BodyVectors = std::vector<Eigen::Matrix<double, 6, 1>>;
 
 }  // namespace dttmm::host

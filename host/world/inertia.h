@@ -7,6 +7,7 @@
 
 #include "model/model.h"
 #include "world/block_matrix.h"
+#include "world/rotation_step.h"
 
 namespace dttmm::host {
 
@@ -30,6 +31,11 @@ struct Inertia {
     /// R J Rᵀ w: of an angular velocity the angular momentum, of an angular acceleration the moment
     Eigen::Vector3d turned(const Eigen::Matrix3d& R, const Eigen::Vector3d& w) const {
         return R * (J * (R.transpose() * w));
+    }
+    /// Angular momentum half way through a step of size h that starts at R with the angular velocity w over it:
+    ///     L = R_{½} J R_{½}ᵀ w = exp(h w~/2) R J Rᵀ w,   for the exponential leaves w alone
+    Eigen::Vector3d momentum_over_step(const Eigen::Matrix3d& R, const Eigen::Vector3d& w, double h) const {
+        return RotationStep(0.5 * h * w).apply(turned(R, w));
     }
     /// An upper bound of the largest radius of gyration [m]
     double gyration_bound() const { return std::sqrt(J.trace() / (2 * mass)); }

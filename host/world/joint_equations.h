@@ -28,6 +28,7 @@ public:
     using Values = BlockMatrix::Values;
 
     enum Side : size_t { kFirst, kSecond };
+    static constexpr Side kSides[] = {kFirst, kSecond};
     /// The derivatives of the equations by the velocities of the bodies, by side.
     using Jacobian = std::array<Rows, 2>;
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "model/model.h"
-#include "world/block_factor.h"
 #include "world/block_matrix.h"
 #include "world/body_state.h"
 #include "world/joint_equations.h"
@@ -20,7 +19,8 @@ struct Stop {
     static constexpr double kPlay = 1e-12;  ///< [rad, m]
     bool acts = false;
     double speed = 0;
-    int side = 0;  ///< 1: the lower stop, which pushes the coordinate up; −1: the upper
+    int side = 0;              ///< 1: the lower stop, which pushes the coordinate up; −1: the upper
+    bool is_foreseen = false;  ///< reached within the step: ODE does not see it yet
 };
 
 /// Equations of joints that do not hold over a step, a bit each, one number per joint; empty: all hold.
@@ -40,6 +40,8 @@ public:
     /// redundant joints as its inverse.
     static constexpr double kProximal = 1e-7;
 
+    /// E of an equation over its mobility now.
+    double proximal() const { return proximal_; }
     /// Makes E smaller from now on, where passes gain too little: very unequal masses in one chain.
     void tighten() { proximal_ = std::max(1e-3 * proximal_, 1e-13); }
 
@@ -48,6 +50,8 @@ public:
     bool empty() const { return joints_.empty(); }
     const std::vector<JointEquations>& joints() const { return joints_; }
     bool has_stops() const { return std::ranges::any_of(joints_, &JointEquations::has_stops); }
+    /// As last linearised, one per joint.
+    const std::vector<Stop>& stops() const { return stops_; }
     /// From the centre of mass of a body to the farthest of its anchors [m]; 0 without joints.
     double longest_arm(int body) const;
     /// For the pattern of a BlockMatrix.
@@ -57,23 +61,6 @@ public:
     /// hold over the step. What tighten() has done wears off from step to step.
     void linearise(const std::vector<BodyState>& now, const std::vector<BodyState>& by, const std::vector<Stop>& stops,
                    const LetGo& let_go = {});
-    /// A linkage that passes a singular position has one free motion more there: a combination of equations w obeys wᵀ J = σ
-    /// dᵀ, and σ passes through zero. With σ₀, σ₁ at the ends of a step and σ half way, a pass leaves of an error along d
-    ///     1 − σ₁/σ₀ with the matrix at t_n,     1 − σ₀ σ₁/σ² = (σ₁ − σ₀)²/4σ² with the matrix half way.
-    /// Where the latter is too much, one equation of the combination is let go over the step: the motion goes on by its
-    /// momentum, and the steps that follow close the joint, as C is of second order in what they have moved.
-    struct SingularPosition {
-        bool is_near = false;  ///< the matrix is wanted half way
-        LetGo let_go;          ///< empty where all equations are decided
-        double least = 1;      ///< σ of those kept, over their length: rounding of poses moves the bodies by its inverse
-    };
-    /// Where the bodies stand at t_n, half way and at the end of a step. Takes decompositions of all equations; says that
-    /// nothing is near beyond kMostEquations.
-    SingularPosition find_singular_position(const std::vector<BodyState>& now, const std::vector<BodyState>& half,
-                                            const std::vector<BodyState>& end) const;
-    /// Whether a decomposition is worth its time: whether an equation's distance from the span of those before, which the
-    /// factor of the matrix has, changes fast from step to step, or has vanished. Remembers the distances.
-    bool may_be_near_singular(const BlockMatrix& matrix, const BlockFactor& factor);
     /// Writes J of the matrix and E; E is measured by the bodies' own blocks K, which are to be complete.
     void write_to(BlockMatrix& matrix) const { write(matrix_jacobians_, matrix); }
     /// The same with J at t_n.
@@ -99,22 +86,14 @@ public:
     double opening_speed(size_t joint, const std::vector<BodyState>& at) const;
 
 private:
-    static constexpr Eigen::Index kMostEquations = 1000;  ///< a decomposition of them takes a second
-    double proximal_ = kProximal;
-    std::vector<JointEquations> joints_;
-    std::vector<JointEquations::Jacobian> jacobians_at(const std::vector<BodyState>& at) const;
-    Eigen::MatrixXd dense(const std::vector<JointEquations::Jacobian>& jacobians) const;
     bool is_idle(size_t joint, int row) const;
     void write(const std::vector<JointEquations::Jacobian>& jacobians, BlockMatrix& matrix) const;
 
+    double proximal_ = kProximal;
+    std::vector<JointEquations> joints_;
     std::vector<JointEquations::Jacobian> jacobians_, matrix_jacobians_;
     std::vector<Stop> stops_;
     LetGo let_go_;
-    /// Of an equation from the span of those before, 0 where E hides it, over its own length.
-    struct Distance {
-        double last = 0, largest = 0;
-    };
-    std::vector<Distance> distances_;  ///< at the matrix's indices
 };
 
 }  // namespace dttmm::host

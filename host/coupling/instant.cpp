@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "coupling/instant.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+
+#include "model/diagnostics.h"
+#include "model/error.h"
+#include "model/index.h"
+
+namespace dttmm::host {
+
+namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+bool turns(const Joint& joint) { return joint.type != JointType::slider && joint.type != JointType::fixed; }
+
+/// Refuses velocities at the start that open a joint.
+void refuse_opening_joints(const std::vector<Joint>& descriptions, const JointSystem& joints,
+                           const std::vector<BodyState>& at) {
+    constexpr double kTolerated = 1e-9;
+    double scale = 0;
+    for (const BodyState& body : at) scale = std::max({scale, body.velocity.norm(), body.angular_velocity.norm()});
+    for (size_t j = 0; j < joints.joints().size(); ++j)
+        if (const double speed = joints.opening_speed(j, at); speed > kTolerated * scale)
+            throw ModelError(fmt::format(
+                "{}: joint \"{}\": the velocities of its bodies at the start would open it at {:.3g} m/s (or rad/s); "
+                "give both bodies velocities that the joint allows",
+                descriptions[j].place, descriptions[j].name, speed));
+}
+
+}  // namespace
+
+InstantSolver::InstantSolver(const Model& model)
+    : inertias_(model.bodies.begin(), model.bodies.end()),
+      joints_turn_(std::ranges::any_of(model.joints, turns)),
+      wrenches_(6 * model.bodies.size()),
+      matrix_(as_int(model.bodies.size()), {}, JointSystem(model.bodies, model.joints).nodes()),
+      factor_(matrix_) {
+    for (const Body& body : model.bodies) inverse_moments_.push_back(body.inertia.inverse());
+    for (Eigen::VectorXd* list : {&right_hand_side_, &proximal_, &solution_, &impulses_}) list->setZero(matrix_.size());
+    instant_.at.resize(model.bodies.size());
+    instant_.accelerations.resize(model.bodies.size());
+    instant_.joint_wrenches.resize(model.joints.size());
+}
+
+const Instant& InstantSolver::start(const Model& model, const dttmm_step& step, const std::vector<BodyState>& at,
+                                    Networks& networks, Loads& loads) {
+    h_ = step.size;
+    start_time_ = step.time;
+    start_ = instant_.at = at;
+    loads.start(step.time);
+    std::ranges::fill(wrenches_, 0.0);
+    networks.linearise(at, wrenches_.data(), nullptr);
+    loads.add_at_start(at, wrenches_.data());
+    JointSystem joints(model.bodies, model.joints);
+    refuse_opening_joints(model.joints, joints, at);
+    joints.linearise(at, at, std::vector<Stop>(model.joints.size()));
+    factor(joints, step.time);
+    find_accelerations(joints);
+    networks.start(step, at, at.empty() ? nullptr : instant_.accelerations.front().data(), loads.on_nodes());
+    return instant_;
+}
+
+const Instant& InstantSolver::solve(double time, const StepEquations& step, const std::vector<BodyState>& now,
+                                    const std::vector<BodyState>& after, Networks& networks, const Loads& loads) {
+    const bool is_impact = step.has_impact(now, after);
+    find_means(now, after);
+    if (is_impact || !networks.stand()) find_joint_wrenches(step.joint_system(), step.matrix(), step.impulses());
+    if (!networks.stand()) return instant_;
+    factor(step.joint_system(), time);
+    std::ranges::fill(wrenches_, 0.0);
+    if (networks.is_implicit()) networks.add_mean_wrenches(wrenches_.data());
+    if (time == start_time_) {
+        instant_.at = start_;  // the initial conditions
+    } else if (networks.is_implicit() && !is_impact && !joints_turn_) {
+        loads.add_mean(now, wrenches_.data());
+        find_velocities(after, step.joint_system());
+    }
+    std::ranges::fill(wrenches_, 0.0);
+    networks.stand_at(instant_.at, nullptr, wrenches_.data());
+    if (is_impact) return instant_;
+    loads.add_at_start(now, wrenches_.data());
+    find_accelerations(step.joint_system());
+    if (time == start_time_ && !instant_.accelerations.empty())
+        networks.stand_at(instant_.at, instant_.accelerations.front().data(), wrenches_.data());
+    return instant_;
+}
+
+/// M and the joints as last linearised. Without joints there is nothing to factor.
+void InstantSolver::factor(const JointSystem& joints, double time) {
+    if (joints.empty()) return;
+    matrix_.set_zero();
+    for (size_t b = 0; b < inertias_.size(); ++b)
+        matrix_.add(as_int(b), as_int(b), inertias_[b].block(instant_.at[b].rotation));
+    joints.write_start_to(matrix_);
+    if (!factor_.factor(matrix_))
+        throw Error(
+            ExitCode::numerical_failure,
+            fmt::format("t = {:.9g} s: the equations of the joints at this instant are singular: very unequal masses "
+                        "on joints, or a singular position?",
+                        time));
+}
+
+/// Solves with the proximal E of redundant joints taken out again.
+void InstantSolver::solve_balance(const JointSystem& joints) {
+    constexpr int kPasses = 4;
+    solution_.setZero();
+    for (int pass = 0; pass < kPasses; ++pass) {
+        proximal_ = right_hand_side_;
+        for (size_t j = 0; j < joints.joints().size(); ++j) {
+            const auto q = Eigen::seqN(matrix_.joint_index(as_int(j)), joints.joints()[j].count());
+            proximal_(q) += matrix_.upper().diagonal()(q).cwiseProduct(solution_(q));
+        }
+        factor_.solve(proximal_, solution_);
+    }
+}
+
+/// The means over the two steps.
+void InstantSolver::find_means(const std::vector<BodyState>& now, const std::vector<BodyState>& after) {
+    for (size_t b = 0; b < now.size(); ++b) {
+        BodyState& at = instant_.at[b] = now[b];
+        at.velocity = 0.5 * (now[b].velocity + after[b].velocity);
+        at.angular_velocity = 0.5 * (now[b].angular_velocity + after[b].angular_velocity);
+        instant_.accelerations[b] << (after[b].velocity - now[b].velocity) / h_,
+            (after[b].angular_velocity - now[b].angular_velocity) / h_;
+    }
+}
+
+/// Velocities out of those over the step that begins there, under the mean wrenches_ over it.
+void InstantSolver::find_velocities(const std::vector<BodyState>& after, const JointSystem& joints) {
+    right_hand_side_.setZero();
+    for (size_t b = 0; b < after.size(); ++b) {
+        BodyState& at = instant_.at[b];
+        const Eigen::Map<const Vector6> mean(&wrenches_[6 * b]);
+        const double mass = inertias_[b].mass;
+        const Eigen::Vector3d velocity = after[b].velocity - 0.5 * h_ / mass * mean.head<3>();
+        const Eigen::Vector3d L =
+            inertias_[b].momentum_over_step(at.rotation, after[b].angular_velocity, h_) - 0.5 * h_ * mean.tail<3>();
+        if (joints.empty()) {
+            at.velocity = velocity;
+            at.angular_velocity = at.rotation * (inverse_moments_[b] * (at.rotation.transpose() * L));
+        } else {
+            right_hand_side_.segment<6>(matrix_.index(as_int(b))) << mass * velocity, L;
+        }
+    }
+    if (joints.empty()) return;
+    solve_balance(joints);
+    for (size_t b = 0; b < after.size(); ++b) {
+        const auto u = solution_.segment<6>(matrix_.index(as_int(b)));
+        instant_.at[b].velocity = u.head<3>();
+        instant_.at[b].angular_velocity = u.tail<3>();
+    }
+}
+
+/// Accelerations and joint forces under wrenches_:  M a + Jᵀ q = f,  I α + … = m − ω × I ω,  J a = −C̈ at constant
+/// velocities.
+void InstantSolver::find_accelerations(const JointSystem& joints) {
+    for (size_t b = 0; b < inertias_.size(); ++b) {
+        const Eigen::Vector3d& w = instant_.at[b].angular_velocity;
+        const Eigen::Matrix3d& R = instant_.at[b].rotation;
+        Vector6 f = Eigen::Map<const Vector6>(&wrenches_[6 * b]);
+        f.tail<3>() -= w.cross(inertias_[b].turned(R, w));
+        if (joints.empty())
+            instant_.accelerations[b] << f.head<3>() / inertias_[b].mass,
+                R * (inverse_moments_[b] * (R.transpose() * f.tail<3>()));
+        else
+            right_hand_side_.segment<6>(matrix_.index(as_int(b))) = f;
+    }
+    if (joints.empty()) return;
+    joints.write_curvatures(matrix_, instant_.at, right_hand_side_);
+    solve_balance(joints);
+    for (size_t b = 0; b < inertias_.size(); ++b) instant_.accelerations[b] = solution_.segment<6>(matrix_.index(as_int(b)));
+    impulses_ = h_ * solution_;
+    find_joint_wrenches(joints, matrix_, impulses_);
+}
+
+/// Joint wrenches by their impulses over a step, in the joints' rows of a matrix.
+void InstantSolver::find_joint_wrenches(const JointSystem& joints, const BlockMatrix& matrix,
+                                        const Eigen::VectorXd& impulses) {
+    for (size_t j = 0; j < joints.joints().size(); ++j) {
+        // What acts on the second body acts back on the first; both about the anchor
+        const JointEquations& joint = joints.joints()[j];
+        const auto side = joint.bodies()[JointEquations::kFirst] >= 0 ? JointEquations::kFirst : JointEquations::kSecond;
+        const double* q = impulses.data() + matrix.joint_index(as_int(j));
+        Vector6& wrench = instant_.joint_wrenches[j];
+        wrench = (side == JointEquations::kFirst ? 1 : -1) / h_ * joints.impulse(j, side, q);
+        const Eigen::Vector3d arm = instant_.at[as_size(joint.bodies()[side])].position - joint.anchor(instant_.at);
+        wrench.tail<3>() += arm.cross(wrench.head<3>());
+    }
+}
+
+}  // namespace dttmm::host

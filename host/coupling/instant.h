@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "coupling/loads.h"
+#include "coupling/networks.h"
+#include "coupling/step_equations.h"
+#include "model/model.h"
+#include "world/block_factor.h"
+#include "world/block_matrix.h"
+#include "world/inertia.h"
+#include "world/joint_system.h"
+#include "world/world.h"
+
+namespace dttmm::host {
+
+/// The machine at t_n: what a row of results tells of it. Mass times acceleration is the sum of the forces recorded there.
+struct Instant {
+    std::vector<BodyState> at;   ///< poses and velocities
+    BodyVectors accelerations;   ///< of the centres of mass, linear and angular [m/s², rad/s²]
+    BodyVectors joint_wrenches;  ///< of each joint on its first body, [force; moment about the anchor], world axes
+};
+
+/// Finds what stands at an instant: velocities as Newmark's rule has them,
+///     v_n = v_{n+1/2} − h/2 M⁻¹ (mean wrench over the step),   J v_n = 0,
+/// accelerations and joint forces by the balance of that instant, M a + Jᵀ q = f, J a = −C̈.
+class InstantSolver {
+public:
+    explicit InstantSolver(const Model& model);
+
+    /// Initial conditions: starts loads and networks at t0 = step.time with the motion of that instant. Throws ModelError
+    /// for velocities that open a joint, Error(numerical_failure) where the joints' equations are singular.
+    const Instant& start(const Model& model, const dttmm_step& step, const std::vector<BodyState>& at, Networks& networks,
+                         Loads& loads);
+
+    /// What stands at t_n, the start of the step last committed, `step`; then the networks stand there too. now: poses at
+    /// t_n, velocities over the step before; after: those over the step. Velocities are the means of those over the two
+    /// steps where joints turn (J at t_n would share the turning over half a step between a heavy body and one that is
+    /// stiffly held), in the row of an impact on a stop, with an explicit scheme, and where a plugin does not tell what
+    /// stands; in the row of an impact, and for such a plugin, accelerations and joint forces are the means over these steps
+    /// too, the impulse of the impact among them. time: t_n [s]. Throws Error(numerical_failure) where the joints' equations
+    /// are singular.
+    const Instant& solve(double time, const StepEquations& step, const std::vector<BodyState>& now,
+                         const std::vector<BodyState>& after, Networks& networks, const Loads& loads);
+
+private:
+    void factor(const JointSystem& joints, double time);
+    void solve_balance(const JointSystem& joints);
+    void find_means(const std::vector<BodyState>& now, const std::vector<BodyState>& after);
+    void find_velocities(const std::vector<BodyState>& after, const JointSystem& joints);
+    void find_accelerations(const JointSystem& joints);
+    void find_joint_wrenches(const JointSystem& joints, const BlockMatrix& matrix, const Eigen::VectorXd& impulses);
+
+    std::vector<Inertia> inertias_;
+    std::vector<Eigen::Matrix3d> inverse_moments_;  ///< of inertia, body axes
+    bool joints_turn_;                              ///< some leave a rotation free
+    double h_ = 0, start_time_ = 0;
+    std::vector<BodyState> start_;  ///< as given
+    Instant instant_;
+    std::vector<double> wrenches_;  ///< 6 per body
+    BlockMatrix matrix_;            ///< M and the joints
+    BlockFactor factor_;
+    Eigen::VectorXd right_hand_side_, proximal_, solution_, impulses_;  ///< impulses_: h q
+};
+
+}  // namespace dttmm::host

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "coupling/step_equations.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <limits>
+
+#include "model/index.h"
+#include "world/rotation_step.h"
+
+namespace dttmm::host {
+
+StepEquations::StepEquations(const Model& model, const Networks& networks)
+    : inertias_(model.bodies.begin(), model.bodies.end()),
+      joints_(model.bodies, model.joints),
+      matrix_(as_int(model.bodies.size()), networks.neighbours(), joints_.nodes()),
+      factor_(matrix_) {
+    for (BodyVectors* list : {&free_momentum_, &u_, &correction_})
+        list->assign(model.bodies.size(), Eigen::Matrix<double, 6, 1>::Zero());
+    for (Eigen::VectorXd* list : {&impulses_, &right_hand_side_, &solution_}) list->setZero(matrix_.size());
+}
+
+void StepEquations::begin_step(const std::vector<BodyState>& now, const std::vector<double>& loads) {
+    for (size_t b = 0; b < now.size(); ++b) {
+        // R of the step before: L = exp(−h w~/2) R J Rᵀ w with R at its end
+        const Eigen::Vector3d& w = now[b].angular_velocity;
+        const Eigen::Vector3d L = inertias_[b].turned(now[b].rotation, w);
+        free_momentum_[b] = h_ * Eigen::Map<const Eigen::Matrix<double, 6, 1>>(&loads[6 * b]);
+        free_momentum_[b].head<3>() += inertias_[b].mass * now[b].velocity;
+        free_momentum_[b].tail<3>() += RotationStep(-0.5 * h_ * w).apply(L);
+    }
+}
+
+void StepEquations::move(const std::vector<BodyState>& now, double t, std::vector<BodyState>& to) const {
+    for (size_t b = 0; b < now.size(); ++b) {
+        to[b].velocity = u_[b].head<3>();
+        to[b].angular_velocity = u_[b].tail<3>();
+        to[b].position = now[b].position + t * to[b].velocity;
+        to[b].rotation = RotationStep(t * to[b].angular_velocity).apply(now[b].rotation);
+    }
+}
+
+void StepEquations::add_stiffness(int row_body, int column_body, const BlockMatrix::Block& S) {
+    // Symmetric part: away from rest S is not quite symmetric
+    matrix_.add(row_body, column_body, 0.5 * h_ * h_ * S);
+    matrix_.add(column_body, row_body, 0.5 * h_ * h_ * S.transpose());
+}
+
+bool StepEquations::factor_with_inertia(const std::vector<BodyState>& now) {
+    for (size_t b = 0; b < now.size(); ++b) matrix_.add(as_int(b), as_int(b), inertias_[b].block(now[b].rotation));
+    joints_.write_to(matrix_);
+    return factor_.factor(matrix_);
+}
+
+size_t StepEquations::least_held(const std::vector<BodyState>& now) const {
+    size_t least = 0;
+    double least_share = std::numeric_limits<double>::infinity();
+    for (size_t b = 0; b < now.size(); ++b) {
+        const Eigen::Matrix<double, 6, 1> held = matrix_.diagonal(as_int(b)).diagonal();
+        const double share = held.cwiseQuotient(inertias_[b].block(now[b].rotation).diagonal()).minCoeff();
+        if (share >= least_share) continue;
+        least = b;
+        least_share = share;
+    }
+    return least;
+}
+
+/// P− + h f − P(u)
+Eigen::Matrix<double, 6, 1> StepEquations::residual_of(size_t body, const BodyState& now,
+                                                       const std::vector<double>& wrenches) const {
+    Eigen::Matrix<double, 6, 1> r =
+        free_momentum_[body] + h_ * Eigen::Map<const Eigen::Matrix<double, 6, 1>>(&wrenches[6 * body]);
+    r.head<3>() -= inertias_[body].mass * u_[body].head<3>();
+    r.tail<3>() -= inertias_[body].momentum_over_step(now.rotation, u_[body].tail<3>(), h_);
+    return r;
+}
+
+void StepEquations::correct(const std::vector<BodyState>& now, const std::vector<BodyState>& end,
+                            const std::vector<double>& wrenches) {
+    for (size_t b = 0; b < now.size(); ++b)
+        right_hand_side_.segment<6>(matrix_.index(as_int(b))) = residual_of(b, now[b], wrenches);
+    if (!joints_.empty()) {
+        joints_.add_impulses(matrix_, impulses_, right_hand_side_);
+        joints_.write_openings(matrix_, end, h_, right_hand_side_);
+    }
+    factor_.solve(right_hand_side_, solution_);
+    if (!joints_.empty()) impulses_ += solution_;
+    for (size_t b = 0; b < now.size(); ++b) {
+        correction_[b] = solution_.segment<6>(matrix_.index(as_int(b)));
+        u_[b] += correction_[b];
+    }
+}
+
+double StepEquations::residual(const std::vector<BodyState>& now, const std::vector<double>& wrenches) const {
+    double sum = 0;
+    for (size_t b = 0; b < now.size(); ++b) {
+        const Eigen::Matrix<double, 6, 1> r = residual_of(b, now[b], wrenches);
+        sum += r.dot(inertias_[b].block(now[b].rotation).ldlt().solve(r));
+    }
+    return sum;
+}
+
+void StepEquations::write_feedback(const std::vector<BodyState>& now, BodyVectors& feedback) {
+    const double per_step = 1 / h_;
+    for (size_t b = 0; b < now.size(); ++b) {
+        const Eigen::Vector3d angular_acceleration = per_step * (u_[b].tail<3>() - now[b].angular_velocity);
+        feedback[b].head<3>() = inertias_[b].mass * per_step * (u_[b].head<3>() - now[b].velocity);
+        feedback[b].tail<3>() = inertias_[b].turned(now[b].rotation, angular_acceleration);
+    }
+    if (joints_.empty()) return;
+    right_hand_side_.setZero();
+    solution_ = impulses_;
+    for (size_t j = 0; j < joints_.stops().size(); ++j)
+        if (joints_.stops()[j].is_foreseen) solution_(stop_index(j)) = 0;
+    joints_.add_impulses(matrix_, solution_, right_hand_side_);
+    for (size_t b = 0; b < now.size(); ++b) feedback[b] -= per_step * right_hand_side_.segment<6>(matrix_.index(as_int(b)));
+}
+
+int StepEquations::stop_index(size_t joint) const {
+    return matrix_.joint_index(as_int(joint)) + joints_.joints()[joint].lasting();
+}
+
+/// The impulse −q on the coordinate must have the sign of the stop's side.
+bool StepEquations::release_pulling_stops(std::vector<Stop>& stops) const {
+    const double weak = kRounding * impulses_.cwiseAbs().maxCoeff();
+    bool changed = false;
+    for (size_t j = 0; j < stops.size(); ++j) {
+        if (!stops[j].is_foreseen || stops[j].side * impulses_(stop_index(j)) <= weak) continue;
+        stops[j].acts = stops[j].is_foreseen = false;
+        changed = true;
+    }
+    return changed;
+}
+
+bool StepEquations::add_first_stop(const std::vector<BodyState>& now, const std::vector<BodyState>& end,
+                                   std::vector<Stop>& stops) const {
+    double first = std::numeric_limits<double>::infinity();  // share of the step after which a stop is reached
+    size_t reached = stops.size();
+    Stop stop_reached;
+    for (size_t j = 0; j < stops.size(); ++j) {
+        const JointEquations& joint = joints_.joints()[j];
+        if (!joint.has_stops() || stops[j].acts) continue;
+        const double start = joint.coordinate(now);
+        double way = joint.coordinate(end) - start;
+        if (joint.turns()) way = std::remainder(way, 2 * M_PI);
+        for (int side : {1, -1}) {
+            const double stop = joint.stops()[side > 0 ? 0 : 1];
+            if (side * (start + way - stop) >= -Stop::kPlay || side * (start - stop) < 0) continue;
+            const double share = (stop - start) / way;
+            if (share >= first) continue;
+            first = share;
+            reached = j;
+            stop_reached = {true, (stop - side * Stop::kPlay - start) / h_, side, true};
+        }
+    }
+    if (reached == stops.size()) return false;
+    stops[reached] = stop_reached;
+    return true;
+}
+
+bool StepEquations::has_impact(const std::vector<BodyState>& now, const std::vector<BodyState>& end) const {
+    const double rest = 2 * Stop::kPlay / h_;
+    for (size_t j = 0; j < joints_.stops().size(); ++j)
+        if (joints_.stops()[j].acts &&
+            (std::abs(joints_.coordinate_speed(j, now)) > rest || std::abs(joints_.coordinate_speed(j, end)) > rest))
+            return true;
+    return false;
+}
+
+double StepEquations::stop_work(const std::vector<BodyState>& now, const std::vector<BodyState>& end) const {
+    double work = 0;
+    for (size_t j = 0; j < joints_.joints().size(); ++j)
+        if (joints_.joints()[j].has_stops())
+            work -= impulses_(stop_index(j)) * 0.5 * (joints_.coordinate_speed(j, now) + joints_.coordinate_speed(j, end));
+    return work;
+}
+
+}  // namespace dttmm::host

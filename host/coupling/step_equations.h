@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "coupling/networks.h"
+#include "model/model.h"
+#include "world/block_factor.h"
+#include "world/block_matrix.h"
+#include "world/body_state.h"
+#include "world/inertia.h"
+#include "world/joint_system.h"
+
+namespace dttmm::host {
+
+/// The equations of motion of all bodies over a step, and one Newton iterate of their solution. ODE moves a free body by
+/// v+ = v + h M⁻¹ f,  x+ = x + h v+. Its momentum over the step, P = [m v; L(ω)], therefore obeys
+///     P(u) = P− + h (f_loads + f_networks(x + h u)),     u = [v; ω] over the step, 6 per body,
+/// where L(ω) = R_{n+1/2} J R_{n+1/2}ᵀ ω is the angular momentum half way through the step: the centred gyroscopic moment,
+/// which keeps the angular momentum of a free body to rounding. Simplified Newton iteration with the matrix
+///     K = M + h² S,     S: stiffness of the networks seen from the centres of mass,
+/// symmetric (the gyroscopic part of ∂P/∂u and the little asymmetry of S away from rest are left to the iteration), sparse.
+/// Bodies on ideal joints also obey, with the multipliers q and the directions J of t_n (see JointSystem),
+///     P(u) + Jᵀ q = P− + h f,   C(x + h u) = 0,      matrix | K   Jᵀ |
+///                                                           | J  −E  |
+/// `now`: poses at t_n, velocities over the step before. Wrenches: 6 per body, those of the networks over the step.
+class StepEquations {
+public:
+    StepEquations(const Model& model, const Networks& networks);
+
+    void start(double h) { h_ = h; }
+    /// Opens a step with the wrenches of the loads over it.
+    void begin_step(const std::vector<BodyState>& now, const std::vector<double>& loads);
+
+    /// The iterate: u, its last correction, and the impulses q [N s, N m s] in the joints' rows of matrix().
+    BodyVectors& u() { return u_; }
+    const BodyVectors& u() const { return u_; }
+    const BodyVectors& correction() const { return correction_; }
+    Eigen::VectorXd& impulses() { return impulses_; }
+    const Eigen::VectorXd& impulses() const { return impulses_; }
+    double h() const { return h_; }
+    JointSystem& joint_system() { return joints_; }
+    const JointSystem& joint_system() const { return joints_; }
+    const BlockMatrix& matrix() const { return matrix_; }
+    const BlockFactor& factor() const { return factor_; }
+
+    /// The bodies after a part t [s] of the step with the velocities u.
+    void move(const std::vector<BodyState>& now, double t, std::vector<BodyState>& to) const;
+    /// Forms the matrix anew: h² S, block by block, then inertia and joints. False when it is singular.
+    void set_zero() { matrix_.set_zero(); }
+    void add_stiffness(int row_body, int column_body, const BlockMatrix::Block& S);
+    bool factor_with_inertia(const std::vector<BodyState>& now);
+    /// The body whose stiffness takes most from its inertia.
+    size_t least_held(const std::vector<BodyState>& now) const;
+
+    /// One correction K⁻¹ (P− + h f − P(u)) of u; with joints, likewise of u and q. end: the bodies at the end of the step.
+    void correct(const std::vector<BodyState>& now, const std::vector<BodyState>& end, const std::vector<double>& wrenches);
+    /// The residual r of the equations of motion at u, as rᵀ M⁻¹ r [J]; without joints.
+    double residual(const std::vector<BodyState>& now, const std::vector<double>& wrenches) const;
+    /// What makes ODE move the bodies by u, its joints adding their own impulses but those of foreseen stops.
+    void write_feedback(const std::vector<BodyState>& now, BodyVectors& feedback);
+
+    // Stops over the step whose motion has been found; end: poses at its end, velocities over it.
+    /// Lets go the foreseen stops that would pull; true if there are any.
+    bool release_pulling_stops(std::vector<Stop>& stops) const;
+    /// Adds the first stop that the motion runs through, so that it ends there; true if there is one.
+    bool add_first_stop(const std::vector<BodyState>& now, const std::vector<BodyState>& end,
+                        std::vector<Stop>& stops) const;
+    /// Whether a stop changes the speed of its coordinate over the step: it has not been at rest on it.
+    bool has_impact(const std::vector<BodyState>& now, const std::vector<BodyState>& end) const;
+    /// Work of the stops at t_n on the bodies [J], never positive but for round-off: a stop takes speed and gives none back.
+    double stop_work(const std::vector<BodyState>& now, const std::vector<BodyState>& end) const;
+
+private:
+    int stop_index(size_t joint) const;  ///< of the equation of its stop
+    Eigen::Matrix<double, 6, 1> residual_of(size_t body, const BodyState& now, const std::vector<double>& wrenches) const;
+
+    double h_ = 0;
+    std::vector<Inertia> inertias_;
+    BodyVectors free_momentum_;  ///< P− + h f_loads
+    BodyVectors u_, correction_;
+    JointSystem joints_;
+    BlockMatrix matrix_;
+    BlockFactor factor_;
+    Eigen::VectorXd impulses_, right_hand_side_, solution_;
+};
+
+}  // namespace dttmm::host

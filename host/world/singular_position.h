@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "world/block_factor.h"
+#include "world/block_matrix.h"
+#include "world/body_state.h"
+#include "world/joint_system.h"
+
+namespace dttmm::host {
+
+/// Finds the steps in which a linkage passes a singular position. The linkage has one free motion more there: a combination
+/// of equations w obeys wᵀ J = σ dᵀ, and σ passes through zero. With σ₀, σ₁ at the ends of a step and σ half way, a pass of
+/// Newton's iteration leaves of an error along d
+///     1 − σ₁/σ₀ with the matrix at t_n,     1 − σ₀ σ₁/σ² = (σ₁ − σ₀)²/4σ² with the matrix half way.
+/// Where the latter is too much, one equation of the combination is let go over the step: the motion goes on by its
+/// momentum, and the steps that follow close the joint, as C is of second order in what they have moved.
+class SingularPosition {
+public:
+    /// Opens a solution of a step: all equations hold, the matrix is that at t_n.
+    void open();
+    /// Whether find() is worth its time, as it takes decompositions of all equations: the step before was near a singular
+    /// position, or an equation's distance from the span of those before, which the factor of the matrix has, changes fast
+    /// from step to step, or has vanished. Stores the distances.
+    bool is_suspected(const JointSystem& joints, const BlockMatrix& matrix, const BlockFactor& factor);
+    /// Decides about the step whose bodies stand at `now`, half way and at its end. Beyond 1000 equations nothing is near.
+    void find(const JointSystem& joints, const std::vector<BodyState>& now, const std::vector<BodyState>& half,
+              const std::vector<BodyState>& end);
+    /// Counts the step from `time` [s] if it goes without equations.
+    void count(double time);
+
+    /// The matrix is to be taken half way.
+    bool is_near() const { return found_.is_near; }
+    /// Equations that the step goes without; empty: ODE's joints hold.
+    const LetGo& let_go() const { return found_.let_go; }
+    /// σ of the equations kept, over their length: rounding of poses moves the bodies by its inverse.
+    double least() const { return found_.least; }
+
+    /// Steps so far that went without equations of joints; the first: its time [s], and a joint.
+    struct Passed {
+        long steps = 0;
+        double time = 0;
+        size_t joint = 0;
+    };
+    const Passed& passed() const { return passed_; }
+
+private:
+    struct Found {
+        bool is_near = false;
+        LetGo let_go;
+        double least = 1;
+    };
+    static Found decide(const std::vector<JointEquations>& joints, const std::vector<BodyState>& now,
+                        const std::vector<BodyState>& half, const std::vector<BodyState>& end);
+
+    Found found_, before_;  ///< of the open step, and of its solution before
+    Passed passed_;
+    /// Of an equation from the span of those before, 0 where E hides it, over its own length.
+    struct Distance {
+        double last = 0, largest = 0;
+    };
+    std::vector<Distance> distances_;  ///< at the matrix's indices
+};
+
+}  // namespace dttmm::host

@@ -201,7 +201,7 @@ void warn_singular_positions(const Simulation& simulation, const Model& model, W
     warnings.add(
         "singular-position",
         fmt::format("a linkage passes singular positions, the first at t = {:.4g} s (joint \"{}\"): over {} steps "
-                    "equations of its joints were let go, and the momentum chose the way on. Forces of these joints "
+                    "equations of its joints were let go, and the momentum chose the branch. Forces of these joints "
                     "and accelerations are not reliable there; a smaller step narrows it",
                     passed.time, model.joints[passed.joint].name, passed.steps));
 }

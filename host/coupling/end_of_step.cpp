@@ -184,7 +184,7 @@ void EndOfStep::confirm(const std::vector<BodyState>& after) const {
             if (off <= convergence_.tolerance(b, kAgreement)) continue;
             throw Error(
                 ExitCode::numerical_failure,
-                fmt::format("t = {:.9g} s: ODE's joints move body \"{}\" otherwise than foretold, by {:.1e} m/s (joint "
+                fmt::format("t = {:.9g} s: ODE's joints move body \"{}\" otherwise than predicted, by {:.1e} m/s (joint "
                             "\"{}\"); {}",
                             open_.time, convergence_.name(b), off, joint.name,
                             cure("a step too long for the turning, or very unequal masses?")));

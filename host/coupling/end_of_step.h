@@ -46,13 +46,13 @@ public:
     const BodyVectors& solve(const std::vector<BodyState>& now, Networks& networks, const std::vector<Stop>& stops);
 
     /// The bodies at the end of the step last solved.
-    const std::vector<BodyState>& foretold() const { return trial_; }
+    const std::vector<BodyState>& predicted() const { return trial_; }
     /// The equations of the step last solved, at its end.
     const StepEquations& equations() const { return equations_; }
     /// Which equations of joints that step does without.
     const SingularPosition& singular_position() const { return singular_; }
 
-    /// Throws Error(numerical_failure) naming body and joints unless ODE has moved the bodies as solve() foretold, to
+    /// Throws Error(numerical_failure) naming body and joints unless ODE has moved the bodies as solve() predicted, to
     /// kAgreement of their speeds.
     void confirm(const std::vector<BodyState>& after) const;
 

@@ -86,7 +86,7 @@ void Simulation::move_bodies() {
     if (has_stops_) world_.save(saved_);
     for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
         world_.apply(end_of_step_.solve(now_, networks_, stops_));  // calls evaluate at will
-        world_.advance(step_size_, end_of_step_.foretold(), end_of_step_.singular_position().let_go());
+        world_.advance(step_size_, end_of_step_.predicted(), end_of_step_.singular_position().let_go());
         ++engine_steps_;
         world_.read_states(after_);
         if (std::ranges::equal(world_.stops(), stops_, {}, &Stop::acts, &Stop::acts)) return end_of_step_.confirm(after_);

@@ -69,7 +69,7 @@ public:
     /// Of an explicit coupling.
     const std::optional<ExplicitLimit>& explicit_limit() const { return limit_; }
 
-    /// Steps that ODE has done, those done again because other stops acted than foretold included.
+    /// Steps that ODE has done, those done again because other stops acted than predicted included.
     uint64_t engine_steps() const { return engine_steps_; }
 
 private:

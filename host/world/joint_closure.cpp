@@ -56,17 +56,17 @@ bool JointClosure::judge(std::vector<Stop>& stops, double h, const std::vector<B
 }
 
 void JointClosure::close(const std::vector<BodyState>& now, double h, const LetGo& let_go,
-                         const std::vector<BodyState>& foretold, std::vector<Stop>& stops, std::vector<BodyState>& after) {
+                         const std::vector<BodyState>& predicted, std::vector<Stop>& stops, std::vector<BodyState>& after) {
     system_.linearise(now, now, stops, let_go);
     // A stop at a dead centre lets go although ODE holds it
-    const bool parted = judge(stops, h, after), held = !judge(stops, h, foretold);
+    const bool parted = judge(stops, h, after), held = !judge(stops, h, predicted);
     if (parted || !held) system_.linearise(now, now, stops, let_go);
     factor(now);
     double before = std::numeric_limits<double>::infinity();  // the correction of the last pass
     for (int pass = 0;; ++pass) {
         if (pass == kMostPasses) fail();
         right_hand_side_.setZero();
-        system_.write_speeds(matrix_, after, foretold, right_hand_side_);
+        system_.write_speeds(matrix_, after, predicted, right_hand_side_);
         const double correction = correct(after);
         double scale = 0;
         for (size_t b = 0; b < now.size(); ++b)

@@ -14,18 +14,18 @@ namespace dttmm::host {
 
 /// ODE's joints hold the velocities at t_n, J u = 0, so that over a step a joint opens by h² |C̈|/2: on a turning machine a
 /// steady gap, and energy that drifts. This closes them: the motion over the step changes along M⁻¹ Jᵀ, the direction in
-/// which the joints' forces act, until joints move as foretold, C = 0 at the end of the step. ODE and this together are the
-/// SHAKE form of the leap-frog scheme. Whether bodies then move as foretold is up to ODE: nothing is changed in directions
+/// which the joints' forces act, until joints move as predicted, C = 0 at the end of the step. ODE and this together are the
+/// SHAKE form of the leap-frog scheme. Whether bodies then move as predicted is up to ODE: nothing is changed in directions
 /// that joints leave free.
 class JointClosure {
 public:
     JointClosure(const std::vector<Body>& bodies, const std::vector<Joint>& joints);
 
-    /// now: poses at t_n, joints closed. let_go: equations of joints that do not hold over the step. foretold: velocities
+    /// now: poses at t_n, joints closed. let_go: equations of joints that do not hold over the step. predicted: velocities
     /// over the step that close the joints. stops: those reached at t_n; on return those that ODE has made act and that
-    /// `foretold` does not part from. after: ODE's velocities over the step; poses and velocities are set. Throws
+    /// `predicted` does not part from. after: ODE's velocities over the step; poses and velocities are set. Throws
     /// Error(numerical_failure) naming the joint that does not follow.
-    void close(const std::vector<BodyState>& now, double h, const LetGo& let_go, const std::vector<BodyState>& foretold,
+    void close(const std::vector<BodyState>& now, double h, const LetGo& let_go, const std::vector<BodyState>& predicted,
                std::vector<Stop>& stops, std::vector<BodyState>& after);
 
 private:

@@ -238,7 +238,7 @@ int World::step(double h, bool with_joints) {
     return done;
 }
 
-void World::advance(double h, const std::vector<BodyState>& foretold, const LetGo& let_go) {
+void World::advance(double h, const std::vector<BodyState>& predicted, const LetGo& let_go) {
     const int before = complaints;
     if (closure_) {
         read_states(before_);
@@ -255,7 +255,7 @@ void World::advance(double h, const std::vector<BodyState>& foretold, const LetG
     if (complaints != before) throw Error(ExitCode::numerical_failure, "ODE reported a numerical problem during the step");
     if (!closure_) return;
     read_states(after_);
-    closure_->close(before_, h, let_go, foretold, stops_, after_);
+    closure_->close(before_, h, let_go, predicted, stops_, after_);
     set_states(after_);
 }
 

@@ -41,10 +41,10 @@ public:
     /// kLargestWrench.
     void apply(const std::vector<Eigen::Matrix<double, 6, 1>>& wrenches);
 
-    /// One step of size h [s]. foretold: the bodies at its end, by which joints are closed; not looked at without joints.
+    /// One step of size h [s]. predicted: the bodies at its end, by which joints are closed; not looked at without joints.
     /// Where equations of joints are let go, all joints are left to JointClosure. Throws Error(resource_limit) if ODE ran
     /// out of memory, Error(numerical_failure) if it complained or a joint does not close.
-    void advance(double h, const std::vector<BodyState>& foretold = {}, const LetGo& let_go = {});
+    void advance(double h, const std::vector<BodyState>& predicted = {}, const LetGo& let_go = {});
     /// The stops that are reached now, one per joint in the model's order, and may act over a step of size h.
     void find_stops(double h, std::vector<Stop>& stops) const;
     /// Those that acted over the last step.

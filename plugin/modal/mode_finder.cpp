@@ -147,7 +147,7 @@ std::vector<FrameVector> ModeFinder::random_shapes(size_t count) {
 }
 
 /// Inverse iteration on a group of shapes at a shift, and what their span says of the frequencies next to it: λ, ascending.
-/// The shapes are then these, of unit modal mass. Nothing: they cannot be told apart there.
+/// The shapes are then these, of unit modal mass. Nothing: they cannot be distinguished there.
 std::vector<double> ModeFinder::iterate(std::vector<FrameVector>& shapes, double lambda) {
     const auto n = as_row(shapes.size());
     if (!stiffness_.factor(lambda)) return {};
@@ -188,7 +188,7 @@ std::vector<double> ModeFinder::iterate(std::vector<FrameVector>& shapes, double
 void ModeFinder::find_rigid(int count, double lowest) {
     if (count == 0) return;
     std::vector<FrameVector> shapes = random_shapes(as_size(count));
-    const double shift = -kWiden * lowest * lowest;  // all is held there
+    const double shift = -kWiden * lowest * lowest;  // all is fixed there
     if (!stiffness_.model().levers.empty()) stiffness_.refuse_growing(shift);
     // What slow modes leave in the shapes falls by shift/(shift + λ) per round: until what is strained is rounding
     double strained = std::numeric_limits<double>::infinity(), before = strained;
@@ -313,7 +313,7 @@ Mode ModeFinder::describe(FrameVector shape, double lambda) const {
     if (mode.bracket > kWidestBracket)
         throw Error(
             DTTMM_ERROR_NUMERIC,
-            fmt::format("a natural frequency at {:.6g} Hz is told to {:.1e} of itself only: rounding of the stiffest "
+            fmt::format("a natural frequency at {:.6g} Hz is known to {:.1e} of itself only: rounding of the stiffest "
                         "parts hides it; join short ones, or make them rigid",
                         hertz(mode.omega), mode.bracket));
     mode.shape = std::move(shape);

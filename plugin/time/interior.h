@@ -93,7 +93,7 @@ public:
         std::fill(instant_.corrections.begin(), instant_.corrections.end(), Twist{});
         if (!massless_.has_balances()) return;
         massless_.find_instant(
-            mechanism, mechanism.scheme.step_size(), mechanism.before,
+            mechanism, MasslessFrames::Find::velocities, mechanism.scheme.step_size(), mechanism.before,
             [&](size_t j) {
                 const JointState& state = mechanism.states[j];
                 return MasslessFrames::Acting{
@@ -115,8 +115,9 @@ public:
     bool has_rigid_directions() const { return matrix_.factor.rigid_count() > 0; }
     /// Accelerations: of frames with mass by the wrenches of the joints at that instant, of massless ones by the velocities
     /// over the steps around it. At the start there is one step only: there those that dampers or rigid directions act on
-    /// have the accelerations that keep their forces in balance and rigid directions closed. velocity(frame), force(joint):
-    /// at that instant, the force in the joint's axes.
+    /// have the accelerations that keep their forces in balance and rigid directions closed. Those that a rigid direction
+    /// joins to a mass have the mean over the first step, to first order. velocity(frame), force(joint): at that instant,
+    /// the force in the joint's axes.
     template <class Velocity, class Force>
     void find_accelerations(const Mechanism& mechanism, std::span<const Vector6> wrenches, const Velocity& velocity,
                             const Force& force) {
@@ -131,7 +132,7 @@ public:
             add_arm_rates(mechanism, j, from, to, force(j));
         }
         massless_.find_instant(
-            mechanism, mechanism.scheme.step_size(), mechanism.before,
+            mechanism, MasslessFrames::Find::accelerations, mechanism.scheme.step_size(), mechanism.before,
             [&](size_t j) {
                 const auto [from, to] = ends(j);
                 return rate_of_force(mechanism, j, from, to, force(j));

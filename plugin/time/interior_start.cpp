@@ -202,7 +202,7 @@ void Interior::balance_at_start(const Mechanism& mechanism, double h, Start& sta
     std::vector<Twist> velocities = before, corrections(before.size());
     std::vector<double> rigid(rigid_.size());
     massless_.find_instant(
-        mechanism, h, start.frames,
+        mechanism, MasslessFrames::Find::velocities, h, start.frames,
         [&](size_t j) {
             const Joint& joint = mechanism.joints[j];
             const auto [from, to] = ends(joint, start.frames);

@@ -191,7 +191,7 @@ anchor = [2, 0, 0]
 axis = [0, 0, 1]
 )";
 
-// What the run did without is told, with the time: the closed form has the bars in one line at 0.712 s.
+// The warning says at what time equations were let go: the closed form has the bars in one line at 0.712 s.
 TEST(Joints, ASingularPositionIsPassedWithAWord) {
     const TemporaryFolder folder;
     write_text(folder / "m.toml", kParallelogram);

@@ -14,7 +14,7 @@ namespace {
 
 using Kind = Option::Kind;
 
-constexpr unsigned kEveryModel = kRun | kCheck | kModes | kFrf | kChannels, kTime = kRun | kCheck,
+constexpr unsigned kEveryModel = kRun | kCheck | kModes | kFrf | kChannels | kStatic, kTime = kRun | kCheck,
                    kFrequency = kModes | kFrf;
 
 void set_parameter(Request& request, const std::string& text) {
@@ -54,6 +54,10 @@ constexpr Option kOptions[] = {
      false, [](Request& request, const std::string& value) { request.trace = value; }},
     {"-o,--output", Kind::text, kFrequency, "results folder; default results/<model name>-modes, or -frf", false, false,
      [](Request& request, const std::string& value) { request.output = value; }},
+    {"-o,--output", Kind::text, kStatic, "results folder; default results/<model name>-static", false, false,
+     [](Request& request, const std::string& value) { request.output = value; }},
+    {"--at", Kind::text, kStatic, "instant whose loads count, e.g. \"0.5 s\"; default the start", false, true,
+     [](Request& request, const std::string& value) { request.at = value; }},
     {"--beams", Kind::text, kFrequency, "\"exact\" or \"lumped\" instead of the model's", false, true,
      [](Request& request, const std::string& value) { request.overrides.modes.beams = value; }},
     {"--count", Kind::text, kModes, "the first so many frequencies instead of the model's", false, true,
@@ -82,7 +86,7 @@ constexpr Option kOptions[] = {
      [](Request& request, const std::string&) { request.is_verbose = true; }},
     {"--json", Kind::flag, kModes | kElements, "print one JSON object instead of the table", false, false,
      [](Request& request, const std::string&) { request.as_json = true; }},
-    {"-q,--quiet", Kind::flag, kRun | kFrequency, "no table and no progress bar", false, false,
+    {"-q,--quiet", Kind::flag, kRun | kFrequency | kStatic, "no table and no progress bar", false, false,
      [](Request& request, const std::string&) { request.quiet = true; }},
 };
 

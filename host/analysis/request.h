@@ -34,6 +34,8 @@ struct Request {
     int points = 0;               ///< frf: number of frequencies
     bool is_logarithmic = false;  ///< frf: spaced by equal factors
 
+    std::string at;  ///< static: the instant whose loads count, a text with unit
+
     std::vector<std::string> patterns;  ///< channels: those to list; none: all
     std::vector<std::string> words;     ///< help: the topic; new: the folder; completion: the shell; check-law: the library
 
@@ -55,7 +57,8 @@ enum Command : unsigned {
     kNew = 256,
     kCompletion = 512,
     kManual = 1024,
-    kCheckLaw = 2048
+    kCheckLaw = 2048,
+    kStatic = 4096
 };
 
 /// An option of the command line. The commands, the words of a sweep's cases and what decides whether a case is run again

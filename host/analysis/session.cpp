@@ -82,7 +82,7 @@ Session::Session(const Request& request)
       model(prepare(request)),
       simulation(model, plugins),
       selection(selected_channels(model, simulation)) {
-    warn_jumps(model, plugins.catalogue(), warnings);
+    if (!model.simulation.starts_at_rest) warn_jumps(model, plugins.catalogue(), warnings);
     if (model.simulation.tolerance)
         halving.emplace(model, plugins, simulation.channels(), selection);
     else

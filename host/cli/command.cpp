@@ -20,6 +20,7 @@
 #include "analysis/modes.h"
 #include "analysis/modes_sweep.h"
 #include "analysis/run.h"
+#include "analysis/statics.h"
 #include "analysis/sweep.h"
 #include "cli/completion.h"
 #include "cli/crash_report.h"
@@ -91,6 +92,7 @@ const CommandLine kCommands[] = {
      [](const Request& request) {
          return request.sweeps.empty() ? find_modes(request) : sweep_modes(request, axes_of(request));
      }},
+    {kStatic, "static", "equilibrium of a model under weight and lasting loads", Given::model, find_equilibrium},
     {kFrf, "frf", "frequency response of a model", Given::model, find_response},
     {kChannels, "channels", "list what a run of a model can record", Given::model_and_patterns, plain<print_channels>},
     {kCheckLaw, "check-law", "test the force laws of a library", Given::library, plain<check_law>},

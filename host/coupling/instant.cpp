@@ -65,6 +65,16 @@ const Instant& InstantSolver::start(const Model& model, const dttmm_step& step, 
     return instant_;
 }
 
+const Instant& InstantSolver::start_at_rest(const dttmm_step& step, const std::vector<BodyState>& at, Networks& networks,
+                                            const Loads& loads) {
+    h_ = step.size;
+    start_time_ = step.time;
+    start_ = instant_.at = at;
+    for (Vector6& acceleration : instant_.accelerations) acceleration.setZero();
+    networks.start_at_rest(step, at, loads.on_nodes());
+    return instant_;
+}
+
 const Instant& InstantSolver::solve(double time, const StepEquations& step, const std::vector<BodyState>& now,
                                     const std::vector<BodyState>& after, Networks& networks, const Loads& loads) {
     const bool is_impact = step.has_impact(now, after);

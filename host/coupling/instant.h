@@ -34,6 +34,10 @@ public:
     const Instant& start(const Model& model, const dttmm_step& step, const std::vector<BodyState>& at, Networks& networks,
                          Loads& loads);
 
+    /// The same of a machine at rest where the networks have come to.
+    const Instant& start_at_rest(const dttmm_step& step, const std::vector<BodyState>& at, Networks& networks,
+                                 const Loads& loads);
+
     /// What stands at t_n, the start of the step last committed, `step`; then the networks stand there too. now: poses at
     /// t_n, velocities over the step before; after: those over the step. Velocities are the means of those over the two
     /// steps where joints turn (J at t_n would share the turning over half a step between a heavy body and one that is

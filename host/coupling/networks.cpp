@@ -297,6 +297,85 @@ void Networks::commit_step(const std::vector<BodyState>& accepted) {
     });
 }
 
+// ---- At rest ------------------------------------------------------------------------------------------------------------
+
+void Networks::begin_statics() {
+    for (size_t n = 0; n < instances_.size(); ++n)
+        tell_place(n, [&] {
+            if (!instances_[n].has_statics())
+                instances_[n].blame("it knows no equilibrium: it is without the extension " DTTMM_STATIC);
+            instances_[n].begin_statics();
+        });
+}
+
+void Networks::keep_statics() {
+    for (size_t n = 0; n < instances_.size(); ++n) tell_place(n, [&] { instances_[n].keep_statics(); });
+}
+
+void Networks::recall_statics() {
+    for (size_t n = 0; n < instances_.size(); ++n) tell_place(n, [&] { instances_[n].recall_statics(); });
+}
+
+void Networks::set_static_loads(const Eigen::Vector3d& gravity, const double* node_loads) {
+    for (size_t n = 0; n < instances_.size(); ++n)
+        tell_place(n, [&] { instances_[n].set_static_loads(gravity.data(), gather_loads(n, node_loads)); });
+}
+
+void Networks::form_static(const std::vector<BodyState>& at, double resistance, double* wrenches,
+                           const StiffnessSink& sink) {
+    gather(at);
+    for (size_t n = 0; n < instances_.size(); ++n) {
+        const double* stiffness = make_room(n, stiffness_);
+        tell_place(n, [&] {
+            instances_[n].form_static(motions_.data(), resistance, wrenches_.data(), stiffness_.data());
+            scatter(n, wrenches);
+            check_matrix(n, stiffness_, "stiffness", " at rest");
+        });
+        for (const dttmm_block& block : instances_[n].blocks()) {
+            sink(as_int(block.row), as_int(block.column), Eigen::Map<const RowMajor6>(stiffness));
+            stiffness += kBlock;
+        }
+    }
+}
+
+void Networks::add_measure(size_t instance, const dttmm_static_measure& own, StaticMeasure& sum) const {
+    sum.work += own.work;
+    sum.residual = std::max(sum.residual, own.residual);
+    sum.force = std::max(sum.force, own.force);
+    sum.noise = std::max(sum.noise, own.noise);
+    sum.turn = std::max(sum.turn, own.turn);
+    if (own.shift <= sum.shift) return;
+    sum.shift = own.shift;
+    if (own.element >= 0 && as_size(own.element) < instances_[instance].element_count())
+        sum.element = instances_[instance].element_name(static_cast<uint32_t>(own.element));
+}
+
+Networks::StaticMeasure Networks::correct_static(const double* change) {
+    StaticMeasure sum;
+    for (size_t n = 0; n < instances_.size(); ++n)
+        tell_place(n, [&] { add_measure(n, instances_[n].correct_static(change), sum); });
+    return sum;
+}
+
+Networks::StaticMeasure Networks::move_static(const std::vector<BodyState>& at, double share, double* wrenches) {
+    gather(at);
+    StaticMeasure sum;
+    for (size_t n = 0; n < instances_.size(); ++n)
+        tell_place(n, [&] {
+            add_measure(n, instances_[n].move_static(motions_.data(), share, wrenches_.data()), sum);
+            scatter(n, wrenches);
+        });
+    return sum;
+}
+
+void Networks::start_at_rest(const dttmm_step& step, const std::vector<BodyState>& at, const double* node_loads) {
+    step_size_ = step.size;
+    time_ = step.time;
+    gather(at);
+    for (size_t n = 0; n < instances_.size(); ++n)
+        tell_place(n, [&] { instances_[n].start_at_rest(step, motions_.data(), gather_loads(n, node_loads)); });
+}
+
 // ---- Results ------------------------------------------------------------------------------------------------------------
 
 size_t Networks::output_count() const {

@@ -61,6 +61,24 @@ public:
     std::string whose_part(size_t part) const;
     void commit_step(const std::vector<BodyState>& accepted);
 
+    // At rest, see dttmm_static.h.
+
+    /// Back to the assembled machine. Throws Error(plugin_failure) for a plugin that knows no statics.
+    void begin_statics();
+    void keep_statics();
+    void recall_statics();
+    void set_static_loads(const Eigen::Vector3d& gravity, const double* node_loads);
+    /// Adds the condensed wrenches of the equations formed at these poses, and hands out their stiffness.
+    void form_static(const std::vector<BodyState>& at, double resistance, double* wrenches, const StiffnessSink& sink);
+    /// Of all networks; element: its name, or none.
+    struct StaticMeasure {
+        double work = 0, residual = 0, force = 0, noise = 0, shift = 0, turn = 0;
+        std::string element;
+    };
+    StaticMeasure correct_static(const double* change);
+    StaticMeasure move_static(const std::vector<BodyState>& at, double share, double* wrenches);
+    void start_at_rest(const dttmm_step& step, const std::vector<BodyState>& at, const double* node_loads);
+
     /// Whether all plugins tell what stands at an instant.
     bool stand() const { return stand_; }
     /// Adds the mean wrenches over the step last committed. Only if stand().
@@ -86,6 +104,7 @@ private:
 
     void add_instance(const Model& model, const NetworkDescription& description, const std::vector<size_t>& elements);
     void take_weights();
+    void add_measure(size_t instance, const dttmm_static_measure& own, StaticMeasure& sum) const;
     template <class Action>
     void tell_place(size_t instance, Action&& action) const;
     template <class Action>

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <set>
@@ -168,6 +169,27 @@ std::span<const dttmm_progress> NetworkInstance::iterate(const dttmm_motion* tri
             if (!(number >= 0 && number <= std::numeric_limits<double>::max()))
                 blame(fmt::format("the progress of its iteration is {}", number));
     return progress_;
+}
+
+dttmm_static_measure NetworkInstance::correct_static(const double* change) {
+    dttmm_static_measure measure{};
+    ask([&](dttmm_error* error) { return plugin_.statics()->correct(instance_.get(), change, &measure, error); });
+    return checked(measure);
+}
+
+dttmm_static_measure NetworkInstance::move_static(const dttmm_motion* bodies, double share, double* wrench) {
+    dttmm_static_measure measure{};
+    ask([&](dttmm_error* error) {
+        return plugin_.statics()->move(instance_.get(), bodies, share, wrench, &measure, error);
+    });
+    return checked(measure);
+}
+
+dttmm_static_measure NetworkInstance::checked(const dttmm_static_measure& measure) const {
+    for (const double number : {measure.work, measure.residual, measure.force, measure.noise, measure.shift, measure.turn})
+        if (!std::isfinite(number))
+            fail(DTTMM_ERROR_NUMERIC, measure.element, "its forces at rest are not finite: its parts have moved too far");
+    return measure;
 }
 
 void NetworkInstance::fail_by_exception() const { fail(DTTMM_ERROR_INTERNAL, -1, describe_exception()); }

@@ -91,6 +91,32 @@ public:
         ask([&](dttmm_error* error) { return table_->take_up(instance_.get(), motion, elastic, damped, error); });
     }
 
+    // At rest, see dttmm_static.h; only if has_statics().
+    bool has_statics() const { return plugin_.statics() != nullptr; }
+    void begin_statics() {
+        ask([&](dttmm_error* error) { return plugin_.statics()->begin(instance_.get(), error); });
+    }
+    void keep_statics() {
+        ask([&](dttmm_error* error) { return plugin_.statics()->keep(instance_.get(), error); });
+    }
+    void recall_statics() {
+        ask([&](dttmm_error* error) { return plugin_.statics()->recall(instance_.get(), error); });
+    }
+    void set_static_loads(const double gravity[3], const double* loads) {
+        ask([&](dttmm_error* error) { return plugin_.statics()->set_loads(instance_.get(), gravity, loads, error); });
+    }
+    void form_static(const dttmm_motion* bodies, double resistance, double* wrench, double* stiffness) {
+        ask([&](dttmm_error* error) {
+            return plugin_.statics()->form(instance_.get(), bodies, resistance, wrench, stiffness, error);
+        });
+    }
+    dttmm_static_measure correct_static(const double* change);
+    dttmm_static_measure move_static(const dttmm_motion* bodies, double share, double* wrench);
+    void start_at_rest(const dttmm_step& step, const dttmm_motion* bodies, const double* loads) {
+        PluginCall::set_time(step.time);
+        ask([&](dttmm_error* error) { return plugin_.statics()->start(instance_.get(), &step, bodies, loads, error); });
+    }
+
     /// As they were when the instance was made: the plugin is not asked again.
     const std::vector<Channel>& channels() const { return channels_; }
     /// One per channel: a DTTMM_ROLE.
@@ -155,6 +181,7 @@ private:
     [[noreturn]] void fail_by_exception() const;
     [[noreturn]] void fail(dttmm_status status, const dttmm_error& error) const;
     [[noreturn]] void fail(dttmm_status status, int element, const std::string& text) const;
+    dttmm_static_measure checked(const dttmm_static_measure& measure) const;
     bool is_named(int element) const { return element >= 0 && as_size(element) < element_names_.size(); }
     void read_blocks(const dttmm_network& network);
     void read_channels(const dttmm_network& network);

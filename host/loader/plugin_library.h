@@ -10,6 +10,7 @@
 #include "dttmm_modal.h"
 #include "dttmm_plugin.h"
 #include "dttmm_response.h"
+#include "dttmm_static.h"
 #include "loader/shared_library.h"
 
 namespace dttmm::host {
@@ -33,6 +34,7 @@ public:
     const dttmm_modal_table* modal() const { return modal_; }
     const dttmm_response_table* response() const { return response_; }
     const dttmm_laws_table* laws() const { return laws_; }
+    const dttmm_static_table* statics() const { return statics_; }
     /// Gives its elements one more law; false: they take none. Throws Error(plugin_failure) with what it says of the law.
     bool add_law(const dttmm_law& law) const;
 
@@ -43,6 +45,7 @@ private:
     const dttmm_modal_table* modal_ = nullptr;
     const dttmm_response_table* response_ = nullptr;
     const dttmm_laws_table* laws_ = nullptr;
+    const dttmm_static_table* statics_ = nullptr;
     std::shared_ptr<void> handle_;
 };
 

@@ -59,6 +59,14 @@ constexpr Key kSimulation[] = {
      1,
      {0, 1}},
     {"gravity", Kind::numbers, "acceleration in world axes", "[0, 0, 0]", "m/s^2", 3},
+    {"start",
+     Kind::word,
+     "where bodies and nodes are at first: as the file places them, or in equilibrium",
+     "assembled",
+     "",
+     0,
+     {},
+     "assembled|equilibrium"},
 };
 
 constexpr Key kOutput[] = {

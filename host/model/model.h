@@ -102,7 +102,8 @@ struct SimulationSettings {
     Coupling coupling = Coupling::implicit;
     ExplicitScheme scheme = ExplicitScheme::fox_euler;
     Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  ///< [m/s²]
-    double spectral_radius = 1;       ///< of the implicit scheme at infinite frequency: 1 no numerical damping, 0 the most
+    double spectral_radius = 1;   ///< of the implicit scheme at infinite frequency: 1 no numerical damping, 0 the most
+    bool starts_at_rest = false;  ///< in the equilibrium under weight and the loads at the start, not as the file places it
     std::optional<double> tolerance;  ///< of the results, relative; `step` is then the first tried. None: one run at `step`
 };
 

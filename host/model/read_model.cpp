@@ -173,6 +173,19 @@ void warn_turned_markers(const TableReader& file, const Model& model, const Atta
         }
 }
 
+/// What starts in equilibrium has no velocities.
+void check_rest(const TableReader& file, const Model& model) {
+    const auto refuse = [&](const char* kind, const std::string& name) {
+        file.error(file.find("simulation")->value.place,
+                   fmt::format("start = \"equilibrium\", but {} {} starts with a velocity: leave one of them out", kind,
+                               quote(name)));
+    };
+    for (const Body& body : model.bodies)
+        if (!body.velocity.isZero(0) || !body.angular_velocity.isZero(0)) refuse("body", body.name);
+    for (const Node& node : model.nodes)
+        if (node.moves && (!node.velocity.isZero(0) || !node.angular_velocity.isZero(0))) refuse("node", node.name);
+}
+
 void read_contents(const TableReader& file, const ElementCatalogue& catalogue, const ModelOverrides& overrides,
                    Model& model) {
     NameRegistry body_names("body"), node_names("node"), element_names("element");
@@ -186,7 +199,7 @@ void read_contents(const TableReader& file, const ElementCatalogue& catalogue, c
     model.nodes = read_nodes(file, {&body_names}, node_names);
     check_modes(file);
     model.modes = read_modes(file, overrides.modes);
-    if (has_histories) check_dofs(file);
+    if (overrides.purpose != Purpose::modes) check_dofs(file);
     check_bodies(file, model);
     const Attachments attachments(model.bodies, model.nodes);
     model.loads = read_loads(file, attachments);
@@ -194,6 +207,7 @@ void read_contents(const TableReader& file, const ElementCatalogue& catalogue, c
     model.elements = read_elements(file, catalogue, attachments, {&body_names}, element_names);
     model.joints = read_joints(file, attachments, model.bodies, {&body_names, &node_names, &element_names});
     check_nodes(file, model);
+    if (model.simulation.starts_at_rest) check_rest(file, model);
     if (!file.context().diagnostics.has_errors()) warn_turned_markers(file, model, attachments);
 }
 

@@ -14,7 +14,7 @@
 namespace dttmm::host {
 
 /// What a model is read for: histories want [simulation], modes want none.
-enum class Purpose { histories, modes };
+enum class Purpose { histories, modes, statics };
 
 /// What the command line changes in a model.
 struct ModelOverrides : SimulationOverrides {

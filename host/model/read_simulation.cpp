@@ -173,6 +173,9 @@ SimulationSettings read_simulation(const TableReader& file, const SimulationOver
     settings.scheme = read_scheme(*table, settings.coupling, overrides.coupling.has_value());
     settings.spectral_radius = read_spectral_radius(*table, settings.coupling, overrides.coupling.has_value());
     settings.gravity = read_gravity(*table);
+    settings.starts_at_rest = table->choice("start", 0).value_or(0) == 1;
+    if (settings.starts_at_rest && settings.coupling == Coupling::explicit_)
+        table->error(table->find("start")->place, "start = \"equilibrium\" wants coupling = \"implicit\"");
     return settings;
 }
 

@@ -45,14 +45,23 @@ Simulation::Simulation(const Model& model, const Plugins& plugins)
         for (const Attachment& end : element.ends)
             if (end.body >= 0) held_[as_size(end.body)] = true;
     if (!networks_.is_implicit()) limit_ = find_explicit_limit(model, networks_, now_, step_size_, model.simulation.scheme);
+    const Instant& start = this->start();
     first_after_ = now_;
-    const Instant& start = instant_.start(model, {0, 0.0, step_size_}, now_, networks_, loads_);
     now_ = end_of_step_.start(step_size_, now_, start.accelerations);
     for (size_t b = 0; b < now_.size(); ++b) {
         first_after_[b].velocity += first_after_[b].velocity - now_[b].velocity;
         first_after_[b].angular_velocity += first_after_[b].angular_velocity - now_[b].angular_velocity;
     }
     world_.set_states(now_);
+}
+
+/// Initial conditions: now_ as the model has it, or at rest.
+const Instant& Simulation::start() {
+    const dttmm_step first{0, 0.0, step_size_};
+    if (!model_.simulation.starts_at_rest) return instant_.start(model_, first, now_, networks_, loads_);
+    rest_ = Equilibrium(model_, networks_, loads_).find(first.time);
+    now_ = rest_->at;
+    return instant_.start_at_rest(first, now_, networks_, loads_);
 }
 
 uint64_t Simulation::step_count() const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "coupling/end_of_step.h"
+#include "coupling/equilibrium.h"
 #include "coupling/instant.h"
 #include "coupling/loads.h"
 #include "coupling/networks.h"
@@ -66,6 +67,8 @@ public:
     Turning fastest_turning() const;
     /// ω h and what makes it, as messages say it; of an explicit coupling with the part of the dampers in its limit.
     std::string describe_speed() const;
+    /// Where it started, if in equilibrium.
+    const std::optional<RestState>& rest() const { return rest_; }
     /// Of an explicit coupling.
     const std::optional<ExplicitLimit>& explicit_limit() const { return limit_; }
 
@@ -73,6 +76,7 @@ public:
     uint64_t engine_steps() const { return engine_steps_; }
 
 private:
+    const Instant& start();
     void move_bodies();
     void observe();
     void refuse_divergence() const;
@@ -88,6 +92,7 @@ private:
     InstantSolver instant_;
     std::vector<BodyState> now_, after_;  ///< at the start and at the end of the step
     FastestMode fastest_;
+    std::optional<RestState> rest_;
     std::optional<ExplicitLimit> limit_;
     Observer observer_;  ///< made last: finding the fastest vibration takes much memory
     RowSink sink_;

@@ -14,6 +14,7 @@
 #include "dttmm_plugin.h"
 #include "dttmm_response.h"
 #include "dttmm_state.h"
+#include "dttmm_static.h"
 #include "element/registry.h"
 #include "law/registry.h"
 #include "modal/modal_analysis.h"
@@ -202,6 +203,42 @@ dttmm_status respond(dttmm_modal* modal, double frequency, int32_t on_body, int3
     });
 }
 
+dttmm_status begin_static(dttmm_instance* instance, dttmm_error* error) {
+    return guard(error, [&] { instance->machine.begin_statics(); });
+}
+
+dttmm_status keep_static(dttmm_instance* instance, dttmm_error* error) {
+    return guard(error, [&] { instance->machine.keep_statics(); });
+}
+
+dttmm_status recall_static(dttmm_instance* instance, dttmm_error* error) {
+    return guard(error, [&] { instance->machine.recall_statics(); });
+}
+
+dttmm_status set_static_loads(dttmm_instance* instance, const double gravity[3], const double* loads, dttmm_error* error) {
+    return guard(error, [&] { instance->machine.set_static_loads(gravity, loads); });
+}
+
+dttmm_status form_static(dttmm_instance* instance, const dttmm_motion* bodies, double resistance, double* wrench,
+                         double* stiffness, dttmm_error* error) {
+    return guard(error, [&] { instance->machine.form_static(bodies, resistance, wrench, stiffness); });
+}
+
+dttmm_status correct_static(dttmm_instance* instance, const double* change, dttmm_static_measure* measure,
+                            dttmm_error* error) {
+    return guard(error, [&] { instance->machine.correct_static(change, measure); });
+}
+
+dttmm_status move_static(dttmm_instance* instance, const dttmm_motion* bodies, double share, double* wrench,
+                         dttmm_static_measure* measure, dttmm_error* error) {
+    return guard(error, [&] { instance->machine.move_static(bodies, share, wrench, measure); });
+}
+
+dttmm_status start_static(dttmm_instance* instance, const dttmm_step* step, const dttmm_motion* bodies, const double* loads,
+                          dttmm_error* error) {
+    return guard(error, [&] { instance->machine.start_at_rest(*step, bodies, loads); });
+}
+
 double force_at_start(const dttmm_modal* modal, uint32_t element) { return modal->analysis.force_at_start(element); }
 
 dttmm_plugin& table();
@@ -222,10 +259,20 @@ const void* extension(const char* name) {
     static constexpr dttmm_response_table kResponse = {sizeof(dttmm_response_table), respond};
     static constexpr dttmm_state_table kState = {sizeof(dttmm_state_table), state_size, save_state, restore_state};
     static constexpr dttmm_laws_table kLaws = {sizeof(dttmm_laws_table), add_law};
+    static constexpr dttmm_static_table kStatic = {sizeof(dttmm_static_table),
+                                                   begin_static,
+                                                   keep_static,
+                                                   recall_static,
+                                                   set_static_loads,
+                                                   form_static,
+                                                   correct_static,
+                                                   move_static,
+                                                   start_static};
     const std::string_view wanted = name;
     if (wanted == DTTMM_MODAL) return &kModal;
     if (wanted == DTTMM_RESPONSE) return &kResponse;
     if (wanted == DTTMM_STATE) return &kState;
+    if (wanted == DTTMM_STATIC) return &kStatic;
     if (wanted == DTTMM_LAWS) return &kLaws;
     return nullptr;
 }

@@ -372,6 +372,65 @@ EndBlocks Joint::acting_stiffness(const JointPose& pose, FrameView from, FrameVi
     return K;
 }
 
+// ---- At rest ------------------------------------------------------------------------------------------------------------
+
+Joint::AtRest Joint::at_rest(const Vector6& x) const {
+    AtRest rest{kind_->law->stiffness.cwiseProduct(x), kind_->law->stiffness};
+    if (!kind_->has_laws) return rest;
+    const std::vector<double> undeformed(kind_->law->memory_before(6), 0.0);
+    for (int d = 0; d < 6; ++d) {
+        const LawOnPath path = ask(d, {0, x(d), 0, undeformed.data()});
+        rest.force(d) = path.force;
+        rest.tangent(d) = path.tangent;
+    }
+    return rest;
+}
+
+JointForce Joint::carry(Ends at, const Vector6& force, const Vector6& rigid) const {
+    const JointPose pose = this->pose(at);
+    const Vector6 x = deformation(pose, at.from, at.to);
+    JointForce all = act(pose, x, force);
+    if (law().rigid.none()) return all;
+    const Vector3 moment = turns() ? moment_of_gradient(x.tail<3>(), Vector3(rigid.tail<3>())) : Vector3(rigid.tail<3>());
+    Vector6 held;
+    held << rigid.head<3>(), moment;
+    all.add(1, pose.act(held));
+    return all;
+}
+
+/// By central differences. The forces are linear in the shifts of frames and smooth in their turns: with 1e-5 rad both the
+/// neglected third derivative and rounding are 1e-10 of the forces.
+EndBlocks Joint::turning_stiffness(Ends at, const Vector6& force, const Vector6& rigid) const {
+    constexpr double kTurn = 1e-5;
+    EndBlocks K;
+    for (auto& row : K.at)
+        for (Matrix6& block : row) block.setZero();
+    if (force.isZero(0) && rigid.isZero(0)) return K;
+    const JointPose pose = this->pose(at);
+    double size = std::max(pose.arm.norm(), pose.lever.norm());
+    if (is_axial()) size = way(at.from, at.to).norm();
+    if (!(size > 0)) size = 1;
+    for (int end : {0, 1})
+        for (int c = 0; c < 6; ++c) {
+            const double step = c < 3 ? kTurn * size : kTurn;
+            JointForce difference;
+            for (const double sign : {1.0, -1.0}) {
+                Frame moved = (end == 0 ? at.from : at.to).copy();
+                if (c < 3) {
+                    moved.position[c] += sign * step;
+                } else {
+                    Eigen::Map<RowMajor3> axes(moved.rotation);
+                    axes = (rotation_from_vector(Vector3(sign * step * Vector3::Unit(c - 3))) * axes).eval();
+                }
+                const FrameView view = moved;
+                difference.add(sign / (2 * step), carry(end == 0 ? Ends{view, at.to} : Ends{at.from, view}, force, rigid));
+            }
+            K.at[0][end].col(c) << -difference.force, -difference.on_from;
+            K.at[1][end].col(c) << difference.force, difference.on_to;
+        }
+    return K;
+}
+
 // ---- Time steps ---------------------------------------------------------------------------------------------------------
 
 /// The past before the start is the parabola through it, which suits every explicit scheme; for the centred one the elastic

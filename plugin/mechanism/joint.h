@@ -186,6 +186,20 @@ public:
     /// Of a force already acting (world axes), which turns with the joint; symmetric part.
     EndBlocks acting_stiffness(const JointPose& pose, FrameView from, FrameView to, const Vector3& force) const;
 
+    // At rest: laws go the straight way from the undeformed state to a deformation x.
+
+    /// The elastic forces along the deformations there (gradients by θ in rotations), and their derivatives.
+    struct AtRest {
+        Vector6 force, tangent;
+    };
+    AtRest at_rest(const Vector6& x) const;
+    /// ∂(elastic force)/∂(deformation) of that, joint axes, rotations in terms of the relative turn.
+    Matrix6 rest_tangent(const Vector6& x, const Vector6& tangent) const { return along(x, tangent); }
+    /// What forces along the deformations do to the frames; `rigid` are those of rigid directions.
+    JointForce carry(Ends at, const Vector6& force, const Vector6& rigid) const;
+    /// −∂(wrench)/∂(pose) of such forces while they keep their size: all that stems from their directions and lever arms.
+    EndBlocks turning_stiffness(Ends at, const Vector6& force, const Vector6& rigid) const;
+
     /// Takes laws to where the joint is at the start on the straight way from the undeformed state; `strained` takes where
     /// that is, and the elastic force there.
     void start_laws(Ends at, const JointPose& pose, LawMemory memory, Strained& strained) const;

@@ -14,6 +14,7 @@
 #include "core/index.h"
 #include "core/rotation.h"
 #include "core/state_vector.h"
+#include "statics/frame_links.h"
 #include "time/interior_parts.h"
 
 namespace dttmm::plugin {
@@ -24,23 +25,6 @@ namespace {
 constexpr double kSmallestGyration = 1e-7;
 /// At which a network is first looked at, to see that it can be solved [1/s]; 10 and 1e5 pass the same tests.
 constexpr double kTrialRate = 1e3;
-
-std::vector<Link> links_of(const Mechanism& mechanism) {
-    const int driven = mechanism.assembly.driven_count;
-    std::vector<Link> links;
-    for (const Joint& joint : mechanism.joints)
-        links.push_back(
-            {std::max(joint.from() - driven, -1), std::max(joint.to() - driven, -1), as_int(joint.rigid().count())});
-    return links;
-}
-
-/// Levers shorter than this are rounding of places [m].
-double least_lever(const Mechanism& mechanism) {
-    constexpr double kRounding = 1e-14;  // 45 epsilon: sums and turns of a handful of places
-    double size = 1;
-    for (const FrameSpec& frame : mechanism.assembly.frames) size = std::max(size, frame.pose.position.norm());
-    return kRounding * size;
-}
 
 /// Translation and rotation of every inner frame: whether it has no mass, no inertia.
 std::vector<std::array<bool, 2>> massless_halves(const Mechanism& mechanism) {
@@ -150,12 +134,6 @@ Matrix6 local_columns(const Joint& joint, const JointPose& pose, int end, FrameV
 
 Matrix6 rigid_rows(const Mechanism& mechanism, size_t j, const Matrix6& columns) {
     return rigid_rows(mechanism.theta(j), columns);
-}
-
-Matrix6 rigid_rows(const Vector3& theta, const Matrix6& columns) {
-    Matrix6 rows = columns;
-    rows.bottomRows<3>() = rotation_vector_rate(theta) * columns.bottomRows<3>();
-    return rows;
 }
 
 Matrix6 Interior::mass_matrix(size_t frame) const {
@@ -316,31 +294,7 @@ void Interior::form_at_trial(const Mechanism& mechanism) {
 
 void Interior::factor(const Mechanism& mechanism, Elimination& matrix, dttmm_status status) const {
     ++work_.factorisations;
-    if (const auto fault = matrix.factor()) refuse(mechanism, *fault, status);
-}
-
-void Interior::refuse(const Mechanism& mechanism, const Elimination::Fault& fault, dttmm_status status) const {
-    const FrameSpec& frame = mechanism.assembly.frames[as_size(layout_.driven + fault.frame)];
-    if (fault.direction >= 0) {
-        const bool is_massless = fault.direction < 3 ? frame.mass == 0 : frame.inertia.isZero(0);
-        throw Error(
-            status,
-            fmt::format("{}: nothing determines its motion in {} (its own axes): {}no element holds it there; give "
-                        "it a stiffness, a mass or "
-                        "a `fixed` direction",
-                        frame.name(), kDirectionNames[as_size(fault.direction)], is_massless ? "it has no mass, and " : ""),
-            frame.element);
-    }
-    const Joint& joint = mechanism.joints[as_size(fault.link)];
-    int direction = 0;
-    for_each_rigid(joint, [&](int i, int d) {
-        if (i == fault.rigid) direction = d;
-    });
-    throw Error(status,
-                fmt::format("its rigid direction {} is driven from both ends: what it joins is held there by other rigid "
-                            "directions too; give one of them a stiffness",
-                            kDirectionNames[as_size(direction)]),
-                joint.element());
+    if (const auto fault = matrix.factor()) refuse_singular(mechanism, *fault, status);
 }
 
 void Interior::refactor(const Mechanism& mechanism) {

@@ -65,7 +65,8 @@ public:
 
     /// Throws Error(DTTMM_ERROR_MODEL) naming a node whose given velocity rigid directions, or other nodes on its rigid
     /// body, forbid.
-    void start(Mechanism& mechanism, Ports ports, const double* accelerations, const double* loads);
+    void start(Mechanism& mechanism, Ports ports, const double* accelerations, const double* loads,
+               const std::vector<Frame>* at_rest = nullptr);
     /// loads: NULL: none. Forms the matrix anew where the last step has left it stale; throws Error, nothing being changed,
     /// if that is singular or a rotational spring has turned too far.
     void begin_step(const Mechanism& mechanism, const double* loads);
@@ -231,7 +232,6 @@ private:
     void assemble(const Mechanism& mechanism, const std::vector<Frame>& at);
     void make_heavier(Elimination& matrix) const;
     void factor(const Mechanism& mechanism, Elimination& matrix, dttmm_status status) const;
-    [[noreturn]] void refuse(const Mechanism& mechanism, const Elimination::Fault& fault, dttmm_status status) const;
     void find_responses(const Mechanism& mechanism);
     /// How a network begins: where all frames are, and their velocities.
     struct Start {

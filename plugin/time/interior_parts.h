@@ -3,6 +3,7 @@
 
 #include "core/index.h"
 #include "mechanism/mechanism.h"
+#include "statics/frame_links.h"
 
 namespace dttmm::plugin {
 
@@ -25,14 +26,6 @@ inline Vector6 in_axes(FrameView frame, const Vector6& v) {
     return local;
 }
 
-/// Rigid directions of a joint, ascending.
-template <class Function>
-void for_each_rigid(const Joint& joint, const Function& function) {
-    int i = 0;
-    for (int d = 0; d < 6; ++d)
-        if (joint.rigid()[as_size(d)]) function(i++, d);
-}
-
 /// Columns of [d; relative turn] of a joint at t_n by the motion of its `from` (0) or `to` (1) frame, in that frame's axes.
 Matrix6 local_columns(const Mechanism& mechanism, size_t joint, int end);
 /// The same with the joint elsewhere.
@@ -41,6 +34,5 @@ Matrix6 local_columns(const Mechanism& mechanism, size_t joint, const JointPose&
 Matrix6 local_columns(const Joint& joint, const JointPose& pose, int end, FrameView frame);
 /// From these those of [d; θ] that rigid directions hold: δθ = J⁻¹ ε.
 Matrix6 rigid_rows(const Mechanism& mechanism, size_t joint, const Matrix6& columns);
-Matrix6 rigid_rows(const Vector3& theta, const Matrix6& columns);
 
 }  // namespace dttmm::plugin

@@ -247,9 +247,10 @@ void Interior::refuse_forbidden_velocities(const Mechanism& mechanism, const Sta
     }
 }
 
-void Interior::start(Mechanism& mechanism, Ports ports, const double* accelerations, const double* loads) {
+void Interior::start(Mechanism& mechanism, Ports ports, const double* accelerations, const double* loads,
+                     const std::vector<Frame>* at_rest) {
     const double h = mechanism.scheme.step_size();
-    Start start = place_at_start(mechanism, ports);
+    Start start = at_rest ? Start{*at_rest, std::vector<Twist>(at_rest->size())} : place_at_start(mechanism, ports);
     refuse_forbidden_velocities(mechanism, start);
     mechanism.frames = start.frames;
     std::fill(rigid_.begin(), rigid_.end(), 0.0);

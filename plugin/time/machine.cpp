@@ -282,6 +282,64 @@ void Machine::stand(const dttmm_motion* bodies, const double* accelerations, dou
     for_each(*this, [&](const Part& part) { part.network.stand(bodies, accelerations, wrench); });
 }
 
+// ---- At rest ------------------------------------------------------------------------------------------------------------
+
+void Machine::begin_statics() {
+    for_each(*this, [](Part& part) { part.network.begin_statics(); });
+}
+
+void Machine::keep_statics() {
+    for_each(*this, [](Part& part) { part.network.statics().keep(); });
+}
+
+void Machine::recall_statics() {
+    for_each(*this, [](Part& part) { part.network.statics().recall(); });
+}
+
+void Machine::set_static_loads(const double* gravity, const double* loads) {
+    for_each(*this, [&](Part& part) {
+        part.network.statics().set_loads(Eigen::Map<const Vector3>(gravity), gather_loads(part, loads));
+    });
+}
+
+void Machine::form_static(const dttmm_motion* bodies, double resistance, double* wrench, double* stiffness) {
+    cleared(wrench);
+    cleared_blocks(stiffness);
+    for_each(*this, [&](Part& part) { part.network.form_static(bodies, resistance, wrench, stiffness); });
+}
+
+/// Of all networks what finds asks of each.
+template <class Find>
+dttmm_static_measure Machine::measure_static(const Find& find) {
+    dttmm_static_measure all{};
+    all.element = -1;
+    for_each(*this, [&](Part& part) {
+        const dttmm_static_measure own = find(part.network);
+        all.work += own.work;
+        all.residual = std::max(all.residual, own.residual);
+        all.force = std::max(all.force, own.force);
+        all.noise = std::max(all.noise, own.noise);
+        all.turn = std::max(all.turn, own.turn);
+        if (own.element < 0 || own.shift < all.shift) return;
+        all.shift = own.shift;
+        all.element = static_cast<int32_t>(part.network.places().elements[as_size(own.element)]);
+    });
+    return all;
+}
+
+void Machine::correct_static(const double* change, dttmm_static_measure* measure) {
+    *measure = measure_static([&](Network& network) { return network.correct_static(change); });
+}
+
+void Machine::move_static(const dttmm_motion* bodies, double share, double* wrench, dttmm_static_measure* measure) {
+    cleared(wrench);
+    *measure = measure_static([&](Network& network) { return network.move_static(bodies, share, wrench); });
+}
+
+void Machine::start_at_rest(const dttmm_step& step, const dttmm_motion* bodies, const double* loads) {
+    for_each(*this, [&](Part& part) { part.network.start_at_rest(step, bodies, gather_loads(part, loads)); });
+}
+
 // ---- State and results --------------------------------------------------------------------------------------------------
 
 size_t Machine::state_size() const {

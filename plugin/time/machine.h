@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "dttmm_plugin.h"
+#include "dttmm_static.h"
 #include "time/network.h"
 
 namespace dttmm::plugin {
@@ -35,6 +36,16 @@ public:
     void mean_wrench(double* wrench) const;
     void stand(const dttmm_motion* bodies, const double* accelerations, double* wrench) const;
 
+    // At rest, see dttmm_static.h
+    void begin_statics();
+    void keep_statics();
+    void recall_statics();
+    void set_static_loads(const double* gravity, const double* loads);
+    void form_static(const dttmm_motion* bodies, double resistance, double* wrench, double* stiffness);
+    void correct_static(const double* change, dttmm_static_measure* measure);
+    void move_static(const dttmm_motion* bodies, double share, double* wrench, dttmm_static_measure* measure);
+    void start_at_rest(const dttmm_step& step, const dttmm_motion* bodies, const double* loads);
+
     size_t state_size() const;
     void save_state(void* buffer, size_t size) const;
     void restore_state(const void* buffer, size_t size);
@@ -50,6 +61,8 @@ private:
     };
     template <class Self, class Action>
     static void for_each(Self& self, const Action& action);
+    template <class Find>
+    dttmm_static_measure measure_static(const Find& find);
     void place_blocks();
     void place_channels(std::span<const std::vector<uint32_t>> units);
     const double* gather_loads(Part& part, const double* loads) const;

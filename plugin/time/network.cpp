@@ -57,6 +57,8 @@ Network::Network(const dttmm_network& description, Places places) : places_(std:
             if (mechanism_.joints[j].law().laws[as_size(d)]) law_looks_.push_back({j, d, 0, 0, 0});
     }
     choose_blocks();
+    for (uint32_t n = 0; n < description.node_count; ++n)
+        if (description.nodes[n].kind == DTTMM_NODE_INNER) inner_nodes_.push_back(as_int(n));
     declare_channels(description);
     std::vector<JointSpec>().swap(mechanism_.assembly.joints);
     earlier_.assign(mechanism_.frames.begin(), mechanism_.frames.begin() + mechanism_.assembly.driven_count);
@@ -235,9 +237,59 @@ void Network::take_up(const double* motion, double* elastic, double* damped) con
     }
 }
 
+// ---- At rest ------------------------------------------------------------------------------------------------------------
+
+void Network::begin_statics() { statics_ = std::make_unique<StaticNetwork>(mechanism_, inner_nodes_); }
+
+StaticNetwork& Network::statics() {
+    if (!statics_) throw Error(DTTMM_ERROR_PHASE, "statics: begin has not been called");
+    return *statics_;
+}
+
+void Network::form_static(const dttmm_motion* bodies, double resistance, double* wrench, double* stiffness) {
+    statics().form(ports(bodies), resistance);
+    const auto count = as_size(port_count());
+    std::vector<Vector6> own(count, Vector6::Zero());
+    std::vector<double> matrix(36 * count * count, 0.0);
+    statics_->condense(own, matrix.data());
+    for (int p = 0; p < port_count(); ++p) Eigen::Map<Vector6>{on_body(p, wrench)} += own[as_size(p)];
+    if (interior_) return add_dense(matrix.data(), stiffness);
+    const Eigen::Map<const RowMajor> S(matrix.data(), as_row(6 * count), as_row(6 * count));
+    const auto port_of = [&](uint32_t body) { return std::ranges::find(places_.bodies, body) - places_.bodies.begin(); };
+    for (size_t b = 0; b < blocks_.list.size(); ++b)
+        Eigen::Map<RowMajor6>(stiffness + 36 * blocks_.places[b]) +=
+            S.block<6, 6>(6 * port_of(blocks_.list[b].row), 6 * port_of(blocks_.list[b].column));
+}
+
+StaticNetwork::Measure Network::correct_static(const double* change) {
+    std::vector<Vector6> own;
+    for (int p = 0; p < port_count(); ++p)
+        own.emplace_back(Eigen::Map<const Vector6>(change + 6 * places_.bodies[as_size(p)]));
+    return statics().correct(own);
+}
+
+StaticNetwork::Measure Network::move_static(const dttmm_motion* bodies, double share, double* wrench) {
+    const StaticNetwork::Measure measure = statics().move(ports(bodies), share);
+    for (int p = 0; p < port_count(); ++p) Eigen::Map<Vector6>{on_body(p, wrench)} += statics_->wrench(p);
+    return measure;
+}
+
+void Network::start_at_rest(const dttmm_step& step, const dttmm_motion* bodies, const double* loads) {
+    uint32_t last = 0;
+    for (uint32_t body : places_.bodies) last = std::max(last, body + 1);
+    const std::vector<double> none(6 * size_t{last}, 0.0);
+    begin(step, bodies, none.data(), loads, &statics().frames());
+}
+
 // ---- Time steps ---------------------------------------------------------------------------------------------------------
 
 void Network::start(const dttmm_step& step, const dttmm_motion* bodies, const double* accelerations, const double* loads) {
+    begin(step, bodies, accelerations, loads, nullptr);
+}
+
+/// at_rest: the frames, if it starts at rest and they are not as in the description.
+void Network::begin(const dttmm_step& step, const dttmm_motion* bodies, const double* accelerations, const double* loads,
+                    const std::vector<Frame>* at_rest) {
     if (is_open_) throw Error(DTTMM_ERROR_PHASE, "start: a step is open");
     if (!(step.size > 0) || !std::isfinite(step.size))
         throw Error(DTTMM_ERROR_ARGUMENT, "start: the step size must be positive");
@@ -249,7 +301,7 @@ void Network::start(const dttmm_step& step, const dttmm_motion* bodies, const do
     mechanism_.scheme.set_step_size(step.size);
     for (Joint& joint : mechanism_.joints) joint.set_scheme(mechanism_.scheme);
     if (interior_) {
-        interior_->start(mechanism_, ports(bodies), accelerations, loads);
+        interior_->start(mechanism_, ports(bodies), accelerations, loads, at_rest);
     } else {
         start_joints(bodies, accelerations);
     }

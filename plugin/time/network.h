@@ -11,6 +11,7 @@
 #include "core/index.h"
 #include "dttmm_plugin.h"
 #include "mechanism/mechanism.h"
+#include "statics/static_network.h"
 #include "time/interior.h"
 
 namespace dttmm::plugin {
@@ -64,6 +65,14 @@ public:
     void mean_wrench(double* wrench) const;
     void stand(const dttmm_motion* bodies, const double* accelerations, double* wrench) const;
 
+    // At rest, see dttmm_static.h
+    void begin_statics();
+    StaticNetwork& statics();
+    void form_static(const dttmm_motion* bodies, double resistance, double* wrench, double* stiffness);
+    StaticNetwork::Measure correct_static(const double* change);
+    StaticNetwork::Measure move_static(const dttmm_motion* bodies, double share, double* wrench);
+    void start_at_rest(const dttmm_step& step, const dttmm_motion* bodies, const double* loads);
+
     size_t state_size() const;
     void save_state(void* buffer, size_t size) const;
     void restore_state(const void* buffer, size_t size);
@@ -112,6 +121,8 @@ private:
     void evaluate_joints_with_laws(const dttmm_motion* bodies, double* wrench, double* stiffness) const;
     double find_worst_prediction(const dttmm_motion* bodies);
     void add_joint_stiffness(size_t joint, Ends at, double* stiffness) const;
+    void begin(const dttmm_step& step, const dttmm_motion* bodies, const double* accelerations, const double* loads,
+               const std::vector<Frame>* at_rest);
     void start_joints(const dttmm_motion* bodies, const double* accelerations);
     void commit_joints(const dttmm_motion* bodies);
 
@@ -153,6 +164,7 @@ private:
     };
     Blocks blocks_;
 
+    std::vector<int> inner_nodes_;
     std::vector<size_t> linear_joints_, joints_with_laws_;
     /// A direction with a law at the trial last looked at: its deformation, force over the step and gain.
     struct LawLook {
@@ -161,6 +173,8 @@ private:
         double x, force, gain;
     };
     std::vector<LawLook> law_looks_;
+
+    std::unique_ptr<StaticNetwork> statics_;  ///< since begin_statics()
 
     std::vector<Frame> earlier_;           ///< the ports, and the ground behind them, at t_{n−1}
     std::vector<Twist> start_velocities_;  ///< of the ports

@@ -1,0 +1,396 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "coupling/equilibrium.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "model/error.h"
+#include "model/index.h"
+#include "world/rotation_step.h"
+
+namespace dttmm::host {
+
+namespace {
+
+/// Of one Newton correction [rad]: the derivative says little of what is farther.
+constexpr double kMostTurn = 0.5;
+/// Iterations for one load step. The elastica takes some 20 in one step.
+constexpr int kMostIterations = 60;
+/// Load steps are halved down to this share of the load.
+constexpr double kLeastStep = 1.0 / 1024;
+/// s by the largest stiffness over mass: what vibrates 10⁶ times slower than the fastest counts as not held.
+constexpr double kLeastResistance = 1e-12;
+
+BodyState moved(const BodyState& from, const Eigen::Matrix<double, 6, 1>& by) {
+    BodyState to = from;
+    to.position += by.head<3>();
+    to.rotation = RotationStep(by.tail<3>()).apply(from.rotation);
+    return to;
+}
+
+std::vector<BodyState> states_at_start(const Model& model) {
+    std::vector<BodyState> states;
+    for (const Body& body : model.bodies)
+        states.push_back({body.position + body.rotation * body.center_of_mass, body.rotation, Eigen::Vector3d::Zero(),
+                          Eigen::Vector3d::Zero()});
+    return states;
+}
+
+}  // namespace
+
+Equilibrium::Equilibrium(const Model& model, Networks& networks, Loads& loads)
+    : model_(model),
+      networks_(networks),
+      loads_(loads),
+      joints_(model.bodies, model.joints),
+      inertias_(model.bodies.begin(), model.bodies.end()),
+      stops_(model.joints.size()),
+      wrenches_(6 * model.bodies.size()),
+      change_(6 * model.bodies.size()) {
+    rows_ = 6 * as_int(model.bodies.size());
+    for (const JointEquations& joint : joints_.joints()) {
+        first_row_.push_back(rows_);
+        rows_ += joint.count();
+    }
+    for (size_t b = 0; b < inertias_.size(); ++b)
+        reaches_.push_back(std::max(joints_.longest_arm(as_int(b)), inertias_[b].gyration_bound()));
+    for (Eigen::VectorXd* list : {&q_, &base_q_, &right_hand_side_, &solution_}) list->setZero(rows_);
+    for (const BodyState& body : states_at_start(model)) extent_ = std::max(extent_, body.position.norm());
+    for (const Node& node : model.nodes) extent_ = std::max(extent_, node.position.norm());
+    for (const double length : reaches_) extent_ = std::max(extent_, length);
+}
+
+// ---- The load in steps --------------------------------------------------------------------------------------------------
+
+const RestState& Equilibrium::find(double t0) {
+    state_ = {};
+    state_.at = kept_ = states_at_start(model_);
+    std::ranges::fill(stops_, Stop{});
+    kept_stops_ = stops_;
+    q_.setZero();
+    kept_q_ = q_;
+    loads_.start(t0);
+    networks_.begin_statics();
+    double done = 0, step = 1;
+    while (done < 1) {
+        const double factor = std::min(1.0, done + step);
+        const Attempt attempt = iterate(factor);
+        if (attempt.is_converged) {
+            done = factor;
+            ++state_.load_steps;
+            step *= 2;
+            networks_.keep_statics();
+            kept_ = state_.at;
+            kept_stops_ = stops_;
+            kept_q_ = q_;
+            continue;
+        }
+        step *= 0.5;
+        networks_.recall_statics();
+        state_.at = kept_;
+        stops_ = kept_stops_;
+        q_ = kept_q_;
+        if (step >= kLeastStep) continue;
+        throw Error(ExitCode::numerical_failure,
+                    fmt::format("{}: no equilibrium under its weight and loads: {}; what moves on is {}. Is there something "
+                                "that nothing holds, or a load above what the machine can carry?",
+                                model_.path,
+                                done > 0 ? fmt::format("one was found up to {:.4g} of them", done)
+                                         : std::string("not even under a thousandth of them"),
+                                attempt.mover.empty() ? "not known" : attempt.mover));
+    }
+    const std::vector<BodyState> start = states_at_start(model_);
+    for (size_t b = 0; b < start.size(); ++b)
+        state_.turn =
+            std::max(state_.turn, Eigen::AngleAxisd(state_.at[b].rotation * start[b].rotation.transpose()).angle());
+    return state_;
+}
+
+/// Newton's iteration at one share of the load.
+Equilibrium::Attempt Equilibrium::iterate(double factor) {
+    std::vector<double> node_loads(6 * model_.nodes.size());
+    for (size_t i = 0; i < node_loads.size(); ++i) node_loads[i] = factor * loads_.on_nodes()[i];
+    networks_.set_static_loads(factor * model_.simulation.gravity, node_loads.data());
+    resistance_ = least_resistance_;
+    Attempt attempt;
+    double last = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < kMostIterations; ++i) {
+        ++state_.iterations;
+        try {
+            const Correction correction = correct(factor);
+            attempt.correction = correction.size;
+            attempt.mover = correction.mover;
+            const double share = std::min(1.0, kMostTurn / std::max(correction.turn, 1e-300));
+            state_.residual = lacking(factor, share);
+            if (!std::isfinite(correction.size) || correction.size > 1e6 * extent_) return attempt;
+            if (reach_stops()) {
+                last = std::numeric_limits<double>::infinity();
+                continue;
+            }
+            if (share < 1) continue;
+            const bool is_small = correction.size <= 1e-13 * extent_;
+            const bool is_noise = correction.size <= 1e-6 * extent_ && correction.size >= 0.5 * last &&
+                                  state_.residual <= std::max(16 * noise_, 1e-9 * state_.force);
+            last = correction.size;
+            if (!is_small && !is_noise) continue;
+            if (release_stops()) continue;
+            attempt.is_converged = true;
+            return attempt;
+        } catch (const NetworkError&) {
+            return attempt;
+        } catch (const Error& error) {
+            if (error.code() != ExitCode::numerical_failure) throw;
+            return attempt;
+        }
+    }
+    return attempt;
+}
+
+// ---- One iteration ------------------------------------------------------------------------------------------------------
+
+/// Finds the correction; what moves most by it.
+Equilibrium::Correction Equilibrium::correct(double factor) {
+    constexpr int kMostTries = 8;
+    Networks::StaticMeasure inside;
+    for (int attempt = 0; attempt < kMostTries; ++attempt) {
+        if (!solve(factor)) break;
+        inside = networks_.correct_static(change_.data());
+        double work = inside.work;  // of all that lacks along the correction: negative uphill
+        std::vector<double> loads(wrenches_.size(), 0.0);
+        add_loads(factor, state_.at, loads);
+        for (size_t i = 0; i < loads.size(); ++i) work += loads[i] * change_[i];
+        for (int row = 6 * as_int(model_.bodies.size()); row < rows_; ++row) work += q_(row) * right_hand_side_(row);
+        if (work >= 0 || resistance_ >= stiffest_) break;
+        resistance_ = std::max(100 * resistance_, 1e-6 * stiffest_);
+    }
+    Correction all{inside.shift, inside.turn, inside.element.empty() ? "" : fmt::format("element \"{}\"", inside.element)};
+    for (size_t b = 0; b < model_.bodies.size(); ++b) {
+        const Eigen::Map<const Vector6> u(&change_[6 * b]);
+        const double turn = u.tail<3>().norm(), shift = std::max(u.head<3>().norm(), reach(b) * turn);
+        all.turn = std::max(all.turn, turn);
+        if (shift <= all.size) continue;
+        all.size = shift;
+        all.mover = fmt::format("body \"{}\"", model_.bodies[b].name);
+    }
+    return all;
+}
+
+/// Solves the condensed equations formed where the machine is.
+bool Equilibrium::solve(double factor) {
+    form(factor);
+    lu_.compute(matrix_);
+    if (rows_ > 0 && lu_.info() != Eigen::Success)
+        throw Error(ExitCode::numerical_failure, "the equations of the equilibrium are singular");
+    if (rows_ > 0) solution_ = lu_.solve(right_hand_side_);
+    for (size_t i = 0; i < change_.size(); ++i) change_[i] = solution_(as_row(i));
+    return true;
+}
+
+void Equilibrium::form(double factor) {
+    Triplets entries;
+    std::ranges::fill(wrenches_, 0.0);
+    Eigen::VectorXd held = Eigen::VectorXd::Zero(rows_);
+    networks_.form_static(state_.at, resistance_, wrenches_.data(), [&](int row, int column, const Networks::Block& K) {
+        for (int i = 0; i < 6; ++i)
+            for (int j = 0; j < 6; ++j) {
+                entries.emplace_back(6 * row + i, 6 * column + j, 0.5 * K(i, j));
+                entries.emplace_back(6 * column + j, 6 * row + i, 0.5 * K(i, j));
+            }
+        if (row == column) held.segment<6>(6 * row) += K.diagonal().cwiseAbs();
+    });
+    if (stiffest_ == 0) {
+        for (size_t b = 0; b < inertias_.size(); ++b)
+            stiffest_ = std::max(stiffest_, held.segment<3>(6 * as_row(b)).maxCoeff() / inertias_[b].mass);
+        least_resistance_ = std::max(kLeastResistance * stiffest_, 1e-10);
+        if (resistance_ < least_resistance_) resistance_ = least_resistance_;
+    }
+    add_loads(factor, state_.at, wrenches_);
+    add_load_stiffness(factor, entries);
+    for (size_t b = 0; b < inertias_.size(); ++b) {
+        const BlockMatrix::Block M = inertias_[b].block(state_.at[b].rotation);
+        for (int i = 0; i < 6; ++i)
+            for (int j = 0; j < 6; ++j) entries.emplace_back(6 * as_int(b) + i, 6 * as_int(b) + j, resistance_ * M(i, j));
+    }
+    for (size_t i = 0; i < wrenches_.size(); ++i) right_hand_side_(as_row(i)) = wrenches_[i];
+    add_joints(entries);
+    matrix_.resize(rows_, rows_);
+    matrix_.setFromTriplets(entries.begin(), entries.end());
+    base_ = state_.at;
+    base_q_ = q_;
+}
+
+void Equilibrium::add_loads(double factor, const std::vector<BodyState>& at, std::vector<double>& wrenches) const {
+    std::vector<double> own(wrenches.size(), 0.0);
+    loads_.add_at_start(at, own.data());
+    for (size_t i = 0; i < own.size(); ++i) wrenches[i] += factor * own[i];
+}
+
+/// Of forces whose lever arms turn with their bodies, by differences: no load hangs on another body.
+void Equilibrium::add_load_stiffness(double factor, Triplets& entries) const {
+    constexpr double kTurn = 1e-5;
+    if (model_.loads.empty()) return;
+    for (int c = 0; c < 3; ++c) {
+        std::vector<double> difference(wrenches_.size(), 0.0);
+        for (const double sign : {1.0, -1.0}) {
+            std::vector<BodyState> at = state_.at;
+            Vector6 by = Vector6::Zero();
+            by(3 + c) = sign * kTurn;
+            for (BodyState& body : at) body = moved(body, by);
+            std::vector<double> wrenches(wrenches_.size(), 0.0);
+            add_loads(factor, at, wrenches);
+            for (size_t i = 0; i < wrenches.size(); ++i) difference[i] += sign * wrenches[i];
+        }
+        for (size_t b = 0; b < model_.bodies.size(); ++b)
+            for (int r = 0; r < 3; ++r) {
+                const int row = 6 * as_int(b) + 3 + r, column = 6 * as_int(b) + 3 + c;
+                const double k = -difference[6 * b + 3 + as_size(r)] / (2 * kTurn);
+                entries.emplace_back(row, column, 0.5 * k);
+                entries.emplace_back(column, row, 0.5 * k);
+            }
+    }
+}
+
+// ---- Joints -------------------------------------------------------------------------------------------------------------
+
+/// Equations and forces of all joints. What redundant joints share is settled by a small E, which multiplies the change of q
+/// only.
+void Equilibrium::add_joints(Triplets& entries) {
+    constexpr double kProximal = 1e-10;
+    for (size_t j = 0; j < joints_.joints().size(); ++j) {
+        const JointEquations& joint = joints_.joints()[j];
+        const int first = joint_row(j);
+        const JointEquations::Jacobian J = joint.jacobian(state_.at);
+        const JointEquations::Values C = joint.residual(state_.at);
+        double stiffest = 0;
+        for (const auto side : JointEquations::kSides)
+            if (const int body = joint.bodies()[side]; body >= 0)
+                stiffest = std::max(stiffest, (stiffest_ + resistance_) * inertias_[as_size(body)].mass);
+        for (int row = 0; row < joint.count(); ++row) {
+            const bool is_stop = row == joint.lasting();
+            if (is_stop && !stops_[j].acts) {
+                entries.emplace_back(first + row, first + row, 1);
+                right_hand_side_(first + row) = -q_(first + row);
+                continue;
+            }
+            entries.emplace_back(first + row, first + row, -kProximal / stiffest);
+            right_hand_side_(first + row) =
+                is_stop ? joint.stops()[stops_[j].side > 0 ? 0 : 1] - joint.coordinate(state_.at) : -C(row);
+            for (const auto side : JointEquations::kSides) {
+                const int body = joint.bodies()[side];
+                if (body < 0) continue;
+                for (int c = 0; c < 6; ++c) {
+                    entries.emplace_back(first + row, 6 * body + c, J[side](row, c));
+                    entries.emplace_back(6 * body + c, first + row, J[side](row, c));
+                    right_hand_side_(6 * body + c) -= J[side](row, c) * q_(first + row);
+                }
+            }
+        }
+        add_joint_stiffness(j, entries);
+    }
+}
+
+/// ∂(Jᵀ q)/∂(pose): the forces of a joint turn with its bodies. By central differences, exact for what is of second degree.
+void Equilibrium::add_joint_stiffness(size_t j, Triplets& entries) {
+    const JointEquations& joint = joints_.joints()[j];
+    Eigen::VectorXd q = q_.segment(joint_row(j), joint.count());
+    if (joint.has_stops() && !stops_[j].acts) q(joint.lasting()) = 0;
+    if (q.isZero(0)) return;
+    constexpr double kTurn = 1e-5;
+    for (const auto moving : JointEquations::kSides) {
+        const int column_body = joint.bodies()[moving];
+        if (column_body < 0) continue;
+        BodyState& body = state_.at[as_size(column_body)];
+        const BodyState still = body;
+        for (int c = 0; c < 6; ++c) {
+            Vector6 by = Vector6::Zero();
+            by(c) = c < 3 ? kTurn * std::max(joint.arm(moving), 1e-3) : kTurn;
+            Vector6 difference[2] = {Vector6::Zero(), Vector6::Zero()};
+            for (const double sign : {1.0, -1.0}) {
+                body = moved(still, sign * by);
+                const JointEquations::Jacobian J = joint.jacobian(state_.at);
+                for (const auto side : JointEquations::kSides) difference[side] += sign * J[side].transpose() * q;
+            }
+            body = still;
+            for (const auto side : JointEquations::kSides) {
+                const int row_body = joint.bodies()[side];
+                if (row_body < 0) continue;
+                for (int r = 0; r < 6; ++r) {
+                    const double k = 0.5 * difference[side](r) / (2 * by(c));
+                    entries.emplace_back(6 * row_body + r, 6 * column_body + c, k);
+                    entries.emplace_back(6 * column_body + c, 6 * row_body + r, k);
+                }
+            }
+        }
+    }
+}
+
+/// Makes stops act that are passed; true if one more does.
+bool Equilibrium::reach_stops() {
+    bool is_reached = false;
+    for (size_t j = 0; j < stops_.size(); ++j) {
+        const JointEquations& joint = joints_.joints()[j];
+        if (!joint.has_stops() || stops_[j].acts) continue;
+        const double at = joint.coordinate(state_.at);
+        const int side = at < joint.stops()[0] - Stop::kPlay ? 1 : at > joint.stops()[1] + Stop::kPlay ? -1 : 0;
+        if (side == 0) continue;
+        stops_[j].acts = is_reached = true;
+        stops_[j].side = side;
+    }
+    return is_reached;
+}
+
+/// Lets go the stops that would pull; true if there is one.
+bool Equilibrium::release_stops() {
+    bool is_released = false;
+    for (size_t j = 0; j < stops_.size(); ++j) {
+        if (!stops_[j].acts) continue;
+        const double q = q_(joint_row(j) + joints_.joints()[j].lasting());
+        if (stops_[j].side * q <= 0) continue;  // the force along the coordinate is −q: up from the lower stop
+        stops_[j] = {};
+        is_released = true;
+    }
+    return is_released;
+}
+
+// ---- What lacks ---------------------------------------------------------------------------------------------------------
+
+void Equilibrium::move(double share) {
+    for (size_t b = 0; b < base_.size(); ++b)
+        state_.at[b] = moved(base_[b], share * Eigen::Map<const Vector6>(&change_[6 * b]));
+    const auto bodies = 6 * as_row(base_.size());
+    q_.tail(rows_ - bodies) = base_q_.tail(rows_ - bodies) + share * solution_.tail(rows_ - bodies);
+}
+
+/// Takes a share of the correction; the largest force that lacks there [N].
+double Equilibrium::lacking(double factor, double share) {
+    move(share);
+    std::ranges::fill(wrenches_, 0.0);
+    const Networks::StaticMeasure inside = networks_.move_static(state_.at, share, wrenches_.data());
+    std::vector<double> loads(wrenches_.size(), 0.0);
+    add_loads(factor, state_.at, loads);
+    noise_ = inside.noise;
+    state_.force = inside.force;
+    for (size_t j = 0; j < joints_.joints().size(); ++j) {
+        const JointEquations& joint = joints_.joints()[j];
+        const JointEquations::Jacobian J = joint.jacobian(state_.at);
+        Eigen::VectorXd q = q_.segment(joint_row(j), joint.count());
+        if (joint.has_stops() && !stops_[j].acts) q(joint.lasting()) = 0;
+        for (const auto side : JointEquations::kSides)
+            if (const int body = joint.bodies()[side]; body >= 0)
+                Eigen::Map<Vector6>(&wrenches_[6 * as_size(body)]) -= J[side].transpose() * q;
+    }
+    double residual = inside.residual;
+    for (size_t b = 0; b < base_.size(); ++b) {
+        const Eigen::Map<const Vector6> load(&loads[6 * b]);
+        const Vector6 r = Eigen::Map<const Vector6>(&wrenches_[6 * b]) + load;
+        state_.force = std::max(state_.force, load.head<3>().norm());
+        residual = std::max({residual, r.head<3>().norm(), r.tail<3>().norm() / reach(b)});
+    }
+    return residual;
+}
+
+}  // namespace dttmm::host

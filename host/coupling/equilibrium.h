@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <Eigen/SparseLU>
+#include <string>
+#include <vector>
+
+#include "coupling/loads.h"
+#include "coupling/networks.h"
+#include "model/model.h"
+#include "world/inertia.h"
+#include "world/joint_system.h"
+
+namespace dttmm::host {
+
+/// A machine at rest.
+struct RestState {
+    std::vector<BodyState> at;  ///< velocities zero
+    int iterations = 0;         ///< in all
+    int load_steps = 0;         ///< that were accepted
+    double residual = 0;        ///< the largest force that lacks [N]
+    double force = 0;           ///< the largest of an element, load or weight [N]
+    double turn = 0;            ///< the largest rotation of a body from its place in the assembled machine [rad]
+};
+
+/// Finds where a machine rests under its weight and its loads as they are at t0: forces and moments balance on all bodies
+/// and inside all networks, joints are closed, stops push or are not reached,
+///     W(x) + λ (weight + loads) − Jᵀ q = 0,     C(x) = 0,     λ = 1.
+/// Newton's iteration from the assembled machine with the whole derivative: what turns with joints and lever arms included.
+/// The full load is tried at once; where the iteration does not end, in steps of λ that are halved until it does. A small
+/// resistance s M against every correction keeps motions determined that nothing holds; it grows where a correction would go
+/// uphill, towards an equilibrium that does not last.
+class Equilibrium {
+public:
+    Equilibrium(const Model& model, Networks& networks, Loads& loads);
+
+    /// t0 [s]. Throws Error(numerical_failure) with the largest λ that has an equilibrium, and what moves on beyond it.
+    /// Afterwards the networks can start at rest there.
+    const RestState& find(double t0);
+
+private:
+    using Vector6 = Eigen::Matrix<double, 6, 1>;
+    using Triplets = std::vector<Eigen::Triplet<double>>;
+    struct Attempt {
+        bool is_converged = false;
+        double correction = 0;  ///< the last one [m]
+        std::string mover;      ///< what it moves most
+    };
+    struct Correction {
+        double size = 0, turn = 0;  ///< of bodies and insides [m, rad]
+        std::string mover;
+    };
+    Attempt iterate(double factor);
+    Correction correct(double factor);
+    bool solve(double factor);
+    void form(double factor);
+    void add_loads(double factor, const std::vector<BodyState>& at, std::vector<double>& wrenches) const;
+    void add_load_stiffness(double factor, Triplets& entries) const;
+    void add_joints(Triplets& entries);
+    void add_joint_stiffness(size_t joint, Triplets& entries);
+    void move(double share);
+    double lacking(double factor, double share);
+    bool reach_stops();
+    bool release_stops();
+    int joint_row(size_t joint) const { return first_row_[joint]; }
+    double reach(size_t body) const { return reaches_[body]; }
+
+    const Model& model_;
+    Networks& networks_;
+    Loads& loads_;
+    JointSystem joints_;
+    std::vector<Inertia> inertias_;
+    std::vector<double> reaches_;  ///< of forces on each body from its centre of mass [m]
+    std::vector<int> first_row_;   ///< of every joint's equations
+    int rows_;
+    double extent_ = 0;  ///< of the machine and its distance from the origin [m]
+
+    RestState state_;
+    std::vector<BodyState> base_, kept_;
+    std::vector<Stop> stops_, kept_stops_;
+    Eigen::VectorXd q_, base_q_, kept_q_;
+    std::vector<double> wrenches_;
+    Eigen::VectorXd right_hand_side_, solution_;
+    std::vector<double> change_;  ///< 6 per body
+    Eigen::SparseMatrix<double> matrix_;
+    Eigen::SparseLU<Eigen::SparseMatrix<double>> lu_;
+    double resistance_ = 0, least_resistance_ = 0, stiffest_ = 0;
+    double noise_ = 0;
+};
+
+}  // namespace dttmm::host

@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "statics/static_network.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/error.h"
+#include "core/index.h"
+#include "core/rotation.h"
+#include "statics/frame_links.h"
+
+namespace dttmm::plugin {
+
+namespace {
+
+/// Of the stiffness that holds a frame, where the equations are singular without: 1e-6 to 1e-11 pass the same tests.
+constexpr double kLeastShare = 1e-9;
+
+std::vector<Link> links_inside(const Mechanism& mechanism) {
+    return mechanism.assembly.inner_count() > 0 ? links_of(mechanism) : std::vector<Link>{};
+}
+
+}  // namespace
+
+StaticNetwork::StaticNetwork(const Mechanism& mechanism, std::vector<int> inner_nodes)
+    : mechanism_(mechanism),
+      ports_(mechanism.assembly.port_count),
+      driven_(mechanism.assembly.driven_count),
+      count_(mechanism.assembly.inner_count()),
+      inner_nodes_(std::move(inner_nodes)),
+      loads_(6 * inner_nodes_.size(), 0.0),
+      reach_(as_size(count_), 0.0),
+      matrix_(count_, links_inside(mechanism), least_lever(mechanism)) {
+    begin();
+    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
+        const Joint& joint = mechanism.joints[j];
+        const auto [from, to] = ends(joint);
+        if (joint.from() < ports_ || joint.to() < ports_) port_joints_.push_back(j);
+        for (int end : {0, 1})
+            if (const int frame = joint.frame(end); is_inner(frame))
+                reach_[at(frame)] = std::max(reach_[at(frame)], joint.arm(end, from, to).norm());
+    }
+    at_ports_.resize(port_joints_.size());
+    for (auto* list : {&residual_, &base_residual_}) list->assign(frames_.size(), Vector6::Zero());
+    correction_.assign(as_size(count_), Vector6::Zero());
+    const auto rigid = as_size(matrix_.rigid_count());
+    for (auto* list : {&q_, &base_q_, &kept_q_, &openings_, &base_openings_, &q_correction_}) list->assign(rigid, 0.0);
+    port_change_.assign(as_size(ports_), Vector6::Zero());
+}
+
+void StaticNetwork::begin() {
+    frames_.clear();
+    for (const FrameSpec& frame : mechanism_.assembly.frames) frames_.push_back(make_frame(frame.pose));
+    base_ = frames_;
+    std::ranges::fill(q_, 0.0);
+    keep();
+}
+
+void StaticNetwork::keep() {
+    kept_ = frames_;
+    kept_q_ = q_;
+}
+
+void StaticNetwork::recall() {
+    frames_ = kept_;
+    q_ = kept_q_;
+}
+
+void StaticNetwork::set_loads(const Vector3& gravity, const double* loads) {
+    gravity_ = gravity;
+    for (size_t i = 0; i < loads_.size(); ++i) loads_[i] = loads ? loads[i] : 0;
+}
+
+Vector6 StaticNetwork::rigid_force(size_t j) const {
+    Vector6 force = Vector6::Zero();
+    if (count_ == 0) return force;
+    for_each_rigid(mechanism_.joints[j], [&](int i, int d) { force(d) = q_[as_size(matrix_.rigid_begin(as_int(j)) + i)]; });
+    return force;
+}
+
+// ---- What lacks ---------------------------------------------------------------------------------------------------------
+
+/// Forces on all frames where they are, and how far rigid directions are open.
+void StaticNetwork::find_residuals() {
+    std::ranges::fill(residual_, Vector6::Zero());
+    force_ = noise_ = 0;
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const Joint& joint = mechanism_.joints[j];
+        const Ends at_ends = ends(joint);
+        const JointPose pose = joint.pose(at_ends);
+        const Vector6 x = joint.deformation(pose, at_ends.from, at_ends.to);
+        const JointForce force = joint.carry(at_ends, joint.at_rest(x).force, rigid_force(j));
+        Joint::add_wrench(force, residual_[as_size(joint.from())].data(), residual_[as_size(joint.to())].data());
+        force_ = std::max(force_, force.force.norm());
+        const double stiffest = joint.law().stiffness.head<3>().maxCoeff();
+        if (std::isfinite(stiffest))
+            noise_ = std::max(noise_, stiffest * std::numeric_limits<double>::epsilon() *
+                                          (at_ends.from.origin().norm() + at_ends.to.origin().norm() + pose.arm.norm()));
+        if (count_ > 0)
+            for_each_rigid(joint, [&](int i, int d) { openings_[as_size(matrix_.rigid_begin(as_int(j)) + i)] = x(d); });
+    }
+    for (int i = 0; i < count_; ++i)
+        residual_[as_size(driven_ + i)].head<3>() += mechanism_.assembly.frames[as_size(driven_ + i)].mass * gravity_;
+    for (size_t i = 0; i < inner_nodes_.size(); ++i) {
+        const NodeSpec& node = mechanism_.assembly.nodes[as_size(inner_nodes_[i])];
+        if (!is_inner(node.frame)) continue;
+        Vector6 load = Eigen::Map<const Vector6>(&loads_[6 * i]);
+        const Vector3 arm = FrameView(frames_[as_size(node.frame)]).axes() * node.offset, force = load.head<3>();
+        load.tail<3>() += arm.cross(force);
+        residual_[as_size(node.frame)] += load;
+        force_ = std::max(force_, load.head<3>().norm());
+    }
+}
+
+StaticNetwork::Measure StaticNetwork::measure() const {
+    Measure measure{};
+    measure.force = force_;
+    measure.noise = noise_;
+    measure.element = -1;
+    for (size_t i = 0; i < correction_.size(); ++i) {
+        const Vector6& r = residual_[as_size(driven_) + i];
+        const Vector6& u = correction_[i];
+        measure.work += u.dot(r);
+        const double moment = reach_[i] > 0 ? r.tail<3>().norm() / reach_[i] : 0;
+        measure.residual = std::max({measure.residual, r.head<3>().norm(), moment});
+        const double shift = std::max(u.head<3>().norm(), reach_[i] * u.tail<3>().norm());
+        if (shift > measure.shift || !std::isfinite(shift)) {
+            measure.shift = shift;
+            measure.element = mechanism_.assembly.frames[as_size(driven_) + i].element;
+        }
+        measure.turn = std::max(measure.turn, u.tail<3>().norm());
+    }
+    for (size_t p = 0; p < port_change_.size(); ++p) measure.work += port_change_[p].dot(residual_[p]);
+    for (size_t k = 0; k < q_correction_.size(); ++k) measure.work -= q_correction_[k] * openings_[k];
+    return measure;
+}
+
+// ---- The equations ------------------------------------------------------------------------------------------------------
+
+/// Adds a joint to the matrix; what couples ports to the inside is kept apart.
+void StaticNetwork::add_joint(size_t j) {
+    const Joint& joint = mechanism_.joints[j];
+    const Ends at_ends = ends(joint);
+    const JointPose pose = joint.pose(at_ends);
+    const Vector6 x = joint.deformation(pose, at_ends.from, at_ends.to);
+    const Joint::AtRest rest = joint.at_rest(x);
+    const EndBlocks own = joint.stiffness(pose, joint.rest_tangent(x, rest.tangent)),
+                    turning = joint.turning_stiffness(at_ends, rest.force, rigid_force(j));
+    for (int end : {0, 1}) {
+        if (!is_inner(joint.frame(end))) continue;
+        matrix_.add_diagonal(joint.frame(end) - driven_, own.at[end][end]);
+        const Matrix6& acting = turning.at[end][end];
+        matrix_.add_acting(joint.frame(end) - driven_, 0.5 * (acting + acting.transpose()));
+    }
+    EndBlocks all;
+    for (int row : {0, 1})
+        for (int column : {0, 1}) {
+            const Matrix6 between = turning.at[row][column] + turning.at[column][row].transpose();
+            all.at[row][column] = own.at[row][column] + 0.5 * between;
+        }
+    if (is_inner(joint.from()) && is_inner(joint.to())) matrix_.add_coupling(as_int(j), all.at[0][1]);
+    if (joint.from() < ports_ || joint.to() < ports_) {
+        const auto k = std::ranges::lower_bound(port_joints_, j) - port_joints_.begin();
+        at_ports_[as_size(as_int(k))] = all;
+    }
+    if (count_ == 0 || joint.rigid().none()) return;
+    const Vector3 theta = x.tail<3>();
+    const Matrix6 rows[2] = {rigid_rows(theta, joint.by_from(pose)), rigid_rows(theta, joint.by_to(pose))};
+    for_each_rigid(joint, [&](int i, int d) {
+        matrix_.set_rigid(as_int(j), i, rows[0].row(d).transpose(), rows[1].row(d).transpose());
+    });
+}
+
+/// s M of an inner frame, world axes.
+Matrix6 StaticNetwork::resistance_of(int frame) const {
+    const FrameSpec& spec = mechanism_.assembly.frames[as_size(frame)];
+    const RowMajor3 R = FrameView(frames_[as_size(frame)]).axes();
+    Matrix6 M = Matrix6::Zero();
+    M.topLeftCorner<3, 3>().diagonal().setConstant(resistance_ * spec.mass);
+    M.bottomRightCorner<3, 3>() = resistance_ * R * spec.inertia * R.transpose();
+    return M;
+}
+
+void StaticNetwork::form(Ports ports, double resistance) {
+    resistance_ = resistance;
+    for (size_t p = 0; p < as_size(ports_); ++p) frames_[p] = ports[p].copy();
+    base_ = frames_;
+    base_q_ = q_;
+    find_residuals();
+    base_residual_ = residual_;
+    base_openings_ = openings_;
+    for (const bool is_held : {false, true}) {
+        matrix_.set_zero();
+        for (size_t j = 0; j < mechanism_.joints.size(); ++j) add_joint(j);
+        for (int i = 0; i < count_; ++i) {
+            const Matrix6 own = matrix_.diagonal(i);
+            matrix_.add_diagonal(i, resistance_of(driven_ + i));
+            if (!is_held) continue;
+            const double shift = own.topLeftCorner<3, 3>().cwiseAbs().trace(), arm = reach_[as_size(i)],
+                         turn = std::max(own.bottomRightCorner<3, 3>().cwiseAbs().trace(), arm * arm * shift);
+            Vector6 more;
+            more << Vector3::Constant(kLeastShare * shift), Vector3::Constant(kLeastShare * turn);
+            matrix_.add_diagonal(i, more.asDiagonal());
+        }
+        const auto fault = matrix_.factor();
+        if (!fault) return;
+        if (is_held) refuse_singular(mechanism_, *fault, DTTMM_ERROR_SINGULAR);
+    }
+}
+
+void StaticNetwork::condense(std::span<Vector6> wrench, double* stiffness) {
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    Eigen::Map<RowMajor> S(stiffness, 6 * ports_, 6 * ports_);
+    for (int p = 0; p < ports_; ++p) wrench[as_size(p)] += base_residual_[as_size(p)];
+    // Of a motion of the ports (zero: none) and what the inside does with it: the wrench that it takes from the ports
+    const auto add_taken = [&](const auto& port_motion, double sign, const auto& take) {
+        for (size_t k = 0; k < port_joints_.size(); ++k) {
+            const size_t j = port_joints_[k];
+            const Joint& joint = mechanism_.joints[j];
+            for (int row : {0, 1}) {
+                if (joint.frame(row) >= ports_) continue;
+                Vector6 force = Vector6::Zero();
+                for (int end : {0, 1}) {
+                    const int frame = joint.frame(end);
+                    if (frame < ports_)
+                        force += at_ports_[k].at[row][end] * port_motion(frame);
+                    else if (is_inner(frame))
+                        force += at_ports_[k].at[row][end] * correction_[at(frame)];
+                }
+                if (count_ > 0)
+                    for_each_rigid(joint, [&](int i, int) {
+                        force +=
+                            matrix_.rigid(as_int(j), i, row) * q_correction_[as_size(matrix_.rigid_begin(as_int(j)) + i)];
+                    });
+                take(joint.frame(row), sign * force);
+            }
+        }
+    };
+    if (count_ > 0) {
+        const std::vector<Vector6> none(as_size(ports_), Vector6::Zero());
+        correct(none);
+        add_taken([](int) { return Vector6(Vector6::Zero()); }, -1,
+                  [&](int port, const Vector6& force) { wrench[as_size(port)] += force; });
+    }
+    std::vector<Vector6> unit(as_size(ports_), Vector6::Zero());
+    for (int column = 0; column < 6 * ports_; ++column) {
+        unit[as_size(column / 6)] = Vector6::Unit(column % 6);
+        if (count_ > 0) {
+            std::ranges::fill(correction_, Vector6::Zero());
+            std::ranges::fill(q_correction_, 0.0);
+            add_port_motion(unit);
+            matrix_.solve(correction_, q_correction_);
+        }
+        add_taken([&](int port) { return unit[as_size(port)]; }, 1,
+                  [&](int port, const Vector6& force) { S.block<6, 1>(6 * port, column) += force; });
+        unit[as_size(column / 6)].setZero();
+    }
+}
+
+/// Adds what a motion of the ports does to the loads and the openings of the inside.
+void StaticNetwork::add_port_motion(std::span<const Vector6> motion) {
+    for (size_t k = 0; k < port_joints_.size(); ++k) {
+        const size_t j = port_joints_[k];
+        const Joint& joint = mechanism_.joints[j];
+        for (int end : {0, 1}) {
+            if (joint.frame(end) >= ports_) continue;
+            const Vector6& u = motion[as_size(joint.frame(end))];
+            const int other = joint.frame(1 - end);
+            if (is_inner(other)) correction_[at(other)] -= at_ports_[k].at[1 - end][end] * u;
+            for_each_rigid(joint, [&](int i, int) {
+                q_correction_[as_size(matrix_.rigid_begin(as_int(j)) + i)] -= matrix_.rigid(as_int(j), i, end).dot(u);
+            });
+        }
+    }
+}
+
+StaticNetwork::Measure StaticNetwork::correct(std::span<const Vector6> port_change) {
+    port_change_.assign(port_change.begin(), port_change.end());
+    if (count_ > 0) {
+        std::copy(base_residual_.begin() + driven_, base_residual_.end(), correction_.begin());
+        for (size_t k = 0; k < q_correction_.size(); ++k) q_correction_[k] = -base_openings_[k];
+        add_port_motion(port_change);
+        matrix_.solve(correction_, q_correction_);
+    }
+    return measure();
+}
+
+StaticNetwork::Measure StaticNetwork::move(Ports ports, double share) {
+    for (size_t p = 0; p < as_size(ports_); ++p) frames_[p] = ports[p].copy();
+    for (int i = 0; i < count_; ++i) {
+        const auto f = as_size(driven_ + i);
+        const Vector6 u = share * correction_[as_size(i)];
+        Eigen::Map<Vector3>{frames_[f].position} = FrameView(base_[f]).origin() + u.head<3>();
+        Eigen::Map<RowMajor3>{frames_[f].rotation}.noalias() =
+            rotation_from_vector<double>(u.tail<3>()) * FrameView(base_[f]).axes();
+    }
+    for (size_t k = 0; k < q_.size(); ++k) q_[k] = base_q_[k] + share * q_correction_[k];
+    find_residuals();
+    return measure();
+}
+
+}  // namespace dttmm::plugin

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "dttmm_static.h"
+#include "mechanism/mechanism.h"
+#include "solve/elimination.h"
+
+namespace dttmm::plugin {
+
+/// What is inside a network at rest under lasting loads, for given poses of its ports. The equations are
+///     f(x) + weight + loads − Jᵀ q = 0,     C(x) = 0,
+/// f the elastic forces of the joints, C and J the deformations in their rigid directions and the derivatives of these, q
+/// the forces there. Newton's iteration: the host corrects the ports by the condensed equations, the inside follows by
+/// substitution, so that the two together are one Newton iteration for all frames. The matrix is the derivative at the
+/// place at hand, what stems from forces that turn with their joints included. Motions are those of the frames' origins and
+/// small turns, world axes. A law of a joint goes the straight way from the undeformed state to where it is.
+///
+/// A small resistance s M against every correction (a proximal term: it slows the iteration down, and moves nothing once
+/// forces balance) keeps motions determined that nothing holds.
+class StaticNetwork {
+public:
+    /// inner_nodes: those of the assembly that loads go by.
+    StaticNetwork(const Mechanism& mechanism, std::vector<int> inner_nodes);
+
+    /// Back to the places of the assembled machine.
+    void begin();
+    /// Keeps where everything is; goes back there.
+    void keep();
+    void recall();
+    /// loads: 6 per inner node, at the node, world axes; NULL: none.
+    void set_loads(const Vector3& gravity, const double* loads);
+    /// Forms the equations where the frames are, the ports as given. resistance: s [1/s²]. Throws
+    /// Error(DTTMM_ERROR_SINGULAR) naming what nothing determines.
+    void form(Ports ports, double resistance);
+    /// Adds the condensed equations: the wrench on the ports, 6 each, and minus its derivative, row-major over all ports.
+    void condense(std::span<Vector6> wrench, double* stiffness);
+
+    /// As dttmm_static.h has it; its element is one of the description.
+    using Measure = dttmm_static_measure;
+    /// Finds the correction of the inside to one of the ports; the frames stay.
+    Measure correct(std::span<const Vector6> port_change);
+    /// Takes a share of it from where the equations were formed, with the ports where they are given.
+    Measure move(Ports ports, double share);
+
+    /// On a port where everything is.
+    const Vector6& wrench(int port) const { return residual_[as_size(port)]; }
+    /// Where everything is.
+    const std::vector<Frame>& frames() const { return frames_; }
+    /// Forces in the rigid directions of a joint, by its directions.
+    Vector6 rigid_force(size_t joint) const;
+
+private:
+    bool is_inner(int frame) const { return frame >= driven_; }
+    size_t at(int frame) const { return as_size(frame - driven_); }
+    Ends ends(const Joint& joint) const { return {frames_[as_size(joint.from())], frames_[as_size(joint.to())]}; }
+    void add_joint(size_t joint);
+    Matrix6 resistance_of(int frame) const;
+    void find_residuals();
+    Measure measure() const;
+    void add_port_motion(std::span<const Vector6> motion);
+
+    const Mechanism& mechanism_;
+    int ports_, driven_, count_;
+    std::vector<int> inner_nodes_;
+    Vector3 gravity_ = Vector3::Zero();
+    std::vector<double> loads_;
+    std::vector<double> reach_;  ///< of every inner frame [m]
+
+    std::vector<Frame> frames_, base_, kept_;  ///< now; where the equations were formed; where to go back to
+    std::vector<double> q_, base_q_, kept_q_;
+    std::vector<Vector6> port_change_;
+    Elimination matrix_;
+    std::vector<EndBlocks> at_ports_;  ///< of every joint at a port
+    std::vector<size_t> port_joints_;
+    std::vector<Vector6> residual_, base_residual_;  ///< on all frames, world, at their origins
+    std::vector<double> openings_, base_openings_;   ///< C
+    std::vector<Vector6> correction_;                ///< of the inner frames
+    std::vector<double> q_correction_;
+    double force_ = 0, noise_ = 0;
+    double resistance_ = 0;
+};
+
+}  // namespace dttmm::plugin

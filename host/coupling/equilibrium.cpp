@@ -58,7 +58,7 @@ Equilibrium::Equilibrium(const Model& model, Networks& networks, Loads& loads)
     }
     for (size_t b = 0; b < inertias_.size(); ++b)
         reaches_.push_back(std::max(joints_.longest_arm(as_int(b)), inertias_[b].gyration_bound()));
-    for (Eigen::VectorXd* list : {&q_, &base_q_, &right_hand_side_, &solution_}) list->setZero(rows_);
+    for (Eigen::VectorXd* list : {&q_, &right_hand_side_, &solution_}) list->setZero(rows_);
     for (const BodyState& body : states_at_start(model)) extent_ = std::max(extent_, body.position.norm());
     for (const Node& node : model.nodes) extent_ = std::max(extent_, node.position.norm());
     for (const double length : reaches_) extent_ = std::max(extent_, length);
@@ -124,14 +124,17 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
             const Correction correction = correct(factor);
             attempt.correction = correction.size;
             attempt.mover = correction.mover;
-            const double share = std::min(1.0, kMostTurn / std::max(correction.turn, 1e-300));
-            state_.residual = lacking(factor, share);
+            state_.residual = lacking(factor);
+            if (std::getenv("DBG"))
+                fmt::print(stderr,
+                           "f {} it {} size {:.3g} turn {:.3g} share {:.3g} res {:.3g} F {:.3g} s {:.2g} noise {:.2g} {}\n",
+                           factor, i, correction.size, correction.turn, 1.0, state_.residual, state_.force, resistance_,
+                           noise_, correction.mover);
             if (!std::isfinite(correction.size) || correction.size > 1e6 * extent_) return attempt;
             if (reach_stops()) {
                 last = std::numeric_limits<double>::infinity();
                 continue;
             }
-            if (share < 1) continue;
             const bool is_small = correction.size <= 1e-13 * extent_;
             const bool is_noise = correction.size <= 1e-6 * extent_ && correction.size >= 0.5 * last &&
                                   state_.residual <= std::max(16 * noise_, 1e-9 * state_.force);
@@ -140,9 +143,11 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
             if (release_stops()) continue;
             attempt.is_converged = true;
             return attempt;
-        } catch (const NetworkError&) {
+        } catch (const NetworkError& e) {
+            if (std::getenv("DBG")) fmt::print(stderr, "{}\n", e.what());
             return attempt;
         } catch (const Error& error) {
+            if (std::getenv("DBG")) fmt::print(stderr, "{}\n", error.what());
             if (error.code() != ExitCode::numerical_failure) throw;
             return attempt;
         }
@@ -152,22 +157,34 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
 
 // ---- One iteration ------------------------------------------------------------------------------------------------------
 
-/// Finds the correction; what moves most by it.
+/// Finds the correction; what moves most by it. The resistance grows until it does not lead uphill nor too far, and then
+/// falls from iteration to iteration.
 Equilibrium::Correction Equilibrium::correct(double factor) {
-    constexpr int kMostTries = 8;
-    Networks::StaticMeasure inside;
+    constexpr int kMostTries = 30;
+    constexpr double kUphill = 30, kLeastGrowth = 4, kMostGrowth = 1e6, kFall = 0.1;
+    resistance_ = std::max(kFall * resistance_, least_resistance_);
     for (int attempt = 0; attempt < kMostTries; ++attempt) {
-        if (!solve(factor)) break;
-        inside = networks_.correct_static(change_.data());
-        double work = inside.work;  // of all that lacks along the correction: negative uphill
-        std::vector<double> loads(wrenches_.size(), 0.0);
-        add_loads(factor, state_.at, loads);
-        for (size_t i = 0; i < loads.size(); ++i) work += loads[i] * change_[i];
-        for (int row = 6 * as_int(model_.bodies.size()); row < rows_; ++row) work += q_(row) * right_hand_side_(row);
-        if (work >= 0 || resistance_ >= stiffest_) break;
-        resistance_ = std::max(100 * resistance_, 1e-6 * stiffest_);
+        const Correction correction = try_resistance(factor);
+        if (correction.turn > kMostTurn)
+            resistance_ *= std::clamp(1.5 * correction.turn / kMostTurn, kLeastGrowth, kMostGrowth);
+        else if (correction.work < 0)
+            resistance_ *= kUphill;
+        else
+            return correction;
     }
-    Correction all{inside.shift, inside.turn, inside.element.empty() ? "" : fmt::format("element \"{}\"", inside.element)};
+    throw Error(ExitCode::numerical_failure, "no correction leads downhill");
+}
+
+Equilibrium::Correction Equilibrium::try_resistance(double factor) {
+    solve(factor);
+    const Networks::StaticMeasure inside = networks_.correct_static(change_.data());
+    Correction all{inside.work, inside.shift, inside.turn,
+                   inside.element.empty() ? "" : fmt::format("element \"{}\"", inside.element)};
+    std::vector<double> loads(wrenches_.size(), 0.0);
+    add_loads(factor, state_.at, loads);
+    for (size_t i = 0; i < loads.size(); ++i) all.work += loads[i] * change_[i];
+    for (auto row = as_row(change_.size()); row < rows_; ++row)
+        all.work -= (q_(row) + solution_(row)) * right_hand_side_(row);
     for (size_t b = 0; b < model_.bodies.size(); ++b) {
         const Eigen::Map<const Vector6> u(&change_[6 * b]);
         const double turn = u.tail<3>().norm(), shift = std::max(u.head<3>().norm(), reach(b) * turn);
@@ -180,14 +197,14 @@ Equilibrium::Correction Equilibrium::correct(double factor) {
 }
 
 /// Solves the condensed equations formed where the machine is.
-bool Equilibrium::solve(double factor) {
+void Equilibrium::solve(double factor) {
     form(factor);
+    if (rows_ == 0) return;
     lu_.compute(matrix_);
-    if (rows_ > 0 && lu_.info() != Eigen::Success)
+    if (lu_.info() != Eigen::Success)
         throw Error(ExitCode::numerical_failure, "the equations of the equilibrium are singular");
-    if (rows_ > 0) solution_ = lu_.solve(right_hand_side_);
+    solution_ = lu_.solve(right_hand_side_);
     for (size_t i = 0; i < change_.size(); ++i) change_[i] = solution_(as_row(i));
-    return true;
 }
 
 void Equilibrium::form(double factor) {
@@ -219,8 +236,6 @@ void Equilibrium::form(double factor) {
     add_joints(entries);
     matrix_.resize(rows_, rows_);
     matrix_.setFromTriplets(entries.begin(), entries.end());
-    base_ = state_.at;
-    base_q_ = q_;
 }
 
 void Equilibrium::add_loads(double factor, const std::vector<BodyState>& at, std::vector<double>& wrenches) const {
@@ -358,18 +373,14 @@ bool Equilibrium::release_stops() {
 
 // ---- What lacks ---------------------------------------------------------------------------------------------------------
 
-void Equilibrium::move(double share) {
-    for (size_t b = 0; b < base_.size(); ++b)
-        state_.at[b] = moved(base_[b], share * Eigen::Map<const Vector6>(&change_[6 * b]));
-    const auto bodies = 6 * as_row(base_.size());
-    q_.tail(rows_ - bodies) = base_q_.tail(rows_ - bodies) + share * solution_.tail(rows_ - bodies);
-}
-
-/// Takes a share of the correction; the largest force that lacks there [N].
-double Equilibrium::lacking(double factor, double share) {
-    move(share);
+/// Takes the correction; the largest force that lacks there [N].
+double Equilibrium::lacking(double factor) {
+    for (size_t b = 0; b < state_.at.size(); ++b)
+        state_.at[b] = moved(state_.at[b], Eigen::Map<const Vector6>(&change_[6 * b]));
+    const auto joints = rows_ - as_row(change_.size());
+    q_.tail(joints) += solution_.tail(joints);
     std::ranges::fill(wrenches_, 0.0);
-    const Networks::StaticMeasure inside = networks_.move_static(state_.at, share, wrenches_.data());
+    const Networks::StaticMeasure inside = networks_.move_static(state_.at, 1, wrenches_.data());
     std::vector<double> loads(wrenches_.size(), 0.0);
     add_loads(factor, state_.at, loads);
     noise_ = inside.noise;
@@ -384,7 +395,7 @@ double Equilibrium::lacking(double factor, double share) {
                 Eigen::Map<Vector6>(&wrenches_[6 * as_size(body)]) -= J[side].transpose() * q;
     }
     double residual = inside.residual;
-    for (size_t b = 0; b < base_.size(); ++b) {
+    for (size_t b = 0; b < state_.at.size(); ++b) {
         const Eigen::Map<const Vector6> load(&loads[6 * b]);
         const Vector6 r = Eigen::Map<const Vector6>(&wrenches_[6 * b]) + load;
         state_.force = std::max(state_.force, load.head<3>().norm());

@@ -30,7 +30,7 @@ struct RestState {
 /// Newton's iteration from the assembled machine with the whole derivative: what turns with joints and lever arms included.
 /// The full load is tried at once; where the iteration does not end, in steps of λ that are halved until it does. A small
 /// resistance s M against every correction keeps motions determined that nothing holds; it grows where a correction would go
-/// uphill, towards an equilibrium that does not last.
+/// uphill, towards an equilibrium that does not last, or too far.
 class Equilibrium {
 public:
     Equilibrium(const Model& model, Networks& networks, Loads& loads);
@@ -48,19 +48,20 @@ private:
         std::string mover;      ///< what it moves most
     };
     struct Correction {
+        double work = 0;            ///< of what lacks along it [J]: negative uphill
         double size = 0, turn = 0;  ///< of bodies and insides [m, rad]
         std::string mover;
     };
     Attempt iterate(double factor);
     Correction correct(double factor);
-    bool solve(double factor);
+    Correction try_resistance(double factor);
+    void solve(double factor);
     void form(double factor);
     void add_loads(double factor, const std::vector<BodyState>& at, std::vector<double>& wrenches) const;
     void add_load_stiffness(double factor, Triplets& entries) const;
     void add_joints(Triplets& entries);
     void add_joint_stiffness(size_t joint, Triplets& entries);
-    void move(double share);
-    double lacking(double factor, double share);
+    double lacking(double factor);
     bool reach_stops();
     bool release_stops();
     int joint_row(size_t joint) const { return first_row_[joint]; }
@@ -77,9 +78,9 @@ private:
     double extent_ = 0;  ///< of the machine and its distance from the origin [m]
 
     RestState state_;
-    std::vector<BodyState> base_, kept_;
+    std::vector<BodyState> kept_;
     std::vector<Stop> stops_, kept_stops_;
-    Eigen::VectorXd q_, base_q_, kept_q_;
+    Eigen::VectorXd q_, kept_q_;
     std::vector<double> wrenches_;
     Eigen::VectorXd right_hand_side_, solution_;
     std::vector<double> change_;  ///< 6 per body

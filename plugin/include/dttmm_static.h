@@ -20,7 +20,8 @@ extern "C" {
 
 /* How a correction of the inside looks, or the place that it leads to. */
 typedef struct dttmm_static_measure {
-    double work;     /* along the whole correction of bodies and inside, of the network's forces and of its loads [J] */
+    double work; /* along the whole correction u of bodies and inside, of the network's forces and of its loads [J]; after
+                    correct u K u, K their derivative, where bodies and loads of the host are none: negative uphill */
     double residual; /* the largest force that lacks inside [N]; moments by the lever arms of their frame */
     double force;    /* the largest of an element [N] */
     double noise;    /* what of the residual may be rounding [N] */

@@ -386,6 +386,13 @@ Joint::AtRest Joint::at_rest(const Vector6& x) const {
     return rest;
 }
 
+Vector6 Joint::change(const JointPose& pose, const Vector6& x, const Vector6& of_from, const Vector6& of_to) const {
+    Vector6 change = by_from(pose) * of_from + by_to(pose) * of_to;
+    change(0) = stretch(x).dot(change);
+    if (turns()) change.tail<3>() = (rotation_vector_rate(x.tail<3>()) * change.tail<3>()).eval();
+    return change;
+}
+
 JointForce Joint::carry(Ends at, const Vector6& force, const Vector6& rigid) const {
     const JointPose pose = this->pose(at);
     const Vector6 x = deformation(pose, at.from, at.to);

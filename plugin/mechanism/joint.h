@@ -195,6 +195,8 @@ public:
     AtRest at_rest(const Vector6& x) const;
     /// ∂(elastic force)/∂(deformation) of that, joint axes, rotations in terms of the relative turn.
     Matrix6 rest_tangent(const Vector6& x, const Vector6& tangent) const { return along(x, tangent); }
+    /// How small motions of its frames (shifts and turns, world axes) change a deformation x.
+    Vector6 change(const JointPose& pose, const Vector6& x, const Vector6& of_from, const Vector6& of_to) const;
     /// What forces along the deformations do to the frames; `rigid` are those of rigid directions.
     JointForce carry(Ends at, const Vector6& force, const Vector6& rigid) const;
     /// −∂(wrench)/∂(pose) of such forces while they keep their size: all that stems from their directions and lever arms.

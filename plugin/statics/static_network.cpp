@@ -56,6 +56,7 @@ void StaticNetwork::begin() {
     for (const FrameSpec& frame : mechanism_.assembly.frames) frames_.push_back(make_frame(frame.pose));
     base_ = frames_;
     std::ranges::fill(q_, 0.0);
+    is_predicted_ = false;
     keep();
 }
 
@@ -67,6 +68,7 @@ void StaticNetwork::keep() {
 void StaticNetwork::recall() {
     frames_ = kept_;
     q_ = kept_q_;
+    is_predicted_ = false;
 }
 
 void StaticNetwork::set_loads(const Vector3& gravity, const double* loads) {
@@ -134,8 +136,28 @@ StaticNetwork::Measure StaticNetwork::measure() const {
         measure.turn = std::max(measure.turn, u.tail<3>().norm());
     }
     for (size_t p = 0; p < port_change_.size(); ++p) measure.work += port_change_[p].dot(residual_[p]);
-    for (size_t k = 0; k < q_correction_.size(); ++k) measure.work -= q_correction_[k] * openings_[k];
+    for (size_t k = 0; k < q_correction_.size(); ++k) measure.work += q_correction_[k] * openings_[k];
     return measure;
+}
+
+Vector6 StaticNetwork::motion_of(int frame) const {
+    if (frame < ports_) return port_change_[as_size(frame)];
+    return is_inner(frame) ? correction_[at(frame)] : Vector6(Vector6::Zero());
+}
+
+/// The forces of all joints that a share of the correction leads to expect, from where the equations were formed.
+void StaticNetwork::predict_forces(double share) {
+    predicted_.resize(mechanism_.joints.size());
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const Joint& joint = mechanism_.joints[j];
+        const Ends at_ends{base_[as_size(joint.from())], base_[as_size(joint.to())]};
+        const JointPose pose = joint.pose(at_ends);
+        const Vector6 x = joint.deformation(pose, at_ends.from, at_ends.to);
+        const Vector6 change = joint.change(pose, x, motion_of(joint.from()), motion_of(joint.to()));
+        const Joint::AtRest rest = joint.at_rest(x);
+        predicted_[j] = rest.force + share * rest.tangent.cwiseProduct(change);
+    }
+    is_predicted_ = true;
 }
 
 // ---- The equations ------------------------------------------------------------------------------------------------------
@@ -148,7 +170,7 @@ void StaticNetwork::add_joint(size_t j) {
     const Vector6 x = joint.deformation(pose, at_ends.from, at_ends.to);
     const Joint::AtRest rest = joint.at_rest(x);
     const EndBlocks own = joint.stiffness(pose, joint.rest_tangent(x, rest.tangent)),
-                    turning = joint.turning_stiffness(at_ends, rest.force, rigid_force(j));
+                    turning = joint.turning_stiffness(at_ends, is_predicted_ ? predicted_[j] : rest.force, rigid_force(j));
     for (int end : {0, 1}) {
         if (!is_inner(joint.frame(end))) continue;
         matrix_.add_diagonal(joint.frame(end) - driven_, own.at[end][end]);
@@ -289,6 +311,7 @@ StaticNetwork::Measure StaticNetwork::correct(std::span<const Vector6> port_chan
 }
 
 StaticNetwork::Measure StaticNetwork::move(Ports ports, double share) {
+    predict_forces(share);
     for (size_t p = 0; p < as_size(ports_); ++p) frames_[p] = ports[p].copy();
     for (int i = 0; i < count_; ++i) {
         const auto f = as_size(driven_ + i);

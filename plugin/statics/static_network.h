@@ -18,6 +18,11 @@ namespace dttmm::plugin {
 /// place at hand, what stems from forces that turn with their joints included. Motions are those of the frames' origins and
 /// small turns, world axes. A law of a joint goes the straight way from the undeformed state to where it is.
 ///
+/// The stiffness of forces that turn is that of the forces that the last correction led to expect, not of those that it
+/// found: a slender part that turns is stretched by a linear correction, and the pull of that would hide what the bending
+/// is about. Source: Magisano, Leonetti and Garcea (2017), How to improve efficiency and robustness of the Newton method in
+/// geometrically non-linear structural problem, Comput. Methods Appl. Mech. Engrg. 313, 986-1005.
+///
 /// A small resistance s M against every correction (a proximal term: it slows the iteration down, and moves nothing once
 /// forces balance) keeps motions determined that nothing holds.
 class StaticNetwork {
@@ -56,6 +61,8 @@ private:
     bool is_inner(int frame) const { return frame >= driven_; }
     size_t at(int frame) const { return as_size(frame - driven_); }
     Ends ends(const Joint& joint) const { return {frames_[as_size(joint.from())], frames_[as_size(joint.to())]}; }
+    Vector6 motion_of(int frame) const;
+    void predict_forces(double share);
     void add_joint(size_t joint);
     Matrix6 resistance_of(int frame) const;
     void find_residuals();
@@ -73,6 +80,8 @@ private:
     std::vector<double> q_, base_q_, kept_q_;
     std::vector<Vector6> port_change_;
     Elimination matrix_;
+    std::vector<Vector6> predicted_;  ///< forces along the deformations, of every joint
+    bool is_predicted_ = false;
     std::vector<EndBlocks> at_ports_;  ///< of every joint at a port
     std::vector<size_t> port_joints_;
     std::vector<Vector6> residual_, base_residual_;  ///< on all frames, world, at their origins

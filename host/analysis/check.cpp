@@ -37,11 +37,14 @@ bool is_for_modes_only(const Request& request, const Plugins& plugins) {
 }
 
 /// The lowest natural frequency above zero, in words. Throws Error where there are no modes.
-std::string describe_lowest(const Model& model, const Plugins& plugins) {
+std::string describe_lowest(const Model& model, const Plugins& plugins, Warnings& warnings) {
     if (model.bodies.size() + model.nodes.size() > kMostChecked)
         return fmt::format("natural frequencies not looked for, as there are more than {} bodies and nodes", kMostChecked);
-    ModalMachine machine(model, plugins);
+    ModalMachine machine = make_machine(model, plugins, warnings);
     const std::vector<ModalInstance::Mode> modes = machine.find_modes();
+    if (!modes.empty() && modes.front().numbers.frequency < 0)
+        return fmt::format("it does not rest there for long: a motion grows by a factor of e in {:.4g} s",
+                           -1 / (2 * M_PI * modes.front().numbers.frequency));
     for (const ModalInstance::Mode& mode : modes)
         if (mode.numbers.frequency > 0) return fmt::format("lowest natural frequency {:.6g} Hz", mode.numbers.frequency);
     return fmt::format("no natural frequency above 0 Hz among the first {}", modes.size());
@@ -109,15 +112,15 @@ void check(const Request& request) {
     ModelOverrides overrides = request.overrides;
     overrides.purpose = Purpose::modes;
     const Model for_modes = read_model(request.model, plugins.catalogue(), overrides);
+    Warnings own;
+    Warnings& warnings = session ? session->warnings : own;
     try {
-        lowest = describe_lowest(for_modes, plugins);
+        lowest = describe_lowest(for_modes, plugins, warnings);
     } catch (const Error& error) {
         if (!session) std::rethrow_exception(run_fault);
         no_modes = error.what();
     }
     const Model& model = session ? session->model : for_modes;
-    Warnings own;
-    Warnings& warnings = session ? session->warnings : own;
     warnings.add(model.warnings);
 
     fmt::print("{}: valid\n  good for {}\n", request.model.string(),
@@ -130,10 +133,7 @@ void check(const Request& request) {
         print_run(*session);
     else
         print_parts(model);
-    if (!lowest.empty()) {
-        fmt::print("  {}\n", lowest);
-        warn_preload(model, warnings);
-    }
+    if (!lowest.empty()) fmt::print("  {}\n", lowest);
     fmt::print("{}", describe_machine(model, plugins.catalogue()));
     if (session) session->refuse_unstable(request.force);
     warnings.print_rest("");

@@ -30,11 +30,21 @@ auto tell_place(const Model& model, Action&& action) {
 const std::vector<std::string>& direction_names() { return kDirections; }
 
 ModalMachine::ModalMachine(const Model& model, const Plugins& plugins)
+    : ModalMachine(model, ModalDescription(model, plugins)) {}
+
+ModalMachine::ModalMachine(const Model& model, const Model& resting, const Plugins& plugins)
+    : ModalMachine(model, ModalDescription(resting, plugins, true)) {}
+
+ModalMachine::ModalMachine(const Model& model, ModalDescription description)
     : model_(model),
-      description_(model, plugins),
+      description_(std::move(description)),
       instance_(tell_place(model, [&] { return ModalInstance(description_.plugin(), description_.model()); })) {
     for (size_t b = 0; b < model.bodies.size(); ++b) {
-        const Body& body = model.bodies[b];
+        Body body = model.bodies[b];
+        if (rest()) {
+            body.rotation = rest()->at[b].rotation;
+            body.position = rest()->at[b].position - body.rotation * body.center_of_mass;
+        }
         places_.push_back({body.name, as_int(b), -1, body.position});
         for (const Marker& marker : body.markers)
             places_.push_back({fmt::format("{}.{}", body.name, marker.name), as_int(b), -1,
@@ -60,7 +70,9 @@ std::vector<ModalInstance::Mode> ModalMachine::find_modes() {
 /// Of a place on a body by the motion of its centre of mass, in the directions that the model leaves.
 Eigen::Matrix<double, 6, 6> ModalMachine::by_body(const ModalPlace& place) const {
     const Body& body = model_.bodies[as_size(place.body)];
-    const Eigen::Vector3d arm = place.position - (body.position + body.rotation * body.center_of_mass);
+    const Eigen::Vector3d centre = rest() ? rest()->at[as_size(place.body)].position
+                                          : Eigen::Vector3d(body.position + body.rotation * body.center_of_mass);
+    const Eigen::Vector3d arm = place.position - centre;
     Eigen::Matrix<double, 6, 6> by = Eigen::Matrix<double, 6, 6>::Identity();
     for (int d = 0; d < 3; ++d) by.block<3, 1>(0, 3 + d) = Eigen::Vector3d::Unit(d).cross(arm);
     for (int d = 0; d < 6; ++d)

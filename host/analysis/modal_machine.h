@@ -25,6 +25,10 @@ public:
 
     /// Throws Error with the place in the model file of the element that is at fault.
     ModalMachine(const Model& model, const Plugins& plugins);
+    /// About its equilibrium. resting: the model as its networks come to rest.
+    ModalMachine(const Model& model, const Model& resting, const Plugins& plugins);
+    /// Where it rests; null: it is about the start.
+    const RestState* rest() const { return description_.rest(); }
 
     /// As the model asks.
     std::vector<ModalInstance::Mode> find_modes();
@@ -43,6 +47,11 @@ public:
     /// Force of an element at the start whose stiffness is in the modes [N]; 0: none.
     double force_at_start(size_t element) const { return instance_.force_at_start(static_cast<uint32_t>(element)); }
 
+    /// How far a beam is bent at rest, as share of its radius of gyration; is_lumped: it counts by its segments therefore.
+    double bent_at_rest(size_t element, bool& is_lumped) const {
+        return instance_.bent_at_rest(static_cast<uint32_t>(element), is_lumped);
+    }
+
     std::string layout() { return instance_.layout(); }
     dttmm_overall overall(double frequency) { return instance_.overall(frequency); }
 
@@ -50,6 +59,7 @@ public:
     const ModalPlace* find(const std::string& name) const;
 
 private:
+    ModalMachine(const Model& model, ModalDescription description);
     Eigen::Matrix<double, 6, 6> by_body(const ModalPlace& place) const;
 
     const Model& model_;

@@ -3,9 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "model/index.h"
+#include "model/read_simulation.h"
 #include "record/results_folder.h"
 #include "record/tell.h"
 
@@ -66,9 +68,44 @@ Model read(const Request& request, const Plugins& plugins, Warnings& warnings) {
     overrides.purpose = Purpose::modes;
     Model model = read_model(request.model, plugins.catalogue(), overrides);
     warnings.add(model.warnings);
-    warn_preload(model, warnings);
     note_laws(model, plugins.catalogue(), warnings);
     return model;
+}
+
+/// Whether something pulls at the start: gravity, or a load.
+bool is_loaded(const Model& model) {
+    return model.modes.directions.all() &&
+           (!model.simulation.gravity.isZero(0) ||
+            std::ranges::any_of(model.loads, [](const Load& load) { return load.signal.value(0) != 0; }));
+}
+
+/// What the frequencies about an equilibrium are of, and which beams are not exact in them.
+void note_rest(const Model& model, const ModalMachine& machine, Warnings& warnings) {
+    warnings.note("about-equilibrium",
+                  "the frequencies are about the equilibrium under gravity and the loads as they are at the start; "
+                  "about = \"start\" leaves both out");
+    std::string first;
+    size_t count = 0;
+    for (size_t e = 0; e < model.elements.size(); ++e) {
+        bool is_lumped = false;
+        const double share = machine.bent_at_rest(e, is_lumped);
+        if (!is_lumped) {
+            if (share > 0.005)
+                warnings.note("bent-beam",
+                              fmt::format("{}: element \"{}\" is bent at rest by {:.2g} of its radius of "
+                                          "gyration; it counts as straight, which frequencies along it may "
+                                          "feel by {:.1g} of themselves",
+                                          model.elements[e].place, model.elements[e].name, share, share * share));
+            continue;
+        }
+        if (++count == 1)
+            first = fmt::format("{}: element \"{}\" is bent at rest by {:.2g} of its radius of gyration",
+                                model.elements[e].place, model.elements[e].name, share);
+    }
+    if (count > 0)
+        warnings.note("bent-beam", fmt::format("{}{}: it counts by its segments, as in a run; more of them make its "
+                                               "frequencies more accurate, by the square of their number",
+                                               first, count > 1 ? fmt::format(", and {} more are", count - 1) : ""));
 }
 
 }  // namespace
@@ -96,10 +133,35 @@ void warn_preload(const Model& model, Warnings& warnings) {
                         place, others > 0 ? fmt::format(" and {} more", others) : ""));
 }
 
-ModalSession::ModalSession(const Request& request, const Plugins& plugins, Warnings& warnings)
-    : model(read(request, plugins, warnings)), machine(model, plugins) {
-    note_forces(model, machine, warnings);
+ModalMachine make_machine(const Model& model, const Plugins& plugins, Warnings& warnings) {
+    const auto about_start = [&] {
+        warn_preload(model, warnings);
+        ModalMachine machine(model, plugins);
+        note_forces(model, machine, warnings);
+        return machine;
+    };
+    if (model.modes.about == About::start || (model.modes.about == About::automatic && !is_loaded(model)))
+        return about_start();
+    try {
+        Model resting = model;
+        if (resting.simulation.step == 0) resting.simulation.step = kShortestStep;  // networks want one, whichever
+        resting.simulation.coupling = Coupling::implicit;
+        ModalMachine machine(model, resting, plugins);
+        note_rest(model, machine, warnings);
+        return machine;
+    } catch (const Error& error) {
+        if (model.modes.about == About::equilibrium) throw;
+        warnings.add(
+            "no-equilibrium",
+            fmt::format("the frequencies are not about an equilibrium, but about the machine as the file places it: "
+                        "{}",
+                        error.what()));
+        return about_start();
+    }
 }
+
+ModalSession::ModalSession(const Request& request, const Plugins& plugins, Warnings& warnings)
+    : model(read(request, plugins, warnings)), machine(make_machine(model, plugins, warnings)) {}
 
 std::vector<ModalInstance::Mode> ModalSession::find_modes() {
     std::vector<ModalInstance::Mode> modes = machine.find_modes();

@@ -14,6 +14,10 @@ namespace dttmm::host {
 /// Notes what of the model is not in its natural frequencies: gravity and lasting loads.
 void warn_preload(const Model& model, Warnings& warnings);
 
+/// Its machine about the state that the model asks for; what that is, and what is not in the frequencies, goes to the
+/// warnings.
+ModalMachine make_machine(const Model& model, const Plugins& plugins, Warnings& warnings);
+
 /// A model as one command works on its small vibrations: read and checked, before anything is written.
 class ModalSession {
 public:

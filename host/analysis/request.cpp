@@ -60,6 +60,8 @@ constexpr Option kOptions[] = {
      [](Request& request, const std::string& value) { request.at = value; }},
     {"--beams", Kind::text, kFrequency, "\"exact\" or \"lumped\" instead of the model's", false, true,
      [](Request& request, const std::string& value) { request.overrides.modes.beams = value; }},
+    {"--about", Kind::text, kFrequency, "\"start\" or \"equilibrium\" instead of the model's", false, true,
+     [](Request& request, const std::string& value) { request.overrides.modes.about = value; }},
     {"--count", Kind::text, kModes, "the first so many frequencies instead of the model's", false, true,
      [](Request& request, const std::string& value) { request.overrides.modes.count = value; }},
     {"--below", Kind::text, kModes, "all frequencies up to this one, e.g. \"500 Hz\"", false, true,

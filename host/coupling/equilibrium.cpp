@@ -20,6 +20,8 @@ namespace {
 constexpr double kMostTurn = 0.5;
 /// Iterations for one load step. The elastica takes some 20 in one step.
 constexpr int kMostIterations = 60;
+/// Of the extent of the machine: smaller corrections are rounding.
+constexpr double kNoCorrection = 1e-13;
 /// Load steps are halved down to this share of the load.
 constexpr double kLeastStep = 1.0 / 1024;
 /// s by the largest stiffness over mass: what vibrates 10⁶ times slower than the fastest counts as not held.
@@ -135,7 +137,7 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
                 last = std::numeric_limits<double>::infinity();
                 continue;
             }
-            const bool is_small = correction.size <= 1e-13 * extent_;
+            const bool is_small = correction.size <= kNoCorrection * extent_;
             const bool is_noise = correction.size <= 1e-6 * extent_ && correction.size >= 0.5 * last &&
                                   state_.residual <= std::max(16 * noise_, 1e-9 * state_.force);
             last = correction.size;
@@ -165,6 +167,7 @@ Equilibrium::Correction Equilibrium::correct(double factor) {
     resistance_ = std::max(kFall * resistance_, least_resistance_);
     for (int attempt = 0; attempt < kMostTries; ++attempt) {
         const Correction correction = try_resistance(factor);
+        if (correction.size <= kNoCorrection * extent_) return correction;
         if (correction.turn > kMostTurn)
             resistance_ *= std::clamp(1.5 * correction.turn / kMostTurn, kLeastGrowth, kMostGrowth);
         else if (correction.work < 0)
@@ -220,8 +223,15 @@ void Equilibrium::form(double factor) {
         if (row == column) held.segment<6>(6 * row) += K.diagonal().cwiseAbs();
     });
     if (stiffest_ == 0) {
-        for (size_t b = 0; b < inertias_.size(); ++b)
-            stiffest_ = std::max(stiffest_, held.segment<3>(6 * as_row(b)).maxCoeff() / inertias_[b].mass);
+        std::vector<double> loads(wrenches_.size(), 0.0);
+        add_loads(1, state_.at, loads);
+        for (size_t b = 0; b < inertias_.size(); ++b) {
+            const double mass = inertias_[b].mass, inertia = inertias_[b].J.trace() / 2, arm = reach(b);
+            const Eigen::Map<const Vector6> load(&loads[6 * b]);
+            stiffest_ = std::max({stiffest_, held.segment<3>(6 * as_row(b)).maxCoeff() / mass,
+                                  held.segment<3>(6 * as_row(b) + 3).maxCoeff() / inertia,
+                                  load.head<3>().norm() / (mass * arm), load.tail<3>().norm() / inertia});
+        }
         least_resistance_ = std::max(kLeastResistance * stiffest_, 1e-10);
         if (resistance_ < least_resistance_) resistance_ = least_resistance_;
     }
@@ -341,6 +351,29 @@ void Equilibrium::add_joint_stiffness(size_t j, Triplets& entries) {
             }
         }
     }
+}
+
+std::vector<double> Equilibrium::load_stiffness() const {
+    Triplets entries;
+    add_load_stiffness(1, entries);
+    std::vector<double> all(36 * model_.bodies.size(), 0.0);
+    for (const auto& entry : entries)
+        all[36 * as_size(entry.row() / 6) + 6 * as_size(entry.row() % 6) + as_size(entry.col() % 6)] += entry.value();
+    return all;
+}
+
+std::vector<double> Equilibrium::joint_stiffness() {
+    std::vector<double> all(144 * model_.joints.size(), 0.0);
+    for (size_t j = 0; j < model_.joints.size(); ++j) {
+        Triplets entries;
+        add_joint_stiffness(j, entries);
+        const auto at = [&](int index) {
+            const size_t side = index / 6 == joints_.joints()[j].bodies()[JointEquations::kFirst] ? 0 : 6;
+            return side + as_size(index % 6);
+        };
+        for (const auto& entry : entries) all[144 * j + 12 * at(entry.row()) + at(entry.col())] += entry.value();
+    }
+    return all;
 }
 
 /// Makes stops act that are passed; true if one more does.

@@ -39,6 +39,12 @@ public:
     /// Afterwards the networks can start at rest there.
     const RestState& find(double t0);
 
+    // Of the machine at rest: what its loads add to the stiffness as their lever arms turn, 36 per body; and the forces of
+    // ideal joints, 144 per joint by the motion of [first; second body], row-major.
+    std::vector<double> load_stiffness() const;
+    std::vector<double> joint_stiffness();
+    const std::vector<Stop>& stops() const { return stops_; }
+
 private:
     using Vector6 = Eigen::Matrix<double, 6, 1>;
     using Triplets = std::vector<Eigen::Triplet<double>>;

@@ -7,6 +7,7 @@
 #include <bitset>
 
 #include "model/error.h"
+#include "model/index.h"
 
 namespace dttmm::host {
 
@@ -59,7 +60,42 @@ Eigen::Matrix3d axes_of(const Joint& joint) {
 
 }  // namespace
 
-ModalDescription::ModalDescription(const Model& model, const Plugins& plugins)
+ModalDescription::Rest::Rest(const Model& model, const Plugins& plugins)
+    : networks(model, plugins),
+      loads(model, networks.load_weights()),
+      equilibrium(model, networks, loads),
+      state(equilibrium.find(0)),
+      load_stiffness(equilibrium.load_stiffness()),
+      joint_stiffness(equilibrium.joint_stiffness()) {
+    for (const BodyState& body : state.at) {
+        dttmm_motion& motion = bodies.emplace_back();
+        Eigen::Map<Eigen::Vector3d>{motion.position} = body.position;
+        Eigen::Map<RowMajor3>{motion.rotation} = body.rotation;
+    }
+    told = {networks.instances().front().at_rest(), bodies.data(), load_stiffness.data(), joint_stiffness.data()};
+}
+
+/// Ideal joints go with their bodies; a stop that pushes holds what the joint leaves free.
+void ModalDescription::place_at_rest(const Model& model) {
+    const JointSystem joints(model.bodies, model.joints);
+    const std::vector<BodyState>& at = rest_->state.at;
+    for (size_t j = 0; j < model.joints.size(); ++j) {
+        const Joint& joint = model.joints[j];
+        const auto turned = [&](int body, const Eigen::Vector3d& v) {
+            if (body < 0) return v;
+            return Eigen::Vector3d(at[as_size(body)].rotation * (model.bodies[as_size(body)].rotation.transpose() * v));
+        };
+        Joint now = joint;
+        now.axis = turned(joint.first, joint.axis);
+        now.axis2 = turned(joint.second, joint.axis2);
+        dttmm_constraint& out = constraints_[j];
+        Eigen::Map<Eigen::Vector3d>{out.position} = joints.joints()[j].anchor(at);
+        Eigen::Map<RowMajor3>{out.axes} = axes_of(now);
+        if (rest_->equilibrium.stops()[j].acts) out.rigid |= joint.type == JointType::hinge ? 0b001000u : 0b000001u;
+    }
+}
+
+ModalDescription::ModalDescription(const Model& model, const Plugins& plugins, bool at_rest)
     : description_(model, plugins, all_elements(model, plugins)),
       network_(description_.network()),
       directions_(static_cast<uint32_t>(model.modes.directions.to_ulong())),
@@ -70,10 +106,15 @@ ModalDescription::ModalDescription(const Model& model, const Plugins& plugins)
         Eigen::Map<RowMajor3>{out.axes} = axes_of(joint);
         constraints_.push_back(out);
     }
+    if (!at_rest) return;
+    rest_ = std::make_unique<Rest>(model, plugins);
+    place_at_rest(model);
 }
 
 dttmm_modal_model ModalDescription::model() const {
-    return {&network_, static_cast<uint32_t>(constraints_.size()), constraints_.data(), directions_, lumped_beams_};
+    return {&network_,           static_cast<uint32_t>(constraints_.size()),
+            constraints_.data(), directions_,
+            lumped_beams_,       rest_ ? &rest_->told : nullptr};
 }
 
 }  // namespace dttmm::host

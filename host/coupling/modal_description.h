@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "coupling/equilibrium.h"
 #include "coupling/network_description.h"
 #include "dttmm_modal.h"
 
@@ -12,19 +13,36 @@ namespace dttmm::host {
 /// as directions that do not give. Stops do not act, loads and gravity leave frequencies alone.
 class ModalDescription {
 public:
-    /// Throws Error(model_invalid) for elements of different plugins, and where there is no element at all.
-    ModalDescription(const Model& model, const Plugins& plugins);
+    /// Throws Error(model_invalid) for elements of different plugins, and where there is no element at all. at_rest: as it
+    /// vibrates about its equilibrium; throws what Equilibrium does.
+    ModalDescription(const Model& model, const Plugins& plugins, bool at_rest = false);
 
     const PluginLibrary& plugin() const { return description_.plugin(); }
     const NetworkDescription& network() const { return description_; }
+    /// Where it rests; none: the machine as the file places it.
+    const RestState* rest() const { return rest_ ? &rest_->state : nullptr; }
     /// Valid as long as the model and this object.
     dttmm_modal_model model() const;
 
 private:
+    /// A machine at rest, and what of it a plugin is told.
+    struct Rest {
+        Rest(const Model& model, const Plugins& plugins);
+        Networks networks;
+        Loads loads;
+        Equilibrium equilibrium;
+        RestState state;
+        std::vector<dttmm_motion> bodies;
+        std::vector<double> load_stiffness, joint_stiffness;
+        dttmm_rest told;
+    };
+    void place_at_rest(const Model& model);
+
     NetworkDescription description_;
     dttmm_network network_;
     std::vector<dttmm_constraint> constraints_;
     uint32_t directions_, lumped_beams_;
+    std::unique_ptr<Rest> rest_;
 };
 
 }  // namespace dttmm::host

@@ -95,7 +95,7 @@ ModalInstance::Mode ModalInstance::mode(uint32_t index) {
     check(nodes, "shape of nodes");
     check(shares, "shares of energy");
     const dttmm_mode& m = mode.numbers;
-    if (!std::isfinite(m.frequency + m.bracket + m.mass) || m.frequency < 0)
+    if (!std::isfinite(m.frequency + m.bracket + m.mass) || m.mass < 0)
         blame(fmt::format("mode {}: frequency {}, modal mass {}: not finite, or less than nothing", index + 1, m.frequency,
                           m.mass));
     const auto list = [](const GuardedArray& from) {
@@ -161,6 +161,18 @@ ModalInstance::Response ModalInstance::respond(double frequency, int body, int n
         return to;
     };
     return {list(bodies), list(nodes)};
+}
+
+double ModalInstance::bent_at_rest(uint32_t element, bool& is_lumped) const {
+    double share = 0;
+    int32_t lumped = 0;
+    if (table_->bent_at_rest)
+        ask([&](dttmm_error*) {
+            share = table_->bent_at_rest(modal_.get(), element, &lumped);
+            return DTTMM_OK;
+        });
+    is_lumped = lumped != 0;
+    return share;
 }
 
 double ModalInstance::force_at_start(uint32_t element) const {

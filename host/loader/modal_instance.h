@@ -45,6 +45,8 @@ public:
 
     /// Of an element at the start, where its stiffness counts [N]; 0: none.
     double force_at_start(uint32_t element) const;
+    /// See dttmm_modal.h.
+    double bent_at_rest(uint32_t element, bool& is_lumped) const;
 
 private:
     /// Calls the plugin. Throws what it says of a failure, or what it throws, or that it changed the arithmetic.

@@ -92,6 +92,7 @@ public:
     }
 
     // At rest, see dttmm_static.h; only if has_statics().
+    const dttmm_instance* at_rest() const { return instance_.get(); }
     bool has_statics() const { return plugin_.statics() != nullptr; }
     void begin_statics() {
         ask([&](dttmm_error* error) { return plugin_.statics()->begin(instance_.get(), error); });

@@ -78,6 +78,14 @@ constexpr Key kModes[] = {
     {"count", Kind::number, "how many frequencies, from the lowest; excludes below", "10", "1", 1, {1, kMostModes}},
     {"below", Kind::number, "all frequencies up to this one; excludes count", "", "Hz", 1, kPositive},
     {"beams", Kind::word, "exact waves, or the lumps of a run", "exact", "", 0, {}, "exact|lumped"},
+    {"about",
+     Kind::word,
+     "the machine as the file places it, or its equilibrium under gravity and loads",
+     "equilibrium where there are any",
+     "",
+     0,
+     {},
+     "start|equilibrium"},
 };
 
 constexpr Key kRotationOf = {"rotation", Kind::table, "of its axes against those outside, about an axis", "none", "", 0, {},

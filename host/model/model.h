@@ -114,8 +114,12 @@ struct OutputSettings {
     std::string channels_place;         ///< "file:line:column" of the list
 };
 
+/// The state that small vibrations are about.
+enum class About { automatic, start, equilibrium };
+
 /// What `dttmm modes` is to find.
 struct ModesSettings {
+    About about = About::automatic;    ///< automatic: the equilibrium, where there is gravity or a load at the start
     int count = 10;                    ///< the first so many frequencies
     std::optional<double> below;       ///< or all up to here [Hz]
     std::string below_place;           ///< "file:line:column", for errors found later

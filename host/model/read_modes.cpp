@@ -14,8 +14,6 @@ namespace dttmm::host {
 
 namespace {
 
-std::vector<std::string> beam_words() { return words_of(*find_key(key_table("modes"), "beams")); }
-
 [[noreturn]] void refuse(const std::string& fault) { throw Error(ExitCode::usage, fault); }
 
 int count_of(const std::string& text) {
@@ -36,6 +34,16 @@ double frequency_of(const std::string& text) {
     if (!(below > 0)) refuse(fmt::format("--below wants a frequency of more than zero, got {}", quote(text)));
     return below;
 }
+
+/// The index of an option's word among those of its key.
+int choice_of(const char* key, const std::string& text) {
+    const std::vector<std::string> words = words_of(*find_key(key_table("modes"), key));
+    const auto found = std::ranges::find(words, text);
+    if (found == words.end()) refuse(fmt::format("--{} must be one of {}, got {}", key, listed(words), quote(text)));
+    return as_int(found - words.begin());
+}
+
+About about_of(int choice) { return choice == 0 ? About::start : About::equilibrium; }
 
 }  // namespace
 
@@ -86,15 +94,11 @@ ModesSettings read_modes(const TableReader& file, const ModesOverrides& override
             settings.below_place = file.context().diagnostics.place_text(below->value.place);
         }
         settings.are_beams_lumped = table.choice("beams", 0).value_or(0) == 1;
+        if (table.find("about")) settings.about = about_of(table.choice("about", 0).value_or(0));
     }
     if (overrides.count && overrides.below) refuse("--count and --below are two ways to say how many: give one");
-    if (overrides.beams) {
-        const std::vector<std::string> words = beam_words();
-        const auto beams = std::ranges::find(words, *overrides.beams);
-        if (beams == words.end())
-            refuse(fmt::format("--beams must be one of {}, got {}", listed(words), quote(*overrides.beams)));
-        settings.are_beams_lumped = beams != words.begin();
-    }
+    if (overrides.beams) settings.are_beams_lumped = choice_of("beams", *overrides.beams) == 1;
+    if (overrides.about) settings.about = about_of(choice_of("about", *overrides.about));
     if (overrides.count) {
         settings.count = count_of(*overrides.count);
         settings.below.reset();

@@ -11,7 +11,7 @@ namespace dttmm::host {
 
 /// What the command line says instead of [modes]: texts as in the file.
 struct ModesOverrides {
-    std::optional<std::string> count, below, beams;
+    std::optional<std::string> count, below, beams, about;
 };
 
 /// The names of the six directions, x y z rx ry rz.

@@ -157,7 +157,13 @@ dttmm_status create_modal(const dttmm_modal_model* model, dttmm_modal** modal, d
     *modal = nullptr;
     return guard(error, [&] {
         if (model == nullptr || model->network == nullptr) throw Error(DTTMM_ERROR_ARGUMENT, "create_modal: no model");
-        *modal = new dttmm_modal{dttmm::plugin::ModalAnalysis(*model)};
+        if (!model->rest) {
+            *modal = new dttmm_modal{dttmm::plugin::ModalAnalysis(*model)};
+            return;
+        }
+        const dttmm::plugin::AtRest rest =
+            model->rest->instance ? model->rest->instance->machine.at_rest() : dttmm::plugin::AtRest{};
+        *modal = new dttmm_modal{dttmm::plugin::ModalAnalysis(*model, &rest)};
     });
 }
 
@@ -241,6 +247,13 @@ dttmm_status start_static(dttmm_instance* instance, const dttmm_step* step, cons
 
 double force_at_start(const dttmm_modal* modal, uint32_t element) { return modal->analysis.force_at_start(element); }
 
+double bent_at_rest(const dttmm_modal* modal, uint32_t element, int32_t* is_lumped) {
+    bool lumped = false;
+    const double share = modal->analysis.bent_at_rest(element, lumped);
+    *is_lumped = lumped ? 1 : 0;
+    return share;
+}
+
 dttmm_plugin& table();
 
 dttmm_status add_law(const dttmm_law* law, const dttmm_law* volatile* at_work, dttmm_error* error) {
@@ -254,8 +267,15 @@ dttmm_status add_law(const dttmm_law* law, const dttmm_law* volatile* at_work, d
 }
 
 const void* extension(const char* name) {
-    static constexpr dttmm_modal_table kModal = {
-        sizeof(dttmm_modal_table), create_modal, destroy_modal, find_modes, mode, mode_along, overall, force_at_start};
+    static constexpr dttmm_modal_table kModal = {sizeof(dttmm_modal_table),
+                                                 create_modal,
+                                                 destroy_modal,
+                                                 find_modes,
+                                                 mode,
+                                                 mode_along,
+                                                 overall,
+                                                 force_at_start,
+                                                 bent_at_rest};
     static constexpr dttmm_response_table kResponse = {sizeof(dttmm_response_table), respond};
     static constexpr dttmm_state_table kState = {sizeof(dttmm_state_table), state_size, save_state, restore_state};
     static constexpr dttmm_laws_table kLaws = {sizeof(dttmm_laws_table), add_law};

@@ -22,19 +22,30 @@ typedef struct dttmm_constraint {
     uint32_t rigid;        /* bit d set: direction d of x y z rx ry rz (of these axes) does not give */
 } dttmm_constraint;
 
+/* A machine at rest that vibrates about its equilibrium. Stiffness: -d(wrench)/d(pose), symmetric, at the centres of mass,
+ * world axes, row-major. */
+typedef struct dttmm_rest {
+    const dttmm_instance* instance; /* of the same elements, where statics have led (dttmm_static.h) */
+    const dttmm_motion* bodies;     /* there */
+    const double* loads;            /* 36 per body: what loads on it add as their lever arms turn */
+    const double* constraints;      /* 144 per constraint: what its forces add, by the motion of [first; second] */
+} dttmm_rest;
+
 typedef struct dttmm_modal_model {
     const dttmm_network* network; /* all elements of the machine; may be without nodes and elements */
     uint32_t constraint_count;
     const dttmm_constraint* constraints;
-    uint32_t directions;   /* bit d set: bodies and nodes move in direction d of x y z rx ry rz (world axes) */
-    uint32_t lumped_beams; /* non-zero: beams as the time solver has them, otherwise exact */
+    uint32_t directions;    /* bit d set: bodies and nodes move in direction d of x y z rx ry rz (world axes) */
+    uint32_t lumped_beams;  /* non-zero: beams as the time solver has them, otherwise exact */
+    const dttmm_rest* rest; /* NULL: about the start; otherwise in all directions, and constraints are where they are at
+                               rest. Lines bent at rest are taken as the time solver has them. */
 } dttmm_modal_model;
 
 typedef struct dttmm_modal dttmm_modal;
 
 /* A natural frequency. Equal ones are listed once each, rigid-body modes first. */
 typedef struct dttmm_mode {
-    double frequency; /* [Hz]; 0 for a rigid-body mode */
+    double frequency; /* [Hz]; 0 for a rigid-body mode; negative: no vibration, it grows as exp(2 pi |frequency| t) */
     double bracket; /* the count of frequencies changes by the multiplicity within this relative distance, and what rounding
                        of stiff parts may have moved lies within it too */
     uint32_t multiplicity;
@@ -81,6 +92,9 @@ typedef struct dttmm_modal_table {
     /* NULL: no element has one. The force that an element has at the start and whose stiffness is in the modes [N], positive
      * in tension; 0: none. */
     double (*force_at_start)(const dttmm_modal* modal, uint32_t element);
+    /* NULL: none is. Of an element that is a line: how far it is bent at rest, as share of its radius of gyration; 0: it is
+     * straight. *is_lumped: non-zero where it is therefore taken as the time solver has it. */
+    double (*bent_at_rest)(const dttmm_modal* modal, uint32_t element, int32_t* is_lumped);
 } dttmm_modal_table;
 
 #ifdef __cplusplus

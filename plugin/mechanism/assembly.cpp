@@ -36,7 +36,8 @@ struct Part {
 
 class Assembler {
 public:
-    Assembler(const dttmm_network& description, Waves waves) : description_(description), waves_(waves) {
+    Assembler(const dttmm_network& description, Waves waves, const std::vector<bool>* lumped)
+        : description_(description), waves_(waves), lumped_(lumped) {
         place_bodies();
         place_nodes();
         for (uint32_t e = 0; e < description.element_count; ++e) take_apart(as_int(e));
@@ -116,7 +117,8 @@ private:
             if (part.frame.element < 0) part.frame.element = e;
         }
         const std::unique_ptr<const Element> made = make(e);
-        const std::optional<Line> line = waves_ == Waves::exact ? at(e, [&] { return made->line(ends); }) : std::nullopt;
+        const bool is_exact = waves_ == Waves::exact && !(lumped_ && (*lumped_)[as_size(e)]);
+        const std::optional<Line> line = is_exact ? at(e, [&] { return made->line(ends); }) : std::nullopt;
         if (line) {
             assembly_.first_joint.push_back(as_int(assembly_.joints.size()));
             assembly_.lines.push_back(
@@ -321,6 +323,7 @@ private:
 
     const dttmm_network& description_;
     const Waves waves_;
+    const std::vector<bool>* lumped_;
     std::vector<Part> parts_;  ///< the nodes, then the lumps of the elements
     std::vector<std::pair<int, int>> welds_;
     std::shared_ptr<const JointLaw> law_;  ///< of the joint before: joints in succession that are alike share one
@@ -331,6 +334,8 @@ private:
 
 std::string FrameSpec::name() const { return segment > 0 ? fmt::format("segment {} of {}", segment, *label) : *label; }
 
-Assembly assemble(const dttmm_network& description, Waves waves) { return Assembler(description, waves).take(); }
+Assembly assemble(const dttmm_network& description, Waves waves, const std::vector<bool>* lumped) {
+    return Assembler(description, waves, lumped).take();
+}
 
 }  // namespace dttmm::plugin

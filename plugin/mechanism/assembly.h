@@ -70,6 +70,7 @@ enum class Waves { lumped, exact };
 
 /// Throws Error naming element or node: an end that is no node, a node on a body that there is not, a mass on a body, both
 /// ends of a joint on one frame, a velocity in a fixed direction, a number that is not finite.
-Assembly assemble(const dttmm_network& description, Waves waves = Waves::lumped);
+/// lumped: of the elements, those that are lumps and joints all the same; NULL: none.
+Assembly assemble(const dttmm_network& description, Waves waves = Waves::lumped, const std::vector<bool>* lumped = nullptr);
 
 }  // namespace dttmm::plugin

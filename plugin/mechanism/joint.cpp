@@ -386,6 +386,17 @@ Joint::AtRest Joint::at_rest(const Vector6& x) const {
     return rest;
 }
 
+Vector6 Joint::unloading(const Vector6& x) const {
+    Vector6 tangent = kind_->law->stiffness;
+    if (!kind_->has_laws) return tangent;
+    const size_t size = kind_->law->memory_before(6);
+    const std::vector<double> undeformed(size, 0.0);
+    std::vector<double> memory(size, 0.0);
+    for (int d = 0; d < 6; ++d) ask(d, {0, x(d), 0, undeformed.data(), memory.data()});
+    for (int d = 0; d < 6; ++d) tangent(d) = ask(d, {x(d), x(d), 0, memory.data()}).tangent;
+    return tangent;
+}
+
 Vector6 Joint::change(const JointPose& pose, const Vector6& x, const Vector6& of_from, const Vector6& of_to) const {
     Vector6 change = by_from(pose) * of_from + by_to(pose) * of_to;
     change(0) = stretch(x).dot(change);

@@ -193,6 +193,8 @@ public:
         Vector6 force, tangent;
     };
     AtRest at_rest(const Vector6& x) const;
+    /// The derivatives where the laws have come to rest there: those of small vibrations, with which sliders stick.
+    Vector6 unloading(const Vector6& x) const;
     /// ∂(elastic force)/∂(deformation) of that, joint axes, rotations in terms of the relative turn.
     Matrix6 rest_tangent(const Vector6& x, const Vector6& tangent) const { return along(x, tangent); }
     /// How small motions of its frames (shifts and turns, world axes) change a deformation x.

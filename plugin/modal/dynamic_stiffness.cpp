@@ -207,7 +207,15 @@ void DynamicStiffness::assemble() {
         if (at.from >= 0 && at.to >= 0) e.add_coupling(link, at.by_from.transpose() * across * at.by_to);
         ++link;
     };
-    for (const Bond& bond : model_.bonds) add(bond, bond.stiffness, -bond.stiffness, bond.stiffness);
+    for (const Bond& bond : model_.bonds) {
+        if (bond.turning) {
+            const EndBlocks& K = *bond.turning;
+            if (bond.from >= 0) e.add_acting(bond.from, K.at[0][0]);
+            if (bond.to >= 0) e.add_acting(bond.to, K.at[1][1]);
+            if (bond.from >= 0 && bond.to >= 0) e.add_coupling(link, K.at[0][1]);
+        }
+        add(bond, bond.stiffness, -bond.stiffness, bond.stiffness);
+    }
     for (const Piece& piece : pieces_) {
         const Matrix12& D = waves(piece).stiffness;
         add(piece, D.topLeftCorner<6, 6>(), D.topRightCorner<6, 6>(), D.bottomRightCorner<6, 6>());
@@ -279,6 +287,7 @@ FrameVector DynamicStiffness::stiffness_times(const FrameVector& u, const Vector
         Vector12 forces;
         forces << -force, force;
         bond.add(forces, out);
+        if (bond.turning) bond.add_turning(u, out);
     }
     for (const Piece& piece : pieces_) piece.add(waves(piece).stiffness * piece.ends(u, ground), out);
     return out;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -13,6 +14,7 @@
 #include "core/error.h"
 #include "core/state_vector.h"
 #include "element/parameters.h"
+#include "statics/frame_links.h"
 
 namespace dttmm::plugin {
 
@@ -30,8 +32,8 @@ Matrix6 mass_block(double mass, const Matrix3& inertia) {
     return block;
 }
 
-/// What lines of one kind share, to the bit: section, length, whether it is a rod, active directions.
-using Key = std::tuple<std::array<uint64_t, sizeof(Section) / sizeof(double)>, double, bool, unsigned long>;
+/// What lines of one kind share, to the bit: section, length, whether it is a rod, active directions, axial force.
+using Key = std::tuple<std::array<uint64_t, sizeof(Section) / sizeof(double)>, double, bool, unsigned long, double>;
 
 }  // namespace
 
@@ -80,47 +82,273 @@ void Joined::hold(Vector6 row_from, Vector6 row_to) {
     if (rest.norm() > kAligned * size) rigid.push_back({row_from, row_to});
 }
 
+void Bond::add_turning(const FrameVector& u, FrameVector& on_frames) const {
+    const int ends[2] = {from, to};
+    for (int i : {0, 1})
+        for (int k : {0, 1})
+            if (ends[i] >= 0 && ends[k] >= 0) on_frames[as_size(ends[i])] += turning->at[i][k] * u[as_size(ends[k])];
+}
+
+double Bond::turning_energy(const FrameVector& u) const {
+    const int ends[2] = {from, to};
+    double energy = 0;
+    for (int i : {0, 1})
+        for (int k : {0, 1})
+            if (ends[i] >= 0 && ends[k] >= 0) energy += u[as_size(ends[i])].dot(turning->at[i][k] * u[as_size(ends[k])]);
+    return energy;
+}
+
 // ---- The machine --------------------------------------------------------------------------------------------------------
 
-FrequencyModel::FrequencyModel(const dttmm_modal_model& model)
-    : directions(model.directions), element_count(model.network->element_count) {
-    const Assembly assembly = assemble(*model.network, model.lumped_beams ? Waves::lumped : Waves::exact);
+FrequencyModel::FrequencyModel(const dttmm_modal_model& model, const AtRest* rest)
+    : directions(model.directions), element_count(model.network->element_count), is_at_rest(rest) {
+    if (rest && !directions.all())
+        throw Error(DTTMM_ERROR_ARGUMENT, "about a machine at rest all directions are there, none is left out");
+    std::vector<bool> lumped(element_count);
+    if (rest) {
+        find_bent(model, *rest);
+        for (size_t e = 0; e < element_count; ++e) lumped[e] = bent[e].is_lumped;
+    }
+    Assembly assembly = assemble(*model.network, model.lumped_beams ? Waves::lumped : Waves::exact, &lumped);
     mask.setZero();
     for (size_t d = 0; d < 6; ++d)
         if (directions[d]) mask(as_row(d), as_row(d)) = 1;
-    add_bodies(*model.network);
+    std::vector<Joint> joints;  // as they sit in the assembled machine
+    std::vector<const AtRest::Link*> links;
+    if (rest) {
+        for (const JointSpec& joint : assembly.joints)
+            joints.emplace_back(joint, assembly, std::make_shared<JointKind>(joint.law));
+        links = place_at_rest(*rest, assembly);
+    }
+    add_bodies(*model.network, model.rest);
     const std::vector<int> frame_of = add_inner_frames(assembly);
     for (const NodeSpec& node : assembly.nodes) {
         const Pose& pose = assembly.frames[as_size(node.frame)].pose;
         nodes.push_back({frame_of[as_size(node.frame)], pose.position + pose.rotation * node.offset});
     }
     if (!directions.all()) refer_to_nodes();
-    for (const JointSpec& joint : assembly.joints) try {
-            add_joint(joint.element, frame_of[as_size(joint.from)], frame_of[as_size(joint.to)], *joint.law, joint.pose);
+    for (size_t j = 0; j < assembly.joints.size(); ++j) {
+        const JointSpec& joint = assembly.joints[j];
+        try {
+            if (rest)
+                add_joint_at_rest(joints[j], *links[j], frame_of[as_size(joint.from)], frame_of[as_size(joint.to)]);
+            else
+                add_joint(joint.element, frame_of[as_size(joint.from)], frame_of[as_size(joint.to)], *joint.law, joint.pose);
         } catch (const Error& error) {
             throw Error(error.status(), error.what(), joint.element);
         }
+    }
     for (uint32_t c = 0; c < model.constraint_count; ++c) {
         const dttmm_constraint& constraint = model.constraints[c];
         JointLaw law;
         law.rigid = Directions(constraint.rigid);
+        const size_t before = bonds.size();
         add_joint(-1, constraint.first, constraint.second, law,
                   {Eigen::Map<const Vector3>(constraint.position), Eigen::Map<const RowMajor3>(constraint.axes)});
+        if (rest && bonds.size() > before) turn_constraint(model.rest->constraints + 144 * size_t{c});
     }
-    add_lines(assembly.lines, frame_of);
+    add_lines(assembly.lines, frame_of, rest);
+    if (rest) add_loads_at_rest(model, *rest);
     if (frames.empty()) throw Error(DTTMM_ERROR_MODEL, "nothing moves: no body and no free node");
 }
 
-void FrequencyModel::add_bodies(const dttmm_network& network) {
+// ---- At rest ------------------------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Of a line that counts as straight: how far it may be bent, as share of its radius of gyration. An arch that rises by r
+/// times that radius is stiffer along by a share of r².
+constexpr double kStraight = 0.05;
+
+/// Where the joints of an element are at rest, from end to end.
+std::vector<Vector3> points_of(const std::vector<AtRest::Link>& links, const Joint& first, const Joint& last) {
+    std::vector<Vector3> points;
+    points.push_back(first.pose(links.front().from, links.front().to).arm + FrameView(links.front().from).origin());
+    for (size_t k = 1; k + 1 < links.size(); ++k)
+        points.push_back(0.5 * (FrameView(links[k].from).origin() + FrameView(links[k].to).origin()));
+    points.push_back(last.pose(links.back().from, links.back().to).arm + FrameView(links.back().from).origin());
+    return points;
+}
+
+}  // namespace
+
+/// Which lines are bent. Their joints are those of the lumps of the network that came to rest.
+void FrequencyModel::find_bent(const dttmm_modal_model& model, const AtRest& rest) {
+    bent.resize(element_count);
+    if (model.lumped_beams) return;
+    const Assembly exact = assemble(*model.network, Waves::exact), lumps = assemble(*model.network);
+    for (const LineSpec& line : exact.lines) {
+        const auto e = as_size(line.element);
+        const std::vector<AtRest::Link>& links = rest.elements[e];
+        if (links.size() < 2 || line.line.stretches_only) continue;
+        const auto joint = [&](size_t j) {
+            return Joint(lumps.joints[j], lumps, std::make_shared<JointKind>(lumps.joints[j].law));
+        };
+        const std::vector<Vector3> points =
+            points_of(links, joint(as_size(lumps.first_joint[e])), joint(as_size(lumps.first_joint[e + 1] - 1)));
+        const Vector3 chord = (points.back() - points.front()).normalized();
+        double away = 0;
+        for (const Vector3& point : points) away = std::max(away, (point - points.front()).cross(chord).norm());
+        const Section& section = line.line.section;
+        const double bending = is_given(section.EIy) && is_given(section.EIz) ? std::min(section.EIy, section.EIz)
+                               : is_given(section.EIy)                        ? section.EIy
+                                                                              : section.EIz;
+        bent[e].share = away / std::sqrt(bending / section.EA);
+        bent[e].is_lumped = bent[e].share > kStraight;
+    }
+}
+
+/// Moves the frames of the assembly to where they rest; the link of every joint there.
+std::vector<const AtRest::Link*> FrequencyModel::place_at_rest(const AtRest& rest, Assembly& assembly) {
+    std::vector<const AtRest::Link*> links;
+    std::vector<Pose> start;
+    for (const FrameSpec& frame : assembly.frames) start.push_back(frame.pose);
+    const auto place = [&](int frame, const dttmm::plugin::Frame& at) {
+        FrameSpec& spec = assembly.frames[as_size(frame)];
+        if (spec.kind == FrameSpec::Kind::inner)
+            spec.pose = {Eigen::Map<const Vector3>(at.position), Eigen::Map<const RowMajor3>(at.rotation)};
+    };
+    for (size_t j = 0; j < assembly.joints.size(); ++j) {
+        const JointSpec& joint = assembly.joints[j];
+        const bool is_held = as_int(j) >= assembly.first_joint.back();
+        if (is_held) {
+            const auto found = std::ranges::find_if(
+                rest.held, [&](const AtRest::Held& held) { return held.position == joint.pose.position; });
+            if (found == rest.held.end()) throw Error(DTTMM_ERROR_INTERNAL, "a fixed node is not at rest", joint.element);
+            links.push_back(&found->link);
+        } else {
+            links.push_back(
+                &rest.elements[as_size(joint.element)][j - as_size(assembly.first_joint[as_size(joint.element)])]);
+        }
+        place(joint.from, links.back()->from);
+        place(joint.to, links.back()->to);
+    }
+    for (LineSpec& line : assembly.lines) {
+        const std::vector<AtRest::Link>& own = rest.elements[as_size(line.element)];
+        const auto carried = [&](int frame, const dttmm::plugin::Frame& at, const Vector3& v) {
+            return Vector3(FrameView(at).axes() * (start[as_size(frame)].rotation.transpose() * v));
+        };
+        const auto carry = [&](int frame, const dttmm::plugin::Frame& at, Vector3& point) {
+            point = FrameView(at).origin() + carried(frame, at, point - start[as_size(frame)].position);
+        };
+        const double length = (line.finish - line.start).norm();
+        carry(line.from, own.front().from, line.start);
+        carry(line.to, own.back().to, line.finish);
+        const double stretched = (line.finish - line.start).norm();
+        line.line.section.mass *= length / stretched;
+        const Vector3 x = (line.finish - line.start) / stretched,
+                      y = carried(line.from, own.front().from, line.line.axes.col(1)), z = x.cross(y).normalized();
+        line.line.axes << x, z.cross(x), z;
+    }
+    return links;
+}
+
+void FrequencyModel::add_joint_at_rest(const dttmm::plugin::Joint& joint, const AtRest::Link& link, int from, int to) {
+    if (from < 0 && to < 0) return;
+    const Ends at{link.from, link.to};
+    const JointPose pose = joint.pose(at);
+    const Vector6 x = joint.deformation(pose, at.from, at.to);
+    const Vector3 point = at.from.origin() + pose.arm;
+    Bond bond;
+    bond.element = joint.element();
+    bond.from = from;
+    bond.to = to;
+    bond.points[0] = bond.points[1] = point;
+    bond.by_from = at_point(point, origin(from));
+    bond.by_to = at_point(point, origin(to));
+    bond.axes = both(pose.axes);
+    Vector6 tangent = joint.unloading(x);
+    for (size_t d = 0; d < 6; ++d)
+        if (joint.rigid()[d]) tangent(as_row(d)) = 0;
+    const Matrix6 damping = joint.damping_tangent(x);
+    bond.springs = tangent;
+    bond.stiffness = bond.axes * joint.rest_tangent(x, tangent) * bond.axes.transpose();
+    bond.damping = bond.axes * damping * bond.axes.transpose();
+    const Matrix6 rows[2] = {rigid_rows(x.tail<3>(), joint.by_from(pose)), rigid_rows(x.tail<3>(), joint.by_to(pose))};
+    for_each_rigid(joint, [&](int, int d) {
+        bond.held.push_back(bond.axes.col(d));
+        bond.hold(rows[0].row(d).transpose(), rows[1].row(d).transpose());
+    });
+    EndBlocks turning = joint.turning_stiffness(at, link.force, link.rigid), both_ways;
+    for (int i : {0, 1})
+        for (int k : {0, 1}) both_ways.at[i][k] = 0.5 * (turning.at[i][k] + turning.at[k][i].transpose());
+    bond.turning = std::make_shared<const EndBlocks>(both_ways);
+    bonds.push_back(std::move(bond));
+}
+
+/// What the forces of the constraint last added do as they turn with its bodies.
+void FrequencyModel::turn_constraint(const double* stiffness) {
+    EndBlocks turning;
+    const Eigen::Map<const Eigen::Matrix<double, 12, 12, Eigen::RowMajor>> K(stiffness);
+    for (int i : {0, 1})
+        for (int k : {0, 1}) turning.at[i][k] = K.block<6, 6>(6 * i, 6 * k);
+    bonds.back().turning = std::make_shared<const EndBlocks>(turning);
+}
+
+/// What loads add whose lever arms turn with the frames that they act on.
+void FrequencyModel::add_loads_at_rest(const dttmm_modal_model& model, const AtRest& rest) {
+    for (uint32_t b = 0; b < model.network->body_count; ++b)
+        levers.push_back({-1, as_int(b), Eigen::Map<const Matrix6>(model.rest->loads + 36 * size_t{b})});
+    size_t inner = 0;
+    for (size_t n = 0; n < nodes.size(); ++n) {
+        if (model.network->nodes[n].kind != DTTMM_NODE_INNER) continue;
+        const size_t load = inner++;
+        if (nodes[n].frame >= 0 && load < rest.loads.size())
+            add_lever(-1, nodes[n].frame, nodes[n].position, rest.loads[load].head<3>());
+    }
+}
+
+/// What a force that keeps its direction adds as its lever arm turns with a frame: symmetric part.
+void FrequencyModel::add_lever(int element, int frame, const Vector3& point, const Vector3& force) {
+    const Matrix3 aF = skew(point - origin(frame)) * skew(force);
+    Matrix6 stiffness = Matrix6::Zero();
+    stiffness.bottomRightCorner<3, 3>() = -0.5 * (aF + aF.transpose());
+    levers.push_back({element, frame, mask * stiffness * mask});
+}
+
+/// What the axial force of a line does to the frames at its ends, and of a rod across itself.
+void FrequencyModel::add_line_force(const LineModel& line, double axial) {
+    if (axial == 0) return;
+    const Vector3 pull = axial * line.axes.col(0);
+    if (line.from >= 0) add_lever(line.element, line.from, line.start, pull);
+    if (line.to >= 0) add_lever(line.element, line.to, line.finish, -pull);
+    if (!line.line.stretches_only || (line.from < 0 && line.to < 0)) return;
+    Bond across;
+    across.element = line.element;
+    across.from = line.from;
+    across.to = line.to;
+    across.points[0] = line.start;
+    across.points[1] = line.finish;
+    across.by_from = at_point(line.start, origin(line.from));
+    across.by_to = at_point(line.finish, origin(line.to));
+    across.axes = both(line.axes);
+    across.springs << 0, axial / line.length(), axial / line.length(), 0, 0, 0;
+    across.stiffness = across.axes * across.springs.asDiagonal() * across.axes.transpose();
+    across.damping.setZero();
+    bonds.push_back(std::move(across));
+}
+
+// ---- The parts ----------------------------------------------------------------------------------------------------------
+
+void FrequencyModel::add_bodies(const dttmm_network& network, const dttmm_rest* rest) {
     for (uint32_t b = 0; b < network.body_count; ++b) {
         const dttmm_body& body = network.bodies[b];
         const Eigen::Map<const Vector3> position(body.position);
         const Eigen::Map<const RowMajor3> inertia(body.inertia);
         if (!position.allFinite() || !inertia.allFinite() || !(body.mass > 0 && std::isfinite(body.mass)))
             throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("body \"{}\": its numbers must be finite", body.name));
-        frames.push_back({position, fmt::format("body \"{}\"", body.name), -1});
-        centres.push_back(position);
-        masses.push_back({as_int(b), mass_block(body.mass, inertia)});
+        Vector3 centre = position;
+        Matrix3 moment = inertia;
+        if (rest) {
+            const dttmm_motion& now = rest->bodies[b];
+            const Matrix3 turn =
+                Eigen::Map<const RowMajor3>(now.rotation) * Eigen::Map<const RowMajor3>(body.rotation).transpose();
+            centre = Eigen::Map<const Vector3>(now.position);
+            moment = turn * moment * turn.transpose();
+        }
+        frames.push_back({centre, fmt::format("body \"{}\"", body.name), -1});
+        centres.push_back(centre);
+        masses.push_back({as_int(b), mass_block(body.mass, moment)});
         total_mass += body.mass;
     }
 }
@@ -208,16 +436,21 @@ Directions FrequencyModel::active_axes(const LineSpec& spec) const {
     return active;
 }
 
-void FrequencyModel::add_lines(const std::vector<LineSpec>& specs, const std::vector<int>& frame_of) {
+void FrequencyModel::add_lines(const std::vector<LineSpec>& specs, const std::vector<int>& frame_of, const AtRest* rest) {
     std::map<Key, size_t> known;
     for (const LineSpec& spec : specs) {
         const Directions active = active_axes(spec);
         const double length = (spec.finish - spec.start).norm();
+        double axial = 0;
+        if (rest) {
+            const std::vector<AtRest::Link>& links = rest->elements[as_size(spec.element)];
+            for (const AtRest::Link& link : links) axial += link.force(0) / static_cast<double>(links.size());
+        }
         const Key key = {std::bit_cast<std::tuple_element_t<0, Key>>(spec.line.section), length, spec.line.stretches_only,
-                         active.to_ulong()};
+                         active.to_ulong(), axial};
         const auto [kind, is_new] = known.try_emplace(key, kinds.size());
         if (is_new) try {
-                kinds.push_back(std::make_unique<LineWaves>(spec.line, length, active));
+                kinds.push_back(std::make_unique<LineWaves>(spec.line, length, active, axial));
             } catch (const Error& error) {
                 throw Error(error.status(), error.what(), spec.element);
             }
@@ -225,6 +458,7 @@ void FrequencyModel::add_lines(const std::vector<LineSpec>& specs, const std::ve
                          spec.line.axes, spec.line, kind->second, kinds[kind->second].get()});
         total_mass += spec.line.section.mass * length;
         if (lines.back().waves->pinned().any()) add_pin(lines.back());
+        add_line_force(lines.back(), axial);
     }
 }
 

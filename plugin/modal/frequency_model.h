@@ -9,6 +9,7 @@
 #include "dttmm_modal.h"
 #include "mechanism/assembly.h"
 #include "modal/line_waves.h"
+#include "statics/at_rest.h"
 
 namespace dttmm::plugin {
 
@@ -48,8 +49,16 @@ struct Bond : Joined {
     Matrix6 stiffness, damping;  ///< world axes
     Matrix6 axes;                ///< its own, as columns in world
     Vector6 springs;             ///< stiffness in these
-    double tension = 0;          ///< of a joint along a line at the start [N]: along its x from `from` to `to`
-    std::vector<Vector6> held;   ///< directions that do not give, world axes
+    /// Of a machine at rest: what the forces of the joint add as they turn with its frames, by the motion of these; null:
+    /// none.
+    std::shared_ptr<const EndBlocks> turning;
+    double tension = 0;         ///< of a joint along a line at the start [N]: along its x from `from` to `to`
+    std::vector<Vector6> held;  ///< directions that do not give, world axes
+
+    /// Adds the forces of `turning` to those on the frames.
+    void add_turning(const FrameVector& u, FrameVector& on_frames) const;
+    /// uᵀ K u of it.
+    double turning_energy(const FrameVector& u) const;
 };
 
 /// A rod that lies straight between pins at its ends: its mass across itself is that of a bar, [1/3 1/6; 1/6 1/3] m.
@@ -71,10 +80,10 @@ struct LineModel {
 /// A machine in small vibrations about its start, as data: frames (bodies of the host, then masses and nodes of the network)
 /// that bonds and lines join. Directions that the model leaves out do not move, neither in joints nor along lines.
 struct FrequencyModel {
-    /// Throws Error naming body or element: what assemble() refuses, numbers of a body that are not finite or a mass that is
-    /// not positive, lines at an angle to the directions left, a stiffness of a section that is needed and not given,
-    /// nothing that moves.
-    explicit FrequencyModel(const dttmm_modal_model& model);
+    /// rest: of the elements of model.rest; else null. Throws Error naming body or element: what assemble() refuses, numbers
+    /// of a body that are not finite or a mass that is not positive, lines at an angle to the directions left, a stiffness
+    /// of a section that is needed and not given, nothing that moves.
+    explicit FrequencyModel(const dttmm_modal_model& model, const AtRest* rest = nullptr);
 
     struct Frame {
         Vector3 position;  ///< of its origin at the start [m, world]: a mass: its centre, in a reduced state its first node
@@ -108,6 +117,13 @@ struct FrequencyModel {
     std::vector<Pin> pins;
     std::vector<Lever> levers;
     double total_mass = 0;  ///< [kg]
+    bool is_at_rest = false;
+    /// Of a line at rest: how far it is bent, as share of its radius of gyration, and whether it is therefore lumps.
+    struct Bent {
+        double share = 0;
+        bool is_lumped = false;
+    };
+    std::vector<Bent> bent;  ///< of every element of a machine at rest
 
     bool is_elastic() const;
     /// Force of an element at the start whose stiffness is in the model [N], positive in tension; 0: none.
@@ -125,11 +141,18 @@ struct FrequencyModel {
     bool is_bar(const LineModel& line) const { return line.line.stretches_only && directions.all(); }
 
 private:
-    void add_bodies(const dttmm_network& network);
+    void add_bodies(const dttmm_network& network, const dttmm_rest* rest);
     std::vector<int> add_inner_frames(const Assembly& assembly);
     void refer_to_nodes();
+    void find_bent(const dttmm_modal_model& model, const AtRest& rest);
+    std::vector<const AtRest::Link*> place_at_rest(const AtRest& rest, Assembly& assembly);
+    void add_joint_at_rest(const dttmm::plugin::Joint& joint, const AtRest::Link& link, int from, int to);
+    void turn_constraint(const double* stiffness);
+    void add_loads_at_rest(const dttmm_modal_model& model, const AtRest& rest);
+    void add_line_force(const LineModel& line, double axial);
+    void add_lever(int element, int frame, const Vector3& point, const Vector3& force);
     void add_joint(int element, int from, int to, const JointLaw& law, const Pose& pose);
-    void add_lines(const std::vector<LineSpec>& specs, const std::vector<int>& frame_of);
+    void add_lines(const std::vector<LineSpec>& specs, const std::vector<int>& frame_of, const AtRest* rest);
     Directions active_axes(const LineSpec& spec) const;
     void add_pin(const LineModel& line);
 };

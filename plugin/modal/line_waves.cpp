@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -95,7 +96,7 @@ void exponential(const LineWaves::Block<Scalar>& X, const LineWaves::Block<Scala
 
 }  // namespace
 
-LineWaves::LineWaves(const Line& line, double length, Directions active) : length_(length) {
+LineWaves::LineWaves(const Line& line, double length, Directions active, double axial) : length_(length) {
     const Section& s = line.section;
     Directions moving;
     moving[0] = active[0];
@@ -120,11 +121,20 @@ LineWaves::LineWaves(const Line& line, double length, Directions active) : lengt
     if (moving[2]) require(s.EIy, "EIy"), require(s.GAz, "GAz");
     if (moving[3]) require(s.GJ, "GJ"), require(s.inertia, "inertia");
 
+    for (const auto& [plane, bending] : {std::pair(1, s.EIz), {2, s.EIy}})
+        if (axial != 0 && moving[as_size(plane)])
+            least_pieces_ =
+                std::max(least_pieces_,
+                         static_cast<int>(std::min(1e6, std::ceil(length * std::sqrt(std::abs(axial) / bending) / M_PI))));
     Vector6 C;
     C << 1 / s.EA, 1 / s.GAy, 1 / s.GAz, 1 / s.GJ, 1 / s.EIy, 1 / s.EIz;
     Matrix6 A = Matrix6::Zero();
-    A(1, 5) = 1;
-    A(2, 4) = -1;
+    const double by_z = 1 - (moving[1] ? axial / s.GAy : 0), by_y = 1 - (moving[2] ? axial / s.GAz : 0);
+    A(1, 5) = by_z;
+    A(2, 4) = -by_y;
+    Matrix6 G = Matrix6::Zero();
+    G(4, 4) = axial * by_y;
+    G(5, 5) = axial * by_z;
     const Matrix6 M = mass_per_length(s);
     std::array<int, 6> group_of{};
     group_of.fill(-1);
@@ -143,6 +153,7 @@ LineWaves::LineWaves(const Line& line, double length, Directions active) : lengt
             }
         group.A = A(group.directions, group.directions);
         group.M = M(group.directions, group.directions);
+        group.G = G(group.directions, group.directions);
         group.C = C(group.directions);
         const auto n = as_row(group.directions.size());
         group.unit_d.setOnes(n);
@@ -175,11 +186,12 @@ LineWaves::Waves<Scalar> LineWaves::waves(const Group& group, double s, Scalar l
     const Matrix A = s * (ud.cwiseInverse().asDiagonal() * group.A * ud.asDiagonal());
     const Matrix C = s * (ud.cwiseInverse().cwiseProduct(group.C).cwiseProduct(un)).asDiagonal().toDenseMatrix();
     const Matrix M = s * (un.cwiseInverse().asDiagonal() * group.M * ud.asDiagonal());
+    const Matrix G = s * (un.cwiseInverse().asDiagonal() * group.G * ud.asDiagonal());
     const Matrix At = s * (un.cwiseInverse().asDiagonal() * group.A.transpose() * un.asDiagonal());
     Block<Scalar> S = Block<Scalar>::Zero(2 * n, 2 * n), by_lambda = S;
     S.topLeftCorner(n, n) = A.template cast<Scalar>();
     S.topRightCorner(n, n) = C.template cast<Scalar>() / stiffening;
-    S.bottomLeftCorner(n, n) = -lambda * M.template cast<Scalar>();
+    S.bottomLeftCorner(n, n) = -lambda * M.template cast<Scalar>() + G.template cast<Scalar>();
     S.bottomRightCorner(n, n) = -At.template cast<Scalar>();
     by_lambda.bottomLeftCorner(n, n) = -M.template cast<Scalar>();
     exponential(S, by_lambda, with_derivative, waves.U, waves.by_lambda);
@@ -213,7 +225,7 @@ double LineWaves::lowest_held(const Group& group, int count) const {
 
 int LineWaves::pieces(double omega, int most) const {
     constexpr double kMargin = 2;  // on the square; the sum over points is not the integral
-    int count = 1;
+    int count = std::min(least_pieces_, most + 1);
     for (const Group& group : groups_) {
         while (count <= most) {
             const double ratio = kMargin * omega * omega / lowest_held(group, count);

@@ -26,10 +26,13 @@ public:
     using Block = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, 0, 12, 12>;
     using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 12, 1>;
 
+    /// axial: its force at rest [N], positive in tension. It keeps its direction, and turns with the section
+    /// (Reissner's beam): v' = θ + (f − N θ)/GA and m' = −(1 − N/GA) f + (1 − N/GA) N θ in either plane, f across the line.
+    ///
     /// The directions of its ends in which it moves with waves: `active` are those of the local axes that the model leaves.
     /// A bending plane goes by its deflection; without it the rotation passes unchanged (see passed()). Throws
     /// Error(DTTMM_ERROR_MODEL) naming a stiffness of the section that is needed and not given.
-    LineWaves(const Line& line, double length, Directions active);
+    LineWaves(const Line& line, double length, Directions active, double axial = 0);
 
     /// Directions that both ends share rigidly: rotations whose bending plane is not spanned; of a rod all but the axial
     /// (the ends of a bar, as it stands; with only some directions left each by itself, the paper's reduced state).
@@ -54,7 +57,7 @@ private:
     /// Directions that couple with each other.
     struct Group {
         std::vector<int> directions;
-        Block<double> A, M;
+        Block<double> A, M, G;     ///< G: what the axial force adds to n' by d
         Column C, unit_d, unit_n;  ///< diagonal of C; units of d and n for a piece of unit length
         /// By count of pieces, as far as they were asked for: the lines are cut anew for every frequency. Mutable: what is
         /// kept is what would be found again.
@@ -70,6 +73,7 @@ private:
     double lowest_held(const Group& group, int count) const;
 
     double length_;
+    int least_pieces_ = 1;  ///< that an axial force wants: none buckles with its ends held, and no exponential overflows
     Directions passed_, pinned_;
     std::vector<Group> groups_;
 };

@@ -12,8 +12,14 @@
 
 namespace dttmm::plugin {
 
-ModalAnalysis::ModalAnalysis(const dttmm_modal_model& model) : model_(model), stiffness_(model_), topology_(model_) {
-    add_geometric_stiffness(model_);
+ModalAnalysis::ModalAnalysis(const dttmm_modal_model& model, const AtRest* rest)
+    : model_(model, rest), stiffness_(model_), topology_(model_) {
+    if (!rest) add_geometric_stiffness(model_);
+}
+
+double ModalAnalysis::bent_at_rest(size_t element, bool& is_lumped) const {
+    is_lumped = element < model_.bent.size() && model_.bent[element].is_lumped;
+    return element < model_.bent.size() ? model_.bent[element].share : 0;
 }
 
 size_t ModalAnalysis::find_modes(uint32_t count, double below) {
@@ -45,7 +51,7 @@ void ModalAnalysis::mode(uint32_t index, dttmm_mode* out, double* bodies, double
         *out = {mode.omega / (2 * M_PI), mode.bracket, static_cast<uint32_t>(mode.multiplicity),
                 mode.residual,           mode.mass,    {}};
         Eigen::Map<Vector6>{out->participation} = mode.participation;
-        if (topology_.is_short() && model_.pins.empty()) out->residual = overall_residual(mode);
+        if (has_overall()) out->residual = overall_residual(mode);
     }
     for (int b = 0; bodies && b < as_int(model_.centres.size()); ++b)
         Eigen::Map<Vector6>{bodies + 6 * b} = model_.by_centre(b) * mode.shape[as_size(b)];
@@ -55,7 +61,7 @@ void ModalAnalysis::mode(uint32_t index, dttmm_mode* out, double* bodies, double
 }
 
 OverallTransfer::Check ModalAnalysis::overall(double frequency) {
-    if (!topology_.is_short() || !model_.pins.empty())
+    if (!has_overall())
         throw Error(DTTMM_ERROR_NUMERIC,
                     "the paths are too long for products of transfer matrices: they would have no digits left");
     const double omega = 2 * M_PI * frequency;
@@ -66,7 +72,7 @@ double ModalAnalysis::along(uint32_t index, uint32_t element, uint32_t count, do
     const Mode& mode = mode_at(index);
     if (at_ != static_cast<long>(index)) {
         stiffness_.cut(mode.cut);
-        stiffness_.set(mode.omega * mode.omega);
+        stiffness_.set(mode.omega * std::abs(mode.omega));
         at_ = static_cast<long>(index);
     }
     return dttmm::plugin::along(stiffness_, element, mode.shape, count, shape);
@@ -118,16 +124,18 @@ Response ModalAnalysis::respond_at_rest(int free, int frame, const Vector3& poin
     return motion;
 }
 
-void ModalAnalysis::respond(double frequency, int on_body, int on_node, const Vector3& point, const Vector6& force,
+void ModalAnalysis::respond(double frequency, int on_body, int on_node, const Vector3& given, const Vector6& force,
                             double* bodies, double* nodes) {
     if (!(frequency >= 0) || !std::isfinite(frequency)) throw Error(DTTMM_ERROR_ARGUMENT, "a frequency must be finite");
     if ((on_body < 0) == (on_node < 0)) throw Error(DTTMM_ERROR_ARGUMENT, "respond wants a body or a node");
     const double omega = 2 * M_PI * frequency;
     const int frame = on_body >= 0 ? on_body : model_.nodes[as_size(on_node)].frame;
+    const Vector3 point = on_body >= 0 ? given : model_.nodes[as_size(on_node)].position;
     const int free = frequency == 0 ? ModeFinder(stiffness_).count_rigid() : 0;
     stiffness_.cut(omega);  // here pieces only keep numbers small
     at_ = -1;
-    if (!model_.levers.empty() && !is_stable_) stiffness_.refuse_growing(-1e-11 * stiffness_.stiffest());
+    if ((!model_.levers.empty() || model_.is_at_rest) && !is_stable_)
+        stiffness_.refuse_growing(-1e-11 * stiffness_.stiffest());
     is_stable_ = true;
     const Response motion = free > 0 ? respond_at_rest(free, frame, point, force)
                                      : dttmm::plugin::respond(stiffness_, omega, frame, point, force);

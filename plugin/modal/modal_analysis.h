@@ -15,7 +15,8 @@ namespace dttmm::plugin {
 /// Small vibrations of a machine, as the C interface asks for them.
 class ModalAnalysis {
 public:
-    explicit ModalAnalysis(const dttmm_modal_model& model);
+    /// rest: of the elements of model.rest, if it has one.
+    explicit ModalAnalysis(const dttmm_modal_model& model, const AtRest* rest = nullptr);
 
     /// See dttmm_plugin.find_modes. Throws Error(DTTMM_ERROR_MODEL) where nothing is elastic.
     size_t find_modes(uint32_t count, double below);
@@ -31,9 +32,13 @@ public:
     void respond(double frequency, int on_body, int on_node, const Vector3& point, const Vector6& force, double* bodies,
                  double* nodes);
 
+    /// See dttmm_modal.h.
+    double bent_at_rest(size_t element, bool& is_lumped) const;
     double force_at_start(size_t element) const { return model_.force_at_start(element); }
 
 private:
+    /// Where paths are short enough for products of transfer matrices; these know no forces at rest.
+    bool has_overall() const { return topology_.is_short() && model_.pins.empty() && !model_.is_at_rest; }
     Response respond_at_rest(int free, int frame, const Vector3& point, const Vector6& force);
     std::string describe_motion(const Mode& mode) const;
     const Mode& mode_at(uint32_t index) const;

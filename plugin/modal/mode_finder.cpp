@@ -62,8 +62,24 @@ int ModeFinder::count_at(double omega) {
     if (const auto known = counts_.find(omega); known != counts_.end()) return known->second;
     stiffness_.cut(omega);
     for (const double at : {omega, omega * (1 + kBeside)})
-        if (const auto count = stiffness_.factor(at * at, false); count && *count >= 0) return counts_[at] = *count;
+        if (const auto count = count_beside(at * at); count && *count >= 0) return counts_[at] = *count;
     throw Error(DTTMM_ERROR_NUMERIC, fmt::format("the natural frequencies near {:.9g} Hz cannot be counted", hertz(omega)));
+}
+
+/// Natural frequencies with ω² below λ, motions that grow among them; of those alone with sign_ = −1.
+std::optional<int> ModeFinder::count_beside(double lambda) {
+    const std::optional<int> count = stiffness_.factor(sign_ * lambda, false);
+    return sign_ > 0 || !count ? count : growing_ - *count;
+}
+
+/// iterate() in terms of ω².
+std::vector<double> ModeFinder::approach(std::vector<FrameVector>& shapes, double lambda) {
+    std::vector<double> lambdas = iterate(shapes, sign_ * lambda);
+    if (sign_ > 0) return lambdas;
+    for (double& own : lambdas) own = -own;
+    std::ranges::reverse(lambdas);
+    std::ranges::reverse(shapes);
+    return lambdas;
 }
 
 std::vector<Mode> ModeFinder::find_below(double below) {
@@ -107,7 +123,34 @@ void ModeFinder::find_until(double below, size_t wanted) {
     const int rigid = count_at(lowest);
     counts_.erase(counts_.begin(), counts_.lower_bound(lowest));
     counts_.erase(counts_.upper_bound(below * (1 + kBeside)), counts_.end());
-    find_rigid(rigid, lowest);
+    if (stiffness_.model().is_at_rest) {
+        std::map<double, int> counts;
+        counts.swap(counts_);
+        find_growing(lowest);
+        counts.swap(counts_);
+    }
+    find_rigid(rigid - growing_, lowest);
+    find_between(wanted);
+}
+
+/// Motions of a machine at rest that grow, the fastest first.
+void ModeFinder::find_growing(double lowest) {
+    growing_ = stiffness_.factor(-kWiden * lowest * lowest, false).value_or(0);
+    if (growing_ == 0) return;
+    sign_ = -1;
+    counts_[lowest * std::sqrt(kWiden)] = 0;
+    for (double trial = std::max(kFirstTrial, lowest * kWiden); trial < kFastest; trial *= kWiden)
+        if (count_at(trial) == growing_) break;
+    find_between(std::numeric_limits<size_t>::max());
+    sign_ = 1;
+    if (as_int(modes_.size()) != growing_)
+        throw Error(DTTMM_ERROR_NUMERIC,
+                    fmt::format("{} motions grow, of which {} could be found", growing_, modes_.size()));
+    std::ranges::reverse(modes_);
+}
+
+/// From count to count.
+void ModeFinder::find_between(size_t wanted) {
     for (auto low = counts_.begin(); std::next(low) != counts_.end() && modes_.size() < wanted;) {
         const auto high = std::next(low);
         const Interval interval{low->first, high->first, low->second, high->second};
@@ -189,7 +232,7 @@ void ModeFinder::find_rigid(int count, double lowest) {
     if (count == 0) return;
     std::vector<FrameVector> shapes = random_shapes(as_size(count));
     const double shift = -kWiden * lowest * lowest;  // all is fixed there
-    if (!stiffness_.model().levers.empty()) stiffness_.refuse_growing(shift);
+    if (!stiffness_.model().levers.empty() && !stiffness_.model().is_at_rest) stiffness_.refuse_growing(shift);
     // What slow modes leave in the shapes falls by shift/(shift + λ) per round: until what is strained is rounding
     double strained = std::numeric_limits<double>::infinity(), before = strained;
     do {
@@ -232,7 +275,7 @@ std::vector<ModeFinder::Cluster> ModeFinder::approximate(const Interval& interva
     stiffness_.cut(interval.high);
     std::vector<FrameVector> shapes = random_shapes(as_size(interval.until - interval.before));
     const double middle = 0.5 * (interval.low + interval.high);
-    const std::vector<double> lambdas = iterate(shapes, middle * middle);
+    const std::vector<double> lambdas = approach(shapes, middle * middle);
     std::vector<Cluster> clusters;
     for (size_t k = 0; k < lambdas.size(); ++k) {
         const double omega = std::sqrt(std::max(lambdas[k], 0.0));
@@ -253,7 +296,7 @@ bool ModeFinder::converge(Cluster& cluster) {
     double change = std::numeric_limits<double>::infinity();
     for (int pass = 0; pass < kMostPasses && change > kConverged; ++pass) {
         const double mean = 0.5 * (cluster.lambdas.front() + cluster.lambdas.back());
-        const std::vector<double> next = iterate(cluster.shapes, mean * (1 + kBeside));
+        const std::vector<double> next = approach(cluster.shapes, mean * (1 + kBeside));
         if (next.empty() || !(next.front() > 0)) return false;
         change = 0;
         for (size_t k = 0; k < next.size(); ++k) change = std::max(change, std::abs(next[k] - cluster.lambdas[k]) / next[k]);
@@ -268,13 +311,14 @@ double ModeFinder::confirm(const Cluster& cluster, int before) {
     for (double bracket = kFinestBracket; bracket <= kWidestBracket; bracket *= kWiden) {
         const double low = std::sqrt(cluster.lambdas.front()) * (1 - bracket);
         const double high = std::sqrt(cluster.lambdas.back()) * (1 + bracket);
-        if (stiffness_.factor(low * low, false) == before && stiffness_.factor(high * high, false) == until) return bracket;
+        if (count_beside(low * low) == before && count_beside(high * high) == until) return bracket;
     }
     return 0;
 }
 
 /// Takes shapes of equal frequencies into the list.
 void ModeFinder::add(Cluster cluster, double bracket) {
+    for (double& own : cluster.lambdas) own *= sign_;
     const double lambda = cluster.lambdas.front();
     stiffness_.set(lambda);
     fix_basis(stiffness_, cluster.shapes, lambda == 0);
@@ -295,7 +339,7 @@ void ModeFinder::add(Cluster cluster, double bracket) {
 /// on what is left; energies of deformations do not. Throws Error(DTTMM_ERROR_NUMERIC) if that is too much.
 Mode ModeFinder::describe(FrameVector shape, double lambda) const {
     Mode mode;
-    mode.omega = std::sqrt(lambda);
+    mode.omega = std::copysign(std::sqrt(std::abs(lambda)), lambda);
     mode.cut = stiffness_.cut_for();
     // A shape is scaled by its largest displacement, one that only turns by its rotation
     const auto [most, turn] = largest(stiffness_, shape);
@@ -304,11 +348,12 @@ Mode ModeFinder::describe(FrameVector shape, double lambda) const {
     mode.mass = dot(shape, stiffness_.mass_times(shape));
     const std::vector<Strain> strains = strain_energies(stiffness_, shape);
     const Strain all = sum(strains);
-    for (const Strain& strain : strains)  // of a rigid-body mode rounding is all there is
-        mode.shares.push_back(lambda > 0 && all.energy > 0 ? strain.energy / all.energy : 0);
-    if (const double inertial = lambda * mode.mass; inertial > 0) {
-        mode.residual = std::abs(dot(shape, stiffness_.stiffness_times(shape))) / inertial;
-        mode.bracket = (std::abs(2 * std::max(all.energy, 0.0) - inertial) + 2 * all.unsure) / inertial;
+    for (size_t e = 0; e + 1 < strains.size(); ++e)  // of a rigid-body mode rounding is all there is
+        mode.shares.push_back(lambda != 0 && all.energy != 0 ? strains[e].energy / all.energy : 0);
+    if (const double inertial = lambda * mode.mass; inertial != 0) {
+        const double elastic = inertial > 0 ? std::max(all.energy, 0.0) : all.energy;
+        mode.residual = std::abs(dot(shape, stiffness_.stiffness_times(shape)) / inertial);
+        mode.bracket = (std::abs(2 * elastic - inertial) + 2 * all.unsure) / std::abs(inertial);
     }
     if (mode.bracket > kWidestBracket)
         throw Error(
@@ -326,14 +371,14 @@ void ModeFinder::find_participation(std::span<Mode> modes) {
     const Directions& directions = stiffness_.model().directions;
     std::array<FrameVector, 6> forces;
     for (size_t d = 0; d < 6; ++d)
-        if (directions[d] && lambda > 0) forces[d] = stiffness_.move_whole(as_int(d)).forces;
+        if (directions[d] && lambda != 0) forces[d] = stiffness_.move_whole(as_int(d)).forces;
     stiffness_.set(0);
     for (size_t d = 0; d < 6; ++d) {
         if (!directions[d]) continue;
         const DynamicStiffness::Whole at_rest = stiffness_.move_whole(as_int(d));
         for (Mode& mode : modes) {
-            const double moved = lambda > 0 ? (dot(mode.shape, at_rest.forces) - dot(mode.shape, forces[d])) / lambda
-                                            : dot(mode.shape, at_rest.momenta);
+            const double moved = lambda != 0 ? (dot(mode.shape, at_rest.forces) - dot(mode.shape, forces[d])) / lambda
+                                             : dot(mode.shape, at_rest.momenta);
             mode.participation(as_row(d)) = at_rest.mass > 0 ? moved * moved / (mode.mass * at_rest.mass) : 0;
         }
     }

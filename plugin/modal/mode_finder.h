@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,7 +12,7 @@ namespace dttmm::plugin {
 
 /// A natural frequency and its shape.
 struct Mode {
-    double omega = 0;  ///< [rad/s]; 0: a rigid-body mode
+    double omega = 0;  ///< [rad/s]; 0: a rigid-body mode; negative: it grows as exp(|ω| t)
     /// Relative: the count changes by the multiplicity between ω (1 − bracket) and ω (1 + bracket), and the strain energy of
     /// the shape makes no more of ω² than that much more or less.
     double bracket = 0;
@@ -62,6 +63,10 @@ private:
     int count_at(double omega);
     void find_until(double below, size_t wanted);
     void find_rigid(int count, double lowest);
+    void find_growing(double lowest);
+    void find_between(size_t wanted);
+    std::optional<int> count_beside(double lambda);
+    std::vector<double> approach(std::vector<FrameVector>& shapes, double lambda);
     bool refine(const Interval& interval);
     std::vector<Cluster> approximate(const Interval& interval);
     bool converge(Cluster& cluster);
@@ -76,6 +81,9 @@ private:
     DynamicStiffness& stiffness_;
     std::vector<Mode> modes_;       ///< found so far, in order
     std::map<double, int> counts_;  ///< of natural frequencies below ω [rad/s], as far as they are known
+    int growing_ = 0;               ///< motions that grow
+    /// Of λ: −1 while those that grow are looked for, ω² being −λ and all counts those of smaller ω.
+    double sign_ = 1;
     uint64_t seed_ = 1;
 };
 

@@ -61,6 +61,11 @@ Sparse damped_stiffness(const DynamicStiffness& D, double omega) {
     for (const Bond& bond : model.bonds) {
         const Block K = bond.stiffness.cast<Frequency>() + Frequency(0, omega) * bond.damping.cast<Frequency>();
         entries.join(bond, K, -K, K);
+        if (!bond.turning) continue;
+        const int ends[2] = {bond.from, bond.to};
+        for (int i : {0, 1})
+            for (int k : {0, 1})
+                if (ends[i] >= 0 && ends[k] >= 0) entries.add(ends[i], ends[k], bond.turning->at[i][k].cast<Frequency>());
     }
     std::vector<std::optional<LineWaves::Square<Frequency>>> known(model.kinds.size());
     for (const DynamicStiffness::Piece& piece : D.pieces()) {

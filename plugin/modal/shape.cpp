@@ -41,15 +41,20 @@ Vector12 state_at_start(const DynamicStiffness& D, const DynamicStiffness::Piece
 
 std::vector<Strain> strain_energies(const DynamicStiffness& D, const FrameVector& u) {
     const FrequencyModel& model = D.model();
-    std::vector<Strain> energies(model.element_count);
+    std::vector<Strain> energies(model.element_count + 1);
     const auto add = [&](int element, const Strain& strain) {
-        if (element < 0) return;
+        if (element < 0) element = as_int(model.element_count);
         energies[as_size(element)].energy += strain.energy;
         energies[as_size(element)].unsure += strain.unsure;
     };
     for (const Bond& bond : model.bonds) {
         const Vector12 ends = bond.ends(u);
         const Vector6 d = bond.axes.transpose() * (ends.tail<6>() - ends.head<6>());
+        if (bond.turning) {
+            const Vector6 world = ends.tail<6>() - ends.head<6>();
+            add(bond.element, {0.5 * (world.dot(bond.stiffness * world) + bond.turning_energy(u)), 0});
+            continue;
+        }
         // In its own axes: where nothing holds there is no strain, not rounding of it
         add(bond.element, {0.5 * d.dot(bond.springs.cwiseProduct(d)), 0});
     }

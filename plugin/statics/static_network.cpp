@@ -83,6 +83,13 @@ Vector6 StaticNetwork::rigid_force(size_t j) const {
     return force;
 }
 
+AtRest::Link StaticNetwork::link(size_t j) const {
+    const Joint& joint = mechanism_.joints[j];
+    const Ends at_ends = ends(joint);
+    const Vector6 x = joint.deformation(joint.pose(at_ends), at_ends.from, at_ends.to);
+    return {at_ends.from.copy(), at_ends.to.copy(), joint.at_rest(x).force, rigid_force(j)};
+}
+
 // ---- What lacks ---------------------------------------------------------------------------------------------------------
 
 /// Forces on all frames where they are, and how far rigid directions are open.

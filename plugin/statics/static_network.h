@@ -7,6 +7,7 @@
 #include "dttmm_static.h"
 #include "mechanism/mechanism.h"
 #include "solve/elimination.h"
+#include "statics/at_rest.h"
 
 namespace dttmm::plugin {
 
@@ -56,6 +57,9 @@ public:
     const std::vector<Frame>& frames() const { return frames_; }
     /// Forces in the rigid directions of a joint, by its directions.
     Vector6 rigid_force(size_t joint) const;
+    AtRest::Link link(size_t joint) const;
+    /// 6 per inner node, as set.
+    const std::vector<double>& loads() const { return loads_; }
 
 private:
     bool is_inner(int frame) const { return frame >= driven_; }

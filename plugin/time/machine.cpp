@@ -336,6 +336,21 @@ void Machine::move_static(const dttmm_motion* bodies, double share, double* wren
     *measure = measure_static([&](Network& network) { return network.move_static(bodies, share, wrench); });
 }
 
+AtRest Machine::at_rest() const {
+    AtRest rest;
+    rest.elements.resize(element_count_);
+    size_t nodes = 0;
+    for (const Part& part : networks_)
+        for (uint32_t n : part.inner) nodes = std::max(nodes, size_t{n} + 1);
+    rest.loads.assign(nodes, Vector6::Zero());
+    for_each(*this, [&](const Part& part) {
+        part.network.write_rest(rest);
+        const std::vector<double>& loads = part.network.static_loads();
+        for (size_t i = 0; i < part.inner.size(); ++i) rest.loads[part.inner[i]] = Eigen::Map<const Vector6>(&loads[6 * i]);
+    });
+    return rest;
+}
+
 void Machine::start_at_rest(const dttmm_step& step, const dttmm_motion* bodies, const double* loads) {
     for_each(*this, [&](Part& part) { part.network.start_at_rest(step, bodies, gather_loads(part, loads)); });
 }

@@ -44,6 +44,7 @@ public:
     void form_static(const dttmm_motion* bodies, double resistance, double* wrench, double* stiffness);
     void correct_static(const double* change, dttmm_static_measure* measure);
     void move_static(const dttmm_motion* bodies, double share, double* wrench, dttmm_static_measure* measure);
+    AtRest at_rest() const;
     void start_at_rest(const dttmm_step& step, const dttmm_motion* bodies, const double* loads);
 
     size_t state_size() const;

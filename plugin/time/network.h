@@ -68,9 +68,12 @@ public:
     // At rest, see dttmm_static.h
     void begin_statics();
     StaticNetwork& statics();
+    const std::vector<double>& static_loads() const { return statics_->loads(); }
     void form_static(const dttmm_motion* bodies, double resistance, double* wrench, double* stiffness);
     StaticNetwork::Measure correct_static(const double* change);
     StaticNetwork::Measure move_static(const dttmm_motion* bodies, double share, double* wrench);
+    /// Adds its elements, held nodes and loads, by their places in the description of the whole.
+    void write_rest(AtRest& rest) const;
     void start_at_rest(const dttmm_step& step, const dttmm_motion* bodies, const double* loads);
 
     size_t state_size() const;

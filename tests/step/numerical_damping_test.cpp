@@ -13,7 +13,7 @@
 namespace dttmm::host {
 namespace {
 
-constexpr double kMass = 3.7, kStepSize = 1.3e-3;
+constexpr double kOscillatorMass = 3.7, kStepSize = 1.3e-3;
 
 /// One mass on a spring, pushed off at 0.7 m/s; omega_h and zeta: of the spring and its damper at kStepSize.
 Model oscillator(const Plugins& plugins, double omega_h, double zeta, double rho) {
@@ -22,10 +22,11 @@ Model oscillator(const Plugins& plugins, double omega_h, double zeta, double rho
     model.simulation.step = kStepSize;
     model.simulation.duration = 1;
     model.simulation.spectral_radius = rho;
-    Body body = test::box("mass", kMass, {0.1, 0.2, 0.3}, {0, 0, 0});
+    Body body = test::box("mass", kOscillatorMass, {0.1, 0.2, 0.3}, {0, 0, 0});
     body.velocity = {0.7, 0, 0};
     model.bodies.push_back(body);
-    model.elements.push_back(test::spring("spring", plugins, {}, {0, -1}, kMass * omega * omega, 2 * zeta * omega * kMass));
+    model.elements.push_back(
+        test::spring("spring", plugins, {}, {0, -1}, kOscillatorMass * omega * omega, 2 * zeta * omega * kOscillatorMass));
     return model;
 }
 

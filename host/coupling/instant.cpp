@@ -38,12 +38,13 @@ InstantSolver::InstantSolver(const Model& model)
     : inertias_(model.bodies.begin(), model.bodies.end()),
       joints_turn_(std::ranges::any_of(model.joints, turns)),
       wrenches_(6 * model.bodies.size()),
+      trial_wrenches_(wrenches_),
       matrix_(as_int(model.bodies.size()), {}, JointSystem(model.bodies, model.joints).nodes()),
       factor_(matrix_) {
     for (const Body& body : model.bodies) inverse_moments_.push_back(body.inertia.inverse());
     for (Eigen::VectorXd* list : {&right_hand_side_, &proximal_, &solution_, &impulses_}) list->setZero(matrix_.size());
     instant_.at.resize(model.bodies.size());
-    instant_.accelerations.resize(model.bodies.size());
+    for (BodyVectors* list : {&instant_.accelerations, &trial_, &residual_, &direction_}) list->resize(model.bodies.size());
     instant_.joint_wrenches.resize(model.joints.size());
 }
 
@@ -90,13 +91,16 @@ const Instant& InstantSolver::solve(double time, const StepEquations& step, cons
         loads.add_mean(now, wrenches_.data());
         find_velocities(after, step.joint_system());
     }
+    const bool is_start = time == start_time_ && !is_impact && !instant_.accelerations.empty();
+    if (is_start) {
+        settle_accelerations(step.joint_system(), now, networks, loads);
+        return instant_;
+    }
     std::ranges::fill(wrenches_, 0.0);
     networks.stand_at(instant_.at, nullptr, wrenches_.data());
     if (is_impact) return instant_;
     loads.add_at_start(now, wrenches_.data());
     find_accelerations(step.joint_system());
-    if (time == start_time_ && !instant_.accelerations.empty())
-        networks.stand_at(instant_.at, instant_.accelerations.front().data(), wrenches_.data());
     return instant_;
 }
 
@@ -186,6 +190,60 @@ void InstantSolver::find_accelerations(const JointSystem& joints) {
     for (size_t b = 0; b < inertias_.size(); ++b) instant_.accelerations[b] = solution_.segment<6>(matrix_.index(as_int(b)));
     impulses_ = h_ * solution_;
     find_joint_wrenches(joints, matrix_, impulses_);
+}
+
+/// At the start networks are asked with the accelerations of the bodies. Where they join masses rigidly to bodies their
+/// wrench is W(a) = W(0) − N a, N symmetric and not negative: the inertia of these masses. Conjugate gradients solve
+/// (M + N) a + Jᵀ q = f + W(0), preconditioned by M and the joints. Where N is zero they end with the second wrench.
+void InstantSolver::settle_accelerations(const JointSystem& joints, const std::vector<BodyState>& now, Networks& networks,
+                                         const Loads& loads) {
+    constexpr double kEnough = 1e-13;    // of the accelerations
+    constexpr double kRoundOff = 1e-6;   // below this a correction that does not shrink is round-off of the wrench
+    constexpr int kMostIterations = 50;  // without rounding there are 6 per body on such masses at most
+    const auto ask = [&] {
+        std::ranges::fill(wrenches_, 0.0);
+        networks.stand_at(instant_.at, trial_.front().data(), wrenches_.data());
+        loads.add_at_start(now, wrenches_.data());
+    };
+    const auto go = [&](double share) {
+        for (size_t b = 0; b < trial_.size(); ++b) trial_[b] += share * direction_[b];
+    };
+    trial_ = instant_.accelerations;
+    ask();
+    find_accelerations(joints);
+    trial_ = instant_.accelerations;  // from here on all keep the joints closed
+    for (Vector6& direction : direction_) direction.setZero();
+    double before = 0;
+    for (int iteration = 0;; ++iteration) {
+        ask();
+        trial_wrenches_ = wrenches_;
+        find_accelerations(joints);
+        for (size_t b = 0; b < trial_.size(); ++b) residual_[b] = instant_.accelerations[b] - trial_[b];
+        const double size = norm(residual_), all = norm(trial_);
+        const bool shrinks = iteration == 0 || size < before;
+        if (!(size > kEnough * kEnough * all) || (!shrinks && size < kRoundOff * kRoundOff * all)) return;
+        if (iteration == kMostIterations) return;
+        const double share = iteration > 0 ? size / before : 0;
+        for (size_t b = 0; b < trial_.size(); ++b) direction_[b] = residual_[b] + share * direction_[b];
+        go(1);
+        ask();
+        double curvature = norm(direction_);  // pᵀ (M + N) p
+        for (size_t b = 0; b < trial_.size(); ++b)
+            curvature += direction_[b].dot(Eigen::Map<const Vector6>(&trial_wrenches_[6 * b]) -
+                                           Eigen::Map<const Vector6>(&wrenches_[6 * b]));
+        go(size / std::max(curvature, norm(direction_)) - 1);  // N is not negative but for round-off
+        before = size;
+    }
+}
+
+/// aᵀ M a
+double InstantSolver::norm(const BodyVectors& a) const {
+    double sum = 0;
+    for (size_t b = 0; b < a.size(); ++b) {
+        const Eigen::Vector3d linear = a[b].head<3>(), angular = a[b].tail<3>();
+        sum += inertias_[b].mass * linear.squaredNorm() + angular.dot(inertias_[b].turned(instant_.at[b].rotation, angular));
+    }
+    return sum;
 }
 
 /// Joint wrenches by their impulses over a step, in the joints' rows of a matrix.

@@ -54,6 +54,9 @@ private:
     void find_means(const std::vector<BodyState>& now, const std::vector<BodyState>& after);
     void find_velocities(const std::vector<BodyState>& after, const JointSystem& joints);
     void find_accelerations(const JointSystem& joints);
+    void settle_accelerations(const JointSystem& joints, const std::vector<BodyState>& now, Networks& networks,
+                              const Loads& loads);
+    double norm(const BodyVectors& a) const;
     void find_joint_wrenches(const JointSystem& joints, const BlockMatrix& matrix, const Eigen::VectorXd& impulses);
 
     std::vector<Inertia> inertias_;
@@ -62,8 +65,10 @@ private:
     double h_ = 0, start_time_ = 0;
     std::vector<BodyState> start_;  ///< as given
     Instant instant_;
-    std::vector<double> wrenches_;  ///< 6 per body
-    BlockMatrix matrix_;            ///< M and the joints
+    std::vector<double> wrenches_;              ///< 6 per body
+    BodyVectors trial_, residual_, direction_;  ///< of settle_accelerations() [m/s², rad/s²]
+    std::vector<double> trial_wrenches_;        ///< at the trial
+    BlockMatrix matrix_;                        ///< M and the joints
     BlockFactor factor_;
     Eigen::VectorXd right_hand_side_, proximal_, solution_, impulses_;  ///< impulses_: h q
 };

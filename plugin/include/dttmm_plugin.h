@@ -325,9 +325,10 @@ typedef struct dttmm_plugin {
      * v_n = (velocity over the step) - h/2 (mean wrench)/mass, which are Newmark's own. [after a commit] */
     dttmm_status (*mean_wrench)(dttmm_instance* instance, double* wrench, dttmm_error* error);
     /* What stands at t_n when the bodies have the poses and the velocities of `bodies` there; wrench: on them at that
-     * instant. outputs() are then of that instant. accelerations: of the bodies there (6 per body), where the host has them:
-     * in the first row it asks once more with those that follow from the wrench answered before; else NULL. [after
-     * mean_wrench of the same step; of an explicit scheme after a commit] */
+     * instant. outputs() are then of that instant. accelerations: of the bodies there (6 per body), in the first row; else
+     * NULL. The host asks until they are those that follow from the wrench. The wrench may depend on them where masses
+     * inside are joined rigidly to bodies: linearly, by a symmetric matrix, as inertia. [after mean_wrench of the same step;
+     * of an explicit scheme after a commit] */
     dttmm_status (*stand)(dttmm_instance* instance, const dttmm_motion* bodies, const double* accelerations, double* wrench,
                           dttmm_error* error);
 

@@ -214,15 +214,7 @@ void Interior::form_dynamic_stiffness(const Mechanism& mechanism, const std::vec
         for (int end : {0, 1})
             if (is_inner(frames[end])) matrix.add_diagonal(frames[end] - layout_.driven, K.at[end][end]);
         if (is_inner(frames[0]) && is_inner(frames[1])) matrix.add_coupling(as_int(j), K.at[0][1]);
-        if (!joint.rigid().any()) continue;
-        const auto [from, to] = ends(joint, at);
-        const JointPose pose = joint.pose(from, to);
-        const Vector3 theta = joint.rotation(from, to);
-        const Matrix6 rows[2] = {rigid_rows(theta, local_columns(joint, pose, 0, from)),
-                                 rigid_rows(theta, local_columns(joint, pose, 1, to))};
-        for_each_rigid(joint, [&](int i, int d) {
-            matrix.set_rigid(as_int(j), i, rows[0].row(d).transpose(), rows[1].row(d).transpose());
-        });
+        if (joint.rigid().any()) set_rigid_rows(mechanism, j, at, matrix);
     }
 }
 
@@ -265,6 +257,20 @@ void Interior::set_rigid_rows(const Mechanism& mechanism, size_t j, const JointP
     const Matrix6 rows[2] = {rigid_rows(theta, local_columns(mechanism, j, pose, 0)),
                              rigid_rows(theta, local_columns(mechanism, j, pose, 1))};
     for_each_rigid(mechanism.joints[j], [&](int i, int d) {
+        matrix.set_rigid(as_int(j), i, rows[0].row(d).transpose(), rows[1].row(d).transpose());
+    });
+}
+
+/// The same in the axes of the frames where they are in `at`.
+void Interior::set_rigid_rows(const Mechanism& mechanism, size_t j, const std::vector<Frame>& at,
+                              Elimination& matrix) const {
+    const Joint& joint = mechanism.joints[j];
+    const auto [from, to] = ends(joint, at);
+    const JointPose pose = joint.pose(from, to);
+    const Vector3 theta = joint.rotation(from, to);
+    const Matrix6 rows[2] = {rigid_rows(theta, local_columns(joint, pose, 0, from)),
+                             rigid_rows(theta, local_columns(joint, pose, 1, to))};
+    for_each_rigid(joint, [&](int i, int d) {
         matrix.set_rigid(as_int(j), i, rows[0].row(d).transpose(), rows[1].row(d).transpose());
     });
 }

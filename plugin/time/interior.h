@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -94,7 +95,7 @@ public:
         std::fill(instant_.corrections.begin(), instant_.corrections.end(), Twist{});
         if (!massless_.has_balances()) return;
         massless_.find_instant(
-            mechanism, MasslessFrames::Find::velocities, mechanism.scheme.step_size(), mechanism.before,
+            mechanism, mechanism.scheme.step_size(), mechanism.before,
             [&](size_t j) {
                 const JointState& state = mechanism.states[j];
                 return MasslessFrames::Acting{
@@ -114,11 +115,24 @@ public:
         instant_.of_ports[as_size(port)] = {Eigen::Map<const Vector3>(a), Eigen::Map<const Vector3>(a + 3)};
     }
     bool has_rigid_directions() const { return matrix_.factor.rigid_count() > 0; }
+    /// Forces of rigid directions over a step say nothing exact of an instant. At the start of a run balance_rigid() finds
+    /// those of the instant, with the accelerations of all masses inside at once:
+    ///     M a + Jᵀ q = f,   J a = −C̈         C̈: second rates of the rigid directions at constant velocities
+    /// The ports have the accelerations set. wrenches: of the joints, with the forces q known so far.
+    bool is_to_balance_rigid(const Mechanism& mechanism) const { return mechanism.steps == 1 && first_balance_.has_value(); }
+    template <class Velocity>
+    void balance_rigid(const Mechanism& mechanism, std::span<const Vector6> wrenches, const Velocity& velocity) {
+        find_accelerations(mechanism, wrenches);
+        for (size_t j : layout_.rigid_joints)
+            set_opening(mechanism, j, velocity(mechanism.joints[j].from()), velocity(mechanism.joints[j].to()));
+        solve_first_balance();
+    }
+    /// Forms the matrix of that balance. Allocates.
+    void form_first_balance(const Mechanism& mechanism);
     /// Accelerations: of frames with mass by the wrenches of the joints at that instant, of massless ones by the velocities
     /// over the steps around it. At the start there is one step only: there those that dampers or rigid directions act on
-    /// have the accelerations that keep their forces in balance and rigid directions closed. Those that a rigid direction
-    /// joins to a mass have the mean over the first step, to first order. velocity(frame), force(joint): at that instant,
-    /// the force in the joint's axes.
+    /// have the accelerations that keep their forces in balance and rigid directions closed. velocity(frame), force(joint):
+    /// at that instant, the force in the joint's axes.
     template <class Velocity, class Force>
     void find_accelerations(const Mechanism& mechanism, std::span<const Vector6> wrenches, const Velocity& velocity,
                             const Force& force) {
@@ -133,7 +147,7 @@ public:
             add_arm_rates(mechanism, j, from, to, force(j));
         }
         massless_.find_instant(
-            mechanism, MasslessFrames::Find::accelerations, mechanism.scheme.step_size(), mechanism.before,
+            mechanism, mechanism.scheme.step_size(), mechanism.before,
             [&](size_t j) {
                 const auto [from, to] = ends(j);
                 return rate_of_force(mechanism, j, from, to, force(j));
@@ -184,6 +198,10 @@ public:
 
 private:
     void find_accelerations(const Mechanism& mechanism, std::span<const Vector6> wrenches);
+    void set_opening(const Mechanism& mechanism, size_t joint, const Twist& from, const Twist& to);
+    void solve_first_balance();
+    std::vector<Vector6> lend_masses(const Mechanism& mechanism) const;
+    Vector6 acceleration_of_deformation(const Mechanism& mechanism, size_t joint, const Twist& from, const Twist& to) const;
     void take_load_rates(const Mechanism& mechanism);
     void add_arm_rates(const Mechanism& mechanism, size_t joint, const Twist& from, const Twist& to, const Vector6& f);
     MasslessFrames::Acting rate_of_force(const Mechanism& mechanism, size_t joint, const Twist& from_velocity,
@@ -325,6 +343,7 @@ private:
     void add_joint(const Mechanism& mechanism, size_t index, const Blocks& blocks);
     void set_rigid_rows(const Mechanism& mechanism, size_t joint, const JointPose& pose, const Vector3& theta,
                         Elimination& matrix) const;
+    void set_rigid_rows(const Mechanism& mechanism, size_t joint, const std::vector<Frame>& at, Elimination& matrix) const;
     void form_at_trial(const Mechanism& mechanism);
 
     struct Columns {
@@ -352,6 +371,11 @@ private:
         std::vector<Twist> of_ports;        ///< their accelerations
         std::vector<Vector6> wrench_rates;  ///< on the inner frames, known ones
         std::vector<double> rigid_rates;    ///< of forces of rigid directions
+    };
+    /// Masses and rigid directions at the start of a run.
+    struct FirstBalance {
+        Elimination matrix;
+        std::vector<Vector6> lent;  ///< diagonal that stands for the inertia of massless halves, zero in the others
     };
     struct OpenStep {
         std::vector<RigidMap> rigid_known;  ///< of the rigid joints: what the two instants before the end contribute
@@ -394,6 +418,7 @@ private:
     Record record_;
 
     Instant instant_;
+    std::optional<FirstBalance> first_balance_;  ///< up to the first row; none where nothing is rigid
     OpenStep open_;
     mutable Work work_;  ///< mutable: to the host evaluate() changes nothing, and it does not allocate
 };

@@ -2,6 +2,8 @@
 //
 // What stands inside a network at t_n, the start of the step last committed: results are of that instant.
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <limits>
 
 #include "core/index.h"
 #include "core/rotation.h"
@@ -26,9 +28,81 @@ void Interior::find_velocities(const Mechanism& mechanism, std::span<const Vecto
         v.angular = R * (layout_.inverse_moments[i] * (R.transpose() * (tail(momenta_[i]) - half_step * tail(wrench))));
     }
     instant_.rigid = rigid_;
-    if (mechanism.steps == 1)  // the first step carries half the weight of its start
-        for (double& q : instant_.rigid) q *= 2;
 }
+
+// ---- Rigid directions at the start of a run -----------------------------------------------------------------------------
+
+void Interior::form_first_balance(const Mechanism& mechanism) {
+    first_balance_.reset();
+    if (mechanism.steps > 1 || !has_rigid_directions()) return;
+    FirstBalance& balance = first_balance_.emplace(FirstBalance{matrix_.factor, lend_masses(mechanism)});
+    balance.matrix.set_zero();
+    for (size_t i = 0; i < balance.lent.size(); ++i)
+        balance.matrix.add_diagonal(as_int(i), mass_matrix(i) + Matrix6(balance.lent[i].asDiagonal()));
+    for (size_t j : layout_.rigid_joints) set_rigid_rows(mechanism, j, mechanism.before, balance.matrix);
+    factor(mechanism, balance.matrix, DTTMM_ERROR_SINGULAR);
+}
+
+/// For massless halves: so that every frame has something. A share of the lightest mass that rigid directions join them to.
+std::vector<Vector6> Interior::lend_masses(const Mechanism& mechanism) const {
+    constexpr double kShare = 1e-6;  // solve_first_balance() takes it out again; 1e-2 to 1e-8 give the same digits
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    std::vector<double> nearby(layout_.inertias.size(), kNone);
+    for (size_t i = 0; i < nearby.size(); ++i)
+        if (!massless_.is_massless(i, 0)) nearby[i] = layout_.inertias[i].mass;
+    for (bool spreads = true; spreads;) {
+        spreads = false;
+        for (size_t j : layout_.rigid_joints) {
+            const int frames[2] = {mechanism.joints[j].from(), mechanism.joints[j].to()};
+            if (!is_inner(frames[0]) || !is_inner(frames[1])) continue;
+            for (int end : {0, 1}) {
+                const size_t i = at(frames[end]), other = at(frames[1 - end]);
+                if (!massless_.is_massless(i, 0) || !(nearby[other] < nearby[i])) continue;
+                nearby[i] = nearby[other];
+                spreads = true;
+            }
+        }
+    }
+    std::vector<Vector6> lent(nearby.size(), Vector6::Zero());
+    for (size_t i : massless_.frames()) {
+        const double mass = nearby[i] < kNone ? kShare * nearby[i] : 1;
+        const double arm = layout_.reach[i] > 0 ? layout_.reach[i] : 1;
+        for (int half : {0, 1})
+            if (massless_.is_massless(i, half))
+                lent[i].segment<3>(3 * half).setConstant(half == 0 ? mass : mass * arm * arm);
+    }
+    return lent;
+}
+
+/// What accelerations of now lack to keep the rigid directions of a joint closed.
+void Interior::set_opening(const Mechanism& mechanism, size_t j, const Twist& from, const Twist& to) {
+    Vector6 opening = acceleration_of_deformation(mechanism, j, from, to);
+    opening.tail<3>() = (rotation_vector_rate(mechanism.states[j].theta_before) * opening.tail<3>()).eval();
+    for_each_rigid(mechanism.joints[j], [&](int i, int d) { work_.column_q[rigid_row(j, i)] = -opening(d); });
+}
+
+/// Adds to the forces of rigid directions what closes these. Forces that accelerate lent masses are taken off again, pass
+/// by pass: with B the lent masses,  (M + B) a₁ + Jᵀ q₁ = 0,  J a₁ = g,   (M + B) a₂ + Jᵀ q₂ = B a₁,  J a₂ = 0, ...
+void Interior::solve_first_balance() {
+    constexpr int kMostPasses = 100;  // 4 are the rule; more where levers are short beside the reach of a frame
+    std::vector<Vector6>& a = work_.motion;
+    std::vector<double>& q = work_.column_q;
+    std::ranges::fill(a, Vector6::Zero());
+    double first = 0, before = 0;
+    for (int pass = 0; pass < kMostPasses; ++pass) {
+        first_balance_->matrix.solve(a, q);
+        for (size_t i = 0; i < q.size(); ++i) instant_.rigid[i] += q[i];
+        const double size = largest_size(a, layout_.turn_weight);
+        if (pass == 0) first = size;
+        const bool shrinks = pass < 2 || size < before;
+        if (!(size > std::numeric_limits<double>::epsilon() * first) || !shrinks) return;
+        before = size;
+        for (size_t i = 0; i < a.size(); ++i) a[i] = first_balance_->lent[i].cwiseProduct(a[i]).eval();
+        std::ranges::fill(q, 0.0);
+    }
+}
+
+// ---- Accelerations ------------------------------------------------------------------------------------------------------
 
 void Interior::find_accelerations(const Mechanism& mechanism, std::span<const Vector6> wrenches) {
     for (size_t i = 0; i < layout_.inertias.size(); ++i) {
@@ -49,6 +123,18 @@ void Interior::find_accelerations(const Mechanism& mechanism, std::span<const Ve
         a.angular = R * (layout_.inverse_moments[i] *
                          (R.transpose() * tail(wrench) - spin.cross(layout_.inertias[i].moment * spin)));
     }
+}
+
+/// Of a joint, as its frames accelerate.
+Vector6 Interior::acceleration_of_deformation(const Mechanism& mechanism, size_t j, const Twist& from_velocity,
+                                              const Twist& to_velocity) const {
+    const Joint& joint = mechanism.joints[j];
+    const auto acceleration_of = [&](int frame) {
+        if (is_inner(frame)) return instant_.accelerations[at(frame)];
+        return frame < layout_.ports ? instant_.of_ports[as_size(frame)] : Twist{};
+    };
+    return joint.acceleration(mechanism.frame_before(joint.from()), from_velocity, acceleration_of(joint.from()),
+                              mechanism.frame_before(joint.to()), to_velocity, acceleration_of(joint.to()));
 }
 
 /// Rates of the loads on massless frames.
@@ -74,19 +160,13 @@ MasslessFrames::Acting Interior::rate_of_force(const Mechanism& mechanism, size_
                                                const Twist& to_velocity, const Vector6& f) const {
     const Joint& joint = mechanism.joints[j];
     const FrameView from = mechanism.frame_before(joint.from()), to = mechanism.frame_before(joint.to());
-    const auto acceleration_of = [&](int frame) {
-        if (is_inner(frame)) return instant_.accelerations[at(frame)];
-        return frame < layout_.ports ? instant_.of_ports[as_size(frame)] : Twist{};
-    };
     const Vector6 rate = joint.rate(from, from_velocity, to, to_velocity);
     const Vector3 w = joint.turning(from, from_velocity, to, to_velocity);
     Vector6 other;
     other << w.cross(head(f)), w.cross(tail(f));
     other += joint.stiffness_tangent(mechanism.states[j].deformation_before(), mechanism.memory_before(j)) * rate;
-    return {
-        mechanism.states[j].deformation_before(),
-        joint.acceleration(from, from_velocity, acceleration_of(joint.from()), to, to_velocity, acceleration_of(joint.to())),
-        other};
+    return {mechanism.states[j].deformation_before(), acceleration_of_deformation(mechanism, j, from_velocity, to_velocity),
+            other};
 }
 
 Vector6 Interior::rigid_force(const Mechanism& mechanism, size_t j) const {

@@ -202,7 +202,7 @@ void Interior::balance_at_start(const Mechanism& mechanism, double h, Start& sta
     std::vector<Twist> velocities = before, corrections(before.size());
     std::vector<double> rigid(rigid_.size());
     massless_.find_instant(
-        mechanism, MasslessFrames::Find::velocities, h, start.frames,
+        mechanism, h, start.frames,
         [&](size_t j) {
             const Joint& joint = mechanism.joints[j];
             const auto [from, to] = ends(joint, start.frames);
@@ -289,6 +289,7 @@ void Interior::start(Mechanism& mechanism, Ports ports, const double* accelerati
     }
     for (size_t p = 0; p < port_u_.size(); ++p) port_u_[p] = joined(start.velocities[p]);
     port_u_before_ = port_u_;
+    form_first_balance(mechanism);
     make_room_for_steps(mechanism);
     refactor(mechanism);
 }

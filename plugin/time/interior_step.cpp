@@ -478,6 +478,7 @@ void Interior::commit(Mechanism& mechanism, Ports ports) {
     matrix_.is_stale = matrix_.is_own || record_.port_turn > kTurnedPorts || rigid_directions_have_turned(mechanism);
     matrix_.is_fresh = false;
     if (!matrix_.is_stale) look_at_joints(mechanism);
+    if (mechanism.steps > 0) first_balance_.reset();  // the first row is written
 }
 
 /// Against their frames, since the matrix was formed: their forces would be found slowly, or not at all, and no motion would

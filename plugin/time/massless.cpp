@@ -153,10 +153,6 @@ void MasslessFrames::make_balances(const Mechanism& mechanism) {
         Cluster& cluster = balances_.clusters[c];
         cluster.joints = joints_of[c];
         find_rows(mechanism, cluster.joints, cluster);
-        cluster.leads_to_mass = std::ranges::any_of(cluster.rigid, [&](const Row& row) {
-            const Joint& joint = mechanism.joints[row.joint];
-            return has_mass(mechanism, joint.from()) || has_mass(mechanism, joint.to());
-        });
         cluster.is_balanced = !cluster.rigid.empty() ||
                               std::ranges::any_of(cluster.joints, [&](size_t j) { return mechanism.joints[j].is_damped(); });
         if (!cluster.is_balanced) continue;

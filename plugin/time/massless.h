@@ -63,15 +63,13 @@ public:
     /// velocities: of the inner frames, and corrections: what is added to them; q: forces of all rigid directions, in the
     /// joints' order. Both as they are but for what they lack: what no damper and no rigid direction holds keeps its
     /// velocity, and forces that a massless frame only hands on between what has mass stay as they are.
-    /// The same finds accelerations, and rates of the forces of rigid directions, of rates of rates, forces and loads; not
-    /// where a rigid direction leads to a mass, whose force is known over the step only.
-    enum class Find { velocities, accelerations };
+    /// The same finds accelerations, and rates of the forces of rigid directions, of rates of rates, forces and loads.
     template <class Acts, class Load>
-    void find_instant(const Mechanism& mechanism, Find what, double h, const std::vector<Frame>& frames, const Acts& acting,
+    void find_instant(const Mechanism& mechanism, double h, const std::vector<Frame>& frames, const Acts& acting,
                       const Load& load, std::vector<Twist>& velocities, std::vector<Twist>& corrections,
                       std::vector<double>& q) const {
         for (const Cluster& cluster : balances_.clusters) {
-            if (!cluster.is_balanced || (what == Find::accelerations && cluster.leads_to_mass)) continue;
+            if (!cluster.is_balanced) continue;
             cluster.matrix.setZero();
             cluster.stiffness.setZero();
             cluster.right_hand_side.setZero();
@@ -98,8 +96,7 @@ private:
         std::vector<size_t> frames;  ///< indices into frames_
         std::vector<size_t> joints;  ///< of its frames
         std::vector<Row> rigid, damped;
-        bool is_balanced = false;    ///< has dampers or rigid directions
-        bool leads_to_mass = false;  ///< by a rigid direction
+        bool is_balanced = false;  ///< has dampers or rigid directions
         double relaxation = 0;
         Eigen::MatrixXd basis;         ///< orthonormal: what is rigid, what is damped
         int rigid_rank = 0, rank = 0;  ///< of the former, of both
@@ -124,11 +121,6 @@ private:
     int index_of(const Mechanism& mechanism, int frame) const {
         const int inner = frame - mechanism.assembly.driven_count;
         return inner < 0 ? -1 : index_[as_size(inner)];
-    }
-    bool has_mass(const Mechanism& mechanism, int frame) const {
-        if (frame < mechanism.assembly.driven_count) return false;
-        const int i = index_of(mechanism, frame);
-        return i < 0 || !massless_[as_size(i)][0] || !massless_[as_size(i)][1];
     }
     /// Massless frames that joints of a kind join; a cluster of every massless frame, and its first unknown there.
     struct Grouping {

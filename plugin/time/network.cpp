@@ -560,8 +560,8 @@ void Network::stand_by_centred_velocities() const {
     instant_.by_increments = false;
 }
 
-void Network::stand_by_port_velocities() const {
-    if (interior_) interior_->find_massless_velocities(mechanism_, [&](size_t j) { return rate_at_start(j); });
+/// Forces of the joints and wrenches on the frames, as velocities and rigid directions are known.
+void Network::find_forces() const {
     std::fill(instant_.wrenches.begin(), instant_.wrenches.end(), Vector6::Zero());
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
@@ -574,10 +574,19 @@ void Network::stand_by_port_velocities() const {
         const JointForce force = joint.pose(mechanism_.before[from], mechanism_.before[to]).act(f);
         Joint::add_wrench(force, instant_.wrenches[from].data(), instant_.wrenches[to].data());
     }
+}
+
+void Network::stand_by_port_velocities() const {
+    const auto velocity = [&](int frame) { return velocity_at_start(frame); };
+    if (interior_) interior_->find_massless_velocities(mechanism_, [&](size_t j) { return rate_at_start(j); });
+    find_forces();
+    if (interior_ && interior_->is_to_balance_rigid(mechanism_)) {
+        interior_->balance_rigid(mechanism_, instant_.wrenches, velocity);
+        find_forces();
+    }
     if (interior_)
-        interior_->find_accelerations(
-            mechanism_, instant_.wrenches, [&](int frame) { return velocity_at_start(frame); },
-            [&](size_t j) -> const Vector6& { return instant_.forces[j]; });
+        interior_->find_accelerations(mechanism_, instant_.wrenches, velocity,
+                                      [&](size_t j) -> const Vector6& { return instant_.forces[j]; });
     instant_.is_known = true;
 }
 
@@ -637,7 +646,10 @@ void Network::restore_state(const void* buffer, size_t size) {
         if (!piece.empty()) std::memcpy(static_cast<void*>(piece.data()), in, piece.size_bytes());
         in += piece.size_bytes();
     });
-    if (interior_) interior_->refactor(mechanism_);
+    if (interior_) {
+        interior_->refactor(mechanism_);
+        interior_->form_first_balance(mechanism_);
+    }
     instant_.is_known = false;
 }
 

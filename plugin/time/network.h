@@ -137,6 +137,7 @@ private:
     Twist velocity_at_start(int frame) const;
     Vector6 rate_at_start(size_t joint) const;
     void find_mean_wrenches() const;
+    void find_forces() const;
     void stand_by_port_velocities() const;
     void stand_by_centred_velocities() const;
     void add_wrenches(double* wrench) const;

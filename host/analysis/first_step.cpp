@@ -39,7 +39,7 @@ Model choose_step(Model model, const Plugins& plugins) {
     double longest = settings.step;
     if (omega > 0) longest = std::min(longest, std::max(kUnresolved / omega, duration / kMostStepsForVibrations));
     std::vector<std::vector<SignalPart>> loads;
-    for (const Load& load : model.loads) loads.push_back(find_parts(load.signal, duration, duration / kStepsOfSpectrum));
+    for (const Load& load : model.loads) loads.push_back(find_parts(load, duration, duration / kStepsOfSpectrum));
     const auto is_short_enough = [&](double h) {
         if (h <= std::max(duration / kMostStepsForLoads, kShortestStep)) return true;
         return h <= longest && std::ranges::all_of(loads, [&](const std::vector<SignalPart>& parts) {

@@ -80,6 +80,8 @@ std::string describe_value(const Key& key) {
             return key.count > 0 ? fmt::format("{} names", key.count) : "name or names";
         case Key::Kind::signal:
             return fmt::format("{}, \"=f(t)\" or {{ }} of signal", unit);
+        case Key::Kind::signals:
+            return fmt::format("{}, \"=f(t)\" or {{ }} of signal, or {} of these", unit, key.count);
         case Key::Kind::table:
             return fmt::format("{{ }} of {}", key.table);
         case Key::Kind::tables:

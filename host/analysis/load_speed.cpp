@@ -85,6 +85,13 @@ std::vector<SignalPart> find_parts(const Signal& signal, double duration, double
     return parts;
 }
 
+std::vector<SignalPart> find_parts(const Load& load, double duration, double step) {
+    std::vector<SignalPart> parts = find_parts(load.signal, duration, step);
+    if (!load.signal_at_to) return parts;
+    for (const SignalPart& part : find_parts(*load.signal_at_to, duration, step)) parts.push_back(part);
+    return parts;
+}
+
 double compute_largest_error(const std::vector<SignalPart>& parts, const double weights[3], double step) {
     double largest = 0;
     for (const SignalPart& part : parts) largest = std::max(largest, std::abs(error_of(part, weights, step)));
@@ -96,7 +103,7 @@ std::vector<FastLoad> find_fast_loads(const Model& model, const Simulation& simu
     const double step = simulation.step_size();
     std::vector<FastLoad> found;
     for (size_t i = 0; i < model.loads.size(); ++i) {
-        const std::vector<SignalPart> parts = find_parts(model.loads[i].signal, model.simulation.duration, step);
+        const std::vector<SignalPart> parts = find_parts(model.loads[i], model.simulation.duration, step);
         const auto largest_error = [&](double h) { return compute_largest_error(parts, weights, h); };
         if (!(largest_error(step) > tolerable)) continue;
         const auto worst = std::ranges::max_element(

@@ -24,6 +24,9 @@ double compute_load_error(const double weights[3], double omega_h);
 /// smaller part cannot cost 1 % of the load. A part that lasts a short part of the duration only is small in the spectrum.
 std::vector<SignalPart> find_parts(const Signal& signal, double duration, double step);
 
+/// Those of a load; of a force per length those at both ends.
+std::vector<SignalPart> find_parts(const Load& load, double duration, double step);
+
 /// The error of the part that costs most: the largest |share · compute_load_error|.
 double compute_largest_error(const std::vector<SignalPart>& parts, const double weights[3], double step);
 

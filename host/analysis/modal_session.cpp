@@ -119,7 +119,8 @@ void warn_preload(const Model& model, Warnings& warnings) {
     std::string place;
     size_t others = 0;
     for (const Load& load : model.loads) {
-        if (!is_lasting(load.signal, model.simulation.duration)) continue;
+        const double duration = model.simulation.duration;
+        if (!is_lasting(load.signal, duration) && !(load.signal_at_to && is_lasting(*load.signal_at_to, duration))) continue;
         if (place.empty())
             place = load.place;
         else

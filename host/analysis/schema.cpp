@@ -44,7 +44,8 @@ std::string describe(std::string_view unit, const std::string& help, const std::
 
 Json value_of(const Key& key) {
     std::vector<Json> forms;
-    if (*key.table && key.kind != Key::Kind::signal && key.kind != Key::Kind::tables && key.kind != Key::Kind::named)
+    if (*key.table && key.kind != Key::Kind::signal && key.kind != Key::Kind::signals && key.kind != Key::Kind::tables &&
+        key.kind != Key::Kind::named)
         forms.push_back(reference(key.table));
     switch (key.kind) {
         case Key::Kind::number:
@@ -76,8 +77,10 @@ Json value_of(const Key& key) {
             if (key.count == 0) forms.push_back({{"type", "string"}});
             break;
         case Key::Kind::signal:
+        case Key::Kind::signals:
             forms.push_back(quantity());
             forms.push_back(reference(key.table));
+            if (key.kind == Key::Kind::signals) forms.push_back(list_of(any_of(forms), key.count));
             break;
         case Key::Kind::table:
             break;

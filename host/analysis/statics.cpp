@@ -67,11 +67,14 @@ Model read(const Request& request, const Plugins& plugins, double time, Warnings
     std::string first;
     size_t count = 0;
     for (Load& load : model.loads) {
-        const double value = load.signal.value(time);
-        if (varies(load.signal, model.simulation.duration > 0 ? model.simulation.duration : 1) && ++count == 1)
-            first = fmt::format("{}: this load varies in time; it counts with {:.6g} {}, its value at t = {:g} s",
-                                load.place, value, load.is_moment ? "N m" : "N", time);
+        const double value = load.signal.value(time), at_to = load.at_to().value(time);
+        const double duration = model.simulation.duration > 0 ? model.simulation.duration : 1;
+        if ((varies(load.signal, duration) || varies(load.at_to(), duration)) && ++count == 1)
+            first = fmt::format("{}: this load varies in time; it counts with {:.6g} {}{}, its value at t = {:g} s",
+                                load.place, value, load.unit(),
+                                load.signal_at_to ? fmt::format(" to {:.6g} {}", at_to, load.unit()) : "", time);
         load.signal = Signal(std::make_shared<Held>(value));
+        if (load.signal_at_to) load.signal_at_to = Signal(std::make_shared<Held>(at_to));
     }
     if (count > 0)
         warnings.note("load-varies", first + (count > 1 ? fmt::format("; {} more vary too", count - 1) : "") +

@@ -203,6 +203,22 @@ std::string digest_of(const std::filesystem::path& path) {
     return fmt::format("{:016x}-{}", digest, size);
 }
 
+Json describe_load(const Model& model, const Load& load) {
+    Json out = {{"on", load.is_per_length() ? model.elements[as_size(load.element)].name : name_of(model, load.on)},
+                {"quantity", load.quantity()},
+                {"direction", vector_json(load.direction)}};
+    const double end = model.simulation.duration;
+    if (!load.is_per_length()) {
+        out["at_start"] = load.signal.value(0);
+        out["at_end"] = load.signal.value(end);
+        return out;
+    }
+    out["axes"] = load.turns ? "element" : "world";
+    out["at_start"] = {load.signal.value(0), load.at_to().value(0)};  // at the ends `from` and `to`
+    out["at_end"] = {load.signal.value(end), load.at_to().value(end)};
+    return out;
+}
+
 }  // namespace
 
 void write_model(JsonWriter& out, const Model& model, const ElementCatalogue& catalogue) {
@@ -217,12 +233,7 @@ void write_model(JsonWriter& out, const Model& model, const ElementCatalogue& ca
         if (joint.type == JointType::universal) entry["axis2"] = vector_json(joint.axis2);
         if (joint.limits) entry["limits"] = *joint.limits;
     }
-    for (const Load& load : model.loads)
-        loads.push_back({{"on", name_of(model, load.on)},
-                         {"quantity", load.is_moment ? "moment" : "force"},
-                         {"direction", vector_json(load.direction)},
-                         {"at_start", load.signal.value(0)},
-                         {"at_end", load.signal.value(model.simulation.duration)}});
+    for (const Load& load : model.loads) loads.push_back(describe_load(model, load));
     for (const Parameter& parameter : model.parameters) parameters[parameter.name] = parameter.value;
     out.object("model", [&] {
         out.member("title", model.title);

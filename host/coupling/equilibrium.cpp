@@ -114,9 +114,9 @@ const RestState& Equilibrium::find(double t0) {
 
 /// Newton's iteration at one share of the load.
 Equilibrium::Attempt Equilibrium::iterate(double factor) {
-    std::vector<double> node_loads(6 * model_.nodes.size());
-    for (size_t i = 0; i < node_loads.size(); ++i) node_loads[i] = factor * loads_.on_nodes()[i];
-    networks_.set_static_loads(factor * model_.simulation.gravity, node_loads.data());
+    std::vector<double> loads;
+    for (double load : loads_.on_networks()) loads.push_back(factor * load);
+    networks_.set_static_loads(factor * model_.simulation.gravity, loads.data());
     resistance_ = least_resistance_;
     Attempt attempt;
     double last = std::numeric_limits<double>::infinity();

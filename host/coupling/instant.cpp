@@ -62,7 +62,7 @@ const Instant& InstantSolver::start(const Model& model, const dttmm_step& step, 
     joints.linearise(at, at, std::vector<Stop>(model.joints.size()));
     factor(joints, step.time);
     find_accelerations(joints);
-    networks.start(step, at, at.empty() ? nullptr : instant_.accelerations.front().data(), loads.on_nodes());
+    networks.start(step, at, at.empty() ? nullptr : instant_.accelerations.front().data(), loads.on_networks().data());
     return instant_;
 }
 
@@ -72,7 +72,7 @@ const Instant& InstantSolver::start_at_rest(const dttmm_step& step, const std::v
     start_time_ = step.time;
     start_ = instant_.at = at;
     for (Vector6& acceleration : instant_.accelerations) acceleration.setZero();
-    networks.start_at_rest(step, at, loads.on_nodes());
+    networks.start_at_rest(step, at, loads.on_networks().data());
     return instant_;
 }
 

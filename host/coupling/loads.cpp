@@ -22,25 +22,35 @@ Eigen::Vector3d arm_of(const Model& model, const Attachment& on) {
 
 }  // namespace
 
-Loads::Loads(const Model& model, const double weights[3]) : weights_{weights[0], weights[1], weights[2]} {
+Loads::Loads(const Model& model, const double weights[3])
+    : weights_{weights[0], weights[1], weights[2]}, node_count_(model.nodes.size()) {
     for (const Body& body : model.bodies) weight_forces_.push_back(body.mass * model.simulation.gravity);
     for (const Load& load : model.loads) loads_.push_back({load, arm_of(model, load.on)});
     magnitudes_.resize(loads_.size());
-    node_loads_.resize(6 * model.nodes.size());
+    network_loads_.resize(6 * (node_count_ + loads_.size()));
 }
 
-double Loads::magnitude(size_t load, double time) const {
-    const double value = loads_[load].load.signal.value(time);
+double Loads::magnitude(const Load& load, const Signal& signal, double time) const {
+    const double value = signal.value(time);
     if (!(std::abs(value) <= World::kLargestWrench))
         throw Error(ExitCode::numerical_failure,
-                    fmt::format("{}: load at t = {} s: its value is {}, not a finite number up to {:.0e}",
-                                loads_[load].load.place, time, value, World::kLargestWrench));
+                    fmt::format("{}: load at t = {} s: its value is {}, not a finite number up to {:.0e}", load.place, time,
+                                value, World::kLargestWrench));
     return value;
 }
 
+void Loads::find_after(size_t i, double time) {
+    const Load& load = loads_[i].load;
+    magnitudes_[i].after = magnitude(load, load.signal, time);
+    if (load.is_per_length()) magnitudes_[i].after_at_to = magnitude(load, load.at_to(), time);
+}
+
 void Loads::start(double t0) {
-    for (size_t i = 0; i < loads_.size(); ++i) magnitudes_[i].after = magnitudes_[i].now = magnitude(i, t0);
-    gather_node_loads();
+    for (size_t i = 0; i < loads_.size(); ++i) {
+        find_after(i, t0);
+        magnitudes_[i].now = magnitudes_[i].after;
+    }
+    gather_network_loads();
 }
 
 void Loads::begin_step(const dttmm_step& step) {
@@ -49,19 +59,24 @@ void Loads::begin_step(const dttmm_step& step) {
         Magnitude& m = magnitudes_[i];
         m.before = m.now;
         m.now = m.after;
-        m.after = magnitude(i, end);
+        find_after(i, end);
         m.mean = 0.5 * (m.now + m.after);
         m.over_step = weights_[0] * m.after + weights_[1] * m.now + weights_[2] * m.before;
     }
-    gather_node_loads();
+    gather_network_loads();
 }
 
-void Loads::gather_node_loads() {
-    std::fill(node_loads_.begin(), node_loads_.end(), 0.0);
+void Loads::gather_network_loads() {
+    std::fill(network_loads_.begin(), network_loads_.end(), 0.0);
     for (size_t i = 0; i < loads_.size(); ++i) {
         const Load& load = loads_[i].load;
+        if (load.is_per_length()) {
+            double* along = &network_loads_[6 * (node_count_ + i)];
+            Eigen::Map<Eigen::Vector3d>{along} = magnitudes_[i].after * load.direction;
+            Eigen::Map<Eigen::Vector3d>{along + 3} = magnitudes_[i].after_at_to * load.direction;
+        }
         if (load.on.node < 0) continue;
-        double* wrench = &node_loads_[6 * as_size(load.on.node)];
+        double* wrench = &network_loads_[6 * as_size(load.on.node)];
         Eigen::Map<Eigen::Vector3d>(wrench + (load.is_moment ? 3 : 0)) += magnitudes_[i].after * load.direction;
     }
 }
@@ -70,7 +85,7 @@ void Loads::add(const std::vector<BodyState>& now, double Magnitude::*magnitude,
     for (size_t b = 0; b < weight_forces_.size(); ++b) Eigen::Map<Eigen::Vector3d>(wrenches + 6 * b) += weight_forces_[b];
     for (size_t i = 0; i < loads_.size(); ++i) {
         const Load& load = loads_[i].load;
-        if (load.on.body < 0) continue;  // on a node
+        if (load.on.body < 0) continue;  // on a node or an element
         const auto body = as_size(load.on.body);
         const Eigen::Vector3d value = magnitudes_[i].*magnitude * load.direction;
         Eigen::Map<Eigen::Vector3d> force(wrenches + 6 * body), moment(wrenches + 6 * body + 3);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "dttmm_plugin.h"
@@ -12,8 +13,8 @@ namespace dttmm::host {
 
 /// Gravity and the loads of the model. Over a step a load is weighted as the scheme weights the network's forces,
 ///     w+ f(t_{n+1}) + w0 f(t_n) + w− f(t_{n−1}),
-/// so that both stand at the same instant. Loads on nodes and the weight of what is between the bodies are the networks':
-/// they are handed on unweighted.
+/// so that both stand at the same instant. Loads on nodes and elements and the weight of what is between the bodies are the
+/// networks': they are handed on unweighted.
 class Loads {
 public:
     Loads(const Model& model, const double weights[3]);
@@ -25,9 +26,9 @@ public:
     /// the first step of the centred scheme is Newmark's.
     void begin_step(const dttmm_step& step);
 
-    /// Loads on the nodes, [force; moment] in world axes, 6 per node of the model: at the end of the open step; after start,
-    /// at t0.
-    const double* on_nodes() const { return node_loads_.data(); }
+    /// Loads on the networks at the end of the open step; after start, at t0: [force; moment] in world axes, 6 per node of
+    /// the model, then [force per length at the `from` end; at the `to` end], 6 per load of the model, zero for the others.
+    std::span<const double> on_networks() const { return network_loads_; }
 
     /// Adds the wrench over the open step, [force; moment about the centre of mass] in world axes, 6 per body.
     void add_over_step(const std::vector<BodyState>& now, double* wrenches) const {
@@ -45,23 +46,26 @@ public:
     double work_over_step(const std::vector<BodyState>& now, const std::vector<BodyState>& after, double h) const;
 
 private:
-    /// Of one load: at t_{n−1}, t_n, t_{n+1}, weighted, and the mean of the last two of these instants [N or N m].
+    /// Of one load: at t_{n−1}, t_n, t_{n+1}, weighted, and the mean of the last two of these instants [N, N m or N/m].
     struct Magnitude {
         double before = 0, now = 0, after = 0, over_step = 0, mean = 0;
+        double after_at_to = 0;  ///< of a force per length [N/m]
     };
     struct Placed {
         Load load;
         Eigen::Vector3d arm;  ///< from the centre of mass, body axes [m]
     };
     void add(const std::vector<BodyState>& now, double Magnitude::*magnitude, double* wrenches) const;
-    double magnitude(size_t load, double time) const;
-    void gather_node_loads();
+    double magnitude(const Load& load, const Signal& signal, double time) const;
+    void find_after(size_t load, double time);
+    void gather_network_loads();
 
     double weights_[3];
     std::vector<Eigen::Vector3d> weight_forces_;  ///< m g of every body [N]
     std::vector<Placed> loads_;
     std::vector<Magnitude> magnitudes_;
-    std::vector<double> node_loads_;
+    size_t node_count_;
+    std::vector<double> network_loads_;
 };
 
 }  // namespace dttmm::host

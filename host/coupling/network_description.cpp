@@ -98,6 +98,7 @@ NetworkDescription::NetworkDescription(const Model& model, const Plugins& plugin
     }
     for (size_t e = 0; e < elements_.size(); ++e) elements_[e].ends = ends_[e].data();
     for (size_t n = 0; n < nodes_.size(); ++n) nodes_[n].name = node_names_[n].c_str();
+    add_line_loads(elements);
 }
 
 void NetworkDescription::add_body(const Body& body) {
@@ -117,6 +118,17 @@ void NetworkDescription::add_element(const Element& element) {
     }
     elements_.push_back({element.name.c_str(), 0, static_cast<uint32_t>(ends.size()), nullptr, element.values.data()});
     ends_.push_back(std::move(ends));
+}
+
+void NetworkDescription::add_line_loads(const std::vector<size_t>& elements) {
+    for (size_t i = 0; i < model_.loads.size(); ++i) {
+        const Load& load = model_.loads[i];
+        const auto found = load.is_per_length() ? std::ranges::find(elements, as_size(load.element)) : elements.end();
+        if (found == elements.end()) continue;
+        line_loads_.push_back({static_cast<uint32_t>(found - elements.begin()),
+                               static_cast<uint32_t>(load.turns ? DTTMM_AXES_ELEMENT : DTTMM_AXES_WORLD)});
+        line_load_indices_.push_back(i);
+    }
 }
 
 uint32_t NetworkDescription::find_or_add_node(const Attachment& end, const Attachment& other,
@@ -177,6 +189,8 @@ dttmm_network NetworkDescription::network() const {
     network.beta = newmark.beta;
     network.gamma = newmark.gamma;
     Eigen::Map<Eigen::Vector3d>{network.gravity} = model_.simulation.gravity;
+    network.line_load_count = static_cast<uint32_t>(line_loads_.size());
+    network.line_loads = line_loads_.data();
     return network;
 }
 

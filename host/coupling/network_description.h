@@ -34,9 +34,12 @@ public:
     std::optional<size_t> node_at(const Attachment& place) const;
     /// Indices into Model::nodes in the order of the inner nodes.
     const std::vector<int>& inner_nodes() const { return inner_nodes_; }
+    /// Indices into Model::loads of the forces per length on these elements, in the order of the network's.
+    const std::vector<size_t>& line_loads() const { return line_load_indices_; }
 
 private:
     void add_element(const Element& element);
+    void add_line_loads(const std::vector<size_t>& elements);
     uint32_t find_or_add_node(const Attachment& end, const Attachment& other, const std::optional<Eigen::Matrix3d>& axes);
     void add_body(const Body& body);
     uint32_t add_node_on_body(const Attachment& end, const Eigen::Matrix3d& axes);
@@ -52,6 +55,8 @@ private:
     std::vector<std::vector<uint32_t>> ends_;  ///< of every element
     std::vector<dttmm_element> elements_;
     std::vector<int> inner_nodes_;
+    std::vector<dttmm_line_load> line_loads_;
+    std::vector<size_t> line_load_indices_;
 };
 
 /// Where a place on a body or a node is in the world at the start: its origin and its axes.

@@ -59,15 +59,19 @@ void Networks::add_instance(const Model& model, const NetworkDescription& descri
     for (const Load& load : model.loads)
         if (load.on.node >= 0) is_loaded[as_size(load.on.node)] = true;
     for (int node : description.inner_nodes()) {
-        slot.inner_nodes.push_back(as_size(node));
+        slot.loaded.push_back(as_size(node));
         slot.is_loaded = slot.is_loaded || is_loaded[as_size(node)];
+    }
+    for (size_t load : description.line_loads()) {
+        slot.loaded.push_back(model.nodes.size() + load);
+        slot.is_loaded = true;
     }
     tell_place(slots_.size() - 1, [&] { instances_.emplace_back(description.plugin(), description.network()); });
     const NetworkInstance& instance = instances_.back();
     stand_ = stand_ && instance.stands();
     for (const dttmm_block& block : instance.blocks())
         if (block.row > block.column) neighbours_.emplace_back(as_int(block.row), as_int(block.column));
-    loads_.resize(std::max(loads_.size(), 6 * slot.inner_nodes.size()));
+    loads_.resize(std::max(loads_.size(), 6 * slot.loaded.size()));
 }
 
 /// Of all plugins the same.
@@ -130,13 +134,13 @@ void Networks::gather(const std::vector<BodyState>& motion) {
     }
 }
 
-/// Loads on the inner nodes of one instance; null if there are none.
-const double* Networks::gather_loads(size_t instance, const double* node_loads) {
+/// Loads on one instance; null if there are none.
+const double* Networks::gather_loads(size_t instance, const double* loads) {
     const Slot& slot = slots_[instance];
     if (!slot.is_loaded) [[likely]]
         return nullptr;
     double* out = loads_.data();
-    for (size_t node : slot.inner_nodes) out = std::copy_n(node_loads + 6 * node, 6, out);
+    for (size_t at : slot.loaded) out = std::copy_n(loads + 6 * at, 6, out);
     return loads_.data();
 }
 
@@ -251,18 +255,18 @@ std::vector<Networks::TakenUp> Networks::take_up(const std::vector<BodyState>& a
 }
 
 void Networks::start(const dttmm_step& step, const std::vector<BodyState>& at, const double* accelerations,
-                     const double* node_loads) {
+                     const double* loads) {
     step_size_ = step.size;
     time_ = step.time;
     gather(at);
     for (size_t n = 0; n < instances_.size(); ++n)
-        tell_place(n, [&] { instances_[n].start(step, motions_.data(), accelerations, gather_loads(n, node_loads)); });
+        tell_place(n, [&] { instances_[n].start(step, motions_.data(), accelerations, gather_loads(n, loads)); });
 }
 
-void Networks::begin_step(const dttmm_step& step, const double* node_loads) {
+void Networks::begin_step(const dttmm_step& step, const double* loads) {
     time_ = step.time;
     tell_time(time_, [&] {
-        for (size_t n = 0; n < instances_.size(); ++n) instances_[n].begin_step(step, gather_loads(n, node_loads));
+        for (size_t n = 0; n < instances_.size(); ++n) instances_[n].begin_step(step, gather_loads(n, loads));
     });
 }
 

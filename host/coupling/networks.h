@@ -45,12 +45,11 @@ public:
     std::vector<TakenUp> take_up(const std::vector<BodyState>& at, const double* motion);
 
     /// Initial conditions: poses and velocities at that instant, accelerations 6 per body (linear of the centre of mass,
-    /// angular), loads 6 per node of the model.
-    void start(const dttmm_step& step, const std::vector<BodyState>& at, const double* accelerations,
-               const double* node_loads);
+    /// angular), loads as Loads::on_networks() has them.
+    void start(const dttmm_step& step, const std::vector<BodyState>& at, const double* accelerations, const double* loads);
 
-    /// node_loads: 6 per node of the model, at the end of the step.
-    void begin_step(const dttmm_step& step, const double* node_loads);
+    /// loads: the same, at the end of the step.
+    void begin_step(const dttmm_step& step, const double* loads);
     /// Adds the wrenches that act over the open step if the bodies end it as in `trial`. Throws Error(numerical_failure)
     /// naming element and body when one is not finite or beyond 1e15 N. Unless is_implicit(), `trial` is not looked at;
     /// otherwise the plugins' parts iterate before. stiffness: if given, receives that of the wrenches.
@@ -97,7 +96,7 @@ private:
     /// What the host keeps of an instance.
     struct Slot {
         std::vector<std::string> places;  ///< in the model file, of its elements
-        std::vector<size_t> inner_nodes;  ///< indices into Model::nodes
+        std::vector<size_t> loaded;       ///< its inner nodes, then its forces per length, among the loads on all networks
         bool is_loaded = false;           ///< a load acts on one of these
         std::vector<int> first_on_body;   ///< its first element on each body; −1: none
     };
@@ -109,7 +108,7 @@ private:
     void tell_place(size_t instance, Action&& action) const;
     template <class Action>
     static void tell_time(double time, Action&& action);
-    const double* gather_loads(size_t instance, const double* node_loads);
+    const double* gather_loads(size_t instance, const double* loads);
     void gather(const std::vector<BodyState>& motion);
     void scatter(size_t instance, double* wrenches) const;
     void check_guards(size_t instance, const GuardedArray& array, const char* name) const;

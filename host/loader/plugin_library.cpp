@@ -111,7 +111,7 @@ const dttmm_plugin* checked(const std::string& name, const dttmm_plugin* table) 
             fail(name, fmt::format("element type {} has a null name or parameter list", t));
         if (!is_word(type.name) || (type.documentation && !is_text(type.documentation)))
             fail(name, fmt::format("element type {}: its name or documentation is no plain text", t));
-        if (type.ends > DTTMM_ENDS_ALONG)
+        if (type.ends > DTTMM_ENDS_LINE)
             fail(name, fmt::format("element type \"{}\": there is no kind {} of ends", type.name, type.ends));
         check_parameters(name, type);
     }

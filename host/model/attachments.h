@@ -23,6 +23,9 @@ public:
     /// The same for a value of the table that messages call `what`; anything but a text is reported too.
     std::optional<Attachment> read(const TableReader& table, const TomlValue& value, const std::string& what) const;
 
+    /// Whether there is a body or node of that name.
+    bool has(const std::string& name) const { return index_.contains(name); }
+
     /// Whether it is a node that is fixed in every direction in which a force, or a moment, along `direction` pushes.
     bool is_held(const Attachment& attachment, const Eigen::Vector3d& direction, bool is_moment) const;
 

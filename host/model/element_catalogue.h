@@ -60,6 +60,9 @@ inline bool has_law(const dttmm_element_type& type, const std::vector<double>& v
 }
 
 /// Whether its local x lies along the line between its ends; otherwise it has the axes of its `from` end.
-inline bool is_line(const dttmm_element_type& type) { return type.ends == DTTMM_ENDS_ALONG; }
+inline bool is_line(const dttmm_element_type& type) { return type.ends == DTTMM_ENDS_ALONG || type.ends == DTTMM_ENDS_LINE; }
+
+/// Whether forces per length may act on it.
+inline bool takes_line_loads(const dttmm_element_type& type) { return type.ends == DTTMM_ENDS_LINE; }
 
 }  // namespace dttmm::host

@@ -30,7 +30,15 @@ constexpr Key kFile[] = {
     {"body", Kind::tables, "a rigid body", "", "", 0, {}, "", "body"},
     {"joint", Kind::tables, "an ideal joint between two bodies, or a body and the ground", "", "", 0, {}, "", "joint"},
     {"element", Kind::tables, "what stands between bodies, nodes and the ground", "", "", 0, {}, "", "element"},
-    {"load", Kind::tables, "a force or moment on a body, a marker or a node", "", "", 0, {}, "", "load"},
+    {"load",
+     Kind::tables,
+     "a force or moment on a body, a marker or a node, or along an element",
+     "",
+     "",
+     0,
+     {},
+     "",
+     "load"},
 };
 
 constexpr Key kSimulation[] = {
@@ -161,10 +169,28 @@ constexpr Key kJoint[] = {
 };
 
 constexpr Key kLoad[] = {
-    {"on", Kind::place, "what it acts on; on a body at its origin", kRequired},
-    {"direction", Kind::numbers, "world axes; its length does not count", kRequired, "1", 3},
+    {"on", Kind::place, "what a force or moment acts on; on a body at its origin"},
+    {"element", Kind::text, "instead of on: the beam or rod along which a force_per_length acts"},
+    {"direction", Kind::numbers, "in the axes; its length does not count", kRequired, "1", 3},
     {"force", Kind::signal, "its size over time; or moment", "", "N", 0, {}, "", "signal"},
     {"moment", Kind::signal, "its size over time; or force", "", "N*m", 0, {}, "", "signal"},
+    {"force_per_length",
+     Kind::signals,
+     "all along the element's axis; or [at from, at to], linear in between",
+     "",
+     "N/m",
+     2,
+     {},
+     "",
+     "signal"},
+    {"axes",
+     Kind::word,
+     "of a force_per_length; element: local axes, x from `from` to `to`, that turn with the parts (a follower load)",
+     "world",
+     "",
+     0,
+     {},
+     "world|element"},
 };
 
 constexpr Key kElement[] = {
@@ -243,7 +269,7 @@ constexpr KeyTable kTables[] = {
     {"marker", "markers = { }", "a point of a body", "spring_damper", kMarker},
     {"rotation", "rotation = { }", "a turn about an axis", "joint", kRotation},
     {"joint", "[[joint]]", "an ideal joint; its force acts on the first body", "joint", kJoint},
-    {"load", "[[load]]", "a force or a moment", "spring_damper", kLoad},
+    {"load", "[[load]]", "a force, a moment or a force per length", "spring_damper", kLoad},
     {"element", "[[element]]", "an element between two ends; `dttmm help TYPE` has the keys of its type", "spring_damper",
      kElement},
     {"element.at", "[[element]]", "an element at nodes", "rigid_body", kElementAt},

@@ -38,6 +38,7 @@ struct Key {
         place,       ///< a body, a marker, a node or "ground"
         places,      ///< a list of them
         signal,      ///< a number, an expression of t, or a table with a type
+        signals,     ///< one, or a list of `count` of them
         table,       ///< with the keys of `table`
         tables,      ///< several such, each under [[name]]
         named,       ///< a table whose keys are names and whose values are such tables, or what else `kind` of them says

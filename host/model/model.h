@@ -59,12 +59,21 @@ struct Attachment {
     auto operator<=>(const Attachment&) const = default;
 };
 
+/// A force or a moment at a point; or a force per length on an element, linear between the element's ends.
 struct Load {
-    Attachment on;
+    Attachment on;                                        ///< of a force per length unused
     Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit vector, world axes
     bool is_moment = false;                               ///< a moment [N m] instead of a force [N]
-    Signal signal;                                        ///< magnitude along `direction` against time
+    Signal signal;                                        ///< magnitude along `direction` against time; at the `from` end
     std::string place;                                    ///< "file:line:column", for errors found later
+    int element = -1;                                     ///< index into Model::elements of a force per length [N/m]
+    std::optional<Signal> signal_at_to = {};              ///< its magnitude at the `to` end; none: the same all along
+    bool turns = false;  ///< `direction` is in the element's axes and turns with its parts: a follower load
+
+    bool is_per_length() const { return element >= 0; }
+    const Signal& at_to() const { return signal_at_to ? *signal_at_to : signal; }
+    const char* unit() const { return is_per_length() ? "N/m" : is_moment ? "N m" : "N"; }
+    const char* quantity() const { return is_per_length() ? "force_per_length" : is_moment ? "moment" : "force"; }
 };
 
 struct Element {

@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
-#include "model/name_registry.h"
+#include <algorithm>
+
+#include "model/index.h"
+#include "model/names.h"
 #include "model/read_rotation.h"
 #include "model/read_signal.h"
 #include "model/wording.h"
@@ -16,46 +19,142 @@ void warn_length(const TableReader& table) {
     const auto direction = table.vector("direction");
     const bool is_along_axis = direction && (direction->array() != 0).count() == 1;
     if (is_along_axis && direction->cwiseAbs().maxCoeff() != 1)
-        table.warning(
-            table.find("direction")->value.place, "direction-length",
-            fmt::format("the length of direction, {:g}, does not count: force or moment alone gives the magnitude; "
-                        "write 1 or -1",
-                        direction->cwiseAbs().maxCoeff()));
+        table.warning(table.find("direction")->value.place, "direction-length",
+                      fmt::format("the length of direction, {:g}, does not count: force, moment or force_per_length alone "
+                                  "gives the magnitude; write 1 or -1",
+                                  direction->cwiseAbs().maxCoeff()));
 }
 
-std::optional<Load> read_load(const ReadContext& context, const TomlValue& entry, std::size_t index,
-                              const Attachments& attachments) {
-    const TableReader table(context, entry, entry_label("load", entry, index), key_table("load"), entry_note("load", index));
-    if (!table.is_valid()) return std::nullopt;
+/// One signal, or two: at the `from` end and at the `to` end.
+struct AlongLine {
+    Signal at_from;
+    std::optional<Signal> at_to;
+};
+
+std::optional<AlongLine> read_along_line(const TableReader& table, const TomlMember& member) {
+    const auto read = [&](const TomlValue& value, const std::string& what) {
+        return read_signal(table.context(), value, what, table.key(member.key).unit);
+    };
+    const std::string what = table.what(member.key);
+    if (!member.value.is_array()) {
+        const auto one = read(member.value, what);
+        return one ? std::optional(AlongLine{*one, std::nullopt}) : std::nullopt;
+    }
+    const std::vector<TomlValue>& items = member.value.items;
+    if (items.size() != 2) {
+        table.error(member.value.place,
+                    fmt::format("force_per_length has one value, or two, [at from, at to], got {}{}", items.size(),
+                                items.size() == 3 ? "; its direction stands in `direction`" : ""));
+        return std::nullopt;
+    }
+    const auto at_from = read(items[0], what + " at from"), at_to = read(items[1], what + " at to");
+    return at_from && at_to ? std::optional(AlongLine{*at_from, *at_to}) : std::nullopt;
+}
+
+/// Index of the element that `element` names, a line. Faults are reported.
+std::optional<int> read_line(const TableReader& table, const TomlMember& member, const LoadPlaces& places) {
+    const auto fail = [&](const std::string& text) {
+        table.error(member.value.place, "element" + text);
+        return std::nullopt;
+    };
+    if (!member.value.is_text()) return fail(fmt::format(" must be a text, got {}", kind_text(member.value.kind)));
+    const std::string name = normalise_name(member.value.string);
+    const auto found = std::ranges::find(places.elements, name, &Element::name);
+    if (found == places.elements.end()) {
+        if (places.element_names.find(name)) return std::nullopt;  // its own fault is reported
+        std::vector<std::string> names;
+        for (const Element& element : places.elements) names.push_back(element.name);
+        if (places.attachments.has(name))
+            return fail(fmt::format(": {} is no element; a force or moment on it has the key `on`", quote(name)));
+        return fail(fmt::format(": there is no element {}{}", quote(name), suggestion(name, names)));
+    }
+    const dttmm_element_type& type = *places.catalogue.types[as_size(found->type)];
+    if (takes_line_loads(type)) return as_int(found - places.elements.begin());
+    std::vector<std::string> lines;
+    for (const dttmm_element_type* one : places.catalogue.types)
+        if (takes_line_loads(*one)) lines.emplace_back(one->name);
+    return fail(fmt::format(
+        ": line load on a {}: {} is no line with segments; a force_per_length acts on {}", type.name, quote(name),
+        lines.empty() ? "none of the element types loaded" : "a " + fmt::format("{}", fmt::join(lines, " or "))));
+}
+
+/// A force per length; `magnitude` is its value.
+std::optional<Load> read_line_load(const TableReader& table, const TomlMember& member, const TomlMember* magnitude,
+                                   const LoadPlaces& places) {
+    const auto element = read_line(table, member, places);
+    const auto direction = read_direction(table, "direction");
+    if (direction) warn_length(table);
+    const auto axes = table.choice("axes", 0);
+    if (!magnitude) return std::nullopt;
+    if (magnitude->key != "force_per_length") {
+        table.error(magnitude->place, fmt::format("a {} acts at a point: name a body, a marker or a node with `on`; along "
+                                                  "an element acts a force_per_length, as \"2 kN/m\"",
+                                                  magnitude->key));
+        return std::nullopt;
+    }
+    const auto along = read_along_line(table, *magnitude);
+    if (!element || !direction || !axes || !along) return std::nullopt;
+    Load load{{}, *direction, false, along->at_from, table.context().diagnostics.place_text(magnitude->place)};
+    load.element = *element;
+    load.signal_at_to = along->at_to;
+    load.turns = *axes == 1;
+    return load;
+}
+
+/// A force or moment at a point; `magnitude` is its value.
+std::optional<Load> read_point_load(const TableReader& table, const TomlMember& member, const TomlMember* magnitude,
+                                    const Attachments& attachments) {
     const auto on = attachments.read(table, "on");
     const auto direction = read_direction(table, "direction");
     if (direction) warn_length(table);
-    const TomlMember* magnitude = table.require_one({"force", "moment"});
-    if (on && on->is_ground()) table.error(table.find("on")->value.place, "a load on the ground moves nothing");
+    if (const TomlMember* axes = table.find("axes"))
+        table.error(axes->place, "axes is for a force_per_length; a force or moment at a point is in world axes");
+    if (on && on->is_ground()) table.error(member.value.place, "a load on the ground moves nothing");
     if (!magnitude) return std::nullopt;
+    if (magnitude->key == "force_per_length") {
+        table.error(magnitude->place,
+                    "a force_per_length acts along an element: name a line with `element` in place of `on`");
+        return std::nullopt;
+    }
     const bool is_moment = magnitude->key == "moment";
     if (on && direction && attachments.is_held(*on, *direction, is_moment))
-        table.error(table.find("on")->value.place,
-                    fmt::format("node {} is fixed in the direction of the {}, which moves nothing",
-                                quote(table.find("on")->value.string), magnitude->key));
+        table.error(member.value.place, fmt::format("node {} is fixed in the direction of the {}, which moves nothing",
+                                                    quote(member.value.string), magnitude->key));
     if (on && !is_moment && attachments.is_off_centre(*on))
         table.error(
-            table.find("on")->value.place,
+            member.value.place,
             fmt::format("{} is a body whose center_of_mass is not its origin: say where the force acts; give the body "
                         "a marker there, as markers.centre at its center_of_mass, and name that",
-                        quote(table.find("on")->value.string)));
-    const auto signal = read_signal(context, magnitude->value, table.what(magnitude->key), table.key(magnitude->key).unit);
+                        quote(member.value.string)));
+    const auto signal =
+        read_signal(table.context(), magnitude->value, table.what(magnitude->key), table.key(magnitude->key).unit);
     if (!on || !direction || !signal) return std::nullopt;
-    return Load{*on, *direction, is_moment, *signal, context.diagnostics.place_text(magnitude->place)};
+    return Load{*on, *direction, is_moment, *signal, table.context().diagnostics.place_text(magnitude->place)};
+}
+
+std::optional<Load> read_load(const ReadContext& context, const TomlValue& entry, std::size_t index,
+                              const LoadPlaces& places) {
+    const TableReader table(context, entry, entry_label("load", entry, index), key_table("load"), entry_note("load", index));
+    if (!table.is_valid()) return std::nullopt;
+    const bool is_along = table.find("element") || (table.find("force_per_length") && !table.find("on"));
+    const TomlMember* place =
+        table.find("on") && is_along ? table.require_one({"element", "on"}) : table.require(is_along ? "element" : "on");
+    const TomlMember* magnitude = table.require_one({"force", "moment", "force_per_length"});
+    if (!place) {
+        read_direction(table, "direction");
+        return std::nullopt;
+    }
+    return is_along ? read_line_load(table, *place, magnitude, places)
+                    : read_point_load(table, *place, magnitude, places.attachments);
 }
 
 }  // namespace
 
-std::vector<Load> read_loads(const TableReader& file, const Attachments& attachments) {
+std::vector<Load> read_loads(const TableReader& file, const LoadPlaces& places) {
     std::vector<Load> loads;
     std::size_t index = 0;
     for (const TomlValue& entry : read_entries(file, "load"))
-        if (auto load = read_load(file.context(), entry, index++, attachments)) loads.push_back(std::move(*load));
+        if (auto load = read_load(file.context(), entry, index++, places)) loads.push_back(std::move(*load));
     return loads;
 }
 

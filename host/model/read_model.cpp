@@ -202,9 +202,9 @@ void read_contents(const TableReader& file, const ElementCatalogue& catalogue, c
     if (overrides.purpose != Purpose::modes) check_dofs(file);
     check_bodies(file, model);
     const Attachments attachments(model.bodies, model.nodes);
-    model.loads = read_loads(file, attachments);
     // An element may be called like the node it stands at: forces are the one's, motions the other's
     model.elements = read_elements(file, catalogue, attachments, {&body_names}, element_names);
+    model.loads = read_loads(file, {attachments, model.elements, element_names, catalogue});
     model.joints = read_joints(file, attachments, model.bodies, {&body_names, &node_names, &element_names});
     check_nodes(file, model);
     if (model.simulation.starts_at_rest) check_rest(file, model);

@@ -71,7 +71,7 @@ uint64_t Simulation::step_count() const {
 void Simulation::step() {
     const dttmm_step step{index_, time(), step_size_};
     loads_.begin_step(step);
-    networks_.begin_step(step, loads_.on_nodes());
+    networks_.begin_step(step, loads_.on_networks().data());
     end_of_step_.begin_step(step, now_, loads_);
     try {
         move_bodies();

@@ -30,7 +30,7 @@ void require(double value, const char* key) {
 
 }  // namespace
 
-const dttmm_element_type Beam::kType = {"beam", DTTMM_ENDS_ALONG, kParameters.size(), kParameters.data(),
+const dttmm_element_type Beam::kType = {"beam", DTTMM_ENDS_LINE, kParameters.size(), kParameters.data(),
                                         "a uniform beam: axial force, torsion, bending and shear in both planes"};
 
 Beam::Beam(std::span<const double, 5 + kSectionValueCount> values)

@@ -47,6 +47,7 @@ Parts lay_out(std::span<const Pose> ends, const Matrix3& axes, int segments, con
     const Vector3 start = ends[0].position, way = ends[1].position - start;
     const auto point = [&](double segment) { return Vector3(start + segment / segments * way); };
     Parts parts;
+    parts.segments = {way.norm() / segments, -offset};
     for (int i = 0; i < segments; ++i) {
         parts.lumps.push_back(lump);
         parts.lumps.back().pose = {point(i + 0.5) + axes * offset, axes};

@@ -31,6 +31,12 @@ struct Parts {
     std::vector<Lump> lumps;
     std::vector<JointPart> joints;
     std::vector<int> mounted;  ///< lump that each end is part of, −1: it is not. Empty: none is
+    /// Of an even division of a line into its lumps, in the order of these: what a force per length on the line needs.
+    struct Segments {
+        double length = 0;  ///< of each [m]
+        Vector3 arm;        ///< from the centre of a lump to the middle of its segment on the axis, local axes [m]
+    };
+    std::optional<Segments> segments = {};
 };
 
 /// A uniform element between its two ends in the frequency domain, where its waves are known exactly.

@@ -14,7 +14,7 @@ constexpr auto kParameters = with_section<1>({segments_parameter("lumps in time:
 
 }  // namespace
 
-const dttmm_element_type Rod::kType = {"rod", DTTMM_ENDS_ALONG, kParameters.size(), kParameters.data(),
+const dttmm_element_type Rod::kType = {"rod", DTTMM_ENDS_LINE, kParameters.size(), kParameters.data(),
                                        "a uniform bar with axial waves, rigid otherwise"};
 
 Rod::Rod(std::span<const double, 1 + kSectionValueCount> values)

@@ -98,7 +98,8 @@ typedef struct dttmm_parameter {
 enum {
     DTTMM_ENDS_FROM_TO = 0, /* the keys `from` and `to`: two nodes */
     DTTMM_ENDS_AT = 1,      /* the key `at`: one node, or a list of them */
-    DTTMM_ENDS_ALONG = 2    /* the keys `from` and `to`: two nodes apart, and x along the line between them */
+    DTTMM_ENDS_ALONG = 2,   /* the keys `from` and `to`: two nodes apart, and x along the line between them */
+    DTTMM_ENDS_LINE = 3     /* the same, and forces per length may act on the line (dttmm_line_load) */
 };
 
 typedef struct dttmm_element_type {
@@ -146,6 +147,19 @@ typedef struct dttmm_element {
     const double* values; /* the numbers of all parameters of the type, in the order declared */
 } dttmm_element;
 
+/* In which axes a force per length is given. */
+enum {
+    DTTMM_AXES_WORLD = 0,
+    DTTMM_AXES_ELEMENT = 1 /* local axes of the element at the start; they turn with each of its parts: a follower load */
+};
+
+/* A force per length on an element of DTTMM_ENDS_LINE. It acts on the axis of the element. It is linear between the values
+ * at the two ends, over the length at the start: its resultant does not change when the element stretches. */
+typedef struct dttmm_line_load {
+    uint32_t element; /* index into dttmm_network.elements */
+    uint32_t axes;    /* DTTMM_AXES_... */
+} dttmm_line_load;
+
 /* The time scheme. Centred: every quantity of the network stands at t_n, the middle of three instants,
  *     x'' = (x+ - 2x + x-)/h^2,   x' = (gamma x+ + (1 - 2 gamma) x + (gamma - 1) x-)/h,
  *     elastic forces weighted  beta (.)+ + (1/2 + gamma - 2 beta) (.) + (1/2 - gamma + beta) (.)-,
@@ -178,6 +192,9 @@ typedef struct dttmm_network {
     uint32_t scheme;    /* DTTMM_SCHEME_... */
     double beta, gamma; /* of the centred scheme */
     double gravity[3];  /* on the masses of the network [m/s^2] */
+    uint32_t line_load_count;
+    const dttmm_line_load* line_loads; /* their values come with those on the inner nodes. No part of linearise, take_up, the
+                                          modes or the response */
     /* Where the plugin may write the index of the element it works on, for whoever reports a crash. It lives as long as the
      * instance; NULL: not wanted. */
     volatile int32_t* at_work;
@@ -227,7 +244,7 @@ enum {
     DTTMM_ROLE_STRAIN_ENERGY = 2,
     DTTMM_ROLE_KINETIC_ENERGY = 3,
     DTTMM_ROLE_DISSIPATED_ENERGY = 4, /* since the start */
-    DTTMM_ROLE_WORK = 5,              /* of gravity and of the loads on inner nodes, since the start */
+    DTTMM_ROLE_WORK = 5,              /* of gravity and of the loads on the network, since the start */
     DTTMM_ROLE_LIMIT = 6 /* share of what the element's law holds for. Recorded when asked for; the host warns where it
                             exceeds 1 */
 };
@@ -266,13 +283,14 @@ typedef struct dttmm_plugin {
                               double* damping, dttmm_error* error);
 
     /* Sets the memory of the scheme to the initial conditions at step->time: poses, velocities and accelerations of the
-     * bodies (6 per body: linear, angular) at that instant, and the loads on the inner nodes then. [after create; may be
+     * bodies (6 per body: linear, angular) at that instant, and the loads on the network then. [after create; may be
      * called again to start anew] */
     dttmm_status (*start)(dttmm_instance* instance, const dttmm_step* step, const dttmm_motion* bodies,
                           const double* accelerations, const double* loads, dttmm_error* error);
 
     /* Opens the step from step->time to step->time + step->size. `loads`: 6 per inner node (wrench in world axes, at the
-     * node) as they are at the end of the step; NULL: none. [after start, no step open] */
+     * node), then 6 per line load (force per length at the `from` end, at the `to` end [N/m]), as they are at the end of the
+     * step; NULL: none. [after start, no step open] */
     dttmm_status (*begin_step)(dttmm_instance* instance, const dttmm_step* step, const double* loads, dttmm_error* error);
 
     /* The wrench on every body (6 per body) that acts over the open step if the bodies end it as in `trial`, and, where not

@@ -39,8 +39,8 @@ typedef struct dttmm_static_table {
     /* Keeps where everything is; goes back there, at first to the assembled machine. [after begin] */
     dttmm_status (*keep)(dttmm_instance* instance, dttmm_error* error);
     dttmm_status (*recall)(dttmm_instance* instance, dttmm_error* error);
-    /* Lasting loads: gravity on the masses of the network [m/s^2], and 6 per inner node (wrench in world axes, at the node);
-     * NULL: none. [after begin] */
+    /* Lasting loads: gravity on the masses of the network [m/s^2], and `loads` as dttmm_plugin.begin_step has them; NULL:
+     * none. [after begin] */
     dttmm_status (*set_loads)(dttmm_instance* instance, const double gravity[3], const double* loads, dttmm_error* error);
     /* Forms the equations with the bodies at these poses (velocities are not looked at). wrench: on the bodies, less what
      * the inside takes of it by coming to rest; stiffness = -d(wrench)/d(pose), what stems from forces that turn included,

@@ -43,6 +43,7 @@ public:
         for (uint32_t e = 0; e < description.element_count; ++e) take_apart(as_int(e));
         weld();
         hold_fixed_nodes();
+        check_line_loads();
     }
 
     Assembly take() {
@@ -149,6 +150,9 @@ private:
                             e);
             welds_.emplace_back(first_lump + parts.mounted[i], end);
         }
+        if (parts.segments)
+            assembly_.segments.push_back(
+                {e, first_lump, as_int(parts.lumps.size()), parts.segments->length, parts.segments->arm});
         const auto station = [&](int s) {
             return s < as_int(data.end_count) ? as_int(data.ends[s]) : first_lump + s - as_int(data.end_count);
         };
@@ -215,6 +219,7 @@ private:
             joint.to = frame_of[as_size(joint.to)];
             check_ends(joint.from, joint.to, joint.law->rigid, joint.element);
         }
+        for (SegmentsSpec& line : assembly_.segments) line.first = frame_of[as_size(line.first)];
         for (LineSpec& line : assembly_.lines) {
             line.from = frame_of[as_size(line.from)];
             line.to = frame_of[as_size(line.to)];
@@ -317,8 +322,26 @@ private:
             line.from += line.from >= index;
             line.to += line.to >= index;
         }
+        for (SegmentsSpec& line : assembly_.segments) line.first += line.first >= index;
         for (NodeSpec& spec : assembly_.nodes) spec.frame += spec.frame >= index;
         return index;
+    }
+
+    void check_line_loads() const {
+        const auto types = element_types();
+        for (uint32_t k = 0; k < description_.line_load_count; ++k) {
+            const dttmm_line_load& load = description_.line_loads[k];
+            if (load.element >= description_.element_count)
+                throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("line load {} is on no element", k));
+            if (load.axes > DTTMM_AXES_ELEMENT)
+                throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("line load {}: there are no axes {}", k, load.axes));
+            const dttmm_element_type& type = types[element(as_int(load.element)).type];
+            if (type.ends != DTTMM_ENDS_LINE)
+                throw Error(
+                    DTTMM_ERROR_MODEL,
+                    fmt::format("a force per length acts on it, but a {} is no line; put a beam or a rod there", type.name),
+                    as_int(load.element));
+        }
     }
 
     const dttmm_network& description_;

@@ -43,6 +43,14 @@ struct LineSpec {
     Line line;
 };
 
+/// The lumps of an element that is a line: frames first … first + count − 1, from its `from` end to its `to` end.
+struct SegmentsSpec {
+    int element = 0;
+    int first = 0, count = 0;
+    double length = 0;  ///< of a segment [m]
+    Vector3 arm;        ///< from a frame's origin to the middle of its segment on the axis, axes of the frame [m]
+};
+
 /// A node of the description as a point of a frame.
 struct NodeSpec {
     int frame = -1;
@@ -61,6 +69,7 @@ struct Assembly {
     std::vector<JointSpec> joints;         ///< of a Network until it is made
     std::vector<LineSpec> lines;           ///< with Waves::exact
     std::vector<NodeSpec> nodes;           ///< in the order of the description
+    std::vector<SegmentsSpec> segments;    ///< of the lines that are divided, by element
     std::vector<int> first_joint;          ///< of every element, and one past the last
     int inner_count() const { return as_int(frames.size()) - driven_count; }
 };
@@ -69,8 +78,8 @@ struct Assembly {
 enum class Waves { lumped, exact };
 
 /// Throws Error naming element or node: an end that is no node, a node on a body that there is not, a mass on a body, both
-/// ends of a joint on one frame, a velocity in a fixed direction, a number that is not finite.
-/// lumped: of the elements, those that are lumps and joints all the same; NULL: none.
+/// ends of a joint on one frame, a velocity in a fixed direction, a number that is not finite, a force per length on what is
+/// no line. lumped: of the elements, those that are lumps and joints all the same; NULL: none.
 Assembly assemble(const dttmm_network& description, Waves waves = Waves::lumped, const std::vector<bool>* lumped = nullptr);
 
 }  // namespace dttmm::plugin

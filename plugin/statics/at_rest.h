@@ -21,7 +21,8 @@ struct AtRest {
         Link link;
     };
     std::vector<Held> held;
-    std::vector<Vector6> loads;  ///< on the inner nodes, in their order: at the node, world axes
+    std::vector<Vector6>
+        loads;  ///< as dttmm_plugin.h has them: on the inner nodes, at the node, world axes; then line loads
 };
 
 }  // namespace dttmm::plugin

@@ -25,13 +25,13 @@ std::vector<Link> links_inside(const Mechanism& mechanism) {
 
 }  // namespace
 
-StaticNetwork::StaticNetwork(const Mechanism& mechanism, std::vector<int> inner_nodes)
+StaticNetwork::StaticNetwork(const Mechanism& mechanism, Loading loading)
     : mechanism_(mechanism),
       ports_(mechanism.assembly.port_count),
       driven_(mechanism.assembly.driven_count),
       count_(mechanism.assembly.inner_count()),
-      inner_nodes_(std::move(inner_nodes)),
-      loads_(6 * inner_nodes_.size(), 0.0),
+      loading_(std::move(loading)),
+      loads_(loading_.value_count(), 0.0),
       reach_(as_size(count_), 0.0),
       matrix_(count_, links_inside(mechanism), least_lever(mechanism)) {
     begin();
@@ -113,13 +113,10 @@ void StaticNetwork::find_residuals() {
     }
     for (int i = 0; i < count_; ++i)
         residual_[as_size(driven_ + i)].head<3>() += mechanism_.assembly.frames[as_size(driven_ + i)].mass * gravity_;
-    for (size_t i = 0; i < inner_nodes_.size(); ++i) {
-        const NodeSpec& node = mechanism_.assembly.nodes[as_size(inner_nodes_[i])];
-        if (!is_inner(node.frame)) continue;
-        Vector6 load = Eigen::Map<const Vector6>(&loads_[6 * i]);
-        const Vector3 arm = FrameView(frames_[as_size(node.frame)]).axes() * node.offset, force = load.head<3>();
-        load.tail<3>() += arm.cross(force);
-        residual_[as_size(node.frame)] += load;
+    for (int f = driven_; f < driven_ + count_; ++f) {
+        if (!loading_.is_on(f)) continue;
+        const Vector6 load = loading_.wrench(f, frames_[as_size(f)], loads_.data());
+        residual_[as_size(f)] += load;
         force_ = std::max(force_, load.head<3>().norm());
     }
 }
@@ -213,6 +210,24 @@ Matrix6 StaticNetwork::resistance_of(int frame) const {
     return M;
 }
 
+/// What loads on a frame add as they, or their lever arms, turn with it: symmetric part, by central differences.
+Matrix6 StaticNetwork::load_stiffness(int frame) const {
+    constexpr double kTurn = 1e-5;
+    const Frame& at_rest = frames_[as_size(frame)];
+    Matrix6 K = Matrix6::Zero();
+    for (int c = 0; c < 3; ++c) {
+        Vector6 difference = Vector6::Zero();
+        for (const double sign : {1.0, -1.0}) {
+            Frame turned = at_rest;
+            Eigen::Map<RowMajor3>{turned.rotation} =
+                rotation_from_vector(Vector3(sign * kTurn * Vector3::Unit(c))) * FrameView(at_rest).axes();
+            difference += sign * loading_.wrench(frame, turned, loads_.data());
+        }
+        K.col(3 + c) = -difference / (2 * kTurn);
+    }
+    return 0.5 * (K + K.transpose());
+}
+
 void StaticNetwork::form(Ports ports, double resistance) {
     resistance_ = resistance;
     for (size_t p = 0; p < as_size(ports_); ++p) frames_[p] = ports[p].copy();
@@ -227,6 +242,7 @@ void StaticNetwork::form(Ports ports, double resistance) {
         for (int i = 0; i < count_; ++i) {
             const Matrix6 own = matrix_.diagonal(i);
             matrix_.add_diagonal(i, resistance_of(driven_ + i));
+            if (loading_.is_on(driven_ + i)) matrix_.add_acting(i, load_stiffness(driven_ + i));
             if (!is_held) continue;
             const double shift = own.topLeftCorner<3, 3>().cwiseAbs().trace(), arm = reach_[as_size(i)],
                          turn = std::max(own.bottomRightCorner<3, 3>().cwiseAbs().trace(), arm * arm * shift);

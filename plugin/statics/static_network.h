@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "dttmm_static.h"
+#include "mechanism/loading.h"
 #include "mechanism/mechanism.h"
 #include "solve/elimination.h"
 #include "statics/at_rest.h"
@@ -28,15 +29,14 @@ namespace dttmm::plugin {
 /// forces balance) keeps motions determined that nothing holds.
 class StaticNetwork {
 public:
-    /// inner_nodes: those of the assembly that loads go by.
-    StaticNetwork(const Mechanism& mechanism, std::vector<int> inner_nodes);
+    StaticNetwork(const Mechanism& mechanism, Loading loading);
 
     /// Back to the places of the assembled machine.
     void begin();
     /// Keeps where everything is; goes back there.
     void keep();
     void recall();
-    /// loads: 6 per inner node, at the node, world axes; NULL: none.
+    /// loads: values as Loading has them; NULL: none.
     void set_loads(const Vector3& gravity, const double* loads);
     /// Forms the equations where the frames are, the ports as given. resistance: s [1/s²]. Throws
     /// Error(DTTMM_ERROR_SINGULAR) naming what nothing determines.
@@ -69,13 +69,14 @@ private:
     void predict_forces(double share);
     void add_joint(size_t joint);
     Matrix6 resistance_of(int frame) const;
+    Matrix6 load_stiffness(int frame) const;
     void find_residuals();
     Measure measure() const;
     void add_port_motion(std::span<const Vector6> motion);
 
     const Mechanism& mechanism_;
     int ports_, driven_, count_;
-    std::vector<int> inner_nodes_;
+    Loading loading_;
     Vector3 gravity_ = Vector3::Zero();
     std::vector<double> loads_;
     std::vector<double> reach_;  ///< of every inner frame [m]

@@ -40,9 +40,10 @@ std::vector<std::array<bool, 2>> massless_halves(const Mechanism& mechanism) {
 
 // ---- Construction -------------------------------------------------------------------------------------------------------
 
-Interior::Interior(const Mechanism& mechanism, const dttmm_network& description)
+Interior::Interior(const Mechanism& mechanism, const dttmm_network& description, Loading loading)
     : massless_(mechanism, massless_halves(mechanism)),
-      layout_(mechanism, description, massless_),
+      loading_(std::move(loading)),
+      layout_(mechanism, description, massless_, loading_),
       matrix_(Elimination(layout_.count, links_of(mechanism), least_lever(mechanism))),
       work_(LawRows(mechanism, layout_.driven)) {
     if (!mechanism.scheme.is_implicit())
@@ -85,7 +86,7 @@ void Interior::make_room() {
     instant_.rigid = instant_.rigid_rates = rigid_;
 
     open_.rigid_known.resize(layout_.rigid_joints.size());
-    open_.node_loads.assign(layout_.inner_nodes.size(), Vector6::Zero());
+    open_.loads.assign(loading_.value_count(), 0);
     open_.solution.q.assign(rigid, 0);
     open_.solution.q_change.assign(rigid, 0);
     open_.solution.near.resize(layout_.near_joints.size());

@@ -9,6 +9,7 @@
 
 #include "core/index.h"
 #include "mechanism/joints_by_four.h"
+#include "mechanism/loading.h"
 #include "mechanism/mechanism.h"
 #include "mechanism/momentum.h"
 #include "solve/elimination.h"
@@ -54,7 +55,7 @@ class Interior {
 public:
     /// Throws Error(DTTMM_ERROR_MODEL) naming what cannot move as described: a massless node that nothing holds in some
     /// direction, a rigid direction that is driven from both its ends; or a scheme that is explicit.
-    Interior(const Mechanism& mechanism, const dttmm_network& description);
+    Interior(const Mechanism& mechanism, const dttmm_network& description, Loading loading);
 
     /// The force law at one instant with the inside at its start: wrenches on the ports, and −∂(wrench)/∂(pose of the ports)
     /// when the inside follows without inertia.
@@ -206,10 +207,10 @@ private:
     void add_arm_rates(const Mechanism& mechanism, size_t joint, const Twist& from, const Twist& to, const Vector6& f);
     MasslessFrames::Acting rate_of_force(const Mechanism& mechanism, size_t joint, const Twist& from_velocity,
                                          const Twist& to_velocity, const Vector6& f) const;
-    /// What changes from step to step for a frame with a node on it, or with a massless half: the others take no load.
+    /// What changes from step to step for a frame that a load may act on, or with a massless half: the others take no load.
     struct FrameLoad {
-        Vector6 load[3];     ///< at the frame's origin, world, at t_{n+1} (forces off the origin left out), t_n, t_{n−1}
-        Vector6 elastic[3];  ///< elastic forces on a massless frame, the same; at t_{n+1} once the step is taken
+        Vector6 load[3];     ///< at the frame's origin, world, at t_{n+1} once the step is taken, t_n, t_{n−1}
+        Vector6 elastic[3];  ///< elastic forces on a massless frame, the same
         Vector6 settled;     ///< ψ of MasslessFrames at t_n, axes of the frame
         FrameLoad() {
             for (Vector6* list : {load, elastic}) std::fill_n(list, 3, Vector6::Zero());
@@ -277,7 +278,7 @@ private:
     std::vector<Twist> start_inertias(const Mechanism& mechanism, std::span<const Vector6> wrench);
     void balance_at_start(const Mechanism& mechanism, double h, Start& start) const;
     void refuse_forbidden_velocities(const Mechanism& mechanism, const Start& start) const;
-    void read_loads(const Mechanism& mechanism, const double* loads);
+    void read_loads(const double* loads);
     void set_elastic(const Mechanism& mechanism);
 
     void place(const Mechanism& mechanism, std::span<const Vector6> u) const;
@@ -379,7 +380,7 @@ private:
     };
     struct OpenStep {
         std::vector<RigidMap> rigid_known;  ///< of the rigid joints: what the two instants before the end contribute
-        std::vector<Vector6> node_loads;    ///< at the end of the step
+        std::vector<double> loads;          ///< their values at the end of the step
         double size = 0;                    ///< of the network and its way from the world's origin, at t_n [m]
         Solution solution;                  ///< of the last iteration; before that where everything goes on as it has
         bool is_begun = false;              ///< there was an iteration
@@ -404,6 +405,7 @@ private:
     };
 
     MasslessFrames massless_;
+    Loading loading_;
     InteriorLayout layout_;
     JointsByFour by_four_;        ///< joints that are neither near nor rigid nor settling
     std::vector<size_t> others_;  ///< all joints it does not take, ascending

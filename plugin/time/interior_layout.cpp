@@ -7,7 +7,8 @@
 
 namespace dttmm::plugin {
 
-InteriorLayout::InteriorLayout(const Mechanism& mechanism, const dttmm_network& description, const MasslessFrames& massless)
+InteriorLayout::InteriorLayout(const Mechanism& mechanism, const dttmm_network& description, const MasslessFrames& massless,
+                               const Loading& loading)
     : ports(mechanism.assembly.port_count),
       driven(mechanism.assembly.driven_count),
       count(mechanism.assembly.inner_count()),
@@ -24,7 +25,7 @@ InteriorLayout::InteriorLayout(const Mechanism& mechanism, const dttmm_network& 
     set_reaches(mechanism);
     choose_receivers(mechanism, massless);
     choose_near(mechanism);
-    choose_loaded(mechanism, massless);
+    choose_loaded(loading, massless);
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Joint& joint = mechanism.joints[j];
         if (joint.from() < ports || joint.to() < ports) port_joints.push_back(j);
@@ -64,22 +65,12 @@ void InteriorLayout::set_reaches(const Mechanism& mechanism) {
     }
 }
 
-void InteriorLayout::choose_loaded(const Mechanism& mechanism, const MasslessFrames& massless) {
+void InteriorLayout::choose_loaded(const Loading& loading, const MasslessFrames& massless) {
     load_of.assign(inertias.size(), -1);
-    const auto choose = [&](size_t frame) {
-        if (load_of[frame] >= 0) return;
-        load_of[frame] = as_int(loaded.size());
-        loaded.push_back(frame);
-    };
-    for (int node : inner_nodes) {
-        const int frame = mechanism.assembly.nodes[as_size(node)].frame;
-        if (is_inner(frame)) choose(at(frame));
-    }
-    for (size_t i : massless.frames()) choose(i);
-    for (size_t n = 0; n < inner_nodes.size(); ++n) {
-        const NodeSpec& node = mechanism.assembly.nodes[as_size(inner_nodes[n])];
-        if (is_inner(node.frame) && !node.offset.isZero(0))
-            levers.push_back({as_size(load_of[at(node.frame)]), n, node.offset});
+    for (size_t i = 0; i < inertias.size(); ++i) {
+        if (!loading.is_on(driven + as_int(i)) && massless.index_of(i) < 0) continue;
+        load_of[i] = as_int(loaded.size());
+        loaded.push_back(i);
     }
 }
 

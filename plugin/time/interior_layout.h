@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/index.h"
+#include "mechanism/loading.h"
 #include "mechanism/mechanism.h"
 #include "mechanism/momentum.h"
 #include "time/massless.h"
@@ -12,7 +13,8 @@ namespace dttmm::plugin {
 
 /// What of the inside of a network stays as it is: its masses, who is next to whom, which joints do what.
 struct InteriorLayout {
-    InteriorLayout(const Mechanism& mechanism, const dttmm_network& description, const MasslessFrames& massless);
+    InteriorLayout(const Mechanism& mechanism, const dttmm_network& description, const MasslessFrames& massless,
+                   const Loading& loading);
 
     bool is_inner(int frame) const { return frame >= driven; }
     /// Of an inner frame among these.
@@ -33,20 +35,14 @@ struct InteriorLayout {
     std::vector<double> port_reach;  ///< the reach of every port
     std::vector<int> port_frames;    ///< the ports, and massless frames whose receivers they are
 
-    std::vector<int> inner_nodes;  ///< nodes of the description that loads and motions go by
+    std::vector<int> inner_nodes;  ///< of the description
     /// How each of them is to start.
     struct Given {
         bool moves;
         Twist velocity;
     };
     std::vector<Given> given;
-    std::vector<size_t> loaded;  ///< inner frames with a node or a massless half: the others take no load
-    /// A load on a node that is not at its frame's origin.
-    struct Lever {
-        size_t loaded, node;
-        Vector3 offset;  ///< axes of the frame
-    };
-    std::vector<Lever> levers;
+    std::vector<size_t> loaded;  ///< inner frames that a load may act on, or with a massless half: the others take no load
 
     std::vector<size_t> port_joints;      ///< of the ports
     std::vector<size_t> near_joints;      ///< whose forces the ports feel
@@ -60,7 +56,7 @@ private:
     void set_reaches(const Mechanism& mechanism);
     void choose_receivers(const Mechanism& mechanism, const MasslessFrames& massless);
     void choose_near(const Mechanism& mechanism);
-    void choose_loaded(const Mechanism& mechanism, const MasslessFrames& massless);
+    void choose_loaded(const Loading& loading, const MasslessFrames& massless);
 };
 
 }  // namespace dttmm::plugin

@@ -255,7 +255,7 @@ void Interior::start(Mechanism& mechanism, Ports ports, const double* accelerati
     mechanism.frames = start.frames;
     std::fill(rigid_.begin(), rigid_.end(), 0.0);
     record_ = {};
-    read_loads(mechanism, loads);
+    read_loads(loads);
     for (size_t k = 0; k < frame_loads_.size(); ++k) {
         FrameLoad& loaded = frame_loads_[k];
         loaded.load[1] = loaded.load[2] = load_at_end(k, mechanism.frame(layout_.driven + as_int(layout_.loaded[k])));
@@ -318,14 +318,12 @@ std::vector<Twist> Interior::start_inertias(const Mechanism& mechanism, std::spa
     return acceleration;
 }
 
-/// Loads on the inner nodes at the end of the step; none where `loads` is null.
-void Interior::read_loads(const Mechanism& mechanism, const double* loads) {
-    for (FrameLoad& loaded : frame_loads_) loaded.load[0].setZero();
-    for (size_t i = 0; i < layout_.inner_nodes.size(); ++i) {
-        const NodeSpec& node = mechanism.assembly.nodes[as_size(layout_.inner_nodes[i])];
-        open_.node_loads[i] = loads ? Vector6(Eigen::Map<const Vector6>(loads + 6 * i)) : Vector6(Vector6::Zero());
-        if (is_inner(node.frame)) frame_load(at(node.frame)).load[0] += open_.node_loads[i];
-    }
+/// At the end of the step; none where `loads` is null.
+void Interior::read_loads(const double* loads) {
+    if (loads)
+        std::copy_n(loads, open_.loads.size(), open_.loads.begin());
+    else
+        std::ranges::fill(open_.loads, 0.0);
 }
 
 /// Elastic forces on massless frames where the joints' memory is, as those at the end of the step.

@@ -58,7 +58,7 @@ void Interior::look_at_joints(const Mechanism& mechanism) {
 void Interior::begin_step(const Mechanism& mechanism, const double* loads) {
     for (size_t j = 0; j < mechanism.joints.size(); ++j) mechanism.joints[j].refuse_large_rotation(mechanism.states[j]);
     if (matrix_.is_stale) refactor(mechanism);
-    read_loads(mechanism, loads);
+    read_loads(loads);
     predict(mechanism);
     open_solution(mechanism);
 }
@@ -169,11 +169,7 @@ void Interior::find_forces(const Mechanism& mechanism, Solution& solution) const
 
 /// The load on a loaded frame at the end of the step, at its origin, when it is then at `frame`.
 Vector6 Interior::load_at_end(size_t loaded, FrameView frame) const {
-    Vector6 load = frame_loads_[loaded].load[0];
-    for (const InteriorLayout::Lever& lever : layout_.levers)
-        if (lever.loaded == loaded)
-            load.tail<3>() += (frame.axes() * lever.offset).cross(head(open_.node_loads[lever.node]));
-    return load;
+    return loading_.wrench(layout_.driven + as_int(layout_.loaded[loaded]), frame, open_.loads.data());
 }
 
 Vector6 Interior::load_over_step(const Scheme& scheme, size_t loaded, FrameView frame) const {
@@ -618,10 +614,10 @@ void Interior::take_loads(const Mechanism& mechanism) {
     const double h = mechanism.scheme.step_size();
     for (size_t k = 0; k < layout_.loaded.size(); ++k) {
         FrameLoad& own = frame_loads_[k];
-        const Vector6 next = load_at_end(k, work_.trial[as_size(layout_.driven) + layout_.loaded[k]]);
-        record_.last_work += 0.5 * h * (own.load[1] + next).dot(joined(past_.velocity[layout_.loaded[k]]));
+        own.load[0] = load_at_end(k, work_.trial[as_size(layout_.driven) + layout_.loaded[k]]);
+        record_.last_work += 0.5 * h * (own.load[1] + own.load[0]).dot(joined(past_.velocity[layout_.loaded[k]]));
         own.load[2] = own.load[1];
-        own.load[1] = next;
+        own.load[1] = own.load[0];
     }
 }
 

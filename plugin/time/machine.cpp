@@ -76,15 +76,25 @@ public:
                 ends_.back().push_back(node(whole, end));
         }
         for (size_t e = 0; e < elements_.size(); ++e) elements_[e].ends = ends_[e].data();
+        for (uint32_t k = 0; k < whole.line_load_count; ++k) {
+            const auto own = std::ranges::find(elements, whole.line_loads[k].element);
+            if (own == elements.end()) continue;
+            line_loads_.push_back({static_cast<uint32_t>(own - elements.begin()), whole.line_loads[k].axes});
+            line_load_places_.push_back(k);
+        }
         part_.body_count = static_cast<uint32_t>(bodies_.size());
         part_.bodies = bodies_.data();
         part_.node_count = static_cast<uint32_t>(nodes_.size());
         part_.nodes = nodes_.data();
         part_.element_count = static_cast<uint32_t>(elements_.size());
         part_.elements = elements_.data();
+        part_.line_load_count = static_cast<uint32_t>(line_loads_.size());
+        part_.line_loads = line_loads_.data();
     }
     const dttmm_network& description() const { return part_; }
     const Places& places() const { return places_; }
+    /// Of its line loads, those in the whole.
+    const std::vector<uint32_t>& line_load_places() const { return line_load_places_; }
 
 private:
     uint32_t node(const dttmm_network& whole, uint32_t index) {
@@ -111,6 +121,8 @@ private:
     std::vector<dttmm_node> nodes_;
     std::vector<dttmm_element> elements_;
     std::vector<std::vector<uint32_t>> ends_;
+    std::vector<dttmm_line_load> line_loads_;
+    std::vector<uint32_t> line_load_places_;
 };
 
 /// What `action` does for a network; an error names the element in the whole.
@@ -137,6 +149,9 @@ void Machine::for_each(Self& self, const Action& action) {
 Machine::Machine(const dttmm_network& description)
     : body_count_(description.body_count), element_count_(description.element_count) {
     if (description.element_count == 0) throw Error(DTTMM_ERROR_MODEL, "a network without an element");
+    for (uint32_t k = 0; k < description.line_load_count; ++k)
+        if (description.line_loads[k].element >= description.element_count)
+            throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("line load {} is on no element", k));
     const Units units = join_by_nodes(description);
     Units parts(1);  // the joints between bodies come first
     for (const std::vector<uint32_t>& unit : units) {
@@ -157,8 +172,9 @@ Machine::Machine(const dttmm_network& description)
         in_whole(extract.places(), [&] { networks_.push_back({Network(extract.description(), extract.places()), {}, {}}); });
         Part& made = networks_.back();
         for (uint32_t n : extract.places().nodes)
-            if (description.nodes[n].kind == DTTMM_NODE_INNER) made.inner.push_back(number_of[n]);
-        made.loads.resize(6 * made.inner.size());
+            if (description.nodes[n].kind == DTTMM_NODE_INNER) made.loaded.push_back(number_of[n]);
+        for (uint32_t k : extract.line_load_places()) made.loaded.push_back(inner_count + k);
+        made.loads.resize(6 * made.loaded.size());
     }
     is_implicit_ = networks_.front().network.is_implicit();
     place_blocks();
@@ -202,8 +218,8 @@ void Machine::place_channels(std::span<const std::vector<uint32_t>> units) {
 // ---- Phases -------------------------------------------------------------------------------------------------------------
 
 const double* Machine::gather_loads(Part& part, const double* loads) const {
-    if (!loads || part.inner.empty()) return nullptr;
-    for (size_t i = 0; i < part.inner.size(); ++i) std::copy_n(loads + 6 * part.inner[i], 6, &part.loads[6 * i]);
+    if (!loads || part.loaded.empty()) return nullptr;
+    for (size_t i = 0; i < part.loaded.size(); ++i) std::copy_n(loads + 6 * part.loaded[i], 6, &part.loads[6 * i]);
     return part.loads.data();
 }
 
@@ -341,12 +357,13 @@ AtRest Machine::at_rest() const {
     rest.elements.resize(element_count_);
     size_t nodes = 0;
     for (const Part& part : networks_)
-        for (uint32_t n : part.inner) nodes = std::max(nodes, size_t{n} + 1);
+        for (uint32_t n : part.loaded) nodes = std::max(nodes, size_t{n} + 1);
     rest.loads.assign(nodes, Vector6::Zero());
     for_each(*this, [&](const Part& part) {
         part.network.write_rest(rest);
         const std::vector<double>& loads = part.network.static_loads();
-        for (size_t i = 0; i < part.inner.size(); ++i) rest.loads[part.inner[i]] = Eigen::Map<const Vector6>(&loads[6 * i]);
+        for (size_t i = 0; i < part.loaded.size(); ++i)
+            rest.loads[part.loaded[i]] = Eigen::Map<const Vector6>(&loads[6 * i]);
     });
     return rest;
 }

@@ -57,8 +57,8 @@ public:
 private:
     struct Part {
         Network network;
-        std::vector<uint32_t> inner;  ///< its inner nodes among those of the whole
-        std::vector<double> loads;    ///< on them, working memory
+        std::vector<uint32_t> loaded;  ///< its inner nodes, then its line loads, among both of the whole
+        std::vector<double> loads;     ///< on them, working memory
     };
     template <class Self, class Action>
     static void for_each(Self& self, const Action& action);

@@ -43,9 +43,10 @@ Places all_places(const dttmm_network& description) {
 
 Network::Network(const dttmm_network& description) : Network(description, all_places(description)) {}
 
-Network::Network(const dttmm_network& description, Places places) : places_(std::move(places)), mechanism_(description) {
+Network::Network(const dttmm_network& description, Places places)
+    : places_(std::move(places)), mechanism_(description), loading_(mechanism_.assembly, description) {
     if (description.element_count == 0) throw Error(DTTMM_ERROR_MODEL, "a network without an element");
-    if (mechanism_.assembly.inner_count() > 0) interior_ = std::make_unique<Interior>(mechanism_, description);
+    if (mechanism_.assembly.inner_count() > 0) interior_ = std::make_unique<Interior>(mechanism_, description, loading_);
     for (Joint& joint : mechanism_.joints)
         for (int half : {0, 1})
             if (interior_ && (interior_->is_massless(joint.from(), half) || interior_->is_massless(joint.to(), half)))
@@ -57,8 +58,6 @@ Network::Network(const dttmm_network& description, Places places) : places_(std:
             if (mechanism_.joints[j].law().laws[as_size(d)]) law_looks_.push_back({j, d, 0, 0, 0});
     }
     choose_blocks();
-    for (uint32_t n = 0; n < description.node_count; ++n)
-        if (description.nodes[n].kind == DTTMM_NODE_INNER) inner_nodes_.push_back(as_int(n));
     declare_channels(description);
     std::vector<JointSpec>().swap(mechanism_.assembly.joints);
     earlier_.assign(mechanism_.frames.begin(), mechanism_.frames.begin() + mechanism_.assembly.driven_count);
@@ -239,7 +238,7 @@ void Network::take_up(const double* motion, double* elastic, double* damped) con
 
 // ---- At rest ------------------------------------------------------------------------------------------------------------
 
-void Network::begin_statics() { statics_ = std::make_unique<StaticNetwork>(mechanism_, inner_nodes_); }
+void Network::begin_statics() { statics_ = std::make_unique<StaticNetwork>(mechanism_, loading_); }
 
 StaticNetwork& Network::statics() {
     if (!statics_) throw Error(DTTMM_ERROR_PHASE, "statics: begin has not been called");

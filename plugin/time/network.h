@@ -50,7 +50,7 @@ public:
     void linearise(const dttmm_motion* bodies, double* wrench, double* stiffness, double* damping) const;
     /// u K u and u C u of its elements for a small motion of the bodies from where they start.
     void take_up(const double* motion, double* elastic, double* damped) const;
-    /// loads: of its own inner nodes; NULL: none.
+    /// loads: on its own inner nodes and lines; NULL: none.
     void start(const dttmm_step& step, const dttmm_motion* bodies, const double* accelerations, const double* loads);
     void begin_step(const dttmm_step& step, const double* loads);
     /// Whether it finds a motion of its own, or has laws: then iterate() comes before every evaluate().
@@ -153,6 +153,7 @@ private:
 
     Places places_;
     Mechanism mechanism_;
+    Loading loading_;
     std::unique_ptr<Interior> interior_;  ///< none where everything is joints between bodies and ground
     bool started_ = false, is_open_ = false;
 
@@ -168,7 +169,6 @@ private:
     };
     Blocks blocks_;
 
-    std::vector<int> inner_nodes_;
     std::vector<size_t> linear_joints_, joints_with_laws_;
     /// A direction with a law at the trial last looked at: its deformation, force over the step and gain.
     struct LawLook {

@@ -90,8 +90,19 @@ public:
         }
         const uint32_t from_to[] = {0, 1};
         const dttmm_element element{"joint", type, 2, from_to, values.data()};
-        const dttmm_network network{
-            static_cast<uint32_t>(ports_.size()), bodies, 2, nodes, 1, &element, scheme, 0.27, 0.53, {}, nullptr};
+        const dttmm_network network{static_cast<uint32_t>(ports_.size()),
+                                    bodies,
+                                    2,
+                                    nodes,
+                                    1,
+                                    &element,
+                                    scheme,
+                                    0.27,
+                                    0.53,
+                                    {},
+                                    0,
+                                    nullptr,
+                                    nullptr};
         check(table_.create(&network, &instance_, &error_));
         start();
     }

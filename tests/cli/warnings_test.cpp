@@ -94,6 +94,34 @@ TEST(WarningsOf, ModesWithoutGravityAndLastingLoads) {
     EXPECT_THAT(codes("7", ""), ElementsAre("load-not-in-modes"));
 }
 
+// A force per length stiffens and softens as other loads do: one that lasts at either end is told of, and changes nothing.
+TEST(WarningsOf, ModesAndFrfWithoutForcesPerLength) {
+    const TemporaryFolder folder;
+    const std::string girder =
+        "\n[nodes]\ntip = [3, 0, 1]\n[[element]]\nname = \"girder\"\ntype = \"beam\"\nfrom = \"plate\"\nto = \"tip\"\n"
+        "section = { circle = \"20 mm\" }\nmaterial = { E = \"210 GPa\", poisson = 0.3, density = 7850 }\n";
+    const auto codes = [&](const std::string& load, const std::vector<std::string>& command) {
+        write_text(folder / "model.toml", small_model_with("\"100 N\"", "0") + girder + load);
+        std::vector<std::string> words = command;
+        words.insert(words.begin() + 1, {"model.toml", "-q", "-o", "out"});
+        const Ended ended = run_dttmm(folder.path(), words);
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        return codes_in(folder / "out/summary.json");
+    };
+    const auto load = [](const std::string& value) {
+        return "[[load]]\nelement = \"girder\"\ndirection = [0, 0, 1]\nforce_per_length = " + value + "\n";
+    };
+    const std::vector<std::string> modes = {"modes"}, frf = {"frf",  "--in", "plate.z", "--out",    "plate.z", "--from",
+                                                             "1 Hz", "--to", "2 Hz",    "--points", "3"};
+    EXPECT_THAT(codes("", modes), ElementsAre());
+    const nlohmann::json without = read_json(folder / "out/summary.json").at("modes");
+    EXPECT_THAT(codes(load("7"), modes), ElementsAre("load-not-in-modes"));
+    EXPECT_EQ(read_json(folder / "out/summary.json").at("modes"), without);
+    EXPECT_THAT(codes(load("[0, \"2 kN/m\"]"), modes), ElementsAre("load-not-in-modes"));
+    EXPECT_THAT(codes(load("{ type = \"sine\", amplitude = 9, frequency = 331 }"), modes), ElementsAre());
+    EXPECT_THAT(codes(load("[0, \"2 kN/m\"]"), frf), ElementsAre("load-not-in-modes"));
+}
+
 TEST(WarningsOf, ModesOfSpringsThatAreNotLinear) {
     const TemporaryFolder folder;
     const auto modes = [&](const std::string& spring) {

@@ -119,7 +119,7 @@ TEST(Loads, LoadsOnNodesAreThoseAtTheEndOfTheStep) {
     const auto expect_loads = [&](double t) {
         const double f = model.loads[0].signal.value(t);
         const double expected[] = {0, 0, 0, 0.6 * f, 0, 0.8 * f, 0, 0, 0, 0, 0, 0, 0, 2 * f, 0, 0, 0, 0};
-        for (size_t i = 0; i < 18; ++i) EXPECT_NEAR(loads.on_nodes()[i], expected[i], 1e-14) << i << " at " << t;
+        for (size_t i = 0; i < 18; ++i) EXPECT_NEAR(loads.on_networks()[i], expected[i], 1e-14) << i << " at " << t;
     };
     loads.start(0.05);
     expect_loads(0.05);

@@ -67,7 +67,7 @@ TEST(PluginLibrary, ATableThatIsNotWholeIsRefused) {
     expect_refused(faulty_plugin("null_types"), "list of element types is null");
     for (const char* fault : {"bad_parameter", "bad_words", "bad_default"})
         expect_refused(faulty_plugin(fault), "element type \"faulty\": parameter 0 is not well declared");
-    expect_refused(faulty_plugin("bad_ends"), "element type \"faulty\": there is no kind 3 of ends");
+    expect_refused(faulty_plugin("bad_ends"), "element type \"faulty\": there is no kind 4 of ends");
     expect_refused(faulty_plugin("bad_key"),
                    "element type \"faulty\": the name \".number\" of parameter 0 is taken, or no key");
     expect_refused(faulty_plugin("taken_key"),

@@ -68,6 +68,8 @@ public:
                 0.25,
                 0.5,
                 {},
+                0,
+                nullptr,
                 nullptr};
     }
     Assembly assembled() const { return assemble(network()); }

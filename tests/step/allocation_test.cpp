@@ -64,6 +64,11 @@ axis = [0, 0, 1]
 on = "tip"
 direction = [0, 0, 1]
 force = "=20*sin(30*t) "
+[[load]]
+element = "leg"
+axes = "element"
+direction = [0, 1, 0]
+force_per_length = ["=5*sin(20*t) ", "2 N/m"]
 [[element]]
 name = "arm"
 type = "beam"

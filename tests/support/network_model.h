@@ -78,6 +78,13 @@ public:
             {names_.back().c_str(), t, static_cast<uint32_t>(ends.size()), ends_.back().data(), numbers_.back().data()});
     }
 
+    /// A force per length on an element, axes: DTTMM_AXES_...
+    void line_load(const std::string& element, uint32_t axes) {
+        uint32_t e = 0;
+        while (e < elements_.size() && elements_[e].name != element) ++e;
+        line_loads_.push_back({e, axes});
+    }
+
     void set_gravity(const Eigen::Vector3d& gravity) { gravity_ = gravity; }
 
     dttmm_network description() const {
@@ -91,6 +98,8 @@ public:
                 beta_,
                 gamma_,
                 {gravity_.x(), gravity_.y(), gravity_.z()},
+                static_cast<uint32_t>(line_loads_.size()),
+                line_loads_.data(),
                 nullptr};
     }
 
@@ -126,6 +135,7 @@ private:
     std::deque<std::vector<double>> numbers_;
     std::deque<std::vector<uint32_t>> ends_;
     std::vector<dttmm_element> elements_;
+    std::vector<dttmm_line_load> line_loads_;
 };
 
 /// The steel tube of the bond-space paper, 50/30 mm.

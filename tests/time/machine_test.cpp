@@ -36,6 +36,9 @@ NetworkModel make_model() {
     model.element("right", "beam", {"node", "b"}, test::tube(2, 2e-5));
     model.element("mass", "point_mass", {"loose"}, {{"mass", {1.7}}});
     model.element("hold", "spring_damper", {"ground", "loose"}, soft);
+    model.line_load("right", DTTMM_AXES_ELEMENT);
+    model.line_load("whole", DTTMM_AXES_WORLD);
+    model.line_load("left", DTTMM_AXES_WORLD);
     return model;
 }
 
@@ -58,7 +61,11 @@ std::vector<dttmm_motion> motions(const dttmm_network& network, double t) {
 constexpr double kMachineStep = 1e-4;
 
 std::vector<double> loads_at(double t) {
-    return {0, 0, 3 + 100 * t, 0.1, 0, 0, 5, -2 * t, 1, 0, 0.2, 0};  // of "loose" and "node"
+    return {0,  0,       3 + 100 * t, 0.1, 0,   0,   // of "loose" and "node"
+            5,  -2 * t,  1,           0,   0.2, 0,   //
+            40, 20,      -30,         10,  t,   5,   // on "right", "whole" and "left"
+            7,  300 * t, 90,          0,   0,   50,  //
+            11, 0,       -20,         -60, 8,   0};
 }
 
 /// What a machine answers in one step.

@@ -345,7 +345,7 @@ static const dttmm_parameter parameters[] = {
      FAULT == bad_parameter ? 200 : -100, 100, NULL, FAULT == bad_words, "any number: the status of a create that fails"},
 };
 static const dttmm_element_type types[] = {
-    {FAULT == builtin_name ? "spring_damper" : "faulty", FAULT == bad_ends ? DTTMM_ENDS_ALONG + 1 : DTTMM_ENDS_FROM_TO, 1, parameters, "an element with a fault"},
+    {FAULT == builtin_name ? "spring_damper" : "faulty", FAULT == bad_ends ? DTTMM_ENDS_LINE + 1 : DTTMM_ENDS_FROM_TO, 1, parameters, "an element with a fault"},
 };
 
 static const void *extension(const char *name) {

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mechanism/loading.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+namespace dttmm::plugin {
+
+Loading::Loading(const Assembly& assembly, const dttmm_network& description) {
+    for (uint32_t n = 0; n < description.node_count; ++n) {
+        if (description.nodes[n].kind != DTTMM_NODE_INNER) continue;
+        const NodeSpec& node = assembly.nodes[n];
+        if (node.frame >= assembly.driven_count)
+            actions_.push_back(
+                {node.frame, Action::Kind::at_node, value_count_, node.offset, !node.offset.isZero(0), 0, 0, 0});
+        value_count_ += 6;
+    }
+    for (uint32_t k = 0; k < description.line_load_count; ++k, value_count_ += 6) {
+        const dttmm_line_load& load = description.line_loads[k];
+        const auto kind = load.axes == DTTMM_AXES_ELEMENT ? Action::Kind::turns_with_segment : Action::Kind::on_segment;
+        for (const SegmentsSpec& line : assembly.segments) {
+            if (line.element != static_cast<int>(load.element)) continue;
+            const double l = line.length;
+            for (int i = 0; i < line.count; ++i)
+                actions_.push_back({line.first + i, kind, value_count_, line.arm, !line.arm.isZero(0),
+                                    (i + 0.5) / line.count, l, l * l / (12 * line.count)});
+        }
+    }
+    std::ranges::stable_sort(actions_, {}, &Action::frame);
+    begin_.assign(assembly.frames.size() + 1, 0);
+    for (const Action& action : actions_) ++begin_[as_size(action.frame) + 1];
+    for (size_t f = 1; f < begin_.size(); ++f) begin_[f] += begin_[f - 1];
+}
+
+inline void Loading::add(const Action& action, FrameView at, const double* values, Vector6& wrench) {
+    const Eigen::Map<const Vector3> first(values + action.value), second(values + action.value + 3);
+    if (action.kind == Action::Kind::at_node) {
+        wrench.head<3>() += first;
+        wrench.tail<3>() += second;
+        if (action.has_arm) wrench.tail<3>() += (at.axes() * action.arm).cross(first);
+        return;
+    }
+    const Vector3 change = second - first, slope = action.couple * change;
+    Vector3 force = action.length * (first + action.share * change);
+    Vector3 moment;  // e_x × slope, and that of the arm
+    if (action.kind == Action::Kind::turns_with_segment) {
+        moment << 0, -slope.z(), slope.y();
+        if (action.has_arm) moment += action.arm.cross(force);
+        moment = (at.axes() * moment).eval();
+        force = (at.axes() * force).eval();
+    } else {
+        moment = Vector3(at.axes().col(0)).cross(slope);
+        if (action.has_arm) moment += (at.axes() * action.arm).cross(force);
+    }
+    wrench.head<3>() += force;
+    wrench.tail<3>() += moment;
+}
+
+Vector6 Loading::wrench(int frame, FrameView at, const double* values) const {
+    Vector6 sum = Vector6::Zero();
+    for (size_t a = begin_[as_size(frame)]; a < begin_[as_size(frame) + 1]; ++a) add(actions_[a], at, values, sum);
+    return sum;
+}
+
+void Loading::add_wrenches(std::span<const Frame> frames, const double* values, std::span<Vector6> wrenches) const {
+    for (size_t f = 0; f + 1 < begin_.size(); ++f)
+        if (is_on(as_int(f))) wrenches[f] += wrench(as_int(f), frames[f], values);
+}
+
+}  // namespace dttmm::plugin

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/index.h"
+#include "dttmm_plugin.h"
+#include "mechanism/assembly.h"
+#include "mechanism/frame.h"
+
+namespace dttmm::plugin {
+
+/// The wrenches of the loads of a network on its frames: a pure function of the places of the frames and of the values of
+/// the loads at an instant. There is no time scheme in it. It allocates nothing after it is made.
+///
+/// Values, as dttmm_plugin.h has them: 6 per inner node, then 6 per line load, [q_from; q_to] in N/m. The middle of a
+/// segment is at the share s of its line of n segments. A segment of length l takes, about its middle,
+///     force l (q_from + s (q_to − q_from)),   moment e_x × (q_to − q_from) l²/(12 n),
+/// the resultant of the linear force on it. The elements between the lumps carry it on to both ends of the line: force and
+/// moment there are those of the whole load, deflections are exact to second order in 1/n.
+class Loading {
+public:
+    Loading(const Assembly& assembly, const dttmm_network& description);
+
+    /// Numbers in an array of values.
+    size_t value_count() const { return value_count_; }
+    /// Whether a load may act on a frame. A load on what does not move has no effect.
+    bool is_on(int frame) const { return begin_[as_size(frame)] < begin_[as_size(frame) + 1]; }
+    /// The wrench on a frame that is at `at`, about its origin, world axes.
+    Vector6 wrench(int frame, FrameView at, const double* values) const;
+    /// Adds the wrenches on all frames, in the order of Assembly::frames.
+    void add_wrenches(std::span<const Frame> frames, const double* values, std::span<Vector6> wrenches) const;
+
+private:
+    /// What one load does to one frame.
+    struct Action {
+        int frame;
+        enum class Kind { at_node, on_segment, turns_with_segment } kind;
+        size_t value;  ///< where its values begin
+        Vector3 arm;   ///< from the frame's origin to the node, or to the middle of the segment; axes of the frame
+        bool has_arm;
+        double share;   ///< s
+        double length;  ///< l [m]
+        double couple;  ///< l²/(12 n) [m²]
+    };
+    static void add(const Action& action, FrameView at, const double* values, Vector6& wrench);
+
+    std::vector<Action> actions_;  ///< by frame
+    std::vector<size_t> begin_;    ///< of every frame among them, and one past the last
+    size_t value_count_ = 0;
+};
+
+}  // namespace dttmm::plugin

@@ -72,11 +72,12 @@ Model read(const Request& request, const Plugins& plugins, Warnings& warnings) {
     return model;
 }
 
+bool acts_at_start(const Load& load) { return load.signal.value(0) != 0 || load.at_to().value(0) != 0; }
+
 /// Whether something pulls at the start: gravity, or a load.
 bool is_loaded(const Model& model) {
     return model.modes.directions.all() &&
-           (!model.simulation.gravity.isZero(0) ||
-            std::ranges::any_of(model.loads, [](const Load& load) { return load.signal.value(0) != 0; }));
+           (!model.simulation.gravity.isZero(0) || std::ranges::any_of(model.loads, acts_at_start));
 }
 
 /// What the frequencies about an equilibrium are of, and which beams are not exact in them.
@@ -84,6 +85,18 @@ void note_rest(const Model& model, const ModalMachine& machine, Warnings& warnin
     warnings.note("about-equilibrium",
                   "the frequencies are about the equilibrium under gravity and the loads as they are at the start; "
                   "about = \"start\" leaves both out");
+    for (const Load& load : model.loads) {
+        const double duration = model.simulation.duration;
+        if (!acts_at_start(load) && (is_lasting(load.signal, duration) || is_lasting(load.at_to(), duration)))
+            warnings.note("load-not-in-modes",
+                          fmt::format("{}: this lasting load is zero at the start: its stiffness is not in the frequencies",
+                                      load.place));
+        if (load.turns && acts_at_start(load))
+            warnings.note("follower-load",
+                          fmt::format("{}: this load turns with its element: only the symmetric part of what its turning "
+                                      "does is in the frequencies; flutter is not looked for",
+                                      load.place));
+    }
     std::string first;
     size_t count = 0;
     for (size_t e = 0; e < model.elements.size(); ++e) {

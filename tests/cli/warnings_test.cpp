@@ -60,16 +60,22 @@ TEST(WarningsOf, ModesAndFrfReadAsThoseOfARunAndStandInTheirSummaries) {
     EXPECT_EQ(run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "run"}).err, text);
     const Ended modes = run_dttmm(folder.path(), {"modes", "model.toml", "-q", "-o", "modes"});
     EXPECT_EQ(modes.code, 0);
-    EXPECT_EQ(modes.err, text +
-                             "note: model.toml:24:1: the frequencies are those without this lasting load: the stiffness "
-                             "of its tension or pressure is not in them\n");
-    EXPECT_THAT(codes_in(folder / "modes/summary.json"), ElementsAre("free-element", "load-not-in-modes"));
+    EXPECT_EQ(modes.err,
+              text +
+                  "note: the frequencies are about the equilibrium under gravity and the loads as they are at the "
+                  "start; about = \"start\" leaves both out\n");
+    EXPECT_THAT(codes_in(folder / "modes/summary.json"), ElementsAre("free-element", "about-equilibrium"));
+    const Ended about_start = run_dttmm(folder.path(), {"modes", "model.toml", "-q", "-o", "modes", "--about", "start"});
+    EXPECT_EQ(about_start.err,
+              text +
+                  "note: model.toml:24:1: the frequencies are those without this lasting load: the stiffness "
+                  "of its tension or pressure is not in them\n");
 
     const Ended frf = run_dttmm(folder.path(), {"frf", "model.toml", "-q", "-o", "frf", "--in", "plate.x", "--out",
                                                 "plate.y", "--from", "1 Hz", "--to", "2 Hz", "--points", "3"});
     EXPECT_EQ(frf.code, 0);
     EXPECT_THAT(frf.err, AllOf(HasSubstr(text), HasSubstr("warning: plate.y does not move under plate.x")));
-    EXPECT_THAT(codes_in(folder / "frf/summary.json"), ElementsAre("free-element", "load-not-in-modes", "no-response"));
+    EXPECT_THAT(codes_in(folder / "frf/summary.json"), ElementsAre("free-element", "about-equilibrium", "no-response"));
     EXPECT_EQ(read_json(folder / "frf/summary.json").at("largest_receptance"), 0);
 }
 
@@ -82,7 +88,7 @@ TEST(WarningsOf, ModesWithoutGravityAndLastingLoads) {
         else
             text.replace(text.find("step = \"1 ms\""), 13, "step = \"1 ms\"\n" + simulation);
         write_text(folder / "model.toml", text);
-        EXPECT_EQ(run_dttmm(folder.path(), {"modes", "model.toml", "-q", "-o", "out"}).code, 0);
+        EXPECT_EQ(run_dttmm(folder.path(), {"modes", "model.toml", "-q", "-o", "out", "--about", "start"}).code, 0);
         return codes_in(folder / "out/summary.json");
     };
     EXPECT_THAT(codes("0", "gravity = [0, 0, -9.81]"), ElementsAre("gravity-not-in-modes"));
@@ -326,7 +332,7 @@ TEST(WarningsOf, ManyDoNotFillTheTerminal) {
     EXPECT_THAT(ended.err, HasSubstr("and 10 more warnings (10 free-element); summary.json has all of them\n"));
     EXPECT_EQ(codes_in(folder / "out/summary.json").size(), 60u);
     EXPECT_THAT(run_dttmm(folder.path(), {"check", "model.toml"}).err,
-                HasSubstr("and 11 more warnings (10 free-element, 1 load-not-in-modes)\n"));
+                HasSubstr("and 11 more warnings (1 about-equilibrium, 10 free-element)\n"));
 }
 
 // A constant force on the free end of a beam. With damping, with a mass, or rising from zero, it is no jump.

@@ -19,7 +19,7 @@ namespace {
 using test::NetworkModel;
 using testing::HasSubstr;
 
-dttmm_modal_model all_of(const dttmm_network& network) { return {&network, 0, nullptr, 0b111111, 0}; }
+dttmm_modal_model all_of(const dttmm_network& network) { return {&network, 0, nullptr, 0b111111, 0, nullptr}; }
 
 /// A bead of 0.3 kg between two springs of ugly lengths along one line, under a force.
 NetworkModel bead(double force) {

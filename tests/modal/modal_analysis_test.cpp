@@ -58,7 +58,7 @@ public:
     }
 
 private:
-    dttmm_modal_model model(uint32_t directions) const { return {&network_, 0, nullptr, directions, 0}; }
+    dttmm_modal_model model(uint32_t directions) const { return {&network_, 0, nullptr, directions, 0, nullptr}; }
     dttmm_network network_;
     ModalAnalysis analysis_;
     double length_ = 0;

@@ -34,7 +34,7 @@ public:
 
     dttmm_modal_model model() {
         network_description_ = network_.description();
-        return {&network_description_, 0, nullptr, static_cast<uint32_t>(directions_.to_ulong()), 0};
+        return {&network_description_, 0, nullptr, static_cast<uint32_t>(directions_.to_ulong()), 0, nullptr};
     }
 
     Fe finite_elements(int count) const {

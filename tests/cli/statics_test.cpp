@@ -1,0 +1,571 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Machines at rest, as a user models them: `dttmm static`, runs that start in equilibrium, vibrations about it.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <sstream>
+
+#include "cli/modes_run.h"
+#include "cli/process.h"
+
+namespace dttmm::host {
+namespace {
+
+using testing::HasSubstr;
+
+/// Names and numbers of the one row of a CSV file, or of its last.
+std::map<std::string, double> last_row(const fs::path& file) {
+    std::istringstream lines(read_text(file));
+    std::string names, units, line, last;
+    std::getline(lines, names);
+    std::getline(lines, units);
+    while (std::getline(lines, line)) last = line;
+    std::map<std::string, double> row;
+    std::istringstream all_names(names), numbers(last);
+    for (std::string name, number; std::getline(all_names, name, ',') && std::getline(numbers, number, ',');)
+        row[name] = std::stod(number);
+    return row;
+}
+
+struct AtRest {
+    std::map<std::string, double> row;
+    nlohmann::json summary;
+};
+
+AtRest rest_of(const std::string& text, std::vector<std::string> words = {}) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", text);
+    words.insert(words.begin(), {"static", "model.toml", "-o", "out"});
+    const Ended ended = run_dttmm(folder.path(), words);
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    if (ended.code != 0) return {};
+    return {last_row(folder / "out/static.csv"), read_json(folder / "out/summary.json")};
+}
+
+std::map<std::string, double> final_row(const std::string& text) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", text);
+    const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "-q"});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    return ended.code == 0 ? last_row(folder / "out/history.csv") : std::map<std::string, double>();
+}
+
+// ---- Large deflections of beams -----------------------------------------------------------------------------------------
+
+/// A clamped bar of L = 1 m and EI = 1 N m², with a force across and a moment at its end.
+std::string bar(int segments, double force, double moment) {
+    return fmt::format(R"(format = "dttmm/1"
+[nodes]
+root = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+tip = [1, 0, 0]
+[[element]]
+name = "bar"
+type = "beam"
+from = "root"
+to = "tip"
+segments = {}
+theory = "euler-bernoulli"
+section = {{ EA = 1e6, EIy = 1, EIz = 1.7, GJ = 1, mass = 0.1, inertia = 1e-6 }}
+[[load]]
+on = "tip"
+direction = [0, 0, 1]
+force = {}
+[[load]]
+on = "tip"
+direction = [0, -1, 0]
+moment = {}
+)",
+                       segments, force, moment);
+}
+
+/// Mattiasson (1981), Int. J. Numer. Meth. Eng. 17, 145-153: elliptic integrals, P L²/EI = 10: w/L, u/L.
+TEST(Statics, TheElasticaOfACantilever) {
+    double before = 0;
+    for (const int segments : {10, 20, 40}) {
+        AtRest rest = rest_of(bar(segments, 10, 0));
+        const double error = std::abs(rest.row["tip.position.z"] - 0.81061);
+        EXPECT_LT(error, 0.02 / segments);
+        if (segments == 40) {
+            EXPECT_NEAR(rest.row["tip.position.z"], 0.81061, 1.5e-5);
+            EXPECT_NEAR(1 - rest.row["tip.position.x"], 0.55500, 4e-5);
+        }
+        EXPECT_LE(rest.summary["iterations"].get<int>(), 20);
+        EXPECT_EQ(rest.summary["load_steps"], 1);
+        before = error;
+    }
+    EXPECT_LT(before, 1e-4);
+}
+
+TEST(Statics, AnEndMomentBendsABarIntoACircle) {
+    double before = 0;
+    for (const int segments : {8, 16, 32}) {
+        AtRest rest = rest_of(bar(segments, 0, 2 * M_PI));
+        const double gap = std::hypot(rest.row["tip.position.x"], rest.row["tip.position.z"]);
+        EXPECT_LE(rest.summary["iterations"].get<int>(), 50);
+        if (before > 0) EXPECT_GT(before / gap, 7) << segments;  // order 3 at least
+        before = gap;
+    }
+    EXPECT_LT(before, 2e-5);
+}
+
+/// 45 degree bend of Bathe and Bolourchi (1979) under 600 lb out of its plane: tip at (15.685, 47.150, 53.475) by a fine own
+/// integration of the rod's equations (torsion constant that of Simo and Vu-Quoc, 2 I), who have (15.79, 47.23, 53.37).
+TEST(Statics, TheBendOfBatheAndBolourchi) {
+    std::map<int, double> errors;
+    for (const int chords : {8, 16, 32}) {
+        constexpr double kE = 1e7, kI = 1.0 / 12, kRadius = 100;
+        std::string text = "format = \"dttmm/1\"\n[nodes]\n", elements;
+        const auto name = [&](int i) { return i == chords ? std::string("tip") : fmt::format("n{}", i); };
+        for (int i = 0; i <= chords; ++i) {
+            const double a = M_PI / 4 * i / chords;
+            text += fmt::format("{} = {{ position = [{}, {}, 0]{} }}\n", name(i), kRadius * std::sin(a),
+                                kRadius * (1 - std::cos(a)),
+                                i == 0 ? ", fixed = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]" : "");
+            if (i == chords) break;
+            elements += fmt::format(R"([[element]]
+name = "b{}"
+type = "beam"
+from = "{}"
+to = "{}"
+segments = 2
+section = {{ EA = {}, EIy = {}, EIz = {}, GJ = {}, GAy = {}, GAz = {}, mass = 1, inertia = 0.1 }}
+)",
+                                    i, name(i), name(i + 1), kE, kE * kI, kE * kI, kE / 2 * 2 * kI, kE / 2, kE / 2);
+        }
+        text += elements + "[[load]]\non = \"tip\"\ndirection = [0, 0, 1]\nforce = 600\n";
+        AtRest rest = rest_of(text);
+        const Eigen::Vector3d tip(rest.row["tip.position.y"], rest.row["tip.position.x"], rest.row["tip.position.z"]);
+        errors[chords] = (tip - Eigen::Vector3d(15.685, 47.150, 53.475)).norm();
+        EXPECT_LE(rest.summary["iterations"].get<int>(), 20);
+    }
+    EXPECT_LT(errors[32], 0.006);
+    EXPECT_NEAR(errors[8] / errors[16], 4, 0.6);
+}
+
+// ---- Machines of all sorts ----------------------------------------------------------------------------------------------
+
+/// Two bodies on a hinge and a ball, inclined springs, one of them cubic, a beam between them and a mass at its middle. What
+/// is to come after [simulation] and behind all.
+std::string ugly(const std::string& simulation, const std::string& more = "") {
+    return R"(format = "dttmm/1"
+[simulation]
+gravity = [0.7, -0.4, -9.1]
+)" + simulation +
+           R"(
+[nodes]
+mid = { position = [1.05, 0.35, 0.95], rotation = { axis = [1, 2, 3], angle = "20 deg" } }
+wall = { position = [1.9, 1.2, 0.1], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+[[body]]
+name = "arm"
+box = ["900 mm", "110 mm", "70 mm"]
+density = 2700
+position = [0.45, 0.1, 0.8]
+rotation = { axis = [0.2, 1, -0.3], angle = "25 deg" }
+markers.end = ["430 mm", "20 mm", "-10 mm"]
+markers.side = ["-100 mm", "50 mm", "30 mm"]
+[[body]]
+name = "block"
+box = ["200 mm", "180 mm", "240 mm"]
+density = 7300
+position = [1.5, 0.7, 0.4]
+rotation = { axis = [1, -1, 0.4], angle = "40 deg" }
+markers.top = ["10 mm", "-20 mm", "110 mm"]
+[[joint]]
+name = "pin"
+type = "hinge"
+between = ["ground", "arm"]
+anchor = [0.05, 0.1, 0.95]
+axis = [0.1, 1, 0.2]
+[[element]]
+name = "prop"
+type = "spring_damper"
+from = "ground"
+to = "arm.side"
+axes = { axis = [1, 0, 1], angle = "35 deg" }
+x = { law = "cubic", stiffness = 9e3, cubic = 4e7 }
+stiffness = [0, 7e3, 4e3]
+damping = 900
+[[element]]
+name = "line"
+type = "axial_spring"
+from = "wall"
+to = "block.top"
+stiffness = 2.5e4
+preload = 60
+damping = 800
+[[element]]
+name = "mount"
+type = "spring_damper"
+from = "ground"
+to = "block"
+axes = { axis = [2, 1, 1], angle = "50 deg" }
+stiffness = [3e4, 2e4, 5e4]
+rotational_stiffness = [900, 1500, 700]
+damping = 700
+rotational_damping = 40
+[[element]]
+name = "left"
+type = "beam"
+from = "arm.end"
+to = "mid"
+segments = 3
+section = { tube = ["24 mm", "18 mm"] }
+material = { E = 3e9, poisson = 0.3, density = 1200, stiffness_damping = 0.02 }
+[[element]]
+name = "right"
+type = "beam"
+from = "mid"
+to = "block"
+segments = 4
+section = { tube = ["24 mm", "18 mm"] }
+material = { E = 3e9, poisson = 0.3, density = 1200, stiffness_damping = 0.02 }
+[[element]]
+name = "lump"
+type = "point_mass"
+at = "mid"
+mass = 0.7
+[[load]]
+on = "block.top"
+direction = [1, 0.4, -0.3]
+force = 140
+[[load]]
+on = "mid"
+direction = [0, 1, 0.2]
+force = 9
+)" + more;
+}
+
+TEST(Statics, IsWhereADampedRunComesToRest) {
+    AtRest rest = rest_of(ugly("duration = 1"));
+    const std::map<std::string, double> run = final_row(ugly("duration = 12\nstep = \"4 ms\"\nspectral_radius = 0.6"));
+    ASSERT_GT(rest.row["arm.position.x"], 0);
+    size_t compared = 0;
+    for (const auto& [name, value] : run) {
+        const bool is_length = name.find("position") != name.npos || name.find("rotation") != name.npos;
+        const bool is_force = name.find(".force") != name.npos || name.find(".moment") != name.npos;
+        if (!is_length && !is_force) continue;
+        ASSERT_TRUE(rest.row.contains(name)) << name;
+        EXPECT_NEAR(rest.row[name], value, is_length ? 2e-7 : 2e-4) << name;
+        ++compared;
+    }
+    EXPECT_GT(compared, 30u);
+}
+
+TEST(Statics, ARunFromEquilibriumDoesNotMove) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", ugly("duration = 0.3\nstep = \"1 ms\"\nstart = \"equilibrium\""));
+    const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "-q"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    std::istringstream lines(read_text(folder / "out/history.csv"));
+    std::string names;
+    std::getline(lines, names);
+    const auto rows = read_history(folder / "out/history.csv");
+    ASSERT_EQ(rows.size(), 301u);
+    std::istringstream all(names);
+    size_t column = 0, looked_at = 0;
+    for (std::string name; std::getline(all, name, ','); ++column) {
+        const bool moves = name.find("position") != name.npos, speeds = name.find("velocity") != name.npos,
+                   speeds_up = name.find("acceleration") != name.npos;
+        for (const auto& row : rows) {
+            if (moves) EXPECT_NEAR(row[column], rows.front()[column], 1e-11) << name;
+            if (speeds) EXPECT_NEAR(row[column], 0, 1e-9) << name;
+            if (speeds_up) EXPECT_NEAR(row[column], 0, 1e-6) << name;
+        }
+        looked_at += moves || speeds || speeds_up;
+    }
+    EXPECT_GT(looked_at, 20u);
+}
+
+/// A lever on a hinge falls on its stop: the stop bears what the spring does not.
+TEST(Statics, AStopBears) {
+    const std::string lever = R"(format = "dttmm/1"
+[simulation]
+duration = 1
+gravity = [0, 0, -10]
+[[body]]
+name = "lever"
+mass = 3
+inertia = [0.01, 0.2, 0.2]
+position = [0.4, 0, 0]
+[[joint]]
+name = "pin"
+type = "hinge"
+between = ["ground", "lever"]
+anchor = [0, 0, 0]
+axis = [0, -1, 0]
+limits = ["-5 deg", "2 deg"]
+[[element]]
+name = "spring"
+type = "spring_damper"
+from = "ground"
+to = "lever"
+rotational_stiffness = [0, 20, 0]
+)";
+    AtRest rest = rest_of(lever);
+    const double angle = -5 * M_PI / 180;
+    EXPECT_NEAR(rest.row["pin.angle"], angle, 1e-9);
+    EXPECT_NEAR(rest.row["lever.position.z"], 0.4 * std::sin(angle), 1e-9);
+    // m g l cos a = k a + stop
+    EXPECT_NEAR(std::abs(rest.row["pin.moment.y"]), 3 * 10 * 0.4 * std::cos(angle) + 20 * angle, 1e-6);
+}
+
+TEST(Statics, WhatNothingHoldsIsNamed) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", R"(format = "dttmm/1"
+[simulation]
+duration = 1
+gravity = [0, 0, -10]
+[[body]]
+name = "stone"
+mass = 3
+inertia = [0.1, 0.2, 0.2]
+[[element]]
+name = "cord"
+type = "spring_damper"
+from = "ground"
+to = "stone"
+stiffness = [1e4, 1e4, 0]
+)");
+    const Ended ended = run_dttmm(folder.path(), {"static", "model.toml", "-o", "out"});
+    EXPECT_EQ(ended.code, 4);
+    EXPECT_THAT(ended.err, HasSubstr("no equilibrium"));
+    EXPECT_THAT(ended.err, HasSubstr("\"stone\""));
+    EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+TEST(Statics, AStartInEquilibriumHasNoVelocities) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml",
+               ugly("duration = 1\nstart = \"equilibrium\"",
+                    "[[body]]\nname = \"third\"\nmass = 1\ninertia = [1, 1, 1]\nvelocity = [1, 0, 0]\n"));
+    const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-o", "out"});
+    EXPECT_EQ(ended.code, 3) << ended.err;
+    EXPECT_THAT(ended.err, HasSubstr("body \"third\" starts with a velocity"));
+}
+
+TEST(Statics, LoadsCountAsTheyAreAtAnInstant) {
+    const std::string text = bar(4, 0, 0) + "[[load]]\non = \"tip\"\ndirection = [1, 0, 0]\nforce = \"=1000*t\"\n";
+    EXPECT_NEAR(rest_of(text).row["bar.force.x"], 0, 1e-9);
+    AtRest rest = rest_of(text, {"--at", "0.25 s"});
+    EXPECT_NEAR(rest.row["bar.force.x"], 250, 1e-6);
+    EXPECT_EQ(rest.summary["warnings"][0]["code"], "load-varies");
+}
+
+// ---- Vibrations about it ------------------------------------------------------------------------------------------------
+
+/// A rigid pendulum with its mass above its pin, on a spring: ω² = (k − m g l)/(J + m l²), of either sign.
+TEST(ModesAtRest, APendulumUpsideDown) {
+    const double m = 1.3, g = 9.81, l = 0.95, J = 0.02;
+    for (const double k : {2 * m * g * l, 1.2 * m * g * l, 0.8 * m * g * l}) {
+        const nlohmann::json modes = modes_of(fmt::format(R"(format = "dttmm/1"
+[simulation]
+duration = 1
+gravity = [0, 0, -{}]
+[[body]]
+name = "bob"
+mass = {}
+inertia = [0.01, {}, 0.03]
+position = [0.3, 0.2, {}]
+[[joint]]
+name = "pin"
+type = "hinge"
+between = ["ground", "bob"]
+anchor = [0.3, 0.2, 0.7]
+axis = [0, 1, 0]
+[[element]]
+name = "spring"
+type = "spring_damper"
+from = "ground"
+to = "bob"
+rotational_stiffness = [0, {}, 0]
+)",
+                                                          g, m, J, 0.7 + l, k));
+        const double square = (k - m * g * l) / (J + m * l * l);
+        const double exact = std::copysign(std::sqrt(std::abs(square)), square) / (2 * M_PI);
+        ASSERT_EQ(frequencies_of(modes).size(), 1u);
+        EXPECT_NEAR(frequencies_of(modes)[0], exact, 1e-8 * std::abs(exact));
+    }
+}
+
+/// A column between pins: ω² = ω₀² (1 − P/P_cr), pulled and pressed, beyond buckling too. The bar shortens by P/EA.
+TEST(ModesAtRest, AColumnUnderPressureAndPull) {
+    constexpr double kL = 1.2, kEI = 16.4, kMass = 0.7, kEA = 1e9;
+    const double critical = M_PI * M_PI * kEI / (kL * kL), first = M_PI / 2 / (kL * kL) * std::sqrt(kEI / kMass);
+    for (const double load : {0.25, 0.5, 0.9, 1.1, -1.0, -4.0, -16.0}) {
+        const std::vector<double> found =
+            frequencies_of(modes_of(fmt::format(R"(format = "dttmm/1"
+[nodes]
+foot = {{ position = [0.1, 0.2, 0.3], fixed = ["x", "y", "z", "rz"] }}
+head = {{ position = [0.1, 0.2, {}], fixed = ["x", "y"] }}
+[[element]]
+name = "column"
+type = "beam"
+from = "foot"
+to = "head"
+segments = 3
+theory = "euler-bernoulli"
+section = {{ EA = {}, EIy = {}, EIz = {}, GJ = 10, mass = {}, inertia = 1e-4 }}
+[[load]]
+on = "head"
+direction = [0, 0, -1]
+force = {}
+)",
+                                                0.3 + kL, kEA, kEI, 1.9 * kEI, kMass, load * critical)));
+        const double exact = std::copysign(first * std::sqrt(std::abs(1 - load)), 1 - load);
+        ASSERT_FALSE(found.empty());
+        EXPECT_NEAR(found[0], exact, 2e-6 * std::abs(exact) + 2e-6 * first) << load;
+    }
+}
+
+/// A string of 100 N: n/(2 L) √(T/μ), and what little it is stiff: 1 + √(EI/T) 2/L for clamped ends.
+TEST(ModesAtRest, AString) {
+    constexpr double kEI = 1e-5, kL = 1, kT = 100, kMass = 0.01;
+    const std::vector<double> found = frequencies_of(modes_of(R"(format = "dttmm/1"
+[nodes]
+left = { position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+right = { position = [1, 0, 0], fixed = ["y", "z", "rx", "ry", "rz"] }
+[[element]]
+name = "string"
+type = "beam"
+from = "left"
+to = "right"
+segments = 5
+theory = "euler-bernoulli"
+section = { EA = 1e9, EIy = 1e-5, EIz = 1e-5, GJ = 1e3, mass = 0.01, inertia = 1e-6 }
+[[load]]
+on = "right"
+direction = [1, 0, 0]
+force = 100
+)",
+                                                              {"--count", "6"}));
+    ASSERT_EQ(found.size(), 6u);
+    const double soft = std::sqrt(kEI / kT) / kL;
+    for (int n = 1; n <= 3; ++n) {
+        const double exact =
+            n / (2 * kL) * std::sqrt(kT / kMass) * (1 + 2 * soft + (4 + n * n * M_PI * M_PI / 2) * soft * soft);
+        EXPECT_NEAR(found[as_size(2 * n - 2)], exact, 1e-6 * exact);
+        EXPECT_NEAR(found[as_size(2 * n - 1)], exact, 1e-6 * exact);
+    }
+}
+
+// ---- A double pendulum, by its energy -----------------------------------------------------------------------------------
+
+struct DoublePendulum {
+    double m1 = 2.1, m2 = 1.4, l1 = 0.8, c1 = 0.35, c2 = 0.5, J1 = 0.13, J2 = 0.09, k1 = 3.5, k2 = 6.1, g = 9.7;
+    double k3 = 45, natural = 0.6, push = 4.2;
+    Eigen::Vector2d hook{1.3, -0.4};
+
+    /// Both turned by an angle from straight down, in the plane of x and z.
+    double potential(const Eigen::Vector2d& a) const {
+        const auto along = [](double angle) { return Eigen::Vector2d(std::sin(angle), -std::cos(angle)); };
+        const Eigen::Vector2d p1 = c1 * along(a(0)), elbow = l1 * along(a(0)), p2 = elbow + c2 * along(a(1));
+        const double stretch = (hook - p2).norm() - natural;
+        return m1 * g * p1.y() + m2 * g * p2.y() + 0.5 * k1 * a(0) * a(0) + 0.5 * k2 * std::pow(a(1) - a(0), 2) +
+               0.5 * k3 * stretch * stretch - push * elbow.x();
+    }
+    Eigen::Vector2d gradient(const Eigen::Vector2d& a) const {
+        constexpr double kStep = 1e-3;
+        Eigen::Vector2d slope;
+        for (int i = 0; i < 2; ++i) {  // of fourth order
+            const auto at = [&](double by) { return potential(a + by * kStep * Eigen::Vector2d::Unit(i)); };
+            slope(i) = (8 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12 * kStep);
+        }
+        return slope;
+    }
+    Eigen::Matrix2d hessian(const Eigen::Vector2d& a) const {
+        constexpr double kStep = 1e-3;
+        Eigen::Matrix2d K;
+        for (int i = 0; i < 2; ++i) {
+            const auto at = [&](double by) { return gradient(a + by * kStep * Eigen::Vector2d::Unit(i)); };
+            K.col(i) = (8 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12 * kStep);
+        }
+        return 0.5 * (K + K.transpose());
+    }
+    Eigen::Matrix2d inertia(const Eigen::Vector2d& a) const {
+        const double across = m2 * l1 * c2 * std::cos(a(1) - a(0));
+        Eigen::Matrix2d M;
+        M << J1 + m1 * c1 * c1 + m2 * l1 * l1, across, across, J2 + m2 * c2 * c2;
+        return M;
+    }
+};
+
+TEST(ModesAtRest, ADoublePendulumByItsEnergy) {
+    const DoublePendulum p;
+    Eigen::Vector2d a = Eigen::Vector2d::Zero();
+    for (int i = 0; i < 50; ++i) a -= p.hessian(a).ldlt().solve(p.gradient(a));
+    ASSERT_LT(p.gradient(a).norm(), 1e-9);
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix2d> eigen(p.hessian(a), p.inertia(a));
+    const std::string text = fmt::format(R"(format = "dttmm/1"
+[simulation]
+duration = 1
+gravity = [0, 0, -{}]
+[nodes]
+hook = {{ position = [{}, 0, {}], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+[[body]]
+name = "upper"
+mass = {}
+inertia = [0.2, {}, 0.01]
+position = [0, 0, -{}]
+markers.elbow = [0, 0, {}]
+[[body]]
+name = "lower"
+mass = {}
+inertia = [0.1, {}, 0.02]
+position = [0, 0, {}]
+[[joint]]
+name = "shoulder"
+type = "hinge"
+between = ["ground", "upper"]
+anchor = [0, 0, 0]
+axis = [0, -1, 0]
+[[joint]]
+name = "elbow"
+type = "hinge"
+between = ["upper", "lower"]
+anchor = [0, 0, -{}]
+axis = [0, 1, 0]
+[[element]]
+name = "one"
+type = "spring_damper"
+from = "ground"
+to = "upper"
+rotational_stiffness = [0, {}, 0]
+[[element]]
+name = "two"
+type = "spring_damper"
+from = "upper.elbow"
+to = "lower"
+rotational_stiffness = [0, {}, 0]
+[[element]]
+name = "rubber"
+type = "axial_spring"
+from = "hook"
+to = "lower"
+stiffness = {}
+natural_length = {}
+[[load]]
+on = "upper.elbow"
+direction = [1, 0, 0]
+force = {}
+)",
+                                         p.g, p.hook.x(), p.hook.y(), p.m1, p.J1, p.c1, p.c1 - p.l1, p.m2, p.J2,
+                                         -p.l1 - p.c2, p.l1, p.k1, p.k2, p.k3, p.natural, p.push);
+    AtRest rest = rest_of(text);
+    EXPECT_NEAR(rest.row["upper.position.x"], p.c1 * std::sin(a(0)), 1e-9);
+    EXPECT_NEAR(rest.row["lower.position.z"], -p.l1 * std::cos(a(0)) - p.c2 * std::cos(a(1)), 1e-9);
+    const std::vector<double> found = frequencies_of(modes_of(text));
+    ASSERT_EQ(found.size(), 2u);
+    for (int i = 0; i < 2; ++i) {
+        const double exact = std::sqrt(eigen.eigenvalues()(i)) / (2 * M_PI);
+        EXPECT_NEAR(found[as_size(i)], exact, 1e-7 * exact);
+    }
+}
+
+}  // namespace
+}  // namespace dttmm::host

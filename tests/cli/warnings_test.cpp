@@ -109,7 +109,7 @@ TEST(WarningsOf, ModesAndFrfWithoutForcesPerLength) {
     const auto codes = [&](const std::string& load, const std::vector<std::string>& command) {
         write_text(folder / "model.toml", small_model_with("\"100 N\"", "0") + girder + load);
         std::vector<std::string> words = command;
-        words.insert(words.begin() + 1, {"model.toml", "-q", "-o", "out"});
+        words.insert(words.begin() + 1, {"model.toml", "-q", "-o", "out", "--about", "start"});
         const Ended ended = run_dttmm(folder.path(), words);
         EXPECT_EQ(ended.code, 0) << ended.err;
         return codes_in(folder / "out/summary.json");

@@ -83,8 +83,8 @@ bool is_loaded(const Model& model) {
 /// What the frequencies about an equilibrium are of, and which beams are not exact in them.
 void note_rest(const Model& model, const ModalMachine& machine, Warnings& warnings) {
     warnings.note("about-equilibrium",
-                  "the frequencies are about the equilibrium under gravity and the loads as they are at the start; "
-                  "about = \"start\" leaves both out");
+                  "the frequencies are about the equilibrium under gravity and the loads as they are at the start "
+                  "(about = \"start\" leaves both out)");
     for (const Load& load : model.loads) {
         const double duration = model.simulation.duration;
         if (!acts_at_start(load) && (is_lasting(load.signal, duration) || is_lasting(load.at_to(), duration)))
@@ -149,8 +149,8 @@ void warn_preload(const Model& model, Warnings& warnings) {
 
 ModalMachine make_machine(const Model& model, const Plugins& plugins, Warnings& warnings) {
     const auto about_start = [&] {
-        warn_preload(model, warnings);
         ModalMachine machine(model, plugins);
+        warn_preload(model, warnings);
         note_forces(model, machine, warnings);
         return machine;
     };

@@ -13,6 +13,7 @@
 
 #include "cli/modes_run.h"
 #include "cli/process.h"
+#include "model/index.h"
 
 namespace dttmm::host {
 namespace {
@@ -108,7 +109,9 @@ TEST(Statics, AnEndMomentBendsABarIntoACircle) {
         AtRest rest = rest_of(bar(segments, 0, 2 * M_PI));
         const double gap = std::hypot(rest.row["tip.position.x"], rest.row["tip.position.z"]);
         EXPECT_LE(rest.summary["iterations"].get<int>(), 50);
-        if (before > 0) EXPECT_GT(before / gap, 7) << segments;  // order 3 at least
+        if (before > 0) {
+            EXPECT_GT(before / gap, 7) << segments;
+        }  // order 3 at least
         before = gap;
     }
     EXPECT_LT(before, 2e-5);
@@ -152,12 +155,12 @@ section = {{ EA = {}, EIy = {}, EIz = {}, GJ = {}, GAy = {}, GAz = {}, mass = 1,
 
 /// Two bodies on a hinge and a ball, inclined springs, one of them cubic, a beam between them and a mass at its middle. What
 /// is to come after [simulation] and behind all.
-std::string ugly(const std::string& simulation, const std::string& more = "") {
-    return R"(format = "dttmm/1"
+std::string ugly(const std::string& simulation, const std::string& more = "", double beam_damping = 0.02) {
+    std::string text = R"(format = "dttmm/1"
 [simulation]
 gravity = [0.7, -0.4, -9.1]
 )" + simulation +
-           R"(
+                       R"(
 [nodes]
 mid = { position = [1.05, 0.35, 0.95], rotation = { axis = [1, 2, 3], angle = "20 deg" } }
 wall = { position = [1.9, 1.2, 0.1], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
@@ -239,6 +242,10 @@ on = "mid"
 direction = [0, 1, 0.2]
 force = 9
 )" + more;
+    const std::string damping = "stiffness_damping = 0.02";
+    for (size_t at = text.find(damping); at != text.npos; at = text.find(damping, at + 1))
+        text.replace(at, damping.size(), fmt::format("stiffness_damping = {}", beam_damping));
+    return text;
 }
 
 TEST(Statics, IsWhereADampedRunComesToRest) {
@@ -259,7 +266,8 @@ TEST(Statics, IsWhereADampedRunComesToRest) {
 
 TEST(Statics, ARunFromEquilibriumDoesNotMove) {
     const TemporaryFolder folder;
-    write_text(folder / "model.toml", ugly("duration = 0.3\nstep = \"1 ms\"\nstart = \"equilibrium\""));
+    // Dampers as stiff as those of the damped run make accelerations of what a step leaves of speeds, 1e-10 m/s
+    write_text(folder / "model.toml", ugly("duration = 0.3\nstep = \"1 ms\"\nstart = \"equilibrium\"", "", 1e-5));
     const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "-q"});
     ASSERT_EQ(ended.code, 0) << ended.err;
     std::istringstream lines(read_text(folder / "out/history.csv"));
@@ -273,9 +281,15 @@ TEST(Statics, ARunFromEquilibriumDoesNotMove) {
         const bool moves = name.find("position") != name.npos, speeds = name.find("velocity") != name.npos,
                    speeds_up = name.find("acceleration") != name.npos;
         for (const auto& row : rows) {
-            if (moves) EXPECT_NEAR(row[column], rows.front()[column], 1e-11) << name;
-            if (speeds) EXPECT_NEAR(row[column], 0, 1e-9) << name;
-            if (speeds_up) EXPECT_NEAR(row[column], 0, 1e-6) << name;
+            if (moves) {
+                EXPECT_NEAR(row[column], rows.front()[column], 1e-11) << name;
+            }
+            if (speeds) {
+                EXPECT_NEAR(row[column], 0, 1e-9) << name;
+            }
+            if (speeds_up) {
+                EXPECT_NEAR(row[column], 0, 1e-6) << name;
+            }
         }
         looked_at += moves || speeds || speeds_up;
     }
@@ -510,7 +524,7 @@ hook = {{ position = [{}, 0, {}], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
 [[body]]
 name = "upper"
 mass = {}
-inertia = [0.2, {}, 0.01]
+inertia = [0.12, {}, 0.02]
 position = [0, 0, -{}]
 markers.elbow = [0, 0, {}]
 [[body]]

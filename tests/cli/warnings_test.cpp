@@ -63,7 +63,7 @@ TEST(WarningsOf, ModesAndFrfReadAsThoseOfARunAndStandInTheirSummaries) {
     EXPECT_EQ(modes.err,
               text +
                   "note: the frequencies are about the equilibrium under gravity and the loads as they are at the "
-                  "start; about = \"start\" leaves both out\n");
+                  "start (about = \"start\" leaves both out)\n");
     EXPECT_THAT(codes_in(folder / "modes/summary.json"), ElementsAre("free-element", "about-equilibrium"));
     const Ended about_start = run_dttmm(folder.path(), {"modes", "model.toml", "-q", "-o", "modes", "--about", "start"});
     EXPECT_EQ(about_start.err,

@@ -58,6 +58,8 @@ constexpr Option kOptions[] = {
      [](Request& request, const std::string& value) { request.output = value; }},
     {"--at", Kind::text, kStatic, "instant whose loads count, e.g. \"0.5 s\"; default the start", false, true,
      [](Request& request, const std::string& value) { request.at = value; }},
+    {"--buckling", Kind::number, kStatic, "find the first so many critical load factors", false, true,
+     [](Request& request, const std::string& value) { request.buckling = std::stoi(value); }, false, 1, 1000},
     {"--beams", Kind::text, kFrequency, "\"exact\" or \"lumped\" instead of the model's", false, true,
      [](Request& request, const std::string& value) { request.overrides.modes.beams = value; }},
     {"--about", Kind::text, kFrequency, "\"start\" or \"equilibrium\" instead of the model's", false, true,

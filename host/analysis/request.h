@@ -34,7 +34,8 @@ struct Request {
     int points = 0;               ///< frf: number of frequencies
     bool is_logarithmic = false;  ///< frf: spaced by equal factors
 
-    std::string at;  ///< static: the instant whose loads count, a text with unit
+    int buckling = 0;  ///< static: so many critical load factors
+    std::string at;    ///< static: the instant whose loads count, a text with unit
 
     std::vector<std::string> patterns;  ///< channels: those to list; none: all
     std::vector<std::string> words;     ///< help: the topic; new: the folder; completion: the shell; check-law: the library

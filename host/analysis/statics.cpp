@@ -11,6 +11,8 @@
 
 #include "analysis/modal_session.h"
 #include "analysis/summary.h"
+#include "coupling/modal_description.h"
+#include "loader/modal_instance.h"
 #include "loader/plugins.h"
 #include "model/index.h"
 #include "model/read_simulation.h"
@@ -153,6 +155,54 @@ void print_table(const Model& model, const Vectors& vectors) {
     for (const Joint& joint : model.joints) print_force(joint.name);
 }
 
+/// Load factors at which motions begin to grow, ascending: all forces of the machine at rest count so many times, with the
+/// places and the stiffness that it has there. Motions that grow are counted, and each factor is enclosed by two counts.
+class Buckling {
+public:
+    Buckling(const Model& model, const Plugins& plugins) : description_(model, plugins, true) {
+        description_.scale_forces(0);
+        ModalInstance instance(description_.plugin(), description_.model());
+        is_held_ = instance.find_modes(1, 0) == 0 || instance.mode(0).numbers.frequency != 0;
+    }
+
+    std::vector<double> find(int wanted) {
+        constexpr double kLargest = 1e9, kSmallest = 1e-9, kNear = 1e-12;
+        double high = 1;
+        while (count(high) < wanted && high < kLargest) high *= 4;
+        std::vector<double> factors;
+        for (int k = 1; k <= std::min(wanted, count(high)); ++k) {
+            double below = factors.empty() ? 0 : factors.back() * (1 - 1e-9), above = high;
+            while (above - below > kNear * above && above > kSmallest) {
+                const double middle =
+                    below > above / 4 ? 0.5 * (below + above) : std::max(0.25 * above, below + 1e-3 * above);
+                (count(middle) >= k ? above : below) = middle;
+            }
+            factors.push_back(above);
+        }
+        return factors;
+    }
+
+private:
+    int count(double factor) {
+        description_.scale_forces(factor);
+        return as_int(ModalInstance(description_.plugin(), description_.model()).count_growing(is_held_));
+    }
+
+    ModalDescription description_;
+    bool is_held_ = true;
+};
+
+void print_buckling(const std::vector<double>& factors, int wanted) {
+    if (factors.empty()) {
+        fmt::print("no critical load factor: no motion grows up to 1e9 times its forces\n");
+        return;
+    }
+    std::string list;
+    for (const double factor : factors) list += fmt::format("{}{:.8g}", list.empty() ? "" : ", ", factor);
+    fmt::print("critical load {}: {}{}\n", factors.size() == 1 ? "factor" : "factors", list,
+               as_int(factors.size()) < wanted ? " (there are no more)" : "");
+}
+
 }  // namespace
 
 ExitCode find_equilibrium(const Request& request) {
@@ -171,6 +221,8 @@ ExitCode find_equilibrium(const Request& request) {
         warnings.note("moved-far", fmt::format("a body has turned by {:.3g} rad: there may be other equilibria; this is the "
                                                "one reached from the assembled machine",
                                                rest.turn));
+    std::vector<double> factors;
+    if (request.buckling > 0) factors = Buckling(model, plugins).find(request.buckling);
     const ResultsFolder folder(results_path(request, "-static"));
     std::vector<Column> columns;
     for (const Channel& channel : simulation.channels()) columns.push_back({channel.name(), channel.unit()});
@@ -189,6 +241,7 @@ ExitCode find_equilibrium(const Request& request) {
         json.member("load_steps", rest.load_steps);
         json.member("largest_force_n", rest.force);
         json.member("largest_unbalanced_force_n", rest.residual);
+        if (request.buckling > 0) json.member("critical_load_factors", factors);
         json.member("command_line", request.command_line);
         json.member("inputs", describe_inputs(model, request));
         write_model(json, model, plugins.catalogue());
@@ -196,6 +249,7 @@ ExitCode find_equilibrium(const Request& request) {
     if (request.quiet) return ExitCode::ok;
     if (!model.title.empty()) fmt::print("{}\n", model.title);
     print_table(model, Vectors(simulation.channels(), row));
+    if (request.buckling > 0) print_buckling(factors, request.buckling);
     fmt::print("forces balance to {:.2g} N (the largest is {:.4g} N) after {} in {}\nresults in {}\n", rest.residual,
                rest.force, counted(as_size(rest.iterations), "iteration", "iterations"),
                counted(as_size(rest.load_steps), "load step", "load steps"), folder.describe("static.csv"));

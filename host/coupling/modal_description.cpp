@@ -72,7 +72,7 @@ ModalDescription::Rest::Rest(const Model& model, const Plugins& plugins)
         Eigen::Map<Eigen::Vector3d>{motion.position} = body.position;
         Eigen::Map<RowMajor3>{motion.rotation} = body.rotation;
     }
-    told = {networks.instances().front().at_rest(), bodies.data(), load_stiffness.data(), joint_stiffness.data()};
+    told = {networks.instances().front().at_rest(), bodies.data(), load_stiffness.data(), joint_stiffness.data(), 1};
 }
 
 /// Ideal joints go with their bodies; a stop that pushes holds what the joint leaves free.

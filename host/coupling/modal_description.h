@@ -23,6 +23,8 @@ public:
     const RestState* rest() const { return rest_ ? &rest_->state : nullptr; }
     /// Valid as long as the model and this object.
     dttmm_modal_model model() const;
+    /// At rest, all forces counting so many times from now on.
+    void scale_forces(double factor) { rest_->told.factor = factor; }
 
 private:
     /// A machine at rest, and what of it a plugin is told.

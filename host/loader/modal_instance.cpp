@@ -163,6 +163,13 @@ ModalInstance::Response ModalInstance::respond(double frequency, int body, int n
     return {list(bodies), list(nodes)};
 }
 
+uint32_t ModalInstance::count_growing(bool is_held) {
+    if (!table_->count_growing) blame("it does not count motions that grow");
+    uint32_t count = 0;
+    ask([&](dttmm_error* error) { return table_->count_growing(modal_.get(), is_held, &count, error); });
+    return count;
+}
+
 double ModalInstance::bent_at_rest(uint32_t element, bool& is_lumped) const {
     double share = 0;
     int32_t lumped = 0;

@@ -45,6 +45,8 @@ public:
 
     /// Of an element at the start, where its stiffness counts [N]; 0: none.
     double force_at_start(uint32_t element) const;
+    /// Motions that grow. Throws Error(plugin_failure) if the plugin does not count them.
+    uint32_t count_growing(bool is_held);
     /// See dttmm_modal.h.
     double bent_at_rest(uint32_t element, bool& is_lumped) const;
 

@@ -161,8 +161,9 @@ dttmm_status create_modal(const dttmm_modal_model* model, dttmm_modal** modal, d
             *modal = new dttmm_modal{dttmm::plugin::ModalAnalysis(*model)};
             return;
         }
-        const dttmm::plugin::AtRest rest =
+        dttmm::plugin::AtRest rest =
             model->rest->instance ? model->rest->instance->machine.at_rest() : dttmm::plugin::AtRest{};
+        rest.scale_forces(model->rest->factor);
         *modal = new dttmm_modal{dttmm::plugin::ModalAnalysis(*model, &rest)};
     });
 }
@@ -254,6 +255,10 @@ double bent_at_rest(const dttmm_modal* modal, uint32_t element, int32_t* is_lump
     return share;
 }
 
+dttmm_status count_growing(dttmm_modal* modal, int32_t is_held, uint32_t* count, dttmm_error* error) {
+    return guard(error, [&] { *count = static_cast<uint32_t>(modal->analysis.count_growing(is_held != 0)); });
+}
+
 dttmm_plugin& table();
 
 dttmm_status add_law(const dttmm_law* law, const dttmm_law* volatile* at_work, dttmm_error* error) {
@@ -275,7 +280,8 @@ const void* extension(const char* name) {
                                                  mode_along,
                                                  overall,
                                                  force_at_start,
-                                                 bent_at_rest};
+                                                 bent_at_rest,
+                                                 count_growing};
     static constexpr dttmm_response_table kResponse = {sizeof(dttmm_response_table), respond};
     static constexpr dttmm_state_table kState = {sizeof(dttmm_state_table), state_size, save_state, restore_state};
     static constexpr dttmm_laws_table kLaws = {sizeof(dttmm_laws_table), add_law};

@@ -29,6 +29,7 @@ typedef struct dttmm_rest {
     const dttmm_motion* bodies;     /* there */
     const double* loads;            /* 36 per body: what loads on it add as their lever arms turn */
     const double* constraints;      /* 144 per constraint: what its forces add, by the motion of [first; second] */
+    double factor;                  /* all forces count so many times: 1, or a load factor in the search for buckling */
 } dttmm_rest;
 
 typedef struct dttmm_modal_model {
@@ -95,6 +96,8 @@ typedef struct dttmm_modal_table {
     /* NULL: none is. Of an element that is a line: how far it is bent at rest, as share of its radius of gyration; 0: it is
      * straight. *is_lumped: non-zero where it is therefore taken as the time solver has it. */
     double (*bent_at_rest)(const dttmm_modal* modal, uint32_t element, int32_t* is_lumped);
+    /* NULL: not known. How many motions grow. is_held: non-zero where it has no rigid-body modes; then exact to rounding. */
+    dttmm_status (*count_growing)(dttmm_modal* modal, int32_t is_held, uint32_t* count, dttmm_error* error);
 } dttmm_modal_table;
 
 #ifdef __cplusplus

@@ -145,7 +145,7 @@ FrequencyModel::FrequencyModel(const dttmm_modal_model& model, const AtRest* res
         const size_t before = bonds.size();
         add_joint(-1, constraint.first, constraint.second, law,
                   {Eigen::Map<const Vector3>(constraint.position), Eigen::Map<const RowMajor3>(constraint.axes)});
-        if (rest && bonds.size() > before) turn_constraint(model.rest->constraints + 144 * size_t{c});
+        if (rest && bonds.size() > before) turn_constraint(model.rest->constraints + 144 * size_t{c}, model.rest->factor);
     }
     add_lines(assembly.lines, frame_of, rest);
     if (rest) add_loads_at_rest(model, *rest);
@@ -277,18 +277,19 @@ void FrequencyModel::add_joint_at_rest(const dttmm::plugin::Joint& joint, const 
 }
 
 /// What the forces of the constraint last added do as they turn with its bodies.
-void FrequencyModel::turn_constraint(const double* stiffness) {
+void FrequencyModel::turn_constraint(const double* stiffness, double factor) {
     EndBlocks turning;
     const Eigen::Map<const Eigen::Matrix<double, 12, 12, Eigen::RowMajor>> K(stiffness);
     for (int i : {0, 1})
-        for (int k : {0, 1}) turning.at[i][k] = K.block<6, 6>(6 * i, 6 * k);
+        for (int k : {0, 1}) turning.at[i][k] = factor * K.block<6, 6>(6 * i, 6 * k);
     bonds.back().turning = std::make_shared<const EndBlocks>(turning);
 }
 
 /// What loads add whose lever arms turn with the frames that they act on.
 void FrequencyModel::add_loads_at_rest(const dttmm_modal_model& model, const AtRest& rest) {
     for (uint32_t b = 0; b < model.network->body_count; ++b)
-        levers.push_back({-1, as_int(b), Eigen::Map<const Matrix6>(model.rest->loads + 36 * size_t{b})});
+        levers.push_back(
+            {-1, as_int(b), model.rest->factor * Eigen::Map<const Matrix6>(model.rest->loads + 36 * size_t{b})});
     size_t inner = 0;
     for (size_t n = 0; n < nodes.size(); ++n) {
         if (model.network->nodes[n].kind != DTTMM_NODE_INNER) continue;

@@ -147,7 +147,7 @@ private:
     void find_bent(const dttmm_modal_model& model, const AtRest& rest);
     std::vector<const AtRest::Link*> place_at_rest(const AtRest& rest, Assembly& assembly);
     void add_joint_at_rest(const dttmm::plugin::Joint& joint, const AtRest::Link& link, int from, int to);
-    void turn_constraint(const double* stiffness);
+    void turn_constraint(const double* stiffness, double factor);
     void add_loads_at_rest(const dttmm_modal_model& model, const AtRest& rest);
     void add_line_force(const LineModel& line, double axial);
     void add_lever(int element, int frame, const Vector3& point, const Vector3& force);

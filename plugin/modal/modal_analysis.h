@@ -33,6 +33,7 @@ public:
                  double* nodes);
 
     /// See dttmm_modal.h.
+    int count_growing(bool is_held) { return ModeFinder(stiffness_).count_growing(is_held); }
     double bent_at_rest(size_t element, bool& is_lumped) const;
     double force_at_start(size_t element) const { return model_.force_at_start(element); }
 

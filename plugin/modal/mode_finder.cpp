@@ -106,6 +106,14 @@ std::vector<Mode> ModeFinder::find_first(int count) {
     return std::move(modes_);
 }
 
+int ModeFinder::count_growing(bool is_held) {
+    stiffness_.cut(0);
+    const double lowest = lowest_for(0), shift = is_held ? 0 : -kWiden * lowest * lowest;
+    for (const double at : {shift, shift - kBeside * rounding()})
+        if (const auto count = stiffness_.factor(at, false)) return *count;
+    throw Error(DTTMM_ERROR_NUMERIC, "the motions that grow cannot be counted");
+}
+
 int ModeFinder::count_rigid() {
     stiffness_.cut(0);
     return count_at(lowest_for(0));

@@ -43,6 +43,8 @@ public:
     std::vector<Mode> find_below(double below);
     /// The first `count`, and what is equal to the last of them; all if there are fewer.
     std::vector<Mode> find_first(int count);
+    /// The number of motions that grow; of a machine without rigid-body modes that of its static stiffness, to rounding.
+    int count_growing(bool is_held);
     /// The number of rigid-body modes.
     int count_rigid();
 

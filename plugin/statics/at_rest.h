@@ -21,8 +21,20 @@ struct AtRest {
         Link link;
     };
     std::vector<Held> held;
-    std::vector<Vector6>
-        loads;  ///< as dttmm_plugin.h has them: on the inner nodes, at the node, world axes; then line loads
+    /// As dttmm_plugin.h has them: on the inner nodes, at the node, world axes; then line loads.
+    std::vector<Vector6> loads;
+
+    /// All forces so many times.
+    void scale_forces(double factor) {
+        const auto scale = [&](Link& link) {
+            link.force *= factor;
+            link.rigid *= factor;
+        };
+        for (std::vector<Link>& links : elements)
+            for (Link& link : links) scale(link);
+        for (Held& one : held) scale(one.link);
+        for (Vector6& load : loads) load *= factor;
+    }
 };
 
 }  // namespace dttmm::plugin

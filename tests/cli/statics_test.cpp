@@ -437,6 +437,36 @@ force = {}
     }
 }
 
+/// Euler's loads of a column between pins, in both planes.
+TEST(Statics, CriticalLoadFactors) {
+    constexpr double kL = 1.2, kEI = 16.4, kEA = 1e5, kLoad = 10;
+    AtRest rest = rest_of(fmt::format(R"(format = "dttmm/1"
+[nodes]
+foot = {{ position = [0.1, 0.2, 0.3], fixed = ["x", "y", "z", "rz"] }}
+head = {{ position = [0.1, 0.2, {}], fixed = ["x", "y"] }}
+[[element]]
+name = "column"
+type = "beam"
+from = "foot"
+to = "head"
+segments = 3
+theory = "euler-bernoulli"
+section = {{ EA = {}, EIy = {}, EIz = {}, GJ = 10, mass = 0.7, inertia = 1e-4 }}
+[[load]]
+on = "head"
+direction = [0, 0, -1]
+force = {}
+)",
+                                      0.3 + kL, kEA, kEI, 1.9 * kEI, kLoad),
+                          {"--buckling", "3"});
+    const double pressed = kL * (1 - kLoad / kEA), first = M_PI * M_PI * kEI / (pressed * pressed) / kLoad;
+    const std::vector<double> found = rest.summary["critical_load_factors"];
+    ASSERT_EQ(found.size(), 3u);
+    EXPECT_NEAR(found[0], first, 1e-8 * first);
+    EXPECT_NEAR(found[1], 1.9 * first, 1e-8 * first);
+    EXPECT_NEAR(found[2], 4 * first, 1e-7 * first);
+}
+
 /// A string of 100 N: n/(2 L) √(T/μ), and what little it is stiff: 1 + √(EI/T) 2/L for clamped ends.
 TEST(ModesAtRest, AString) {
     constexpr double kEI = 1e-5, kL = 1, kT = 100, kMass = 0.01;

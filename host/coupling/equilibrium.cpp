@@ -127,11 +127,6 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
             attempt.correction = correction.size;
             attempt.mover = correction.mover;
             state_.residual = lacking(factor);
-            if (std::getenv("DBG"))
-                fmt::print(stderr,
-                           "f {} it {} size {:.3g} turn {:.3g} share {:.3g} res {:.3g} F {:.3g} s {:.2g} noise {:.2g} {}\n",
-                           factor, i, correction.size, correction.turn, 1.0, state_.residual, state_.force, resistance_,
-                           noise_, correction.mover);
             if (!std::isfinite(correction.size) || correction.size > 1e6 * extent_) return attempt;
             if (reach_stops()) {
                 last = std::numeric_limits<double>::infinity();
@@ -145,11 +140,9 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
             if (release_stops()) continue;
             attempt.is_converged = true;
             return attempt;
-        } catch (const NetworkError& e) {
-            if (std::getenv("DBG")) fmt::print(stderr, "{}\n", e.what());
+        } catch (const NetworkError&) {
             return attempt;
         } catch (const Error& error) {
-            if (std::getenv("DBG")) fmt::print(stderr, "{}\n", error.what());
             if (error.code() != ExitCode::numerical_failure) throw;
             return attempt;
         }

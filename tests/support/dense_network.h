@@ -25,9 +25,6 @@ public:
         dttmm_progress progress{};
         for (int n = 0; iterates() && n < 50; ++n) {
             iterate(trial, progress);
-            fprintf(stderr, "n %d corr %.2e prev %.2e mot %.2e enough %.1e res %.2e imp %.2e new %d\n", n,
-                    progress.correction, progress.previous, progress.motion, progress.enough, progress.residual,
-                    progress.impulse, progress.is_new);
             if (n > 0 && (progress.correction <= progress.enough ||
                           (progress.correction <= 1e-9 * progress.motion && progress.residual <= 1e-9 * progress.impulse)))
                 return;

@@ -32,9 +32,6 @@ Matrix6 mass_block(double mass, const Matrix3& inertia) {
     return block;
 }
 
-/// What lines of one kind share, to the bit: section, length, whether it is a rod, active directions, axial force.
-using Key = std::tuple<std::array<uint64_t, sizeof(Section) / sizeof(double)>, double, bool, unsigned long, double>;
-
 }  // namespace
 
 double dot(const FrameVector& a, const FrameVector& b) {
@@ -106,8 +103,8 @@ FrequencyModel::FrequencyModel(const dttmm_modal_model& model, const AtRest* res
         throw Error(DTTMM_ERROR_ARGUMENT, "about a machine at rest all directions are there, none is left out");
     std::vector<bool> lumped(element_count);
     if (rest) {
-        find_bent(model, *rest);
-        for (size_t e = 0; e < element_count; ++e) lumped[e] = bent[e].is_lumped;
+        find_resting_lines(model, *rest);
+        for (size_t e = 0; e < element_count; ++e) lumped[e] = resting[e].is_lumped;
     }
     Assembly assembly = assemble(*model.network, model.lumped_beams ? Waves::lumped : Waves::exact, &lumped);
     mask.setZero();
@@ -147,7 +144,7 @@ FrequencyModel::FrequencyModel(const dttmm_modal_model& model, const AtRest* res
                   {Eigen::Map<const Vector3>(constraint.position), Eigen::Map<const RowMajor3>(constraint.axes)});
         if (rest && bonds.size() > before) turn_constraint(model.rest->constraints + 144 * size_t{c}, model.rest->factor);
     }
-    add_lines(assembly.lines, frame_of, rest);
+    add_lines(assembly.lines, frame_of);
     if (rest) add_loads_at_rest(model, *rest);
     if (frames.empty()) throw Error(DTTMM_ERROR_MODEL, "nothing moves: no body and no free node");
 }
@@ -160,32 +157,27 @@ namespace {
 /// times that radius is stiffer along by a share of r².
 constexpr double kStraight = 0.05;
 
-/// Where the joints of an element are at rest, from end to end.
-std::vector<Vector3> points_of(const std::vector<AtRest::Link>& links, const Joint& first, const Joint& last) {
-    std::vector<Vector3> points;
-    points.push_back(first.pose(links.front().from, links.front().to).arm + FrameView(links.front().from).origin());
-    for (size_t k = 1; k + 1 < links.size(); ++k)
-        points.push_back(0.5 * (FrameView(links[k].from).origin() + FrameView(links[k].to).origin()));
-    points.push_back(last.pose(links.back().from, links.back().to).arm + FrameView(links.back().from).origin());
-    return points;
-}
-
 }  // namespace
 
-/// Which lines are bent. Their joints are those of the lumps of the network that came to rest.
-void FrequencyModel::find_bent(const dttmm_modal_model& model, const AtRest& rest) {
-    bent.resize(element_count);
+/// How far lines are bent, and their forces. Their joints are those of the lumps of the network that came to rest.
+void FrequencyModel::find_resting_lines(const dttmm_modal_model& model, const AtRest& rest) {
+    resting.resize(element_count);
     if (model.lumped_beams) return;
     const Assembly exact = assemble(*model.network, Waves::exact), lumps = assemble(*model.network);
     for (const LineSpec& line : exact.lines) {
         const auto e = as_size(line.element);
+        RestingLine& own = resting[e];
         const std::vector<AtRest::Link>& links = rest.elements[e];
-        if (links.size() < 2 || line.line.stretches_only) continue;
-        const auto joint = [&](size_t j) {
-            return Joint(lumps.joints[j], lumps, std::make_shared<JointKind>(lumps.joints[j].law));
-        };
-        const std::vector<Vector3> points =
-            points_of(links, joint(as_size(lumps.first_joint[e])), joint(as_size(lumps.first_joint[e + 1] - 1)));
+        if (links.size() < 2) continue;
+        std::vector<Vector3> points;
+        for (size_t k = 0; k < links.size(); ++k) {
+            const JointSpec& spec = lumps.joints[as_size(lumps.first_joint[e]) + k];
+            const JointPose pose =
+                Joint(spec, lumps, std::make_shared<JointKind>(spec.law)).pose({links[k].from, links[k].to});
+            points.push_back(FrameView(links[k].from).origin() + pose.arm);
+            own.forces.push_back(both(pose.axes) * (links[k].force + links[k].rigid));
+        }
+        if (line.line.stretches_only) continue;
         const Vector3 chord = (points.back() - points.front()).normalized();
         double away = 0;
         for (const Vector3& point : points) away = std::max(away, (point - points.front()).cross(chord).norm());
@@ -193,8 +185,8 @@ void FrequencyModel::find_bent(const dttmm_modal_model& model, const AtRest& res
         const double bending = is_given(section.EIy) && is_given(section.EIz) ? std::min(section.EIy, section.EIz)
                                : is_given(section.EIy)                        ? section.EIy
                                                                               : section.EIz;
-        bent[e].share = away / std::sqrt(bending / section.EA);
-        bent[e].is_lumped = bent[e].share > kStraight;
+        own.share = away / std::sqrt(bending / section.EA);
+        own.is_lumped = own.share > kStraight;
     }
 }
 
@@ -307,26 +299,38 @@ void FrequencyModel::add_lever(int element, int frame, const Vector3& point, con
     levers.push_back({element, frame, mask * stiffness * mask});
 }
 
-/// What the axial force of a line does to the frames at its ends, and of a rod across itself.
-void FrequencyModel::add_line_force(const LineModel& line, double axial) {
-    if (axial == 0) return;
-    const Vector3 pull = axial * line.axes.col(0);
-    if (line.from >= 0) add_lever(line.element, line.from, line.start, pull);
-    if (line.to >= 0) add_lever(line.element, line.to, line.finish, -pull);
-    if (!line.line.stretches_only || (line.from < 0 && line.to < 0)) return;
-    Bond across;
-    across.element = line.element;
-    across.from = line.from;
-    across.to = line.to;
-    across.points[0] = line.start;
-    across.points[1] = line.finish;
-    across.by_from = at_point(line.start, origin(line.from));
-    across.by_to = at_point(line.finish, origin(line.to));
-    across.axes = both(line.axes);
-    across.springs << 0, axial / line.length(), axial / line.length(), 0, 0, 0;
-    across.stiffness = across.axes * across.springs.asDiagonal() * across.axes.transpose();
-    across.damping.setZero();
-    bonds.push_back(std::move(across));
+/// What the forces of a bar do as it turns with a frame.
+void FrequencyModel::add_bar_force(const LineModel& line, const LineForces& forces) {
+    const int frame = line.from >= 0 ? line.from : line.to;
+    if (frame < 0) return;
+    const Vector3 f = line.axes * forces.mean_force(), e = line.axes.col(0);
+    Matrix6 stiffness = Matrix6::Zero();
+    stiffness.bottomRightCorner<3, 3>() =
+        forces.length() * (f.dot(e) * Matrix3::Identity() - 0.5 * (e * f.transpose() + f * e.transpose()));
+    levers.push_back({line.element, frame, stiffness});
+}
+
+/// What forces of a line but the axial one of its waves do from `start` of it on, where this segment of it begins.
+void FrequencyModel::add_deviation(const LineModel& line, const LineForces& forces, double start, const LineShapes& shapes) {
+    const Matrix12 K = forces.stiffness(start, line.length(), line.axial, line.line.section.GJ, shapes);
+    Bond turning;
+    turning.element = line.element;
+    turning.from = line.from;
+    turning.to = line.to;
+    turning.points[0] = line.start;
+    turning.points[1] = line.finish;
+    turning.by_from = at_point(line.start, origin(line.from));
+    turning.by_to = at_point(line.finish, origin(line.to));
+    turning.axes = both(line.axes);
+    turning.springs.setZero();
+    turning.stiffness.setZero();
+    turning.damping.setZero();
+    const Matrix6 by[2] = {turning.axes.transpose() * turning.by_from, turning.axes.transpose() * turning.by_to};
+    EndBlocks blocks;
+    for (int i : {0, 1})
+        for (int k : {0, 1}) blocks.at[i][k] = by[i].transpose() * K.block<6, 6>(6 * i, 6 * k) * by[k];
+    turning.turning = std::make_shared<const EndBlocks>(blocks);
+    bonds.push_back(std::move(turning));
 }
 
 // ---- The parts ----------------------------------------------------------------------------------------------------------
@@ -437,30 +441,59 @@ Directions FrequencyModel::active_axes(const LineSpec& spec) const {
     return active;
 }
 
-void FrequencyModel::add_lines(const std::vector<LineSpec>& specs, const std::vector<int>& frame_of, const AtRest* rest) {
-    std::map<Key, size_t> known;
+void FrequencyModel::add_lines(const std::vector<LineSpec>& specs, const std::vector<int>& frame_of) {
     for (const LineSpec& spec : specs) {
-        const Directions active = active_axes(spec);
-        const double length = (spec.finish - spec.start).norm();
-        double axial = 0;
-        if (rest) {
-            const std::vector<AtRest::Link>& links = rest->elements[as_size(spec.element)];
-            for (const AtRest::Link& link : links) axial += link.force(0) / static_cast<double>(links.size());
-        }
-        const Key key = {std::bit_cast<std::tuple_element_t<0, Key>>(spec.line.section), length, spec.line.stretches_only,
-                         active.to_ulong(), axial};
-        const auto [kind, is_new] = known.try_emplace(key, kinds.size());
-        if (is_new) try {
-                kinds.push_back(std::make_unique<LineWaves>(spec.line, length, active, axial));
-            } catch (const Error& error) {
-                throw Error(error.status(), error.what(), spec.element);
+        const int from = frame_of[as_size(spec.from)], to = frame_of[as_size(spec.to)];
+        total_mass += spec.line.section.mass * (spec.finish - spec.start).norm();
+        try {
+            if (!is_at_rest) {
+                add_line(spec, from, to, {});
+                if (lines.back().waves->pinned().any()) add_pin(lines.back());
+                continue;
             }
-        lines.push_back({spec.element, frame_of[as_size(spec.from)], frame_of[as_size(spec.to)], spec.start, spec.finish,
-                         spec.line.axes, spec.line, kind->second, kinds[kind->second].get()});
-        total_mass += spec.line.section.mass * length;
-        if (lines.back().waves->pinned().any()) add_pin(lines.back());
-        add_line_force(lines.back(), axial);
+            std::vector<Vector6> forces = resting[as_size(spec.element)].forces;
+            for (Vector6& own : forces) own = both(spec.line.axes.transpose()) * own;
+            add_line(spec, from, to, LineForces(std::move(forces), (spec.finish - spec.start).norm()));
+        } catch (const Error& error) {
+            throw Error(error.status(), error.what(), spec.element);
+        }
     }
+}
+
+/// forces: at rest. Where they are not uniform the line is cut into segments.
+void FrequencyModel::add_line(const LineSpec& spec, int from, int to, const std::optional<LineForces>& forces) {
+    const bool is_bar = spec.line.stretches_only;
+    const int segments = !forces || is_bar || forces->is_uniform(spec.line.section) ? 1 : forces->segments();
+    const double axial = forces ? forces->mean_force().x() : 0, step = (spec.finish - spec.start).norm() / segments;
+    const size_t kind = find_kind(spec, step, axial);
+    const LineShapes shapes = segments > 1 ? kinds[kind]->static_shapes() : LineShapes{};
+    int last = from;
+    for (int i = 0; i < segments; ++i) {
+        const auto point = [&](int k) { return Vector3(spec.start + double(k) / segments * (spec.finish - spec.start)); };
+        int next = to;
+        if (i + 1 < segments) {
+            next = as_int(frames.size());
+            frames.push_back({point(i + 1), "a point of it", spec.element});
+        }
+        lines.push_back(
+            {spec.element, last, next, point(i), point(i + 1), spec.line.axes, spec.line, kind, kinds[kind].get(), axial});
+        if (segments > 1) add_deviation(lines.back(), *forces, i * step, shapes);
+        last = next;
+    }
+    if (!forces) return;
+    if (is_bar) add_bar_force(lines.back(), *forces);
+    if (from >= 0) add_lever(spec.element, from, spec.start, spec.line.axes * forces->first().head<3>());
+    if (to >= 0) add_lever(spec.element, to, spec.finish, -spec.line.axes * forces->last().head<3>());
+}
+
+/// The waves of a line of that length; lines alike share them.
+size_t FrequencyModel::find_kind(const LineSpec& spec, double length, double axial) {
+    const Directions active = active_axes(spec);
+    const Key key = {std::bit_cast<std::tuple_element_t<0, Key>>(spec.line.section), length, spec.line.stretches_only,
+                     active.to_ulong(), axial};
+    const auto [kind, is_new] = known_kinds_.try_emplace(key, kinds.size());
+    if (is_new) kinds.push_back(std::make_unique<LineWaves>(spec.line, length, active, axial));
+    return kind->second;
 }
 
 void FrequencyModel::add_pin(const LineModel& line) {

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "core/index.h"
 #include "dttmm_modal.h"
 #include "mechanism/assembly.h"
+#include "modal/line_forces.h"
 #include "modal/line_waves.h"
 #include "statics/at_rest.h"
 
@@ -66,7 +71,7 @@ struct Pin : Joined {
     Matrix6 mass;  ///< m in the pinned directions, local axes [kg]
 };
 
-/// An element with waves from frame to frame (−1: the ground).
+/// An element with waves from frame to frame (−1: the ground), or a segment of one; those of an element follow each other.
 struct LineModel {
     int element, from, to;
     Vector3 start, finish;  ///< its ends at the start [m, world]
@@ -74,6 +79,7 @@ struct LineModel {
     Line line;
     size_t kind;  ///< lines alike share their waves
     const LineWaves* waves;
+    double axial;  ///< force at rest that its waves know [N]
     double length() const { return (finish - start).norm(); }
 };
 
@@ -118,12 +124,13 @@ struct FrequencyModel {
     std::vector<Lever> levers;
     double total_mass = 0;  ///< [kg]
     bool is_at_rest = false;
-    /// Of a line at rest: how far it is bent, as share of its radius of gyration, and whether it is therefore lumps.
-    struct Bent {
+    /// A line at rest: how far it is bent, as share of its radius of gyration, and whether it is therefore lumps.
+    struct RestingLine {
         double share = 0;
         bool is_lumped = false;
+        std::vector<Vector6> forces;  ///< [force; moment] in its joints, on the end part, world axes; ascending
     };
-    std::vector<Bent> bent;  ///< of every element of a machine at rest
+    std::vector<RestingLine> resting;  ///< of every element of a machine at rest
 
     bool is_elastic() const;
     /// Force of an element at the start whose stiffness is in the model [N], positive in tension; 0: none.
@@ -144,17 +151,24 @@ private:
     void add_bodies(const dttmm_network& network, const dttmm_rest* rest);
     std::vector<int> add_inner_frames(const Assembly& assembly);
     void refer_to_nodes();
-    void find_bent(const dttmm_modal_model& model, const AtRest& rest);
+    void find_resting_lines(const dttmm_modal_model& model, const AtRest& rest);
     std::vector<const AtRest::Link*> place_at_rest(const AtRest& rest, Assembly& assembly);
     void add_joint_at_rest(const dttmm::plugin::Joint& joint, const AtRest::Link& link, int from, int to);
     void turn_constraint(const double* stiffness, double factor);
     void add_loads_at_rest(const dttmm_modal_model& model, const AtRest& rest);
-    void add_line_force(const LineModel& line, double axial);
+    void add_bar_force(const LineModel& line, const LineForces& forces);
+    void add_deviation(const LineModel& line, const LineForces& forces, double start, const LineShapes& shapes);
     void add_lever(int element, int frame, const Vector3& point, const Vector3& force);
     void add_joint(int element, int from, int to, const JointLaw& law, const Pose& pose);
-    void add_lines(const std::vector<LineSpec>& specs, const std::vector<int>& frame_of, const AtRest* rest);
+    void add_lines(const std::vector<LineSpec>& specs, const std::vector<int>& frame_of);
+    void add_line(const LineSpec& spec, int from, int to, const std::optional<LineForces>& forces);
+    size_t find_kind(const LineSpec& spec, double length, double axial);
     Directions active_axes(const LineSpec& spec) const;
     void add_pin(const LineModel& line);
+
+    /// What lines of one kind share, to the bit: section, length, whether it is a rod, active directions, axial force.
+    using Key = std::tuple<std::array<uint64_t, sizeof(Section) / sizeof(double)>, double, bool, unsigned long, double>;
+    std::map<Key, size_t> known_kinds_;
 };
 
 /// Mass of a rod of a length [m] as a rigid body but for its axis x, about its middle, local axes: by [velocity; angular

@@ -291,6 +291,22 @@ Matrix12 LineWaves::transfer(double lambda, double s) const {
     return U;
 }
 
+LineShapes LineWaves::static_shapes() const {
+    Matrix12 K, start;  // [d; n] at the start by the ends
+    evaluate<double>(1, 0, 1, K, nullptr);
+    start << Matrix6::Identity(), Matrix6::Zero(), -K.topRows<6>();
+    LineShapes shapes;
+    for (size_t k = 0; k < shapes.at.size(); ++k) {
+        const Matrix12 state = transfer(0, LineShapes::kPoints[k] * length_) * start;
+        LineShapes::Shape& shape = shapes.at[k] = {state.topRows<6>(), Eigen::Matrix<double, 6, 12>::Zero()};
+        for (const Group& group : groups_)
+            shape.slope(group.directions, Eigen::all) =
+                group.A * state(group.directions, Eigen::all) +
+                group.C.asDiagonal() * state.bottomRows<6>()(group.directions, Eigen::all);
+    }
+    return shapes;
+}
+
 template void LineWaves::evaluate(int, double, double, Square<double>&, Square<double>*) const;
 template void LineWaves::evaluate(int, std::complex<double>, std::complex<double>, Square<std::complex<double>>&,
                                   Square<std::complex<double>>*) const;

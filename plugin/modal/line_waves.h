@@ -7,6 +7,7 @@
 
 #include "core/driven_ends.h"
 #include "element/element.h"
+#include "modal/line_forces.h"
 
 namespace dttmm::plugin {
 
@@ -52,6 +53,9 @@ public:
 
     /// exp(S s), [d; n] order, directions without waves unchanged.
     Matrix12 transfer(double lambda, double s) const;
+
+    /// At λ = 0.
+    LineShapes static_shapes() const;
 
 private:
     /// Directions that couple with each other.

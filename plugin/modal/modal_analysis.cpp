@@ -18,8 +18,8 @@ ModalAnalysis::ModalAnalysis(const dttmm_modal_model& model, const AtRest* rest)
 }
 
 double ModalAnalysis::bent_at_rest(size_t element, bool& is_lumped) const {
-    is_lumped = element < model_.bent.size() && model_.bent[element].is_lumped;
-    return element < model_.bent.size() ? model_.bent[element].share : 0;
+    is_lumped = element < model_.resting.size() && model_.resting[element].is_lumped;
+    return element < model_.resting.size() ? model_.resting[element].share : 0;
 }
 
 size_t ModalAnalysis::find_modes(uint32_t count, double below) {

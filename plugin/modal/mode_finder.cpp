@@ -21,6 +21,9 @@ namespace {
 /// Rounding of a rigid-body mode's λ, as share of the largest stiffness over the whole mass. Range 1e-13 (below it
 /// RandomTrees) to 2e-12 (above it ASlowSpringIsNoRigidBodyMode).
 constexpr double kRigidRounding = 1e-12;
+/// What rounding makes of the difference between equal λ, of the same share: the count around them is their proof. Range
+/// 2e-15 (below it ALineUnderItsOwnWeight) to 1e-12, none fails.
+constexpr double kSplit = 1e-14;
 /// Of the range looked at: lower frequencies are taken for zero. Range 1e-9 or less to 2e-7 (ASlowSpringIsNoRigidBodyMode).
 constexpr double kLowest = 1e-7;
 /// Strain of a rigid-body mode beyond its rounding, as share of λ where the count begins. More is a mode too slow to be
@@ -310,7 +313,7 @@ bool ModeFinder::converge(Cluster& cluster) {
         for (size_t k = 0; k < next.size(); ++k) change = std::max(change, std::abs(next[k] - cluster.lambdas[k]) / next[k]);
         cluster.lambdas = next;
     }
-    return cluster.lambdas.back() <= cluster.lambdas.front() * (1 + 2 * kEqual);
+    return cluster.lambdas.back() <= cluster.lambdas.front() * (1 + 2 * kEqual) + kSplit * stiffness_.stiffest();
 }
 
 /// The count on both sides of a cluster, as near as it can tell: the share of ω; 0: it says otherwise.

@@ -37,6 +37,23 @@ Vector12 state_at_start(const DynamicStiffness& D, const DynamicStiffness::Piece
     return state;
 }
 
+/// Of a line, at a distance s from its start, world axes.
+Vector6 motion_along(const DynamicStiffness& D, const LineModel& line, const FrameVector& u, double s) {
+    const auto index = static_cast<size_t>(&line - D.model().lines.data());
+    const auto first = std::ranges::find_if(D.pieces(), [&](const auto& piece) { return piece.line == index; });
+    const double piece_length = D.piece_length(line);
+    const int i = std::min(D.count(line) - 1, static_cast<int>(s / piece_length));
+    const double from_start = s - i * piece_length;
+    const Vector12 start = state_at_start(D, *(first + i), u);
+    Vector6 local = (line.waves->transfer(D.lambda(), from_start) * start).head<6>();
+    if (D.model().is_bar(line)) local.segment<3>(1) += from_start * Vector3(start(5), -start(4), 0);
+    const double share = s / line.length();
+    for (Eigen::Index d : {1, 2})  // straight between pins
+        if (line.waves->pinned()[as_size(d)])
+            local(d) = (1 - share) * first->ends(u)(d) + share * (first + D.count(line) - 1)->ends(u)(6 + d);
+    return both(line.axes) * local;
+}
+
 }  // namespace
 
 std::vector<Strain> strain_energies(const DynamicStiffness& D, const FrameVector& u) {
@@ -77,26 +94,17 @@ Strain sum(const std::vector<Strain>& strains) {
 
 double along(const DynamicStiffness& D, size_t element, const FrameVector& u, size_t count, double* shape) {
     const FrequencyModel& model = D.model();
-    const auto own =
-        std::ranges::find_if(model.lines, [&](const LineModel& line) { return line.element == as_int(element); });
-    if (own == model.lines.end()) return 0;
-    const LineModel& line = *own;
-    const auto first = std::ranges::find_if(D.pieces(), [&](const auto& piece) { return piece.element == line.element; });
-    const double length = line.length(), piece_length = D.piece_length(line);
-    const Vector12 first_ends = first->ends(u), last_ends = (first + D.count(line) - 1)->ends(u);
+    const auto own = [&](const LineModel& line) { return line.element == as_int(element); };
+    const auto begin = std::ranges::find_if(model.lines, own), end = std::find_if_not(begin, model.lines.end(), own);
+    if (begin == end) return 0;
+    const auto segments = static_cast<double>(end - begin);
     for (size_t k = 0; shape && k < count; ++k) {
-        const double s = count > 1 ? static_cast<double>(k) / static_cast<double>(count - 1) * length : 0;
-        const int i = std::min(D.count(line) - 1, static_cast<int>(s / piece_length));
-        const double from_start = s - i * piece_length;
-        const Vector12 start = state_at_start(D, *(first + i), u);
-        Vector6 local = (line.waves->transfer(D.lambda(), from_start) * start).head<6>();
-        if (model.is_bar(line)) local.segment<3>(1) += from_start * Vector3(start(5), -start(4), 0);
-        for (Eigen::Index d : {1, 2})  // straight between pins
-            if (line.waves->pinned()[as_size(d)])
-                local(d) = (1 - s / length) * first_ends(d) + s / length * last_ends(6 + d);
-        Eigen::Map<Vector6>{shape + 6 * k} = both(line.axes) * local;
+        const double at = count > 1 ? segments * static_cast<double>(k) / static_cast<double>(count - 1) : 0;
+        const double segment = std::min(std::floor(at), segments - 1);
+        const LineModel& line = *(begin + static_cast<std::ptrdiff_t>(segment));
+        Eigen::Map<Vector6>{shape + 6 * k} = motion_along(D, line, u, (at - segment) * line.length());
     }
-    return length;
+    return segments * begin->length();
 }
 
 std::vector<Station> stations(const DynamicStiffness& D, const FrameVector& u) {

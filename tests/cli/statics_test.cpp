@@ -498,6 +498,139 @@ force = 100
     }
 }
 
+/// The frequencies of a cantilever of unit length by Ritz: EI w'''' − (N w')' = ω² m w, N = weight (1 − s), the weight of it
+/// all in tension; negative where it grows.
+std::vector<double> frequencies_of_cantilever(double EI, double mass, double weight) {
+    constexpr int kTerms = 12, kPoints = 200;
+    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(kTerms, kTerms), M = K;
+    for (int p = 0; p < kPoints; ++p) {
+        // Chebyshev polynomials times s², integrated by Fejér's rule
+        const double angle = M_PI * (p + 0.5) / kPoints, s = 0.5 * (1 + std::cos(angle));
+        double weight_of_point = 0.5;
+        for (int k = 1; k <= kPoints / 2; ++k) weight_of_point -= std::cos(2 * k * angle) / (4.0 * k * k - 1);
+        weight_of_point *= 2.0 / kPoints;
+        Eigen::VectorXd w(kTerms), slope(kTerms), bend(kTerms);
+        for (int i = 0; i < kTerms; ++i) {
+            // T_i, T_i' and T_i'' at x = 2 s − 1, by their recurrence
+            double T[3] = {1, 0, 0}, last[3] = {0, 0, 0};
+            const double x = 2 * s - 1;
+            for (int k = 0; k < i; ++k) {
+                const double f = k == 0 ? 1 : 2;
+                const double next[3] = {f * x * T[0] - last[0], f * (T[0] + x * T[1]) - last[1],
+                                        f * (2 * T[1] + x * T[2]) - last[2]};
+                std::ranges::copy(T, last);
+                std::ranges::copy(next, T);
+            }
+            w(i) = s * s * T[0];
+            slope(i) = 2 * s * T[0] + 2 * s * s * T[1];
+            bend(i) = 2 * T[0] + 8 * s * T[1] + 4 * s * s * T[2];
+        }
+        K += weight_of_point * (EI * bend * bend.transpose() + weight * (1 - s) * slope * slope.transpose());
+        M += weight_of_point * mass * w * w.transpose();
+    }
+    const Eigen::VectorXd squares = Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(K, M).eigenvalues();
+    std::vector<double> all;
+    for (const double square : squares) all.push_back(std::copysign(std::sqrt(std::abs(square)), square) / (2 * M_PI));
+    return all;
+}
+
+/// A mast and a hanging cable: the axial force of a line varies by its own weight. It buckles at 7.837 EI/L³ of weight per
+/// length. Fourth order in the segments.
+TEST(ModesAtRest, ALineUnderItsOwnWeight) {
+    constexpr double kL = 2.3, kEI = 11, kGravity = 9.81;
+    for (const auto& [share, tolerance] : {std::pair(0.3, 2e-6), {0.9, 4e-5}, {1.05, 1e-4}, {-1.0, 4e-6}, {-20.0, 1e-4}}) {
+        const double mass = 7.8373474 * std::abs(share) * kEI / (kL * kL * kL) / kGravity;
+        const std::vector<double> exact =
+            frequencies_of_cantilever(kEI / std::pow(kL, 4), mass, std::copysign(mass * kGravity / kL, -share));
+        for (const auto& [segments, worse] : {std::pair(10, 1.0), {20, 1.0 / 12}}) {
+            const std::vector<double> found =
+                frequencies_of(modes_of(fmt::format(R"(format = "dttmm/1"
+[simulation]
+duration = 1
+step = 1e-3
+gravity = [0, 5.886, -7.848]
+[nodes]
+foot = {{ position = [0.1, 0.2, 0.3], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+end = {{ position = [0.1, {}, {}] }}
+[[element]]
+name = "mast"
+type = "beam"
+from = "foot"
+to = "end"
+segments = {}
+theory = "euler-bernoulli"
+section = {{ EA = 1e8, EIy = {}, EIz = {}, GJ = 3, mass = {}, inertia = 1e-6 }}
+)",
+                                                    0.2 - std::copysign(0.6 * kL, share),
+                                                    0.3 + std::copysign(0.8 * kL, share), segments, kEI, kEI, mass),
+                                        {"--count", "5"}));
+            ASSERT_GE(found.size(), 4u) << share;
+            for (size_t k : {size_t{0}, size_t{1}})
+                for (size_t plane : {size_t{0}, size_t{1}})
+                    EXPECT_NEAR(found[2 * k + plane], exact[k], worse * tolerance * std::abs(exact[k])) << share << " " << k;
+        }
+    }
+}
+
+/// A deep cantilever tips over sideways at 4.01260 √(EI GJ)/L² (the first zero of the Bessel function J of order −1/4).
+TEST(ModesAtRest, ADeepCantileverTipsOver) {
+    constexpr double kL = 2, kEI = 10, kGJ = 5, kForce = 0.01;
+    AtRest rest = rest_of(fmt::format(R"(format = "dttmm/1"
+[nodes]
+wall = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+tip = {{ position = [1.2, 1.6, 0] }}
+[[element]]
+name = "board"
+type = "beam"
+from = "wall"
+to = "tip"
+theory = "euler-bernoulli"
+section = {{ EA = 1e6, EIy = 1e6, EIz = {}, GJ = {}, mass = 0.8, inertia = 1e-3 }}
+[[load]]
+on = "tip"
+direction = [0, 0, -1]
+force = {}
+)",
+                                      kEI, kGJ, kForce),
+                          {"--buckling", "1"});
+    const std::vector<double> found = rest.summary["critical_load_factors"];
+    ASSERT_EQ(found.size(), 1u);
+    const double exact = 4.0125993 * std::sqrt(kEI * kGJ) / (kL * kL) / kForce;
+    EXPECT_NEAR(found[0], exact, 3e-5 * exact);
+}
+
+/// A heavy rod with a force at its end: a compound pendulum, if its force is known all along it.
+TEST(ModesAtRest, AHeavyRodSwings) {
+    constexpr double kL = 0.8, kRod = 2.7, kForce = 19, kGravity = 9.81;
+    const std::vector<double> found = frequencies_of(modes_of(fmt::format(R"(format = "dttmm/1"
+[simulation]
+duration = 1
+step = 1e-3
+gravity = [0, -7.848, -5.886]
+[nodes]
+pivot = {{ position = [0.3, 0, 0], fixed = ["x", "y", "z"] }}
+end = {{ position = [0.3, {}, {}] }}
+[[element]]
+name = "rod"
+type = "rod"
+from = "pivot"
+to = "end"
+segments = 3
+section = {{ EA = 1e9, mass = {}, inertia = 1e-3 }}
+[[load]]
+on = "end"
+direction = [0, -0.8, -0.6]
+force = {}
+)",
+                                                                          -0.8 * kL, -0.6 * kL, kRod, kForce)));
+    const double inertia = kRod * kL * kL * kL / 3, moment = kL * (kGravity * kRod * kL / 2 + kForce);
+    const double exact = std::sqrt(moment / inertia) / (2 * M_PI);
+    ASSERT_GE(found.size(), 3u);
+    EXPECT_EQ(found[0], 0);  // nothing holds it about its axis
+    EXPECT_NEAR(found[1], exact, 1e-7 * exact);
+    EXPECT_NEAR(found[2], exact, 1e-7 * exact);
+}
+
 // ---- A double pendulum, by its energy -----------------------------------------------------------------------------------
 
 struct DoublePendulum {

@@ -246,6 +246,7 @@ void ModeFinder::find_rigid(int count, double lowest) {
     if (!stiffness_.model().levers.empty() && !stiffness_.model().is_at_rest) stiffness_.refuse_growing(shift);
     // What slow modes leave in the shapes falls by shift/(shift + λ) per round: until what is strained is rounding
     double strained = std::numeric_limits<double>::infinity(), before = strained;
+    bool grows = false;
     do {
         if (iterate(shapes, shift).empty())
             throw Error(DTTMM_ERROR_NUMERIC, "the shapes of the rigid-body modes were not found");
@@ -253,15 +254,17 @@ void ModeFinder::find_rigid(int count, double lowest) {
         strained = 0;
         for (const FrameVector& shape : shapes) {  // λ is twice the energy of a shape of unit modal mass
             const Strain all = sum(strain_energies(stiffness_, shape));
-            strained = std::max(strained, 2 * (all.energy - all.unsure));
+            strained = std::max(strained, 2 * (std::abs(all.energy) - all.unsure));
+            grows = grows || all.energy < -all.unsure;
         }
     } while (strained > 0 && strained < 0.5 * before);
     strained = std::min(strained, before);
     if (strained > kStrain * lowest * lowest)
-        throw Error(DTTMM_ERROR_NUMERIC,
-                    fmt::format("there is a natural frequency at about {:.3g} Hz, below {:.3g} Hz where rounding hides what "
-                                "is counted: make the stiffest parts rigid, or ask for lower frequencies",
-                                hertz(std::sqrt(strained)), hertz(lowest)));
+        throw Error(
+            DTTMM_ERROR_NUMERIC,
+            fmt::format("there is a {} at about {:.3g} Hz, below {:.3g} Hz where rounding hides what is counted: make the "
+                        "stiffest parts rigid, or ask for lower frequencies",
+                        grows ? "motion that grows" : "natural frequency", hertz(std::sqrt(strained)), hertz(lowest)));
     add({std::vector<double>(shapes.size(), 0.0), shapes, stiffness_.cuts()}, 0);
 }
 

@@ -437,6 +437,38 @@ force = {}
     }
 }
 
+/// A column a little beyond its critical load, so that rounding hides whether its motion grows: it is not listed at rest.
+TEST(ModesAtRest, SlowGrowthIsRefused) {
+    constexpr double kL = 1.2, kEI = 16.4, kEA = 1e9;
+    const TemporaryFolder folder;
+    double load = 0;
+    for (int i = 0; i < 9; ++i) load = M_PI * M_PI * kEI / std::pow(kL * (1 - load / kEA), 2);
+    for (const double share : {1 + 1e-8, 1 - 1e-8}) {
+        write_text(folder / "model.toml", fmt::format(R"(format = "dttmm/1"
+[nodes]
+foot = {{ position = [0.1, 0.2, 0.3], fixed = ["x", "y", "z", "rz"] }}
+head = {{ position = [0.1, 0.2, {}], fixed = ["x", "y"] }}
+[[element]]
+name = "column"
+type = "beam"
+from = "foot"
+to = "head"
+theory = "euler-bernoulli"
+section = {{ EA = {}, EIy = {}, EIz = {}, GJ = 10, mass = 0.7, inertia = 1e-4 }}
+[[load]]
+on = "head"
+direction = [0, 0, -1]
+force = {:.17g}
+)",
+                                                      0.3 + kL, kEA, kEI, 1.9 * kEI, share * load));
+        const Ended ended = run_dttmm(folder.path(), {"modes", "model.toml"});
+        EXPECT_EQ(ended.code, 4);
+        EXPECT_NE(ended.err.find(share > 1 ? "a motion that grows at about" : "a natural frequency at about"),
+                  std::string::npos)
+            << ended.err;
+    }
+}
+
 /// Euler's loads of a column between pins, in both planes.
 TEST(Statics, CriticalLoadFactors) {
     constexpr double kL = 1.2, kEI = 16.4, kEA = 1e5, kLoad = 10;

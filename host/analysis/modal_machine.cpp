@@ -89,16 +89,29 @@ std::vector<ModalMachine::Vector6> ModalMachine::along(uint32_t mode, uint32_t e
     return tell_place(model_, [&] { return instance_.along(mode, element, count, length); });
 }
 
+dttmm_harmonic ModalMachine::load_at(const ModalPlace& place, const Complex6& wrench) {
+    dttmm_harmonic load{place.body, place.node, {place.position.x(), place.position.y(), place.position.z()}, {}};
+    for (size_t d = 0; d < 6; ++d) {
+        load.wrench[2 * d] = wrench(as_row(d)).real();
+        load.wrench[2 * d + 1] = wrench(as_row(d)).imag();
+    }
+    return load;
+}
+
+std::vector<ModalInstance::Response> ModalMachine::respond(double frequency,
+                                                           const std::vector<ModalInstance::Loads>& cases) {
+    return tell_place(model_, [&] { return instance_.respond(frequency, cases); });
+}
+
+ModalMachine::Complex6 ModalMachine::motion(const ModalPlace& place, const ModalInstance::Response& response) const {
+    if (place.body < 0) return response.nodes[as_size(place.node)];
+    return by_body(place).cast<std::complex<double>>() * response.bodies[as_size(place.body)];
+}
+
 std::complex<double> ModalMachine::respond(double frequency, const ModalPlace& in, int in_direction, const ModalPlace& out,
                                            int out_direction) {
     if (in.is_held(in_direction) || out.is_held(out_direction)) return 0;
-    return tell_place(model_, [&] {
-        const Vector6 wrench = Vector6::Unit(in_direction);
-        const ModalInstance::Response response = instance_.respond(frequency, in.body, in.node, in.position, wrench);
-        if (out.body < 0) return response.nodes[as_size(out.node)](out_direction);
-        const Eigen::Matrix<std::complex<double>, 6, 6> by = by_body(out).cast<std::complex<double>>();
-        return std::complex<double>(by.row(out_direction) * response.bodies[as_size(out.body)]);
-    });
+    return motion(out, respond(frequency, {{load_at(in, Complex6::Unit(in_direction))}}).front())(out_direction);
 }
 
 std::string ModalMachine::why_still(const ModalPlace& in, int in_direction, const ModalPlace& out, int out_direction) const {

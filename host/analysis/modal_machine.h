@@ -22,6 +22,7 @@ struct ModalPlace {
 class ModalMachine {
 public:
     using Vector6 = ModalInstance::Vector6;
+    using Complex6 = ModalInstance::Complex6;
 
     /// Throws Error with the place in the model file of the element that is at fault.
     ModalMachine(const Model& model, const Plugins& plugins);
@@ -36,6 +37,11 @@ public:
     Vector6 motion(const ModalPlace& place, const ModalInstance::Mode& mode) const;
     /// Displacements [6, world] at stations along a beam, and its length [m]; none for other elements.
     std::vector<Vector6> along(uint32_t mode, uint32_t element, uint32_t count, double& length);
+    /// A harmonic load at a place.
+    static dttmm_harmonic load_at(const ModalPlace& place, const Complex6& wrench);
+    std::vector<ModalInstance::Response> respond(double frequency, const std::vector<ModalInstance::Loads>& cases);
+    /// Of a place [m, rad].
+    Complex6 motion(const ModalPlace& place, const ModalInstance::Response& response) const;
     /// Displacement [m or rad] at `out` per unit force [N] (direction 0 … 2) or moment [N m] (3 … 5) at `in`; frequency
     /// [Hz].
     std::complex<double> respond(double frequency, const ModalPlace& in, int in_direction, const ModalPlace& out,

@@ -50,7 +50,8 @@ ModalInstance::ModalInstance(const PluginLibrary& plugin, const dttmm_modal_mode
       table_(plugin.modal()),
       modal_(nullptr, no_destroy),
       body_count_(model.network->body_count),
-      node_count_(model.network->node_count) {
+      node_count_(model.network->node_count),
+      constraint_count_(model.constraint_count) {
     if (!table_)
         throw Error(ExitCode::plugin_failure,
                     fmt::format("plugin {} knows histories only, no natural frequencies", plugin.name()));
@@ -143,24 +144,43 @@ dttmm_overall ModalInstance::overall(double frequency) {
     return overall;
 }
 
-ModalInstance::Response ModalInstance::respond(double frequency, int body, int node, const Eigen::Vector3d& point,
-                                               const Vector6& wrench) {
+std::vector<ModalInstance::Response> ModalInstance::respond(double frequency, const std::vector<Loads>& cases) {
     if (!plugin_.response())
         throw Error(ExitCode::plugin_failure,
                     fmt::format("plugin {} knows natural frequencies only, no response", plugin_.name()));
-    GuardedArray bodies(12 * body_count_), nodes(12 * node_count_);
+    std::vector<dttmm_harmonic> loads;
+    std::vector<uint32_t> ends;
+    for (const Loads& own : cases) {
+        loads.insert(loads.end(), own.begin(), own.end());
+        ends.push_back(static_cast<uint32_t>(loads.size()));
+    }
+    const size_t element_count = element_names_.size();
+    GuardedArray bodies(12 * cases.size() * body_count_), nodes(12 * cases.size() * node_count_),
+        elements(24 * cases.size() * element_count), constraints(12 * cases.size() * constraint_count_);
+    const dttmm_harmonic_result result = {bodies.data(), nodes.data(), elements.data(), constraints.data()};
     ask([&](dttmm_error* error) {
-        return plugin_.response()->respond(modal_.get(), frequency, body, node, point.data(), wrench.data(), bodies.data(),
-                                           nodes.data(), error);
+        return plugin_.response()->respond(modal_.get(), frequency, static_cast<uint32_t>(cases.size()), ends.data(),
+                                           loads.data(), &result, error);
     });
     check(bodies, "response of bodies");
     check(nodes, "response of nodes");
-    const auto list = [](const GuardedArray& from) {
-        std::vector<Complex6> to(from.size() / 12);
-        for (size_t i = 0; i < from.size(); i += 2) to[i / 12](as_row(i % 12 / 2)) = {from[i], from[i + 1]};
-        return to;
-    };
-    return {list(bodies), list(nodes)};
+    check(elements, "response of elements");
+    check(constraints, "response of constraints");
+    std::vector<Response> responses(cases.size());
+    for (size_t c = 0; c < cases.size(); ++c) {
+        const auto list = [&](const GuardedArray& from, size_t count, size_t half = 0, size_t halves = 1) {
+            std::vector<Complex6> to(count);
+            for (size_t k = 0; k < count; ++k)
+                for (size_t d = 0; d < 6; ++d) {
+                    const size_t at = 12 * (halves * (c * count + k) + half) + 2 * d;
+                    to[k](as_row(d)) = {from[at], from[at + 1]};
+                }
+            return to;
+        };
+        responses[c] = {list(bodies, body_count_), list(nodes, node_count_), list(elements, element_count, 0, 2),
+                        list(elements, element_count, 1, 2), list(constraints, constraint_count_)};
+    }
+    return responses;
 }
 
 uint32_t ModalInstance::count_growing(bool is_held) {

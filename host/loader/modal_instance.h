@@ -23,9 +23,13 @@ public:
         std::vector<Vector6> bodies, nodes;  ///< shape
         std::vector<double> shares;          ///< of the strain energy, of every element
     };
+    /// Of one case of loads. Arguments and units are those of dttmm_response.h.
     struct Response {
         std::vector<Complex6> bodies, nodes;
+        std::vector<Complex6> forces, deflections;  ///< of the elements
+        std::vector<Complex6> constraints;
     };
+    using Loads = std::vector<dttmm_harmonic>;
 
     /// Throws Error(plugin_failure) if the plugin knows no modes.
     ModalInstance(const PluginLibrary& plugin, const dttmm_modal_model& model);
@@ -40,8 +44,8 @@ public:
     /// How the overall transfer equation is laid out, and what it is at a frequency.
     std::string layout();
     dttmm_overall overall(double frequency);
-    /// Per newton of a wrench on a body or a node (the other −1), at a point.
-    Response respond(double frequency, int body, int node, const Eigen::Vector3d& point, const Vector6& wrench);
+    /// Under several cases of loads, each alone. Throws Error(plugin_failure) if the plugin knows no response.
+    std::vector<Response> respond(double frequency, const std::vector<Loads>& cases);
 
     /// Of an element at the start, where its stiffness counts [N]; 0: none.
     double force_at_start(uint32_t element) const;
@@ -63,7 +67,7 @@ private:
     std::unique_ptr<dttmm_modal, void (*)(dttmm_modal*)> modal_;
     std::vector<std::string> element_names_;
     mutable volatile int32_t at_work_ = -1;  ///< the element that the plugin works on
-    size_t body_count_, node_count_;
+    size_t body_count_, node_count_, constraint_count_;
 };
 
 }  // namespace dttmm::host

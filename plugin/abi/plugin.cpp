@@ -202,11 +202,13 @@ dttmm_status overall(dttmm_modal* modal, double frequency, dttmm_overall* overal
     });
 }
 
-dttmm_status respond(dttmm_modal* modal, double frequency, int32_t on_body, int32_t on_node, const double* point,
-                     const double* force, double* bodies, double* nodes, dttmm_error* error) {
+dttmm_status respond(dttmm_modal* modal, double frequency, uint32_t case_count, const uint32_t* ends,
+                     const dttmm_harmonic* loads, const dttmm_harmonic_result* result, dttmm_error* error) {
     return guard(error, [&] {
-        modal->analysis.respond(frequency, on_body, on_node, Eigen::Map<const dttmm::plugin::Vector3>(point),
-                                Eigen::Map<const dttmm::plugin::Vector6>(force), bodies, nodes);
+        std::vector<std::span<const dttmm_harmonic>> cases;
+        for (uint32_t c = 0, begin = 0; c < case_count; begin = ends[c++])
+            cases.emplace_back(loads + begin, ends[c] - begin);
+        modal->analysis.respond(frequency, cases, *result);
     });
 }
 

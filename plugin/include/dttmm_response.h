@@ -14,14 +14,32 @@ extern "C" {
 
 #define DTTMM_RESPONSE "dttmm.response"
 
+/* Complex amplitudes are pairs, real and imaginary part: the motion is the real part of amplitude * exp(2 pi i f t). */
+
+/* A harmonic wrench on a body, or on a node of the network (the other is -1). */
+typedef struct dttmm_harmonic {
+    int32_t on_body, on_node;
+    double point[3];   /* of a body [m, world] */
+    double wrench[12]; /* amplitudes of force and moment [N, N m, world] */
+} dttmm_harmonic;
+
+/* What one wants of a response, per case in the order of the cases; any pointer may be NULL. */
+typedef struct dttmm_harmonic_result {
+    double* bodies;      /* 12 per body: displacement and rotation at its centre of mass [m, rad, world] */
+    double* nodes;       /* 12 per node */
+    double* elements;    /* 24 per element, in its axes, signs as of the channels of a run: force and moment [N, N m]; of its
+                            `to`    end against its `from` end, deflection and rotation [m, rad]. Of a line the force and moment at
+                            its    `from` end. In rigid directions they are the reactions. */
+    double* constraints; /* 12 per constraint: force and moment on its first body at its point [N, N m, world] */
+} dttmm_harmonic_result;
+
 typedef struct dttmm_response_table {
     uint32_t size; /* sizeof(dttmm_response_table) as the plugin was compiled */
 
-    /* Steady motion under unit harmonic wrenches, damping as the elements have it: `force` (6: force and moment, world) at
-     * a point of body `on_body`, or of node `on_node` of the network (the other is -1); displacement per newton as real and
-     * imaginary part, 12 per body and 12 per node. */
-    dttmm_status (*respond)(dttmm_modal* modal, double frequency, int32_t on_body, int32_t on_node, const double* point,
-                            const double* force, double* bodies, double* nodes, dttmm_error* error);
+    /* Steady motion, damping as the elements have it, in several cases of loads at one frequency [Hz]. The loads of case c
+     * are those from ends[c - 1] (0 for the first) to before ends[c]; they act together. */
+    dttmm_status (*respond)(dttmm_modal* modal, double frequency, uint32_t case_count, const uint32_t* ends,
+                            const dttmm_harmonic* loads, const dttmm_harmonic_result* result, dttmm_error* error);
 } dttmm_response_table;
 
 #ifdef __cplusplus

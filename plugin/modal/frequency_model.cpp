@@ -124,6 +124,10 @@ FrequencyModel::FrequencyModel(const dttmm_modal_model& model, const AtRest* res
         nodes.push_back({frame_of[as_size(node.frame)], pose.position + pose.rotation * node.offset});
     }
     if (!directions.all()) refer_to_nodes();
+    for (uint32_t e = 0; e < model.network->element_count; ++e) {
+        const uint32_t* own = model.network->elements[e].ends;
+        ends.push_back({as_int(own[0]), as_int(own[1])});
+    }
     for (size_t j = 0; j < assembly.joints.size(); ++j) {
         const JointSpec& joint = assembly.joints[j];
         try {
@@ -142,6 +146,7 @@ FrequencyModel::FrequencyModel(const dttmm_modal_model& model, const AtRest* res
         const size_t before = bonds.size();
         add_joint(-1, constraint.first, constraint.second, law,
                   {Eigen::Map<const Vector3>(constraint.position), Eigen::Map<const RowMajor3>(constraint.axes)});
+        constraints.push_back(bonds.size() > before ? as_int(before) : -1);
         if (rest && bonds.size() > before) turn_constraint(model.rest->constraints + 144 * size_t{c}, model.rest->factor);
     }
     add_lines(assembly.lines, frame_of);

@@ -110,6 +110,11 @@ struct FrequencyModel {
         Matrix6 stiffness;  ///< by the motion of the frame, symmetric
     };
 
+    /// Nodes of the network that an element joins first and second.
+    struct EndNodes {
+        int from, to;
+    };
+
     Directions directions;
     Matrix6 mask;  ///< 1 in these
     size_t element_count;
@@ -121,6 +126,8 @@ struct FrequencyModel {
     std::vector<std::unique_ptr<LineWaves>> kinds;
     std::vector<LineModel> lines;
     std::vector<Pin> pins;
+    std::vector<EndNodes> ends;    ///< of every element
+    std::vector<int> constraints;  ///< the bond of each; −1: it holds nothing
     std::vector<Lever> levers;
     double total_mass = 0;  ///< [kg]
     bool is_at_rest = false;

@@ -13,7 +13,7 @@
 namespace dttmm::plugin {
 
 ModalAnalysis::ModalAnalysis(const dttmm_modal_model& model, const AtRest* rest)
-    : model_(model, rest), stiffness_(model_), topology_(model_) {
+    : model_(model, rest), stiffness_(model_), harmonic_(stiffness_), topology_(model_) {
     if (!rest) add_geometric_stiffness(model_);
 }
 
@@ -92,68 +92,107 @@ std::string ModalAnalysis::describe_motion(const Mode& mode) const {
 
 /// At 0 Hz of a machine with `free` rigid-body modes. Low frequencies ω have the same response but for (ω/ω₁)² of it, ω₁ the
 /// first that is not zero; two of them leave (ω/ω₁)⁴ (Richardson). What rounding moves as a whole is taken out.
-Response ModalAnalysis::respond_at_rest(int free, int frame, const Vector3& point, const Vector6& force) {
+std::vector<Response> ModalAnalysis::respond_at_rest(int free, const std::vector<std::vector<PointWrench>>& cases) {
     constexpr double kNoWork = 1e-7;    // of the force times the largest displacement: rounding of a shape is below 1e-8
     constexpr double kLowShare = 1e-3;  // ω/ω₁: leaves 1e-12, and rounding grows as its inverse square
     const std::vector<Mode> modes = ModeFinder(stiffness_).find_first(free + 1);
     const auto count = as_size(free);
-    for (size_t m = 0; m < count && frame >= 0; ++m) {
-        const Vector6 moved = FrequencyModel::at_point(point, model_.origin(frame)) * modes[m].shape[as_size(frame)];
-        if (std::abs(moved.dot(force)) > kNoWork * force.norm())
-            throw Error(DTTMM_ERROR_SINGULAR,
-                        fmt::format("0 Hz: the machine is free to move in {} direction{}, and the force moves it ({}): it "
-                                    "accelerates for ever; hold that direction by a joint, an element or fixed = [..], or "
-                                    "begin above 0 Hz",
-                                    free, free == 1 ? "" : "s", describe_motion(modes[m])));
-    }
+    for (const std::vector<PointWrench>& loads : cases)
+        for (size_t m = 0; m < count; ++m) {
+            Complex work = 0;
+            double size = 0;
+            for (const PointWrench& load : loads) {
+                if (load.frame < 0) continue;
+                const Vector6 moved =
+                    FrequencyModel::at_point(load.point, model_.origin(load.frame)) * modes[m].shape[as_size(load.frame)];
+                work += moved.cast<Complex>().conjugate().dot(load.wrench);
+                size += load.wrench.norm();
+            }
+            if (std::abs(work) > kNoWork * size)
+                throw Error(DTTMM_ERROR_SINGULAR,
+                            fmt::format("0 Hz: the machine is free to move in {} direction{}, and the force moves it ({}): "
+                                        "it accelerates for ever; hold that direction by a joint, an element or fixed = "
+                                        "[..], or begin above 0 Hz",
+                                        free, free == 1 ? "" : "s", describe_motion(modes[m])));
+        }
     stiffness_.cut(modes.front().cut);
     const double first = modes.size() > count ? modes[count].omega : 1;
     stiffness_.set(-kLowShare * kLowShare * first * first);  // for the masses alone
     std::vector<FrameVector> momenta;
     for (size_t m = 0; m < count; ++m) momenta.push_back(stiffness_.mass_times(modes[m].shape));
-    Response motion = dttmm::plugin::respond(stiffness_, kLowShare * first, frame, point, force);
-    const Response at_half = dttmm::plugin::respond(stiffness_, 0.5 * kLowShare * first, frame, point, force);
-    for (size_t f = 0; f < motion.size(); ++f) motion[f] = (4 * at_half[f] - motion[f]) / 3;
-    for (size_t m = 0; m < count; ++m) {
-        std::complex<double> share = 0;
-        for (size_t f = 0; f < motion.size(); ++f) share += motion[f].dot(momenta[m][f].cast<std::complex<double>>());
-        share = std::conj(share) / modes[m].mass;
-        for (size_t f = 0; f < motion.size(); ++f) motion[f] -= share * modes[m].shape[f].cast<std::complex<double>>();
+    std::vector<Response> responses;
+    harmonic_.factor(0.5 * kLowShare * first);
+    for (const std::vector<PointWrench>& loads : cases) responses.push_back(harmonic_.solve(loads));
+    harmonic_.factor(kLowShare * first);
+    for (size_t c = 0; c < cases.size(); ++c) {
+        Response& response = responses[c] = responses[c].mixed(4.0 / 3, -1.0 / 3, harmonic_.solve(cases[c]));
+        for (size_t m = 0; m < count; ++m) {
+            Complex share = 0;
+            for (size_t f = 0; f < response.motion.size(); ++f)
+                share += momenta[m][f].cast<Complex>().dot(response.motion[f]);
+            share /= modes[m].mass;
+            for (size_t f = 0; f < response.motion.size(); ++f)
+                response.motion[f] -= share * modes[m].shape[f].cast<Complex>();
+        }
     }
-    for (auto& u : motion) u = u.real().cast<std::complex<double>>();
-    return motion;
+    return responses;
 }
 
-void ModalAnalysis::respond(double frequency, int on_body, int on_node, const Vector3& given, const Vector6& force,
-                            double* bodies, double* nodes) {
+PointWrench ModalAnalysis::placed(const dttmm_harmonic& load) const {
+    if ((load.on_body < 0) == (load.on_node < 0)) throw Error(DTTMM_ERROR_ARGUMENT, "respond wants a body or a node");
+    PointWrench placed;
+    placed.frame = load.on_body >= 0 ? load.on_body : model_.nodes[as_size(load.on_node)].frame;
+    placed.point =
+        load.on_body >= 0 ? Vector3(Eigen::Map<const Vector3>(load.point)) : model_.nodes[as_size(load.on_node)].position;
+    for (size_t d = 0; d < 6; ++d) placed.wrench(as_row(d)) = {load.wrench[2 * d], load.wrench[2 * d + 1]};
+    return placed;
+}
+
+void ModalAnalysis::respond(double frequency, std::span<const std::span<const dttmm_harmonic>> cases,
+                            const dttmm_harmonic_result& result) {
     if (!(frequency >= 0) || !std::isfinite(frequency)) throw Error(DTTMM_ERROR_ARGUMENT, "a frequency must be finite");
-    if ((on_body < 0) == (on_node < 0)) throw Error(DTTMM_ERROR_ARGUMENT, "respond wants a body or a node");
+    std::vector<std::vector<PointWrench>> loads(cases.size());
+    for (size_t c = 0; c < cases.size(); ++c)
+        for (const dttmm_harmonic& load : cases[c]) loads[c].push_back(placed(load));
     const double omega = 2 * M_PI * frequency;
-    const int frame = on_body >= 0 ? on_body : model_.nodes[as_size(on_node)].frame;
-    const Vector3 point = on_body >= 0 ? given : model_.nodes[as_size(on_node)].position;
     const int free = frequency == 0 ? ModeFinder(stiffness_).count_rigid() : 0;
     stiffness_.cut(omega);  // here pieces only keep numbers small
     at_ = -1;
     if ((!model_.levers.empty() || model_.is_at_rest) && !is_stable_)
         stiffness_.refuse_growing(-1e-11 * stiffness_.stiffest());
     is_stable_ = true;
-    const Response motion = free > 0 ? respond_at_rest(free, frame, point, force)
-                                     : dttmm::plugin::respond(stiffness_, omega, frame, point, force);
-    const auto write = [](const Eigen::Matrix<std::complex<double>, 6, 1>& u, double* out) {
+    if (free > 0) {
+        const std::vector<Response> responses = respond_at_rest(free, loads);
+        for (size_t c = 0; c < cases.size(); ++c) write(responses[c], c, result);
+        return;
+    }
+    harmonic_.factor(omega);
+    for (size_t c = 0; c < cases.size(); ++c) write(harmonic_.solve(loads[c]), c, result);
+}
+
+void ModalAnalysis::write(const Response& response, size_t index, const dttmm_harmonic_result& result) const {
+    // One place of a list of `count`, of this case
+    const auto write = [&](const Complex6& u, double* list, size_t count, size_t place, size_t half = 0, size_t halves = 1) {
+        double* const out = list + 12 * (halves * (index * count + place) + half);
         for (Eigen::Index d = 0; d < 6; ++d) {
             out[2 * d] = u(d).real();
             out[2 * d + 1] = u(d).imag();
         }
     };
-    for (int b = 0; bodies && b < as_int(model_.centres.size()); ++b)
-        write(model_.by_centre(b).cast<std::complex<double>>() * motion[as_size(b)], bodies + 12 * b);
-    for (size_t n = 0; nodes && n < model_.nodes.size(); ++n) {
+    for (size_t b = 0; result.bodies && b < model_.centres.size(); ++b)
+        write(model_.by_centre(as_int(b)).cast<Complex>() * response.motion[b], result.bodies, model_.centres.size(), b);
+    for (size_t n = 0; result.nodes && n < model_.nodes.size(); ++n) {
         const int f = model_.nodes[n].frame;
-        write(f < 0 ? Eigen::Matrix<std::complex<double>, 6, 1>::Zero()
-                    : Eigen::Matrix<std::complex<double>, 6, 1>(model_.by_node(n).cast<std::complex<double>>() *
-                                                                motion[as_size(f)]),
-              nodes + 12 * n);
+        write(f < 0 ? Complex6(Complex6::Zero()) : Complex6(model_.by_node(n).cast<Complex>() * response.motion[as_size(f)]),
+              result.nodes, model_.nodes.size(), n);
     }
+    for (size_t e = 0; result.elements && e < model_.element_count; ++e) {
+        const Carried carried = harmonic_.carried(e, response);
+        write(carried.force, result.elements, model_.element_count, e, 0, 2);
+        write(carried.deflection, result.elements, model_.element_count, e, 1, 2);
+    }
+    for (size_t c = 0; result.constraints && c < model_.constraints.size(); ++c)
+        write(harmonic_.on_first(c, response), result.constraints, model_.constraints.size(), c);
 }
 
 }  // namespace dttmm::plugin

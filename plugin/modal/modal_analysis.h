@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "dttmm_response.h"
 #include "modal/mode_finder.h"
 #include "modal/overall_transfer.h"
 #include "modal/response.h"
@@ -26,11 +27,11 @@ public:
     /// See dttmm_plugin.overall. Throws Error(DTTMM_ERROR_NUMERIC) where the paths are too long for it.
     OverallTransfer::Check overall(double frequency);
     const OverallTransfer& topology() const { return topology_; }
-    /// See dttmm_plugin.respond; frequency [Hz]. Throws Error(DTTMM_ERROR_SINGULAR) where nothing bounds the response: at 0
-    /// Hz where a machine that is free to move is moved as a whole. Of one that is not moved, the response is the limit of
-    /// low frequencies, to 1e-9 of itself.
-    void respond(double frequency, int on_body, int on_node, const Vector3& point, const Vector6& force, double* bodies,
-                 double* nodes);
+    /// See dttmm_response.h; frequency [Hz]. Throws Error(DTTMM_ERROR_SINGULAR) where nothing bounds the response: at 0 Hz
+    /// where a machine that is free to move is moved as a whole. Of one that is not moved, the response is the limit of low
+    /// frequencies, to 1e-9 of itself.
+    void respond(double frequency, std::span<const std::span<const dttmm_harmonic>> cases,
+                 const dttmm_harmonic_result& result);
 
     /// See dttmm_modal.h.
     int count_growing(bool is_held) { return ModeFinder(stiffness_).count_growing(is_held); }
@@ -40,13 +41,16 @@ public:
 private:
     /// Where paths are short enough for products of transfer matrices; these know no forces at rest.
     bool has_overall() const { return topology_.is_short() && model_.pins.empty() && !model_.is_at_rest; }
-    Response respond_at_rest(int free, int frame, const Vector3& point, const Vector6& force);
+    std::vector<Response> respond_at_rest(int free, const std::vector<std::vector<PointWrench>>& cases);
+    PointWrench placed(const dttmm_harmonic& load) const;
+    void write(const Response& response, size_t index, const dttmm_harmonic_result& result) const;
     std::string describe_motion(const Mode& mode) const;
     const Mode& mode_at(uint32_t index) const;
     double overall_residual(const Mode& mode) const;
 
     FrequencyModel model_;
     DynamicStiffness stiffness_;
+    HarmonicSolver harmonic_;
     OverallTransfer topology_;
     std::vector<Mode> modes_;
     bool is_stable_ = false;  ///< it was found that nothing grows

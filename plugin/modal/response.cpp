@@ -3,8 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/SparseCore>
-#include <Eigen/SparseLU>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -13,9 +14,10 @@ namespace dttmm::plugin {
 
 namespace {
 
-using Frequency = std::complex<double>;
-using Block = Eigen::Matrix<Frequency, 6, 6>;
-using Sparse = Eigen::SparseMatrix<Frequency>;
+using Block = Eigen::Matrix<Complex, 6, 6>;
+using Sparse = Eigen::SparseMatrix<Complex>;
+
+Block complex(const Matrix6& block) { return block.cast<Complex>(); }
 
 /// K + iω C − ω² M, 6 rows per frame, and the rows of rigid directions behind it, entry by entry.
 class Entries {
@@ -51,63 +53,173 @@ public:
     }
 
 private:
-    std::vector<Eigen::Triplet<Frequency>> entries_;
+    std::vector<Eigen::Triplet<Complex>> entries_;
     int row_;  ///< the next of a rigid direction
 };
 
-Sparse damped_stiffness(const DynamicStiffness& D, double omega) {
-    const FrequencyModel& model = D.model();
-    Entries entries(D.frame_count());
+bool is_alike(const Sparse& a, const Sparse& b) {
+    return a.rows() == b.rows() && a.nonZeros() == b.nonZeros() &&
+           std::equal(a.outerIndexPtr(), a.outerIndexPtr() + a.outerSize() + 1, b.outerIndexPtr()) &&
+           std::equal(a.innerIndexPtr(), a.innerIndexPtr() + a.nonZeros(), b.innerIndexPtr());
+}
+
+}  // namespace
+
+Response Response::mixed(double factor, double other_factor, const Response& other) const {
+    Response sum = *this;
+    for (size_t f = 0; f < motion.size(); ++f) sum.motion[f] = factor * motion[f] + other_factor * other.motion[f];
+    for (size_t r = 0; r < reactions.size(); ++r)
+        sum.reactions[r] = factor * reactions[r] + other_factor * other.reactions[r];
+    return sum;
+}
+
+// ---- Equations ----------------------------------------------------------------------------------------------------------
+
+void HarmonicSolver::factor(double omega) {
+    omega_ = omega;
+    const FrequencyModel& model = D_.model();
+    Entries entries(D_.frame_count());
     for (const Bond& bond : model.bonds) {
-        const Block K = bond.stiffness.cast<Frequency>() + Frequency(0, omega) * bond.damping.cast<Frequency>();
+        const Block K = complex(bond.stiffness) + Complex(0, omega) * complex(bond.damping);
         entries.join(bond, K, -K, K);
         if (!bond.turning) continue;
         const int ends[2] = {bond.from, bond.to};
         for (int i : {0, 1})
             for (int k : {0, 1})
-                if (ends[i] >= 0 && ends[k] >= 0) entries.add(ends[i], ends[k], bond.turning->at[i][k].cast<Frequency>());
+                if (ends[i] >= 0 && ends[k] >= 0) entries.add(ends[i], ends[k], complex(bond.turning->at[i][k]));
     }
-    std::vector<std::optional<LineWaves::Square<Frequency>>> known(model.kinds.size());
-    for (const DynamicStiffness::Piece& piece : D.pieces()) {
-        const LineModel& line = D.line(piece);
-        auto& L = known[line.kind];
+    waves_.assign(model.kinds.size(), std::nullopt);
+    for (const DynamicStiffness::Piece& piece : D_.pieces()) {
+        const LineModel& line = D_.line(piece);
+        auto& L = waves_[line.kind];
         if (!L) {
-            const Frequency stiffening(1, omega * line.line.section.stiffness_damping);
-            line.waves->evaluate<Frequency>(D.count(line), omega * omega, stiffening, L.emplace(), nullptr);
+            const Complex stiffening(1, omega * line.line.section.stiffness_damping);
+            line.waves->evaluate<Complex>(D_.count(line), omega * omega, stiffening, L.emplace(), nullptr);
         }
         entries.join(piece, L->topLeftCorner<6, 6>(), L->topRightCorner<6, 6>(), L->bottomRightCorner<6, 6>());
     }
     for (const Pin& pin : model.pins) {
-        const Block own = (-omega * omega / 3 * pin.mass).cast<Frequency>(), across = 0.5 * own;
+        const Block own = complex(-omega * omega / 3 * pin.mass), across = 0.5 * own;
         entries.join(pin, own, across, own);
     }
-    D.for_each_mass([&](const FrequencyModel::Mass& mass) {
-        entries.add(mass.frame, mass.frame, (-omega * omega * model.mask * mass.block * model.mask).cast<Frequency>());
+    D_.for_each_mass([&](const FrequencyModel::Mass& mass) {
+        entries.add(mass.frame, mass.frame, complex(-omega * omega * model.mask * mass.block * model.mask));
     });
-    for (const FrequencyModel::Lever& lever : model.levers)
-        entries.add(lever.frame, lever.frame, lever.stiffness.cast<Frequency>());
+    for (const FrequencyModel::Lever& lever : model.levers) entries.add(lever.frame, lever.frame, complex(lever.stiffness));
     const Matrix6 idle = Matrix6::Identity() - model.mask;
-    for (int f = 0; f < D.frame_count(); ++f) entries.add(f, f, idle.cast<Frequency>());
-    return entries.matrix();
-}
-
-}  // namespace
-
-Response respond(const DynamicStiffness& D, double omega, int frame, const Vector3& point, const Vector6& wrench) {
-    const FrequencyModel& model = D.model();
-    const Sparse matrix = damped_stiffness(D, omega);
-    Eigen::SparseLU<Sparse> lu(matrix);
-    Eigen::VectorXcd r = Eigen::VectorXcd::Zero(matrix.rows());
-    if (frame >= 0)
-        r.segment<6>(6 * frame) = (model.masked_at(point, model.origin(frame)).transpose() * wrench).cast<Frequency>();
-    const Eigen::VectorXcd x = lu.info() == Eigen::Success ? Eigen::VectorXcd(lu.solve(r)) : r;
-    if (lu.info() != Eigen::Success || !x.allFinite())
+    for (int f = 0; f < D_.frame_count(); ++f) entries.add(f, f, complex(idle));
+    const Sparse matrix = entries.matrix();
+    if (!is_alike(matrix, pattern_)) {
+        lu_.analyzePattern(matrix);
+        pattern_ = matrix;
+    }
+    lu_.factorize(matrix);
+    if (lu_.info() != Eigen::Success)
         throw Error(DTTMM_ERROR_SINGULAR,
                     fmt::format("{:.6g} Hz is a natural frequency without damping: the response there has no bound",
                                 omega / (2 * M_PI)));
-    Response motion;
-    for (int f = 0; f < D.frame_count(); ++f) motion.push_back(model.mask * x.segment<6>(6 * f));
-    return motion;
+}
+
+Response HarmonicSolver::solve(const std::vector<PointWrench>& loads) const {
+    const FrequencyModel& model = D_.model();
+    Eigen::VectorXcd r = Eigen::VectorXcd::Zero(pattern_.rows());
+    for (const PointWrench& load : loads)
+        if (load.frame >= 0)
+            r.segment<6>(6 * load.frame) +=
+                complex(model.masked_at(load.point, model.origin(load.frame)).transpose()) * load.wrench;
+    const Eigen::VectorXcd x = lu_.solve(r);
+    if (!x.allFinite())
+        throw Error(DTTMM_ERROR_SINGULAR,
+                    fmt::format("{:.6g} Hz is a natural frequency without damping: the response there has no bound",
+                                omega_ / (2 * M_PI)));
+    Response response;
+    for (int f = 0; f < D_.frame_count(); ++f) response.motion.push_back(complex(model.mask) * x.segment<6>(6 * f));
+    const Eigen::VectorXcd q = x.tail(x.size() - 6 * D_.frame_count());
+    response.reactions.assign(q.begin(), q.end());
+    return response;
+}
+
+// ---- Forces -------------------------------------------------------------------------------------------------------------
+
+Complex6 HarmonicSolver::motion_of(int frame, const Response& response) const {
+    return frame < 0 ? Complex6(Complex6::Zero()) : response.motion[as_size(frame)];
+}
+
+/// Displacement of its end at `to` against that at `from`.
+Complex6 HarmonicSolver::relative(const Bond& bond, const Response& response) const {
+    return complex(bond.by_to) * motion_of(bond.to, response) - complex(bond.by_from) * motion_of(bond.from, response);
+}
+
+/// With which it holds its `to` end back, its own point, world axes.
+Complex6 HarmonicSolver::wrench_of(const Bond& bond, const Response& response) const {
+    Complex6 wrench = (complex(bond.stiffness) + Complex(0, omega_) * complex(bond.damping)) * relative(bond, response);
+    size_t row = 0;
+    for (const Bond* other = D_.model().bonds.data(); other != &bond; ++other) row += other->rigid.size();
+    Complex6 on_frame = Complex6::Zero();
+    for (const Rigid& rigid : bond.rigid)
+        on_frame += response.reactions[row++] * (bond.to >= 0 ? rigid.by_to : Vector6(-rigid.by_from)).cast<Complex>();
+    const int end = bond.to >= 0 ? 1 : 0;
+    const Matrix6 by = FrequencyModel::at_point(bond.points[end], D_.model().origin(end == 1 ? bond.to : bond.from));
+    return wrench + complex(by.transpose().inverse()) * on_frame;
+}
+
+Carried HarmonicSolver::carried(size_t element, const Response& response) const {
+    const FrequencyModel& model = D_.model();
+    if (std::ranges::any_of(model.lines, [&](const LineModel& line) { return as_size(line.element) == element; }))
+        return carried_by_line(element, response);
+    const auto is_own = [&](const Bond& bond) { return bond.element == as_int(element); };
+    const auto first = std::ranges::find_if(model.bonds, is_own);
+    if (first == model.bonds.end()) return {};
+    if (std::find_if(first + 1, model.bonds.end(), is_own) != model.bonds.end()) return carried_by_chain(element, response);
+    const Block to_own = complex(first->axes.transpose());
+    return {to_own * wrench_of(*first, response), to_own * relative(*first, response)};
+}
+
+/// Force and moment at the `from` end. At rest they are those in axes that turn with it.
+Carried HarmonicSolver::carried_by_line(size_t element, const Response& response) const {
+    const auto piece = std::ranges::find_if(D_.pieces(), [&](const auto& one) { return one.element == as_int(element); });
+    const LineModel& line = D_.line(*piece);
+    Eigen::Matrix<Complex, 12, 1> ends;
+    ends << complex(piece->by_from) * motion_of(piece->from, response),
+        complex(piece->by_to) * motion_of(piece->to, response);
+    Carried carried = between_ends(element, line.axes, response);
+    carried.force = -(waves_[line.kind]->topRows<6>() * ends);
+    return carried;
+}
+
+/// Of lumps: its first joint lies a quarter of a segment behind the `from` end.
+Carried HarmonicSolver::carried_by_chain(size_t element, const Response& response) const {
+    const FrequencyModel& model = D_.model();
+    const auto first = std::ranges::find_if(model.bonds, [&](const Bond& bond) { return bond.element == as_int(element); });
+    const FrequencyModel::EndNodes& ends = model.ends[element];
+    Carried carried = between_ends(element, first->axes.topLeftCorner<3, 3>(), response);
+    carried.force = wrench_of(*first, response);
+    const Vector3 way = first->points[0] - model.nodes[as_size(ends.from)].position;
+    const Eigen::Vector3cd force = carried.force.head<3>();
+    carried.force.tail<3>() += way.cast<Complex>().cross(force);
+    carried.force = complex(first->axes.transpose()) * carried.force;
+    return carried;
+}
+
+/// The motion of the `to` end as seen from the `from` end.
+Carried HarmonicSolver::between_ends(size_t element, const Matrix3& axes, const Response& response) const {
+    const FrequencyModel& model = D_.model();
+    const auto [from, to] = model.ends[element];
+    const auto motion = [&](int node) {
+        const int frame = model.nodes[as_size(node)].frame;
+        return frame < 0 ? Complex6(Complex6::Zero())
+                         : Complex6(complex(model.by_node(as_size(node))) * response.motion[as_size(frame)]);
+    };
+    const Vector3 way = model.nodes[as_size(to)].position - model.nodes[as_size(from)].position;
+    const Complex6 seen = complex(FrequencyModel::at_point(way, Vector3::Zero())) * motion(from);
+    Carried carried;
+    carried.deflection = complex(both(axes.transpose())) * (motion(to) - seen);
+    return carried;
+}
+
+Complex6 HarmonicSolver::on_first(size_t constraint, const Response& response) const {
+    const int bond = D_.model().constraints[constraint];
+    return bond < 0 ? Complex6(Complex6::Zero()) : wrench_of(D_.model().bonds[as_size(bond)], response);
 }
 
 }  // namespace dttmm::plugin

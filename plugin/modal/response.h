@@ -1,18 +1,69 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/SparseCore>
+#include <Eigen/SparseLU>
 #include <complex>
+#include <optional>
 #include <vector>
 
 #include "modal/dynamic_stiffness.h"
 
 namespace dttmm::plugin {
 
-/// Complex amplitudes [m, rad] of all frames, 6 per frame.
-using Response = std::vector<Eigen::Matrix<std::complex<double>, 6, 1>>;
+using Complex = std::complex<double>;
+using Complex6 = Eigen::Matrix<Complex, 6, 1>;
 
-/// Motion under a harmonic wrench [N, N m] at a point [m, world] of a frame (−1: the ground, nothing moves), damped; the
-/// lines in the pieces in which D has them. Throws Error(DTTMM_ERROR_SINGULAR) at a natural frequency without damping.
-Response respond(const DynamicStiffness& D, double omega, int frame, const Vector3& point, const Vector6& wrench);
+/// A harmonic wrench [N, N m, world] at a point [m, world] of a frame (−1: the ground, nothing moves).
+struct PointWrench {
+    int frame;
+    Vector3 point;
+    Complex6 wrench;
+};
+
+/// Complex amplitudes under harmonic loads.
+struct Response {
+    std::vector<Complex6> motion;    ///< of all frames [m, rad]
+    std::vector<Complex> reactions;  ///< in the rigid directions of bonds, then of pieces
+
+    /// factor * this + other_factor * other.
+    Response mixed(double factor, double other_factor, const Response& other) const;
+};
+
+/// What an element carries, in its axes: see dttmm_response.h.
+struct Carried {
+    Complex6 force = Complex6::Zero(), deflection = Complex6::Zero();
+};
+
+/// K + iω C − ω² M of a machine with its damping, and its solutions; the lines in the pieces in which D has them.
+class HarmonicSolver {
+public:
+    explicit HarmonicSolver(const DynamicStiffness& D) : D_(D) {}
+
+    /// Throws Error(DTTMM_ERROR_SINGULAR) at a natural frequency without damping.
+    void factor(double omega);
+    /// At the frequency last factored, and so for what follows.
+    Response solve(const std::vector<PointWrench>& loads) const;
+    Carried carried(size_t element, const Response& response) const;
+    /// Force and moment on the first body of a constraint at its point, world axes.
+    Complex6 on_first(size_t constraint, const Response& response) const;
+
+private:
+    using Block = Eigen::Matrix<Complex, 6, 6>;
+    using Sparse = Eigen::SparseMatrix<Complex>;
+
+    Complex6 relative(const Bond& bond, const Response& response) const;
+    Complex6 wrench_of(const Bond& bond, const Response& response) const;
+    Carried carried_by_line(size_t element, const Response& response) const;
+    Carried carried_by_chain(size_t element, const Response& response) const;
+    Carried between_ends(size_t element, const Matrix3& axes, const Response& response) const;
+    Complex6 motion_of(int frame, const Response& response) const;
+
+    const DynamicStiffness& D_;
+    double omega_ = 0;
+    std::vector<std::optional<LineWaves::Square<Complex>>> waves_;
+    Sparse pattern_;  ///< the matrix whose order of elimination lu_ knows
+    Eigen::SparseLU<Sparse> lu_;
+};
 
 }  // namespace dttmm::plugin

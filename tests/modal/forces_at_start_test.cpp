@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/rotation.h"
 #include "modal/modal_analysis.h"
+#include "modal/respond_at.h"
 #include "support/network_model.h"
 
 namespace dttmm::plugin {
@@ -57,11 +58,10 @@ TEST(ForcesAtStart, ABeadOnAStringVibratesAcrossByItsTension) {
     EXPECT_NEAR(analysis.force_at_start(1), kForce, 1e-12 * kForce);
     EXPECT_EQ(analysis.force_at_start(0), 0);
     // At rest the response is that of the stiffness
-    std::vector<double> nodes(36);
-    const Vector3 side = Vector3(0.3, -0.7, 0.5).unitOrthogonal(), point(0.4, 0.1, -0.2);
+    const Vector3 side = Vector3(0.3, -0.7, 0.5).unitOrthogonal();
     Vector6 push = Vector6::Zero();
     push.head<3>() = side;
-    analysis.respond(0, -1, 2, point, push, nullptr, nodes.data());
+    const std::vector<double> nodes = respond_at(analysis, 0, 2, push, 3);
     const Vector3 answer(nodes[24], nodes[26], nodes[28]);
     EXPECT_LT((answer - side / (kForce * (1 / 0.7 + 1 / 1.1))).norm(), 1e-12);
 }
@@ -72,10 +72,9 @@ TEST(ForcesAtStart, WhatWouldGrowIsRefused) {
     const dttmm_network network = model.description();
     for (bool is_response : {false, true}) {
         ModalAnalysis analysis(all_of(network));
-        std::vector<double> nodes(36);
         try {
             if (is_response)
-                analysis.respond(3, -1, 2, Vector3(0.4, 0.1, -0.2), Vector6::UnitX(), nullptr, nodes.data());
+                respond_at(analysis, 3, 2, Vector6::UnitX(), 3);
             else
                 analysis.find_modes(3, 0);
             FAIL() << "accepted";

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modal/modal_analysis.h"
+#include "modal/respond_at.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -50,9 +51,7 @@ public:
     double length() const { return length_; }  ///< of the line last looked along
     /// Displacement of a node per unit wrench on another, in the world's axes.
     std::complex<double> respond(double hertz, int in, int in_direction, int out, int out_direction) {
-        std::vector<double> nodes(12 * network_.node_count);
-        const Eigen::Map<const Vector3> point(network_.nodes[in].position);
-        analysis_.respond(hertz, -1, in, point, Vector6::Unit(in_direction), nullptr, nodes.data());
+        const std::vector<double> nodes = respond_at(analysis_, hertz, in, Vector6::Unit(in_direction), network_.node_count);
         const auto at = static_cast<size_t>(12 * out + 2 * out_direction);
         return {nodes[at], nodes[at + 1]};
     }

@@ -74,17 +74,23 @@ Model read(const Request& request, const Plugins& plugins, Warnings& warnings) {
 
 bool acts_at_start(const Load& load) { return load.signal.value(0) != 0 || load.at_to().value(0) != 0; }
 
-/// Whether something pulls at the start: gravity, or a load.
+/// A node that a support has moved at the start.
+bool is_moved_at_start(const Node& node) {
+    return std::ranges::any_of(node.motion, [](const auto& signal) { return signal && signal->value(0) != 0; });
+}
+
+/// Whether something pulls at the start: gravity, a load, or a support that has moved.
 bool is_loaded(const Model& model) {
     return model.modes.directions.all() &&
-           (!model.simulation.gravity.isZero(0) || std::ranges::any_of(model.loads, acts_at_start));
+           (!model.simulation.gravity.isZero(0) || std::ranges::any_of(model.loads, acts_at_start) ||
+            std::ranges::any_of(model.nodes, is_moved_at_start));
 }
 
 /// What the frequencies about an equilibrium are of, and which beams are not exact in them.
 void note_rest(const Model& model, const ModalMachine& machine, Warnings& warnings) {
     warnings.note("about-equilibrium",
-                  "the frequencies are about the equilibrium under gravity and the loads as they are at the start "
-                  "(about = \"start\" leaves both out)");
+                  "the frequencies are about the equilibrium under gravity, the loads and the supports as they are at "
+                  "the start (about = \"start\" leaves them out)");
     for (const Load& load : model.loads) {
         const double duration = model.simulation.duration;
         if (!acts_at_start(load) && (is_lasting(load.signal, duration) || is_lasting(load.at_to(), duration)))

@@ -5,20 +5,25 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "analysis/modal_session.h"
 #include "analysis/summary.h"
 #include "coupling/modal_description.h"
+#include "coupling/network_description.h"
 #include "loader/modal_instance.h"
 #include "loader/plugins.h"
 #include "model/index.h"
+#include "model/read_case.h"
 #include "model/read_simulation.h"
 #include "model/units.h"
 #include "model/wording.h"
-#include "record/csv_writer.h"
+#include "record/atomic_file.h"
+#include "record/csv_table.h"
 #include "record/results_folder.h"
 #include "step/simulation.h"
 
@@ -60,34 +65,51 @@ bool varies(const Signal& signal, double duration) {
     return false;
 }
 
-/// The model with all loads as they are at an instant; a word on those that vary.
-Model read(const Request& request, const Plugins& plugins, double time, Warnings& warnings) {
+Model read(const Request& request, const Plugins& plugins) {
     ModelOverrides overrides = request.overrides;
     overrides.purpose = Purpose::statics;
-    Model model = read_model(request.model, plugins.catalogue(), overrides);
-    warnings.add(model.warnings);
+    return read_model(request.model, plugins.catalogue(), overrides);
+}
+
+/// A word on the loads and the motions of supports that vary: which value counts.
+void note_varying(const Model& model, double time, Warnings& warnings) {
+    const double duration = model.simulation.duration > 0 ? model.simulation.duration : 1;
     std::string first;
     size_t count = 0;
-    for (Load& load : model.loads) {
-        const double value = load.signal.value(time), at_to = load.at_to().value(time);
-        const double duration = model.simulation.duration > 0 ? model.simulation.duration : 1;
-        if ((varies(load.signal, duration) || varies(load.at_to(), duration)) && ++count == 1)
+    for (const Load& load : model.loads) {
+        if (!varies(load.signal, duration) && !varies(load.at_to(), duration)) continue;
+        if (++count == 1)
             first = fmt::format("{}: this load varies in time; it counts with {:.6g} {}{}, its value at t = {:g} s",
-                                load.place, value, load.unit(),
-                                load.signal_at_to ? fmt::format(" to {:.6g} {}", at_to, load.unit()) : "", time);
-        load.signal = Signal(std::make_shared<Held>(value));
-        if (load.signal_at_to) load.signal_at_to = Signal(std::make_shared<Held>(at_to));
+                                load.place, load.signal.value(time), load.unit(),
+                                load.signal_at_to ? fmt::format(" to {:.6g} {}", load.at_to().value(time), load.unit()) : "",
+                                time);
     }
+    for (const Node& node : model.nodes)
+        for (size_t d = 0; d < node.motion.size(); ++d)
+            if (node.motion[d] && varies(*node.motion[d], duration) && ++count == 1)
+                first = fmt::format("{}: this motion varies in time; it counts with {:.6g} {}, its value at t = {:g} s",
+                                    node.motion_place, node.motion[d]->value(time), d < 3 ? "m" : "rad", time);
     if (count > 0)
         warnings.note("load-varies", first + (count > 1 ? fmt::format("; {} more vary too", count - 1) : "") +
                                          ". Option --at takes another instant");
+}
+
+/// Makes loads and motions lasting ones, as they are at an instant, and the model one that is at rest.
+void hold(Model& model, double time) {
+    const auto held = [&](const Signal& signal) { return Signal(std::make_shared<Held>(signal.value(time))); };
+    for (Load& load : model.loads) {
+        load.signal = held(load.signal);
+        if (load.signal_at_to) load.signal_at_to = held(*load.signal_at_to);
+    }
+    for (Node& node : model.nodes)
+        for (auto& signal : node.motion)
+            if (signal) signal = held(*signal);
     model.simulation.step = model.simulation.step > 0 ? model.simulation.step : kDefaultStep;
     model.simulation.coupling = Coupling::implicit;
     model.simulation.spectral_radius = 1;
     model.simulation.starts_at_rest = true;
     for (Body& body : model.bodies) body.velocity = body.angular_velocity = Eigen::Vector3d::Zero();
     for (Node& node : model.nodes) node.velocity = node.angular_velocity = Eigen::Vector3d::Zero();
-    return model;
 }
 
 /// Vectors of the row, "plate.position", with the owner and what it is.
@@ -133,7 +155,7 @@ void print_table(const Model& model, const Vectors& vectors) {
     for (const auto& [name, v] : vectors.all)
         for (const double number : v.numbers) {
             if (name.ends_with(".position")) far = std::max(far, std::abs(number));
-            if (name.ends_with(".force")) strong = std::max(strong, std::abs(number));
+            if (name.ends_with(".force") || name.ends_with(".reaction")) strong = std::max(strong, std::abs(number));
         }
     const auto print_place = [&](const std::string& name, const Eigen::Vector3d& start) {
         const Vectors::Vector* position = vectors.find(name + ".position");
@@ -151,6 +173,12 @@ void print_table(const Model& model, const Vectors& vectors) {
         if (const Vectors::Vector* moment = vectors.find(name + ".moment"))
             print_row("", width, "moment [N*m]", *moment, strong);
     };
+    for (const Node& node : model.nodes) {
+        if (const Vectors::Vector* force = vectors.find(node.name + ".reaction"))
+            print_row(node.name, width, "reaction [N]", *force, strong);
+        if (const Vectors::Vector* moment = vectors.find(node.name + ".reaction_moment"))
+            print_row(node.name, width, "moment [N*m]", *moment, strong);
+    }
     for (const Element& element : model.elements) print_force(element.name);
     for (const Joint& joint : model.joints) print_force(joint.name);
 }
@@ -203,56 +231,191 @@ void print_buckling(const std::vector<double>& factors, int wanted) {
                as_int(factors.size()) < wanted ? " (there are no more)" : "");
 }
 
+/// A machine at rest under the loads of one case, or under all.
+struct Found {
+    std::string load_case;    ///< empty: the model has none
+    std::vector<double> row;  ///< by the channels, without the time
+    RestState rest;
+    std::vector<double> factors;  ///< at which it buckles
+};
+
+/// What is found, and the channels that it is told by.
+struct Results {
+    std::vector<Channel> channels;
+    std::vector<Found> cases;
+};
+
+/// load_case: one of the model; null: all loads act.
+Found find_one(const Request& request, const Model& model, const Plugins& plugins, double time, const LoadCase* load_case,
+               Results& results) {
+    Model held = model;
+    Found found{model.load_case, {}, {}, {}};
+    if (load_case) {
+        apply_case(held, *load_case);
+        found.load_case = load_case->name;
+    }
+    hold(held, time);
+    Simulation simulation(held, plugins);
+    simulation.record_to([&](std::span<const double> numbers) {
+        if (found.row.empty()) found.row.assign(numbers.begin() + 1, numbers.end());
+    });
+    simulation.step();
+    found.rest = *simulation.rest();
+    if (results.channels.empty()) results.channels.assign(simulation.channels().begin() + 1, simulation.channels().end());
+    if (request.buckling > 0) found.factors = Buckling(held, plugins).find(request.buckling);
+    return found;
+}
+
+Results find_all(const Request& request, const Model& model, const Plugins& plugins, double time) {
+    Results results;
+    if (!model.load_case.empty() || model.cases.empty()) {
+        results.cases.push_back(find_one(request, model, plugins, time, nullptr, results));
+        return results;
+    }
+    for (const LoadCase& load_case : model.cases) try {
+            results.cases.push_back(find_one(request, model, plugins, time, &load_case, results));
+        } catch (const Error& error) {
+            throw Error(error.code(), fmt::format("case {}: {}", quote(load_case.name), error.what()));
+        }
+    return results;
+}
+
+/// static.csv: a row per case; a column for its name, if the model has cases.
+std::string rows_of(const Results& results) {
+    const bool are_named = !results.cases.front().load_case.empty();
+    std::vector<Column> columns;
+    if (are_named) columns.push_back({"case", ""});
+    for (const Channel& channel : results.channels) columns.push_back({channel.name(), channel.unit()});
+    CsvTable table(columns);
+    for (const Found& found : results.cases) {
+        if (are_named) table.add(found.load_case);
+        table.add_all(found.row);
+        table.end_row();
+    }
+    return table.text();
+}
+
+/// members.csv: what every section of beams and rods carries, a row per case, element and section.
+std::string members_of(const Results& results, const Model& model) {
+    const bool are_named = !results.cases.front().load_case.empty();
+    std::vector<Column> columns;
+    if (are_named) columns.push_back({"case", ""});
+    for (const auto& [name, unit] : {std::pair("element", ""), std::pair("position", "m"), std::pair("N", "N"),
+                                     std::pair("Vy", "N"), std::pair("Vz", "N"), std::pair("T", "N*m"),
+                                     std::pair("My", "N*m"), std::pair("Mz", "N*m"), std::pair("stress", "Pa")})
+        columns.push_back({name, unit});
+    CsvTable table(columns);
+    std::map<std::string, size_t> places;
+    for (size_t c = 0; c < results.channels.size(); ++c) places[results.channels[c].name()] = c;
+    bool is_empty = true;
+    for (const Found& found : results.cases) {
+        const auto value = [&](const std::string& name) {
+            const auto place = places.find(name);
+            return place == places.end() ? std::numeric_limits<double>::quiet_NaN() : found.row[place->second];
+        };
+        for (const Element& element : model.elements) {
+            const auto section = [&](size_t k) { return fmt::format("{}.section{}.", element.name, k); };
+            size_t last = 0;
+            while (places.contains(section(last + 1) + "force.x")) ++last;
+            if (last == 0) continue;
+            const double length =
+                (frame_at_start(model, element.ends[1]).position - frame_at_start(model, element.ends[0]).position).norm();
+            for (size_t k = 0; k <= last; ++k) {
+                if (are_named) table.add(found.load_case);
+                table.add(element.name).add(length * static_cast<double>(k) / static_cast<double>(last));
+                for (const char* name : {"force.x", "force.y", "force.z", "moment.x", "moment.y", "moment.z", "stress"})
+                    table.add(value(section(k) + name));
+                table.end_row();
+                is_empty = false;
+            }
+        }
+    }
+    return is_empty ? std::string() : table.text();
+}
+
+/// A section that is given by stiffnesses has no outermost fibre.
+void note_no_stress(const Results& results, const Model& model, Warnings& warnings) {
+    std::vector<std::string> without;
+    std::set<std::string> names;
+    for (const Channel& channel : results.channels) names.insert(channel.name());
+    const auto has = [&](const std::string& name) { return names.contains(name); };
+    for (const Element& element : model.elements)
+        if (has(element.name + ".section0.force.x") && !has(element.name + ".section0.stress"))
+            without.push_back(element.name);
+    if (!without.empty())
+        warnings.note("no-stress",
+                      fmt::format("element {}: its section is given by stiffnesses, which have no outermost fibre: "
+                                  "members.csv has no stress of it{}; give the shape of the section for one",
+                                  quote(without.front()),
+                                  without.size() > 1 ? fmt::format(", nor of {} more", without.size() - 1) : ""));
+}
+
+void write_summary(JsonWriter& json, const Results& results, const Model& model, const Request& request, double time,
+                   const Warnings& warnings, const Plugins& plugins) {
+    const auto describe = [&](const Found& found, const auto& member) {
+        member("iterations", found.rest.iterations);
+        member("load_steps", found.rest.load_steps);
+        member("largest_force_n", found.rest.force);
+        member("largest_unbalanced_force_n", found.rest.residual);
+        if (request.buckling > 0) member("critical_load_factors", found.factors);
+    };
+    json.member("format", "dttmm-static/1");
+    json.member("warnings", describe_warnings(warnings));
+    json.member("title", model.title);
+    json.member("status", "completed");
+    json.member("loads_at_s", time);
+    if (results.cases.front().load_case.empty())
+        describe(results.cases.front(), [&](const char* name, const auto& value) { json.member(name, value); });
+    else
+        json.object("cases", [&] {
+            for (const Found& found : results.cases)
+                json.object(found.load_case, [&] {
+                    describe(found, [&](const char* name, const auto& value) { json.member(name, value); });
+                });
+        });
+    json.member("command_line", request.command_line);
+    json.member("inputs", describe_inputs(model, request));
+    write_model(json, model, plugins.catalogue());
+}
+
 }  // namespace
 
 ExitCode find_equilibrium(const Request& request) {
     const double time = instant_of(request);
     const Plugins plugins(request.plugins);
     Warnings warnings;
-    const Model model = read(request, plugins, time, warnings);
-    Simulation simulation(model, plugins);
-    std::vector<double> row;
-    simulation.record_to([&](std::span<const double> numbers) {
-        if (row.empty()) row.assign(numbers.begin(), numbers.end());
-    });
-    simulation.step();
-    const RestState& rest = *simulation.rest();
-    if (rest.turn > kFar)
-        warnings.note("moved-far", fmt::format("a body has turned by {:.3g} rad: there may be other equilibria; this is the "
-                                               "one reached from the assembled machine",
-                                               rest.turn));
-    std::vector<double> factors;
-    if (request.buckling > 0) factors = Buckling(model, plugins).find(request.buckling);
+    Model model = read(request, plugins);
+    warnings.add(model.warnings);
+    note_varying(model, time, warnings);
+    const Results results = find_all(request, model, plugins, time);
+    hold(model, time);  // as the summary has it
+    for (const Found& found : results.cases)
+        if (found.rest.turn > kFar)
+            warnings.note("moved-far",
+                          fmt::format("{}a body has turned by {:.3g} rad: there may be other equilibria; this is the "
+                                      "one reached from the assembled machine",
+                                      found.load_case.empty() ? "" : fmt::format("case {}: ", quote(found.load_case)),
+                                      found.rest.turn));
+    note_no_stress(results, model, warnings);
     const ResultsFolder folder(results_path(request, "-static"));
-    std::vector<Column> columns;
-    for (const Channel& channel : simulation.channels()) columns.push_back({channel.name(), channel.unit()});
-    columns.erase(columns.begin());
-    CsvWriter rows(folder.file("static.csv"), columns);
-    rows.write_row(std::span<const double>(row).subspan(1));
-    rows.finish();
+    write_atomically(folder.file("static.csv"), rows_of(results));
+    if (const std::string members = members_of(results, model); !members.empty())
+        write_atomically(folder.file("members.csv"), members);
     warnings.print_rest("; summary.json has all of them");
-    write_json(folder.file("summary.json"), [&](JsonWriter& json) {
-        json.member("format", "dttmm-static/1");
-        json.member("warnings", describe_warnings(warnings));
-        json.member("title", model.title);
-        json.member("status", "completed");
-        json.member("loads_at_s", time);
-        json.member("iterations", rest.iterations);
-        json.member("load_steps", rest.load_steps);
-        json.member("largest_force_n", rest.force);
-        json.member("largest_unbalanced_force_n", rest.residual);
-        if (request.buckling > 0) json.member("critical_load_factors", factors);
-        json.member("command_line", request.command_line);
-        json.member("inputs", describe_inputs(model, request));
-        write_model(json, model, plugins.catalogue());
-    });
+    write_json(folder.file("summary.json"),
+               [&](JsonWriter& json) { write_summary(json, results, model, request, time, warnings, plugins); });
     if (request.quiet) return ExitCode::ok;
     if (!model.title.empty()) fmt::print("{}\n", model.title);
-    print_table(model, Vectors(simulation.channels(), row));
-    if (request.buckling > 0) print_buckling(factors, request.buckling);
-    fmt::print("forces balance to {:.2g} N (the largest is {:.4g} N) after {} in {}\nresults in {}\n", rest.residual,
-               rest.force, counted(as_size(rest.iterations), "iteration", "iterations"),
-               counted(as_size(rest.load_steps), "load step", "load steps"), folder.describe("static.csv"));
+    for (const Found& found : results.cases) {
+        if (!found.load_case.empty())
+            fmt::print("{}case {}\n", &found == &results.cases.front() ? "" : "\n", quote(found.load_case));
+        print_table(model, Vectors(results.channels, found.row));
+        if (request.buckling > 0) print_buckling(found.factors, request.buckling);
+        fmt::print("forces balance to {:.2g} N (the largest is {:.4g} N) after {} in {}\n", found.rest.residual,
+                   found.rest.force, counted(as_size(found.rest.iterations), "iteration", "iterations"),
+                   counted(as_size(found.rest.load_steps), "load step", "load steps"));
+    }
+    fmt::print("results in {}\n", folder.describe("static.csv"));
     return ExitCode::ok;
 }
 

@@ -53,7 +53,7 @@ const Instant& InstantSolver::start(const Model& model, const dttmm_step& step, 
     h_ = step.size;
     start_time_ = step.time;
     start_ = instant_.at = at;
-    loads.start(step.time);
+    loads.start(step.time, step.size);
     std::ranges::fill(wrenches_, 0.0);
     networks.linearise(at, wrenches_.data(), nullptr);
     loads.add_at_start(at, wrenches_.data());

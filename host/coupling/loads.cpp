@@ -27,7 +27,58 @@ Loads::Loads(const Model& model, const double weights[3])
     for (const Body& body : model.bodies) weight_forces_.push_back(body.mass * model.simulation.gravity);
     for (const Load& load : model.loads) loads_.push_back({load, arm_of(model, load.on)});
     magnitudes_.resize(loads_.size());
-    network_loads_.resize(6 * (node_count_ + loads_.size()));
+    for (size_t n = 0; n < node_count_; ++n)
+        if (const Node& node = model.nodes[n]; node.is_support())
+            supports_.push_back({n, node.name, node.motion, node.motion_place});
+    const size_t for_supports = supports_.empty() ? 0 : kSupportNumbers * node_count_;
+    network_loads_.resize(6 * (node_count_ + loads_.size()) + for_supports);
+}
+
+/// [displacement; rotation vector] of a support.
+Loads::Vector6 Loads::motion_of(size_t s, double time) const {
+    /// Displacements beyond it lose the digits of what moves little [m]; rotations beyond it are more turns than a run has.
+    constexpr double kFarthest = 1e6;
+    Vector6 motion = Vector6::Zero();
+    for (size_t d = 0; d < 6; ++d) {
+        const auto& signal = supports_[s].motion[d];
+        if (!signal) continue;
+        const double value = signal->value(time);
+        if (!(std::abs(value) <= kFarthest))
+            throw Error(ExitCode::numerical_failure,
+                        fmt::format("{}: node \"{}\": motion at t = {} s: its value is {}, not a finite number up to {:.0e}",
+                                    supports_[s].place, supports_[s].name, time, value, kFarthest));
+        motion(as_row(d)) = value;
+    }
+    return motion;
+}
+
+void Loads::move_supports(double time) {
+    double* const first = &network_loads_[6 * (node_count_ + loads_.size())];
+    for (size_t s = 0; s < supports_.size(); ++s)
+        Eigen::Map<Vector6>{first + kSupportNumbers * supports_[s].node} = motion_of(s, time);
+}
+
+/// Velocity and acceleration at t0 by one-sided differences of second order. Rotations are taken from where the support is
+/// at t0: the first and second derivative of that rotation vector r are ω and its rate there, for r is zero.
+void Loads::add_rates_of_supports(double t0, double h) {
+    double* const first = &network_loads_[6 * (node_count_ + loads_.size())];
+    const auto rotation = [](const Vector6& motion) {
+        const Eigen::Vector3d r = motion.tail<3>();
+        return r.isZero(0) ? Eigen::Matrix3d(Eigen::Matrix3d::Identity())
+                           : Eigen::AngleAxisd(r.norm(), r.normalized()).toRotationMatrix();
+    };
+    for (size_t s = 0; s < supports_.size(); ++s) {
+        const Vector6 start = motion_of(s, t0);
+        Vector6 way[4] = {Vector6::Zero()};
+        for (int k = 1; k < 4; ++k) {
+            way[k] = motion_of(s, t0 + k * h) - start;
+            const Eigen::AngleAxisd turn(rotation(way[k] + start) * rotation(start).transpose());
+            way[k].tail<3>() = turn.angle() * turn.axis();
+        }
+        double* const numbers = first + kSupportNumbers * supports_[s].node;
+        Eigen::Map<Vector6>{numbers + 6} = (4 * way[1] - way[2]) / (2 * h);
+        Eigen::Map<Vector6>{numbers + 12} = (-5 * way[1] + 4 * way[2] - way[3]) / (h * h);
+    }
 }
 
 double Loads::magnitude(const Load& load, const Signal& signal, double time) const {
@@ -45,12 +96,14 @@ void Loads::find_after(size_t i, double time) {
     if (load.is_per_length()) magnitudes_[i].after_at_to = magnitude(load, load.at_to(), time);
 }
 
-void Loads::start(double t0) {
+void Loads::start(double t0, double h) {
     for (size_t i = 0; i < loads_.size(); ++i) {
         find_after(i, t0);
         magnitudes_[i].now = magnitudes_[i].after;
     }
     gather_network_loads();
+    move_supports(t0);
+    if (h > 0) add_rates_of_supports(t0, h);
 }
 
 void Loads::begin_step(const dttmm_step& step) {
@@ -64,6 +117,7 @@ void Loads::begin_step(const dttmm_step& step) {
         m.over_step = weights_[0] * m.after + weights_[1] * m.now + weights_[2] * m.before;
     }
     gather_network_loads();
+    move_supports(end);
 }
 
 void Loads::gather_network_loads() {

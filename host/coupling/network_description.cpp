@@ -148,6 +148,10 @@ uint32_t NetworkDescription::find_or_add_node(const Attachment& end, const Attac
     dttmm_node& inner = nodes_[index];
     inner.fixed = static_cast<uint32_t>(node.fixed.to_ulong());
     inner.moves = node.moves;
+    if (node.is_support()) {
+        supports_.push_back(index);
+        supported_nodes_.push_back(end.node);
+    }
     Eigen::Map<Eigen::Vector3d>{inner.velocity} = node.velocity;
     Eigen::Map<Eigen::Vector3d>{inner.angular_velocity} = node.angular_velocity;
     return index;
@@ -191,6 +195,8 @@ dttmm_network NetworkDescription::network() const {
     Eigen::Map<Eigen::Vector3d>{network.gravity} = model_.simulation.gravity;
     network.line_load_count = static_cast<uint32_t>(line_loads_.size());
     network.line_loads = line_loads_.data();
+    network.support_count = static_cast<uint32_t>(supports_.size());
+    network.supports = supports_.data();
     return network;
 }
 

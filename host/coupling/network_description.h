@@ -34,6 +34,8 @@ public:
     std::optional<size_t> node_at(const Attachment& place) const;
     /// Indices into Model::nodes in the order of the inner nodes.
     const std::vector<int>& inner_nodes() const { return inner_nodes_; }
+    /// Indices into Model::nodes of those that supports move, in the order of the network's.
+    const std::vector<int>& supported_nodes() const { return supported_nodes_; }
     /// Indices into Model::loads of the forces per length on these elements, in the order of the network's.
     const std::vector<size_t>& line_loads() const { return line_load_indices_; }
 
@@ -54,7 +56,8 @@ private:
     std::map<Attachment, uint32_t> nodes_at_;  ///< by place; the ground has one per element
     std::vector<std::vector<uint32_t>> ends_;  ///< of every element
     std::vector<dttmm_element> elements_;
-    std::vector<int> inner_nodes_;
+    std::vector<int> inner_nodes_, supported_nodes_;
+    std::vector<uint32_t> supports_;  ///< indices of the latter among the nodes of the network
     std::vector<dttmm_line_load> line_loads_;
     std::vector<size_t> line_load_indices_;
 };

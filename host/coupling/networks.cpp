@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coupling/loads.h"
 #include "coupling/network_description.h"
 #include "loader/plugin_call.h"
 #include "model/error.h"
@@ -66,8 +67,18 @@ void Networks::add_instance(const Model& model, const NetworkDescription& descri
         slot.loaded.push_back(model.nodes.size() + load);
         slot.is_loaded = true;
     }
+    for (int node : description.supported_nodes())
+        slot.supported.push_back(6 * (model.nodes.size() + model.loads.size()) + kSupportNumbers * as_size(node));
+    supports_.resize(std::max(supports_.size(), slot.supported.size()));
     tell_place(slots_.size() - 1, [&] { instances_.emplace_back(description.plugin(), description.network()); });
     const NetworkInstance& instance = instances_.back();
+    if (!slot.supported.empty() && !instance.has_supports()) {
+        const Node& node = model.nodes[as_size(description.supported_nodes().front())];
+        throw Error(ExitCode::plugin_failure,
+                    fmt::format("{}: node \"{}\": plugin {} moves no fixed nodes: it is without the extension " DTTMM_SUPPORT
+                                "; leave its motion out",
+                                node.motion_place, node.name, instance.plugin_name()));
+    }
     stand_ = stand_ && instance.stands();
     for (const dttmm_block& block : instance.blocks())
         if (block.row > block.column) neighbours_.emplace_back(as_int(block.row), as_int(block.column));
@@ -142,6 +153,16 @@ const double* Networks::gather_loads(size_t instance, const double* loads) {
     double* out = loads_.data();
     for (size_t at : slot.loaded) out = std::copy_n(loads + 6 * at, 6, out);
     return loads_.data();
+}
+
+/// Hands the motions of its supports to one instance.
+void Networks::move_supports(size_t instance, const double* loads) {
+    const Slot& slot = slots_[instance];
+    if (slot.supported.empty()) [[likely]]
+        return;
+    for (size_t s = 0; s < slot.supported.size(); ++s)
+        std::copy_n(loads + slot.supported[s], kSupportNumbers, supports_[s].displacement);
+    instances_[instance].move_supports(supports_.data());
 }
 
 /// Adds the wrenches of one instance to those of the bodies.
@@ -260,13 +281,19 @@ void Networks::start(const dttmm_step& step, const std::vector<BodyState>& at, c
     time_ = step.time;
     gather(at);
     for (size_t n = 0; n < instances_.size(); ++n)
-        tell_place(n, [&] { instances_[n].start(step, motions_.data(), accelerations, gather_loads(n, loads)); });
+        tell_place(n, [&] {
+            move_supports(n, loads);
+            instances_[n].start(step, motions_.data(), accelerations, gather_loads(n, loads));
+        });
 }
 
 void Networks::begin_step(const dttmm_step& step, const double* loads) {
     time_ = step.time;
     tell_time(time_, [&] {
-        for (size_t n = 0; n < instances_.size(); ++n) instances_[n].begin_step(step, gather_loads(n, loads));
+        for (size_t n = 0; n < instances_.size(); ++n) {
+            move_supports(n, loads);
+            instances_[n].begin_step(step, gather_loads(n, loads));
+        }
     });
 }
 
@@ -322,7 +349,10 @@ void Networks::recall_statics() {
 
 void Networks::set_static_loads(const Eigen::Vector3d& gravity, const double* node_loads) {
     for (size_t n = 0; n < instances_.size(); ++n)
-        tell_place(n, [&] { instances_[n].set_static_loads(gravity.data(), gather_loads(n, node_loads)); });
+        tell_place(n, [&] {
+            move_supports(n, node_loads);
+            instances_[n].set_static_loads(gravity.data(), gather_loads(n, node_loads));
+        });
 }
 
 void Networks::form_static(const std::vector<BodyState>& at, double resistance, double* wrenches,

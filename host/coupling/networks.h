@@ -98,6 +98,7 @@ private:
         std::vector<std::string> places;  ///< in the model file, of its elements
         std::vector<size_t> loaded;       ///< its inner nodes, then its forces per length, among the loads on all networks
         bool is_loaded = false;           ///< a load acts on one of these
+        std::vector<size_t> supported;    ///< its nodes that supports move, as where their numbers begin in the same array
         std::vector<int> first_on_body;   ///< its first element on each body; −1: none
     };
 
@@ -109,6 +110,7 @@ private:
     template <class Action>
     static void tell_time(double time, Action&& action);
     const double* gather_loads(size_t instance, const double* loads);
+    void move_supports(size_t instance, const double* loads);
     void gather(const std::vector<BodyState>& motion);
     void scatter(size_t instance, double* wrenches) const;
     void check_guards(size_t instance, const GuardedArray& array, const char* name) const;
@@ -133,6 +135,7 @@ private:
     GuardedArray stiffness_;                     ///< blocks of the instance at hand
     mutable std::vector<GuardedArray> outputs_;  ///< of every instance
     std::vector<double> loads_;
+    std::vector<dttmm_support_motion> supports_;
 };
 
 }  // namespace dttmm::host

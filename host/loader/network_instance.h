@@ -91,6 +91,12 @@ public:
         ask([&](dttmm_error* error) { return table_->take_up(instance_.get(), motion, elastic, damped, error); });
     }
 
+    /// See dttmm_support.h; only if has_supports().
+    bool has_supports() const { return plugin_.supports() != nullptr; }
+    void move_supports(const dttmm_support_motion* motions) {
+        ask([&](dttmm_error* error) { return plugin_.supports()->move(instance_.get(), motions, error); });
+    }
+
     // At rest, see dttmm_static.h; only if has_statics().
     const dttmm_instance* at_rest() const { return instance_.get(); }
     bool has_statics() const { return plugin_.statics() != nullptr; }

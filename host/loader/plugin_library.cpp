@@ -138,6 +138,7 @@ PluginLibrary::PluginLibrary(std::string name, const dttmm_plugin* table, std::s
       response_(extension<dttmm_response_table>(name_, *table, DTTMM_RESPONSE)),
       laws_(extension<dttmm_laws_table>(name_, *table, DTTMM_LAWS)),
       statics_(extension<dttmm_static_table>(name_, *table, DTTMM_STATIC)),
+      supports_(extension<dttmm_support_table>(name_, *table, DTTMM_SUPPORT)),
       handle_(std::move(handle)) {
     const bool whole = (!modal_ || (modal_->create && modal_->destroy && modal_->find_modes && modal_->mode &&
                                     modal_->mode_along && modal_->overall)) &&

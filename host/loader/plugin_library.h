@@ -11,6 +11,7 @@
 #include "dttmm_plugin.h"
 #include "dttmm_response.h"
 #include "dttmm_static.h"
+#include "dttmm_support.h"
 #include "loader/shared_library.h"
 
 namespace dttmm::host {
@@ -35,6 +36,7 @@ public:
     const dttmm_response_table* response() const { return response_; }
     const dttmm_laws_table* laws() const { return laws_; }
     const dttmm_static_table* statics() const { return statics_; }
+    const dttmm_support_table* supports() const { return supports_; }
     /// Gives its elements one more law; false: they take none. Throws Error(plugin_failure) with what it says of the law.
     bool add_law(const dttmm_law& law) const;
 
@@ -46,6 +48,7 @@ private:
     const dttmm_response_table* response_ = nullptr;
     const dttmm_laws_table* laws_ = nullptr;
     const dttmm_static_table* statics_ = nullptr;
+    const dttmm_support_table* supports_ = nullptr;
     std::shared_ptr<void> handle_;
 };
 

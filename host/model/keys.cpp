@@ -39,6 +39,7 @@ constexpr Key kFile[] = {
      {},
      "",
      "load"},
+    {"case", Kind::tables, "loads that act together, for `dttmm static` and --case", "", "", 0, {}, "", "case"},
 };
 
 constexpr Key kSimulation[] = {
@@ -103,10 +104,20 @@ constexpr Key kQuaternion = {"quaternion", Kind::numbers, "the same as [w, x, y,
 constexpr Key kNode[] = {
     {"position", Kind::numbers, "in the world; a node may be written as its position alone", kRequired, "m", 3},
     {"fixed", Kind::directions, "directions of the world in which the ground holds it", "[]"},
+    {"motion", Kind::table, "how a support moves it in fixed directions", "none", "", 0, {}, "", "node.motion"},
     kRotationOf,
     kQuaternion,
     {"velocity", Kind::numbers, "at the start", "as its elements strain least", "m/s", 3},
     {"angular_velocity", Kind::numbers, "at the start", "as its elements strain least", "rad/s", 3},
+};
+
+constexpr Key kNodeMotion[] = {
+    {"x", Kind::signal, "displacement over time", "0", "m", 0, {}, "", "signal"},
+    {"y", Kind::signal, "displacement over time", "0", "m", 0, {}, "", "signal"},
+    {"z", Kind::signal, "displacement over time", "0", "m", 0, {}, "", "signal"},
+    {"rx", Kind::signal, "x of the rotation vector over time", "0", "rad", 0, {}, "", "signal"},
+    {"ry", Kind::signal, "y of the rotation vector over time", "0", "rad", 0, {}, "", "signal"},
+    {"rz", Kind::signal, "z of the rotation vector over time", "0", "rad", 0, {}, "", "signal"},
 };
 
 constexpr Key kBody[] = {
@@ -168,7 +179,16 @@ constexpr Key kJoint[] = {
     {"limits", Kind::numbers, "stops [low, high] of a hinge's angle or a slider's travel", "none", "rad or m", 2},
 };
 
+constexpr Key kCase[] = {
+    {"name", Kind::text, "of the case, for --case and the results; no two alike", kRequired},
+    {"loads", Kind::texts, "names of loads, or of nodes that a support moves, that act once", "none"},
+    {"factors", Kind::named, "factors of others by name: { snow = 1.5 }", "none"},
+    {"cases", Kind::named, "factors of other cases by name, whose loads and gravity are added: { dead = 1.35 }", "none"},
+    {"gravity", Kind::number, "factor of gravity", "that of `cases`, 1 without", "1"},
+};
+
 constexpr Key kLoad[] = {
+    {"name", Kind::text, "for load cases; several loads may share one", "none"},
     {"on", Kind::place, "what a force or moment acts on; on a body at its origin"},
     {"element", Kind::text, "instead of on: the beam or rod along which a force_per_length acts"},
     {"direction", Kind::numbers, "in the axes; its length does not count", kRequired, "1", 3},
@@ -264,12 +284,15 @@ constexpr KeyTable kTables[] = {
     {"output", "[output]", "what a run records", "joint", kOutput},
     {"modes", "[modes]", "natural frequencies", "beam", kModes},
     {"node", "[nodes]", "a node, name = { ... }, or name = [x, y, z]", "point_mass", kNode},
+    {"node.motion", "motion = { }", "how a support moves a node, from its place at the start, world", "point_mass",
+     kNodeMotion},
     {"body", "[[body]]", "a rigid body: a shape with density or mass, or mass and inertia", "spring_damper", kBody},
     {"inertia", "inertia = { }", "the tensor of inertia of a body", "joint", kInertia},
     {"marker", "markers = { }", "a point of a body", "spring_damper", kMarker},
     {"rotation", "rotation = { }", "a turn about an axis", "joint", kRotation},
     {"joint", "[[joint]]", "an ideal joint; its force acts on the first body", "joint", kJoint},
     {"load", "[[load]]", "a force, a moment or a force per length", "spring_damper", kLoad},
+    {"case", "[[case]]", "a load case: the loads that act, and how often", "beam", kCase},
     {"element", "[[element]]", "an element between two ends; `dttmm help TYPE` has the keys of its type", "spring_damper",
      kElement},
     {"element.at", "[[element]]", "an element at nodes", "rigid_body", kElementAt},

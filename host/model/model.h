@@ -43,9 +43,18 @@ struct Node {
     Eigen::Vector3d position = Eigen::Vector3d::Zero();      ///< at the start [m]
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< its axes in the world at the start
     std::bitset<6> fixed;  ///< directions x y z rx ry rz (world axes) in which it stays where it is at the start
-    bool moves = false;    ///< it starts with the velocities below; otherwise as straining the network least
+    /// How far a support moves it in fixed directions, by direction: displacement [m] and rotation vector [rad], world axes.
+    std::array<std::optional<Signal>, 6> motion = {};
+    std::string motion_place = {};  ///< "file:line:column", for errors found later
+    bool moves = false;             ///< it starts with the velocities below; otherwise as straining the network least
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< [m/s]
     Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< world axes [rad/s]
+
+    bool is_support() const {
+        for (const auto& signal : motion)
+            if (signal) return true;
+        return false;
+    }
 };
 
 /// A place on a body: one of its markers, or the body itself (its origin; for a load, its centre of mass); or a node; or,
@@ -68,6 +77,7 @@ struct Load {
     std::string place;                                    ///< "file:line:column", for errors found later
     int element = -1;                                     ///< index into Model::elements of a force per length [N/m]
     std::optional<Signal> signal_at_to = {};              ///< its magnitude at the `to` end; none: the same all along
+    std::string name = {};                                ///< of load cases, maybe of several loads; empty: none
     bool turns = false;  ///< `direction` is in the element's axes and turns with its parts: a follower load
 
     bool is_per_length() const { return element >= 0; }
@@ -136,6 +146,15 @@ struct ModesSettings {
     std::bitset<6> directions = 0x3f;  ///< x y z rx ry rz (world axes) in which nodes and bodies move
 };
 
+/// Loads and motions of supports that act together.
+struct LoadCase {
+    std::string name;
+    std::string place;                   ///< "file:line:column"
+    double gravity = 1;                  ///< factor of gravity
+    std::vector<double> load_factors;    ///< by Model::loads; 0: it does not act
+    std::vector<double> motion_factors;  ///< by Model::nodes
+};
+
 struct Parameter {
     std::string name;
     double value = 0;  ///< SI
@@ -155,6 +174,8 @@ struct Model {
     std::vector<Node> nodes;
     std::vector<Joint> joints;
     std::vector<Load> loads;
+    std::vector<LoadCase> cases;
+    std::string load_case;  ///< the one that was asked for, whose factors the loads have; empty: none
     std::vector<Element> elements;
     std::vector<std::filesystem::path> files;  ///< beside the model file that were read: tables of loads
     std::vector<Warning> warnings;             ///< of the model file, each text with its place

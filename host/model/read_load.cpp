@@ -144,8 +144,10 @@ std::optional<Load> read_load(const ReadContext& context, const TomlValue& entry
         read_direction(table, "direction");
         return std::nullopt;
     }
-    return is_along ? read_line_load(table, *place, magnitude, places)
-                    : read_point_load(table, *place, magnitude, places.attachments);
+    std::optional<Load> load = is_along ? read_line_load(table, *place, magnitude, places)
+                                        : read_point_load(table, *place, magnitude, places.attachments);
+    if (load && table.find("name")) load->name = normalise_name(table.text("name").value_or(""));
+    return load;
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "model/index.h"
 #include "model/name_registry.h"
 #include "model/read_body.h"
+#include "model/read_case.h"
 #include "model/read_element.h"
 #include "model/read_joint.h"
 #include "model/read_load.h"
@@ -205,6 +206,7 @@ void read_contents(const TableReader& file, const ElementCatalogue& catalogue, c
     // An element may be called like the node it stands at: forces are the one's, motions the other's
     model.elements = read_elements(file, catalogue, attachments, {&body_names}, element_names);
     model.loads = read_loads(file, {attachments, model.elements, element_names, catalogue});
+    model.cases = read_cases(file, model);
     model.joints = read_joints(file, attachments, model.bodies, {&body_names, &node_names, &element_names});
     check_nodes(file, model);
     if (model.simulation.starts_at_rest) check_rest(file, model);
@@ -236,6 +238,11 @@ Model parse_model(std::string_view text, const fs::path& file, const ElementCata
     diagnostics.throw_if_errors();
     if (overrides.purpose == Purpose::histories) warn_free_bodies(root, model);
     model.warnings = diagnostics.warnings();
+    if (overrides.load_case) {
+        const LoadCase asked = find_case(model, *overrides.load_case);
+        apply_case(model, asked);
+        model.load_case = asked.name;
+    }
     return model;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -20,7 +21,8 @@ enum class Purpose { histories, modes, statics };
 struct ModelOverrides : SimulationOverrides {
     Purpose purpose = Purpose::histories;
     ModesOverrides modes;
-    Parameters::Overrides parameters;  ///< --set name=value; an empty value is an error
+    std::optional<std::string> load_case;  ///< --case; none: loads act as the file has them
+    Parameters::Overrides parameters;      ///< --set name=value; an empty value is an error
 };
 
 /// Reads and checks a model file of format "dttmm/1".

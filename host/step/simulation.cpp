@@ -8,6 +8,7 @@
 
 #include "model/error.h"
 #include "model/index.h"
+#include "model/read_modes.h"
 
 namespace dttmm::host {
 
@@ -55,9 +56,25 @@ Simulation::Simulation(const Model& model, const Plugins& plugins)
     world_.set_states(now_);
 }
 
+/// A support that is elsewhere at the start than the file places its node strains the machine at once.
+void Simulation::refuse_jumps_of_supports() const {
+    constexpr double kNone = 1e-12;  // m and rad: rounding of an expression
+    for (const Node& node : model_.nodes)
+        for (size_t d = 0; d < node.motion.size(); ++d)
+            if (node.motion[d] && !(std::abs(node.motion[d]->value(0)) <= kNone))
+                throw Error(
+                    ExitCode::model_invalid,
+                    fmt::format("{}: node \"{}\": motion.{} is {:.6g} {} at t = 0 s, but the run starts with the node "
+                                "where the file places it: let it begin with 0, as a signal of type \"step\" does, or "
+                                "write start = \"equilibrium\" in [simulation]",
+                                node.motion_place, node.name, kDirections[d], node.motion[d]->value(0),
+                                d < 3 ? "m" : "rad"));
+}
+
 /// Initial conditions: now_ as the model has it, or at rest.
 const Instant& Simulation::start() {
     const dttmm_step first{0, 0.0, step_size_};
+    if (!model_.simulation.starts_at_rest) refuse_jumps_of_supports();
     if (!model_.simulation.starts_at_rest) return instant_.start(model_, first, now_, networks_, loads_);
     rest_ = Equilibrium(model_, networks_, loads_).find(first.time);
     now_ = rest_->at;

@@ -77,6 +77,7 @@ public:
 
 private:
     const Instant& start();
+    void refuse_jumps_of_supports() const;
     void move_bodies();
     void observe();
     void refuse_divergence() const;

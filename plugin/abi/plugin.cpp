@@ -15,6 +15,7 @@
 #include "dttmm_response.h"
 #include "dttmm_state.h"
 #include "dttmm_static.h"
+#include "dttmm_support.h"
 #include "element/registry.h"
 #include "law/registry.h"
 #include "modal/modal_analysis.h"
@@ -248,6 +249,10 @@ dttmm_status start_static(dttmm_instance* instance, const dttmm_step* step, cons
     return guard(error, [&] { instance->machine.start_at_rest(*step, bodies, loads); });
 }
 
+dttmm_status move_supports(dttmm_instance* instance, const dttmm_support_motion* motions, dttmm_error* error) {
+    return guard(error, [&] { instance->machine.move_supports(motions); });
+}
+
 double force_at_start(const dttmm_modal* modal, uint32_t element) { return modal->analysis.force_at_start(element); }
 
 double bent_at_rest(const dttmm_modal* modal, uint32_t element, int32_t* is_lumped) {
@@ -296,11 +301,13 @@ const void* extension(const char* name) {
                                                    correct_static,
                                                    move_static,
                                                    start_static};
+    static constexpr dttmm_support_table kSupport = {sizeof(dttmm_support_table), move_supports};
     const std::string_view wanted = name;
     if (wanted == DTTMM_MODAL) return &kModal;
     if (wanted == DTTMM_RESPONSE) return &kResponse;
     if (wanted == DTTMM_STATE) return &kState;
     if (wanted == DTTMM_STATIC) return &kStatic;
+    if (wanted == DTTMM_SUPPORT) return &kSupport;
     if (wanted == DTTMM_LAWS) return &kLaws;
     return nullptr;
 }

@@ -73,7 +73,7 @@ Parts Beam::discretise(std::span<const Pose> ends) const {
         law.most_turn = kMostTurn;
         return law;
     };
-    return lay_out(ends, axes, segments_, lump, offset, law_of(l), law_of(0.5 * l));
+    return lay_out(ends, axes, segments_, lump, offset, law_of(l), law_of(0.5 * l), section_.moduli);
 }
 
 std::optional<Line> Beam::line(std::span<const Pose> ends) const {

@@ -43,11 +43,11 @@ Matrix3 beam_axes(const Vector3& from, const Vector3& to, const Vector3& up) {
 }
 
 Parts lay_out(std::span<const Pose> ends, const Matrix3& axes, int segments, const Lump& lump, const Vector3& offset,
-              const JointLaw& whole, const JointLaw& half) {
+              const JointLaw& whole, const JointLaw& half, const SectionModuli& moduli) {
     const Vector3 start = ends[0].position, way = ends[1].position - start;
     const auto point = [&](double segment) { return Vector3(start + segment / segments * way); };
     Parts parts;
-    parts.segments = {way.norm() / segments, -offset};
+    parts.segments = {way.norm() / segments, -offset, moduli};
     for (int i = 0; i < segments; ++i) {
         parts.lumps.push_back(lump);
         parts.lumps.back().pose = {point(i + 0.5) + axes * offset, axes};

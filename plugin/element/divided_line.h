@@ -35,6 +35,6 @@ constexpr auto with_section(const std::array<dttmm_parameter, first>& own) {
 /// lump: of a segment, offset: of its centre from the axis, local axes. whole, half: laws of a link between two lumps, and
 /// between a lump and an end.
 Parts lay_out(std::span<const Pose> ends, const Matrix3& axes, int segments, const Lump& lump, const Vector3& offset,
-              const JointLaw& whole, const JointLaw& half);
+              const JointLaw& whole, const JointLaw& half, const SectionModuli& moduli = {});
 
 }  // namespace dttmm::plugin

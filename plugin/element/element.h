@@ -35,6 +35,7 @@ struct Parts {
     struct Segments {
         double length = 0;  ///< of each [m]
         Vector3 arm;        ///< from the centre of a lump to the middle of its segment on the axis, local axes [m]
+        SectionModuli moduli = {};
     };
     std::optional<Segments> segments = {};
 };

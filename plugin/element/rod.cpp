@@ -44,7 +44,7 @@ Parts Rod::discretise(std::span<const Pose> ends) const {
         for (size_t d = 1; d < 6; ++d) law.rigid.set(d);
         return law;
     };
-    return lay_out(ends, axes, segments_, lump, Vector3::Zero(), law_of(l), law_of(0.5 * l));
+    return lay_out(ends, axes, segments_, lump, Vector3::Zero(), law_of(l), law_of(0.5 * l), section_.moduli);
 }
 
 }  // namespace dttmm::plugin

@@ -54,9 +54,10 @@ struct Given {
 
 [[noreturn]] void refuse(const std::string& text) { throw Error(DTTMM_ERROR_MODEL, text); }
 
-/// A shape: area [m²], second moments about y and z, torsion constant [m⁴], shear coefficient.
+/// A shape: area [m²], second moments about y and z, torsion constant [m⁴], shear coefficient; its extent along y and z [m].
 struct Shape {
-    double A, Iy, Iz, J, kappa;
+    double A, Iy, Iz, J, kappa, width, height;
+    bool is_round;
 };
 
 /// Saint-Venant's torsion constant of a rectangle, a ≥ b: a b³ (1/3 − (64/π⁵)(b/a) Σ tanh(nπa/2b)/n⁵), n odd.
@@ -71,15 +72,21 @@ Shape tube(double outer, double inner, double poisson) {
     if (inner >= outer)
         refuse(fmt::format("section.tube: the inner diameter, {:g} m, must be less than the outer, {:g} m", inner, outer));
     const double Di2 = inner * inner, Do2 = outer * outer, I = M_PI / 64 * (Do2 * Do2 - Di2 * Di2);
-    return {M_PI / 4 * (Do2 - Di2), I, I, 2 * I, cowper_tube(poisson, inner / outer)};
+    return {M_PI / 4 * (Do2 - Di2), I, I, 2 * I, cowper_tube(poisson, inner / outer), outer, outer, true};
 }
 
 Shape make_shape(const Given& given, double poisson) {
     if (is_given(given.outer)) return tube(given.outer, given.inner, poisson);
     if (is_given(given.diameter)) return tube(given.diameter, 0, poisson);
     const double b = given.width, h = given.height;  // along y and z
-    return {b * h, b * h * h * h / 12, h * b * b * b / 12, torsion_of_rectangle(std::max(b, h), std::min(b, h)),
-            cowper_rectangle(poisson)};
+    return {b * h,
+            b * h * h * h / 12,
+            h * b * b * b / 12,
+            torsion_of_rectangle(std::max(b, h), std::min(b, h)),
+            cowper_rectangle(poisson),
+            b,
+            h,
+            false};
 }
 
 Section from_shape(const Given& given) {
@@ -107,6 +114,7 @@ Section from_shape(const Given& given) {
     section.rotary_y = given.density * shape.Iy;
     section.rotary_z = given.density * shape.Iz;
     section.inertia = section.rotary_y + section.rotary_z;
+    section.moduli = {shape.A, 2 * shape.Iy / shape.height, 2 * shape.Iz / shape.width, shape.is_round};
     return section;
 }
 
@@ -151,6 +159,12 @@ void check_size(const Section& s) {
 }
 
 }  // namespace
+
+double SectionModuli::extreme_stress(double axial, double moment_y, double moment_z) const {
+    const double bending =
+        is_round ? std::hypot(moment_y, moment_z) / about_y : std::abs(moment_y) / about_y + std::abs(moment_z) / about_z;
+    return axial / area + std::copysign(bending, axial);
+}
 
 Section make_section(std::span<const double, kSectionValueCount> values, BeamTheory theory) {
     const Given given(values);

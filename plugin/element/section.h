@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <span>
 
 #include "core/types.h"
@@ -9,6 +10,16 @@
 #include "element/parameters.h"
 
 namespace dttmm::plugin {
+
+/// What makes stresses of the forces in a section; not a number where only its stiffnesses are known.
+struct SectionModuli {
+    double area = std::numeric_limits<double>::quiet_NaN();  ///< [m²]
+    double about_y = 0, about_z = 0;  ///< second moment over the distance of the outermost fibre [m³]
+    bool is_round = false;            ///< it bends alike in all directions
+    bool are_known() const { return area > 0; }
+    /// The largest normal stress by magnitude [Pa], tension positive, of an axial force and bending moments.
+    double extreme_stress(double axial, double moment_y, double moment_z) const;
+};
 
 /// Stiffness and inertia of a beam per length, local axes: x along the beam. What the model does not give, and does not
 /// follow from what it gives, is not a number.
@@ -22,6 +33,7 @@ struct Section {
     double rotary_y = 0, rotary_z = 0;  ///< of the section about y and z [kg m]; zero for Euler-Bernoulli
     double offset_y = 0, offset_z = 0;  ///< of the mass axis from the elastic axis [m]
     double stiffness_damping = 0;       ///< damping over stiffness of every deformation [s]
+    SectionModuli moduli = {};
 };
 
 /// Shear coefficient κ of a section, Cowper (1966), J. Appl. Mech. 33, 335–340; ν: Poisson's ratio.

@@ -3,7 +3,7 @@
  *
  * The C interface between the dttmm host, which owns the rigid bodies, and a plugin, which solves the elastic network
  * between them. Both halves include this header, those of its extensions (dttmm_modal.h, dttmm_response.h, dttmm_state.h,
- * dttmm_laws.h) and nothing else of each other. Plain C11.
+ * dttmm_static.h, dttmm_support.h, dttmm_laws.h) and nothing else of each other. Plain C11.
  *
  * Conventions, valid for every declaration below
  * ----------------------------------------------
@@ -195,6 +195,9 @@ typedef struct dttmm_network {
     uint32_t line_load_count;
     const dttmm_line_load* line_loads; /* their values come with those on the inner nodes. No part of linearise, take_up, the
                                           modes or the response */
+    uint32_t support_count;
+    const uint32_t* supports; /* inner nodes that the host moves in their fixed directions, ascending (dttmm_support.h). To
+                                 the modes and the response they are at rest */
     /* Where the plugin may write the index of the element it works on, for whoever reports a crash. It lives as long as the
      * instance; NULL: not wanted. */
     volatile int32_t* at_work;

@@ -25,11 +25,12 @@ typedef struct dttmm_harmonic {
 
 /* What one wants of a response, per case in the order of the cases; any pointer may be NULL. */
 typedef struct dttmm_harmonic_result {
-    double* bodies;      /* 12 per body: displacement and rotation at its centre of mass [m, rad, world] */
-    double* nodes;       /* 12 per node */
-    double* elements;    /* 24 per element, in its axes, signs as of the channels of a run: force and moment [N, N m]; of its
-                            `to`    end against its `from` end, deflection and rotation [m, rad]. Of a line the force and moment at
-                            its    `from` end. In rigid directions they are the reactions. */
+    double* bodies; /* 12 per body: displacement and rotation at its centre of mass [m, rad, world] */
+    double* nodes;  /* 12 per node */
+    /* 24 per element, in its axes, signs as of the channels of a run: force and moment [N, N m]; of its `to` end against its
+     * `from` end, deflection and rotation [m, rad]. Of a line the force and moment at its `from` end. In rigid directions
+     * they are the reactions. */
+    double* elements;
     double* constraints; /* 12 per constraint: force and moment on its first body at its point [N, N m, world] */
 } dttmm_harmonic_result;
 

@@ -36,8 +36,9 @@ struct Part {
 
 class Assembler {
 public:
-    Assembler(const dttmm_network& description, Waves waves, const std::vector<bool>* lumped)
-        : description_(description), waves_(waves), lumped_(lumped) {
+    Assembler(const dttmm_network& description, Waves waves, const std::vector<bool>* lumped,
+              std::span<const int> supported_by)
+        : description_(description), waves_(waves), lumped_(lumped), supported_by_(supported_by) {
         place_bodies();
         place_nodes();
         for (uint32_t e = 0; e < description.element_count; ++e) take_apart(as_int(e));
@@ -151,8 +152,8 @@ private:
             welds_.emplace_back(first_lump + parts.mounted[i], end);
         }
         if (parts.segments)
-            assembly_.segments.push_back(
-                {e, first_lump, as_int(parts.lumps.size()), parts.segments->length, parts.segments->arm});
+            assembly_.segments.push_back({e, first_lump, as_int(parts.lumps.size()), parts.segments->length,
+                                          parts.segments->arm, parts.segments->moduli});
         const auto station = [&](int s) {
             return s < as_int(data.end_count) ? as_int(data.ends[s]) : first_lump + s - as_int(data.end_count);
         };
@@ -272,7 +273,7 @@ private:
         return text;
     }
 
-    /// A node held in some directions hangs on the ground by a joint rigid in these.
+    /// A node held in some directions hangs on the ground, or on the body of its support, by a joint rigid in these.
     void hold_fixed_nodes() {
         assembly_.first_joint.push_back(as_int(assembly_.joints.size()));
         for (uint32_t n = 0; n < description_.node_count; ++n) {
@@ -282,7 +283,8 @@ private:
             if (fixed == 0x3f) continue;
             JointSpec joint;
             joint.element = parts_[n].frame.element;
-            joint.from = ground_at(parts_[n].pose.position);
+            const int body = supported_by_.empty() ? -1 : supported_by_[n];
+            joint.from = body >= 0 ? body : ground_at(parts_[n].pose.position);
             JointLaw law;
             law.rigid = Directions(fixed);
             joint.law = std::make_shared<const JointLaw>(law);
@@ -347,6 +349,7 @@ private:
     const dttmm_network& description_;
     const Waves waves_;
     const std::vector<bool>* lumped_;
+    const std::span<const int> supported_by_;
     std::vector<Part> parts_;  ///< the nodes, then the lumps of the elements
     std::vector<std::pair<int, int>> welds_;
     std::shared_ptr<const JointLaw> law_;  ///< of the joint before: joints in succession that are alike share one
@@ -357,8 +360,9 @@ private:
 
 std::string FrameSpec::name() const { return segment > 0 ? fmt::format("segment {} of {}", segment, *label) : *label; }
 
-Assembly assemble(const dttmm_network& description, Waves waves, const std::vector<bool>* lumped) {
-    return Assembler(description, waves, lumped).take();
+Assembly assemble(const dttmm_network& description, Waves waves, const std::vector<bool>* lumped,
+                  std::span<const int> supported_by) {
+    return Assembler(description, waves, lumped, supported_by).take();
 }
 
 }  // namespace dttmm::plugin

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,7 @@ struct SegmentsSpec {
     int first = 0, count = 0;
     double length = 0;  ///< of a segment [m]
     Vector3 arm;        ///< from a frame's origin to the middle of its segment on the axis, axes of the frame [m]
+    SectionModuli moduli;
 };
 
 /// A node of the description as a point of a frame.
@@ -70,7 +72,7 @@ struct Assembly {
     std::vector<LineSpec> lines;           ///< with Waves::exact
     std::vector<NodeSpec> nodes;           ///< in the order of the description
     std::vector<SegmentsSpec> segments;    ///< of the lines that are divided, by element
-    std::vector<int> first_joint;          ///< of every element, and one past the last
+    std::vector<int> first_joint;          ///< of every element, and one past the last; then those that hold fixed nodes
     int inner_count() const { return as_int(frames.size()) - driven_count; }
 };
 
@@ -79,7 +81,9 @@ enum class Waves { lumped, exact };
 
 /// Throws Error naming element or node: an end that is no node, a node on a body that there is not, a mass on a body, both
 /// ends of a joint on one frame, a velocity in a fixed direction, a number that is not finite, a force per length on what is
-/// no line. lumped: of the elements, those that are lumps and joints all the same; NULL: none.
-Assembly assemble(const dttmm_network& description, Waves waves = Waves::lumped, const std::vector<bool>* lumped = nullptr);
+/// no line. lumped: of the elements, those that are lumps and joints all the same; NULL: none. supported_by: of every node
+/// the body that its fixed directions hang on; −1, or where there is none: the ground.
+Assembly assemble(const dttmm_network& description, Waves waves = Waves::lumped, const std::vector<bool>* lumped = nullptr,
+                  std::span<const int> supported_by = {});
 
 }  // namespace dttmm::plugin

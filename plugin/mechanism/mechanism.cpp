@@ -9,8 +9,9 @@
 
 namespace dttmm::plugin {
 
-Mechanism::Mechanism(const dttmm_network& description)
-    : assembly(assemble(description)), scheme(description.scheme, {description.beta, description.gamma}) {
+Mechanism::Mechanism(const dttmm_network& description, std::span<const int> supported_by)
+    : assembly(assemble(description, Waves::lumped, nullptr, supported_by)),
+      scheme(description.scheme, {description.beta, description.gamma}) {
     const size_t count = assembly.joints.size();
     int damper_count = 0;
     std::unordered_map<const JointLaw*, std::shared_ptr<JointKind>> kinds;

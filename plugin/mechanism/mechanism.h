@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/index.h"
@@ -12,7 +13,8 @@ namespace dttmm::plugin {
 
 /// The frames and joints of a network with their memory: what its phases work on.
 struct Mechanism {
-    explicit Mechanism(const dttmm_network& description);
+    /// supported_by: as assemble() has it.
+    explicit Mechanism(const dttmm_network& description, std::span<const int> supported_by = {});
 
     Assembly assembly;
     Scheme scheme;

@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -67,7 +69,9 @@ bool is_joint_of_bodies(const dttmm_network& description, const dttmm_element& e
 /// The description of some elements and of the bodies and nodes that they need, and where these are in the whole.
 class Extract {
 public:
-    Extract(const dttmm_network& whole, std::span<const uint32_t> elements) : part_(whole) {
+    Extract(const Supports& supports, std::span<const uint32_t> elements)
+        : part_(supports.description()), supports_(supports) {
+        const dttmm_network& whole = supports.description();
         for (uint32_t e : elements) {
             places_.elements.push_back(e);
             elements_.push_back(whole.elements[e]);
@@ -101,20 +105,25 @@ private:
         const auto [found, is_new] = node_of_.try_emplace(index, static_cast<uint32_t>(nodes_.size()));
         if (!is_new) return found->second;
         dttmm_node own = whole.nodes[index];
-        if (own.kind == DTTMM_NODE_ON_BODY && own.body < whole.body_count) {
-            const auto [body, is_new_body] = body_of_.try_emplace(own.body, static_cast<uint32_t>(bodies_.size()));
-            if (is_new_body) {
-                bodies_.push_back(whole.bodies[own.body]);
-                places_.bodies.push_back(own.body);
-            }
-            own.body = body->second;
-        }
+        if (own.kind == DTTMM_NODE_ON_BODY && own.body < whole.body_count) own.body = body(whole, own.body);
+        const int support = supports_.body_of(index);
+        places_.supported_by.push_back(support < 0 ? -1 : as_int(body(whole, static_cast<uint32_t>(support))));
         nodes_.push_back(own);
         places_.nodes.push_back(index);
         return found->second;
     }
 
+    uint32_t body(const dttmm_network& whole, uint32_t index) {
+        const auto [body, is_new] = body_of_.try_emplace(index, static_cast<uint32_t>(bodies_.size()));
+        if (is_new) {
+            bodies_.push_back(whole.bodies[index]);
+            places_.bodies.push_back(index);
+        }
+        return body->second;
+    }
+
     dttmm_network part_;
+    const Supports& supports_;
     Places places_;
     std::map<uint32_t, uint32_t> node_of_, body_of_;
     std::vector<dttmm_body> bodies_;
@@ -147,7 +156,7 @@ void Machine::for_each(Self& self, const Action& action) {
 // ---- Construction -------------------------------------------------------------------------------------------------------
 
 Machine::Machine(const dttmm_network& description)
-    : body_count_(description.body_count), element_count_(description.element_count) {
+    : body_count_(description.body_count), element_count_(description.element_count), supports_(description) {
     if (description.element_count == 0) throw Error(DTTMM_ERROR_MODEL, "a network without an element");
     for (uint32_t k = 0; k < description.line_load_count; ++k)
         if (description.line_loads[k].element >= description.element_count)
@@ -165,14 +174,15 @@ Machine::Machine(const dttmm_network& description)
     uint32_t inner_count = 0;
     for (uint32_t n = 0; n < description.node_count; ++n)
         if (description.nodes[n].kind == DTTMM_NODE_INNER) number_of[n] = inner_count++;
+    load_count_ = inner_count + description.line_load_count;
     networks_.reserve(parts.size());
     for (const std::vector<uint32_t>& part : parts) {
         if (part.empty()) continue;
-        const Extract extract(description, part);
+        const Extract extract(supports_, part);
         in_whole(extract.places(), [&] { networks_.push_back({Network(extract.description(), extract.places()), {}, {}}); });
         Part& made = networks_.back();
         for (uint32_t n : extract.places().nodes)
-            if (description.nodes[n].kind == DTTMM_NODE_INNER) made.loaded.push_back(number_of[n]);
+            if (supports_.description().nodes[n].kind == DTTMM_NODE_INNER) made.loaded.push_back(number_of[n]);
         for (uint32_t k : extract.line_load_places()) made.loaded.push_back(inner_count + k);
         made.loads.resize(6 * made.loaded.size());
     }
@@ -184,13 +194,23 @@ Machine::Machine(const dttmm_network& description)
 /// A block that several networks have is one.
 void Machine::place_blocks() {
     std::map<std::pair<uint32_t, uint32_t>, size_t> places;
-    for (Part& part : networks_)
-        for (size_t b = 0; b < part.network.blocks().size(); ++b) {
-            const dttmm_block& block = part.network.blocks()[b];
-            const auto [place, is_new] = places.try_emplace({block.row, block.column}, blocks_.size());
-            if (is_new) blocks_.push_back(block);
-            part.network.place_block(b, place->second);
-        }
+    const auto is_seen = [&](const dttmm_block& block) { return std::max(block.row, block.column) < body_count_; };
+    for (const bool wants_seen : {true, false}) {
+        for (Part& part : networks_)
+            for (size_t b = 0; b < part.network.blocks().size(); ++b) {
+                const dttmm_block& block = part.network.blocks()[b];
+                if (is_seen(block) != wants_seen) continue;
+                const auto [place, is_new] = places.try_emplace({block.row, block.column}, blocks_.size());
+                if (is_new) blocks_.push_back(block);
+                part.network.place_block(b, place->second);
+            }
+        if (wants_seen) seen_blocks_ = blocks_.size();
+    }
+    if (supports_.empty()) return;
+    const size_t bodies = body_count_ + supports_.count();
+    joined_.motions.resize(bodies);
+    for (auto* list : {&joined_.numbers, &joined_.wrenches, &joined_.changes}) list->assign(6 * bodies, 0.0);
+    for (auto* list : {&joined_.stiffness, &joined_.damping}) list->assign(36 * blocks_.size(), 0.0);
 }
 
 /// In the order of the elements; what nodes have comes after the elements that they join.
@@ -210,8 +230,10 @@ void Machine::place_channels(std::span<const std::vector<uint32_t>> units) {
     for (const std::vector<uint32_t>& unit : units) {
         for (uint32_t e : unit) place(*piece_of[e].first, piece_of[e].second);
         Network& network = *piece_of[unit.front()].first;
-        if (network.interior()) place(network, network.piece_count() - 1);
+        const size_t others = network.piece_count() - 1;
+        if (!network.piece(others).empty()) place(network, others);
     }
+    if (!supports_.empty()) channels_.push_back({"work_of_supports", "J", DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_WORK});
     for (Part& part : networks_) part.network.forget_channels();
 }
 
@@ -223,28 +245,73 @@ const double* Machine::gather_loads(Part& part, const double* loads) const {
     return part.loads.data();
 }
 
-double* Machine::cleared(double* wrench) const { return std::fill_n(wrench, 6 * size_t{body_count_}, 0.0), wrench; }
+/// The motions of the bodies with those of the supports behind.
+const dttmm_motion* Machine::with_supports(const dttmm_motion* bodies,
+                                           void (Supports::*write)(std::span<dttmm_motion>) const) const {
+    if (supports_.empty()) return bodies;
+    std::copy_n(bodies, body_count_, joined_.motions.begin());
+    (supports_.*write)(std::span(joined_.motions).subspan(body_count_));
+    return joined_.motions.data();
+}
 
-double* Machine::cleared_blocks(double* matrix) const {
-    if (matrix) std::fill_n(matrix, 36 * blocks_.size(), 0.0);
-    return matrix;
+/// Six numbers per body with those of the supports behind; these: null: zero.
+const double* Machine::with_supports(const double* numbers, const double* of_supports) const {
+    if (supports_.empty()) return numbers;
+    const auto behind = std::copy_n(numbers, 6 * size_t{body_count_}, joined_.numbers.begin());
+    if (of_supports)
+        std::copy_n(of_supports, 6 * supports_.count(), behind);
+    else
+        std::fill(behind, joined_.numbers.end(), 0.0);
+    return joined_.numbers.data();
+}
+
+/// Where the networks are to add wrenches, cleared; then hand_out() gives the host those of its bodies.
+double* Machine::wrenches_for(double* wrench) const {
+    if (supports_.empty()) return std::fill_n(wrench, 6 * size_t{body_count_}, 0.0), wrench;
+    std::ranges::fill(joined_.wrenches, 0.0);
+    return joined_.wrenches.data();
+}
+
+void Machine::hand_out(double* wrench) const {
+    if (!supports_.empty()) std::copy_n(joined_.wrenches.begin(), 6 * size_t{body_count_}, wrench);
+}
+
+/// The same of a matrix; null: not wanted.
+double* Machine::blocks_for(double* matrix, std::vector<double>& own) const {
+    if (!matrix) return nullptr;
+    if (supports_.empty()) return std::fill_n(matrix, 36 * blocks_.size(), 0.0), matrix;
+    std::ranges::fill(own, 0.0);
+    return own.data();
+}
+
+void Machine::hand_out(double* matrix, const std::vector<double>& own) const {
+    if (matrix && !supports_.empty()) std::copy_n(own.begin(), 36 * seen_blocks_, matrix);
 }
 
 void Machine::linearise(const dttmm_motion* bodies, double* wrench, double* stiffness, double* damping) const {
-    cleared(wrench);
-    cleared_blocks(stiffness);
-    cleared_blocks(damping);
-    for_each(*this, [&](const Part& part) { part.network.linearise(bodies, wrench, stiffness, damping); });
+    const dttmm_motion* const all = with_supports(bodies, &Supports::write_start);
+    double *const w = wrenches_for(wrench), *const k = blocks_for(stiffness, joined_.stiffness),
+                  *const c = blocks_for(damping, joined_.damping);
+    for_each(*this, [&](const Part& part) { part.network.linearise(all, w, k, c); });
+    hand_out(wrench);
+    hand_out(stiffness, joined_.stiffness);
+    hand_out(damping, joined_.damping);
 }
 
 void Machine::take_up(const double* motion, double* elastic, double* damped) const {
     std::fill_n(elastic, element_count_, 0.0);
     std::fill_n(damped, element_count_, 0.0);
-    for_each(*this, [&](const Part& part) { part.network.take_up(motion, elastic, damped); });
+    const double* const all = with_supports(motion, nullptr);
+    for_each(*this, [&](const Part& part) { part.network.take_up(all, elastic, damped); });
 }
 
 void Machine::start(const dttmm_step& step, const dttmm_motion* bodies, const double* accelerations, const double* loads) {
-    for_each(*this, [&](Part& part) { part.network.start(step, bodies, accelerations, gather_loads(part, loads)); });
+    supports_.start();
+    const dttmm_motion* const all = with_supports(bodies, &Supports::write_start);
+    std::vector<double> of_supports(6 * supports_.count());
+    supports_.write_accelerations(of_supports.data());
+    const double* const a = with_supports(accelerations, of_supports.data());
+    for_each(*this, [&](Part& part) { part.network.start(step, all, a, gather_loads(part, loads)); });
 }
 
 void Machine::begin_step(const dttmm_step& step, const double* loads) {
@@ -258,6 +325,7 @@ void Machine::begin_step(const dttmm_step& step, const double* loads) {
         while (open > 0) networks_[--open].network.discard_step();
         throw;
     }
+    supports_.begin_step(step.size);
 }
 
 uint32_t Machine::part_count() const {
@@ -265,9 +333,10 @@ uint32_t Machine::part_count() const {
 }
 
 void Machine::iterate(const dttmm_motion* trial, dttmm_progress* progress) {
+    const dttmm_motion* const all = with_supports(trial, &Supports::write_end);
     for_each(*this, [&](Part& part) {
         if (!part.network.iterates()) return;
-        part.network.iterate(trial, *progress);
+        part.network.iterate(all, *progress);
         const auto& elements = part.network.places().elements;
         progress->element = static_cast<int32_t>(elements[as_size(std::max(progress->element, 0))]);
         ++progress;
@@ -275,13 +344,23 @@ void Machine::iterate(const dttmm_motion* trial, dttmm_progress* progress) {
 }
 
 void Machine::evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const {
-    cleared(wrench);
-    cleared_blocks(stiffness);
-    for_each(*this, [&](const Part& part) { part.network.evaluate(trial, wrench, stiffness); });
+    const dttmm_motion* const all = with_supports(trial, &Supports::write_end);
+    double *const w = wrenches_for(wrench), *const k = blocks_for(stiffness, joined_.stiffness);
+    for_each(*this, [&](const Part& part) { part.network.evaluate(all, w, k); });
+    hand_out(wrench);
+    hand_out(stiffness, joined_.stiffness);
 }
 
 void Machine::commit_step(const dttmm_motion* accepted) {
-    for_each(*this, [&](Part& part) { part.network.commit_step(accepted); });
+    const dttmm_motion* const all = with_supports(accepted, &Supports::write_end);
+    for_each(*this, [&](Part& part) { part.network.commit_step(all); });
+    if (supports_.empty()) return;
+    supports_.commit_step();
+    std::ranges::fill(joined_.wrenches, 0.0);
+    for_each(*this, [&](const Part& part) { part.network.mean_wrench(joined_.wrenches.data()); });
+    std::ranges::fill(joined_.numbers, 0.0);
+    for_each(*this, [&](const Part& part) { part.network.add_rigid_wrenches(joined_.numbers.data()); });
+    supports_.add_work(&joined_.wrenches[6 * size_t{body_count_}], &joined_.numbers[6 * size_t{body_count_}]);
 }
 
 void Machine::discard_step() {
@@ -289,26 +368,34 @@ void Machine::discard_step() {
 }
 
 void Machine::mean_wrench(double* wrench) const {
-    cleared(wrench);
-    for_each(*this, [&](const Part& part) { part.network.mean_wrench(wrench); });
+    double* const w = wrenches_for(wrench);
+    for_each(*this, [&](const Part& part) { part.network.mean_wrench(w); });
+    hand_out(wrench);
 }
 
 void Machine::stand(const dttmm_motion* bodies, const double* accelerations, double* wrench) const {
-    cleared(wrench);
-    for_each(*this, [&](const Part& part) { part.network.stand(bodies, accelerations, wrench); });
+    const dttmm_motion* const all = with_supports(bodies, &Supports::write_instant);
+    if (!supports_.empty()) supports_.write_accelerations(joined_.changes.data());
+    const double* const a = accelerations ? with_supports(accelerations, joined_.changes.data()) : nullptr;
+    double* const w = wrenches_for(wrench);
+    for_each(*this, [&](const Part& part) { part.network.stand(all, a, w); });
+    hand_out(wrench);
 }
 
 // ---- At rest ------------------------------------------------------------------------------------------------------------
 
 void Machine::begin_statics() {
+    supports_.begin_statics();
     for_each(*this, [](Part& part) { part.network.begin_statics(); });
 }
 
 void Machine::keep_statics() {
+    supports_.keep_statics();
     for_each(*this, [](Part& part) { part.network.statics().keep(); });
 }
 
 void Machine::recall_statics() {
+    supports_.recall_statics();
     for_each(*this, [](Part& part) { part.network.statics().recall(); });
 }
 
@@ -319,9 +406,22 @@ void Machine::set_static_loads(const double* gravity, const double* loads) {
 }
 
 void Machine::form_static(const dttmm_motion* bodies, double resistance, double* wrench, double* stiffness) {
-    cleared(wrench);
-    cleared_blocks(stiffness);
-    for_each(*this, [&](Part& part) { part.network.form_static(bodies, resistance, wrench, stiffness); });
+    supports_.form_statics();
+    const dttmm_motion* const all = with_supports(bodies, &Supports::write_at);
+    double *const w = wrenches_for(wrench), *const k = blocks_for(stiffness, joined_.stiffness);
+    for_each(*this, [&](Part& part) { part.network.form_static(all, resistance, w, k); });
+    if (supports_.empty()) return;
+    // What supports are to do is known: it is a wrench on the bodies
+    using RowMajor6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
+    double* const change = joined_.changes.data();
+    supports_.write_change(change);
+    for (size_t b = seen_blocks_; b < blocks_.size(); ++b)
+        if (blocks_[b].row < body_count_)
+            Eigen::Map<Vector6>(w + 6 * blocks_[b].row) -=
+                Eigen::Map<const RowMajor6>(k + 36 * b) *
+                Eigen::Map<const Vector6>(change + 6 * (blocks_[b].column - body_count_));
+    hand_out(wrench);
+    hand_out(stiffness, joined_.stiffness);
 }
 
 /// Of all networks what finds asks of each.
@@ -344,21 +444,25 @@ dttmm_static_measure Machine::measure_static(const Find& find) {
 }
 
 void Machine::correct_static(const double* change, dttmm_static_measure* measure) {
-    *measure = measure_static([&](Network& network) { return network.correct_static(change); });
+    const bool moves = supports_.write_change(joined_.changes.data());
+    const double* const all = with_supports(change, joined_.changes.data());
+    *measure = measure_static([&](Network& network) { return network.correct_static(all); });
+    // Supports that move do work of their own, which does not tell uphill from downhill
+    if (moves) measure->work = std::abs(measure->work);
 }
 
 void Machine::move_static(const dttmm_motion* bodies, double share, double* wrench, dttmm_static_measure* measure) {
-    cleared(wrench);
-    *measure = measure_static([&](Network& network) { return network.move_static(bodies, share, wrench); });
+    supports_.move_statics(share);
+    const dttmm_motion* const all = with_supports(bodies, &Supports::write_at);
+    double* const w = wrenches_for(wrench);
+    *measure = measure_static([&](Network& network) { return network.move_static(all, share, w); });
+    hand_out(wrench);
 }
 
 AtRest Machine::at_rest() const {
     AtRest rest;
     rest.elements.resize(element_count_);
-    size_t nodes = 0;
-    for (const Part& part : networks_)
-        for (uint32_t n : part.loaded) nodes = std::max(nodes, size_t{n} + 1);
-    rest.loads.assign(nodes, Vector6::Zero());
+    rest.loads.assign(load_count_, Vector6::Zero());
     for_each(*this, [&](const Part& part) {
         part.network.write_rest(rest);
         const std::vector<double>& loads = part.network.static_loads();
@@ -369,7 +473,9 @@ AtRest Machine::at_rest() const {
 }
 
 void Machine::start_at_rest(const dttmm_step& step, const dttmm_motion* bodies, const double* loads) {
-    for_each(*this, [&](Part& part) { part.network.start_at_rest(step, bodies, gather_loads(part, loads)); });
+    supports_.start_at_rest();
+    const dttmm_motion* const all = with_supports(bodies, &Supports::write_start);
+    for_each(*this, [&](Part& part) { part.network.start_at_rest(step, all, gather_loads(part, loads)); });
 }
 
 // ---- State and results --------------------------------------------------------------------------------------------------
@@ -377,6 +483,7 @@ void Machine::start_at_rest(const dttmm_step& step, const dttmm_motion* bodies, 
 size_t Machine::state_size() const {
     size_t size = 0;
     for (const Part& part : networks_) size += part.network.state_size();
+    Supports::for_each_state(supports_, [&](auto piece) { size += piece.size_bytes(); });
     return size;
 }
 
@@ -388,6 +495,10 @@ void Machine::save_state(void* buffer, size_t size) const {
         part.network.save_state(out, part.network.state_size());
         out += part.network.state_size();
     });
+    Supports::for_each_state(supports_, [&](auto piece) {
+        if (!piece.empty()) std::memcpy(out, piece.data(), piece.size_bytes());
+        out += piece.size_bytes();
+    });
 }
 
 void Machine::restore_state(const void* buffer, size_t size) {
@@ -398,10 +509,15 @@ void Machine::restore_state(const void* buffer, size_t size) {
         part.network.restore_state(in, part.network.state_size());
         in += part.network.state_size();
     });
+    Supports::for_each_state(supports_, [&](auto piece) {
+        if (!piece.empty()) std::memcpy(static_cast<void*>(piece.data()), in, piece.size_bytes());
+        in += piece.size_bytes();
+    });
 }
 
 void Machine::outputs(double* values) const {
     for_each(*this, [&](const Part& part) { part.network.outputs(values); });
+    if (!supports_.empty()) values[channels_.size() - 1] = supports_.work();
 }
 
 }  // namespace dttmm::plugin

@@ -7,12 +7,14 @@
 #include "dttmm_plugin.h"
 #include "dttmm_static.h"
 #include "time/network.h"
+#include "time/supports.h"
 
 namespace dttmm::plugin {
 
 /// All elements of a model in time, as dttmm_plugin.h has them: the springs between bodies as one network of joints, and
 /// every set of elements that inner nodes join, or that has masses of its own, as one. Bodies and the ground do not join:
-/// what happens on one side of them is felt on the other through the host.
+/// what happens on one side of them is felt on the other through the host. Fixed nodes that the host moves are to the
+/// networks bodies behind those of the host, whose motion is given (Supports).
 ///
 /// Errors are thrown as Error with the element's index in the description; where a network blames none, its first.
 class Machine {
@@ -21,7 +23,8 @@ public:
 
     bool is_implicit() const { return is_implicit_; }
     void load_weights(double weights[3]) const { networks_.front().network.load_weights(weights); }
-    std::span<const dttmm_block> blocks() const { return blocks_; }
+    std::span<const dttmm_block> blocks() const { return std::span(blocks_).first(seen_blocks_); }
+    void move_supports(const dttmm_support_motion* motions) { supports_.move_to(motions); }
 
     void linearise(const dttmm_motion* bodies, double* wrench, double* stiffness, double* damping) const;
     void take_up(const double* motion, double* elastic, double* damped) const;
@@ -67,14 +70,28 @@ private:
     void place_blocks();
     void place_channels(std::span<const std::vector<uint32_t>> units);
     const double* gather_loads(Part& part, const double* loads) const;
-    double* cleared(double* wrench) const;
-    double* cleared_blocks(double* matrix) const;
+    const dttmm_motion* with_supports(const dttmm_motion* bodies,
+                                      void (Supports::*write)(std::span<dttmm_motion>) const) const;
+    const double* with_supports(const double* numbers, const double* of_supports) const;
+    double* wrenches_for(double* wrench) const;
+    void hand_out(double* wrench) const;
+    double* blocks_for(double* matrix, std::vector<double>& own) const;
+    void hand_out(double* matrix, const std::vector<double>& own) const;
 
     uint32_t body_count_, element_count_;
+    size_t load_count_ = 0;  ///< on inner nodes, and line loads
     bool is_implicit_ = false;
     std::vector<Part> networks_;
     std::vector<dttmm_block> blocks_;
+    size_t seen_blocks_ = 0;  ///< by the host; those of supports stand behind
     std::vector<dttmm_channel> channels_;
+    Supports supports_;
+    /// Of all bodies, those of the supports behind: where the host's numbers and theirs come together.
+    struct Joined {
+        std::vector<dttmm_motion> motions;
+        std::vector<double> numbers, wrenches, stiffness, damping, changes;
+    };
+    mutable Joined joined_;
 };
 
 }  // namespace dttmm::plugin

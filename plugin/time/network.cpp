@@ -44,7 +44,7 @@ Places all_places(const dttmm_network& description) {
 Network::Network(const dttmm_network& description) : Network(description, all_places(description)) {}
 
 Network::Network(const dttmm_network& description, Places places)
-    : places_(std::move(places)), mechanism_(description), loading_(mechanism_.assembly, description) {
+    : places_(std::move(places)), mechanism_(description, places_.supported_by), loading_(mechanism_.assembly, description) {
     if (description.element_count == 0) throw Error(DTTMM_ERROR_MODEL, "a network without an element");
     if (mechanism_.assembly.inner_count() > 0) interior_ = std::make_unique<Interior>(mechanism_, description, loading_);
     for (Joint& joint : mechanism_.joints)
@@ -101,10 +101,15 @@ void Network::declare_channels(const dttmm_network& description) {
         declare("dissipated_energy", "J", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_DISSIPATED_ENERGY);
         if (count == 1) continue;
         if (has_limit(first)) declare("turn_to_limit", "1", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_LIMIT);
-        for (int k = 0; k < count; ++k)
+        ChainView& chain = results_.chains.emplace_back();
+        const auto segments = std::ranges::find(assembly.segments, as_int(e), &SegmentsSpec::element);
+        if (segments != assembly.segments.end()) chain.moduli = segments->moduli;
+        for (int k = 0; k < count; ++k) {
             declare_vectors(fmt::format("section{}.", k), {{"force", "N"}, {"moment", "N*m"}}, DTTMM_OF_ELEMENT, e,
                             DTTMM_ROLE_ON_REQUEST);
-        ChainView& chain = results_.chains.emplace_back();
+            if (chain.moduli.are_known())
+                declare(fmt::format("section{}.stress", k), "Pa", DTTMM_OF_ELEMENT, e, DTTMM_ROLE_ON_REQUEST);
+        }
         chain.from_node = as_int(description.elements[e].ends[0]);
         chain.to_node = as_int(description.elements[e].ends[1]);
         const Matrix3& axes = assembly.joints[as_size(first)].pose.rotation;
@@ -118,6 +123,7 @@ void Network::declare_channels(const dttmm_network& description) {
     }
     results_.piece_begin.push_back(results_.channels.size());
     declare_inner(description);
+    declare_reactions(description);
     results_.piece_begin.push_back(results_.channels.size());
     results_.places.assign(results_.piece_begin.begin(), results_.piece_begin.end() - 1);
 }
@@ -138,6 +144,25 @@ void Network::declare_inner(const dttmm_network& description) {
     }
     declare("kinetic_energy", "J", DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_KINETIC_ENERGY);
     declare("work", "J", DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_WORK);
+}
+
+/// What supports do to nodes with fixed directions. A node with all of them is a point of the ground or of the body of its
+/// support; another hangs on it by a joint of its own, behind those of the elements, in the order of the nodes.
+void Network::declare_reactions(const dttmm_network& description) {
+    const Assembly& assembly = mechanism_.assembly;
+    auto holding = as_size(assembly.first_joint.back());
+    for (uint32_t n = 0; n < description.node_count; ++n) {
+        const uint32_t fixed = description.nodes[n].fixed;
+        const bool is_supported = !places_.supported_by.empty() && places_.supported_by[n] >= 0;
+        if (fixed == 0 || (description.nodes[n].kind != DTTMM_NODE_INNER && !is_supported)) continue;
+        const bool is_driven = assembly.nodes[n].frame < assembly.driven_count;
+        const int frame = is_driven ? assembly.nodes[n].frame : mechanism_.joints[holding++].from();
+        results_.reactions.push_back({as_int(n), frame, (fixed & 7) != 0, (fixed & 0x38) != 0});
+        if (results_.reactions.back().has_force)
+            declare_vectors("", {{"reaction", "N"}}, DTTMM_OF_NODE, n, DTTMM_ROLE_RESULT);
+        if (results_.reactions.back().has_moment)
+            declare_vectors("", {{"reaction_moment", "N*m"}}, DTTMM_OF_NODE, n, DTTMM_ROLE_RESULT);
+    }
 }
 
 void Network::load_weights(double weights[3]) const {
@@ -530,6 +555,16 @@ void Network::mean_wrench(double* wrench) const {
     add_wrenches(wrench);
 }
 
+void Network::add_rigid_wrenches(double* wrench) const {
+    if (!interior_ || !interior_->has_rigid_directions()) return;
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const Joint& joint = mechanism_.joints[j];
+        if (joint.rigid().none() || std::min(joint.from(), joint.to()) >= port_count()) continue;
+        const JointPose pose = joint.pose(mechanism_.frame_before(joint.from()), mechanism_.frame_before(joint.to()));
+        add_wrench(joint, pose.act(interior_->rigid_force(mechanism_, j)), wrench);
+    }
+}
+
 void Network::stand(const dttmm_motion* bodies, const double* accelerations, double* wrench) const {
     if (mechanism_.steps == 0 || is_open_) throw Error(DTTMM_ERROR_PHASE, "stand: only after a commit");
     for (int p = 0; p < port_count(); ++p) instant_.port_velocities[as_size(p)] = ports(bodies).twist(p);
@@ -709,6 +744,7 @@ double* Network::write_chain(double* out, size_t element, const ChainView& chain
         Eigen::Map<Vector6>{out} = f;
         if (j == first) Eigen::Map<Vector6>{total} = f;
         out += 6;
+        if (chain.moduli.are_known()) *out++ = chain.moduli.extreme_stress(f(0), f(4), f(5));
     }
     return out;
 }
@@ -728,6 +764,23 @@ double* Network::write_node(double* out, size_t node) const {
     return out;
 }
 
+/// The wrench of the joints on what holds the node, turned round, about where the node is.
+double* Network::write_reaction(double* out, const ReactionView& reaction) const {
+    const NodeSpec& spec = mechanism_.assembly.nodes[as_size(reaction.node)];
+    const FrameView own = mechanism_.frame_before(spec.frame), support = mechanism_.frame_before(reaction.frame);
+    const Vector6& wrench = instant_.wrenches[as_size(reaction.frame)];
+    const Vector3 arm = support.origin() - own.origin() - own.axes() * spec.offset, force = -wrench.head<3>();
+    if (reaction.has_force) {
+        Map3{out} = force;
+        out += 3;
+    }
+    if (reaction.has_moment) {
+        Map3{out} = arm.cross(force) - wrench.tail<3>();
+        out += 3;
+    }
+    return out;
+}
+
 void Network::outputs(double* values) const {
     if (mechanism_.steps == 0) throw Error(DTTMM_ERROR_PHASE, "outputs: no step has been committed");
     if (!instant_.is_known) stand_by_centred_velocities();
@@ -742,11 +795,13 @@ void Network::outputs(double* values) const {
         else if (count > 1)
             write_chain(out, e, *chain++);
     }
-    if (!interior_) return;
     double* out = values + results_.places[elements];
-    for (int node : results_.nodes) out = write_node(out, as_size(node));
-    out[0] = interior_->kinetic_energy(mechanism_);
-    out[1] = interior_->work(mechanism_);
+    if (interior_) {
+        for (int node : results_.nodes) out = write_node(out, as_size(node));
+        *out++ = interior_->kinetic_energy(mechanism_);
+        *out++ = interior_->work(mechanism_);
+    }
+    for (const ReactionView& reaction : results_.reactions) out = write_reaction(out, reaction);
 }
 
 }  // namespace dttmm::plugin

@@ -19,6 +19,9 @@ namespace dttmm::plugin {
 /// Where the parts of a network stand in the arrays of the host, which has all bodies and all elements.
 struct Places {
     std::vector<uint32_t> bodies, nodes, elements;
+    /// Of its nodes: the body of the network that moves their fixed directions; −1: the ground holds them. Empty: all of
+    /// them.
+    std::vector<int> supported_by = {};
 };
 
 /// A set of elements between bodies (its ports) and the ground, solved together at every step. It owns the memory of the
@@ -64,6 +67,8 @@ public:
     /// bodies that have the means of their velocities over the two steps around t_n.
     void mean_wrench(double* wrench) const;
     void stand(const dttmm_motion* bodies, const double* accelerations, double* wrench) const;
+    /// Adds what of the mean wrench stems from rigid directions: their forces at the start of that step.
+    void add_rigid_wrenches(double* wrench) const;
 
     // At rest, see dttmm_static.h
     void begin_statics();
@@ -131,6 +136,7 @@ private:
 
     void declare_channels(const dttmm_network& description);
     void declare_inner(const dttmm_network& description);
+    void declare_reactions(const dttmm_network& description);
     void declare(const std::string& name, const char* unit, uint32_t of, uint32_t index, uint32_t role);
     void declare_vectors(const std::string& prefix, std::initializer_list<std::pair<const char*, const char*>> vectors,
                          uint32_t of, uint32_t index, uint32_t role);
@@ -143,6 +149,8 @@ private:
     void add_wrenches(double* wrench) const;
     bool has_limit(int joint) const { return std::isfinite(mechanism_.joints[as_size(joint)].law().most_turn); }
     struct ChainView;
+    struct ReactionView;
+    double* write_reaction(double* out, const ReactionView& reaction) const;
     double* write_joint(double* out, size_t joint) const;
     double* write_chain(double* out, size_t element, const ChainView& chain) const;
     double* write_node(double* out, size_t node) const;
@@ -198,8 +206,15 @@ private:
         Matrix3 from_axes = Matrix3::Identity();  ///< of the element in those of the frame at its `from` end
         Matrix3 to_axes = Matrix3::Identity();    ///< the same at rest in those at its `to` end
         Vector3 rest = Vector3::Zero();           ///< from end to end, axes of the element
+        SectionModuli moduli;
+    };
+    /// A node with fixed directions as results show it.
+    struct ReactionView {
+        int node, frame;  ///< frame: of what holds it
+        bool has_force, has_moment;
     };
     struct Results {
+        std::vector<ReactionView> reactions;
         std::vector<ChainView> chains;  ///< of the elements with several joints
         std::vector<int> nodes;         ///< with channels
         std::vector<dttmm_channel> channels;

@@ -6,6 +6,7 @@
 #include "dttmm_laws.h"
 #include "dttmm_response.h"
 #include "dttmm_state.h"
+#include "dttmm_support.h"
 
 const size_t dttmm_layout_in_c[] = {
     sizeof(dttmm_error),   sizeof(dttmm_parameter), sizeof(dttmm_element_type),      sizeof(dttmm_node),

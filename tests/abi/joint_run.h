@@ -102,6 +102,8 @@ public:
                                     {},
                                     0,
                                     nullptr,
+                                    0,
+                                    nullptr,
                                     nullptr};
         check(table_.create(&network, &instance_, &error_));
         start();

@@ -169,7 +169,9 @@ TEST_F(Sweep, TheNumberOfJobsChangesNothing) {
 // Oracle: the table of options. Whatever changes the results of a run is handed to the cases of a sweep, which name it among
 // their inputs with the value given. A new option wants a value here.
 TEST_F(Sweep, EveryOptionReachesItsCases) {
-    write_text(folder_ / "model.toml", small_model_with("mass = \"2 kg\"", "mass = \"2 kg\"\nk = 7"));
+    std::string text = small_model_with("mass = \"2 kg\"", "mass = \"2 kg\"\nk = 7");
+    text.replace(text.find("on = \"plate\""), 0, "name = \"push\"\n");
+    write_text(folder_ / "model.toml", text + "[[case]]\nname = \"pushed\"\nloads = [\"push\"]\n");
     const std::map<std::string, std::string> values = {{"--set", "k=9"},
                                                        {"--step", "0.5 ms"},
                                                        {"--tolerance", "20 %"},
@@ -178,7 +180,8 @@ TEST_F(Sweep, EveryOptionReachesItsCases) {
                                                        {"--output-step", "10 ms"},
                                                        {"--channels", "one"},
                                                        {"--plugin", test::paths::c_spring()},
-                                                       {"--force", ""}};
+                                                       {"--force", ""},
+                                                       {"--case", "pushed"}};
     std::vector<std::string> words = {"run", "model.toml", "-q", "-o", "out", "--sweep", "mass=1 kg,3 kg"};
     size_t given = 0;
     for (const Option& option : options()) {

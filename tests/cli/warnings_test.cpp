@@ -62,8 +62,8 @@ TEST(WarningsOf, ModesAndFrfReadAsThoseOfARunAndStandInTheirSummaries) {
     EXPECT_EQ(modes.code, 0);
     EXPECT_EQ(modes.err,
               text +
-                  "note: the frequencies are about the equilibrium under gravity and the loads as they are at the "
-                  "start (about = \"start\" leaves both out)\n");
+                  "note: the frequencies are about the equilibrium under gravity, the loads and the supports as they are "
+                  "at the start (about = \"start\" leaves them out)\n");
     EXPECT_THAT(codes_in(folder / "modes/summary.json"), ElementsAre("free-element", "about-equilibrium"));
     const Ended about_start = run_dttmm(folder.path(), {"modes", "model.toml", "-q", "-o", "modes", "--about", "start"});
     EXPECT_EQ(about_start.err,

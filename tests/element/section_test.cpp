@@ -67,6 +67,19 @@ TEST(Section, ATubeHasTheValuesOfThePaper) {
     EXPECT_EQ(s.offset_z, 0);
 }
 
+// Oracle: N/A ± M/W with W = b h²/6 of a rectangle about each axis at its corner, pi (D⁴ − d⁴)/(32 D) of a tube about the
+// axis of the whole moment.
+TEST(Section, TheOutermostFibre) {
+    const SectionModuli bar = section_of(kBar).moduli, tube = section_of(kTubeSection).moduli;
+    const double b = 0.03, h = 0.011, W = M_PI * (std::pow(0.05, 4) - std::pow(0.03, 4)) / (32 * 0.05);
+    const double at_corner = 3 / (b * h * h / 6) + 5 / (h * b * b / 6);
+    EXPECT_NEAR(bar.extreme_stress(700, -3, 5), 700 / (b * h) + at_corner, 1e-9 * at_corner);
+    EXPECT_NEAR(bar.extreme_stress(-700, 3, 5), -700 / (b * h) - at_corner, 1e-9 * at_corner);
+    EXPECT_NEAR(tube.extreme_stress(0, -3, 4), 5 / W, 1e-9 / W);
+    EXPECT_NEAR(tube.extreme_stress(-8, 0, 0), -8 / (M_PI / 4 * (0.05 * 0.05 - 0.03 * 0.03)), 1e-9);
+    EXPECT_FALSE(section_of(kStiffnesses).moduli.are_known());
+}
+
 // Oracle: a circle is a tube without a bore, for every value.
 TEST(Section, ACircleIsATubeWithoutABore) {
     Given round = kTubeSection;

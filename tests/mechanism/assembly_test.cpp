@@ -70,6 +70,8 @@ public:
                 {},
                 0,
                 nullptr,
+                0,
+                nullptr,
                 nullptr};
     }
     Assembly assembled() const { return assemble(network()); }

@@ -38,6 +38,28 @@ TEST(ReadNode, ATableSaysMore) {
     EXPECT_TRUE(node("{ position = [0, 0, 0], angular_velocity = [0, 0, 0] }").moves) << "at rest, not where it likes";
 }
 
+// Oracle: the units: 5 mm and 2 degrees; a signal of each kind at an instant.
+TEST(ReadNode, ASupportMovesFixedDirections) {
+    const Node tip = node(
+        "{ position = [1, 2, 3], fixed = [\"rz\", \"x\", \"y\"], motion = { x = \"-5 mm\", rz = \"=0.1*t\", "
+        "y = { type = \"step\", to = \"3 mm\", end = \"2 s\" } } }");
+    ASSERT_TRUE(tip.is_support());
+    EXPECT_EQ(tip.motion[0]->value(7), -0.005);
+    EXPECT_EQ(tip.motion[1]->value(1), 0.0015);
+    EXPECT_FALSE(tip.motion[2]);
+    EXPECT_DOUBLE_EQ(tip.motion[5]->value(3), 0.3);
+    EXPECT_EQ(tip.motion_place, "m.toml:13:66");
+    EXPECT_FALSE(node("{ position = [0, 0, 0], fixed = [\"x\"] }").is_support());
+    EXPECT_EQ(node_fault("{ position = [0, 0, 0], fixed = [\"x\"], motion = { y = 1 } }"),
+              "m.toml:13:57: node \"tip\": motion: y is not fixed: a support moves a node in fixed directions only; add "
+              "\"y\" to fixed, or leave its motion out");
+    EXPECT_EQ(
+        node_fault("{ position = [0, 0, 0], fixed = [\"x\"], motion = {} }"),
+        "m.toml:13:55: node \"tip\": motion: it moves no direction; write motion = { z = \"-5 mm\" }, or leave it out");
+    EXPECT_THAT(node_fault("{ position = [0, 0, 0], fixed = [\"x\"], motion = { x = \"3 N\" } }"), HasSubstr("motion: x"));
+    EXPECT_THAT(node_fault("{ position = [0, 0, 0], fixed = [\"x\"], motion = { xx = 1 } }"), HasSubstr("did you mean"));
+}
+
 TEST(ReadNode, FaultsNameTheNode) {
     EXPECT_EQ(node_fault("[1, 2]"), "m.toml:13:7: node \"tip\" wants 3 numbers, got 2");
     EXPECT_EQ(node_fault("[0,8, 1, 2]"),

@@ -100,6 +100,8 @@ public:
                 {gravity_.x(), gravity_.y(), gravity_.z()},
                 static_cast<uint32_t>(line_loads_.size()),
                 line_loads_.data(),
+                0,
+                nullptr,
                 nullptr};
     }
 

@@ -27,7 +27,7 @@ const Values kUgly = test::spring_values({5e5, 7.3e6, 1.2e4, 100, 0.7, 330, 2e3,
 const Values kSoft = test::spring_values({1e3, 2e3, 3e3, 4, 5, 6, 0, 0, 0, 0, 0, 0});
 
 /// A pose and twist that a test moves around.
-struct Frame {
+struct StartFrame {
     Vector3 position;
     Matrix3 rotation;
     Vector3 velocity = Vector3::Zero();
@@ -42,22 +42,22 @@ struct Frame {
         return m;
     }
     /// The frame after a step of size h.
-    Frame after(double h) const {
+    StartFrame after(double h) const {
         return {position + h * velocity, rotation_from_vector(h * angular_velocity) * rotation, velocity, angular_velocity};
     }
-    Frame displaced(const Vector6& d) const {
+    StartFrame displaced(const Vector6& d) const {
         return {position + d.head<3>(), rotation_from_vector(d.tail<3>()) * rotation, velocity, angular_velocity};
     }
 };
 
-const Frame kLeft{Vector3(0.3, -0.1, 0.2), rotation_from_vector(Vector3(0.4, -0.8, 1.3)), Vector3(0.2, -0.3, 0.1),
-                  Vector3(0.5, 0.9, -0.4)};
-const Frame kRight{Vector3(0.7, 0.25, -0.3), rotation_from_vector(Vector3(-1.1, 0.2, 0.6)), Vector3(-0.1, 0.4, 0.6),
-                   Vector3(-0.8, 0.3, 0.7)};
+const StartFrame kLeft{Vector3(0.3, -0.1, 0.2), rotation_from_vector(Vector3(0.4, -0.8, 1.3)), Vector3(0.2, -0.3, 0.1),
+                       Vector3(0.5, 0.9, -0.4)};
+const StartFrame kRight{Vector3(0.7, 0.25, -0.3), rotation_from_vector(Vector3(-1.1, 0.2, 0.6)), Vector3(-0.1, 0.4, 0.6),
+                        Vector3(-0.8, 0.3, 0.7)};
 
 constexpr uint32_t kFromTo[] = {0, 1};
 
-dttmm_node node(const char* name, uint32_t kind, const Frame& frame, uint32_t body = 0) {
+dttmm_node node(const char* name, uint32_t kind, const StartFrame& frame, uint32_t body = 0) {
     dttmm_node n{name, kind, body, {}, {}, 0, 0, {}, {}};
     Eigen::Map<Vector3>{n.position} = frame.position;
     Eigen::Map<RowMajor3>{n.rotation} = frame.rotation;
@@ -79,23 +79,36 @@ DenseNetwork make_network(uint32_t scheme, bool grounded_left, const Values& val
     const dttmm_body bodies[] = {body(nodes[0]), body(nodes[1])};
     const dttmm_element elements[] = {{"joint", 0, 2, kFromTo, values.data()}};
     const uint32_t count = grounded_left ? 1 : 2;
-    return DenseNetwork(
-        {count, bodies + 2 - count, 2, nodes, 1, elements, scheme, centred.beta, centred.gamma, {}, 0, nullptr, nullptr});
+    return DenseNetwork({count,
+                         bodies + 2 - count,
+                         2,
+                         nodes,
+                         1,
+                         elements,
+                         scheme,
+                         centred.beta,
+                         centred.gamma,
+                         {},
+                         0,
+                         nullptr,
+                         0,
+                         nullptr,
+                         nullptr});
 }
 
 /// Two parallel elements, the second the other way round: three ports, two elements, so that a swapped index shows.
 DenseNetwork make_pair(uint32_t scheme, const Values& first = kUgly, const Values& second = kSoft) {
-    const Frame third{Vector3(-0.2, 0.1, 0.9), rotation_from_vector(Vector3(0.1, 0.2, 0.3))};
+    const StartFrame third{Vector3(-0.2, 0.1, 0.9), rotation_from_vector(Vector3(0.1, 0.2, 0.3))};
     const dttmm_node nodes[] = {node("left", DTTMM_NODE_ON_BODY, kLeft), node("right", DTTMM_NODE_ON_BODY, kRight, 1),
                                 node("third", DTTMM_NODE_ON_BODY, third, 2)};
     const dttmm_body bodies[] = {body(nodes[0]), body(nodes[1]), body(nodes[2])};
     const uint32_t third_to_right[] = {2, 1};
     const dttmm_element elements[] = {{"a", 0, 2, kFromTo, first.data()}, {"b", 0, 2, third_to_right, second.data()}};
-    return DenseNetwork({3, bodies, 3, nodes, 2, elements, scheme, 0.25, 0.5, {}, 0, nullptr, nullptr});
+    return DenseNetwork({3, bodies, 3, nodes, 2, elements, scheme, 0.25, 0.5, {}, 0, nullptr, 0, nullptr, nullptr});
 }
 
 /// The deformation by definition, written anew: the `to` end in the axes of the `from` end, less the same at rest.
-Vector6 deformation_of(const Frame& from, const Frame& to) {
+Vector6 deformation_of(const StartFrame& from, const StartFrame& to) {
     Vector6 d;
     d.head<3>() = from.rotation.transpose() * (to.position - from.position) -
                   kLeft.rotation.transpose() * (kRight.position - kLeft.position);
@@ -106,7 +119,7 @@ Vector6 deformation_of(const Frame& from, const Frame& to) {
 }
 
 /// Rotation of the `to` end relative to the `from` end, identity at rest, and the vector between two of them.
-Matrix3 attitude_of(const Frame& from, const Frame& to) {
+Matrix3 attitude_of(const StartFrame& from, const StartFrame& to) {
     return from.rotation.transpose() * to.rotation * (kLeft.rotation.transpose() * kRight.rotation).transpose();
 }
 Vector3 turn_between(const Matrix3& before, const Matrix3& after) {
@@ -142,7 +155,7 @@ dttmm_status status_of(const std::function<void()>& call) {
 // Oracle: f = k d + c d' with d' by central difference of the deformation along the motion; force on `to` is −R_from f.
 TEST(Network, LinearisedWrenchIsTheForceLaw) {
     const DenseNetwork network = make_network(DTTMM_SCHEME_CENTRED, false);
-    const Frame left = kLeft.displaced((Vector6() << 0.01, -0.02, 0.03, 0.04, -0.05, 0.06).finished()), right = kRight;
+    const StartFrame left = kLeft.displaced((Vector6() << 0.01, -0.02, 0.03, 0.04, -0.05, 0.06).finished()), right = kRight;
     const double e = 1e-5;
     const Vector6 rate =
         (deformation_of(left.after(e), right.after(e)) - deformation_of(left.after(-e), right.after(-e))) / (2 * e);
@@ -163,9 +176,9 @@ TEST(Network, LinearisedWrenchIsTheForceLaw) {
 TEST(Network, LinearisedStiffnessAndDampingAreDerivativesOfTheWrench) {
     const DenseNetwork network = make_network(DTTMM_SCHEME_CENTRED, false, kUgly);
     // At rest the force vanishes, so that only the law varies, not the direction in which a finite force acts.
-    Frame ports[] = {kLeft, kRight};
+    StartFrame ports[] = {kLeft, kRight};
     ports[0].velocity = ports[0].angular_velocity = ports[1].velocity = ports[1].angular_velocity = Vector3::Zero();
-    const auto wrench_at = [&](const Frame& left, const Frame& right) {
+    const auto wrench_at = [&](const StartFrame& left, const StartFrame& right) {
         const dttmm_motion motion[] = {left.motion(), right.motion()};
         Vector12 wrench;
         network.linearise(motion, wrench.data(), nullptr, nullptr);
@@ -178,7 +191,7 @@ TEST(Network, LinearisedStiffnessAndDampingAreDerivativesOfTheWrench) {
     for (int p = 0; p < 2; ++p)
         for (int i = 0; i < 6; ++i) {
             const double e = 1e-6;
-            Frame plus[] = {ports[0], ports[1]}, minus[] = {ports[0], ports[1]};
+            StartFrame plus[] = {ports[0], ports[1]}, minus[] = {ports[0], ports[1]};
             plus[p] = ports[p].displaced(e * Vector6::Unit(i));
             minus[p] = ports[p].displaced(-e * Vector6::Unit(i));
             const Vector12 by_pose = -(wrench_at(plus[0], plus[1]) - wrench_at(minus[0], minus[1])) / (2 * e);
@@ -198,7 +211,7 @@ TEST(Network, LinearisedStiffnessAndDampingAreDerivativesOfTheWrench) {
 constexpr double kStep = 1.7e-3;
 
 /// Starts at rest in kLeft, kRight and takes two steps along the ports' velocities, so that the history is not trivial.
-void advance_twice(DenseNetwork& network, Frame& left, Frame& right) {
+void advance_twice(DenseNetwork& network, StartFrame& left, StartFrame& right) {
     const dttmm_motion start[] = {left.motion(), right.motion()};
     const double accelerations[18] = {};
     network.start({0, 0, kStep}, start, accelerations, nullptr);
@@ -215,7 +228,7 @@ void advance_twice(DenseNetwork& network, Frame& left, Frame& right) {
 struct Push {
     Vector3 force, moment, on_from;
 };
-Push push_at(const Frame& left, const Frame& right) {
+Push push_at(const StartFrame& left, const StartFrame& right) {
     const Vector6 k = stiffness_of(kUgly), d = deformation_of(left, right);
     const Vector3 theta = d.tail<3>();
     const Vector3 force = left.rotation * k.head<3>().cwiseProduct(d.head<3>());
@@ -230,11 +243,11 @@ Push push_at(const Frame& left, const Frame& right) {
 TEST(Network, CentredWrenchIsTheWeightedForceLaw) {
     const Centred centred{0.31, 0.56};
     DenseNetwork network = make_network(DTTMM_SCHEME_CENTRED, false, kUgly, centred);
-    Frame left = kLeft, right = kRight;
-    const Frame before_left = kLeft.after(kStep), before_right = kRight.after(kStep);
+    StartFrame left = kLeft, right = kRight;
+    const StartFrame before_left = kLeft.after(kStep), before_right = kRight.after(kStep);
     advance_twice(network, left, right);
-    const Frame next_left = left.after(kStep).displaced((Vector6() << 1e-3, 2e-3, -1e-3, 3e-3, -2e-3, 1e-3).finished());
-    const Frame next_right = right.after(kStep);
+    const StartFrame next_left = left.after(kStep).displaced((Vector6() << 1e-3, 2e-3, -1e-3, 3e-3, -2e-3, 1e-3).finished());
+    const StartFrame next_right = right.after(kStep);
     const Vector3 d_after = deformation_of(next_left, next_right).head<3>(), d_now = deformation_of(left, right).head<3>(),
                   d_before = deformation_of(before_left, before_right).head<3>();
     const Matrix3 Q = attitude_of(left, right);
@@ -243,7 +256,7 @@ TEST(Network, CentredWrenchIsTheWeightedForceLaw) {
     const Vector6 c = damping_of(kUgly), k = stiffness_of(kUgly);
     const double odd = 0.5 * (0.56 - 0.5), even = 0.31 - odd;
     Vector3 F = Vector3::Zero(), M = F, on_from = F;
-    const auto add_rates = [&](double weight, const Frame& from, const Frame& to, const Vector3& slide,
+    const auto add_rates = [&](double weight, const StartFrame& from, const StartFrame& to, const Vector3& slide,
                                const Vector3& turn) {
         const Vector6 per_increment = weight / kStep * c + odd * k;
         const Vector3 force = from.rotation * per_increment.head<3>().cwiseProduct(slide),
@@ -277,21 +290,21 @@ TEST(Network, CentredWrenchIsTheWeightedForceLaw) {
 /// their velocities takes them.
 std::pair<Eigen::MatrixXd, Eigen::MatrixXd> stiffnesses(const Values& first, const Values& second, double way) {
     DenseNetwork network = make_pair(DTTMM_SCHEME_CENTRED, first, second);
-    const Frame third{Vector3(-0.2, 0.1, 0.9), rotation_from_vector(Vector3(0.1, 0.2, 0.3)), Vector3(0.3, 0.1, 0.2),
-                      Vector3(0.2, 0.7, -0.5)};
-    std::array<Frame, 3> ports = {kLeft, kRight, third};
-    for (Frame& port : ports) {
+    const StartFrame third{Vector3(-0.2, 0.1, 0.9), rotation_from_vector(Vector3(0.1, 0.2, 0.3)), Vector3(0.3, 0.1, 0.2),
+                           Vector3(0.2, 0.7, -0.5)};
+    std::array<StartFrame, 3> ports = {kLeft, kRight, third};
+    for (StartFrame& port : ports) {
         port = port.after(way);
         port.velocity = port.angular_velocity = Vector3::Zero();
     }
     const double accelerations[18] = {};
-    const auto motions = [](const std::array<Frame, 3>& at) {
+    const auto motions = [](const std::array<StartFrame, 3>& at) {
         return std::array<dttmm_motion, 3>{at[0].motion(), at[1].motion(), at[2].motion()};
     };
     network.start({0, 0, kStep}, motions(ports).data(), accelerations, nullptr);
     network.begin_step({0, 0, kStep}, nullptr);
 
-    const auto wrench_at = [&](const std::array<Frame, 3>& at) {
+    const auto wrench_at = [&](const std::array<StartFrame, 3>& at) {
         Eigen::Matrix<double, 18, 1> wrench;
         network.evaluate(motions(at).data(), wrench.data(), nullptr);
         return wrench;
@@ -330,7 +343,7 @@ TEST(Network, StiffnessOfTheStepHasThatOfTheForcesThatAct) {
 // v_{n−1} = (d_n − d_{n−2})/2h gives (2/h)(d_n − d_{n−1}) − v_{n−1}. It must not look at the trial.
 TEST(Network, ExplicitWrenchIsTheForceLawAtTheStartOfTheStep) {
     DenseNetwork network = make_network(DTTMM_SCHEME_FOX_EULER, false);
-    Frame left = kLeft, right = kRight;
+    StartFrame left = kLeft, right = kRight;
     const Vector6 d0 = deformation_of(left, right), d1 = deformation_of(left.after(kStep), right.after(kStep));
     const Matrix3 Q0 = attitude_of(left, right), Q1 = attitude_of(left.after(kStep), right.after(kStep));
     advance_twice(network, left, right);
@@ -361,10 +374,10 @@ TEST(Network, ARigidMotionOfTheWholeCausesNoWrench) {
     for (uint32_t scheme : {DTTMM_SCHEME_CENTRED, DTTMM_SCHEME_FOX_EULER, DTTMM_SCHEME_PARK}) {
         DenseNetwork network = make_network(scheme, false);
         const Vector3 w = Vector3(3, -50, 20), v = Vector3(5, 2, -1), center = Vector3(0.1, 0.2, 0.3);
-        const auto moved = [&](const Frame& frame, double t) {
+        const auto moved = [&](const StartFrame& frame, double t) {
             const Matrix3 R = rotation_from_vector(t * w);
-            return Frame{center + t * v + R * (frame.position - center), R * frame.rotation,
-                         v + w.cross(R * (frame.position - center)), w};
+            return StartFrame{center + t * v + R * (frame.position - center), R * frame.rotation,
+                              v + w.cross(R * (frame.position - center)), w};
         };
         const dttmm_motion start[] = {moved(kLeft, 0).motion(), moved(kRight, 0).motion()};
         double accelerations[12] = {};
@@ -387,7 +400,7 @@ TEST(Network, ARigidMotionOfTheWholeCausesNoWrench) {
 // Oracle: evaluate is pure. Any calls in any order leave the answer, the committed future and the outputs bit for bit alike.
 TEST(Network, EvaluateLeavesNoTrace) {
     DenseNetwork quiet = make_network(DTTMM_SCHEME_CENTRED, false), busy = make_network(DTTMM_SCHEME_CENTRED, false);
-    Frame left = kLeft, right = kRight, left2 = kLeft, right2 = kRight;
+    StartFrame left = kLeft, right = kRight, left2 = kLeft, right2 = kRight;
     advance_twice(quiet, left, right);
     advance_twice(busy, left2, right2);
     const dttmm_motion trial[] = {left.after(kStep).motion(), right.after(kStep).motion()};
@@ -420,7 +433,7 @@ TEST(Network, RestoredStateRepeatsTheFutureToTheBit) {
         const double accelerations[6] = {1, 2, 3, 4, 5, 6};
         network.start({0, 0, kStep}, start, accelerations, nullptr);
         std::vector<unsigned char> saved(network.state_size());
-        const auto run = [&](Frame at, uint64_t from, uint64_t to) {
+        const auto run = [&](StartFrame at, uint64_t from, uint64_t to) {
             std::vector<Vector6> wrenches;
             for (uint64_t n = from; n < to; ++n) {
                 at = at.after(kStep);
@@ -434,7 +447,7 @@ TEST(Network, RestoredStateRepeatsTheFutureToTheBit) {
             }
             return std::pair(wrenches, at);
         };
-        const Frame middle = run(kRight, 0, 5).second;
+        const StartFrame middle = run(kRight, 0, 5).second;
         network.save_state(saved.data(), saved.size());
         const auto first = run(middle, 5, 12).first;
         network.restore_state(saved.data(), saved.size());
@@ -447,7 +460,7 @@ TEST(Network, RestoredStateRepeatsTheFutureToTheBit) {
 // step.
 TEST(Network, OutputsStandAtTheStartOfTheLastStep) {
     DenseNetwork network = make_network(DTTMM_SCHEME_CENTRED, false, kSoft);
-    Frame left = kLeft, right = kRight;
+    StartFrame left = kLeft, right = kRight;
     const Vector6 d0 = deformation_of(left, right), d1 = deformation_of(left.after(kStep), right.after(kStep));
     EXPECT_EQ(status_of([&] { network.outputs(nullptr); }), DTTMM_ERROR_PHASE);
     advance_twice(network, left, right);
@@ -502,7 +515,7 @@ TEST(Network, StructuralFaultsAreFoundWhenBuilt) {
     const auto status = [&](const dttmm_node* nodes, dttmm_element element, uint32_t scheme = 0, double beta = 0.25) {
         const dttmm_body mass = body(good[1]);
         return status_of([&] {
-            DenseNetwork({1, &mass, 3, nodes, 1, &element, scheme, beta, 0.5, {}, 0, nullptr, nullptr});
+            DenseNetwork({1, &mass, 3, nodes, 1, &element, scheme, beta, 0.5, {}, 0, nullptr, 0, nullptr, nullptr});
         });
     };
     EXPECT_EQ(status(good, {"e", 0, 2, kFromTo, kUgly.data()}), DTTMM_OK);
@@ -533,7 +546,7 @@ TEST(Network, ARotationalDamperMayTurnForEver) {
     for (uint32_t scheme : {DTTMM_SCHEME_CENTRED, DTTMM_SCHEME_FOX_EULER}) {
         DenseNetwork network = make_network(scheme, true, values);
         const Vector3 axis = kLeft.rotation.col(2);
-        Frame rotor{kRight.position, kRight.rotation, Vector3::Zero(), w * axis};
+        StartFrame rotor{kRight.position, kRight.rotation, Vector3::Zero(), w * axis};
         const dttmm_motion start[] = {rotor.motion()};
         const double accelerations[6] = {};
         network.start({0, 0, h}, start, accelerations, nullptr);
@@ -565,7 +578,7 @@ TEST(Network, ARotationalSpringRefusesLargeRotations) {
 TEST(Network, AnElementWithoutStiffnessCarriesNothing) {
     const Values kFree = test::spring_values({});
     DenseNetwork network = make_network(DTTMM_SCHEME_CENTRED, false, kFree);
-    Frame left = kLeft, right = kRight;
+    StartFrame left = kLeft, right = kRight;
     advance_twice(network, left, right);
     network.begin_step({2, 2 * kStep, kStep}, nullptr);
     const dttmm_motion trial[] = {left.after(1).motion(), right.motion()};

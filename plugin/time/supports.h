@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/index.h"
+#include "dttmm_plugin.h"
+#include "dttmm_support.h"
+#include "mechanism/frame.h"
+
+namespace dttmm::plugin {
+
+/// The fixed nodes of a description that the host moves. Each becomes a body of its own behind those of the host: a node
+/// with all directions fixed is a point of it, another hangs on it by its fixed directions. Networks then see no more than
+/// bodies whose motion is given. The body turns with the rotation vector of the support: of a node with some directions
+/// fixed, these turn with it.
+class Supports {
+public:
+    explicit Supports(const dttmm_network& description);
+
+    bool empty() const { return nodes_.empty(); }
+    size_t count() const { return nodes_.size(); }
+    /// The description with these bodies; valid as long as the one given and this object.
+    const dttmm_network& description() const { return description_; }
+    /// Of a node: the body of its support; −1: it has none.
+    int body_of(uint32_t node) const;
+
+    void move_to(const dttmm_support_motion* motions);
+
+    // In time. `out`: one per support
+    void start();          ///< where they are to be, as they move there
+    void start_at_rest();  ///< where the statics have led
+    void begin_step(double h);
+    void commit_step();
+    void write_start(std::span<dttmm_motion> out) const;  ///< velocities of the instant
+    void write_end(std::span<dttmm_motion> out) const;    ///< of the open step; velocities over it
+    /// At the start of the step last committed. Velocities: the means of those over the two steps around it.
+    void write_instant(std::span<dttmm_motion> out) const;
+    /// At the start, 6 each.
+    void write_accelerations(double* out) const;
+    /// Adds their work by the mean wrenches on them over the step last committed, 6 each; and what of these are forces of
+    /// rigid directions, which stand at its start: their mean over a step is known one step later.
+    void add_work(const double* wrenches, const double* rigid);
+    /// Up to the start of the step last committed [J].
+    double work() const { return record_.work; }
+
+    // At rest: an iteration leads them all the way to where they are to be.
+    void begin_statics();
+    void keep_statics() { kept_ = at_; }
+    void recall_statics() { at_ = kept_; }
+    void form_statics();
+    /// The small motion from where the equations were formed, 6 each; true if there is one.
+    bool write_change(double* out) const;
+    void move_statics(double share);
+    void write_at(std::span<dttmm_motion> out) const;
+
+    /// Shows the memory of what changes from step to step, as spans.
+    template <class Self, class Visit>
+    static void for_each_state(Self& self, const Visit& visit) {
+        if (self.empty()) return;
+        visit(std::span(self.at_));
+        visit(std::span(self.before_));
+        visit(std::span(self.over_));
+        visit(std::span(self.over_before_));
+        visit(std::span(self.first_));
+        visit(std::span(self.rigid_));
+        visit(std::span(&self.record_, 1));
+    }
+
+private:
+    Frame target(size_t support) const;
+
+    std::vector<uint32_t> nodes_;
+    std::vector<dttmm_body> bodies_;
+    std::vector<dttmm_node> all_nodes_;
+    dttmm_network description_;
+
+    std::vector<dttmm_support_motion> wanted_;
+    std::vector<Frame> rest_;                  ///< as described
+    std::vector<Frame> at_, before_;           ///< at t_n, t_{n−1}; in statics where they are
+    std::vector<Frame> end_;                   ///< of the open step
+    std::vector<Frame> base_, kept_;           ///< in statics: where the equations were formed; where to go back to
+    std::vector<Twist> over_, over_before_;    ///< velocities over the last step, and over the one before
+    std::vector<Twist> open_;                  ///< over the open step
+    std::vector<dttmm_support_motion> first_;  ///< as they move at the start
+    std::vector<Vector6> rigid_;               ///< wrenches of rigid directions at the start of the last step
+    struct Record {
+        double work = 0, last_work = 0;  ///< up to the start of the last step, and over it [J]
+        double step_size = 0;            ///< [s]
+        double steps = 0;
+    };
+    Record record_;
+};
+
+}  // namespace dttmm::plugin

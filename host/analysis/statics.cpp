@@ -239,7 +239,7 @@ struct Found {
     std::vector<double> factors;  ///< at which it buckles
 };
 
-/// What is found, and the channels that it is told by.
+/// The equilibria found; the channels of their rows.
 struct Results {
     std::vector<Channel> channels;
     std::vector<Found> cases;

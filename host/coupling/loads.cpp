@@ -9,6 +9,7 @@
 
 #include "model/error.h"
 #include "model/index.h"
+#include "model/keys.h"
 
 namespace dttmm::host {
 
@@ -36,8 +37,6 @@ Loads::Loads(const Model& model, const double weights[3])
 
 /// [displacement; rotation vector] of a support.
 Loads::Vector6 Loads::motion_of(size_t s, double time) const {
-    /// Displacements beyond it lose the digits of what moves little [m]; rotations beyond it are more turns than a run has.
-    constexpr double kFarthest = 1e6;
     Vector6 motion = Vector6::Zero();
     for (size_t d = 0; d < 6; ++d) {
         const auto& signal = supports_[s].motion[d];

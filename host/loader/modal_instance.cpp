@@ -144,7 +144,8 @@ dttmm_overall ModalInstance::overall(double frequency) {
     return overall;
 }
 
-std::vector<ModalInstance::Response> ModalInstance::respond(double frequency, const std::vector<Loads>& cases) {
+std::vector<ModalInstance::Response> ModalInstance::respond(double frequency, const std::vector<Loads>& cases,
+                                                            bool with_forces) {
     if (!plugin_.response())
         throw Error(ExitCode::plugin_failure,
                     fmt::format("plugin {} knows natural frequencies only, no response", plugin_.name()));
@@ -154,10 +155,12 @@ std::vector<ModalInstance::Response> ModalInstance::respond(double frequency, co
         loads.insert(loads.end(), own.begin(), own.end());
         ends.push_back(static_cast<uint32_t>(loads.size()));
     }
-    const size_t element_count = element_names_.size();
+    const size_t element_count = with_forces ? element_names_.size() : 0,
+                 constraint_count = with_forces ? constraint_count_ : 0;
     GuardedArray bodies(12 * cases.size() * body_count_), nodes(12 * cases.size() * node_count_),
-        elements(24 * cases.size() * element_count), constraints(12 * cases.size() * constraint_count_);
-    const dttmm_harmonic_result result = {bodies.data(), nodes.data(), elements.data(), constraints.data()};
+        elements(24 * cases.size() * element_count), constraints(12 * cases.size() * constraint_count);
+    const dttmm_harmonic_result result = {bodies.data(), nodes.data(), with_forces ? elements.data() : nullptr,
+                                          with_forces ? constraints.data() : nullptr};
     ask([&](dttmm_error* error) {
         return plugin_.response()->respond(modal_.get(), frequency, static_cast<uint32_t>(cases.size()), ends.data(),
                                            loads.data(), &result, error);
@@ -178,7 +181,7 @@ std::vector<ModalInstance::Response> ModalInstance::respond(double frequency, co
             return to;
         };
         responses[c] = {list(bodies, body_count_), list(nodes, node_count_), list(elements, element_count, 0, 2),
-                        list(elements, element_count, 1, 2), list(constraints, constraint_count_)};
+                        list(elements, element_count, 1, 2), list(constraints, constraint_count)};
     }
     return responses;
 }

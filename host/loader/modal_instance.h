@@ -26,8 +26,8 @@ public:
     /// Of one case of loads. Arguments and units are those of dttmm_response.h.
     struct Response {
         std::vector<Complex6> bodies, nodes;
-        std::vector<Complex6> forces, deflections;  ///< of the elements
-        std::vector<Complex6> constraints;
+        std::vector<Complex6> forces, deflections;  ///< of the elements, and
+        std::vector<Complex6> constraints;          ///< these: where they are asked for
     };
     using Loads = std::vector<dttmm_harmonic>;
 
@@ -45,7 +45,7 @@ public:
     std::string layout();
     dttmm_overall overall(double frequency);
     /// Under several cases of loads, each alone. Throws Error(plugin_failure) if the plugin knows no response.
-    std::vector<Response> respond(double frequency, const std::vector<Loads>& cases);
+    std::vector<Response> respond(double frequency, const std::vector<Loads>& cases, bool with_forces = false);
 
     /// Of an element at the start, where its stiffness counts [N]; 0: none.
     double force_at_start(uint32_t element) const;

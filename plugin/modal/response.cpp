@@ -78,6 +78,7 @@ Response Response::mixed(double factor, double other_factor, const Response& oth
 void HarmonicSolver::factor(double omega) {
     omega_ = omega;
     const FrequencyModel& model = D_.model();
+    find_parts();
     Entries entries(D_.frame_count());
     for (const Bond& bond : model.bonds) {
         const Block K = complex(bond.stiffness) + Complex(0, omega) * complex(bond.damping);
@@ -120,6 +121,23 @@ void HarmonicSolver::factor(double omega) {
                                 omega / (2 * M_PI)));
 }
 
+/// Where bonds and pieces of the elements stand.
+void HarmonicSolver::find_parts() {
+    const FrequencyModel& model = D_.model();
+    parts_.assign(model.element_count, Parts{});
+    first_row_.clear();
+    size_t row = 0;
+    for (size_t b = 0; b < model.bonds.size(); ++b) {
+        const Bond& bond = model.bonds[b];
+        first_row_.push_back(row);
+        row += bond.rigid.size();
+        if (bond.element < 0) continue;
+        Parts& own = parts_[as_size(bond.element)];
+        if (own.bonds++ == 0) own.bond = as_int(b);
+    }
+    for (size_t k = D_.pieces().size(); k-- > 0;) parts_[as_size(D_.pieces()[k].element)].piece = as_int(k);
+}
+
 Response HarmonicSolver::solve(const std::vector<PointWrench>& loads) const {
     const FrequencyModel& model = D_.model();
     Eigen::VectorXcd r = Eigen::VectorXcd::Zero(pattern_.rows());
@@ -153,8 +171,7 @@ Complex6 HarmonicSolver::relative(const Bond& bond, const Response& response) co
 /// With which it holds its `to` end back, its own point, world axes.
 Complex6 HarmonicSolver::wrench_of(const Bond& bond, const Response& response) const {
     Complex6 wrench = (complex(bond.stiffness) + Complex(0, omega_) * complex(bond.damping)) * relative(bond, response);
-    size_t row = 0;
-    for (const Bond* other = D_.model().bonds.data(); other != &bond; ++other) row += other->rigid.size();
+    size_t row = first_row_[as_size(as_int(&bond - D_.model().bonds.data()))];
     Complex6 on_frame = Complex6::Zero();
     for (const Rigid& rigid : bond.rigid)
         on_frame += response.reactions[row++] * (bond.to >= 0 ? rigid.by_to : Vector6(-rigid.by_from)).cast<Complex>();
@@ -165,23 +182,23 @@ Complex6 HarmonicSolver::wrench_of(const Bond& bond, const Response& response) c
 
 Carried HarmonicSolver::carried(size_t element, const Response& response) const {
     const FrequencyModel& model = D_.model();
-    if (std::ranges::any_of(model.lines, [&](const LineModel& line) { return as_size(line.element) == element; }))
-        return carried_by_line(element, response);
-    const auto is_own = [&](const Bond& bond) { return bond.element == as_int(element); };
-    const auto first = std::ranges::find_if(model.bonds, is_own);
-    if (first == model.bonds.end()) return {};
-    if (std::find_if(first + 1, model.bonds.end(), is_own) != model.bonds.end()) return carried_by_chain(element, response);
-    const Block to_own = complex(first->axes.transpose());
-    return {to_own * wrench_of(*first, response), to_own * relative(*first, response)};
+    const Parts& parts = parts_[element];
+    if (parts.piece >= 0) return carried_by_line(element, response);
+    if (parts.bond < 0) return {};
+    if (parts.bonds > 1) return carried_by_chain(element, response);
+    const Bond& bond = model.bonds[as_size(parts.bond)];
+    const Block to_own = complex(bond.axes.transpose());
+    return {to_own * wrench_of(bond, response), to_own * relative(bond, response)};
 }
 
-/// Force and moment at the `from` end. At rest they are those in axes that turn with it.
+/// Force and moment at the `from` end.
 Carried HarmonicSolver::carried_by_line(size_t element, const Response& response) const {
-    const auto piece = std::ranges::find_if(D_.pieces(), [&](const auto& one) { return one.element == as_int(element); });
-    const LineModel& line = D_.line(*piece);
+    if (D_.model().is_at_rest)
+        throw Error(DTTMM_ERROR_MODEL, "the forces along it about its equilibrium are not known", as_int(element));
+    const DynamicStiffness::Piece& piece = D_.pieces()[as_size(parts_[element].piece)];
+    const LineModel& line = D_.line(piece);
     Eigen::Matrix<Complex, 12, 1> ends;
-    ends << complex(piece->by_from) * motion_of(piece->from, response),
-        complex(piece->by_to) * motion_of(piece->to, response);
+    ends << complex(piece.by_from) * motion_of(piece.from, response), complex(piece.by_to) * motion_of(piece.to, response);
     Carried carried = between_ends(element, line.axes, response);
     carried.force = -(waves_[line.kind]->topRows<6>() * ends);
     return carried;
@@ -190,14 +207,13 @@ Carried HarmonicSolver::carried_by_line(size_t element, const Response& response
 /// Of lumps: its first joint lies a quarter of a segment behind the `from` end.
 Carried HarmonicSolver::carried_by_chain(size_t element, const Response& response) const {
     const FrequencyModel& model = D_.model();
-    const auto first = std::ranges::find_if(model.bonds, [&](const Bond& bond) { return bond.element == as_int(element); });
-    const FrequencyModel::EndNodes& ends = model.ends[element];
-    Carried carried = between_ends(element, first->axes.topLeftCorner<3, 3>(), response);
-    carried.force = wrench_of(*first, response);
-    const Vector3 way = first->points[0] - model.nodes[as_size(ends.from)].position;
+    const Bond& first = model.bonds[as_size(parts_[element].bond)];
+    Carried carried = between_ends(element, first.axes.topLeftCorner<3, 3>(), response);
+    carried.force = wrench_of(first, response);
+    const Vector3 lever = first.points[0] - model.nodes[as_size(model.ends[element].from)].position;
     const Eigen::Vector3cd force = carried.force.head<3>();
-    carried.force.tail<3>() += way.cast<Complex>().cross(force);
-    carried.force = complex(first->axes.transpose()) * carried.force;
+    carried.force.tail<3>() += lever.cast<Complex>().cross(force);
+    carried.force = complex(first.axes.transpose()) * carried.force;
     return carried;
 }
 

@@ -44,6 +44,8 @@ public:
     void factor(double omega);
     /// At the frequency last factored, and so for what follows.
     Response solve(const std::vector<PointWrench>& loads) const;
+    /// Throws Error(DTTMM_ERROR_MODEL) for a beam or rod of a machine at rest: what its forces add as they turn is not
+    /// known.
     Carried carried(size_t element, const Response& response) const;
     /// Force and moment on the first body of a constraint at its point, world axes.
     Complex6 on_first(size_t constraint, const Response& response) const;
@@ -52,6 +54,7 @@ private:
     using Block = Eigen::Matrix<Complex, 6, 6>;
     using Sparse = Eigen::SparseMatrix<Complex>;
 
+    void find_parts();
     Complex6 relative(const Bond& bond, const Response& response) const;
     Complex6 wrench_of(const Bond& bond, const Response& response) const;
     Carried carried_by_line(size_t element, const Response& response) const;
@@ -62,6 +65,12 @@ private:
     const DynamicStiffness& D_;
     double omega_ = 0;
     std::vector<std::optional<LineWaves::Square<Complex>>> waves_;
+    std::vector<size_t> first_row_;  ///< of every bond, among the reactions
+    /// Of an element: where its bonds begin and how many they are, or its first piece; −1: it has none.
+    struct Parts {
+        int bond = -1, bonds = 0, piece = -1;
+    };
+    std::vector<Parts> parts_;
     Sparse pattern_;  ///< the matrix whose order of elimination lu_ knows
     Eigen::SparseLU<Sparse> lu_;
 };

@@ -45,7 +45,7 @@ public:
     /// Up to the start of the step last committed [J].
     double work() const { return record_.work; }
 
-    // At rest: an iteration leads them all the way to where they are to be.
+    // At rest: one iteration takes them to where they are to be.
     void begin_statics();
     void keep_statics() { kept_ = at_; }
     void recall_statics() { at_ = kept_; }

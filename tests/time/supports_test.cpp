@@ -91,7 +91,7 @@ TEST(Supports, VelocitiesStandAtTheInstant) {
     double accelerations[12];
     supports.write_accelerations(accelerations);
     EXPECT_EQ(accelerations[1], a);
-    // A force of 2 N on the support over the way of a step: it has done minus its work
+    // A force of 2 N on the support over a step: it has done minus its work
     double wrenches[12] = {0, 2};
     const double none[12] = {}, rigid[12] = {0, 0.5};
     supports.add_work(wrenches, none);

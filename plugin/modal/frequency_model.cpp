@@ -125,8 +125,8 @@ FrequencyModel::FrequencyModel(const dttmm_modal_model& model, const AtRest* res
     }
     if (!directions.all()) refer_to_nodes();
     for (uint32_t e = 0; e < model.network->element_count; ++e) {
-        const uint32_t* own = model.network->elements[e].ends;
-        ends.push_back({as_int(own[0]), as_int(own[1])});
+        const dttmm_element& own = model.network->elements[e];
+        ends.push_back({as_int(own.ends[0]), as_int(own.ends[own.end_count > 1 ? 1 : 0])});
     }
     for (size_t j = 0; j < assembly.joints.size(); ++j) {
         const JointSpec& joint = assembly.joints[j];

@@ -110,7 +110,7 @@ struct FrequencyModel {
         Matrix6 stiffness;  ///< by the motion of the frame, symmetric
     };
 
-    /// Nodes of the network that an element joins first and second.
+    /// Nodes of the network that an element joins first and second; of a mass the one that it sits on, twice.
     struct EndNodes {
         int from, to;
     };

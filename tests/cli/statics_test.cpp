@@ -10,6 +10,7 @@
 #include <functional>
 #include <map>
 #include <sstream>
+#include <tuple>
 
 #include "cli/modes_run.h"
 #include "cli/process.h"
@@ -494,40 +495,84 @@ force = 100
     }
 }
 
-/// The frequencies of a cantilever of unit length by Ritz: EI w'''' − (N w')' = ω² m w, N = weight (1 − s), the weight of it
-/// all in tension; negative where it grows.
-std::vector<double> frequencies_of_cantilever(double EI, double mass, double weight) {
-    constexpr int kTerms = 12, kPoints = 200;
-    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(kTerms, kTerms), M = K;
+// ---- Lines that carry forces, by Ritz -----------------------------------------------------------------------------------
+
+constexpr int kTerms = 12;
+
+/// Chebyshev polynomials of 2 s − 1 and their derivatives by s, at a point of the unit length with its weight in Fejér's
+/// rule.
+struct RitzPoint {
+    double s, weight;
+    Eigen::VectorXd T = Eigen::VectorXd(kTerms), slope = T, bend = T;
+};
+
+template <class Visit>
+void over_unit_length(const Visit& visit) {
+    constexpr int kPoints = 200;
     for (int p = 0; p < kPoints; ++p) {
-        // Chebyshev polynomials times s², integrated by Fejér's rule
-        const double angle = M_PI * (p + 0.5) / kPoints, s = 0.5 * (1 + std::cos(angle));
-        double weight_of_point = 0.5;
-        for (int k = 1; k <= kPoints / 2; ++k) weight_of_point -= std::cos(2 * k * angle) / (4.0 * k * k - 1);
-        weight_of_point *= 2.0 / kPoints;
-        Eigen::VectorXd w(kTerms), slope(kTerms), bend(kTerms);
+        const double angle = M_PI * (p + 0.5) / kPoints, x = std::cos(angle);
+        RitzPoint point{0.5 * (1 + x), 0.5};
+        for (int k = 1; k <= kPoints / 2; ++k) point.weight -= std::cos(2 * k * angle) / (4.0 * k * k - 1);
+        point.weight *= 2.0 / kPoints;
+        double T[3] = {1, 0, 0}, last[3] = {0, 0, 0};
         for (int i = 0; i < kTerms; ++i) {
-            // T_i, T_i' and T_i'' at x = 2 s − 1, by their recurrence
-            double T[3] = {1, 0, 0}, last[3] = {0, 0, 0};
-            const double x = 2 * s - 1;
-            for (int k = 0; k < i; ++k) {
-                const double f = k == 0 ? 1 : 2;
-                const double next[3] = {f * x * T[0] - last[0], f * (T[0] + x * T[1]) - last[1],
-                                        f * (2 * T[1] + x * T[2]) - last[2]};
-                std::ranges::copy(T, last);
-                std::ranges::copy(next, T);
-            }
-            w(i) = s * s * T[0];
-            slope(i) = 2 * s * T[0] + 2 * s * s * T[1];
-            bend(i) = 2 * T[0] + 8 * s * T[1] + 4 * s * s * T[2];
+            point.T(i) = T[0];
+            point.slope(i) = 2 * T[1];
+            point.bend(i) = 4 * T[2];
+            const double f = i == 0 ? 1 : 2;
+            const double next[3] = {f * x * T[0] - last[0], f * (T[0] + x * T[1]) - last[1],
+                                    f * (2 * T[1] + x * T[2]) - last[2]};
+            std::ranges::copy(T, last);
+            std::ranges::copy(next, T);
         }
-        K += weight_of_point * (EI * bend * bend.transpose() + weight * (1 - s) * slope * slope.transpose());
-        M += weight_of_point * mass * w * w.transpose();
+        visit(point);
     }
+}
+
+/// Frequencies [Hz], ascending; negative where a motion grows.
+std::vector<double> frequencies_by(const Eigen::MatrixXd& K, const Eigen::MatrixXd& M) {
     const Eigen::VectorXd squares = Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(K, M).eigenvalues();
     std::vector<double> all;
     for (const double square : squares) all.push_back(std::copysign(std::sqrt(std::abs(square)), square) / (2 * M_PI));
     return all;
+}
+
+/// A deflection of the clamped line: s² T_i, and its derivatives.
+struct Deflection {
+    explicit Deflection(const RitzPoint& at)
+        : w(at.s * at.s * at.T),
+          slope(2 * at.s * at.T + at.s * at.s * at.slope),
+          bend(2 * at.T + 4 * at.s * at.slope + at.s * at.s * at.bend) {}
+    Eigen::VectorXd w, slope, bend;
+};
+
+/// A cantilever of unit length: EI w'''' − (N w')' = ω² m w, N = weight (1 − s), the weight of it all in tension.
+std::vector<double> frequencies_of_cantilever(double EI, double mass, double weight) {
+    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(kTerms, kTerms), M = K;
+    over_unit_length([&](const RitzPoint& at) {
+        const Deflection v(at);
+        K += at.weight * (EI * v.bend * v.bend.transpose() + weight * (1 - at.s) * v.slope * v.slope.transpose());
+        M += at.weight * mass * v.w * v.w.transpose();
+    });
+    return frequencies_by(K, M);
+}
+
+/// A deep cantilever of length L under a force P at its tip, to the side and in torsion: the bending moment P (L − s) does
+/// work on the twist times the curvature.
+std::vector<double> frequencies_of_board(double L, double EI, double GJ, double mass, double inertia, double P) {
+    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(2 * kTerms, 2 * kTerms), M = K;
+    over_unit_length([&](const RitzPoint& at) {
+        const Deflection v(at);
+        const Eigen::VectorXd twist = at.s * at.T, rate = at.T + at.s * at.slope;
+        const Eigen::MatrixXd both = at.weight * P * (1 - at.s) * v.bend * twist.transpose();
+        K.topLeftCorner(kTerms, kTerms) += at.weight * EI / (L * L * L) * v.bend * v.bend.transpose();
+        K.bottomRightCorner(kTerms, kTerms) += at.weight * GJ / L * rate * rate.transpose();
+        K.topRightCorner(kTerms, kTerms) += both;
+        K.bottomLeftCorner(kTerms, kTerms) += both.transpose();
+        M.topLeftCorner(kTerms, kTerms) += at.weight * mass * L * v.w * v.w.transpose();
+        M.bottomRightCorner(kTerms, kTerms) += at.weight * inertia * L * twist * twist.transpose();
+    });
+    return frequencies_by(K, M);
 }
 
 /// A mast and a hanging cable: the axial force of a line varies by its own weight. It buckles at 7.837 EI/L³ of weight per
@@ -593,6 +638,38 @@ force = {}
     ASSERT_EQ(found.size(), 1u);
     const double exact = 4.0125993 * std::sqrt(kEI * kGJ) / (kL * kL) / kForce;
     EXPECT_NEAR(found[0], exact, 3e-5 * exact);
+}
+
+/// The same board below that load, and beyond it. Its polar inertia is large: torsion then takes part in all its motions.
+/// Second order in the segments.
+TEST(ModesAtRest, ADeepCantileverUnderItsLoadVibrates) {
+    constexpr double kL = 2, kEI = 10, kGJ = 5, kMass = 0.8, kInertia = 0.3;
+    for (const auto& [share, segments, tolerance] :
+         {std::tuple(0.8, 10, 1.1e-3), {0.8, 40, 7e-5}, {2.0, 10, 5e-3}, {2.0, 40, 3.3e-4}}) {
+        const double force = share * 4.0125993 * std::sqrt(kEI * kGJ) / (kL * kL);
+        const std::vector<double> exact = frequencies_of_board(kL, kEI, kGJ, kMass, kInertia, force),
+                                  found = frequencies_of(modes_of(fmt::format(R"(format = "dttmm/1"
+[nodes]
+wall = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+tip = {{ position = [1.2, 1.6, 0] }}
+[[element]]
+name = "board"
+type = "beam"
+from = "wall"
+to = "tip"
+theory = "euler-bernoulli"
+segments = {}
+section = {{ EA = 1e7, EIy = 1e7, EIz = {}, GJ = {}, mass = {}, inertia = {} }}
+[[load]]
+on = "tip"
+direction = [0, 0, -1]
+force = {}
+)",
+                                                                              segments, kEI, kGJ, kMass, kInertia, force),
+                                                                  {"--count", "3"}));
+        ASSERT_GE(found.size(), 3u);
+        for (size_t k = 0; k < 3; ++k) EXPECT_NEAR(found[k], exact[k], tolerance * std::abs(exact[k])) << share << " " << k;
+    }
 }
 
 /// A heavy rod with a force at its end: a compound pendulum, if its force is known all along it.

@@ -335,6 +335,13 @@ TEST(Supports, WhatIsRefused) {
     EXPECT_THAT(error_of(clamped_beam("{ rz = \"2 deg\" }") + simulation, "run"),
                 HasSubstr("node \"b\": motion.rz is 0.0349066 rad at t = 0 s, but the run starts with the node where the "
                           "file places it: let it begin with 0"));
+    EXPECT_THAT(error_of(clamped_beam("{ z = \"=1.5e-12+0*t\" }") + simulation, "run"),
+                HasSubstr("motion.z is 1.5e-12 m at t = 0 s"));
+    {
+        const TemporaryFolder folder;  // rounding of an expression is no jump
+        write_text(folder / "m.toml", clamped_beam("{ z = \"=0.7e-12+0*t\" }") + simulation);
+        EXPECT_EQ(run_dttmm(folder.path(), {"run", "m.toml", "-o", "out"}).code, 0);
+    }
     EXPECT_THAT(error_of(clamped_beam("{ z = \"=1e-9/(t-0.004)\" }") + simulation + "start = \"equilibrium\"\n", "run"),
                 HasSubstr("node \"b\": motion at t = 0.004 s: its value is"));
     EXPECT_THAT(error_of(clamped_beam("{ z = \"=sqrt(-1-t)\" }"), "static"),

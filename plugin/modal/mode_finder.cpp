@@ -22,7 +22,7 @@ namespace {
 /// RandomTrees) to 2e-12 (above it ASlowSpringIsNoRigidBodyMode).
 constexpr double kRigidRounding = 1e-12;
 /// What rounding makes of the difference between equal λ, of the same share: the count around them is their proof. Range
-/// 2e-15 (below it ALineUnderItsOwnWeight) to 1e-12, none fails.
+/// 5e-16 (with none ALineUnderItsOwnWeight fails) to 1e-10, none fails.
 constexpr double kSplit = 1e-14;
 /// Of the range looked at: lower frequencies are taken for zero. Range 1e-9 or less to 2e-7 (ASlowSpringIsNoRigidBodyMode).
 constexpr double kLowest = 1e-7;

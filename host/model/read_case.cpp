@@ -138,7 +138,7 @@ private:
                 load_case.motion_factors[n] = term.factor;
                 is_known = true;
             }
-        if (is_known) return;
+        if (is_known || model_.loads.size() < read_entries(file_, "load").size()) return;  // its own fault is reported
         const bool are_named = !names_.empty();
         table.error(term.place, fmt::format("there is no load {}{}", quote(term.name),
                                             are_named ? suggestion(term.name, names_)
@@ -213,10 +213,10 @@ const LoadCase& find_case(const Model& model, const std::string& name) {
     if (found != model.cases.end()) return *found;
     std::vector<std::string> names;
     for (const LoadCase& one : model.cases) names.push_back(one.name);
-    throw Error(ExitCode::usage, fmt::format("--case {}: {}", quote(name),
-                                             names.empty() ? fmt::format("{} has no [[case]]", model.path)
-                                                           : fmt::format("there is no case {}{}; there are {}", quote(name),
-                                                                         suggestion(name, names), listed(names))));
+    throw Error(ExitCode::usage,
+                fmt::format("--case {}: {}", quote(name),
+                            names.empty() ? fmt::format("{} has no [[case]]", model.path)
+                                          : fmt::format("there is no case {}{}", quote(name), suggestion(name, names))));
 }
 
 void apply_case(Model& model, const LoadCase& load_case) {

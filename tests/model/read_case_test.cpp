@@ -77,6 +77,12 @@ TEST(ReadCase, Faults) {
     EXPECT_THAT(errors_of(model_with("[[load]]\non = \"plate\"\ndirection = [1, 0, 0]\nforce = 1\n"
                                      "[[case]]\nname = \"a\"\nloads = [\"wind\"]\n")),
                 HasSubstr("there is no load \"wind\"; give the load a name = \"wind\""));
+    // A load with a fault of its own is not missing
+    const std::string faulty =
+        errors_of(model_with("[[load]]\nname = \"wind\"\non = \"plate\"\ndirection = [1, 0, 0]\nforce = \"1 m\"\n"
+                             "[[case]]\nname = \"a\"\nloads = [\"wind\"]\n"));
+    EXPECT_THAT(faulty, HasSubstr("force"));
+    EXPECT_THAT(faulty, testing::Not(HasSubstr("there is no load")));
 }
 
 }  // namespace

@@ -98,11 +98,13 @@ void note_rest(const Model& model, const ModalMachine& machine, Warnings& warnin
                           fmt::format("{}: this lasting load is zero at the start: its stiffness is not in the frequencies",
                                       load.place));
         if (load.turns && acts_at_start(load))
-            warnings.add("follower-load",
-                         fmt::format("{}: this load turns with its element and has no potential: only the symmetric part of "
-                                     "what its turning does is in the frequencies; whether it makes motions grow (flutter) "
-                                     "is not looked at: a run shows it",
-                                     load.place));
+            warnings.add(
+                "follower-load",
+                fmt::format(
+                    "{}: this load turns with its part of the machine and has no potential: only the symmetric part of "
+                    "what its turning does is in the frequencies; whether it makes motions grow (flutter) "
+                    "is not looked at: a run shows it",
+                    load.place));
         if (load.is_moment && acts_at_start(load))
             warnings.note("moment-load",
                           fmt::format("{}: this moment keeps its direction and has no potential where its point can turn "

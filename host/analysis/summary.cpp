@@ -207,13 +207,14 @@ Json describe_load(const Model& model, const Load& load) {
     Json out = {{"on", load.is_per_length() ? model.elements[as_size(load.element)].name : name_of(model, load.on)},
                 {"quantity", load.quantity()},
                 {"direction", vector_json(load.direction)}};
+    if (load.turns) out["axes"] = load.is_per_length() ? "element" : "body";
     const double end = model.simulation.duration;
     if (!load.is_per_length()) {
         out["at_start"] = load.signal.value(0);
         out["at_end"] = load.signal.value(end);
         return out;
     }
-    out["axes"] = load.turns ? "element" : "world";
+    if (!load.turns) out["axes"] = "world";
     out["at_start"] = {load.signal.value(0), load.at_to().value(0)};  // at the ends `from` and `to`
     out["at_end"] = {load.signal.value(end), load.at_to().value(end)};
     return out;

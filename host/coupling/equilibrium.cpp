@@ -247,7 +247,7 @@ void Equilibrium::add_loads(double factor, const std::vector<BodyState>& at, std
     for (size_t i = 0; i < own.size(); ++i) wrenches[i] += factor * own[i];
 }
 
-/// Of forces whose lever arms turn with their bodies, by differences: no load hangs on another body.
+/// Of forces that turn, or whose lever arms do, with their bodies, by differences: no load hangs on another body.
 void Equilibrium::add_load_stiffness(double factor, Triplets& entries) const {
     constexpr double kTurn = 1e-5;
     if (model_.loads.empty()) return;
@@ -263,9 +263,10 @@ void Equilibrium::add_load_stiffness(double factor, Triplets& entries) const {
             for (size_t i = 0; i < wrenches.size(); ++i) difference[i] += sign * wrenches[i];
         }
         for (size_t b = 0; b < model_.bodies.size(); ++b)
-            for (int r = 0; r < 3; ++r) {
-                const int row = 6 * as_int(b) + 3 + r, column = 6 * as_int(b) + 3 + c;
-                const double k = -difference[6 * b + 3 + as_size(r)] / (2 * kTurn);
+            for (int r = 0; r < 6; ++r) {
+                const int row = 6 * as_int(b) + r, column = 6 * as_int(b) + 3 + c;
+                const double k = -difference[6 * b + as_size(r)] / (2 * kTurn);
+                if (k == 0) continue;
                 entries.emplace_back(row, column, 0.5 * k);
                 entries.emplace_back(column, row, 0.5 * k);
             }

@@ -21,6 +21,11 @@ Eigen::Vector3d arm_of(const Model& model, const Attachment& on) {
     return body.markers[as_size(on.marker)].position - body.center_of_mass;
 }
 
+/// World axes.
+Eigen::Vector3d direction_of(const Load& load, const BodyState& body) {
+    return load.turns ? Eigen::Vector3d(body.rotation * load.direction) : load.direction;
+}
+
 }  // namespace
 
 Loads::Loads(const Model& model, const double weights[3])
@@ -140,7 +145,7 @@ void Loads::add(const std::vector<BodyState>& now, double Magnitude::*magnitude,
         const Load& load = loads_[i].load;
         if (load.on.body < 0) continue;  // on a node or an element
         const auto body = as_size(load.on.body);
-        const Eigen::Vector3d value = magnitudes_[i].*magnitude * load.direction;
+        const Eigen::Vector3d value = magnitudes_[i].*magnitude * direction_of(load, now[body]);
         Eigen::Map<Eigen::Vector3d> force(wrenches + 6 * body), moment(wrenches + 6 * body + 3);
         if (load.is_moment) {
             moment += value;
@@ -161,7 +166,9 @@ double Loads::work_over_step(const std::vector<BodyState>& now, const std::vecto
             load.is_moment
                 ? Eigen::Vector3d(h * to.angular_velocity)
                 : Eigen::Vector3d(to.position + to.rotation * loads_[i].arm - from.position - from.rotation * loads_[i].arm);
-        work += magnitudes_[i].mean * load.direction.dot(way);
+        // The mean direction: it turns by a small angle only
+        const Eigen::Vector3d direction = 0.5 * (direction_of(load, from) + direction_of(load, to));
+        work += magnitudes_[i].mean * direction.dot(way);
     }
     return work;
 }

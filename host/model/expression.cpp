@@ -98,7 +98,8 @@ void check_function(const std::string& name, std::string_view text, const mu::Pa
     fail(fmt::format("unknown function {} in {}{}", quote(name), quote(text), suggestion(name, keys(parser.GetFunDef()))));
 }
 
-[[noreturn]] void fail_unknown(const std::string& name, std::string_view text, const Constants& constants, bool with_time) {
+[[noreturn]] void fail_unknown(const std::string& name, std::string_view text, const Constants& constants,
+                               const std::string& variable) {
     for (const auto& [constant, value] : constants)
         if (constant.find('-') != constant.npos && text.find(constant) != text.npos)
             fail(fmt::format(
@@ -107,8 +108,8 @@ void check_function(const std::string& name, std::string_view text, const mu::Pa
                 quote(constant), quote(text)));
     std::vector<std::string> known = keys(constants);
     known.emplace_back("pi");
-    if (with_time) known.emplace_back("t");
-    const bool misses_time = name == "t" && !with_time;
+    if (!variable.empty()) known.push_back(variable);
+    const bool misses_time = name == "t" && variable != "t";
     fail(fmt::format("unknown name {} in {}{}", quote(name), quote(text),
                      misses_time ? "; the time exists in the expression of a load only" : suggestion(name, known)));
 }
@@ -118,21 +119,22 @@ void check_function(const std::string& name, std::string_view text, const mu::Pa
 struct Expression::Compiled {
     std::string text;
     mu::Parser parser;
-    double time = 0;
+    double argument = 0;
 
-    void define_name(const Name& name, const Constants& constants, bool with_time) {
+    void define_name(const Name& name, const Constants& constants, const std::string& variable) {
         if (name.is_function) return check_function(name.text, text, parser);
         if (name.text == "pi") return parser.DefineConst("pi", std::numbers::pi);
-        if (name.text == "t" && with_time) return parser.DefineVar("t", &time);
+        if (name.text == variable) return parser.DefineVar(variable, &argument);
         const auto found = constants.find(name.text);
-        if (found == constants.end()) fail_unknown(name.text, text, constants, with_time);
+        if (found == constants.end()) fail_unknown(name.text, text, constants, variable);
         if (parser.GetFunDef().count(name.text))
             fail(fmt::format("{} in {} is a function; rename the parameter", quote(name.text), quote(text)));
         parser.DefineConst(name.text, found->second);
     }
 };
 
-Expression::Expression(std::string_view text, const Constants& constants, bool with_time) : compiled_(new Compiled) {
+Expression::Expression(std::string_view text, const Constants& constants, const std::string& variable)
+    : compiled_(new Compiled) {
     check_size(text);
     compiled_->text = normalise_name(text);
     check_characters(compiled_->text);
@@ -142,7 +144,7 @@ Expression::Expression(std::string_view text, const Constants& constants, bool w
         std::string name_characters = parser.ValidNameChars();
         for (int byte = 0x80; byte <= 0xff; ++byte) name_characters += static_cast<char>(byte);
         parser.DefineNameChars(name_characters.c_str());
-        for (const Name& name : find_names(compiled_->text)) compiled_->define_name(name, constants, with_time);
+        for (const Name& name : find_names(compiled_->text)) compiled_->define_name(name, constants, variable);
         parser.SetExpr(compiled_->text);
         int results = 0;
         parser.Eval(results);  // the first evaluation compiles
@@ -156,8 +158,8 @@ Expression::~Expression() = default;
 Expression::Expression(Expression&&) noexcept = default;
 Expression& Expression::operator=(Expression&&) noexcept = default;
 
-double Expression::value(double time) const {
-    compiled_->time = time;
+double Expression::value(double argument) const {
+    compiled_->argument = argument;
     return compiled_->parser.Eval();
 }
 
@@ -176,6 +178,25 @@ std::vector<std::string> expression_names(std::string_view text) {
     for (const Name& name : find_names(normalise_name(text)))
         if (!name.is_function && std::find(result.begin(), result.end(), name.text) == result.end())
             result.push_back(name.text);
+    return result;
+}
+
+std::string replace_names(std::string_view given, const std::function<std::string(const std::string&)>& replacement) {
+    const std::string text = normalise_name(given);
+    std::string result;
+    for (std::size_t at = 0; at < text.size();) {
+        std::size_t end = at + 1;
+        if (is_digit(text[at]) || text[at] == '.') {
+            end = skip_number(text, at);
+        } else if (is_name_start(text[at])) {
+            while (end < text.size() && is_name_part(text[end])) ++end;
+            result += replacement(text.substr(at, end - at));
+            at = end;
+            continue;
+        }
+        result += text.substr(at, end - at);
+        at = end;
+    }
     return result;
 }
 

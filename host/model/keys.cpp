@@ -194,6 +194,22 @@ constexpr Key kLoad[] = {
     {"direction", Kind::numbers, "in the axes; its length does not count", kRequired, "1", 3},
     {"force", Kind::signal, "its size over time; or moment", "", "N", 0, {}, "", "signal"},
     {"moment", Kind::signal, "its size over time; or force", "", "N*m", 0, {}, "", "signal"},
+    {"harmonic",
+     Kind::table,
+     "instead: a force or moment, by the unit of its amplitude, that vibrates; a number or expression is a force [N]",
+     "",
+     "",
+     0,
+     {},
+     "",
+     "harmonic"},
+    {"psd", Kind::table, "instead: a random force, or a moment, by the unit of its values", "", "", 0, {}, "", "psd"},
+    {"unbalance", Kind::number,
+     "instead: mass times eccentricity u of a rotor: a force u Omega^2 that turns about direction with the speed Omega", "",
+     "kg*m"},
+    {"phase", Kind::number, "of an unbalance: where it stands at t = 0, about direction from `zero`", "0", "rad"},
+    {"zero", Kind::numbers, "of an unbalance: where its phase is 0",
+     "the next of x, y, z behind that which direction is nearest to", "1", 3},
     {"force_per_length",
      Kind::signals,
      "all along the element's axis; or [at from, at to], linear in between",
@@ -205,12 +221,13 @@ constexpr Key kLoad[] = {
      "signal"},
     {"axes",
      Kind::word,
-     "of a force_per_length; element: local axes, x from `from` to `to`, that turn with the parts (a follower load)",
+     "of direction; element: of a force_per_length, x from `from` to `to`; body: those of the body. Both turn with their "
+     "parts (a follower load)",
      "world",
      "",
      0,
      {},
-     "world|element"},
+     "world|element|body"},
 };
 
 constexpr Key kElement[] = {
@@ -278,6 +295,23 @@ constexpr Key kTable[] = {
 constexpr Key kExpression[] = {type_of_signal("expression"),
                                {"value", Kind::text, "\"=...\", of t and the parameters", kRequired}};
 
+constexpr Key kAmplitude = {"amplitude", Kind::number, "of amplitude cos(2 pi f t + phase); may be an expression of Omega",
+                            kRequired, ""};
+constexpr Key kPhase = {"phase", Kind::number, "at t = 0", "0", "rad"};
+constexpr Key kFrequency = {"frequency", Kind::number, "f; or order", "that of `dttmm response`", "Hz", 1, kNotNegative};
+constexpr Key kOrder = {"order", Kind::number, "f by the speed: order Omega/(2 pi)", "none", "1", 1, kPositive};
+constexpr Key kHarmonic[] = {type_of_signal("harmonic"), kAmplitude, kPhase, kFrequency, kOrder};
+constexpr Key kLoadHarmonic[] = {kAmplitude, kPhase, kFrequency, kOrder};
+constexpr Key kFrequencies = {"frequencies", Kind::numbers, "increasing; the density is zero outside", kRequired, "Hz", 0,
+                              kNotNegative};
+constexpr Key kDensities = {"values", Kind::numbers, "one-sided densities, as many: its unit squared per Hz", kRequired, "",
+                            0,        kNotNegative};
+constexpr Key kInterpolation = {
+    "interpolation", Kind::word, "log: straight between the points on double logarithmic paper", "linear", "", 0, {},
+    "linear|log"};
+constexpr Key kPsd[] = {type_of_signal("psd"), kFrequencies, kDensities, kInterpolation};
+constexpr Key kLoadPsd[] = {kFrequencies, kDensities, kInterpolation};
+
 constexpr KeyTable kTables[] = {
     {"file", "", "the model file, TOML", "spring_damper", kFile},
     {"simulation", "[simulation]", "how a run goes", "spring_damper", kSimulation},
@@ -301,6 +335,11 @@ constexpr KeyTable kTables[] = {
     {"signal.haversine", "force = { }", "one pulse", "spring_damper", kHaversine},
     {"signal.pulse", "force = { }", "a train of pulses", "spring_damper", kPulse},
     {"signal.sine", "force = { }", "a sine", "spring_damper", kSine},
+    {"signal.harmonic", "force = { }", "a vibration of one frequency or of an order of the speed, for `dttmm response` too",
+     "spring_damper", kHarmonic},
+    {"signal.psd", "force = { }", "a random vibration, for `dttmm response`", "spring_damper", kPsd},
+    {"harmonic", "harmonic = { }", "a harmonic force or moment", "spring_damper", kLoadHarmonic},
+    {"psd", "psd = { }", "a random force or moment", "spring_damper", kLoadPsd},
     {"signal.table", "force = { }", "points", "spring_damper", kTable},
     {"signal.expression", "force = { }", "an expression of t", "spring_damper", kExpression},
 };

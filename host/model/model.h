@@ -45,6 +45,9 @@ struct Node {
     std::bitset<6> fixed;  ///< directions x y z rx ry rz (world axes) in which it stays where it is at the start
     /// How far a support moves it in fixed directions, by direction: displacement [m] and rotation vector [rad], world axes.
     std::array<std::optional<Signal>, 6> motion = {};
+    /// Of `motion` what vibrates, where frequencies and not a run are asked for; `motion` is zero there.
+    std::array<std::optional<Signal>, 6> vibrations = {};
+    double vibration_factor = 1;    ///< of a load case
     std::string motion_place = {};  ///< "file:line:column", for errors found later
     bool moves = false;             ///< it starts with the velocities below; otherwise as straining the network least
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< [m/s]
@@ -71,14 +74,18 @@ struct Attachment {
 /// A force or a moment at a point; or a force per length on an element, linear between the element's ends.
 struct Load {
     Attachment on;                                        ///< of a force per length unused
-    Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit vector, world axes
+    Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit vector, world axes unless it turns
     bool is_moment = false;                               ///< a moment [N m] instead of a force [N]
     Signal signal;                                        ///< magnitude along `direction` against time; at the `from` end
     std::string place;                                    ///< "file:line:column", for errors found later
     int element = -1;                                     ///< index into Model::elements of a force per length [N/m]
     std::optional<Signal> signal_at_to = {};              ///< its magnitude at the `to` end; none: the same all along
     std::string name = {};                                ///< of load cases, maybe of several loads; empty: none
-    bool turns = false;  ///< `direction` is in the element's axes and turns with its parts: a follower load
+    bool turns = false;  ///< `direction` is in the axes of its element or body and turns with it: a follower load
+
+    /// What it is of a harmonic or random load where frequencies and not a run are asked for; `signal` is zero there.
+    std::optional<Signal> vibration = {}, vibration_at_to = {};
+    double vibration_factor = 1;  ///< of a load case
 
     bool is_per_length() const { return element >= 0; }
     const Signal& at_to() const { return signal_at_to ? *signal_at_to : signal; }
@@ -177,6 +184,7 @@ struct Model {
     std::vector<LoadCase> cases;
     std::string load_case;  ///< the one that was asked for, whose factors the loads have; empty: none
     std::vector<Element> elements;
+    bool machine_rests_on_speed = false;       ///< other numbers than amplitudes of orders rest on the parameter Omega
     std::vector<std::filesystem::path> files;  ///< beside the model file that were read: tables of loads
     std::vector<Warning> warnings;             ///< of the model file, each text with its place
 };

@@ -188,6 +188,7 @@ void Parameters::fail(Entry& entry, const std::string& text) {
 std::optional<double> Parameters::evaluate(std::string_view expression, std::string_view wanted) const {
     if (rests_on_fault(expression)) return std::nullopt;
     const double value = evaluate_expression(expression, constants_);
+    for (const std::string& name : expression_names(expression)) used_.insert(name);
     const Entry* same = find(bare_name(expression));
     const bool has_unit = same && !same->parameter.unit.empty() && same->parameter.unit != "1";
     if (has_unit && !measures(same->parameter.unit, wanted))
@@ -196,6 +197,25 @@ std::optional<double> Parameters::evaluate(std::string_view expression, std::str
                                 quote("=" + std::string(expression)), quote(same->parameter.text),
                                 diagnostics_.line_text(same->place), listed(accepted_units(wanted))));
     return value;
+}
+
+std::optional<std::string> Parameters::written_out(std::string_view expression, const std::string& name) const {
+    bool rests = false;
+    std::string text = replace_names(expression, [&](const std::string& other) {
+        if (other == name) {
+            rests = true;
+            return other;
+        }
+        const Entry* entry = find(other);
+        const auto in_it = entry && !entry->is_faulty ? written_out(entry->expression, name) : std::nullopt;
+        rests |= in_it.has_value();
+        return in_it ? "(" + *in_it + ")" : other;
+    });
+    return rests ? std::optional(std::move(text)) : std::nullopt;
+}
+
+bool Parameters::has_used(const std::string& name) const {
+    return std::ranges::any_of(used_, [&](const std::string& used) { return written_out(used, name).has_value(); });
 }
 
 bool Parameters::rests_on_fault(std::string_view expression) const {

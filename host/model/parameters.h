@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -34,6 +35,13 @@ public:
     /// parameter alone keeps that parameter's unit; anything more is a plain SI number. Nothing if it rests on a parameter
     /// whose fault has been told; throws Error(model_invalid) for a fault of its own.
     std::optional<double> evaluate(std::string_view expression, std::string_view wanted) const;
+
+    /// The expression with all that rests on the parameter `name`, or on a name of that kind that is no parameter, written
+    /// out in it; nothing if it does not rest on it.
+    std::optional<std::string> written_out(std::string_view expression, const std::string& name) const;
+
+    /// Whether an expression that was evaluated rests on the parameter `name`.
+    bool has_used(const std::string& name) const;
 
     /// Whether an expression rests on a parameter whose fault has been told.
     bool rests_on_fault(std::string_view expression) const;
@@ -72,6 +80,7 @@ private:
     std::vector<Entry> entries_;
     std::map<std::string, std::size_t, std::less<>> index_;
     Constants constants_;
+    mutable std::set<std::string> used_;  ///< names in the expressions that were evaluated
 };
 
 }  // namespace dttmm::host

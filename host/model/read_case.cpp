@@ -223,9 +223,11 @@ void apply_case(Model& model, const LoadCase& load_case) {
     model.simulation.gravity *= load_case.gravity;
     for (size_t i = 0; i < model.loads.size(); ++i) {
         Load& load = model.loads[i];
+        load.vibration_factor = load_case.load_factors[i];
         load.signal = scaled(load.signal, load_case.load_factors[i]);
         if (load.signal_at_to) load.signal_at_to = scaled(*load.signal_at_to, load_case.load_factors[i]);
     }
+    for (size_t n = 0; n < model.nodes.size(); ++n) model.nodes[n].vibration_factor = load_case.motion_factors[n];
     for (size_t n = 0; n < model.nodes.size(); ++n)
         for (auto& signal : model.nodes[n].motion)
             if (signal) signal = scaled(*signal, load_case.motion_factors[n]);

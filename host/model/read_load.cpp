@@ -4,15 +4,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 
 #include "model/index.h"
 #include "model/names.h"
 #include "model/read_rotation.h"
 #include "model/read_signal.h"
+#include "model/signal_shapes.h"
+#include "model/units.h"
 #include "model/wording.h"
 
 namespace dttmm::host {
 namespace {
+
+constexpr int kOfElement = 1, kOfBody = 2;  ///< words of `axes`
 
 /// Only `[1, 1, 0]` and the like need another length than one. Along one axis a length looks like a part of the force.
 void warn_length(const TableReader& table) {
@@ -85,6 +90,7 @@ std::optional<Load> read_line_load(const TableReader& table, const TomlMember& m
     const auto direction = read_direction(table, "direction");
     if (direction) warn_length(table);
     const auto axes = table.choice("axes", 0);
+    if (axes == kOfBody) table.error(table.find("axes")->place, "axes = \"body\" is for a force or moment on a body");
     if (!magnitude) return std::nullopt;
     if (magnitude->key != "force_per_length") {
         table.error(magnitude->place, fmt::format("a {} acts at a point: name a body, a marker or a node with `on`; along "
@@ -97,8 +103,31 @@ std::optional<Load> read_line_load(const TableReader& table, const TomlMember& m
     Load load{{}, *direction, false, along->at_from, table.context().diagnostics.place_text(magnitude->place)};
     load.element = *element;
     load.signal_at_to = along->at_to;
-    load.turns = *axes == 1;
+    load.turns = *axes == kOfElement;
     return load;
+}
+
+bool is_vibration(const TomlMember& magnitude) { return magnitude.key == "harmonic" || magnitude.key == "psd"; }
+
+/// A moment, or a `harmonic` or `psd` whose unit is that of one.
+bool is_moment_by(const TomlMember& magnitude) {
+    if (!is_vibration(magnitude)) return magnitude.key == "moment";
+    const TomlMember* size = magnitude.value.find(magnitude.key == "psd" ? "values" : "amplitude");
+    const TomlValue* first = size && size->value.is_array() && !size->value.items.empty() ? &size->value.items.front()
+                             : size                                                       ? &size->value
+                                                                                          : nullptr;
+    if (!first || !first->is_text()) return false;
+    const std::string unit = unit_text(first->string);
+    return !unit.empty() && measures(unit, magnitude.key == "psd" ? "(N*m)^2/Hz" : "N*m");
+}
+
+std::optional<Signal> read_magnitude(const TableReader& table, const TomlMember& magnitude, bool is_moment) {
+    const std::string what = table.what(magnitude.key);
+    if (is_vibration(magnitude))
+        return read_vibration(
+            TableReader(table.context(), magnitude.value, what, key_table(magnitude.key), {}, is_moment ? "N*m" : "N"),
+            magnitude.key == "psd");
+    return read_signal(table.context(), magnitude.value, what, table.key(magnitude.key).unit);
 }
 
 /// A force or moment at a point; `magnitude` is its value.
@@ -107,8 +136,13 @@ std::optional<Load> read_point_load(const TableReader& table, const TomlMember& 
     const auto on = attachments.read(table, "on");
     const auto direction = read_direction(table, "direction");
     if (direction) warn_length(table);
-    if (const TomlMember* axes = table.find("axes"))
-        table.error(axes->place, "axes is for a force_per_length; a force or moment at a point is in world axes");
+    const auto axes = table.choice("axes", 0);
+    if (axes == kOfElement)
+        table.error(table.find("axes")->place,
+                    "axes = \"element\" is for a force_per_length; those of a force or moment on a body are \"world\" or "
+                    "\"body\"");
+    if (axes == kOfBody && on && on->body < 0)
+        table.error(table.find("axes")->place, "axes = \"body\" is for a load on a body or its marker");
     if (on && on->is_ground()) table.error(member.value.place, "a load on the ground moves nothing");
     if (!magnitude) return std::nullopt;
     if (magnitude->key == "force_per_length") {
@@ -116,7 +150,7 @@ std::optional<Load> read_point_load(const TableReader& table, const TomlMember& 
                     "a force_per_length acts along an element: name a line with `element` in place of `on`");
         return std::nullopt;
     }
-    const bool is_moment = magnitude->key == "moment";
+    const bool is_moment = is_moment_by(*magnitude);
     if (on && direction && attachments.is_held(*on, *direction, is_moment))
         table.error(member.value.place, fmt::format("node {} is fixed in the direction of the {}, which moves nothing",
                                                     quote(member.value.string), magnitude->key));
@@ -127,27 +161,70 @@ std::optional<Load> read_point_load(const TableReader& table, const TomlMember& 
                         "a marker there, as markers.centre at its center_of_mass, and name that",
                         quote(member.value.string)));
     const auto signal =
-        read_signal(table.context(), magnitude->value, table.what(magnitude->key), table.key(magnitude->key).unit);
-    if (!on || !direction || !signal) return std::nullopt;
-    return Load{*on, *direction, is_moment, *signal, table.context().diagnostics.place_text(magnitude->place)};
+        magnitude->key == "unbalance" ? std::optional(Signal()) : read_magnitude(table, *magnitude, is_moment);
+    if (!on || !direction || !axes || !signal) return std::nullopt;
+    Load load{*on, *direction, is_moment, *signal, table.context().diagnostics.place_text(magnitude->place)};
+    load.turns = *axes == kOfBody;
+    return load;
 }
 
-std::optional<Load> read_load(const ReadContext& context, const TomlValue& entry, std::size_t index,
-                              const LoadPlaces& places) {
+/// A force m e Omega² that turns about `direction`: two vibrations across it, a quarter of a turn apart.
+std::vector<Load> read_unbalance(const TableReader& table, const TomlMember& magnitude, const Load& about) {
+    const auto size = table.number("unbalance");
+    const auto phase = table.number("phase", 0);
+    const Eigen::Vector3d axis = about.direction;
+    Eigen::Index nearest = 0;
+    axis.cwiseAbs().maxCoeff(&nearest);
+    Eigen::Vector3d zero = Eigen::Vector3d::Unit((nearest + 1) % 3);
+    if (table.find("zero")) {
+        const auto given = read_direction(table, "zero");
+        if (!given) return {};
+        zero = *given;
+    }
+    zero -= axis.dot(zero) * axis;
+    if (!(zero.norm() > 1e-6)) {
+        table.error(table.find("zero")->place, "zero lies along direction, about which the unbalance turns");
+        return {};
+    }
+    if (!size || !phase) return {};
+    const Constants& constants = table.context().parameters.constants();
+    HarmonicSignal::Numbers numbers;
+    numbers.formula = std::make_shared<const Expression>(fmt::format("({:.17g})*{}^2", *size, kSpeed), constants, kSpeed);
+    numbers.order = 1;
+    if (const auto speed = constants.find(kSpeed); speed != constants.end()) numbers.speed = speed->second;
+    std::vector<Load> loads;
+    for (const int part : {0, 1}) {
+        Load load = about;
+        load.place = table.context().diagnostics.place_text(magnitude.place);
+        load.direction = part == 0 ? zero.normalized() : Eigen::Vector3d(axis.cross(zero.normalized()));
+        numbers.phase = *phase - part * std::numbers::pi / 2;
+        load.signal = Signal(std::make_shared<const HarmonicSignal>(numbers));
+        loads.push_back(load);
+    }
+    return loads;
+}
+
+std::vector<Load> read_load(const ReadContext& context, const TomlValue& entry, std::size_t index,
+                            const LoadPlaces& places) {
     const TableReader table(context, entry, entry_label("load", entry, index), key_table("load"), entry_note("load", index));
-    if (!table.is_valid()) return std::nullopt;
+    if (!table.is_valid()) return {};
     const bool is_along = table.find("element") || (table.find("force_per_length") && !table.find("on"));
     const TomlMember* place =
         table.find("on") && is_along ? table.require_one({"element", "on"}) : table.require(is_along ? "element" : "on");
-    const TomlMember* magnitude = table.require_one({"force", "moment", "force_per_length"});
+    const TomlMember* magnitude = table.require_one({"force", "moment", "force_per_length", "harmonic", "psd", "unbalance"});
+    const bool is_unbalance = magnitude && magnitude->key == "unbalance";
+    for (const char* key : {"phase", "zero"})
+        if (const TomlMember* member = table.find(key); member && !is_unbalance)
+            table.error(member->place, fmt::format("{} is for an unbalance", key));
     if (!place) {
         read_direction(table, "direction");
-        return std::nullopt;
+        return {};
     }
     std::optional<Load> load = is_along ? read_line_load(table, *place, magnitude, places)
                                         : read_point_load(table, *place, magnitude, places.attachments);
-    if (load && table.find("name")) load->name = normalise_name(table.text("name").value_or(""));
-    return load;
+    if (!load) return {};
+    if (table.find("name")) load->name = normalise_name(table.text("name").value_or(""));
+    return is_unbalance ? read_unbalance(table, *magnitude, *load) : std::vector{*load};
 }
 
 }  // namespace
@@ -156,7 +233,7 @@ std::vector<Load> read_loads(const TableReader& file, const LoadPlaces& places) 
     std::vector<Load> loads;
     std::size_t index = 0;
     for (const TomlValue& entry : read_entries(file, "load"))
-        if (auto load = read_load(file.context(), entry, index++, places)) loads.push_back(std::move(*load));
+        for (Load& load : read_load(file.context(), entry, index++, places)) loads.push_back(std::move(load));
     return loads;
 }
 

@@ -18,7 +18,9 @@
 #include "model/read_joint.h"
 #include "model/read_load.h"
 #include "model/read_node.h"
+#include "model/read_signal.h"
 #include "model/toml_text.h"
+#include "model/vibrations.h"
 #include "model/wording.h"
 
 namespace dttmm::host {
@@ -238,6 +240,11 @@ Model parse_model(std::string_view text, const fs::path& file, const ElementCata
     diagnostics.throw_if_errors();
     if (overrides.purpose == Purpose::histories) warn_free_bodies(root, model);
     model.warnings = diagnostics.warnings();
+    if (overrides.purpose == Purpose::histories)
+        check_vibrations(model);
+    else
+        set_vibrations_aside(model);
+    model.machine_rests_on_speed = parameters.has_used(kSpeed);
     if (overrides.load_case) {
         const LoadCase asked = find_case(model, *overrides.load_case);
         apply_case(model, asked);

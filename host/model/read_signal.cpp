@@ -32,7 +32,7 @@ std::optional<Signal> read_expression(const ReadContext& context, const TomlValu
     if (std::find(names.begin(), names.end(), "t") == names.end()) return read_constant(context, value, what, unit);
     if (context.parameters.rests_on_fault(text)) return std::nullopt;
     try {
-        Expression expression(text, context.parameters.constants(), true);
+        Expression expression(text, context.parameters.constants(), "t");
         if (std::isfinite(expression.value(0))) return make_signal<ExpressionSignal>(std::move(expression));
         context.diagnostics.error(value.place,
                                   fmt::format("{}: the value of {} is not finite at t = 0", what, quote(value.string)));
@@ -107,6 +107,84 @@ std::optional<Signal> read_sine(const TableReader& table) {
     return make_signal<SineSignal>(*amplitude, *frequency, *phase, *offset, *start);
 }
 
+/// The amplitude: a number, or an expression that rests on the speed.
+bool read_amplitude(const TableReader& table, HarmonicSignal::Numbers& numbers) {
+    const ReadContext& context = table.context();
+    const TomlMember* member = table.find("amplitude");
+    const bool is_expression = member && member->value.is_text() && member->value.string.starts_with("=");
+    const std::string text = is_expression ? member->value.string.substr(1) : std::string();
+    const auto of_speed = is_expression ? context.parameters.written_out(text, kSpeed) : std::nullopt;
+    if (!of_speed) {
+        const auto number = table.number("amplitude");
+        numbers.amplitude = number.value_or(0);
+        return number.has_value();
+    }
+    if (context.parameters.rests_on_fault(text)) return false;
+    try {
+        numbers.formula = std::make_shared<const Expression>(*of_speed, context.parameters.constants(), kSpeed);
+        return true;
+    } catch (const Error& error) {
+        table.error(member->value.place, fmt::format("amplitude: {}", error.what()));
+        return false;
+    }
+}
+
+std::optional<Signal> read_harmonic(const TableReader& table) {
+    HarmonicSignal::Numbers numbers;
+    const bool has_amplitude = read_amplitude(table, numbers);
+    const auto phase = table.number("phase", 0);
+    const auto own = [&](const char* key, std::optional<double>& number) {
+        if (table.find(key)) number = table.number(key);
+        return !table.find(key) || number;
+    };
+    const bool has_frequency = own("frequency", numbers.frequency), has_order = own("order", numbers.order);
+    if (!has_amplitude || !phase || !has_frequency || !has_order) return std::nullopt;
+    if (numbers.frequency && numbers.order) {
+        table.error(table.find("order")->place, "order and frequency exclude each other");
+        return std::nullopt;
+    }
+    if (const auto found = table.context().parameters.constants().find(kSpeed);
+        found != table.context().parameters.constants().end())
+        numbers.speed = found->second;
+    numbers.phase = *phase;
+    return make_signal<HarmonicSignal>(numbers);
+}
+
+std::optional<Signal> read_psd(const TableReader& table) {
+    const auto frequencies = table.numbers("frequencies");
+    const TomlMember* values = table.require("values");
+    const auto interpolation = table.choice("interpolation", 0);
+    if (!frequencies || !values || !interpolation) return std::nullopt;
+    const auto fail = [&](const char* key, size_t i, const std::string& text) {
+        const TomlValue& list = table.find(key)->value;
+        table.error(list.is_array() && i < list.items.size() ? list.items[i].place : list.place, text);
+        return std::nullopt;
+    };
+    const auto densities =
+        read_numbers(table.context(), values->value, table.what("values"), fmt::format("({})^2/Hz", table.unit()),
+                     std::max<std::size_t>(values->value.items.size(), 1), false, kNotNegative);
+    if (!densities) return std::nullopt;
+    if (frequencies->size() != densities->size())
+        return fail("values", densities->size(),
+                    fmt::format("frequencies and values must be of one length, got {} and {}", frequencies->size(),
+                                densities->size()));
+    if (frequencies->size() < 2)
+        return fail("frequencies", 0,
+                    "a power spectral density wants two points or more: it is zero outside of them; give the lowest and the "
+                    "highest frequency");
+    for (std::size_t i = 0; i < frequencies->size(); ++i) {
+        if (i > 0 && !((*frequencies)[i] > (*frequencies)[i - 1]))
+            return fail("frequencies", i,
+                        fmt::format("frequencies must increase: {} Hz does not come after {} Hz", (*frequencies)[i],
+                                    (*frequencies)[i - 1]));
+        if (*interpolation == 1 && !((*frequencies)[i] > 0 && (*densities)[i] > 0))
+            return fail("values", i,
+                        fmt::format("interpolation = \"log\" wants frequencies and values above zero, got {} at {} Hz",
+                                    (*densities)[i], (*frequencies)[i]));
+    }
+    return make_signal<PsdSignal>(*frequencies, *densities, *interpolation == 1);
+}
+
 std::optional<Signal> read_inline_table(const TableReader& table) {
     const auto times = table.numbers("times");
     const auto values = table.numbers("values");
@@ -162,6 +240,8 @@ constexpr struct ShapeReader {
     {"haversine", read_haversine},
     {"pulse", read_pulse},
     {"sine", read_sine},
+    {"harmonic", read_harmonic},
+    {"psd", read_psd},
     {"table", [](const TableReader& table) { return read_table(table); }},
     {"expression", read_expression_table},
 };
@@ -186,6 +266,10 @@ std::optional<Signal> read_shape(const ReadContext& context, const TomlValue& va
 }
 
 }  // namespace
+
+std::optional<Signal> read_vibration(const TableReader& table, bool is_random) {
+    return is_random ? read_psd(table) : read_harmonic(table);
+}
 
 std::optional<Signal> read_signal(const ReadContext& context, const TomlValue& value, const std::string& what,
                                   std::string_view unit) {

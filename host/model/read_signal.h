@@ -15,4 +15,10 @@ namespace dttmm::host {
 std::optional<Signal> read_signal(const ReadContext& context, const TomlValue& value, const std::string& what,
                                   std::string_view unit);
 
+/// The same of a table of keys "harmonic" or "psd", in the unit of the reader.
+std::optional<Signal> read_vibration(const TableReader& table, bool is_random);
+
+/// The name of the speed of orders, a parameter [rad/s].
+inline constexpr const char* kSpeed = "Omega";
+
 }  // namespace dttmm::host

@@ -31,6 +31,12 @@ public:
 
     std::optional<std::vector<SignalPart>> parts() const { return shape_ ? shape_->parts() : std::vector<SignalPart>(); }
 
+    /// Its shape where that is a `Which`; null: it is another.
+    template <class Which>
+    const Which* as() const {
+        return dynamic_cast<const Which*>(shape_.get());
+    }
+
 private:
     std::shared_ptr<const Shape> shape_;
 };

@@ -49,6 +49,42 @@ std::optional<std::vector<SignalPart>> SineSignal::parts() const {
     return std::vector<SignalPart>{{frequency_, 1}};
 }
 
+HarmonicSignal::HarmonicSignal(Numbers numbers) : numbers_(std::move(numbers)) {
+    if (frequency())
+        amplitude_ = numbers_.formula ? numbers_.formula->value(numbers_.speed.value_or(0)) : numbers_.amplitude;
+}
+
+std::optional<double> HarmonicSignal::frequency() const {
+    if (!numbers_.order) return numbers_.frequency;
+    return numbers_.speed ? std::optional(*numbers_.order * *numbers_.speed / kTwoPi) : std::nullopt;
+}
+
+double HarmonicSignal::value(double time) const {
+    const auto f = frequency();
+    return f ? amplitude_ * std::cos(kTwoPi * *f * time + numbers_.phase) : 0;
+}
+
+std::optional<std::vector<SignalPart>> HarmonicSignal::parts() const {
+    const auto f = frequency();
+    if (!f || *f == 0 || amplitude_ == 0) return std::vector<SignalPart>();
+    return std::vector<SignalPart>{{std::abs(*f), 1}};
+}
+
+std::complex<double> HarmonicSignal::amplitude(double speed) const {
+    return std::polar(1.0, numbers_.phase) * (numbers_.formula ? numbers_.formula->value(speed) : numbers_.amplitude);
+}
+
+double PsdSignal::density(double frequency) const {
+    if (frequency < frequencies_.front() || frequency > frequencies_.back()) return 0;
+    const auto after = std::upper_bound(frequencies_.begin(), frequencies_.end(), frequency);
+    if (after == frequencies_.end()) return values_.back();
+    const auto i = as_size(after - frequencies_.begin());
+    const double f0 = frequencies_[i - 1], f1 = frequencies_[i], v0 = values_[i - 1], v1 = values_[i];
+    if (is_logarithmic_) return v0 * std::pow(v1 / v0, std::log(frequency / f0) / std::log(f1 / f0));
+    const double s = (frequency - f0) / (f1 - f0);
+    return (1 - s) * v0 + s * v1;
+}
+
 double TableSignal::value(double time) const {
     const auto after = std::upper_bound(times_.begin(), times_.end(), time);
     if (after == times_.begin()) return values_.front();

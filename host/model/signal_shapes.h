@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <complex>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "model/expression.h"
@@ -60,6 +63,55 @@ public:
 
 private:
     double amplitude_, frequency_, phase_, offset_, start_;
+};
+
+/// A vibration of one frequency, f(t) = amplitude cos(2 pi f t + phase) = Re(amplitude e^(i phase) e^(2 pi i f t)). Its
+/// frequency is fixed, or an order of the speed, f = order Omega/(2 pi), or left to `dttmm response`.
+class HarmonicSignal : public Signal::Shape {
+public:
+    struct Numbers {
+        double amplitude = 0;                       ///< in the unit of the signal, where `formula` is empty
+        std::shared_ptr<const Expression> formula;  ///< the amplitude as an expression of Omega [rad/s]
+        double phase = 0;                           ///< [rad]
+        std::optional<double> frequency;            ///< [Hz]
+        std::optional<double> order;
+        std::optional<double> speed;  ///< Omega of the model [rad/s]
+    };
+    explicit HarmonicSignal(Numbers numbers);
+
+    /// At the model's speed; zero where it has no frequency of its own.
+    double value(double time) const override;
+    std::optional<std::vector<SignalPart>> parts() const override;
+
+    bool is_order() const { return numbers_.order.has_value(); }
+    double order() const { return *numbers_.order; }
+    /// Its own, by the speed of the model if it is an order; none: it has none.
+    std::optional<double> frequency() const;
+    /// Its amplitude rests on the speed.
+    bool needs_speed() const { return is_order() || numbers_.formula; }
+    /// Of the model.
+    std::optional<double> speed() const { return numbers_.speed; }
+    /// Complex amplitude at a speed [rad/s]; may be non-finite for an expression.
+    std::complex<double> amplitude(double speed) const;
+
+private:
+    Numbers numbers_;
+    double amplitude_ = 0;  ///< at the model's speed
+};
+
+/// A random vibration by its one-sided power spectral density [unit²/Hz] over frequency, zero outside. In time it is zero.
+class PsdSignal : public Signal::Shape {
+public:
+    /// is_logarithmic: straight between the points on double logarithmic paper, else linear.
+    PsdSignal(std::vector<double> frequencies, std::vector<double> values, bool is_logarithmic)
+        : frequencies_(std::move(frequencies)), values_(std::move(values)), is_logarithmic_(is_logarithmic) {}
+    double value(double) const override { return 0; }
+    double density(double frequency) const;
+    const std::vector<double>& frequencies() const { return frequencies_; }
+
+private:
+    std::vector<double> frequencies_, values_;
+    bool is_logarithmic_;
 };
 
 /// Linear between the given points, the first and last value held outside. `times` increase strictly; at least one point.

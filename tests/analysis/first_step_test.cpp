@@ -55,7 +55,7 @@ TEST(FirstStep, ResolvesTheLoads) {
     EXPECT_NEAR(sine(124), 1e-3, 1e-12);  // 8.06 steps per period
     EXPECT_NEAR(sine(125), 5e-4, 1e-12);  // would be 8.00 steps per period
     EXPECT_NEAR(sine(1e7), 1e-6, 1e-15);
-    Expression formula("100*cos(2*pi*500*t)", {}, true);
+    Expression formula("100*cos(2*pi*500*t)", {}, "t");
     model.loads[0].signal = Signal(std::make_shared<const ExpressionSignal>(std::move(formula)));
     EXPECT_NEAR(choose_step(model, plugins).simulation.step, 2e-4, 1e-12);
 }

@@ -21,7 +21,7 @@ Signal signal_of(Arguments... arguments) {
 }
 
 Signal expression(const std::string& text) {
-    return Signal(std::make_shared<const ExpressionSignal>(Expression(text, {}, true)));
+    return Signal(std::make_shared<const ExpressionSignal>(Expression(text, {}, "t")));
 }
 
 constexpr double kImplicit[3] = {0.25, 0.5, 0.25}, kExplicit[3] = {0, 1, 0};

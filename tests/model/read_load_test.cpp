@@ -148,9 +148,9 @@ TEST(ReadLoad, FaultsOfAForcePerLengthNameThePlaceTheRuleAndTheCure) {
                 HasSubstr("m.toml:30:1: load number 1: a force_per_length acts along an element: name a line with "
                           "`element` in place of `on`"));
     EXPECT_THAT(along_fault("on = \"plate\"\naxes = \"element\"\ndirection = [0, 0, 1]\nforce = 7\n"),
-                HasSubstr("m.toml:29:1: load number 1: axes is for a force_per_length"));
+                HasSubstr("m.toml:29:1: load number 1: axes = \"element\" is for a force_per_length"));
     EXPECT_THAT(along_fault("element = \"girder\"\naxes = \"body\"\n" + value),
-                HasSubstr("axes must be one of: world, element"));
+                HasSubstr("axes = \"body\" is for a force or moment on a body"));
     EXPECT_THAT(along_fault("element = \"girder\"\non = \"plate\"\n" + value),
                 HasSubstr("\"element\" and \"on\" exclude each other"));
     EXPECT_THAT(along_fault(value), HasSubstr("missing key \"element\""));

@@ -88,13 +88,13 @@ TEST(TableSignal, IsLinearBetweenAndHeldOutside) {
 }
 
 TEST(ExpressionSignal, EvaluatesAtTheTime) {
-    const ExpressionSignal signal(Expression("a*t^2", {{"a", 3.0}}, true));
+    const ExpressionSignal signal(Expression("a*t^2", {{"a", 3.0}}, "t"));
     EXPECT_EQ(signal.value(2), 12);
     EXPECT_EQ(signal.value(-1), 3);
 }
 
 TEST(Signal, EvaluationNeverAllocates) {
-    const ExpressionSignal expression(Expression("a*sin(2*pi*50*t) + max(t, 1) + (t > 1 ? 2 : 3)", {{"a", 3.0}}, true));
+    const ExpressionSignal expression(Expression("a*sin(2*pi*50*t) + max(t, 1) + (t > 1 ? 2 : 3)", {{"a", 3.0}}, "t"));
     const TableSignal table({1, 2, 4}, {10, 30, -10});
     const PulseSignal pulse(8, 1, 0.4, 0.5, 3);
     const long before = allocations;

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "model/model.h"
+
+namespace dttmm::host {
+
+/// Harmonic and random loads and motions of a model that is to run: warns of those that are zero in a run. Throws
+/// Error(model_invalid) for one that vibrates at no frequency that the model gives.
+void check_vibrations(Model& model);
+
+/// Takes harmonic and random loads and motions out of what acts for good: `Load::vibration` and `Node::vibrations` keep
+/// them, and the signals they were become zero, their mean.
+void set_vibrations_aside(Model& model);
+
+}  // namespace dttmm::host

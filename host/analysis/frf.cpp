@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "analysis/modal_session.h"
+#include "analysis/places.h"
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
 #include "model/index.h"
@@ -21,41 +22,6 @@
 namespace dttmm::host {
 
 namespace {
-
-/// "plate.corner1.z" as a place and a direction.
-std::pair<const ModalPlace*, int> place_and_direction(const Model& model, const ModalMachine& machine,
-                                                      const std::string& option, const std::string& text) {
-    const size_t dot = text.rfind('.');
-    std::vector<std::string> known;
-    for (const ModalPlace& place : machine.places()) known.push_back(place.name);
-    if (dot == std::string::npos)
-        throw Error(ExitCode::usage,
-                    fmt::format("{} {}: write place.direction, e.g. {}.z", option, quote(text), known.front()));
-    const std::string name = text.substr(0, dot), direction = text.substr(dot + 1);
-    const auto d = std::ranges::find(direction_names(), direction);
-    if (d == direction_names().end())
-        throw Error(ExitCode::usage, fmt::format("{} {}: {} is none of the directions {}", option, quote(text),
-                                                 quote(direction), listed(direction_names())));
-    const ModalPlace* place = machine.find(name);
-    if (!place)
-        throw Error(ExitCode::usage, fmt::format("{} {}: no body, marker or node {}{}", option, quote(text), quote(name),
-                                                 suggestion(name, known)));
-    const auto index = as_size(d - direction_names().begin());
-    if (!model.modes.directions[index])
-        throw Error(ExitCode::usage,
-                    fmt::format("{} {}: nothing moves in {}: the model's dofs leave it out", option, quote(text), *d));
-    return {place, as_int(index)};
-}
-
-double frequency(const std::string& option, const std::string& text) {
-    try {
-        const double value = parse_quantity(text, "Hz");
-        if (value >= 0 && std::isfinite(value)) return value;
-        throw Error(ExitCode::usage, "must be zero or more");
-    } catch (const Error& error) {
-        throw Error(ExitCode::usage, fmt::format("{} {}: {}", option, quote(text), error.what()));
-    }
-}
 
 /// The largest of a curve's points, and by how much the curve may be larger beside it.
 struct LargestPoint {
@@ -82,7 +48,7 @@ private:
 
 ExitCode find_response(const Request& request) {
     const StopSignals signals;
-    const double from = frequency("--from", request.from), to = frequency("--to", request.to);
+    const double from = frequency_of("--from", request.from), to = frequency_of("--to", request.to);
     if (!(to > from)) throw Error(ExitCode::usage, "--to must be more than --from");
     if (request.is_logarithmic && from == 0) throw Error(ExitCode::usage, "--log: --from must be more than zero");
     const Plugins plugins(request.plugins);

@@ -30,15 +30,19 @@ auto tell_place(const Model& model, Action&& action) {
 const std::vector<std::string>& direction_names() { return kDirections; }
 
 ModalMachine::ModalMachine(const Model& model, const Plugins& plugins)
-    : ModalMachine(model, ModalDescription(model, plugins)) {}
+    : ModalMachine(model, plugins, ModalDescription(model, plugins)) {}
 
 ModalMachine::ModalMachine(const Model& model, const Model& resting, const Plugins& plugins)
-    : ModalMachine(model, ModalDescription(resting, plugins, true)) {}
+    : ModalMachine(model, plugins, ModalDescription(resting, plugins, true)) {}
 
-ModalMachine::ModalMachine(const Model& model, ModalDescription description)
+ModalMachine::ModalMachine(const Model& model, const Plugins& plugins, ModalDescription description)
     : model_(model),
       description_(std::move(description)),
       instance_(tell_place(model, [&] { return ModalInstance(description_.plugin(), description_.model()); })) {
+    for (const Element& element : model.elements) {
+        const auto& types = plugins.catalogue().types;
+        is_axial_.push_back(std::string_view(types[as_size(element.type)]->name) == "axial_spring");
+    }
     for (size_t b = 0; b < model.bodies.size(); ++b) {
         Body body = model.bodies[b];
         if (rest()) {
@@ -98,9 +102,47 @@ dttmm_harmonic ModalMachine::load_at(const ModalPlace& place, const Complex6& wr
     return load;
 }
 
-std::vector<ModalInstance::Response> ModalMachine::respond(double frequency,
-                                                           const std::vector<ModalInstance::Loads>& cases) {
-    return tell_place(model_, [&] { return instance_.respond(frequency, cases); });
+std::vector<ModalInstance::Response> ModalMachine::respond(double frequency, const std::vector<ModalInstance::Loads>& cases,
+                                                           bool with_forces) {
+    return tell_place(model_, [&] { return instance_.respond(frequency, cases, with_forces); });
+}
+
+ModalMachine::Complex6 ModalMachine::motion_of_body(int body, const Eigen::Vector3d& point,
+                                                    const ModalInstance::Response& response) const {
+    if (body < 0) return Complex6::Zero();
+    return by_body({"", body, -1, point}).cast<std::complex<double>>() * response.bodies[as_size(body)];
+}
+
+ModalMachine::Complex6 ModalMachine::joint_wrench(size_t joint, const ModalInstance::Response& response) const {
+    // Its axes turn with its first body, from those of the world where the file places the machine
+    const int first = model_.joints[joint].first;
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+    if (first >= 0) axes = rest() ? rest()->at[as_size(first)].rotation : model_.bodies[as_size(first)].rotation;
+    const Complex6& wrench = response.constraints[joint];
+    Complex6 own;
+    own << axes.transpose().cast<std::complex<double>>() * wrench.head<3>(),
+        axes.transpose().cast<std::complex<double>>() * wrench.tail<3>();
+    return own;
+}
+
+ModalMachine::Complex6 ModalMachine::joint_motion(size_t joint, const ModalInstance::Response& response) const {
+    const dttmm_constraint& at = description_.model().constraints[joint];
+    const Eigen::Vector3d point(at.position);
+    const Eigen::Matrix3cd axes =
+        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(at.axes).cast<std::complex<double>>();
+    const Complex6 way = motion_of_body(at.second, point, response) - motion_of_body(at.first, point, response);
+    Complex6 own;
+    own << axes.transpose() * way.head<3>(), axes.transpose() * way.tail<3>();
+    return own;
+}
+
+std::vector<double> ModalMachine::frequencies_below(double frequency) {
+    return tell_place(model_, [&] {
+        std::vector<double> frequencies;
+        const uint32_t found = instance_.find_modes(0, frequency);
+        for (uint32_t m = 0; m < found; ++m) frequencies.push_back(instance_.mode(m).numbers.frequency);
+        return frequencies;
+    });
 }
 
 ModalMachine::Complex6 ModalMachine::motion(const ModalPlace& place, const ModalInstance::Response& response) const {

@@ -39,7 +39,17 @@ public:
     std::vector<Vector6> along(uint32_t mode, uint32_t element, uint32_t count, double& length);
     /// A harmonic load at a place.
     static dttmm_harmonic load_at(const ModalPlace& place, const Complex6& wrench);
-    std::vector<ModalInstance::Response> respond(double frequency, const std::vector<ModalInstance::Loads>& cases);
+    std::vector<ModalInstance::Response> respond(double frequency, const std::vector<ModalInstance::Loads>& cases,
+                                                 bool with_forces = false);
+    /// An element that carries a force along the line through its ends, and nothing else.
+    bool is_axial(size_t element) const { return is_axial_[element]; }
+    /// Force and moment of a joint as a run records them, in its axes [N, N m].
+    Complex6 joint_wrench(size_t joint, const ModalInstance::Response& response) const;
+    /// Displacement and rotation of its second body against its first at the joint, in its axes, which begin with the axis
+    /// of a hinge or slider [m, rad].
+    Complex6 joint_motion(size_t joint, const ModalInstance::Response& response) const;
+    /// All natural frequencies up to a frequency [Hz], whatever the model asks for.
+    std::vector<double> frequencies_below(double frequency);
     /// Of a place [m, rad].
     Complex6 motion(const ModalPlace& place, const ModalInstance::Response& response) const;
     /// Displacement [m or rad] at `out` per unit force [N] (direction 0 … 2) or moment [N m] (3 … 5) at `in`; frequency
@@ -65,13 +75,15 @@ public:
     const ModalPlace* find(const std::string& name) const;
 
 private:
-    ModalMachine(const Model& model, ModalDescription description);
+    ModalMachine(const Model& model, const Plugins& plugins, ModalDescription description);
     Eigen::Matrix<double, 6, 6> by_body(const ModalPlace& place) const;
+    Complex6 motion_of_body(int body, const Eigen::Vector3d& point, const ModalInstance::Response& response) const;
 
     const Model& model_;
     ModalDescription description_;
     ModalInstance instance_;
     std::vector<ModalPlace> places_;
+    std::vector<bool> is_axial_;  ///< by Model::elements
 };
 
 /// Names of the six directions, in order.

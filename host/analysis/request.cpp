@@ -14,8 +14,8 @@ namespace {
 
 using Kind = Option::Kind;
 
-constexpr unsigned kEveryModel = kRun | kCheck | kModes | kFrf | kChannels | kStatic, kTime = kRun | kCheck,
-                   kFrequency = kModes | kFrf;
+constexpr unsigned kEveryModel = kRun | kCheck | kModes | kFrf | kChannels | kStatic | kResponse, kTime = kRun | kCheck,
+                   kFrequency = kModes | kFrf | kResponse;
 
 void set_parameter(Request& request, const std::string& text) {
     const size_t equals = text.find('=');
@@ -75,6 +75,23 @@ constexpr Option kOptions[] = {
      [](Request& request, const std::string& value) { request.input = value; }, true},
     {"--out", Kind::text, kFrf, "the same of the displacement", false, true,
      [](Request& request, const std::string& value) { request.response = value; }, true},
+    {"--in", Kind::list, kResponse,
+     "body, marker or node and direction of a unit force or moment, instead of the model's loads; repeated for others",
+     false, true, [](Request& request, const std::string& value) { request.inputs.push_back(value); }},
+    {"--out", Kind::list, kResponse, "pattern of channels, as mount*.force; repeated for others; default those of a run",
+     false, true, [](Request& request, const std::string& value) { request.outputs.push_back(value); }},
+    {"--from", Kind::text, kResponse, "lowest frequency, e.g. \"1 Hz\"", false, true,
+     [](Request& request, const std::string& value) { request.from = value; }},
+    {"--to", Kind::text, kResponse, "highest frequency", false, true,
+     [](Request& request, const std::string& value) { request.to = value; }},
+    {"--points", Kind::number, kResponse, "number of frequencies; without it they are put where the curves bend", false,
+     true, [](Request& request, const std::string& value) { request.points = std::stoi(value); }, false, 2, 10000000},
+    {"--log", Kind::flag, kResponse, "--points are spaced by equal factors", false, true,
+     [](Request& request, const std::string&) { request.is_logarithmic = true; }},
+    {"--rpm", Kind::text, kResponse, "speeds of the loads' orders, as 800..6000, or 800..6000:260 for so many", false, true,
+     [](Request& request, const std::string& value) { request.rpm = value; }},
+    {"--order", Kind::list, kResponse, "an order of these speeds; repeated for others; default all that loads have", false,
+     true, [](Request& request, const std::string& value) { request.orders.push_back(value); }},
     {"--from", Kind::text, kFrf, "lowest frequency, e.g. \"1 Hz\"", false, true,
      [](Request& request, const std::string& value) { request.from = value; }, true},
     {"--from", Kind::text, kNew, "kind of model: plate, mounts, beam or modes; default mounts", false, false,

@@ -34,6 +34,10 @@ struct Request {
     int points = 0;               ///< frf: number of frequencies
     bool is_logarithmic = false;  ///< frf: spaced by equal factors
 
+    std::vector<std::string> inputs, outputs;  ///< response: unit inputs, and patterns of channels
+    std::string rpm;                           ///< response: speeds, "800..6000:260"
+    std::vector<std::string> orders;           ///< response: those of the loads' orders that count; none: all
+
     int buckling = 0;  ///< static: so many critical load factors
     std::string at;    ///< static: the instant whose loads count, a text with unit
 
@@ -59,7 +63,8 @@ enum Command : unsigned {
     kCompletion = 512,
     kManual = 1024,
     kCheckLaw = 2048,
-    kStatic = 4096
+    kStatic = 4096,
+    kResponse = 8192
 };
 
 /// An option of the command line. The commands, the words of a sweep's cases and what decides whether a case is run again

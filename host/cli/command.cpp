@@ -19,6 +19,7 @@
 #include "analysis/help.h"
 #include "analysis/modes.h"
 #include "analysis/modes_sweep.h"
+#include "analysis/response.h"
 #include "analysis/run.h"
 #include "analysis/statics.h"
 #include "analysis/sweep.h"
@@ -94,6 +95,8 @@ const CommandLine kCommands[] = {
      }},
     {kStatic, "static", "equilibrium of a model under weight and lasting loads", Given::model, find_equilibrium},
     {kFrf, "frf", "frequency response of a model", Given::model, find_response},
+    {kResponse, "response", "steady vibration of a model over frequency or speed, under its loads or unit forces",
+     Given::model, find_steady_response},
     {kChannels, "channels", "list what a run of a model can record", Given::model_and_patterns, plain<print_channels>},
     {kCheckLaw, "check-law", "test the force laws of a library", Given::library, plain<check_law>},
     {kNew, "new", "make a folder with a first model", Given::folder, plain<make_new>},

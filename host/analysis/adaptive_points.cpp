@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/adaptive_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace dttmm::host {
+
+namespace {
+
+constexpr double kTolerance = 0.01;      ///< of magnitude and of phase [rad]
+constexpr double kSmall = 1e-4;          ///< of the largest magnitude: below it a curve need not be straight
+constexpr double kPeakTolerance = 1e-5;  ///< of a peak, between its points
+constexpr double kNarrow = 1e-7;         ///< share of x below which no interval is parted: half-power width of ζ = 5e-8
+
+}  // namespace
+
+const AdaptivePoints::Values* AdaptivePoints::take(double x) {
+    if (const auto found = points_.find(x); found != points_.end()) return &found->second;
+    if (points_.size() >= most_ || is_asked_to_stop_()) return nullptr;
+    Values values = curves_(x);
+    largest_.resize(values.size());
+    for (size_t c = 0; c < values.size(); ++c) largest_[c] = std::max(largest_[c], std::abs(values[c]));
+    return &points_.emplace(x, std::move(values)).first->second;
+}
+
+/// Whether the values at x1, between x0 and x2, are where a straight line has them.
+bool AdaptivePoints::is_straight(double x0, double x1, double x2) const {
+    const Values &v0 = points_.at(x0), &v1 = points_.at(x1), &v2 = points_.at(x2);
+    const double s = (x1 - x0) / (x2 - x0);
+    for (size_t c = 0; c < v1.size(); ++c) {
+        const double size = std::abs(v1[c]), floor = kSmall * largest_[c];
+        const double straight = (1 - s) * std::abs(v0[c]) + s * std::abs(v2[c]);
+        if (std::abs(straight - size) > kTolerance * size + kTolerance * floor) return false;
+        if (size <= floor || std::abs(v0[c]) <= floor || std::abs(v2[c]) <= floor) continue;
+        const double turn = std::arg(v2[c] / v0[c]);
+        if (std::abs(std::arg(v1[c] / (v0[c] * std::polar(1.0, s * turn)))) > kTolerance) return false;
+    }
+    return true;
+}
+
+bool AdaptivePoints::refine(std::vector<std::pair<double, double>> intervals) {
+    while (!intervals.empty()) {
+        const auto [x0, x2] = intervals.back();
+        intervals.pop_back();
+        const double x1 = 0.5 * (x0 + x2);
+        if (!(x2 - x0 > kNarrow * std::abs(x2))) {
+            if (unbounded_.empty() || std::abs(unbounded_.back() - x1) > 1e-5 * std::abs(x1)) unbounded_.push_back(x1);
+            continue;
+        }
+        if (!take(x1)) return false;
+        if (is_straight(x0, x1, x2)) continue;
+        intervals.emplace_back(x0, x1);
+        intervals.emplace_back(x1, x2);
+    }
+    return true;
+}
+
+/// Closes in on the largest magnitude of every curve by parabolas through three points.
+bool AdaptivePoints::find_peaks() {
+    for (size_t c = 0; c < largest_.size(); ++c)
+        for (int pass = 0; pass < 8; ++pass) {
+            auto top = points_.begin();
+            for (auto point = points_.begin(); point != points_.end(); ++point)
+                if (std::abs(point->second[c]) > std::abs(top->second[c])) top = point;
+            if (top == points_.begin() || std::next(top) == points_.end()) break;
+            const auto left = std::prev(top), right = std::next(top);
+            const double x0 = left->first - top->first, x2 = right->first - top->first;
+            const double size = std::abs(top->second[c]), y0 = std::abs(left->second[c]) - size,
+                         y2 = std::abs(right->second[c]) - size;
+            // y = a x² + b x through both
+            const double a = (y0 / x0 - y2 / x2) / (x0 - x2), b = y0 / x0 - a * x0;
+            if (!(a < 0)) break;
+            const double rise = -b * b / (4 * a), x = -b / (2 * a);
+            if (!(rise > kPeakTolerance * size) || !(x > x0) || !(x < x2)) break;
+            if (!(std::abs(x) > kNarrow * std::abs(top->first))) break;
+            if (!take(top->first + x)) return false;
+        }
+    return true;
+}
+
+bool AdaptivePoints::find(std::span<const double> start, size_t most, const std::function<bool()>& is_asked_to_stop) {
+    most_ = most;
+    is_asked_to_stop_ = is_asked_to_stop;
+    for (const double x : start)
+        if (!take(x)) return false;
+    std::vector<std::pair<double, double>> intervals;
+    for (size_t i = 1; i < start.size(); ++i)
+        if (start[i] > start[i - 1]) intervals.emplace_back(start[i - 1], start[i]);
+    return refine(std::move(intervals)) && find_peaks();
+}
+
+}  // namespace dttmm::host

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <complex>
+#include <functional>
+#include <map>
+#include <span>
+#include <vector>
+
+namespace dttmm::host {
+
+/// Complex curves over one variable at so few points that straight lines between them are good to 1 %: magnitude to 1 % of
+/// itself and phase to 1 % of a radian, where the magnitude is more than 1e-4 of the largest of its curve; and at the peaks.
+class AdaptivePoints {
+public:
+    using Values = std::vector<std::complex<double>>;
+    /// Values of all curves at x.
+    using Curves = std::function<Values(double x)>;
+
+    explicit AdaptivePoints(Curves curves) : curves_(std::move(curves)) {}
+
+    /// Finds points from the first to the last of `start`, which ascend and of which there are two or more.
+    /// `is_asked_to_stop` is asked before each point. False: it was stopped, or there would be more than `most` points.
+    bool find(std::span<const double> start, size_t most, const std::function<bool()>& is_asked_to_stop);
+
+    const std::map<double, Values>& points() const { return points_; }
+    /// Points beside which a curve goes on rising without bound, as where nothing damps a natural frequency.
+    const std::vector<double>& unbounded() const { return unbounded_; }
+
+private:
+    const Values* take(double x);
+    bool is_straight(double x0, double x1, double x2) const;
+    bool refine(std::vector<std::pair<double, double>> intervals);
+    bool find_peaks();
+
+    Curves curves_;
+    std::map<double, Values> points_;
+    std::vector<double> largest_, unbounded_;
+    size_t most_ = 0;
+    std::function<bool()> is_asked_to_stop_;
+};
+
+}  // namespace dttmm::host

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/excitation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "model/error.h"
+#include "model/index.h"
+#include "model/signal_shapes.h"
+#include "world/world.h"
+
+namespace dttmm::host {
+
+namespace {
+
+const HarmonicSignal& harmonic(const Load& load) { return *load.vibration->as<HarmonicSignal>(); }
+
+void scale(dttmm_harmonic& load, std::complex<double> factor) {
+    for (size_t d = 0; d < 6; ++d) {
+        const std::complex<double> value = factor * std::complex<double>(load.wrench[2 * d], load.wrench[2 * d + 1]);
+        load.wrench[2 * d] = value.real();
+        load.wrench[2 * d + 1] = value.imag();
+    }
+}
+
+/// Its speed as the model has it [rad/s]; 0 where its amplitude does not rest on one.
+double speed_of(const Load& load) {
+    const HarmonicSignal& signal = harmonic(load);
+    if (!signal.needs_speed()) return 0;
+    if (signal.speed()) return *signal.speed();
+    throw Error(
+        ExitCode::model_invalid,
+        fmt::format("{}: {} which speed? ask with --rpm, as --rpm 800..6000, or add a parameter, Omega = \"3000 rpm\"",
+                    load.place, signal.is_order() ? fmt::format("order {:g} of", signal.order()) : "an amplitude of"));
+}
+
+}  // namespace
+
+Excitation::Excitation(const Model& model, const ModalMachine& machine) {
+    for (const Load& load : model.loads) {
+        if (load.vibration_at_to || (load.vibration && load.is_per_length()))
+            throw Error(
+                ExitCode::model_invalid,
+                fmt::format("{}: a force_per_length that vibrates acts in a run only; for `dttmm response` replace it "
+                            "by forces on nodes along the line",
+                            load.place));
+        if (!load.vibration || load.vibration_factor == 0) continue;
+        ModalPlace place;
+        Eigen::Vector3d direction = load.direction;
+        if (load.on.body >= 0) {
+            const Body& body = model.bodies[as_size(load.on.body)];
+            const ModalPlace& on =
+                *machine.find(load.on.marker < 0 ? body.name : body.name + "." + body.markers[as_size(load.on.marker)].name);
+            place = on;
+            if (load.turns) {
+                const auto* rest = machine.rest();
+                direction = (rest ? rest->at[as_size(load.on.body)].rotation : body.rotation) * load.direction;
+            }
+        } else {
+            place = *machine.find(model.nodes[as_size(load.on.node)].name);
+        }
+        ModalMachine::Complex6 unit = ModalMachine::Complex6::Zero();
+        for (int d = 0; d < 3; ++d) unit((load.is_moment ? 3 : 0) + d) = direction(d) * load.vibration_factor;
+        (load.vibration->as<PsdSignal>() ? randoms_ : harmonics_).push_back({&load, ModalMachine::load_at(place, unit)});
+    }
+}
+
+bool Excitation::acts_everywhere() const {
+    return is_by_inputs() || std::ranges::any_of(harmonics_, [](const Placed& placed) {
+               const HarmonicSignal& signal = harmonic(*placed.load);
+               return !signal.is_order() && !signal.frequency();
+           });
+}
+
+std::vector<double> Excitation::own_frequencies() const {
+    std::vector<double> frequencies;
+    for (const Placed& placed : harmonics_) {
+        speed_of(*placed.load);
+        if (const auto own = harmonic(*placed.load).frequency()) frequencies.push_back(std::abs(*own));
+    }
+    std::ranges::sort(frequencies);
+    frequencies.erase(std::unique(frequencies.begin(), frequencies.end()), frequencies.end());
+    return frequencies;
+}
+
+std::vector<double> Excitation::orders() const {
+    std::vector<double> orders;
+    for (const Placed& placed : harmonics_)
+        if (harmonic(*placed.load).is_order()) orders.push_back(harmonic(*placed.load).order());
+    std::ranges::sort(orders);
+    orders.erase(std::unique(orders.begin(), orders.end()), orders.end());
+    return orders;
+}
+
+double Excitation::density(size_t random, double frequency) const {
+    return randoms_[random].load->vibration->as<PsdSignal>()->density(frequency);
+}
+
+std::pair<double, double> Excitation::random_range() const {
+    double low = std::numeric_limits<double>::infinity(), high = 0;
+    for (const Placed& placed : randoms_) {
+        const std::vector<double>& frequencies = placed.load->vibration->as<PsdSignal>()->frequencies();
+        low = std::min(low, frequencies.front());
+        high = std::max(high, frequencies.back());
+    }
+    return {low, high};
+}
+
+std::vector<ModalInstance::Loads> Excitation::cases(const Instance& at) const {
+    std::vector<ModalInstance::Loads> cases;
+    for (const Input& input : inputs_)
+        cases.push_back({ModalMachine::load_at(*input.place, ModalMachine::Complex6::Unit(input.direction))});
+    if (is_by_inputs()) return cases;
+    if (has_harmonics()) {
+        ModalInstance::Loads& together = cases.emplace_back();
+        for (const Placed& placed : harmonics_) {
+            const HarmonicSignal& signal = harmonic(*placed.load);
+            const auto own = signal.frequency();
+            const bool acts = at.speed ? signal.is_order() && signal.order() == at.order
+                                       : (!own && !signal.is_order()) || (own && std::abs(*own) == at.frequency);
+            if (!acts) continue;
+            const std::complex<double> amplitude = signal.amplitude(at.speed ? *at.speed : speed_of(*placed.load));
+            if (!(std::abs(amplitude) <= World::kLargestWrench))
+                throw Error(ExitCode::numerical_failure,
+                            fmt::format("{}: load: its amplitude is {}{} at {:g} Hz, not a finite number up to {:.0e}",
+                                        placed.load->place, amplitude.real(),
+                                        amplitude.imag() == 0 ? "" : fmt::format(" {:+}i", amplitude.imag()), at.frequency,
+                                        World::kLargestWrench));
+            together.push_back(placed.unit);
+            scale(together.back(), amplitude);
+        }
+    }
+    for (const Placed& placed : randoms_) cases.push_back({placed.unit});
+    return cases;
+}
+
+}  // namespace dttmm::host

@@ -130,12 +130,14 @@ private:
     void plan_frequencies();
     std::vector<double> natural_frequencies(double to);
     Values evaluate(const Instance& at);
+    Values evaluate_near(const Sweep& sweep, double x);
     bool sweep(const Sweep& sweep, const std::function<void(const Instance&, const Values&)>& take);
     void write_random(const ResultsFolder& folder);
     std::vector<Column> columns() const;
     std::string channel_name(size_t curve) const;
     std::string unit(size_t curve) const;
     void keep_largest(const Instance& at, const Values& values);
+    void tell_still();
     void print(const ResultsFolder& folder, size_t rows) const;
     void write_summary(const ResultsFolder& folder, size_t rows, bool is_stopped);
 
@@ -154,7 +156,6 @@ private:
     bool with_forces_ = false, has_speeds_ = false;
     std::vector<Sweep> sweeps_;
     std::vector<Largest> largest_;
-    double rms_points_ = 0;
 };
 
 Excitation SteadyResponse::make_excitation() {
@@ -309,6 +310,17 @@ Values SteadyResponse::evaluate(const Instance& at) {
     return values;
 }
 
+/// On a natural frequency that nothing damps a little beside it.
+Values SteadyResponse::evaluate_near(const Sweep& sweep, double x) {
+    constexpr double kBeside = 1e-8;
+    try {
+        return evaluate(sweep.at(x));
+    } catch (const Error& error) {
+        if (error.code() != ExitCode::numerical_failure || x == 0) throw;
+    }
+    return evaluate(sweep.at((1 + kBeside) * x));
+}
+
 void SteadyResponse::keep_largest(const Instance& at, const Values& values) {
     for (size_t c = 0; c < largest_.size(); ++c)
         if (std::abs(values[c]) > largest_[c].size)
@@ -325,7 +337,7 @@ bool SteadyResponse::sweep(const Sweep& sweep, const std::function<void(const In
         return true;
     }
     AdaptivePoints adaptive([&](double x) {
-        Values values = evaluate(sweep.at(x));
+        Values values = evaluate_near(sweep, x);
         values.resize(columns_of_rows());
         return values;
     });
@@ -373,7 +385,7 @@ void SteadyResponse::write_random(const ResultsFolder& folder) {
     const size_t skipped = excitation_.has_harmonics() ? chosen_.size() : 0, count = chosen_.size();
     const auto [from, to] = excitation_.random_range();
     const auto amplitudes = [&](double f) {
-        Values values = evaluate({f, std::nullopt, 0});
+        Values values = evaluate_near(Sweep(), f);
         values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(skipped));
         return values;
     };
@@ -427,6 +439,19 @@ void SteadyResponse::write_random(const ResultsFolder& folder) {
     write_atomically(folder.file("rms.csv"), table.text());
     for (const double f : adaptive.unbounded())
         warnings_.add("unbounded-peak", fmt::format("nothing damps the motion at {:.6g} Hz: RMS values have no bound", f));
+}
+
+/// Channels that were asked for and stay zero.
+void SteadyResponse::tell_still() {
+    std::vector<std::string> still;
+    for (size_t c = 0; c < largest_.size(); ++c)
+        if (largest_[c].size == 0) still.push_back(channel_name(c));
+    if (still.empty()) return;
+    warnings_.add(
+        "no-response",
+        fmt::format("{}: zero at all frequencies: what drives the machine does not reach {}, or the element cannot "
+                    "carry it",
+                    listed(still), still.size() == 1 ? "it" : "them"));
 }
 
 void SteadyResponse::print(const ResultsFolder& folder, size_t rows) const {
@@ -499,12 +524,7 @@ ExitCode SteadyResponse::run() {
         write_random(folder);
         is_stopped = StopSignals::requested();
     }
-    for (size_t c = 0; c < largest_.size() && !is_stopped; ++c)
-        if (largest_[c].size == 0)
-            warnings_.add("no-response",
-                          fmt::format("{} does not move: no element or joint leads to it from what drives the "
-                                      "machine, or symmetry keeps them apart",
-                                      channel_name(c)));
+    if (!is_stopped) tell_still();
     warnings_.print_rest("; summary.json has all of them");
     write_summary(folder, rows, is_stopped);
     if (is_stopped) {

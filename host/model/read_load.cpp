@@ -116,7 +116,12 @@ bool is_moment_by(const TomlMember& magnitude) {
     const TomlValue* first = size && size->value.is_array() && !size->value.items.empty() ? &size->value.items.front()
                              : size                                                       ? &size->value
                                                                                           : nullptr;
-    if (!first || !first->is_text()) return false;
+    if (!first || !first->is_text() || first->string.starts_with("=")) return false;
+    try {
+        parse_quantity(first->string);
+    } catch (const Error&) {
+        return false;  // told where it is read
+    }
     const std::string unit = unit_text(first->string);
     return !unit.empty() && measures(unit, magnitude.key == "psd" ? "(N*m)^2/Hz" : "N*m");
 }

@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// `dttmm response` against closed forms and against the same machine in time.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <complex>
+#include <numbers>
+#include <sstream>
+
+#include "cli/modes_run.h"
+
+namespace dttmm::host {
+namespace {
+
+using ::testing::HasSubstr;
+using Complex = std::complex<double>;
+constexpr double kPi = std::numbers::pi;
+
+/// A CSV file of results by the names of its columns.
+struct Table {
+    std::vector<std::string> names;
+    std::vector<std::vector<double>> rows;
+
+    size_t column(const std::string& name) const {
+        const auto found = std::ranges::find(names, name);
+        EXPECT_NE(found, names.end()) << name;
+        return static_cast<size_t>(found - names.begin());
+    }
+    double value(size_t row, const std::string& name) const { return rows[row][column(name)]; }
+    Complex amplitude(size_t row, const std::string& channel) const {
+        return {value(row, channel + ".re"), value(row, channel + ".im")};
+    }
+};
+
+Table read_table(const std::filesystem::path& file) {
+    Table table;
+    const std::string text = read_text(file);
+    std::istringstream names(text.substr(0, text.find('\n')));
+    for (std::string name; std::getline(names, name, ',');) table.names.push_back(name);
+    table.rows = read_history(file);
+    return table;
+}
+
+struct Answer {
+    Table table;
+    std::string err, out;
+    std::filesystem::path folder;
+};
+
+class SteadyVibration : public ::testing::Test {
+protected:
+    Ended ask(const std::string& text, std::vector<std::string> words) {
+        write_text(folder_ / "model.toml", text);
+        words.insert(words.begin(), {"response", "model.toml", "-o", fmt::format("out{}", ++count_)});
+        return run_dttmm(folder_.path(), words);
+    }
+    Table response(const std::string& text, const std::vector<std::string>& words,
+                   const std::string& file = "response.csv") {
+        const Ended ended = ask(text, words);
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        err_ = ended.err;
+        if (ended.code != 0) return {};
+        return read_table(folder_ / fmt::format("out{}/{}", count_, file));
+    }
+    Table history(const std::string& text) {
+        write_text(folder_ / "model.toml", text);
+        const Ended ended = run_dttmm(folder_.path(), {"run", "model.toml", "-q", "-o", "history"});
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        return read_table(folder_ / "history/history.csv");
+    }
+    std::string fault(const std::string& text, const std::vector<std::string>& words, int code = 3) {
+        const Ended ended = ask(text, words);
+        EXPECT_EQ(ended.code, code) << ended.err;
+        return ended.err;
+    }
+
+    const TemporaryFolder folder_;
+    int count_ = 0;
+    std::string err_;
+};
+
+/// One mass along x on a spring with a damper.
+constexpr double kOwnMass = 2.5, kSpring = 9100, kDamper = 11;
+const std::string kOneMass = R"(format = "dttmm/1"
+dofs = ["x"]
+[parameters]
+Omega = "300 rpm"
+F = "7 N"
+[nodes]
+m = [0.3, 0, 0]
+[[element]]
+name = "spring"
+type = "spring_damper"
+from = "ground"
+to = "m"
+stiffness = 9100
+damping = 11
+[[element]]
+name = "mass"
+type = "point_mass"
+at = "m"
+mass = 2.5
+[[load]]
+on = "m"
+direction = [1, 0, 0]
+)";
+
+Complex receptance(double f) {
+    const double w = 2 * kPi * f;
+    return 1.0 / Complex(kSpring - kOwnMass * w * w, kDamper * w);
+}
+
+// Oracle: closed form, x = F/(k + iωc − mω²) with F = A e^(iφ); the spring carries (k + iωc) x.
+TEST_F(SteadyVibration, OneMassUnderAHarmonicLoad) {
+    const Table table = response(kOneMass + "harmonic = { amplitude = \"=2*F\", phase = \"25 deg\" }\n",
+                                 {"--from", "2Hz", "--to", "40Hz", "--points", "13", "--out", "m", "--out", "spring", "-q"});
+    ASSERT_EQ(table.rows.size(), 13u);
+    for (size_t i = 0; i < table.rows.size(); ++i) {
+        const double f = table.value(i, "frequency"), w = 2 * kPi * f;
+        const Complex F = std::polar(14.0, 25 * kPi / 180), x = F * receptance(f), force = Complex(kSpring, w * kDamper) * x;
+        EXPECT_NEAR(f, 2 + 38.0 * static_cast<double>(i) / 12, 1e-12);
+        EXPECT_LT(std::abs(table.amplitude(i, "m.position.x") - x), 1e-10 * std::abs(x));
+        EXPECT_LT(std::abs(table.amplitude(i, "m.velocity.x") - Complex(0, w) * x), 1e-10 * std::abs(w * x));
+        EXPECT_LT(std::abs(table.amplitude(i, "m.acceleration.x") + w * w * x), 1e-10 * std::abs(w * w * x));
+        EXPECT_LT(std::abs(table.amplitude(i, "spring.force.x") - force), 1e-10 * std::abs(force));
+        EXPECT_LT(std::abs(table.amplitude(i, "spring.deflection.x") - x), 1e-10 * std::abs(x));
+    }
+}
+
+// Oracle: closed form. Adaptive points hold the true peak to 1e-4, and straight lines between them are good to 1 %.
+TEST_F(SteadyVibration, PointsGoWhereTheCurveBends) {
+    const Table table = response(kOneMass + "harmonic = { amplitude = \"1 N\" }\n",
+                                 {"--from", "0.5Hz", "--to", "60Hz", "--out", "m.position.x", "-q"});
+    const double z = kDamper / (2 * std::sqrt(kSpring * kOwnMass)), peak = 1 / (2 * z * std::sqrt(1 - z * z) * kSpring);
+    double largest = 0;
+    for (size_t i = 0; i < table.rows.size(); ++i) {
+        const Complex x = table.amplitude(i, "m.position.x");
+        largest = std::max(largest, std::abs(x));
+        if (i == 0) continue;
+        const double f0 = table.value(i - 1, "frequency"), f2 = table.value(i, "frequency");
+        ASSERT_GT(f2, f0);
+        for (const double s : {0.25, 0.5, 0.75}) {
+            const double straight = (1 - s) * std::abs(table.amplitude(i - 1, "m.position.x")) + s * std::abs(x);
+            const double true_size = std::abs(receptance((1 - s) * f0 + s * f2));
+            EXPECT_NEAR(straight, true_size, 0.011 * true_size) << f0 << " " << f2;
+        }
+    }
+    EXPECT_NEAR(largest, peak, 1e-4 * peak);
+    EXPECT_LT(table.rows.size(), 200u);
+}
+
+// Oracle: closed form. An order acts at order Ω/2π with the amplitude of its speed; derived parameters go with it, and one
+// order leaves the rows of another alone. An unbalance acts with u Ω² cos(Ωt + φ) across its axis.
+TEST_F(SteadyVibration, OrdersAndUnbalanceOverSpeed) {
+    std::string text = kOneMass + R"(harmonic = { amplitude = "=2*g2 + F", phase = "1 rad", order = 2 }
+[[load]]
+on = "m"
+direction = [0, 0, 1]
+unbalance = "30 g*m"
+phase = "20 deg"
+)";
+    text.replace(text.find("F = "), 0, "g2 = \"=0.01*Omega^2\"\n");
+    const Table table = response(text, {"--rpm", "200..1500:9", "--out", "m.position", "-q"});
+    ASSERT_EQ(table.rows.size(), 18u);
+    for (size_t i = 0; i < 18; ++i) {
+        const double rpm = table.value(i, "rpm"), speed = rpm * kPi / 30, order = table.value(i, "order"),
+                     f = table.value(i, "frequency");
+        EXPECT_EQ(order, i < 9 ? 1 : 2);
+        EXPECT_NEAR(rpm, 200 + 1300.0 / 8 * static_cast<double>(i % 9), 1e-9);
+        EXPECT_NEAR(f, order * rpm / 60, 1e-9);
+        const Complex F = order == 1 ? 0.03 * speed * speed * std::polar(1.0, 20 * kPi / 180)
+                                     : (0.02 * speed * speed + 7) * std::polar(1.0, 1.0);
+        const Complex x = F * receptance(f);
+        EXPECT_LT(std::abs(table.amplitude(i, "m.position.x") - x), 1e-9 * std::abs(x)) << i;
+    }
+    // Without --rpm: at the speed of the model
+    const Table own = response(text, {"--out", "m.position", "-q"});
+    ASSERT_EQ(own.rows.size(), 2u);
+    const double speed = 10 * kPi;
+    EXPECT_NEAR(own.value(0, "frequency"), 5, 1e-12);
+    const Complex x = 0.03 * speed * speed * std::polar(1.0, 20 * kPi / 180) * receptance(5);
+    EXPECT_LT(std::abs(own.amplitude(0, "m.position.x") - x), 1e-9 * std::abs(x));
+}
+
+// Oracle: closed forms under white noise of density S: x² = S/(4 k c) of the whole axis, here cut at 40 times the natural
+// frequency, and the rate of crossings ω0/2π.
+TEST_F(SteadyVibration, WhiteNoiseOnOneMass) {
+    const double f0 = std::sqrt(kSpring / kOwnMass) / (2 * kPi);
+    const std::string text =
+        kOneMass + fmt::format("psd = {{ frequencies = [0, {}], values = [\"3 N^2/Hz\", \"3 N^2/Hz\"] }}\n", 40 * f0);
+    const Ended ended = ask(text, {"--out", "m.position.x", "--out", "spring.force.x", "-q"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    const std::string rms = read_text(folder_ / "out1/rms.csv");
+    std::istringstream lines(rms);
+    std::string line;
+    std::vector<std::vector<std::string>> cells;
+    while (std::getline(lines, line)) {
+        std::istringstream fields(line);
+        std::vector<std::string>& row = cells.emplace_back();
+        for (std::string cell; std::getline(fields, cell, ',');) row.push_back(cell);
+    }
+    ASSERT_EQ(cells.size(), 4u);
+    EXPECT_EQ(cells[0][0], "channel");
+    const size_t position = cells[2][0] == "m.position.x" ? 2 : 3;
+    EXPECT_EQ(cells[position][0], "m.position.x");
+    EXPECT_EQ(cells[position][1], "m");
+    const double expected = std::sqrt(3 / (4 * kSpring * kDamper)), got = std::stod(cells[position][2]);
+    EXPECT_NEAR(got, expected, 2e-4 * expected);
+    EXPECT_NEAR(std::stod(cells[position][3]), 3 * got, 1e-9 * got);
+    EXPECT_NEAR(std::stod(cells[position][4]), f0, 0.02 * f0);  // of ω² |H|², cut off at 40 f0
+    const double force = std::sqrt(3 * (kSpring / (4 * kDamper) + kDamper / (4 * kOwnMass)));  // k² + ω² c²
+    EXPECT_NEAR(std::stod(cells[5 - position][2]), force, 2e-3 * force);
+}
+
+/// A body on four inclined springs, turned in the world, that starts where it is at rest.
+std::string turned_block(const std::string& loads, double duration, double step) {
+    std::string text = fmt::format(R"(format = "dttmm/1"
+[parameters]
+Omega = "420 rpm"
+[simulation]
+duration = "{} s"
+step = "{} s"
+[[body]]
+name = "block"
+mass = 12.5
+inertia = [0.21, 0.35, 0.28]
+center_of_mass = [0.02, -0.01, 0.03]
+rotation = {{ axis = [0.3, 1, -0.4], angle = "35 deg" }}
+markers.one = [0.2, 0.15, -0.1]
+markers.two = [-0.22, 0.14, -0.12]
+markers.three = [-0.18, -0.16, -0.09]
+markers.four = [0.21, -0.13, -0.11]
+markers.top = [0.05, 0.04, 0.2]
+)",
+                                   duration, step);
+    const char* marker[] = {"one", "two", "three", "four"};
+    for (int i = 0; i < 4; ++i)
+        text += fmt::format(R"([[element]]
+name = "mount{0}"
+type = "spring_damper"
+from = "ground"
+to = "block.{1}"
+axes = {{ axis = [{2}, 1, 0.2], angle = "{3} deg" }}
+stiffness = ["{4} N/mm", "21 N/mm", "35 N/mm"]
+damping = ["{5} N*s/m", "110 N*s/m", "140 N*s/m"]
+)",
+                            i + 1, marker[i], 0.3 * i - 0.4, 25 + 13 * i, 18 + 3 * i, 90 + 15 * i);
+    return text + loads;
+}
+
+// Oracle: the same machine driven in time until it is steady; the step shifts it by (ωh)²/6 or less. Order loads, an
+// unbalance and a force in body axes act together; forces, deflections and accelerations agree with their phases.
+TEST_F(SteadyVibration, ARunBecomesTheResponse) {
+    const char* kLoads = R"([[load]]
+on = "block.top"
+direction = [0.3, -0.2, 1]
+harmonic = { amplitude = "=0.001*Omega^2", phase = "35 deg", order = 1 }
+[[load]]
+on = "block.three"
+axes = "body"
+direction = [0, 0.6, 0.8]
+harmonic = { amplitude = "0.8 N", phase = "-70 deg", order = 1 }
+[[load]]
+on = "block.top"
+direction = [1, 0.5, 0]
+harmonic = { amplitude = "0.05 N*m", order = 1 }
+[[load]]
+on = "block.two"
+direction = [0.1, 1, 0.3]
+unbalance = "0.4 g*m"
+zero = [1, 0, 0]
+)";
+    constexpr double kStep = 5e-4;
+    const std::string text = turned_block(kLoads, 3, kStep);
+    const std::vector<std::string> channels = {"mount1.force", "mount4.force", "mount2.deflection", "block.acceleration",
+                                               "block.top.acceleration"};
+    std::vector<std::string> words = {"-q"};
+    for (const std::string& channel : channels) words.insert(words.end(), {"--out", channel});
+    const Table steady = response(text, words), run = history(text);
+    ASSERT_EQ(steady.rows.size(), 1u);
+    const double w = 14 * kPi;  // a period is 1/7 s: the last two are 2/7 s, not whole steps, so fit by least squares
+    for (const std::string& channel : channels)
+        for (const char* axis : {".x", ".y", ".z"}) {
+            const std::string name = channel + axis;
+            Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+            Eigen::Vector3d b = Eigen::Vector3d::Zero();
+            for (size_t i = 0; i < run.rows.size(); ++i) {
+                const double t = run.value(i, "time");
+                if (t < 3 - 6.0 / 7) continue;
+                const Eigen::Vector3d base(1, std::cos(w * t), -std::sin(w * t));
+                A += base * base.transpose();
+                b += base * run.value(i, name);
+            }
+            const Eigen::Vector3d fit = A.ldlt().solve(b);
+            const Complex expected = steady.amplitude(0, name), got(fit(1), fit(2));
+            EXPECT_LT(std::abs(got - expected), 2e-3 * std::abs(expected)) << name << " " << got << " " << expected;
+        }
+}
+
+// Oracle: the loads' absence and their cure.
+TEST_F(SteadyVibration, WrongQuestionsAreRefused) {
+    const std::string harmonic = kOneMass + "harmonic = { amplitude = \"1 N\" }\n",
+                      order = kOneMass + "harmonic = { amplitude = \"1 N\", order = 2 }\n";
+    EXPECT_THAT(fault(harmonic, {"--out", "sprig.force", "--from", "1Hz", "--to", "2Hz"}), HasSubstr("spring.force"));
+    EXPECT_THAT(fault(harmonic, {"--rpm", "100..200"}), HasSubstr("no load is an order of the speed"));
+    EXPECT_THAT(fault(order, {"--rpm", "800..600"}, 2), HasSubstr("must be more than the first"));
+    EXPECT_THAT(fault(order, {"--rpm", "8oo..900"}, 2), HasSubstr("--rpm"));
+    EXPECT_THAT(fault(order, {"--rpm", "800..900", "--order", "3"}, 2), HasSubstr("no load has this order; they have 2"));
+    EXPECT_THAT(fault(order, {"--order", "2"}, 2), HasSubstr("of which speed"));
+    EXPECT_THAT(fault(harmonic, {"--out", "m"}, 2), HasSubstr("which frequencies?"));
+    EXPECT_THAT(fault(harmonic, {"--from", "3Hz"}, 2), HasSubstr("--from and --to go together"));
+    EXPECT_THAT(fault(kOneMass + "force = 3\n", {"--from", "1Hz", "--to", "2Hz"}), HasSubstr("nothing vibrates"));
+    EXPECT_THAT(fault(kOneMass + "psd = { frequencies = [3, 2], values = [1, 1] }\n", {}), HasSubstr("must increase"));
+    EXPECT_THAT(fault(kOneMass + "psd = { frequencies = [1, 2], values = [1, -1] }\n", {}), HasSubstr("≥ 0"));
+    EXPECT_THAT(fault(kOneMass + "psd = { frequencies = [1], values = [1] }\n", {}), HasSubstr("two points or more"));
+    EXPECT_THAT(fault(kOneMass + "harmonic = { amplitude = 1, order = 2, frequency = 3 }\n", {}), HasSubstr("exclude"));
+    EXPECT_THAT(fault(kOneMass + "harmonic = { amplitude = \"=Omga\" }\n", {}), HasSubstr("Omega"));
+    std::string no_speed = order;
+    no_speed.replace(no_speed.find("Omega = \"300 rpm\""), 17, "");
+    EXPECT_THAT(fault(no_speed, {"--out", "m"}), HasSubstr("--rpm"));
+    std::string undamped = harmonic;
+    undamped.replace(undamped.find("damping = 11"), 12, "");
+    const Table table = response(undamped, {"--from", "1Hz", "--to", "20Hz", "--out", "m.position.x", "-q"});
+    EXPECT_THAT(err_, HasSubstr("nothing damps"));
+}
+
+}  // namespace
+}  // namespace dttmm::host

@@ -16,7 +16,7 @@ namespace dttmm::host {
 
 namespace {
 
-const HarmonicSignal& harmonic(const Load& load) { return *load.vibration->as<HarmonicSignal>(); }
+const HarmonicSignal& harmonic(const Signal& signal) { return *signal.as<HarmonicSignal>(); }
 
 void scale(dttmm_harmonic& load, std::complex<double> factor) {
     for (size_t d = 0; d < 6; ++d) {
@@ -26,18 +26,22 @@ void scale(dttmm_harmonic& load, std::complex<double> factor) {
     }
 }
 
+}  // namespace
+
 /// Its speed as the model has it [rad/s]; 0 where its amplitude does not rest on one.
-double speed_of(const Load& load) {
-    const HarmonicSignal& signal = harmonic(load);
+double Excitation::speed_of(const Placed& placed) {
+    const HarmonicSignal& signal = harmonic(*placed.signal);
     if (!signal.needs_speed()) return 0;
     if (signal.speed()) return *signal.speed();
     throw Error(
         ExitCode::model_invalid,
         fmt::format("{}: {} which speed? ask with --rpm, as --rpm 800..6000, or add a parameter, Omega = \"3000 rpm\"",
-                    load.place, signal.is_order() ? fmt::format("order {:g} of", signal.order()) : "an amplitude of"));
+                    placed.name, signal.is_order() ? fmt::format("order {:g} of", signal.order()) : "an amplitude of"));
 }
 
-}  // namespace
+void Excitation::add(const Signal& signal, const dttmm_harmonic& unit, const std::string& name) {
+    (signal.as<PsdSignal>() ? randoms_ : harmonics_).push_back({&signal, unit, name});
+}
 
 Excitation::Excitation(const Model& model, const ModalMachine& machine) {
     for (const Load& load : model.loads) {
@@ -64,13 +68,22 @@ Excitation::Excitation(const Model& model, const ModalMachine& machine) {
         }
         ModalMachine::Complex6 unit = ModalMachine::Complex6::Zero();
         for (int d = 0; d < 3; ++d) unit((load.is_moment ? 3 : 0) + d) = direction(d) * load.vibration_factor;
-        (load.vibration->as<PsdSignal>() ? randoms_ : harmonics_).push_back({&load, ModalMachine::load_at(place, unit)});
+        add(*load.vibration, ModalMachine::load_at(place, unit), load.place + ": load");
     }
+    for (const Node& node : model.nodes)
+        for (int d = 0; d < 6; ++d) {
+            const auto& signal = node.vibrations[as_size(d)];
+            const ModalPlace* place = machine.find(node.name);
+            if (!signal || node.vibration_factor == 0 || !place) continue;
+            const ModalMachine::Complex6 unit = node.vibration_factor * ModalMachine::Complex6::Unit(d);
+            add(*signal, ModalMachine::motion_at(*place, unit),
+                fmt::format("{}: node \"{}\": motion", node.motion_place, node.name));
+        }
 }
 
 bool Excitation::acts_everywhere() const {
     return is_by_inputs() || std::ranges::any_of(harmonics_, [](const Placed& placed) {
-               const HarmonicSignal& signal = harmonic(*placed.load);
+               const HarmonicSignal& signal = harmonic(*placed.signal);
                return !signal.is_order() && !signal.frequency();
            });
 }
@@ -78,8 +91,8 @@ bool Excitation::acts_everywhere() const {
 std::vector<double> Excitation::own_frequencies() const {
     std::vector<double> frequencies;
     for (const Placed& placed : harmonics_) {
-        speed_of(*placed.load);
-        if (const auto own = harmonic(*placed.load).frequency()) frequencies.push_back(std::abs(*own));
+        speed_of(placed);
+        if (const auto own = harmonic(*placed.signal).frequency()) frequencies.push_back(std::abs(*own));
     }
     std::ranges::sort(frequencies);
     frequencies.erase(std::unique(frequencies.begin(), frequencies.end()), frequencies.end());
@@ -89,20 +102,20 @@ std::vector<double> Excitation::own_frequencies() const {
 std::vector<double> Excitation::orders() const {
     std::vector<double> orders;
     for (const Placed& placed : harmonics_)
-        if (harmonic(*placed.load).is_order()) orders.push_back(harmonic(*placed.load).order());
+        if (harmonic(*placed.signal).is_order()) orders.push_back(harmonic(*placed.signal).order());
     std::ranges::sort(orders);
     orders.erase(std::unique(orders.begin(), orders.end()), orders.end());
     return orders;
 }
 
 double Excitation::density(size_t random, double frequency) const {
-    return randoms_[random].load->vibration->as<PsdSignal>()->density(frequency);
+    return randoms_[random].signal->as<PsdSignal>()->density(frequency);
 }
 
 std::pair<double, double> Excitation::random_range() const {
     double low = std::numeric_limits<double>::infinity(), high = 0;
     for (const Placed& placed : randoms_) {
-        const std::vector<double>& frequencies = placed.load->vibration->as<PsdSignal>()->frequencies();
+        const std::vector<double>& frequencies = placed.signal->as<PsdSignal>()->frequencies();
         low = std::min(low, frequencies.front());
         high = std::max(high, frequencies.back());
     }
@@ -111,24 +124,27 @@ std::pair<double, double> Excitation::random_range() const {
 
 std::vector<ModalInstance::Loads> Excitation::cases(const Instance& at) const {
     std::vector<ModalInstance::Loads> cases;
-    for (const Input& input : inputs_)
-        cases.push_back({ModalMachine::load_at(*input.place, ModalMachine::Complex6::Unit(input.direction))});
+    for (const Input& input : inputs_) {
+        const auto unit = ModalMachine::Complex6::Unit(input.direction);
+        cases.push_back(
+            {input.is_motion() ? ModalMachine::motion_at(*input.place, unit) : ModalMachine::load_at(*input.place, unit)});
+    }
     if (is_by_inputs()) return cases;
     if (has_harmonics()) {
         ModalInstance::Loads& together = cases.emplace_back();
         for (const Placed& placed : harmonics_) {
-            const HarmonicSignal& signal = harmonic(*placed.load);
+            const HarmonicSignal& signal = harmonic(*placed.signal);
             const auto own = signal.frequency();
             const bool acts = at.speed ? signal.is_order() && signal.order() == at.order
                                        : (!own && !signal.is_order()) || (own && std::abs(*own) == at.frequency);
             if (!acts) continue;
-            const std::complex<double> amplitude = signal.amplitude(at.speed ? *at.speed : speed_of(*placed.load));
+            const std::complex<double> amplitude = signal.amplitude(at.speed ? *at.speed : speed_of(placed));
             if (!(std::abs(amplitude) <= World::kLargestWrench))
-                throw Error(ExitCode::numerical_failure,
-                            fmt::format("{}: load: its amplitude is {}{} at {:g} Hz, not a finite number up to {:.0e}",
-                                        placed.load->place, amplitude.real(),
-                                        amplitude.imag() == 0 ? "" : fmt::format(" {:+}i", amplitude.imag()), at.frequency,
-                                        World::kLargestWrench));
+                throw Error(
+                    ExitCode::numerical_failure,
+                    fmt::format("{}: its amplitude is {}{} at {:g} Hz, not a finite number up to {:.0e}", placed.name,
+                                amplitude.real(), amplitude.imag() == 0 ? "" : fmt::format(" {:+}i", amplitude.imag()),
+                                at.frequency, World::kLargestWrench));
             together.push_back(placed.unit);
             scale(together.back(), amplitude);
         }

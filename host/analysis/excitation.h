@@ -16,7 +16,8 @@ struct Instance {
     double order = 0;             ///< of it
 };
 
-/// What drives a machine in steady vibration: unit forces and moments one at a time, or the loads of its model.
+/// What drives a machine in steady vibration: unit forces, moments and motions of supports one at a time, or the loads and
+/// supports of its model.
 class Excitation {
 public:
     /// A place and a direction.
@@ -24,7 +25,9 @@ public:
         std::string text;  ///< as asked for, "plate.corner1.z"
         const ModalPlace* place;
         int direction;
-        bool is_moment() const { return direction >= 3; }
+        bool turns() const { return direction >= 3; }
+        /// A node that is fixed in this direction moves by 1 m or 1 rad.
+        bool is_motion() const { return place->is_held(direction); }
     };
 
     /// Unit inputs. The machine must outlive it.
@@ -43,7 +46,7 @@ public:
     std::vector<double> orders() const;
     bool has_harmonics() const { return !harmonics_.empty(); }
     size_t random_count() const { return randoms_.size(); }
-    /// Density of a random load [N²/Hz, (N m)²/Hz].
+    /// Density of a random load [N²/Hz, (N m)²/Hz], or of a motion.
     double density(size_t random, double frequency) const;
     /// Where random loads act: the lowest and the highest frequency.
     std::pair<double, double> random_range() const;
@@ -53,11 +56,14 @@ public:
     std::vector<ModalInstance::Loads> cases(const Instance& at) const;
 
 private:
-    /// A load of the model; its wrench per unit of its signal.
+    /// A load or a support of the model; its wrench or motion per unit of its signal.
     struct Placed {
-        const Load* load;
+        const Signal* signal;
         dttmm_harmonic unit;
+        std::string name;  ///< "model.toml:7:1: load"
     };
+    static double speed_of(const Placed& placed);
+    void add(const Signal& signal, const dttmm_harmonic& unit, const std::string& name);
     std::vector<Input> inputs_;
     std::vector<Placed> harmonics_, randoms_;
 };

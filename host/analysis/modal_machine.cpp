@@ -94,12 +94,18 @@ std::vector<ModalMachine::Vector6> ModalMachine::along(uint32_t mode, uint32_t e
 }
 
 dttmm_harmonic ModalMachine::load_at(const ModalPlace& place, const Complex6& wrench) {
-    dttmm_harmonic load{place.body, place.node, {place.position.x(), place.position.y(), place.position.z()}, {}};
+    dttmm_harmonic load{place.body, place.node, {place.position.x(), place.position.y(), place.position.z()}, {}, 0};
     for (size_t d = 0; d < 6; ++d) {
         load.wrench[2 * d] = wrench(as_row(d)).real();
         load.wrench[2 * d + 1] = wrench(as_row(d)).imag();
     }
     return load;
+}
+
+dttmm_harmonic ModalMachine::motion_at(const ModalPlace& node, const Complex6& motion) {
+    dttmm_harmonic support = load_at(node, motion);
+    support.is_motion = 1;
+    return support;
 }
 
 std::vector<ModalInstance::Response> ModalMachine::respond(double frequency, const std::vector<ModalInstance::Loads>& cases,

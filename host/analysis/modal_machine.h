@@ -39,6 +39,8 @@ public:
     std::vector<Vector6> along(uint32_t mode, uint32_t element, uint32_t count, double& length);
     /// A harmonic load at a place.
     static dttmm_harmonic load_at(const ModalPlace& place, const Complex6& wrench);
+    /// A node that moves in its fixed directions [m, rad].
+    static dttmm_harmonic motion_at(const ModalPlace& node, const Complex6& motion);
     std::vector<ModalInstance::Response> respond(double frequency, const std::vector<ModalInstance::Loads>& cases,
                                                  bool with_forces = false);
     /// An element that carries a force along the line through its ends, and nothing else.

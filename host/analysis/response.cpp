@@ -364,9 +364,9 @@ std::string SteadyResponse::channel_name(size_t curve) const {
 std::string SteadyResponse::unit(size_t curve) const {
     const std::string unit = channels_.all()[as_size(chosen_[curve % chosen_.size()])].unit();
     if (!excitation_.is_by_inputs()) return unit;
-    const bool is_moment = excitation_.inputs()[curve / chosen_.size()].is_moment();
-    if (unit == (is_moment ? "N*m" : "N")) return "1";
-    return fmt::format("{}/{}", unit, is_moment ? "(N*m)" : "N");
+    const Excitation::Input& input = excitation_.inputs()[curve / chosen_.size()];
+    const std::string per = input.is_motion() ? (input.turns() ? "rad" : "m") : input.turns() ? "N*m" : "N";
+    return unit == per ? "1" : fmt::format("{}/{}", unit, per == "N*m" ? "(N*m)" : per);
 }
 
 std::vector<Column> SteadyResponse::columns() const {

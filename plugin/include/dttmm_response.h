@@ -16,11 +16,14 @@ extern "C" {
 
 /* Complex amplitudes are pairs, real and imaginary part: the motion is the real part of amplitude * exp(2 pi i f t). */
 
-/* A harmonic wrench on a body, or on a node of the network (the other is -1). */
+/* A harmonic wrench on a body, or on a node of the network (the other is -1); or a support that moves. */
 typedef struct dttmm_harmonic {
     int32_t on_body, on_node;
     double point[3];   /* of a body [m, world] */
     double wrench[12]; /* amplitudes of force and moment [N, N m, world] */
+    /* Other than 0: on_node moves in its fixed directions. `wrench` has its displacement and rotation [m, rad, world], which
+     * count in these directions only. */
+    uint32_t is_motion;
 } dttmm_harmonic;
 
 /* What one wants of a response, per case in the order of the cases; any pointer may be NULL. */

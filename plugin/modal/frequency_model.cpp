@@ -62,6 +62,7 @@ Vector6 Joined::add(const Vector12& forces, FrameVector& on_frames) const {
 }
 
 void Joined::hold(Vector6 row_from, Vector6 row_to) {
+    const Vector6 row_ground = from < 0 ? row_from : to < 0 ? row_to : Vector6(Vector6::Zero());
     if (from < 0) row_from.setZero();
     if (to < 0) row_to.setZero();
     Vector12 rest;
@@ -76,7 +77,7 @@ void Joined::hold(Vector6 row_from, Vector6 row_to) {
         basis.push_back(next.normalized());
     }
     for (const Vector12& b : basis) rest -= b.dot(rest) * b;
-    if (rest.norm() > kAligned * size) rigid.push_back({row_from, row_to});
+    if (rest.norm() > kAligned * size) rigid.push_back({row_from, row_to, row_ground});
 }
 
 void Bond::add_turning(const FrameVector& u, FrameVector& on_frames) const {
@@ -128,8 +129,18 @@ FrequencyModel::FrequencyModel(const dttmm_modal_model& model, const AtRest* res
         const dttmm_element& own = model.network->elements[e];
         ends.push_back({as_int(own.ends[0]), as_int(own.ends[own.end_count > 1 ? 1 : 0])});
     }
+    for (uint32_t n = 0; n < model.network->node_count; ++n) {
+        const dttmm_node& node = model.network->nodes[n];
+        fixed.push_back(node.kind == DTTMM_NODE_GROUND ? 0x3f : node.kind == DTTMM_NODE_INNER ? node.fixed : 0);
+    }
+    std::vector<int> held_nodes;  // in the order of the joints that hold them
+    for (uint32_t n = 0; n < model.network->node_count; ++n) {
+        const dttmm_node& node = model.network->nodes[n];
+        if (node.kind == DTTMM_NODE_INNER && node.fixed != 0 && node.fixed != 0x3f) held_nodes.push_back(as_int(n));
+    }
     for (size_t j = 0; j < assembly.joints.size(); ++j) {
         const JointSpec& joint = assembly.joints[j];
+        const size_t before = bonds.size();
         try {
             if (rest)
                 add_joint_at_rest(joints[j], *links[j], frame_of[as_size(joint.from)], frame_of[as_size(joint.to)]);
@@ -138,6 +149,8 @@ FrequencyModel::FrequencyModel(const dttmm_modal_model& model, const AtRest* res
         } catch (const Error& error) {
             throw Error(error.status(), error.what(), joint.element);
         }
+        if (const int h = as_int(j) - assembly.first_joint.back(); h >= 0 && bonds.size() > before)
+            bonds.back().held_node = held_nodes[as_size(h)];
     }
     for (uint32_t c = 0; c < model.constraint_count; ++c) {
         const dttmm_constraint& constraint = model.constraints[c];

@@ -27,9 +27,10 @@ double dot(const FrameVector& a, const FrameVector& b);
 /// Both halves of a motion turned by R.
 Matrix6 both(const Matrix3& R);
 
-/// A rigid direction: by_from · u_from + by_to · u_to = 0.
+/// A rigid direction: by_from · u_from + by_to · u_to + by_ground · g = 0, g the motion of its end on the ground about the
+/// world's origin.
 struct Rigid {
-    Vector6 by_from, by_to;
+    Vector6 by_from, by_to, by_ground = Vector6::Zero();
 };
 
 /// What joins two frames (−1: the ground), by the displacements of its two ends.
@@ -44,7 +45,7 @@ struct Joined {
     Vector12 ends(const FrameVector& u, const Vector6& ground = Vector6::Zero()) const;
     /// Adds forces on its ends to those on the frames; those on the ground are the result.
     Vector6 add(const Vector12& forces, FrameVector& on_frames) const;
-    /// Adds a rigid direction unless it follows from those it has; what it says of the ground is zero.
+    /// Adds a rigid direction unless it follows from those it has; what it says of the ground goes to by_ground.
     void hold(Vector6 by_from, Vector6 by_to);
 };
 
@@ -57,6 +58,7 @@ struct Bond : Joined {
     /// Of a machine at rest: what the forces of the joint add as they turn with its frames, by the motion of these; null:
     /// none.
     std::shared_ptr<const EndBlocks> turning;
+    int held_node = -1;         ///< node of the network that it holds in some directions
     double tension = 0;         ///< of a joint along a line at the start [N]: along its x from `from` to `to`
     std::vector<Vector6> held;  ///< directions that do not give, world axes
 
@@ -121,6 +123,7 @@ struct FrequencyModel {
     std::vector<Frame> frames;
     std::vector<Vector3> centres;  ///< of mass, of the bodies
     std::vector<Node> nodes;       ///< of the network
+    std::vector<uint32_t> fixed;   ///< directions in which each of them is held, as bits
     std::vector<Mass> masses;
     std::vector<Bond> bonds;
     std::vector<std::unique_ptr<LineWaves>> kinds;

@@ -92,16 +92,22 @@ std::string ModalAnalysis::describe_motion(const Mode& mode) const {
 
 /// At 0 Hz of a machine with `free` rigid-body modes. Low frequencies ω have the same response but for (ω/ω₁)² of it, ω₁ the
 /// first that is not zero; two of them leave (ω/ω₁)⁴ (Richardson). What rounding moves as a whole is taken out.
-std::vector<Response> ModalAnalysis::respond_at_rest(int free, const std::vector<std::vector<PointWrench>>& cases) {
+std::vector<Response> ModalAnalysis::respond_at_rest(int free, const std::vector<Drive>& cases) {
     constexpr double kNoWork = 1e-7;    // of the force times the largest displacement: rounding of a shape is below 1e-8
     constexpr double kLowShare = 1e-3;  // ω/ω₁: leaves 1e-12, and rounding grows as its inverse square
     const std::vector<Mode> modes = ModeFinder(stiffness_).find_first(free + 1);
     const auto count = as_size(free);
-    for (const std::vector<PointWrench>& loads : cases)
+    for (const Drive& drive : cases) {
+        if (!drive.supports.empty())
+            throw Error(
+                DTTMM_ERROR_SINGULAR,
+                fmt::format("0 Hz: the machine is free to move in {} direction{}: where it goes with its supports is "
+                            "not determined; begin above 0 Hz",
+                            free, free == 1 ? "" : "s"));
         for (size_t m = 0; m < count; ++m) {
             Complex work = 0;
             double size = 0;
-            for (const PointWrench& load : loads) {
+            for (const PointWrench& load : drive.loads) {
                 if (load.frame < 0) continue;
                 const Vector6 moved =
                     FrequencyModel::at_point(load.point, model_.origin(load.frame)) * modes[m].shape[as_size(load.frame)];
@@ -115,6 +121,7 @@ std::vector<Response> ModalAnalysis::respond_at_rest(int free, const std::vector
                                         "[..], or begin above 0 Hz",
                                         free, free == 1 ? "" : "s", describe_motion(modes[m])));
         }
+    }
     stiffness_.cut(modes.front().cut);
     const double first = modes.size() > count ? modes[count].omega : 1;
     stiffness_.set(-kLowShare * kLowShare * first * first);  // for the masses alone
@@ -122,7 +129,7 @@ std::vector<Response> ModalAnalysis::respond_at_rest(int free, const std::vector
     for (size_t m = 0; m < count; ++m) momenta.push_back(stiffness_.mass_times(modes[m].shape));
     std::vector<Response> responses;
     harmonic_.factor(0.5 * kLowShare * first);
-    for (const std::vector<PointWrench>& loads : cases) responses.push_back(harmonic_.solve(loads));
+    for (const Drive& drive : cases) responses.push_back(harmonic_.solve(drive));
     harmonic_.factor(kLowShare * first);
     for (size_t c = 0; c < cases.size(); ++c) {
         Response& response = responses[c] = responses[c].mixed(4.0 / 3, -1.0 / 3, harmonic_.solve(cases[c]));
@@ -148,12 +155,25 @@ PointWrench ModalAnalysis::placed(const dttmm_harmonic& load) const {
     return placed;
 }
 
+SupportMotion ModalAnalysis::moved(const dttmm_harmonic& load) const {
+    if (load.on_node < 0) throw Error(DTTMM_ERROR_ARGUMENT, "a support is a node");
+    SupportMotion support{load.on_node, Complex6::Zero()};
+    const uint32_t fixed = model_.fixed[as_size(load.on_node)];
+    for (size_t d = 0; d < 6; ++d)
+        if ((fixed >> d & 1) != 0) support.motion(as_row(d)) = {load.wrench[2 * d], load.wrench[2 * d + 1]};
+    return support;
+}
+
 void ModalAnalysis::respond(double frequency, std::span<const std::span<const dttmm_harmonic>> cases,
                             const dttmm_harmonic_result& result) {
     if (!(frequency >= 0) || !std::isfinite(frequency)) throw Error(DTTMM_ERROR_ARGUMENT, "a frequency must be finite");
-    std::vector<std::vector<PointWrench>> loads(cases.size());
+    std::vector<Drive> loads(cases.size());
     for (size_t c = 0; c < cases.size(); ++c)
-        for (const dttmm_harmonic& load : cases[c]) loads[c].push_back(placed(load));
+        for (const dttmm_harmonic& load : cases[c])
+            if (load.is_motion)
+                loads[c].supports.push_back(moved(load));
+            else
+                loads[c].loads.push_back(placed(load));
     const double omega = 2 * M_PI * frequency;
     const int free = frequency == 0 ? ModeFinder(stiffness_).count_rigid() : 0;
     stiffness_.cut(omega);  // here pieces only keep numbers small
@@ -183,8 +203,9 @@ void ModalAnalysis::write(const Response& response, size_t index, const dttmm_ha
         write(model_.by_centre(as_int(b)).cast<Complex>() * response.motion[b], result.bodies, model_.centres.size(), b);
     for (size_t n = 0; result.nodes && n < model_.nodes.size(); ++n) {
         const int f = model_.nodes[n].frame;
-        write(f < 0 ? Complex6(Complex6::Zero()) : Complex6(model_.by_node(n).cast<Complex>() * response.motion[as_size(f)]),
-              result.nodes, model_.nodes.size(), n);
+        const Complex6 held = response.supports.empty() ? Complex6(Complex6::Zero()) : response.supports[n];
+        write(f < 0 ? held : Complex6(model_.by_node(n).cast<Complex>() * response.motion[as_size(f)]), result.nodes,
+              model_.nodes.size(), n);
     }
     for (size_t e = 0; result.elements && e < model_.element_count; ++e) {
         const Carried carried = harmonic_.carried(e, response);

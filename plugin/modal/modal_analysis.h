@@ -41,8 +41,9 @@ public:
 private:
     /// Where paths are short enough for products of transfer matrices; these know no forces at rest.
     bool has_overall() const { return topology_.is_short() && model_.pins.empty() && !model_.is_at_rest; }
-    std::vector<Response> respond_at_rest(int free, const std::vector<std::vector<PointWrench>>& cases);
+    std::vector<Response> respond_at_rest(int free, const std::vector<Drive>& cases);
     PointWrench placed(const dttmm_harmonic& load) const;
+    SupportMotion moved(const dttmm_harmonic& load) const;
     void write(const Response& response, size_t index, const dttmm_harmonic_result& result) const;
     std::string describe_motion(const Mode& mode) const;
     const Mode& mode_at(uint32_t index) const;

@@ -131,17 +131,59 @@ void HarmonicSolver::find_parts() {
         const Bond& bond = model.bonds[b];
         first_row_.push_back(row);
         row += bond.rigid.size();
-        if (bond.element < 0) continue;
+        if (bond.element < 0 || bond.held_node >= 0) continue;
         Parts& own = parts_[as_size(bond.element)];
         if (own.bonds++ == 0) own.bond = as_int(b);
     }
     for (size_t k = D_.pieces().size(); k-- > 0;) parts_[as_size(D_.pieces()[k].element)].piece = as_int(k);
 }
 
-Response HarmonicSolver::solve(const std::vector<PointWrench>& loads) const {
+/// Motion of the ground at an end of what is joined to it, about the world's origin.
+Complex6 HarmonicSolver::ground_at(const Joined& joined, int held_node, bool is_to, const Response& response) const {
+    const FrequencyModel& model = D_.model();
+    if (response.supports.empty()) return Complex6::Zero();
+    int node = held_node;
+    if (node < 0 && joined.element >= 0) {
+        const auto [from, to] = model.ends[as_size(joined.element)];
+        node = is_to ? to : from;
+    }
+    if (node < 0) return Complex6::Zero();
+    return complex(FrequencyModel::at_point(Vector3::Zero(), model.nodes[as_size(node)].position)) *
+           response.supports[as_size(node)];
+}
+
+/// What moving supports do to what is joined to them.
+void HarmonicSolver::add_supports(const Response& response, Eigen::VectorXcd& r) const {
+    const FrequencyModel& model = D_.model();
+    Eigen::Index row = 6 * D_.frame_count();
+    // across: force on `from` by the motion of `to`
+    const auto add = [&](const Joined& at, int held_node, const Block& across) {
+        const bool is_to = at.to < 0;
+        const Complex6 ground =
+            at.from < 0 || at.to < 0 ? ground_at(at, held_node, is_to, response) : Complex6(Complex6::Zero());
+        if (at.from >= 0 && is_to)
+            r.segment<6>(6 * at.from) -= complex(at.by_from.transpose()) * across * complex(at.by_to) * ground;
+        if (at.to >= 0 && !is_to && at.from < 0)
+            r.segment<6>(6 * at.to) -= complex(at.by_to.transpose()) * across.transpose() * complex(at.by_from) * ground;
+        for (const Rigid& rigid : at.rigid) r(row++) -= rigid.by_ground.cast<Complex>().dot(ground);
+    };
+    for (const Bond& bond : model.bonds)
+        add(bond, bond.held_node, -(complex(bond.stiffness) + Complex(0, omega_) * complex(bond.damping)));
+    for (const DynamicStiffness::Piece& piece : D_.pieces())
+        add(piece, -1, waves_[D_.line(piece).kind]->topRightCorner<6, 6>());
+    for (const Pin& pin : model.pins) add(pin, -1, complex(-omega_ * omega_ / 6 * pin.mass));
+}
+
+Response HarmonicSolver::solve(const Drive& drive) const {
     const FrequencyModel& model = D_.model();
     Eigen::VectorXcd r = Eigen::VectorXcd::Zero(pattern_.rows());
-    for (const PointWrench& load : loads)
+    Response response;
+    if (!drive.supports.empty()) {
+        response.supports.assign(model.nodes.size(), Complex6::Zero());
+        for (const SupportMotion& support : drive.supports) response.supports[as_size(support.node)] += support.motion;
+        add_supports(response, r);
+    }
+    for (const PointWrench& load : drive.loads)
         if (load.frame >= 0)
             r.segment<6>(6 * load.frame) +=
                 complex(model.masked_at(load.point, model.origin(load.frame)).transpose()) * load.wrench;
@@ -150,7 +192,6 @@ Response HarmonicSolver::solve(const std::vector<PointWrench>& loads) const {
         throw Error(DTTMM_ERROR_SINGULAR,
                     fmt::format("{:.6g} Hz is a natural frequency without damping: the response there has no bound",
                                 omega_ / (2 * M_PI)));
-    Response response;
     for (int f = 0; f < D_.frame_count(); ++f) response.motion.push_back(complex(model.mask) * x.segment<6>(6 * f));
     const Eigen::VectorXcd q = x.tail(x.size() - 6 * D_.frame_count());
     response.reactions.assign(q.begin(), q.end());
@@ -165,7 +206,10 @@ Complex6 HarmonicSolver::motion_of(int frame, const Response& response) const {
 
 /// Displacement of its end at `to` against that at `from`.
 Complex6 HarmonicSolver::relative(const Bond& bond, const Response& response) const {
-    return complex(bond.by_to) * motion_of(bond.to, response) - complex(bond.by_from) * motion_of(bond.from, response);
+    const auto end = [&](int frame, bool is_to) {
+        return frame < 0 ? ground_at(bond, bond.held_node, is_to, response) : motion_of(frame, response);
+    };
+    return complex(bond.by_to) * end(bond.to, true) - complex(bond.by_from) * end(bond.from, false);
 }
 
 /// With which it holds its `to` end back, its own point, world axes.
@@ -198,7 +242,10 @@ Carried HarmonicSolver::carried_by_line(size_t element, const Response& response
     const DynamicStiffness::Piece& piece = D_.pieces()[as_size(parts_[element].piece)];
     const LineModel& line = D_.line(piece);
     Eigen::Matrix<Complex, 12, 1> ends;
-    ends << complex(piece.by_from) * motion_of(piece.from, response), complex(piece.by_to) * motion_of(piece.to, response);
+    const auto end = [&](int frame, bool is_to) {
+        return frame < 0 ? ground_at(piece, -1, is_to, response) : motion_of(frame, response);
+    };
+    ends << complex(piece.by_from) * end(piece.from, false), complex(piece.by_to) * end(piece.to, true);
     Carried carried = between_ends(element, line.axes, response);
     carried.force = -(waves_[line.kind]->topRows<6>() * ends);
     return carried;
@@ -223,7 +270,7 @@ Carried HarmonicSolver::between_ends(size_t element, const Matrix3& axes, const 
     const auto [from, to] = model.ends[element];
     const auto motion = [&](int node) {
         const int frame = model.nodes[as_size(node)].frame;
-        return frame < 0 ? Complex6(Complex6::Zero())
+        return frame < 0 ? (response.supports.empty() ? Complex6(Complex6::Zero()) : response.supports[as_size(node)])
                          : Complex6(complex(model.by_node(as_size(node))) * response.motion[as_size(frame)]);
     };
     const Vector3 way = model.nodes[as_size(to)].position - model.nodes[as_size(from)].position;

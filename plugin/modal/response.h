@@ -21,10 +21,23 @@ struct PointWrench {
     Complex6 wrench;
 };
 
+/// A node of the network that moves in its fixed directions [m, rad, world].
+struct SupportMotion {
+    int node;
+    Complex6 motion;
+};
+
+/// What acts together.
+struct Drive {
+    std::vector<PointWrench> loads;
+    std::vector<SupportMotion> supports;
+};
+
 /// Complex amplitudes under harmonic loads.
 struct Response {
     std::vector<Complex6> motion;    ///< of all frames [m, rad]
     std::vector<Complex> reactions;  ///< in the rigid directions of bonds, then of pieces
+    std::vector<Complex6> supports;  ///< motion of every node of the network in its fixed directions; empty: none moves
 
     /// factor * this + other_factor * other.
     Response mixed(double factor, double other_factor, const Response& other) const;
@@ -43,7 +56,7 @@ public:
     /// Throws Error(DTTMM_ERROR_SINGULAR) at a natural frequency without damping.
     void factor(double omega);
     /// At the frequency last factored, and so for what follows.
-    Response solve(const std::vector<PointWrench>& loads) const;
+    Response solve(const Drive& drive) const;
     /// Throws Error(DTTMM_ERROR_MODEL) for a beam or rod of a machine at rest: what its forces add as they turn is not
     /// known.
     Carried carried(size_t element, const Response& response) const;
@@ -61,6 +74,8 @@ private:
     Carried carried_by_chain(size_t element, const Response& response) const;
     Carried between_ends(size_t element, const Matrix3& axes, const Response& response) const;
     Complex6 motion_of(int frame, const Response& response) const;
+    Complex6 ground_at(const Joined& joined, int held_node, bool is_to, const Response& response) const;
+    void add_supports(const Response& response, Eigen::VectorXcd& right_hand_side) const;
 
     const DynamicStiffness& D_;
     double omega_ = 0;

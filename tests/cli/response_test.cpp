@@ -252,6 +252,21 @@ damping = ["{5} N*s/m", "110 N*s/m", "140 N*s/m"]
     return text + loads;
 }
 
+/// Amplitude of a channel at w from an instant on, by least squares beside a constant.
+Complex amplitude_of(const Table& run, const std::string& name, double w, double from) {
+    Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d b = Eigen::Vector3d::Zero();
+    const size_t time = run.column("time"), column = run.column(name);
+    for (const std::vector<double>& row : run.rows) {
+        if (row[time] < from) continue;
+        const Eigen::Vector3d base(1, std::cos(w * row[time]), -std::sin(w * row[time]));
+        A += base * base.transpose();
+        b += base * row[column];
+    }
+    const Eigen::Vector3d fit = A.ldlt().solve(b);
+    return {fit(1), fit(2)};
+}
+
 // Oracle: the same machine driven in time until it is steady; the step shifts it by (ωh)²/6 or less. Order loads, an
 // unbalance and a force in body axes act together; forces, deflections and accelerations agree with their phases.
 TEST_F(SteadyVibration, ARunBecomesTheResponse) {
@@ -282,23 +297,123 @@ zero = [1, 0, 0]
     for (const std::string& channel : channels) words.insert(words.end(), {"--out", channel});
     const Table steady = response(text, words), run = history(text);
     ASSERT_EQ(steady.rows.size(), 1u);
-    const double w = 14 * kPi;  // a period is 1/7 s: the last two are 2/7 s, not whole steps, so fit by least squares
+    const double w = 14 * kPi;
     for (const std::string& channel : channels)
         for (const char* axis : {".x", ".y", ".z"}) {
             const std::string name = channel + axis;
-            Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
-            Eigen::Vector3d b = Eigen::Vector3d::Zero();
-            for (size_t i = 0; i < run.rows.size(); ++i) {
-                const double t = run.value(i, "time");
-                if (t < 3 - 6.0 / 7) continue;
-                const Eigen::Vector3d base(1, std::cos(w * t), -std::sin(w * t));
-                A += base * base.transpose();
-                b += base * run.value(i, name);
-            }
-            const Eigen::Vector3d fit = A.ldlt().solve(b);
-            const Complex expected = steady.amplitude(0, name), got(fit(1), fit(2));
+            const Complex expected = steady.amplitude(0, name), got = amplitude_of(run, name, w, 3 - 6.0 / 7);
             EXPECT_LT(std::abs(got - expected), 2e-3 * std::abs(expected)) << name << " " << got << " " << expected;
         }
+}
+
+/// A mass on two springs from two feet, a beam from the first foot that carries a mass at its free end, which slides along x
+/// in a guide that moves too.
+std::string on_feet(const std::string& motion1, const std::string& motion2, const std::string& guide) {
+    return fmt::format(R"(format = "dttmm/1"
+[simulation]
+duration = "4 s"
+step = "0.4 ms"
+[nodes]
+foot1 = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"]{} }}
+foot2 = {{ position = [0.5, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"]{} }}
+tip = {{ position = [0.1, 0.2, 0.7], fixed = ["y", "rx"]{} }}
+[[body]]
+name = "mass"
+mass = 3.1
+inertia = [0.02, 0.03, 0.04]
+position = [0.25, 0.1, 0.2]
+markers.left = [-0.1, 0.02, -0.03]
+markers.right = [0.12, -0.03, -0.02]
+[[element]]
+name = "one"
+type = "spring_damper"
+from = "foot1"
+to = "mass.left"
+stiffness = [9e3, 12e3, 15e3]
+rotational_stiffness = [40, 50, 60]
+damping = [60, 70, 80]
+rotational_damping = [0.4, 0.5, 0.6]
+[[element]]
+name = "two"
+type = "spring_damper"
+from = "foot2"
+to = "mass.right"
+stiffness = [8e3, 13e3, 11e3]
+damping = [50, 90, 80]
+[[element]]
+name = "mast"
+type = "beam"
+from = "foot1"
+to = "tip"
+section = {{ EA = 2e5, EIy = 60, EIz = 50, GJ = 40, GAy = 1e5, GAz = 1e5 }}
+mass_per_length = 0.05
+segments = 4
+damping = "6 ms"
+[[element]]
+name = "head"
+type = "rigid_body"
+at = "tip"
+mass = 0.4
+inertia = [0.001, 0.002, 0.0015]
+)",
+                       motion1, motion2, guide);
+}
+
+// Oracle: statics. Far below all frequencies a machine whose supports all move alike goes with them as a rigid body, in
+// displacement and in rotation, and nothing carries a force. A support alone strains it.
+TEST_F(SteadyVibration, SupportsCarryTheMachineAlong) {
+    const std::string text = on_feet("", "", "");
+    const Table table = response(
+        text, {"--in", "foot1.y", "--in", "foot2.y", "--in", "tip.y", "--from", "0.001Hz", "--to", "0.002Hz", "--points",
+               "2",    "--out",   "mass", "--out",   "one",  "--out", "mast",   "--out",   "tip",  "-q"});
+    ASSERT_EQ(table.rows.size(), 2u);
+    for (const auto& [channel, along] : {std::pair("mass.position.y", 1.0),
+                                         {"mass.position.x", 0.0},
+                                         {"tip.position.y", 1.0},
+                                         {"mass.rotation.x", 0.0},
+                                         {"one.force.y", 0.0},
+                                         {"mast.moment.x", 0.0}}) {
+        Complex sum = 0;
+        double size = 0;
+        for (const char* input : {"foot1.y", "foot2.y", "tip.y"}) {
+            const Complex own = {table.value(0, fmt::format("{}/{}.re", channel, input)),
+                                 table.value(0, fmt::format("{}/{}.im", channel, input))};
+            sum += own;
+            size = std::max(size, std::abs(own));
+        }
+        EXPECT_LT(std::abs(sum - along), 1e-6 * std::max(1.0, size)) << channel << sum;
+    }
+    EXPECT_EQ(table.names[1], "one.force.x/foot1.y.re");
+}
+
+// Oracle: the same machine in time: supports that vibrate, with their phases, one in rotation too, a guide in the direction
+// that a node is fixed in.
+TEST_F(SteadyVibration, ARunOnMovingSupportsBecomesTheResponse) {
+    const std::string motion = "{{ type = \"harmonic\", amplitude = {}, phase = \"{} deg\", frequency = \"6 Hz\" }}";
+    const auto vibrates = [&](double amplitude, double phase) {
+        return fmt::format(fmt::runtime(motion), amplitude, phase);
+    };
+    const std::string text = on_feet(fmt::format(", motion = {{ x = {}, ry = {} }}", vibrates(2e-5, 20), vibrates(1e-4, 50)),
+                                     fmt::format(", motion = {{ z = {} }}", vibrates(3e-5, -70)),
+                                     fmt::format(", motion = {{ y = {} }}", vibrates(-2e-5, 10)));
+    const std::vector<std::string> channels = {"one.force",   "two.force",         "mast.force",
+                                               "mast.moment", "mass.acceleration", "tip.acceleration"};
+    std::vector<std::string> words = {"-q", "--beams", "lumped"};
+    for (const std::string& channel : channels) words.insert(words.end(), {"--out", channel});
+    const Table steady = response(text, words), run = history(text);
+    ASSERT_EQ(steady.rows.size(), 1u);
+    const double w = 12 * kPi;
+    for (const std::string& channel : channels) {
+        double largest = 0;
+        for (const char* axis : {".x", ".y", ".z"})
+            largest = std::max(largest, std::abs(steady.amplitude(0, channel + axis)));
+        EXPECT_GT(largest, 0) << channel;
+        for (const char* axis : {".x", ".y", ".z"}) {
+            const std::string name = channel + axis;
+            const Complex expected = steady.amplitude(0, name), got = amplitude_of(run, name, w, 4 - 1.0);
+            EXPECT_LT(std::abs(got - expected), 2e-3 * largest) << name << " " << got << " " << expected;
+        }
+    }
 }
 
 // Oracle: the loads' absence and their cure.

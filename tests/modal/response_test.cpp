@@ -18,7 +18,7 @@ using test::NetworkModel;
 const Matrix3 kTurned = Eigen::AngleAxisd(0.7, Vector3(0.3, -0.5, 0.8).normalized()).toRotationMatrix();
 
 dttmm_harmonic load_on(int body, int node, const Vector3& point, const Vector6& real, const Vector6& imaginary) {
-    dttmm_harmonic load{body, node, {point.x(), point.y(), point.z()}, {}};
+    dttmm_harmonic load{body, node, {point.x(), point.y(), point.z()}, {}, 0};
     for (size_t d = 0; d < 6; ++d) {
         load.wrench[2 * d] = real(as_row(d));
         load.wrench[2 * d + 1] = imaginary(as_row(d));

@@ -259,7 +259,7 @@ Carried HarmonicSolver::carried_by_chain(size_t element, const Response& respons
     carried.force = wrench_of(first, response);
     const Vector3 lever = first.points[0] - model.nodes[as_size(model.ends[element].from)].position;
     const Eigen::Vector3cd force = carried.force.head<3>();
-    carried.force.tail<3>() += lever.cast<Complex>().cross(force);
+    carried.force.tail<3>() += skew(lever).cast<Complex>() * force;  // cross() of Eigen conjugates
     carried.force = complex(first.axes.transpose()) * carried.force;
     return carried;
 }

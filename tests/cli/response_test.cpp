@@ -313,6 +313,7 @@ std::string on_feet(const std::string& motion1, const std::string& motion2, cons
 [simulation]
 duration = "4 s"
 step = "0.4 ms"
+start = "equilibrium"
 [nodes]
 foot1 = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"]{} }}
 foot2 = {{ position = [0.5, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"]{} }}
@@ -345,16 +346,15 @@ name = "mast"
 type = "beam"
 from = "foot1"
 to = "tip"
-section = {{ EA = 2e5, EIy = 60, EIz = 50, GJ = 40, GAy = 1e5, GAz = 1e5 }}
-mass_per_length = 0.05
+section = {{ EA = 2e5, EIy = 60, EIz = 50, GJ = 40, GAy = 1e5, GAz = 1e5, mass = 0.05, inertia = 1e-4 }}
+material = {{ stiffness_damping = "6 ms" }}
 segments = 4
-damping = "6 ms"
 [[element]]
 name = "head"
 type = "rigid_body"
 at = "tip"
 mass = 0.4
-inertia = [0.001, 0.002, 0.0015]
+inertia = {{ xx = 0.001, yy = 0.002, zz = 0.0015 }}
 )",
                        motion1, motion2, guide);
 }

@@ -138,7 +138,7 @@ std::vector<ModalInstance::Loads> Excitation::cases(const Instance& at) const {
             const bool acts = at.speed ? signal.is_order() && signal.order() == at.order
                                        : (!own && !signal.is_order()) || (own && std::abs(*own) == at.frequency);
             if (!acts) continue;
-            const std::complex<double> amplitude = signal.amplitude(at.speed ? *at.speed : speed_of(placed));
+            const std::complex<double> amplitude = signal.amplitude(at.speed ? *at.speed : speed_of(placed), at.frequency);
             if (!(std::abs(amplitude) <= World::kLargestWrench))
                 throw Error(
                     ExitCode::numerical_failure,

@@ -300,7 +300,15 @@ constexpr Key kAmplitude = {"amplitude", Kind::number, "of amplitude cos(2 pi f 
 constexpr Key kPhase = {"phase", Kind::number, "at t = 0", "0", "rad"};
 constexpr Key kFrequency = {"frequency", Kind::number, "f; or order", "that of `dttmm response`", "Hz", 1, kNotNegative};
 constexpr Key kOrder = {"order", Kind::number, "f by the speed: order Omega/(2 pi)", "none", "1", 1, kPositive};
-constexpr Key kHarmonic[] = {type_of_signal("harmonic"), kAmplitude, kPhase, kFrequency, kOrder};
+constexpr Key kOf = {"of",
+                     Kind::word,
+                     "of a motion: what the amplitude or the density is of",
+                     "displacement",
+                     "",
+                     0,
+                     {},
+                     "displacement|velocity|acceleration"};
+constexpr Key kHarmonic[] = {type_of_signal("harmonic"), kAmplitude, kPhase, kFrequency, kOrder, kOf};
 constexpr Key kLoadHarmonic[] = {kAmplitude, kPhase, kFrequency, kOrder};
 constexpr Key kFrequencies = {"frequencies", Kind::numbers, "increasing; the density is zero outside", kRequired, "Hz", 0,
                               kNotNegative};
@@ -309,7 +317,7 @@ constexpr Key kDensities = {"values", Kind::numbers, "one-sided densities, as ma
 constexpr Key kInterpolation = {
     "interpolation", Kind::word, "log: straight between the points on double logarithmic paper", "linear", "", 0, {},
     "linear|log"};
-constexpr Key kPsd[] = {type_of_signal("psd"), kFrequencies, kDensities, kInterpolation};
+constexpr Key kPsd[] = {type_of_signal("psd"), kFrequencies, kDensities, kInterpolation, kOf};
 constexpr Key kLoadPsd[] = {kFrequencies, kDensities, kInterpolation};
 
 constexpr KeyTable kTables[] = {

@@ -107,6 +107,19 @@ std::optional<Signal> read_sine(const TableReader& table) {
     return make_signal<SineSignal>(*amplitude, *frequency, *phase, *offset, *start);
 }
 
+/// What a vibration is of: the signal, or its first or second derivative where it is a motion. Faults are reported.
+std::optional<int> read_derivative(const TableReader& table) {
+    if (!table.find("of")) return 0;
+    const auto derivative = table.choice("of", 0);
+    if (table.unit() == "m" || table.unit() == "rad") return derivative;
+    table.error(table.find("of")->place, "of is for the motion of a support");
+    return std::nullopt;
+}
+
+std::string unit_of_derivative(const TableReader& table, int derivative) {
+    return derivative == 0 ? std::string(table.unit()) : fmt::format("{}/s{}", table.unit(), derivative == 2 ? "^2" : "");
+}
+
 /// The amplitude: a number, or an expression that rests on the speed.
 bool read_amplitude(const TableReader& table, HarmonicSignal::Numbers& numbers) {
     const ReadContext& context = table.context();
@@ -115,7 +128,10 @@ bool read_amplitude(const TableReader& table, HarmonicSignal::Numbers& numbers) 
     const std::string text = is_expression ? member->value.string.substr(1) : std::string();
     const auto of_speed = is_expression ? context.parameters.written_out(text, kSpeed) : std::nullopt;
     if (!of_speed) {
-        const auto number = table.number("amplitude");
+        const TomlMember* given = table.require("amplitude");
+        if (!given) return false;
+        const auto number =
+            read_number(context, given->value, table.what("amplitude"), unit_of_derivative(table, numbers.derivative));
         numbers.amplitude = number.value_or(0);
         return number.has_value();
     }
@@ -131,6 +147,8 @@ bool read_amplitude(const TableReader& table, HarmonicSignal::Numbers& numbers) 
 
 std::optional<Signal> read_harmonic(const TableReader& table) {
     HarmonicSignal::Numbers numbers;
+    const auto derivative = read_derivative(table);
+    numbers.derivative = derivative.value_or(0);
     const bool has_amplitude = read_amplitude(table, numbers);
     const auto phase = table.number("phase", 0);
     const auto own = [&](const char* key, std::optional<double>& number) {
@@ -138,7 +156,12 @@ std::optional<Signal> read_harmonic(const TableReader& table) {
         return !table.find(key) || number;
     };
     const bool has_frequency = own("frequency", numbers.frequency), has_order = own("order", numbers.order);
-    if (!has_amplitude || !phase || !has_frequency || !has_order) return std::nullopt;
+    if (derivative.value_or(0) > 0 && numbers.frequency == 0.0) {
+        table.error(table.find("frequency")->place,
+                    "a velocity or acceleration of 0 Hz leads away for ever: the frequency must be > 0 Hz");
+        return std::nullopt;
+    }
+    if (!derivative || !has_amplitude || !phase || !has_frequency || !has_order) return std::nullopt;
     if (numbers.frequency && numbers.order) {
         table.error(table.find("order")->place, "order and frequency exclude each other");
         return std::nullopt;
@@ -154,15 +177,16 @@ std::optional<Signal> read_psd(const TableReader& table) {
     const auto frequencies = table.numbers("frequencies");
     const TomlMember* values = table.require("values");
     const auto interpolation = table.choice("interpolation", 0);
-    if (!frequencies || !values || !interpolation) return std::nullopt;
+    const auto derivative = read_derivative(table);
+    if (!derivative || !frequencies || !values || !interpolation) return std::nullopt;
     const auto fail = [&](const char* key, size_t i, const std::string& text) {
         const TomlValue& list = table.find(key)->value;
         table.error(list.is_array() && i < list.items.size() ? list.items[i].place : list.place, text);
         return std::nullopt;
     };
-    const auto densities =
-        read_numbers(table.context(), values->value, table.what("values"), fmt::format("({})^2/Hz", table.unit()),
-                     std::max<std::size_t>(values->value.items.size(), 1), false, kNotNegative);
+    const auto densities = read_numbers(table.context(), values->value, table.what("values"),
+                                        fmt::format("({})^2/Hz", unit_of_derivative(table, *derivative)),
+                                        std::max<std::size_t>(values->value.items.size(), 1), false, kNotNegative);
     if (!densities) return std::nullopt;
     if (frequencies->size() != densities->size())
         return fail("values", densities->size(),
@@ -182,7 +206,9 @@ std::optional<Signal> read_psd(const TableReader& table) {
                         fmt::format("interpolation = \"log\" wants frequencies and values above zero, got {} at {} Hz",
                                     (*densities)[i], (*frequencies)[i]));
     }
-    return make_signal<PsdSignal>(*frequencies, *densities, *interpolation == 1);
+    if (*derivative > 0 && frequencies->front() == 0)
+        return fail("frequencies", 0, "a velocity or acceleration of 0 Hz leads away for ever: begin above 0 Hz");
+    return make_signal<PsdSignal>(*frequencies, *densities, *interpolation == 1, *derivative);
 }
 
 std::optional<Signal> read_inline_table(const TableReader& table) {

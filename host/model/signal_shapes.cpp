@@ -50,31 +50,36 @@ std::optional<std::vector<SignalPart>> SineSignal::parts() const {
 }
 
 HarmonicSignal::HarmonicSignal(Numbers numbers) : numbers_(std::move(numbers)) {
-    if (frequency())
-        amplitude_ = numbers_.formula ? numbers_.formula->value(numbers_.speed.value_or(0)) : numbers_.amplitude;
+    if (const auto f = frequency()) amplitude_ = amplitude(numbers_.speed.value_or(0), *f);
 }
 
 std::optional<double> HarmonicSignal::frequency() const {
     if (!numbers_.order) return numbers_.frequency;
-    return numbers_.speed ? std::optional(*numbers_.order * *numbers_.speed / kTwoPi) : std::nullopt;
+    return numbers_.speed ? std::optional(std::abs(*numbers_.order * *numbers_.speed / kTwoPi)) : std::nullopt;
 }
 
 double HarmonicSignal::value(double time) const {
     const auto f = frequency();
-    return f ? amplitude_ * std::cos(kTwoPi * *f * time + numbers_.phase) : 0;
+    return f ? (amplitude_ * std::polar(1.0, kTwoPi * *f * time)).real() : 0;
 }
 
 std::optional<std::vector<SignalPart>> HarmonicSignal::parts() const {
     const auto f = frequency();
-    if (!f || *f == 0 || amplitude_ == 0) return std::vector<SignalPart>();
-    return std::vector<SignalPart>{{std::abs(*f), 1}};
+    if (!f || *f == 0 || amplitude_ == 0.0) return std::vector<SignalPart>();
+    return std::vector<SignalPart>{{*f, 1}};
 }
 
-std::complex<double> HarmonicSignal::amplitude(double speed) const {
-    return std::polar(1.0, numbers_.phase) * (numbers_.formula ? numbers_.formula->value(speed) : numbers_.amplitude);
+std::complex<double> HarmonicSignal::amplitude(double speed, double frequency) const {
+    const double size = numbers_.formula ? numbers_.formula->value(speed) : numbers_.amplitude;
+    const std::complex<double> whole = size * std::polar(1.0, numbers_.phase), rate(0, kTwoPi * frequency);
+    return numbers_.derivative == 0 ? whole : numbers_.derivative == 1 ? whole / rate : whole / (rate * rate);
 }
 
 double PsdSignal::density(double frequency) const {
+    return given(frequency) * std::pow(kTwoPi * frequency, -2 * derivative_);
+}
+
+double PsdSignal::given(double frequency) const {
     if (frequency < frequencies_.front() || frequency > frequencies_.back()) return 0;
     const auto after = std::upper_bound(frequencies_.begin(), frequencies_.end(), frequency);
     if (after == frequencies_.end()) return values_.back();

@@ -75,6 +75,7 @@ public:
         double phase = 0;                           ///< [rad]
         std::optional<double> frequency;            ///< [Hz]
         std::optional<double> order;
+        int derivative = 0;           ///< the amplitude is that of the first or second derivative of the signal
         std::optional<double> speed;  ///< Omega of the model [rad/s]
     };
     explicit HarmonicSignal(Numbers numbers);
@@ -91,27 +92,34 @@ public:
     bool needs_speed() const { return is_order() || numbers_.formula; }
     /// Of the model.
     std::optional<double> speed() const { return numbers_.speed; }
-    /// Complex amplitude at a speed [rad/s]; may be non-finite for an expression.
-    std::complex<double> amplitude(double speed) const;
+    /// Complex amplitude at a speed [rad/s] and a frequency [Hz]; may be non-finite for an expression, or at 0 Hz.
+    std::complex<double> amplitude(double speed, double frequency) const;
 
 private:
     Numbers numbers_;
-    double amplitude_ = 0;  ///< at the model's speed
+    std::complex<double> amplitude_;  ///< at the model's speed and its own frequency
 };
 
 /// A random vibration by its one-sided power spectral density [unit²/Hz] over frequency, zero outside. In time it is zero.
 class PsdSignal : public Signal::Shape {
 public:
     /// is_logarithmic: straight between the points on double logarithmic paper, else linear.
-    PsdSignal(std::vector<double> frequencies, std::vector<double> values, bool is_logarithmic)
-        : frequencies_(std::move(frequencies)), values_(std::move(values)), is_logarithmic_(is_logarithmic) {}
+    /// derivative: the values are of the first or second derivative of the signal.
+    PsdSignal(std::vector<double> frequencies, std::vector<double> values, bool is_logarithmic, int derivative = 0)
+        : frequencies_(std::move(frequencies)),
+          values_(std::move(values)),
+          is_logarithmic_(is_logarithmic),
+          derivative_(derivative) {}
     double value(double) const override { return 0; }
     double density(double frequency) const;
     const std::vector<double>& frequencies() const { return frequencies_; }
 
 private:
+    double given(double frequency) const;
+
     std::vector<double> frequencies_, values_;
     bool is_logarithmic_;
+    int derivative_;
 };
 
 /// Linear between the given points, the first and last value held outside. `times` increase strictly; at least one point.

@@ -216,6 +216,39 @@ TEST_F(SteadyVibration, WhiteNoiseOnOneMass) {
     EXPECT_NEAR(std::stod(cells[5 - position][2]), force, 2e-3 * force);
 }
 
+// Oracle: closed form. A foot shaken by white acceleration S below a mass: relative displacement z² = S m²/(4 c k), here
+// m/(k ...) of the whole axis, x'' + 2 ζ ω0 z' + ω0² z = 0; and one of a harmonic acceleration a, z = −a m H.
+TEST_F(SteadyVibration, AFootIsShakenByAcceleration) {
+    const auto text = [](const std::string& motion) {
+        std::string shaken = kOneMass.substr(0, kOneMass.find("[[load]]"));
+        shaken.replace(
+            shaken.find("m = [0.3, 0, 0]"), 15,
+            "m = [0.3, 0, 0]\nfoot = { position = [0.3, 0, 0], fixed = [\"x\"], motion = { x = " + motion + " } }");
+        return shaken.replace(shaken.find("\"ground\""), 8, "\"foot\"");
+    };
+    const Table table =
+        response(text("{ type = \"harmonic\", amplitude = \"3 m/s^2\", of = \"acceleration\" }"),
+                 {"--from", "2Hz", "--to", "30Hz", "--points", "7", "--out", "spring", "--out", "foot", "-q"});
+    ASSERT_EQ(table.rows.size(), 7u);
+    for (size_t i = 0; i < 7; ++i) {
+        const Complex z = -3.0 * kOwnMass * receptance(table.value(i, "frequency"));
+        EXPECT_LT(std::abs(table.amplitude(i, "spring.deflection.x") - z), 1e-9 * std::abs(z));
+        EXPECT_LT(std::abs(table.amplitude(i, "foot.acceleration.x") - 3.0), 1e-9);
+    }
+    const double f0 = std::sqrt(kSpring / kOwnMass) / (2 * kPi);
+    const Ended ended =
+        ask(text(fmt::format("{{ type = \"psd\", of = \"acceleration\", frequencies = [0.01, {}], values = [2, "
+                             "\"2 (m/s^2)^2/Hz\"] }}",
+                             40 * f0)),
+            {"--out", "spring.deflection.x", "-q"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    const std::string rms = read_text(folder_ / "out2/rms.csv");
+    const size_t at = rms.find("spring.deflection.x,m,");
+    ASSERT_NE(at, rms.npos) << rms;
+    const double expected = kOwnMass * std::sqrt(2 / (4 * kSpring * kDamper));
+    EXPECT_NEAR(std::stod(rms.substr(at + 22)), expected, 5e-4 * expected);
+}
+
 /// A body on four inclined springs, turned in the world, that starts where it is at rest.
 std::string turned_block(const std::string& loads, double duration, double step) {
     std::string text = fmt::format(R"(format = "dttmm/1"

@@ -35,6 +35,11 @@ public:
     std::vector<ModalInstance::Mode> find_modes();
     /// Displacement at a place [6, world].
     Vector6 motion(const ModalPlace& place, const ModalInstance::Mode& mode) const;
+    std::vector<Vector6> strain_directions(uint32_t mode) { return instance_.strain_directions(mode); }
+    /// Of a body at rest, or where the file places it: its axes, as columns in world.
+    Eigen::Matrix3d axes_of_body(size_t body) const {
+        return rest() ? rest()->at[body].rotation : model_.bodies[body].rotation;
+    }
     /// Displacements [6, world] at stations along a beam, and its length [m]; none for other elements.
     std::vector<Vector6> along(uint32_t mode, uint32_t element, uint32_t count, double& length);
     /// A harmonic load at a place.

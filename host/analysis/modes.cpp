@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "analysis/modal_session.h"
+#include "analysis/mode_energies.h"
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
 #include "model/index.h"
@@ -63,12 +64,16 @@ std::string who_strains(const Model& model, const Mode& mode) {
     return text.empty() ? (mode.numbers.frequency > 0 ? "spread" : "none") : text;
 }
 
-Json describe(const Model& model, const ModalMachine& machine, const std::vector<Mode>& modes, const Warnings& warnings) {
+Json describe(const Model& model, const ModalMachine& machine, const std::vector<Mode>& modes,
+              const std::vector<ModeEnergies>& energies, const Warnings& warnings) {
     Json frequencies = Json::array(), list = Json::array();
     for (const Mode& mode : modes) {
         const dttmm_mode& numbers = mode.numbers;
         frequencies.push_back(numbers.frequency);
-        Json participation, strain, shape;
+        const ModeEnergies& own = energies[list.size()];
+        Json participation, strain, shape, kinetic = Json::object();
+        for (size_t b = 0; b < own.bodies.size(); ++b) kinetic[model.bodies[b].name] = own.bodies[b].total;
+        if (own.bodies.empty() || own.others != 0) kinetic["others"] = own.others;
         for (size_t d = 0; d < 6; ++d)
             if (model.modes.directions[d]) participation[direction_names()[d]] = numbers.participation[d];
         for (size_t e = 0; e < mode.shares.size(); ++e) strain[model.elements[e].name] = mode.shares[e];
@@ -82,6 +87,8 @@ Json describe(const Model& model, const ModalMachine& machine, const std::vector
                         {"residual", numbers.residual},
                         {"modal_mass", numbers.mass},
                         {"participation", participation},
+                        {"kind", kind_of(model, own)},
+                        {"kinetic_energy", kinetic},
                         {"strain_energy", strain},
                         {"shape", shape}});
     }
@@ -135,15 +142,18 @@ std::string shapes_table(const Model& model, ModalMachine& machine, const std::v
     return table.text();
 }
 
-void print_modes(const Model& model, const ModalMachine& machine, const std::vector<Mode>& modes) {
+void print_modes(const Model& model, const ModalMachine& machine, const std::vector<Mode>& modes,
+                 const std::vector<ModeEnergies>& energies) {
     if (!model.title.empty()) fmt::print("{}\n", model.title);
-    fmt::print("{:>4} {:>14} {:>8} {:>13}  {:<22} {}\n", "mode", "frequency", "multiple", "modal mass", "moves most",
-               "strain energy");
+    fmt::print("{:>4} {:>14} {:>8} {:>13}  {:<30} {}\n", "mode", "frequency", "multiple", "modal mass",
+               "kinetic energy, or moves most", "strain energy");
     for (size_t m = 0; m < modes.size(); ++m) {
         const dttmm_mode& numbers = modes[m].numbers;
-        fmt::print("{:>4} {:>11} Hz {:>8} {:>10} kg  {:<22} {}\n", m + 1, fmt::format("{:.8g}", numbers.frequency),
+        const std::string kind = kind_of(model, energies[m]);
+        fmt::print("{:>4} {:>11} Hz {:>8} {:>10} kg  {:<30} {}\n", m + 1, fmt::format("{:.8g}", numbers.frequency),
                    numbers.multiplicity > 1 ? fmt::format("x{}", numbers.multiplicity) : "",
-                   fmt::format("{:.5g}", numbers.mass), where_most(machine, modes[m]), who_strains(model, modes[m]));
+                   fmt::format("{:.5g}", numbers.mass), kind.empty() ? where_most(machine, modes[m]) : kind,
+                   who_strains(model, modes[m]));
     }
 }
 
@@ -159,9 +169,14 @@ ExitCode find_modes(const Request& request) {
     if (request.is_verbose) fmt::print(request.as_json ? stderr : stdout, "{}", machine.layout());
     const std::vector<Mode> modes = session.find_modes();
 
+    std::vector<ModeEnergies> energies;
+    for (const Mode& mode : modes)
+        energies.push_back(energies_of(model, machine, mode, static_cast<uint32_t>(energies.size())));
+
     const ResultsFolder folder(results_path(request, "-modes"));
-    const Json json = describe(model, machine, modes, warnings);
+    const Json json = describe(model, machine, modes, energies, warnings);
     write_atomically(folder.file("modes.csv"), modes_table(machine, modes));
+    write_atomically(folder.file("energies.csv"), energies_table(model, modes, energies));
     write_atomically(folder.file("shapes.csv"), shapes_table(model, machine, modes));
     warnings.print_rest("; summary.json has all of them");
     write_json(folder.file("summary.json"), [&](JsonWriter& out) {
@@ -173,7 +188,7 @@ ExitCode find_modes(const Request& request) {
     if (request.as_json) {
         fmt::print("{}", to_text(json));
     } else if (!request.quiet) {
-        print_modes(model, machine, modes);
+        print_modes(model, machine, modes, energies);
         double widest = 0;
         for (const Mode& mode : modes) widest = std::max(widest, mode.numbers.bracket);
         if (modes.empty())

@@ -186,6 +186,16 @@ std::vector<ModalInstance::Response> ModalInstance::respond(double frequency, co
     return responses;
 }
 
+std::vector<ModalInstance::Vector6> ModalInstance::strain_directions(uint32_t index) {
+    if (!table_->strain_directions) return {};
+    GuardedArray shares(6 * element_names_.size());
+    ask([&](dttmm_error* error) { return table_->strain_directions(modal_.get(), index, shares.data(), error); });
+    check(shares, "strain energy by direction");
+    std::vector<Vector6> list(element_names_.size());
+    for (size_t e = 0; e < list.size(); ++e) list[e] = Eigen::Map<const Vector6>(shares.data() + 6 * e);
+    return list;
+}
+
 uint32_t ModalInstance::count_growing(bool is_held) {
     if (!table_->count_growing) blame("it does not count motions that grow");
     uint32_t count = 0;

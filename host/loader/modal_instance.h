@@ -39,6 +39,8 @@ public:
     /// All up to `below` [Hz], or if that is 0 the first `count`; how many there are.
     uint32_t find_modes(uint32_t count, double below);
     Mode mode(uint32_t index);
+    /// Shares of its strain energy by direction of the axes of every element; none: the plugin does not tell.
+    std::vector<Vector6> strain_directions(uint32_t index);
     /// Displacements at `count` stations of an element, ends included; none if it is no line. length: of it [m].
     std::vector<Vector6> along(uint32_t index, uint32_t element, uint32_t count, double& length);
     /// How the overall transfer equation is laid out, and what it is at a frequency.

@@ -180,6 +180,10 @@ dttmm_status mode(dttmm_modal* modal, uint32_t index, dttmm_mode* mode, double* 
     return guard(error, [&] { modal->analysis.mode(index, mode, bodies, nodes, shares); });
 }
 
+dttmm_status strain_directions(dttmm_modal* modal, uint32_t index, double* shares, dttmm_error* error) {
+    return guard(error, [&] { modal->analysis.strain_directions(index, shares); });
+}
+
 dttmm_status mode_along(dttmm_modal* modal, uint32_t index, uint32_t element, uint32_t count, double* length, double* shape,
                         dttmm_error* error) {
     return guard(error, [&] { *length = modal->analysis.along(index, element, count, shape); });
@@ -288,7 +292,8 @@ const void* extension(const char* name) {
                                                  overall,
                                                  force_at_start,
                                                  bent_at_rest,
-                                                 count_growing};
+                                                 count_growing,
+                                                 strain_directions};
     static constexpr dttmm_response_table kResponse = {sizeof(dttmm_response_table), respond};
     static constexpr dttmm_state_table kState = {sizeof(dttmm_state_table), state_size, save_state, restore_state};
     static constexpr dttmm_laws_table kLaws = {sizeof(dttmm_laws_table), add_law};

@@ -98,6 +98,9 @@ typedef struct dttmm_modal_table {
     double (*bent_at_rest)(const dttmm_modal* modal, uint32_t element, int32_t* is_lumped);
     /* NULL: not known. How many motions grow. is_held: non-zero where it has no rigid-body modes; then exact to rounding. */
     dttmm_status (*count_growing)(dttmm_modal* modal, int32_t is_held, uint32_t* count, dttmm_error* error);
+    /* NULL: not known. Shares of a mode's strain energy by direction, 6 per element: x y z rx ry rz of its axes. Zero of an
+     * element whose strain has no such directions, as of a beam. */
+    dttmm_status (*strain_directions)(dttmm_modal* modal, uint32_t index, double* shares, dttmm_error* error);
 } dttmm_modal_table;
 
 #ifdef __cplusplus

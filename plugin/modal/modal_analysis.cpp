@@ -60,6 +60,15 @@ void ModalAnalysis::mode(uint32_t index, dttmm_mode* out, double* bodies, double
     if (shares) std::ranges::copy(mode.shares, shares);
 }
 
+void ModalAnalysis::strain_directions(uint32_t index, double* shares) {
+    const Mode& mode = mode_at(index);
+    const std::vector<Vector6> energies = strain_by_direction(model_, mode.shape);
+    for (size_t e = 0; e < energies.size(); ++e) {
+        const double sum = energies[e].sum();
+        Eigen::Map<Vector6>{shares + 6 * e} = sum > 0 ? Vector6(mode.shares[e] / sum * energies[e]) : Vector6::Zero();
+    }
+}
+
 OverallTransfer::Check ModalAnalysis::overall(double frequency) {
     if (!has_overall())
         throw Error(DTTMM_ERROR_NUMERIC,

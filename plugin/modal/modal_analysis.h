@@ -23,6 +23,8 @@ public:
     size_t find_modes(uint32_t count, double below);
     /// See dttmm_plugin.mode and mode_along. Throw Error(DTTMM_ERROR_ARGUMENT) for an index that is no mode.
     void mode(uint32_t index, dttmm_mode* mode, double* bodies, double* nodes, double* shares);
+    /// Throws the same.
+    void strain_directions(uint32_t index, double* shares);
     double along(uint32_t index, uint32_t element, uint32_t count, double* shape);
     /// See dttmm_plugin.overall. Throws Error(DTTMM_ERROR_NUMERIC) where the paths are too long for it.
     OverallTransfer::Check overall(double frequency);

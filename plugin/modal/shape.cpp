@@ -56,6 +56,17 @@ Vector6 motion_along(const DynamicStiffness& D, const LineModel& line, const Fra
 
 }  // namespace
 
+std::vector<Vector6> strain_by_direction(const FrequencyModel& model, const FrameVector& u) {
+    std::vector<Vector6> energies(model.element_count, Vector6::Zero());
+    for (const Bond& bond : model.bonds) {
+        if (bond.element < 0 || bond.held_node >= 0) continue;
+        const Vector12 ends = bond.ends(u);
+        const Vector6 d = bond.axes.transpose() * (ends.tail<6>() - ends.head<6>());
+        energies[as_size(bond.element)] += 0.5 * d.cwiseProduct(bond.springs.cwiseProduct(d));
+    }
+    return energies;
+}
+
 std::vector<Strain> strain_energies(const DynamicStiffness& D, const FrameVector& u) {
     const FrequencyModel& model = D.model();
     std::vector<Strain> energies(model.element_count + 1);

@@ -14,6 +14,9 @@ struct Strain {
     double energy = 0, unsure = 0;
 };
 /// Of every element.
+/// Of springs and joints of every element, in the directions of its axes [J]; zero of one that is a line.
+std::vector<Vector6> strain_by_direction(const FrequencyModel& model, const FrameVector& u);
+
 std::vector<Strain> strain_energies(const DynamicStiffness& D, const FrameVector& u);
 
 /// Of all elements.

@@ -64,6 +64,13 @@ std::string who_strains(const Model& model, const Mode& mode) {
     return text.empty() ? (mode.numbers.frequency > 0 ? "spread" : "none") : text;
 }
 
+/// Sum of the participations of the modes, in the directions that the model has.
+Vector6 participation_of(const std::vector<Mode>& modes) {
+    Vector6 sum = Vector6::Zero();
+    for (const Mode& mode : modes) sum += Eigen::Map<const Vector6>(mode.numbers.participation);
+    return sum;
+}
+
 Json describe(const Model& model, const ModalMachine& machine, const std::vector<Mode>& modes,
               const std::vector<ModeEnergies>& energies, const Warnings& warnings) {
     Json frequencies = Json::array(), list = Json::array();
@@ -92,11 +99,16 @@ Json describe(const Model& model, const ModalMachine& machine, const std::vector
                         {"strain_energy", strain},
                         {"shape", shape}});
     }
+    Json totals = Json::object();
+    const Vector6 sum = participation_of(modes);
+    for (size_t d = 0; d < 6; ++d)
+        if (model.modes.directions[d]) totals[direction_names()[d]] = sum(as_row(d));
     return {{"format", "dttmm-modes/1"},
             {"title", model.title},
             {"warnings", describe_warnings(warnings)},
             {"beams", model.modes.are_beams_lumped ? "lumped" : "exact"},
             {"frequencies_hz", frequencies},
+            {"effective_mass_totals", totals},
             {"modes", list}};
 }
 
@@ -140,6 +152,15 @@ std::string shapes_table(const Model& model, ModalMachine& machine, const std::v
             }
         }
     return table.text();
+}
+
+void print_participation(const Model& model, const std::vector<Mode>& modes) {
+    const Vector6 sum = participation_of(modes);
+    std::string text;
+    for (size_t d = 0; d < 6; ++d)
+        if (model.modes.directions[d])
+            text += fmt::format("{}{} {:.4g} %", text.empty() ? "" : ", ", direction_names()[d], 100 * sum(as_row(d)));
+    fmt::print("effective mass of these modes: {}\n", text);
 }
 
 void print_modes(const Model& model, const ModalMachine& machine, const std::vector<Mode>& modes,
@@ -189,6 +210,7 @@ ExitCode find_modes(const Request& request) {
         fmt::print("{}", to_text(json));
     } else if (!request.quiet) {
         print_modes(model, machine, modes, energies);
+        if (!modes.empty()) print_participation(model, modes);
         double widest = 0;
         for (const Mode& mode : modes) widest = std::max(widest, mode.numbers.bracket);
         if (modes.empty())

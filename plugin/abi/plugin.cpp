@@ -180,6 +180,19 @@ dttmm_status mode(dttmm_modal* modal, uint32_t index, dttmm_mode* mode, double* 
     return guard(error, [&] { modal->analysis.mode(index, mode, bodies, nodes, shares); });
 }
 
+dttmm_status find_damped(dttmm_modal* modal, double below, uint32_t* found, int32_t* is_proved, dttmm_error* error) {
+    return guard(error, [&] {
+        bool proved = false;
+        *found = static_cast<uint32_t>(modal->analysis.find_damped(below, proved));
+        *is_proved = proved;
+    });
+}
+
+dttmm_status damped_mode(dttmm_modal* modal, uint32_t index, dttmm_damped_mode* mode, double* bodies, double* nodes,
+                         dttmm_error* error) {
+    return guard(error, [&] { modal->analysis.damped_mode(index, mode, bodies, nodes); });
+}
+
 dttmm_status strain_directions(dttmm_modal* modal, uint32_t index, double* shares, dttmm_error* error) {
     return guard(error, [&] { modal->analysis.strain_directions(index, shares); });
 }
@@ -294,7 +307,7 @@ const void* extension(const char* name) {
                                                  bent_at_rest,
                                                  count_growing,
                                                  strain_directions};
-    static constexpr dttmm_response_table kResponse = {sizeof(dttmm_response_table), respond};
+    static constexpr dttmm_response_table kResponse = {sizeof(dttmm_response_table), respond, find_damped, damped_mode};
     static constexpr dttmm_state_table kState = {sizeof(dttmm_state_table), state_size, save_state, restore_state};
     static constexpr dttmm_laws_table kLaws = {sizeof(dttmm_laws_table), add_law};
     static constexpr dttmm_static_table kStatic = {sizeof(dttmm_static_table),

@@ -37,6 +37,12 @@ typedef struct dttmm_harmonic_result {
     double* constraints; /* 12 per constraint: force and moment on its first body at its point [N, N m, world] */
 } dttmm_harmonic_result;
 
+/* A mode with damping, x exp(s t). */
+typedef struct dttmm_damped_mode {
+    double s[2];     /* real and imaginary part [1/s]; the imaginary part is zero or positive */
+    double residual; /* of the equations, as share of their size */
+} dttmm_damped_mode;
+
 typedef struct dttmm_response_table {
     uint32_t size; /* sizeof(dttmm_response_table) as the plugin was compiled */
 
@@ -44,6 +50,13 @@ typedef struct dttmm_response_table {
      * are those from ends[c - 1] (0 for the first) to before ends[c]; they act together. */
     dttmm_status (*respond)(dttmm_modal* modal, double frequency, uint32_t case_count, const uint32_t* ends,
                             const dttmm_harmonic* loads, const dttmm_harmonic_result* result, dttmm_error* error);
+
+    /* NULL: not known. All modes with damping whose |s| is at most 2 pi `below` [Hz], by |s|: their number. *is_proved:
+     * non-zero where all are there, counted by a complete set of eigenvalues, and solve the equations. */
+    dttmm_status (*find_damped)(dttmm_modal* modal, double below, uint32_t* found, int32_t* is_proved, dttmm_error* error);
+    /* One of them, and its shape: 12 numbers per body, at its centre of mass, and per node. Pointers may be NULL. */
+    dttmm_status (*damped_mode)(dttmm_modal* modal, uint32_t index, dttmm_damped_mode* mode, double* bodies, double* nodes,
+                                dttmm_error* error);
 } dttmm_response_table;
 
 #ifdef __cplusplus

@@ -60,6 +60,34 @@ void ModalAnalysis::mode(uint32_t index, dttmm_mode* out, double* bodies, double
     if (shares) std::ranges::copy(mode.shares, shares);
 }
 
+size_t ModalAnalysis::find_damped(double below, bool& is_proved) {
+    if (!(below > 0) || !std::isfinite(below)) throw Error(DTTMM_ERROR_ARGUMENT, "a frequency must be finite and positive");
+    at_ = -1;
+    const DampedModes found(stiffness_, harmonic_, 2 * M_PI * below);
+    damped_ = found.modes();
+    is_proved = found.is_proved();
+    return damped_.size();
+}
+
+void ModalAnalysis::damped_mode(uint32_t index, dttmm_damped_mode* mode, double* bodies, double* nodes) const {
+    if (index >= damped_.size()) throw Error(DTTMM_ERROR_ARGUMENT, "there is no such damped mode");
+    const DampedMode& own = damped_[index];
+    if (mode) *mode = {{own.s.real(), own.s.imag()}, own.residual};
+    const auto write = [](const Complex6& u, double* out) {
+        for (Eigen::Index d = 0; d < 6; ++d) {
+            out[2 * d] = u(d).real();
+            out[2 * d + 1] = u(d).imag();
+        }
+    };
+    for (size_t b = 0; bodies && b < model_.centres.size(); ++b)
+        write(model_.by_centre(as_int(b)).cast<Complex>() * own.motion[b], bodies + 12 * b);
+    for (size_t n = 0; nodes && n < model_.nodes.size(); ++n) {
+        const int f = model_.nodes[n].frame;
+        write(f < 0 ? Complex6(Complex6::Zero()) : Complex6(model_.by_node(n).cast<Complex>() * own.motion[as_size(f)]),
+              nodes + 12 * n);
+    }
+}
+
 void ModalAnalysis::strain_directions(uint32_t index, double* shares) {
     const Mode& mode = mode_at(index);
     const std::vector<Vector6> energies = strain_by_direction(model_, mode.shape);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "dttmm_response.h"
+#include "modal/damped_modes.h"
 #include "modal/mode_finder.h"
 #include "modal/overall_transfer.h"
 #include "modal/response.h"
@@ -23,6 +24,9 @@ public:
     size_t find_modes(uint32_t count, double below);
     /// See dttmm_plugin.mode and mode_along. Throw Error(DTTMM_ERROR_ARGUMENT) for an index that is no mode.
     void mode(uint32_t index, dttmm_mode* mode, double* bodies, double* nodes, double* shares);
+    /// See dttmm_response.h. Throw what DampedModes does, and Error(DTTMM_ERROR_ARGUMENT) for an index that is no mode.
+    size_t find_damped(double below, bool& is_proved);
+    void damped_mode(uint32_t index, dttmm_damped_mode* mode, double* bodies, double* nodes) const;
     /// Throws the same.
     void strain_directions(uint32_t index, double* shares);
     double along(uint32_t index, uint32_t element, uint32_t count, double* shape);
@@ -54,6 +58,7 @@ private:
     FrequencyModel model_;
     DynamicStiffness stiffness_;
     HarmonicSolver harmonic_;
+    std::vector<DampedMode> damped_;
     OverallTransfer topology_;
     std::vector<Mode> modes_;
     bool is_stable_ = false;  ///< it was found that nothing grows

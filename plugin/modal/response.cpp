@@ -75,13 +75,11 @@ Response Response::mixed(double factor, double other_factor, const Response& oth
 
 // ---- Equations ----------------------------------------------------------------------------------------------------------
 
-void HarmonicSolver::factor(double omega) {
-    omega_ = omega;
+Eigen::SparseMatrix<Complex> HarmonicSolver::assemble(Complex s, bool is_polynomial) {
     const FrequencyModel& model = D_.model();
-    find_parts();
     Entries entries(D_.frame_count());
     for (const Bond& bond : model.bonds) {
-        const Block K = complex(bond.stiffness) + Complex(0, omega) * complex(bond.damping);
+        const Block K = complex(bond.stiffness) + s * complex(bond.damping);
         entries.join(bond, K, -K, K);
         if (!bond.turning) continue;
         const int ends[2] = {bond.from, bond.to};
@@ -94,22 +92,37 @@ void HarmonicSolver::factor(double omega) {
         const LineModel& line = D_.line(piece);
         auto& L = waves_[line.kind];
         if (!L) {
-            const Complex stiffening(1, omega * line.line.section.stiffness_damping);
-            line.waves->evaluate<Complex>(D_.count(line), omega * omega, stiffening, L.emplace(), nullptr);
+            const Complex stiffening = 1.0 + s * line.line.section.stiffness_damping;
+            if (is_polynomial) {
+                LineWaves::Square<double> stiffness, mass;
+                line.waves->evaluate<double>(D_.count(line), 0, 1, stiffness, &mass);
+                L = stiffening * stiffness.cast<Complex>() + s * s * mass.cast<Complex>();
+            } else {
+                line.waves->evaluate<Complex>(D_.count(line), -s * s, stiffening, L.emplace(), nullptr);
+            }
         }
         entries.join(piece, L->topLeftCorner<6, 6>(), L->topRightCorner<6, 6>(), L->bottomRightCorner<6, 6>());
     }
     for (const Pin& pin : model.pins) {
-        const Block own = complex(-omega * omega / 3 * pin.mass), across = 0.5 * own;
+        const Block own = s * s / 3.0 * complex(pin.mass), across = 0.5 * own;
         entries.join(pin, own, across, own);
     }
     D_.for_each_mass([&](const FrequencyModel::Mass& mass) {
-        entries.add(mass.frame, mass.frame, complex(-omega * omega * model.mask * mass.block * model.mask));
+        entries.add(mass.frame, mass.frame, s * s * complex(model.mask * mass.block * model.mask));
     });
     for (const FrequencyModel::Lever& lever : model.levers) entries.add(lever.frame, lever.frame, complex(lever.stiffness));
     const Matrix6 idle = Matrix6::Identity() - model.mask;
     for (int f = 0; f < D_.frame_count(); ++f) entries.add(f, f, complex(idle));
-    const Sparse matrix = entries.matrix();
+    return entries.matrix();
+}
+
+void HarmonicSolver::factor(double omega) {
+    omega_ = omega;
+    find_parts();
+    factor_matrix(assemble({0, omega}, false));
+}
+
+void HarmonicSolver::factor_matrix(const Sparse& matrix) {
     if (!is_alike(matrix, pattern_)) {
         lu_.analyzePattern(matrix);
         pattern_ = matrix;
@@ -118,7 +131,7 @@ void HarmonicSolver::factor(double omega) {
     if (lu_.info() != Eigen::Success)
         throw Error(DTTMM_ERROR_SINGULAR,
                     fmt::format("{:.6g} Hz is a natural frequency without damping: the response there has no bound",
-                                omega / (2 * M_PI)));
+                                omega_ / (2 * M_PI)));
 }
 
 /// Where bonds and pieces of the elements stand.

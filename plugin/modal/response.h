@@ -55,6 +55,9 @@ public:
 
     /// Throws Error(DTTMM_ERROR_SINGULAR) at a natural frequency without damping.
     void factor(double omega);
+    /// K + s C + s² M at a complex s, 6 rows per frame and then the rigid directions. is_polynomial: lines count by their
+    /// stiffness at rest and the mass that goes with it, so that this is all there is; else by their waves.
+    Eigen::SparseMatrix<Complex> assemble(Complex s, bool is_polynomial);
     /// At the frequency last factored, and so for what follows.
     Response solve(const Drive& drive) const;
     /// Throws Error(DTTMM_ERROR_MODEL) for a beam or rod of a machine at rest: what its forces add as they turn is not
@@ -67,6 +70,7 @@ private:
     using Block = Eigen::Matrix<Complex, 6, 6>;
     using Sparse = Eigen::SparseMatrix<Complex>;
 
+    void factor_matrix(const Sparse& matrix);
     void find_parts();
     Complex6 relative(const Bond& bond, const Response& response) const;
     Complex6 wrench_of(const Bond& bond, const Response& response) const;

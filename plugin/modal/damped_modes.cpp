@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modal/damped_modes.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <Eigen/SparseLU>
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+
+namespace dttmm::plugin {
+
+DampedModes::DampedModes(DynamicStiffness& D, HarmonicSolver& solver, double below) : D_(D), solver_(solver) {
+    constexpr double kFiner = 2;  // pieces whose own frequencies lie so far above: their mass is then that of a fine element
+    D_.cut(kFiner * below);
+    find_all(below);
+}
+
+/// Columns that span the motions which no rigid direction forbids: of the real matrix at s = 0, rows of rigid directions
+/// last.
+DampedModes::Matrix DampedModes::free_directions(const Matrix& K) const {
+    constexpr double kDependent = 1e-9;
+    const Eigen::Index n = 6 * D_.frame_count(), rigid = K.rows() - n;
+    std::vector<Eigen::Index> moving;  // directions that the model leaves
+    for (Eigen::Index i = 0; i < n; ++i)
+        if (D_.model().mask(i % 6, i % 6) != 0) moving.push_back(i);
+    Matrix select = Matrix::Zero(n, static_cast<Eigen::Index>(moving.size()));
+    for (size_t k = 0; k < moving.size(); ++k) select(moving[k], static_cast<Eigen::Index>(k)) = 1;
+    if (rigid == 0) return select;
+    const Matrix J = K.bottomLeftCorner(rigid, n) * select;
+    Eigen::ColPivHouseholderQR<Matrix> qr(J.transpose());
+    qr.setThreshold(kDependent);
+    const Matrix Q = qr.householderQ();
+    return select * Q.rightCols(Q.cols() - qr.rank());
+}
+
+void DampedModes::find_all(double below) {
+    const auto real = [&](double s) { return Matrix(solver_.assemble({s, 0}, true).real()); };
+    // Quadratic in s, so three values have it. Beyond a shift on the positive axis the matrix is positive definite
+    const double shift = below;
+    const Matrix at_zero = real(0), above = real(shift), under = real(-shift);
+    const Matrix Z = free_directions(at_zero);
+    if (Z.cols() > kMostUnknowns)
+        throw Error(DTTMM_ERROR_MODEL,
+                    fmt::format("damped modes of {} unknowns: at most {} are taken; ask for a lower highest frequency, "
+                                "which parts beams into fewer pieces, or look at `dttmm response`",
+                                Z.cols(), kMostUnknowns));
+    const auto reduced = [&](const Matrix& A) -> Matrix { return Z.transpose() * A.topLeftCorner(Z.rows(), Z.rows()) * Z; };
+    const Matrix K = reduced(at_zero), A = reduced(above), B = reduced(under);
+    const Matrix M = ((A + B) / 2 - K) / (shift * shift), C = (A - B) / (2 * shift);
+    // s = shift + 1/µ: µ² A + µ A' + M = 0 with A' = C + 2 shift M. Where there is no mass µ is 0, and s without bound
+    const Eigen::PartialPivLU<Matrix> lu(A);
+    const Matrix first = lu.solve(C + 2 * shift * M), second = lu.solve(M);
+    const Eigen::Index n = K.rows();
+    Matrix companion = Matrix::Zero(2 * n, 2 * n);
+    companion.topLeftCorner(n, n) = -shift * first;  // µ in units of 1/shift
+    companion.topRightCorner(n, n) = -shift * shift * second;
+    companion.bottomLeftCorner(n, n).setIdentity();
+    const Eigen::EigenSolver<Matrix> found(companion);
+    if (found.info() != Eigen::Success)
+        throw Error(DTTMM_ERROR_NUMERIC, "the damped modes are not found: the eigenvalues do not converge");
+    constexpr double kNoMass = 1e-12;
+    for (Eigen::Index k = 0; k < 2 * n; ++k) {
+        const Complex mu = found.eigenvalues()(k) / shift;
+        if (std::abs(mu) * shift < kNoMass) continue;
+        const Complex s = shift + 1.0 / mu;
+        if (std::abs(s) > below || s.imag() < 0) continue;
+        DampedMode mode{s, 0, {}};
+        Eigen::VectorXcd x = Z.cast<Complex>() * found.eigenvectors().col(k).head(n);
+        improve(mode, x);
+        modes_.push_back(std::move(mode));
+    }
+    std::ranges::sort(modes_, {}, [](const DampedMode& mode) { return std::pair(std::abs(mode.s), mode.s.imag()); });
+}
+
+/// Newton's method with both vectors alike, as the matrix is symmetric: y = A⁻¹ A' x, s − xᵀ x / xᵀ y.
+void DampedModes::improve(DampedMode& mode, Eigen::VectorXcd& x) {
+    constexpr int kMostPasses = 12;
+    const Eigen::Index n = x.size();
+    const Complex start = mode.s;
+    const auto residual = [&](Complex s, const Eigen::VectorXcd& whole) {
+        const Eigen::SparseMatrix<Complex> A = solver_.assemble(s, false);
+        return (A * whole).norm() / (A.norm() * whole.norm());
+    };
+    Eigen::VectorXcd best = Eigen::VectorXcd::Zero(solver_.assemble(start, false).rows());
+    best.head(n) = x;
+    double least = residual(start, best);
+    Eigen::VectorXcd whole = best;
+    Complex s = start;
+    for (int pass = 0; pass < kMostPasses; ++pass) {
+        const double step = 1e-5 * std::max(std::abs(s), 1e-3);
+        const Eigen::SparseMatrix<Complex> A = solver_.assemble(s, false);
+        const Eigen::SparseMatrix<Complex> slope =
+            (solver_.assemble(s + step, false) - solver_.assemble(s - step, false)) / (2 * step);
+        Eigen::SparseLU<Eigen::SparseMatrix<Complex>> lu(A);
+        if (lu.info() != Eigen::Success) break;
+        const Eigen::VectorXcd y = lu.solve(slope * whole);
+        const Complex below = (whole.transpose() * y)(0), own = (whole.transpose() * whole)(0);
+        if (!y.allFinite() || std::abs(below) == 0) break;
+        const Complex next = s - own / below;
+        whole = y / y.norm();
+        if (!std::isfinite(std::abs(next)) || std::abs(next - start) > 0.05 * std::abs(start)) break;
+        const bool is_done = std::abs(next - s) < 1e-14 * std::abs(next);
+        s = next;
+        if (const double now = residual(s, whole); now < least) {
+            least = now;
+            best = whole;
+            mode.s = s;
+        } else if (pass > 3) {
+            break;
+        }
+        if (is_done) break;
+    }
+    mode.residual = least;
+    // A vibration that does not decay has a real part of rounding only
+    if (std::abs(mode.s.real()) < 1e-13 * std::abs(mode.s)) mode.s.real(0);
+    Complex largest = 0;
+    for (const Eigen::Index half : {0, 3}) {
+        for (Eigen::Index i = 0; i < n; ++i)
+            if ((i % 6 < 3) == (half == 0) && std::abs(best(i)) > std::abs(largest)) largest = best(i);
+        if (std::abs(largest) > 1e-9 * best.head(n).norm()) break;
+    }
+    for (Eigen::Index f = 0; f < n / 6; ++f) mode.motion.emplace_back(best.segment<6>(6 * f) / largest);
+    if (least > 1e-7) is_proved_ = false;
+}
+
+}  // namespace dttmm::plugin

@@ -93,6 +93,15 @@ std::vector<ModalMachine::Vector6> ModalMachine::along(uint32_t mode, uint32_t e
     return tell_place(model_, [&] { return instance_.along(mode, element, count, length); });
 }
 
+std::vector<ModalInstance::Damped> ModalMachine::find_damped(double below, int32_t& is_proved) {
+    return tell_place(model_, [&] { return instance_.find_damped(below, is_proved); });
+}
+
+ModalMachine::Complex6 ModalMachine::motion(const ModalPlace& place, const ModalInstance::Damped& mode) const {
+    if (place.body < 0) return mode.nodes[as_size(place.node)];
+    return by_body(place).cast<std::complex<double>>() * mode.bodies[as_size(place.body)];
+}
+
 dttmm_harmonic ModalMachine::load_at(const ModalPlace& place, const Complex6& wrench) {
     dttmm_harmonic load{place.body, place.node, {place.position.x(), place.position.y(), place.position.z()}, {}, 0};
     for (size_t d = 0; d < 6; ++d) {

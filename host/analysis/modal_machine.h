@@ -35,6 +35,8 @@ public:
     std::vector<ModalInstance::Mode> find_modes();
     /// Displacement at a place [6, world].
     Vector6 motion(const ModalPlace& place, const ModalInstance::Mode& mode) const;
+    std::vector<ModalInstance::Damped> find_damped(double below, int32_t& is_proved);
+    Complex6 motion(const ModalPlace& place, const ModalInstance::Damped& mode) const;
     std::vector<Vector6> strain_directions(uint32_t mode) { return instance_.strain_directions(mode); }
     /// Of a body at rest, or where the file places it: its axes, as columns in world.
     Eigen::Matrix3d axes_of_body(size_t body) const {

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
+#include "analysis/damped_modes.h"
 #include "analysis/modal_session.h"
 #include "analysis/mode_energies.h"
 #include "analysis/stop_signals.h"
@@ -178,6 +180,18 @@ void print_modes(const Model& model, const ModalMachine& machine, const std::vec
     }
 }
 
+/// Where they are asked for, up to a little beyond the last mode.
+std::optional<DampedModes> damped_of(const Request& request, const Model& model, ModalMachine& machine,
+                                     const std::vector<Mode>& modes, Warnings& warnings) {
+    if (!request.is_damped) return std::nullopt;
+    constexpr double kBeyond = 1.02;
+    const double last = modes.empty() ? 0 : kBeyond * modes.back().numbers.frequency;
+    const double below = model.modes.below.value_or(last);
+    if (!(below > 0))
+        throw Error(ExitCode::usage, "--damped: up to which frequency? nothing vibrates among these modes; give --below");
+    return find_damped_modes(machine, below, warnings);
+}
+
 }  // namespace
 
 ExitCode find_modes(const Request& request) {
@@ -194,8 +208,15 @@ ExitCode find_modes(const Request& request) {
     for (const Mode& mode : modes)
         energies.push_back(energies_of(model, machine, mode, static_cast<uint32_t>(energies.size())));
 
+    const std::optional<DampedModes> damped = damped_of(request, model, machine, modes, warnings);
+
     const ResultsFolder folder(results_path(request, "-modes"));
-    const Json json = describe(model, machine, modes, energies, warnings);
+    Json json = describe(model, machine, modes, energies, warnings);
+    if (damped) {
+        json["damped"] = describe(*damped);
+        write_atomically(folder.file("damped.csv"), damped_table(*damped));
+        write_atomically(folder.file("damped_shapes.csv"), damped_shapes(machine, *damped));
+    }
     write_atomically(folder.file("modes.csv"), modes_table(machine, modes));
     write_atomically(folder.file("energies.csv"), energies_table(model, modes, energies));
     write_atomically(folder.file("shapes.csv"), shapes_table(model, machine, modes));
@@ -211,6 +232,7 @@ ExitCode find_modes(const Request& request) {
     } else if (!request.quiet) {
         print_modes(model, machine, modes, energies);
         if (!modes.empty()) print_participation(model, modes);
+        if (damped) print_damped(*damped);
         double widest = 0;
         for (const Mode& mode : modes) widest = std::max(widest, mode.numbers.bracket);
         if (modes.empty())

@@ -106,6 +106,8 @@ constexpr Option kOptions[] = {
      [](Request& request, const std::string& value) { request.sweeps.push_back(value); }},
     {"-j,--jobs", Kind::number, kRun, "cases of a sweep at a time; default one per core", false, false,
      [](Request& request, const std::string& value) { request.jobs = std::stoi(value); }, false, 1, 4096},
+    {"--damped", Kind::flag, kModes, "find the modes with damping too: damped.csv, damped_shapes.csv", false, true,
+     [](Request& request, const std::string&) { request.is_damped = true; }},
     {"-v,--verbose", Kind::flag, kModes, "print how the overall transfer equation is laid out", false, false,
      [](Request& request, const std::string&) { request.is_verbose = true; }},
     {"--json", Kind::flag, kModes | kElements, "print one JSON object instead of the table", false, false,

@@ -186,6 +186,32 @@ std::vector<ModalInstance::Response> ModalInstance::respond(double frequency, co
     return responses;
 }
 
+std::vector<ModalInstance::Damped> ModalInstance::find_damped(double below, int32_t& is_proved) {
+    const dttmm_response_table* table = plugin_.response();
+    if (!table || table->size < sizeof(dttmm_response_table) || !table->find_damped || !table->damped_mode)
+        throw Error(ExitCode::plugin_failure, fmt::format("plugin {} knows no modes with damping", plugin_.name()));
+    uint32_t count = 0;
+    ask([&](dttmm_error* error) { return table->find_damped(modal_.get(), below, &count, &is_proved, error); });
+    std::vector<Damped> modes(count);
+    for (uint32_t m = 0; m < count; ++m) {
+        GuardedArray bodies(12 * body_count_), nodes(12 * node_count_);
+        dttmm_damped_mode numbers{};
+        ask([&](dttmm_error* error) {
+            return table->damped_mode(modal_.get(), m, &numbers, bodies.data(), nodes.data(), error);
+        });
+        check(bodies, "damped shape of bodies");
+        check(nodes, "damped shape of nodes");
+        modes[m].s = {numbers.s[0], numbers.s[1]};
+        modes[m].residual = numbers.residual;
+        for (const auto& [from, to] : {std::pair(&bodies, &modes[m].bodies), {&nodes, &modes[m].nodes}})
+            for (size_t k = 0; k + 12 <= from->size(); k += 12) {
+                Complex6& u = to->emplace_back();
+                for (size_t d = 0; d < 6; ++d) u(as_row(d)) = {(*from)[k + 2 * d], (*from)[k + 2 * d + 1]};
+            }
+    }
+    return modes;
+}
+
 std::vector<ModalInstance::Vector6> ModalInstance::strain_directions(uint32_t index) {
     if (!table_->strain_directions) return {};
     GuardedArray shares(6 * element_names_.size());

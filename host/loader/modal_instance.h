@@ -39,6 +39,15 @@ public:
     /// All up to `below` [Hz], or if that is 0 the first `count`; how many there are.
     uint32_t find_modes(uint32_t count, double below);
     Mode mode(uint32_t index);
+    /// With damping, x e^(st).
+    struct Damped {
+        std::complex<double> s;  ///< [1/s]
+        double residual = 0;
+        std::vector<Complex6> bodies, nodes;  ///< shape
+    };
+    /// All whose |s| is at most 2π `below` [Hz]. is_proved: see dttmm_response.h. Throws Error(plugin_failure) if the plugin
+    /// knows none.
+    std::vector<Damped> find_damped(double below, int32_t& is_proved);
     /// Shares of its strain energy by direction of the axes of every element; none: the plugin does not tell.
     std::vector<Vector6> strain_directions(uint32_t index);
     /// Displacements at `count` stations of an element, ends included; none if it is no line. length: of it [m].

@@ -182,9 +182,9 @@ dttmm_status mode(dttmm_modal* modal, uint32_t index, dttmm_mode* mode, double* 
 
 dttmm_status find_damped(dttmm_modal* modal, double below, uint32_t* found, int32_t* is_proved, dttmm_error* error) {
     return guard(error, [&] {
-        bool proved = false;
-        *found = static_cast<uint32_t>(modal->analysis.find_damped(below, proved));
-        *is_proved = proved;
+        const dttmm::plugin::DampedModes::Count count = modal->analysis.find_damped(below);
+        *found = static_cast<uint32_t>(count.modes);
+        *is_proved = !count.is_proved ? 0 : count.has_left_out ? 2 : 1;
     });
 }
 

@@ -52,7 +52,8 @@ typedef struct dttmm_response_table {
                             const dttmm_harmonic* loads, const dttmm_harmonic_result* result, dttmm_error* error);
 
     /* NULL: not known. All modes with damping whose |s| is at most 2 pi `below` [Hz], by |s|: their number. *is_proved:
-     * non-zero where all are there, counted by a complete set of eigenvalues, and solve the equations. */
+     * 1 where all are there, counted by a complete set of eigenvalues, and solve the equations; 2 where all are there but
+     * those within 2 % of -1/stiffness_damping of a beam or rod, of which there are infinitely many; else 0. */
     dttmm_status (*find_damped)(dttmm_modal* modal, double below, uint32_t* found, int32_t* is_proved, dttmm_error* error);
     /* One of them, and its shape: 12 numbers per body, at its centre of mass, and per node. Pointers may be NULL. */
     dttmm_status (*damped_mode)(dttmm_modal* modal, uint32_t index, dttmm_damped_mode* mode, double* bodies, double* nodes,

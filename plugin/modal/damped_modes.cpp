@@ -38,6 +38,15 @@ DampedModes::Matrix DampedModes::free_directions(const Matrix& K) const {
     return select * Q.rightCols(Q.cols() - qr.rank());
 }
 
+/// Whether it is near −1/η of a line. A line whose damping is η times its stiffness has infinitely many modes without
+/// vibration that pile up there.
+bool DampedModes::piles_up(Complex s) const {
+    constexpr double kNear = 0.02;
+    return std::ranges::any_of(D_.model().lines, [&](const LineModel& line) {
+        return std::abs(1.0 + line.line.section.stiffness_damping * s) < kNear;
+    });
+}
+
 void DampedModes::find_all(double below) {
     const auto real = [&](double s) { return Matrix(solver_.assemble({s, 0}, true).real()); };
     // Quadratic in s, so three values have it. Beyond a shift on the positive axis the matrix is positive definite
@@ -69,6 +78,10 @@ void DampedModes::find_all(double below) {
         if (std::abs(mu) * shift < kNoMass) continue;
         const Complex s = shift + 1.0 / mu;
         if (std::abs(s) > below || s.imag() < 0) continue;
+        if (piles_up(s)) {
+            piles_up_ = true;
+            continue;
+        }
         DampedMode mode{s, 0, {}};
         Eigen::VectorXcd x = Z.cast<Complex>() * found.eigenvectors().col(k).head(n);
         improve(mode, x);

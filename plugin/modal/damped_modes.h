@@ -22,6 +22,11 @@ class DampedModes {
 public:
     static constexpr int kMostUnknowns = 900;  ///< of the dense matrix of twice as many rows: 15 s
 
+    struct Count {
+        size_t modes;
+        bool is_proved, has_left_out;
+    };
+
     /// Cuts the lines. below: largest |s| [rad/s]. Throws Error(DTTMM_ERROR_MODEL) for too many unknowns,
     /// Error(DTTMM_ERROR_NUMERIC) where the eigenvalues do not converge.
     DampedModes(DynamicStiffness& D, HarmonicSolver& solver, double below);
@@ -29,18 +34,21 @@ public:
     const std::vector<DampedMode>& modes() const { return modes_; }
     /// Whether Newton's method left every mode distinct and near where the count had it.
     bool is_proved() const { return is_proved_; }
+    /// Whether modes are left out that lie within 2 % of −1/η, η the stiffness damping of a line: there are infinitely many.
+    bool has_left_out() const { return piles_up_; }
 
 private:
     using Matrix = Eigen::MatrixXd;
 
     Matrix free_directions(const Matrix& K) const;
+    bool piles_up(Complex s) const;
     void find_all(double below);
     void improve(DampedMode& mode, Eigen::VectorXcd& x);
 
     DynamicStiffness& D_;
     HarmonicSolver& solver_;
     std::vector<DampedMode> modes_;
-    bool is_proved_ = true;
+    bool is_proved_ = true, piles_up_ = false;
 };
 
 }  // namespace dttmm::plugin

@@ -60,13 +60,12 @@ void ModalAnalysis::mode(uint32_t index, dttmm_mode* out, double* bodies, double
     if (shares) std::ranges::copy(mode.shares, shares);
 }
 
-size_t ModalAnalysis::find_damped(double below, bool& is_proved) {
+DampedModes::Count ModalAnalysis::find_damped(double below) {
     if (!(below > 0) || !std::isfinite(below)) throw Error(DTTMM_ERROR_ARGUMENT, "a frequency must be finite and positive");
     at_ = -1;
     const DampedModes found(stiffness_, harmonic_, 2 * M_PI * below);
     damped_ = found.modes();
-    is_proved = found.is_proved();
-    return damped_.size();
+    return {damped_.size(), found.is_proved(), found.has_left_out()};
 }
 
 void ModalAnalysis::damped_mode(uint32_t index, dttmm_damped_mode* mode, double* bodies, double* nodes) const {

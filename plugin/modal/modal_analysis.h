@@ -25,7 +25,7 @@ public:
     /// See dttmm_plugin.mode and mode_along. Throw Error(DTTMM_ERROR_ARGUMENT) for an index that is no mode.
     void mode(uint32_t index, dttmm_mode* mode, double* bodies, double* nodes, double* shares);
     /// See dttmm_response.h. Throw what DampedModes does, and Error(DTTMM_ERROR_ARGUMENT) for an index that is no mode.
-    size_t find_damped(double below, bool& is_proved);
+    DampedModes::Count find_damped(double below);
     void damped_mode(uint32_t index, dttmm_damped_mode* mode, double* bodies, double* nodes) const;
     /// Throws the same.
     void strain_directions(uint32_t index, double* shares);

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/damped_modes.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "model/index.h"
+#include "record/csv_table.h"
+
+namespace dttmm::host {
+
+namespace {
+
+constexpr double kTwoPi = 2 * std::numbers::pi;
+
+/// Neither vibrates nor decays: what is left of it is rounding.
+bool is_rigid(const ModalInstance::Damped& mode, double below) { return std::abs(mode.s) < 1e-6 * kTwoPi * below; }
+
+double ratio(const ModalInstance::Damped& mode) { return std::abs(mode.s) > 0 ? (0 - mode.s.real()) / std::abs(mode.s) : 0; }
+
+}  // namespace
+
+DampedModes find_damped_modes(ModalMachine& machine, double below, Warnings& warnings) {
+    DampedModes damped{below, {}, 0};
+    damped.modes = machine.find_damped(below, damped.is_proved);
+    if (damped.is_proved == 2)
+        warnings.note("damped-modes-pile-up",
+                      "beams with stiffness_damping have infinitely many motions that decay without vibration near "
+                      "exp(-t/stiffness_damping); those within 2 % of that rate are not listed");
+    if (damped.is_proved == 0)
+        warnings.add("damped-not-proved",
+                     "the damped modes are not proved to be all and right: some do not solve the equations to 1e-7; their "
+                     "residuals are in damped.csv");
+    for (const ModalInstance::Damped& mode : damped.modes)
+        if (!is_rigid(mode, below) && mode.s.real() > 1e-9 * std::abs(mode.s))
+            warnings.add("damped-mode-grows", fmt::format("the motion with {:.6g} Hz grows as exp({:.4g} t): the machine is "
+                                                          "not stable",
+                                                          mode.s.imag() / kTwoPi, mode.s.real()));
+    return damped;
+}
+
+std::string damped_table(const DampedModes& damped) {
+    CsvTable table({{"mode", "1"},
+                    {"damped_frequency", "Hz"},
+                    {"frequency", "Hz"},
+                    {"damping_ratio", "1"},
+                    {"decay", "1/s"},
+                    {"residual", "1"}});
+    for (size_t m = 0; m < damped.modes.size(); ++m) {
+        const ModalInstance::Damped& mode = damped.modes[m];
+        const bool rigid = is_rigid(mode, damped.below);
+        table.add(static_cast<double>(m + 1));
+        if (rigid)
+            table.add(0.0).add(0.0).add(0.0).add(0.0);
+        else
+            table.add(mode.s.imag() / kTwoPi).add(std::abs(mode.s) / kTwoPi).add(ratio(mode)).add(0 - mode.s.real());
+        table.add(mode.residual).end_row();
+    }
+    return table.text();
+}
+
+std::string damped_shapes(const ModalMachine& machine, const DampedModes& damped) {
+    std::vector<Column> columns = {{"mode", "1"}, {"damped_frequency", "Hz"}, {"place", ""}};
+    for (const std::string& direction : direction_names())
+        for (const char* part : {".re", ".im"})
+            columns.push_back({"u" + direction + part, direction[0] == 'r' ? "1/m" : "1"});
+    CsvTable table(columns);
+    for (size_t m = 0; m < damped.modes.size(); ++m)
+        for (const ModalPlace& place : machine.places()) {
+            table.add(static_cast<double>(m + 1)).add(damped.modes[m].s.imag() / kTwoPi).add(place.name);
+            for (const std::complex<double>& u : machine.motion(place, damped.modes[m])) table.add(u.real()).add(u.imag());
+            table.end_row();
+        }
+    return table.text();
+}
+
+Json describe(const DampedModes& damped) {
+    Json list = Json::array();
+    for (const ModalInstance::Damped& mode : damped.modes)
+        list.push_back({{"damped_frequency_hz", mode.s.imag() / kTwoPi},
+                        {"frequency_hz", std::abs(mode.s) / kTwoPi},
+                        {"damping_ratio", is_rigid(mode, damped.below) ? 0 : ratio(mode)},
+                        {"decay_per_s", -mode.s.real()},
+                        {"residual", mode.residual}});
+    return {{"below_hz", damped.below}, {"is_proved", damped.is_proved != 0}, {"modes", list}};
+}
+
+void print_damped(const DampedModes& damped) {
+    fmt::print("\nwith damping, |s| up to {:.6g} Hz\n{:>4} {:>17} {:>14} {:>9}\n", damped.below, "mode", "damped frequency",
+               "|s|/2 pi", "damping");
+    for (size_t m = 0; m < damped.modes.size(); ++m) {
+        const ModalInstance::Damped& mode = damped.modes[m];
+        if (is_rigid(mode, damped.below))
+            fmt::print("{:>4} {:>14} Hz {:>11} Hz {:>9}  rigid\n", m + 1, 0, 0, "");
+        else
+            fmt::print("{:>4} {:>14.8g} Hz {:>11.8g} Hz {:>7.4g} %{}\n", m + 1, mode.s.imag() / kTwoPi,
+                       std::abs(mode.s) / kTwoPi, 100 * ratio(mode), mode.s.imag() == 0 ? "  decays without vibration" : "");
+    }
+    fmt::print("{}\n", damped.is_proved ? "complete: all eigenvalues of the linear equations, improved on the exact ones"
+                                        : "not proved to be complete");
+}
+
+}  // namespace dttmm::host

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// `dttmm modes --damped` against the quadratic eigenproblem and closed forms.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <random>
+
+#include "cli/modes_run.h"
+
+namespace dttmm::host {
+namespace {
+
+using DampedRows = std::vector<std::vector<double>>;
+
+DampedRows damped_modes(const std::string& text, std::vector<std::string> words, std::string* out = nullptr) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", text);
+    words.insert(words.begin(), {"modes", "model.toml", "--damped", "-o", "out"});
+    const Ended ended = run_dttmm(folder.path(), words);
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    if (ended.code != 0) return {};
+    if (out) *out = ended.out + ended.err;
+    return read_history(folder / "out/damped.csv");
+}
+
+// Oracle: all eigenvalues of the companion matrix of a random net of masses, springs and dampers along x, some dampers so
+// strong that motions decay without vibration. Every one up to the bound is there, and no other.
+TEST(DampedModes, ARandomMachineHasTheEigenvaluesOfItsEquations) {
+    constexpr int kMasses = 5;
+    constexpr double kHighest = 25;  // [Hz]
+    std::mt19937 random(11);
+    const auto between = [&](double low, double high) { return std::uniform_real_distribution<>(low, high)(random); };
+    for (int machine = 0; machine < 4; ++machine) {
+        std::string text = "format = \"dttmm/1\"\ndofs = [\"x\"]\n[nodes]\n";
+        Eigen::MatrixXd K = Eigen::MatrixXd::Zero(kMasses, kMasses), C = K, M = K;
+        for (int i = 0; i < kMasses; ++i) text += fmt::format("n{} = [{}, 0, 0]\n", i, i);
+        for (int i = 0; i < kMasses; ++i) {
+            M(i, i) = between(0.5, 3);
+            text += fmt::format("[[element]]\nname = \"m{0}\"\ntype = \"point_mass\"\nat = \"n{0}\"\nmass = {1:.17g}\n", i,
+                                M(i, i));
+        }
+        int springs = 0;
+        const auto spring = [&](int from, int to, double k, double c) {
+            text += fmt::format(
+                "[[element]]\nname = \"s{}\"\ntype = \"spring_damper\"\nfrom = \"{}\"\nto = \"n{}\"\nstiffness = "
+                "[{:.17g}, 0, 0]\ndamping = [{:.17g}, 0, 0]\n",
+                springs++, from < 0 ? "ground" : fmt::format("n{}", from), to, k, c);
+            for (const auto& [matrix, value] : {std::pair(&K, k), {&C, c}}) {
+                (*matrix)(to, to) += value;
+                if (from < 0) continue;
+                (*matrix)(from, from) += value;
+                (*matrix)(from, to) -= value;
+                (*matrix)(to, from) -= value;
+            }
+        };
+        for (int i = 0; i < kMasses; ++i) spring(i - 1, i, between(300, 3000), i == 2 ? between(100, 300) : between(0, 9));
+        spring(0, 3, between(300, 3000), between(0, 60));
+        spring(-1, 4, between(300, 3000), machine % 2 == 0 ? between(300, 500) : 0);
+        Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(2 * kMasses, 2 * kMasses);
+        companion.topRightCorner(kMasses, kMasses).setIdentity();
+        companion.bottomLeftCorner(kMasses, kMasses) = -M.inverse() * K;
+        companion.bottomRightCorner(kMasses, kMasses) = -M.inverse() * C;
+        std::vector<std::complex<double>> exact;
+        const Eigen::EigenSolver<Eigen::MatrixXd> solver(companion);
+        for (const std::complex<double>& s : solver.eigenvalues())
+            if (s.imag() >= 0 && std::abs(s) <= 2 * M_PI * kHighest) exact.push_back(s);
+        std::ranges::sort(exact, {}, [](const auto& s) { return std::abs(s); });
+        std::string said;
+        const DampedRows rows = damped_modes(text, {"--below", fmt::format("{} Hz", kHighest)}, &said);
+        EXPECT_THAT(said, ::testing::HasSubstr("complete: all eigenvalues"));
+        ASSERT_EQ(rows.size(), exact.size());
+        for (size_t m = 0; m < rows.size(); ++m) {
+            EXPECT_NEAR(rows[m][1], exact[m].imag() / (2 * M_PI), 1e-8 * std::abs(exact[m])) << m;
+            EXPECT_NEAR(rows[m][4], -exact[m].real(), 1e-8 * std::abs(exact[m])) << m;
+            EXPECT_NEAR(rows[m][3], -exact[m].real() / std::abs(exact[m]), 1e-8) << m;
+        }
+        if (machine % 2 == 0) {
+            EXPECT_TRUE(std::ranges::any_of(rows, [](const auto& row) { return row[1] == 0 && row[4] > 0; }));
+        }
+    }
+}
+
+// Oracle: closed form. Damping in proportion to stiffness, C = η K, leaves the shapes of a cantilever alone:
+// s² + η ω² s + ω² = 0 with its exact frequencies ω. Its waves have these to 1e-7, whatever the pieces it is cut into.
+TEST(DampedModes, ACantileverWithDampingLikeItsStiffness) {
+    const std::string text = R"(format = "dttmm/1"
+[modes]
+count = 6
+[nodes]
+foot = { position = [0.3, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+tip = [0.5, 0.9, 0.4]
+[[element]]
+name = "beam"
+type = "beam"
+from = "foot"
+to = "tip"
+section = { tube = ["30 mm", "22 mm"] }
+material = { E = "210 GPa", poisson = 0.3, density = "7850 kg/m^3", stiffness_damping = "20 us" }
+)";
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", text);
+    const Ended ended = run_dttmm(folder.path(), {"modes", "model.toml", "-o", "out", "--damped", "--json"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    const auto json = nlohmann::json::parse(ended.out);
+    const auto& damped = json["damped"]["modes"];
+    EXPECT_TRUE(json["damped"]["is_proved"]);
+    std::vector<double> undamped;
+    for (const auto& mode : json["modes"])
+        for (int k = 0; k < mode["multiplicity"]; ++k) undamped.push_back(mode["frequency_hz"]);
+    ASSERT_EQ(damped.size(), json["modes"].size());
+    for (size_t m = 0; m < damped.size(); ++m) {
+        const double f = json["modes"][m]["frequency_hz"], ratio = 20e-6 * M_PI * f;
+        EXPECT_NEAR(damped[m]["frequency_hz"], f, 1e-7 * f);
+        EXPECT_NEAR(damped[m]["damping_ratio"], ratio, 1e-7);
+        EXPECT_NEAR(damped[m]["damped_frequency_hz"], f * std::sqrt(1 - ratio * ratio), 1e-7 * f);
+    }
+}
+
+// Oracle: by hand. A body on a hinge between joints: reactions and free directions cost nothing; a slider with a damper only
+// has a rigid-body mode and one that decays, s = −c/m.
+TEST(DampedModes, WhatNothingHoldsDecaysOrStays) {
+    const std::string text = R"(format = "dttmm/1"
+[[body]]
+name = "cart"
+mass = 4
+inertia = [1, 1, 1]
+[[body]]
+name = "mass"
+mass = 1.5
+inertia = [1, 1, 1]
+position = [1, 0, 0]
+[[joint]]
+name = "rail"
+type = "slider"
+between = ["ground", "cart"]
+anchor = [0, 0, 0]
+axis = [1, 0, 0]
+[[joint]]
+name = "guide"
+type = "slider"
+between = ["ground", "mass"]
+anchor = [1, 0, 0]
+axis = [1, 0, 0]
+[[element]]
+name = "damper"
+type = "spring_damper"
+from = "ground"
+to = "cart"
+damping = [10, 0, 0]
+stiffness = [0, 0, 0]
+[[element]]
+name = "spring"
+type = "spring_damper"
+from = "ground"
+to = "mass"
+damping = [2, 0, 0]
+stiffness = [600, 0, 0]
+)";
+    std::string said;
+    const DampedRows rows = damped_modes(text, {"--below", "20 Hz"}, &said);
+    ASSERT_EQ(rows.size(), 3u) << said;
+    EXPECT_EQ(rows[0][2], 0);
+    EXPECT_NEAR(rows[1][4], 2.5, 1e-8);
+    EXPECT_EQ(rows[1][1], 0);
+    EXPECT_NEAR(rows[2][4], 2 / 3.0, 1e-8);
+    EXPECT_NEAR(rows[2][2], 20 / (2 * M_PI), 1e-8);
+}
+
+}  // namespace
+}  // namespace dttmm::host

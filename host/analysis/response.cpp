@@ -22,6 +22,7 @@
 #include "record/channels.h"
 #include "record/csv_table.h"
 #include "record/csv_writer.h"
+#include "record/progress_bar.h"
 #include "record/results_folder.h"
 #include "record/tell.h"
 
@@ -330,8 +331,11 @@ void SteadyResponse::keep_largest(const Instance& at, const Values& values) {
 /// False: it was stopped.
 bool SteadyResponse::sweep(const Sweep& sweep, const std::function<void(const Instance&, const Values&)>& take) {
     if (!sweep.is_adaptive) {
-        for (const double x : sweep.x) {
+        ProgressBar progress(request_.quiet ? -1 : 2);
+        for (size_t i = 0; i < sweep.x.size(); ++i) {
+            const double x = sweep.x[i];
             if (StopSignals::requested()) return false;
+            progress.update(static_cast<double>(i), static_cast<double>(sweep.x.size()), "rows");
             take(sweep.at(x), evaluate(sweep.at(x)));
         }
         return true;

@@ -144,6 +144,26 @@ TEST_P(StoppedModes, AResponseKeepsItsLines) {
     EXPECT_EQ(read_history(folder_ / "out/frf.csv").front(), rows.front());
 }
 
+// Oracle: the same of `dttmm response`.
+TEST_P(StoppedModes, ASteadyResponseKeepsItsRows) {
+    const std::vector<std::string> words = {"response", "model.toml", "--in", "plate.z", "--from",  "10 Hz",
+                                            "--to",     "20000 Hz",   "-o",   "out",     "--points"};
+    auto many = words;
+    many.push_back("5000000");
+    Process response(many, folder_.path());
+    ASSERT_TRUE(wait_until([&] { return has_rows("out/response.csv"); }));
+    response.send(GetParam());
+    const Ended ended = response.wait();
+    EXPECT_EQ(ended.code, 130) << ended.err;
+    const auto rows = read_history(folder_ / "out/response.csv");
+    EXPECT_THAT(ended.err, HasSubstr(std::to_string(rows.size()) + " rows are kept"));
+    EXPECT_THAT(read_text(folder_ / "out/summary.json"), HasSubstr("\"stopped\""));
+    auto few = words;
+    few.push_back("2");
+    ASSERT_EQ(run_dttmm(folder_.path(), few).code, 0);
+    EXPECT_EQ(read_history(folder_ / "out/response.csv").front(), rows.front());
+}
+
 TEST_P(StoppedModes, ASweepKeepsItsCases) {
     Process sweep({"modes", "model.toml", "--sweep", "mass=1kg..5kg:100000", "-o", "out"}, folder_.path());
     std::this_thread::sleep_for(std::chrono::milliseconds(300));

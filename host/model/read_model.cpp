@@ -215,6 +215,23 @@ void read_contents(const TableReader& file, const ElementCatalogue& catalogue, c
     if (!file.context().diagnostics.has_errors()) warn_turned_markers(file, model, attachments);
 }
 
+/// A loss factor has no form in time.
+void refuse_loss_factors(const Model& model, const ElementCatalogue& catalogue) {
+    for (const Element& element : model.elements) {
+        const dttmm_element_type& type = *catalogue.types[as_size(element.type)];
+        size_t first = 0;
+        for (uint32_t p = 0; p < type.parameter_count; first += type.parameters[p++].count) {
+            const std::string_view name = type.parameters[p].name;
+            if (!name.ends_with("loss_factor") || !(element.values[first] > 0)) continue;
+            throw Error(ExitCode::model_invalid,
+                        fmt::format("{}: element {}: {}: a loss factor acts in modes --damped, frf and response only; a run "
+                                    "wants a damping: loss_factor times stiffness over 2 pi f, with the frequency f that "
+                                    "matters",
+                                    element.place, quote(element.name), name));
+        }
+    }
+}
+
 }  // namespace
 
 Model read_model(const fs::path& file, const ElementCatalogue& catalogue, const ModelOverrides& overrides) {
@@ -240,10 +257,12 @@ Model parse_model(std::string_view text, const fs::path& file, const ElementCata
     diagnostics.throw_if_errors();
     if (overrides.purpose == Purpose::histories) warn_free_bodies(root, model);
     model.warnings = diagnostics.warnings();
-    if (overrides.purpose == Purpose::histories)
+    if (overrides.purpose == Purpose::histories) {
+        refuse_loss_factors(model, catalogue);
         check_vibrations(model);
-    else
+    } else {
         set_vibrations_aside(model);
+    }
     model.machine_rests_on_speed = parameters.has_used(kSpeed);
     if (overrides.load_case) {
         const LoadCase asked = find_case(model, *overrides.load_case);

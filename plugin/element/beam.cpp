@@ -61,6 +61,7 @@ Parts Beam::discretise(std::span<const Pose> ends) const {
         law.stiffness << s.EA / length, 1 / (cube / s.EIz + length / s.GAy), 1 / (cube / s.EIy + length / s.GAz),
             s.GJ / length, s.EIy / length, s.EIz / length;
         law.damping = s.stiffness_damping * law.stiffness;
+        law.loss_factor = s.loss_factor;
         // A link bends as its static line does: u' = θ x/l from its curvature, and of what d adds b = 1/(1 + Φ) is bending,
         // 6 d x (l − x)/l³, the rest shear, d/l. The line is longer than its way along x by ∫ u'²/2, and that way is l + d_x
         // less θ²/4 of the two levers of half a link: e = d_x + dθ/2 − lθ²/12 + (1 + b²/5) d²/(2l). So a pull straightens

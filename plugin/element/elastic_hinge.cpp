@@ -20,10 +20,19 @@ constexpr dttmm_parameter damping(const char* name, const char* unit) {
 }
 
 constexpr dttmm_parameter kParameters[] = {
-    stiffness("stiffness.x", "N/m"),      stiffness("stiffness.y", "N/m"),      stiffness("stiffness.z", "N/m"),
-    stiffness("stiffness.rx", "N*m/rad"), stiffness("stiffness.ry", "N*m/rad"), stiffness("stiffness.rz", "N*m/rad"),
-    damping("damping.x", "N*s/m"),        damping("damping.y", "N*s/m"),        damping("damping.z", "N*s/m"),
-    damping("damping.rx", "N*m*s/rad"),   damping("damping.ry", "N*m*s/rad"),   damping("damping.rz", "N*m*s/rad"),
+    stiffness("stiffness.x", "N/m"),
+    stiffness("stiffness.y", "N/m"),
+    stiffness("stiffness.z", "N/m"),
+    stiffness("stiffness.rx", "N*m/rad"),
+    stiffness("stiffness.ry", "N*m/rad"),
+    stiffness("stiffness.rz", "N*m/rad"),
+    damping("damping.x", "N*s/m"),
+    damping("damping.y", "N*s/m"),
+    damping("damping.z", "N*s/m"),
+    damping("damping.rx", "N*m*s/rad"),
+    damping("damping.ry", "N*m*s/rad"),
+    damping("damping.rz", "N*m*s/rad"),
+    zero_by_default("loss_factor", "1", 0, kLossFactorHelp),
 };
 
 }  // namespace
@@ -31,7 +40,8 @@ constexpr dttmm_parameter kParameters[] = {
 const dttmm_element_type ElasticHinge::kType = {"elastic_hinge", DTTMM_ENDS_FROM_TO, std::size(kParameters), kParameters,
                                                 "a joint elastic, rigid or free per direction; what is not named is rigid"};
 
-ElasticHinge::ElasticHinge(std::span<const double, 12> values) {
+ElasticHinge::ElasticHinge(std::span<const double, 13> values) {
+    law_.loss_factor = values[12];
     for (size_t d = 0; d < 6; ++d) {
         law_.rigid[d] = std::isinf(values[d]);
         if (law_.rigid[d] && values[6 + d] > 0)

@@ -11,7 +11,7 @@ namespace dttmm::plugin {
 class ElasticHinge : public SingleJoint {
 public:
     /// values: stiffness x y z [N/m] rx ry rz [N m/rad], infinite where rigid and 0 where free; damping likewise.
-    explicit ElasticHinge(std::span<const double, 12> values);
+    explicit ElasticHinge(std::span<const double, 13> values);
 
     static const dttmm_element_type kType;
 };

@@ -46,6 +46,7 @@ struct Axial {
 struct JointLaw {
     Vector6 stiffness = Vector6::Zero();                         ///< [N/m, N m/rad]
     Vector6 damping = Vector6::Zero();                           ///< [N s/m, N m s/rad]
+    double loss_factor = 0;                                      ///< of the stiffness in vibration
     Directions rigid;                                            ///< d = 0 there; stiffness and damping are not looked at
     std::array<std::shared_ptr<const Law>, 6> laws;              ///< of directions that are not linear
     Foreshortening line;                                         ///< of the elastic line that it stands for

@@ -35,6 +35,10 @@ constexpr dttmm_parameter zero_by_default(const char* name, const char* unit, do
 }
 
 /// The host's bounds for masses and places: beyond them numbers drown one another, or overflow.
+/// Of frequencies; a host refuses it in a run, by its name.
+inline constexpr const char* kLossFactorHelp =
+    "of its stiffness k, k (1 + i loss_factor) in vibration; in frequencies only, a run refuses it";
+
 inline constexpr double kHeaviestMass = 1e12, kFarthestPlace = 1e6,
                         kLargestInertia = kHeaviestMass * kFarthestPlace * kFarthestPlace;
 

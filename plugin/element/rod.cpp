@@ -41,6 +41,7 @@ Parts Rod::discretise(std::span<const Pose> ends) const {
         JointLaw law;
         law.stiffness(0) = section_.EA / length;
         law.damping(0) = section_.stiffness_damping * law.stiffness(0);
+        law.loss_factor = section_.loss_factor;
         for (size_t d = 1; d < 6; ++d) law.rigid.set(d);
         return law;
     };

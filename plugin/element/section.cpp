@@ -24,7 +24,7 @@ namespace {
 struct Given {
     double outer, inner, diameter, width, height, kappa;
     double EA, EIy, EIz, GJ, GAy, GAz, mass, inertia, offset_y, offset_z;
-    double E, G, poisson, density, stiffness_damping;
+    double E, G, poisson, density, stiffness_damping, loss_factor;
 
     explicit Given(std::span<const double, kSectionValueCount> v)
         : outer(v[0]),
@@ -47,7 +47,8 @@ struct Given {
           G(v[17]),
           poisson(v[18]),
           density(v[19]),
-          stiffness_damping(v[20]) {}
+          stiffness_damping(v[20]),
+          loss_factor(v[21]) {}
 
     int shapes() const { return is_given(outer) + is_given(diameter) + is_given(width); }
 };
@@ -176,6 +177,7 @@ Section make_section(std::span<const double, kSectionValueCount> values, BeamThe
         section.rotary_y = section.rotary_z = 0;
     }
     section.stiffness_damping = given.stiffness_damping;
+    section.loss_factor = given.loss_factor;
     if (!is_given(given.offset_y)) return section;
     section.offset_y = given.offset_y;
     section.offset_z = given.offset_z;

@@ -33,6 +33,7 @@ struct Section {
     double rotary_y = 0, rotary_z = 0;  ///< of the section about y and z [kg m]; zero for Euler-Bernoulli
     double offset_y = 0, offset_z = 0;  ///< of the mass axis from the elastic axis [m]
     double stiffness_damping = 0;       ///< damping over stiffness of every deformation [s]
+    double loss_factor = 0;             ///< of every stiffness in vibration
     SectionModuli moduli = {};
 };
 
@@ -60,10 +61,11 @@ inline constexpr std::array kSectionParameters = {
     optional("material.poisson", "1", 1, -0.999, 0.4999, "Poisson's ratio"),
     optional("material.density", "kg/m^3", 1, kPositive, kLargest, "mass per volume"),
     zero_by_default("material.stiffness_damping", "s", 0, "damping over stiffness of every deformation"),
+    zero_by_default("material.loss_factor", "1", 0, kLossFactorHelp),
 };
 
 /// Their numbers in that order.
-inline constexpr size_t kSectionValueCount = 21;
+inline constexpr size_t kSectionValueCount = 22;
 
 enum class BeamTheory { euler_bernoulli, timoshenko };
 

@@ -16,8 +16,9 @@ constexpr dttmm_parameter kParameters[] = {
     spread3("damping", "N*s/m", "in x, y, z of the from end; one number: the same in all"),
     spread3("rotational_stiffness", "N*m/rad", "about x, y, z of the from end"),
     spread3("rotational_damping", "N*m*s/rad", "about x, y, z of the from end"),
+    zero_by_default("loss_factor", "1", 0, kLossFactorHelp),
 };
-constexpr size_t kLinearValues = 12;
+constexpr size_t kLossFactor = 12, kLinearValues = 13;
 
 }  // namespace
 
@@ -39,6 +40,7 @@ SpringDamper::SpringDamper(std::span<const double> values) {
         law_.stiffness(3 + i) = at(2);
         law_.damping(3 + i) = at(3);
     }
+    law_.loss_factor = values[kLossFactor];
     std::span<const double> rest = values.subspan(kLinearValues);
     for (int d = 0; d < 6; ++d) {
         const LawParameters& parameters = LawParameters::of_direction(d);

@@ -9,15 +9,25 @@
 #include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "core/error.h"
 
 namespace dttmm::plugin {
 
+bool DampedModes::has_loss_factor() const {
+    const FrequencyModel& model = D_.model();
+    return std::ranges::any_of(model.bonds, [](const Bond& bond) { return bond.loss_factor > 0; }) ||
+           std::ranges::any_of(model.lines, [](const LineModel& line) { return line.line.section.loss_factor > 0; });
+}
+
 DampedModes::DampedModes(DynamicStiffness& D, HarmonicSolver& solver, double below) : D_(D), solver_(solver) {
     constexpr double kFiner = 2;  // pieces whose own frequencies lie so far above: their mass is then that of a fine element
     D_.cut(kFiner * below);
-    find_all(below);
+    if (has_loss_factor())
+        find_all<Complex>(below);
+    else
+        find_all<double>(below);
 }
 
 /// Columns that span the motions which no rigid direction forbids: of the real matrix at s = 0, rows of rigid directions
@@ -43,35 +53,49 @@ DampedModes::Matrix DampedModes::free_directions(const Matrix& K) const {
 bool DampedModes::piles_up(Complex s) const {
     constexpr double kNear = 0.02;
     return std::ranges::any_of(D_.model().lines, [&](const LineModel& line) {
-        return std::abs(1.0 + line.line.section.stiffness_damping * s) < kNear;
+        return line.line.section.stiffness_damping > 0 && std::abs(1.0 + line.line.section.stiffness_damping * s) < kNear;
     });
 }
 
+/// Complex numbers are there for stiffness with a loss factor: it counts for what turns as e^(iωt) with ω > 0.
+template <class Scalar>
 void DampedModes::find_all(double below) {
-    const auto real = [&](double s) { return Matrix(solver_.assemble({s, 0}, true).real()); };
+    using Dense = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+    constexpr bool kIsReal = std::is_same_v<Scalar, double>;
+    using Solver = std::conditional_t<kIsReal, Eigen::EigenSolver<Matrix>, Eigen::ComplexEigenSolver<Eigen::MatrixXcd>>;
+    const auto at = [&](double s) -> Dense {
+        if constexpr (kIsReal)
+            return Dense(solver_.assemble({s, 0}, true).real());
+        else
+            return Dense(solver_.assemble({s, 0}, true));
+    };
     // Quadratic in s, so three values have it. Beyond a shift on the positive axis the matrix is positive definite
     const double shift = below;
-    const Matrix at_zero = real(0), above = real(shift), under = real(-shift);
-    const Matrix Z = free_directions(at_zero);
+    const Dense at_zero = at(0), above = at(shift), under = at(-shift);
+    const Matrix Z = free_directions(at_zero.real());
     if (Z.cols() > kMostUnknowns)
         throw Error(DTTMM_ERROR_MODEL,
                     fmt::format("damped modes of {} unknowns: at most {} are taken; ask for a lower highest frequency, "
                                 "which parts beams into fewer pieces, or look at `dttmm response`",
                                 Z.cols(), kMostUnknowns));
-    const auto reduced = [&](const Matrix& A) -> Matrix { return Z.transpose() * A.topLeftCorner(Z.rows(), Z.rows()) * Z; };
-    const Matrix K = reduced(at_zero), A = reduced(above), B = reduced(under);
-    const Matrix M = ((A + B) / 2 - K) / (shift * shift), C = (A - B) / (2 * shift);
+    const Dense own = Z.template cast<Scalar>();
+    const auto reduced = [&](const Dense& whole) -> Dense {
+        return own.transpose() * whole.topLeftCorner(Z.rows(), Z.rows()) * own;
+    };
+    const Dense K = reduced(at_zero), A = reduced(above), B = reduced(under);
+    const Dense M = ((A + B) / 2 - K) / (shift * shift), C = (A - B) / (2 * shift);
     // s = shift + 1/µ: µ² A + µ A' + M = 0 with A' = C + 2 shift M. Where there is no mass µ is 0, and s without bound
-    const Eigen::PartialPivLU<Matrix> lu(A);
-    const Matrix first = lu.solve(C + 2 * shift * M), second = lu.solve(M);
+    const Eigen::PartialPivLU<Dense> lu(A);
+    const Dense first = lu.solve(C + 2 * shift * M), second = lu.solve(M);
     const Eigen::Index n = K.rows();
-    Matrix companion = Matrix::Zero(2 * n, 2 * n);
+    Dense companion = Dense::Zero(2 * n, 2 * n);
     companion.topLeftCorner(n, n) = -shift * first;  // µ in units of 1/shift
     companion.topRightCorner(n, n) = -shift * shift * second;
     companion.bottomLeftCorner(n, n).setIdentity();
-    const Eigen::EigenSolver<Matrix> found(companion);
+    const Solver found(companion);
     if (found.info() != Eigen::Success)
         throw Error(DTTMM_ERROR_NUMERIC, "the damped modes are not found: the eigenvalues do not converge");
+    const Eigen::MatrixXcd vectors = found.eigenvectors();
     constexpr double kNoMass = 1e-12;
     for (Eigen::Index k = 0; k < 2 * n; ++k) {
         const Complex mu = found.eigenvalues()(k) / shift;
@@ -83,7 +107,7 @@ void DampedModes::find_all(double below) {
             continue;
         }
         DampedMode mode{s, 0, {}};
-        Eigen::VectorXcd x = Z.cast<Complex>() * found.eigenvectors().col(k).head(n);
+        Eigen::VectorXcd x = Z.cast<Complex>() * vectors.col(k).head(n);
         improve(mode, x);
         modes_.push_back(std::move(mode));
     }

@@ -42,6 +42,8 @@ private:
 
     Matrix free_directions(const Matrix& K) const;
     bool piles_up(Complex s) const;
+    bool has_loss_factor() const;
+    template <class Scalar>
     void find_all(double below);
     void improve(DampedMode& mode, Eigen::VectorXcd& x);
 

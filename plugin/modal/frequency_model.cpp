@@ -149,6 +149,7 @@ FrequencyModel::FrequencyModel(const dttmm_modal_model& model, const AtRest* res
         } catch (const Error& error) {
             throw Error(error.status(), error.what(), joint.element);
         }
+        if (bonds.size() > before) bonds.back().loss_factor = joint.law->loss_factor;
         if (const int h = as_int(j) - assembly.first_joint.back(); h >= 0 && bonds.size() > before)
             bonds.back().held_node = held_nodes[as_size(h)];
     }

@@ -58,6 +58,7 @@ struct Bond : Joined {
     /// Of a machine at rest: what the forces of the joint add as they turn with its frames, by the motion of these; null:
     /// none.
     std::shared_ptr<const EndBlocks> turning;
+    double loss_factor = 0;     ///< of its stiffness
     int held_node = -1;         ///< node of the network that it holds in some directions
     double tension = 0;         ///< of a joint along a line at the start [N]: along its x from `from` to `to`
     std::vector<Vector6> held;  ///< directions that do not give, world axes

@@ -19,6 +19,11 @@ using Sparse = Eigen::SparseMatrix<Complex>;
 
 Block complex(const Matrix6& block) { return block.cast<Complex>(); }
 
+/// K (1 + iη) + s C.
+Block stiffness_of(const Bond& bond, Complex s) {
+    return Complex(1, bond.loss_factor) * complex(bond.stiffness) + s * complex(bond.damping);
+}
+
 /// K + iω C − ω² M, 6 rows per frame, and the rows of rigid directions behind it, entry by entry.
 class Entries {
 public:
@@ -79,7 +84,7 @@ Eigen::SparseMatrix<Complex> HarmonicSolver::assemble(Complex s, bool is_polynom
     const FrequencyModel& model = D_.model();
     Entries entries(D_.frame_count());
     for (const Bond& bond : model.bonds) {
-        const Block K = complex(bond.stiffness) + s * complex(bond.damping);
+        const Block K = stiffness_of(bond, s);
         entries.join(bond, K, -K, K);
         if (!bond.turning) continue;
         const int ends[2] = {bond.from, bond.to};
@@ -92,7 +97,8 @@ Eigen::SparseMatrix<Complex> HarmonicSolver::assemble(Complex s, bool is_polynom
         const LineModel& line = D_.line(piece);
         auto& L = waves_[line.kind];
         if (!L) {
-            const Complex stiffening = 1.0 + s * line.line.section.stiffness_damping;
+            const Section& section = line.line.section;
+            const Complex stiffening = Complex(1, section.loss_factor) + s * section.stiffness_damping;
             if (is_polynomial) {
                 LineWaves::Square<double> stiffness, mass;
                 line.waves->evaluate<double>(D_.count(line), 0, 1, stiffness, &mass);
@@ -180,8 +186,7 @@ void HarmonicSolver::add_supports(const Response& response, Eigen::VectorXcd& r)
             r.segment<6>(6 * at.to) -= complex(at.by_to.transpose()) * across.transpose() * complex(at.by_from) * ground;
         for (const Rigid& rigid : at.rigid) r(row++) -= rigid.by_ground.cast<Complex>().dot(ground);
     };
-    for (const Bond& bond : model.bonds)
-        add(bond, bond.held_node, -(complex(bond.stiffness) + Complex(0, omega_) * complex(bond.damping)));
+    for (const Bond& bond : model.bonds) add(bond, bond.held_node, -stiffness_of(bond, {0, omega_}));
     for (const DynamicStiffness::Piece& piece : D_.pieces())
         add(piece, -1, waves_[D_.line(piece).kind]->topRightCorner<6, 6>());
     for (const Pin& pin : model.pins) add(pin, -1, complex(-omega_ * omega_ / 6 * pin.mass));
@@ -227,7 +232,7 @@ Complex6 HarmonicSolver::relative(const Bond& bond, const Response& response) co
 
 /// With which it holds its `to` end back, its own point, world axes.
 Complex6 HarmonicSolver::wrench_of(const Bond& bond, const Response& response) const {
-    Complex6 wrench = (complex(bond.stiffness) + Complex(0, omega_) * complex(bond.damping)) * relative(bond, response);
+    Complex6 wrench = stiffness_of(bond, {0, omega_}) * relative(bond, response);
     size_t row = first_row_[as_size(as_int(&bond - D_.model().bonds.data()))];
     Complex6 on_frame = Complex6::Zero();
     for (const Rigid& rigid : bond.rigid)

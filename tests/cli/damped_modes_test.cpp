@@ -122,6 +122,51 @@ material = { E = "210 GPa", poisson = 0.3, density = "7850 kg/m^3", stiffness_da
     }
 }
 
+// Oracle: closed form. With one loss factor η everywhere s² = −ω² (1 + iη).
+TEST(DampedModes, OneLossFactorLeavesTheShapes) {
+    const std::string text = R"(format = "dttmm/1"
+dofs = ["x"]
+[nodes]
+one = [1, 0, 0]
+two = [2, 0, 0]
+[[element]]
+name = "first"
+type = "spring_damper"
+from = "ground"
+to = "one"
+stiffness = [900, 0, 0]
+loss_factor = 0.2
+[[element]]
+name = "second"
+type = "spring_damper"
+from = "one"
+to = "two"
+stiffness = [500, 0, 0]
+loss_factor = 0.2
+[[element]]
+name = "m1"
+type = "point_mass"
+at = "one"
+mass = 2
+[[element]]
+name = "m2"
+type = "point_mass"
+at = "two"
+mass = 1.5
+)";
+    const DampedRows rows = damped_modes(text, {"--below", "20 Hz"});
+    Eigen::Matrix2d K, M = Eigen::Vector2d(2, 1.5).asDiagonal();
+    K << 1400, -500, -500, 500;
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix2d> exact(K, M);
+    ASSERT_EQ(rows.size(), 2u);
+    for (int m = 0; m < 2; ++m) {
+        const std::complex<double> s =
+            std::complex<double>(0, 1) * std::sqrt(exact.eigenvalues()(m) * std::complex<double>(1, 0.2));
+        EXPECT_NEAR(rows[static_cast<size_t>(m)][4], -s.real(), 1e-9 * std::abs(s));
+        EXPECT_NEAR(rows[static_cast<size_t>(m)][1], s.imag() / (2 * M_PI), 1e-9 * std::abs(s));
+    }
+}
+
 // Oracle: by hand. A body on a hinge between joints: reactions and free directions cost nothing; a slider with a damper only
 // has a rigid-body mode and one that decays, s = −c/m.
 TEST(DampedModes, WhatNothingHoldsDecaysOrStays) {

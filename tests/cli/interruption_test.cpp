@@ -156,7 +156,7 @@ TEST_P(StoppedModes, ASteadyResponseKeepsItsRows) {
     const Ended ended = response.wait();
     EXPECT_EQ(ended.code, 130) << ended.err;
     const auto rows = read_history(folder_ / "out/response.csv");
-    EXPECT_THAT(ended.err, HasSubstr(std::to_string(rows.size()) + " rows are kept"));
+    EXPECT_THAT(ended.err, HasSubstr(std::to_string(rows.size()) + (rows.size() == 1 ? " row is kept" : " rows are kept")));
     EXPECT_THAT(read_text(folder_ / "out/summary.json"), HasSubstr("\"stopped\""));
     auto few = words;
     few.push_back("2");

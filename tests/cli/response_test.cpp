@@ -249,6 +249,51 @@ TEST_F(SteadyVibration, AFootIsShakenByAcceleration) {
     EXPECT_NEAR(std::stod(rms.substr(at + 22)), expected, 5e-4 * expected);
 }
 
+// Oracle: closed form with k (1 + iη), and of a free tip of a rod with E (1 + iη): x = F tan(κL)/(EA κ), κ = ω √(ρ/E).
+TEST_F(SteadyVibration, ALossFactorTurnsStiffnessComplex) {
+    constexpr double kLoss = 0.13;
+    std::string text = kOneMass + "harmonic = { amplitude = \"1 N\" }\n";
+    text.replace(text.find("damping = 11"), 12, "damping = 11\nloss_factor = 0.13");
+    const std::vector<std::string> words = {"--from", "2Hz", "--to",  "30Hz",   "--points", "5",
+                                            "--out",  "m",   "--out", "spring", "-q"};
+    const Table table = response(text, words);
+    ASSERT_EQ(table.rows.size(), 5u);
+    for (size_t i = 0; i < 5; ++i) {
+        const double w = 2 * kPi * table.value(i, "frequency");
+        const Complex k(kSpring, kSpring * kLoss + w * kDamper), x = 1.0 / (k - kOwnMass * w * w);
+        EXPECT_LT(std::abs(table.amplitude(i, "m.position.x") - x), 1e-10 * std::abs(x));
+        EXPECT_LT(std::abs(table.amplitude(i, "spring.force.x") - k * x), 1e-10 * std::abs(k * x));
+    }
+    const std::string rod = R"(format = "dttmm/1"
+dofs = ["x"]
+[nodes]
+wall = { position = [0, 0, 0], fixed = ["x"] }
+tip = [1.7, 0, 0]
+[[element]]
+name = "rod"
+type = "rod"
+from = "wall"
+to = "tip"
+section = { EA = 3e6, mass = 0.8 }
+material = { loss_factor = 0.04 }
+[[load]]
+on = "tip"
+direction = [1, 0, 0]
+harmonic = { amplitude = "1 N" }
+)";
+    const Table waves = response(rod, {"--from", "20Hz", "--to", "900Hz", "--points", "7", "--out", "tip", "-q"});
+    ASSERT_EQ(waves.rows.size(), 7u);
+    for (size_t i = 0; i < 7; ++i) {
+        const Complex EA = 3e6 * Complex(1, 0.04), kappa = 2 * kPi * waves.value(i, "frequency") * std::sqrt(0.8 / EA);
+        const Complex x = std::tan(1.7 * kappa) / (EA * kappa);
+        EXPECT_LT(std::abs(waves.amplitude(i, "tip.position.x") - x), 1e-9 * std::abs(x));
+    }
+
+    write_text(folder_ / "run.toml", text + "[simulation]\nduration = \"1 s\"\nstep = \"1 ms\"\n");
+    const Ended run = run_dttmm(folder_.path(), {"run", "run.toml", "-o", "run"});
+    EXPECT_EQ(run.code, 3);
+}
+
 /// A body on four inclined springs, turned in the world, that starts where it is at rest.
 std::string turned_block(const std::string& loads, double duration, double step) {
     std::string text = fmt::format(R"(format = "dttmm/1"

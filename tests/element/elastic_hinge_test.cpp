@@ -22,7 +22,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 ElasticHinge hinge(const Given& given) {
     const std::vector<double> values = test::values_of(ElasticHinge::kType, given);
-    return ElasticHinge(std::span<const double, 12>(values));
+    return ElasticHinge(std::span<const double, 13>(values));
 }
 
 /// The number that a word of a parameter stands for.

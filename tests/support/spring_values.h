@@ -12,6 +12,7 @@ namespace dttmm::test {
 inline std::vector<double> spring_values(const std::array<double, 12>& linear) {
     constexpr size_t kMost = 1000;
     std::vector<double> values(linear.begin(), linear.end());
+    values.push_back(0);  // loss_factor
     values.resize(kMost, std::numeric_limits<double>::quiet_NaN());
     return values;
 }

@@ -11,6 +11,8 @@ namespace {
 
 constexpr double kTolerance = 0.01;      ///< of magnitude and of phase [rad]
 constexpr double kSmall = 1e-4;          ///< of the largest magnitude: below it a curve need not be straight
+constexpr double kRounding = 1e-7;       ///< of the largest magnitude of its kind: below it a curve may be rounding
+constexpr double kNearZero = 1e-6;       ///< share of all x below which the interval that begins at 0 is not parted
 constexpr double kPeakTolerance = 1e-5;  ///< of a peak, between its points
 constexpr double kNarrow = 1e-7;         ///< share of x below which no interval is parted: half-power width of ζ = 5e-8
 
@@ -21,8 +23,17 @@ const AdaptivePoints::Values* AdaptivePoints::take(double x) {
     if (points_.size() >= most_ || is_asked_to_stop_()) return nullptr;
     Values values = curves_(x);
     largest_.resize(values.size());
-    for (size_t c = 0; c < values.size(); ++c) largest_[c] = std::max(largest_[c], std::abs(values[c]));
+    for (size_t c = 0; c < values.size(); ++c) {
+        largest_[c] = std::max(largest_[c], std::abs(values[c]));
+        if (kinds_[c] >= largest_of_kind_.size()) largest_of_kind_.resize(kinds_[c] + 1);
+        largest_of_kind_[kinds_[c]] = std::max(largest_of_kind_[kinds_[c]], largest_[c]);
+    }
     return &points_.emplace(x, std::move(values)).first->second;
+}
+
+/// Smaller magnitudes of a curve need not be straight.
+double AdaptivePoints::floor_of(size_t c) const {
+    return std::max(kSmall * largest_[c], kRounding * largest_of_kind_[kinds_[c]]);
 }
 
 /// Whether the values at x1, between x0 and x2, are where a straight line has them.
@@ -30,9 +41,10 @@ bool AdaptivePoints::is_straight(double x0, double x1, double x2) const {
     const Values &v0 = points_.at(x0), &v1 = points_.at(x1), &v2 = points_.at(x2);
     const double s = (x1 - x0) / (x2 - x0);
     for (size_t c = 0; c < v1.size(); ++c) {
-        const double size = std::abs(v1[c]), floor = kSmall * largest_[c];
+        const double size = std::abs(v1[c]), floor = floor_of(c);
         const double straight = (1 - s) * std::abs(v0[c]) + s * std::abs(v2[c]);
-        if (std::abs(straight - size) > kTolerance * size + kTolerance * floor) return false;
+        if (std::max({size, std::abs(v0[c]), std::abs(v2[c])}) <= floor) continue;
+        if (std::abs(straight - size) > kTolerance * std::max(size, floor)) return false;
         if (size <= floor || std::abs(v0[c]) <= floor || std::abs(v2[c]) <= floor) continue;
         const double turn = std::arg(v2[c] / v0[c]);
         if (std::abs(std::arg(v1[c] / (v0[c] * std::polar(1.0, s * turn)))) > kTolerance) return false;
@@ -45,6 +57,7 @@ bool AdaptivePoints::refine(std::vector<std::pair<double, double>> intervals) {
         const auto [x0, x2] = intervals.back();
         intervals.pop_back();
         const double x1 = 0.5 * (x0 + x2);
+        if (x0 == 0 && x2 < kNearZero * span_) continue;
         if (!(x2 - x0 > kNarrow * std::abs(x2))) {
             if (unbounded_.empty() || std::abs(unbounded_.back() - x1) > 1e-5 * std::abs(x1)) unbounded_.push_back(x1);
             continue;
@@ -60,7 +73,7 @@ bool AdaptivePoints::refine(std::vector<std::pair<double, double>> intervals) {
 /// Closes in on the largest magnitude of every curve by parabolas through three points.
 bool AdaptivePoints::find_peaks() {
     for (size_t c = 0; c < largest_.size(); ++c)
-        for (int pass = 0; pass < 8; ++pass) {
+        for (int pass = 0; largest_[c] > floor_of(c) && pass < 8; ++pass) {
             auto top = points_.begin();
             for (auto point = points_.begin(); point != points_.end(); ++point)
                 if (std::abs(point->second[c]) > std::abs(top->second[c])) top = point;
@@ -82,6 +95,7 @@ bool AdaptivePoints::find_peaks() {
 
 bool AdaptivePoints::find(std::span<const double> start, size_t most, const std::function<bool()>& is_asked_to_stop) {
     most_ = most;
+    span_ = start.back() - start.front();
     is_asked_to_stop_ = is_asked_to_stop;
     for (const double x : start)
         if (!take(x)) return false;

@@ -10,14 +10,16 @@
 namespace dttmm::host {
 
 /// Complex curves over one variable at so few points that straight lines between them are good to 1 %: magnitude to 1 % of
-/// itself and phase to 1 % of a radian, where the magnitude is more than 1e-4 of the largest of its curve; and at the peaks.
+/// itself and phase to 1 % of a radian, where the magnitude is more than 1e-4 of the largest of its curve and 1e-7 of the
+/// largest of its kind, of which smaller values may be rounding; and at the peaks.
 class AdaptivePoints {
 public:
     using Values = std::vector<std::complex<double>>;
     /// Values of all curves at x.
     using Curves = std::function<Values(double x)>;
 
-    explicit AdaptivePoints(Curves curves) : curves_(std::move(curves)) {}
+    /// kinds: of every curve; those of a kind have one unit.
+    AdaptivePoints(Curves curves, std::vector<size_t> kinds) : curves_(std::move(curves)), kinds_(std::move(kinds)) {}
 
     /// Finds points from the first to the last of `start`, which ascend and of which there are two or more.
     /// `is_asked_to_stop` is asked before each point. False: it was stopped, or there would be more than `most` points.
@@ -29,13 +31,16 @@ public:
 
 private:
     const Values* take(double x);
+    double floor_of(size_t curve) const;
     bool is_straight(double x0, double x1, double x2) const;
     bool refine(std::vector<std::pair<double, double>> intervals);
     bool find_peaks();
 
     Curves curves_;
+    std::vector<size_t> kinds_;
     std::map<double, Values> points_;
-    std::vector<double> largest_, unbounded_;
+    std::vector<double> largest_, largest_of_kind_, unbounded_;
+    double span_ = 0;  ///< from the first to the last point
     size_t most_ = 0;
     std::function<bool()> is_asked_to_stop_;
 };

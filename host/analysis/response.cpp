@@ -135,6 +135,7 @@ private:
     bool sweep(const Sweep& sweep, const std::function<void(const Instance&, const Values&)>& take);
     void write_random(const ResultsFolder& folder);
     std::vector<Column> columns() const;
+    std::vector<size_t> kinds() const;
     std::string channel_name(size_t curve) const;
     std::string unit(size_t curve) const;
     void keep_largest(const Instance& at, const Values& values);
@@ -340,11 +341,13 @@ bool SteadyResponse::sweep(const Sweep& sweep, const std::function<void(const In
         }
         return true;
     }
-    AdaptivePoints adaptive([&](double x) {
-        Values values = evaluate_near(sweep, x);
-        values.resize(columns_of_rows());
-        return values;
-    });
+    AdaptivePoints adaptive(
+        [&](double x) {
+            Values values = evaluate_near(sweep, x);
+            values.resize(columns_of_rows());
+            return values;
+        },
+        kinds());
     const bool is_done = adaptive.find(sweep.x, kMostPoints, StopSignals::requested);
     for (const auto& [x, values] : adaptive.points()) take(sweep.at(x), values);
     if (!is_done && !StopSignals::requested())
@@ -373,6 +376,21 @@ std::string SteadyResponse::unit(size_t curve) const {
     return unit == per ? "1" : fmt::format("{}/{}", unit, per == "N*m" ? "(N*m)" : per);
 }
 
+/// Of all curves, by the unit of the channel and the input.
+std::vector<size_t> SteadyResponse::kinds() const {
+    std::vector<std::string> known;
+    std::vector<size_t> kinds;
+    const size_t cases = excitation_.inputs().size() + 1 + excitation_.random_count();
+    for (size_t c = 0; c < cases * chosen_.size(); ++c) {
+        const std::string name =
+            fmt::format("{} {}", channels_.all()[as_size(chosen_[c % chosen_.size()])].unit(), c / chosen_.size());
+        const auto found = std::ranges::find(known, name);
+        kinds.push_back(static_cast<size_t>(found - known.begin()));
+        if (found == known.end()) known.push_back(name);
+    }
+    return kinds;
+}
+
 std::vector<Column> SteadyResponse::columns() const {
     std::vector<Column> columns = {{"frequency", "Hz"}};
     if (has_speeds_) {
@@ -393,7 +411,7 @@ void SteadyResponse::write_random(const ResultsFolder& folder) {
         values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(skipped));
         return values;
     };
-    AdaptivePoints adaptive(amplitudes);
+    AdaptivePoints adaptive(amplitudes, kinds());
     std::vector<double> start = begin_with(from, to, natural_frequencies(to));
     if (!adaptive.find(start, kMostPoints, StopSignals::requested)) return;
     const auto densities = [&](double f, const Values& values) {

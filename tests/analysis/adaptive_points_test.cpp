@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "analysis/adaptive_points.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+namespace dttmm::host {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kZeta = 0.004;
+Complex resonance(double x) { return 1.0 / Complex(1 - x * x, 2 * kZeta * x); }
+bool goes_on() { return false; }
+
+// Oracle: closed form. The peak 1/(2 ζ √(1 − ζ²)) to 2e-5, and straight lines between the points are good to 1 %.
+TEST(AdaptivePoints, AResonanceIsDrawn) {
+    AdaptivePoints adaptive([](double x) { return AdaptivePoints::Values{resonance(x)}; }, {0});
+    ASSERT_TRUE(adaptive.find(std::array{0.1, 1.0, 4.0}, 1000, goes_on));
+    double peak = 0, last = 0, last_size = 0;
+    for (const auto& [x, values] : adaptive.points()) {
+        const double size = std::abs(values[0]), middle = std::abs(resonance(0.5 * (last + x)));
+        if (last > 0) {
+            EXPECT_NEAR(0.5 * (last_size + size), middle, 0.0101 * middle) << x;
+        }
+        last = x;
+        last_size = size;
+        peak = std::max(peak, size);
+    }
+    const double exact = 1 / (2 * kZeta * std::sqrt(1 - kZeta * kZeta));
+    EXPECT_NEAR(peak, exact, 2e-5 * exact);
+    EXPECT_TRUE(adaptive.unbounded().empty());
+}
+
+// What is rounding beside curves of its kind asks for no points: without the floor of a kind there would be 100 000.
+TEST(AdaptivePoints, RoundingIsNotDrawn) {
+    const auto curves = [](double x) { return AdaptivePoints::Values{resonance(x), 1e-11 * std::sin(1e9 * x)}; };
+    AdaptivePoints both(curves, {0, 0}), alone([](double x) { return AdaptivePoints::Values{resonance(x)}; }, {0});
+    ASSERT_TRUE(both.find(std::array{0.1, 1.0, 4.0}, 100000, goes_on));
+    ASSERT_TRUE(alone.find(std::array{0.1, 1.0, 4.0}, 100000, goes_on));
+    EXPECT_EQ(both.points().size(), alone.points().size());
+}
+
+// A free direction at 0 has another value than beside it: the search ends there all the same.
+TEST(AdaptivePoints, AFreeDirectionAtZeroEnds) {
+    AdaptivePoints adaptive([](double x) { return AdaptivePoints::Values{x == 0 ? 1.0 : 1.0 / (x * x)}; }, {0});
+    ASSERT_TRUE(adaptive.find(std::array{0.0, 2.0, 5.0}, 100000, goes_on));
+    EXPECT_TRUE(adaptive.unbounded().empty());
+    EXPECT_LT(adaptive.points().size(), 1000u);
+}
+
+// 1/|x − a| has no peak: the place is told once, and the search stops where it is asked to.
+TEST(AdaptivePoints, WhatHasNoPeakIsTold) {
+    const auto curve = [](double x) { return AdaptivePoints::Values{1 / (std::abs(x - 1.2345) + 1e-14)}; };
+    AdaptivePoints adaptive(curve, {0});
+    ASSERT_TRUE(adaptive.find(std::array{0.5, 1.2345, 2.0}, 100000, goes_on));
+    ASSERT_EQ(adaptive.unbounded().size(), 1u);
+    EXPECT_NEAR(adaptive.unbounded().front(), 1.2345, 1e-6);
+    AdaptivePoints few(curve, {0});
+    EXPECT_FALSE(few.find(std::array{0.5, 2.0}, 10, goes_on));
+    EXPECT_EQ(few.points().size(), 10u);
+}
+
+}  // namespace
+}  // namespace dttmm::host

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "analysis/damped_modes.h"
+#include "analysis/determinant.h"
 #include "analysis/modal_session.h"
 #include "analysis/mode_energies.h"
 #include "analysis/stop_signals.h"
@@ -208,10 +209,13 @@ ExitCode find_modes(const Request& request) {
     for (const Mode& mode : modes)
         energies.push_back(energies_of(model, machine, mode, static_cast<uint32_t>(energies.size())));
 
+    std::string determinant;
+    if (!request.determinant.empty()) determinant = determinant_table(machine, request.determinant);
     const std::optional<DampedModes> damped = damped_of(request, model, machine, modes, warnings);
 
     const ResultsFolder folder(results_path(request, "-modes"));
     Json json = describe(model, machine, modes, energies, warnings);
+    if (!determinant.empty()) write_atomically(folder.file("determinant.csv"), determinant);
     if (damped) {
         json["damped"] = describe(*damped);
         write_atomically(folder.file("damped.csv"), damped_table(*damped));

@@ -27,6 +27,7 @@ struct Request {
     int jobs = 0;                                 ///< cases at a time; 0: one per core
 
     bool is_verbose = false;  ///< modes: print how the overall transfer equation is laid out
+    std::string determinant;  ///< modes: over these frequencies, "1Hz..200Hz:400"
     bool is_damped = false;   ///< modes: with damping too
     bool as_json = false;     ///< modes: one JSON object on the standard output instead of the table
 

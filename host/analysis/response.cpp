@@ -234,7 +234,13 @@ void SteadyResponse::plan_speeds() {
     if (!request_.orders.empty()) {
         std::vector<double> chosen;
         for (const std::string& text : request_.orders) {
-            const double order = parse_quantity(text, "1");
+            const double order = [&] {
+                try {
+                    return parse_quantity(text, "1");
+                } catch (const Error& error) {
+                    throw Error(ExitCode::usage, fmt::format("--order {}: {}", quote(text), error.what()));
+                }
+            }();
             if (std::ranges::find(orders, order) == orders.end())
                 fail(fmt::format("--order {}: no load has this order; they have {}", text, fmt::join(orders, ", ")));
             chosen.push_back(order);

@@ -18,7 +18,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using Complex = std::complex<double>;
-constexpr double kPi = std::numbers::pi;
+constexpr double kHalfTurn = std::numbers::pi;
 
 /// A CSV file of results by the names of its columns.
 struct Table {
@@ -110,7 +110,7 @@ direction = [1, 0, 0]
 )";
 
 Complex receptance(double f) {
-    const double w = 2 * kPi * f;
+    const double w = 2 * kHalfTurn * f;
     return 1.0 / Complex(kSpring - kOwnMass * w * w, kDamper * w);
 }
 
@@ -120,8 +120,9 @@ TEST_F(SteadyVibration, OneMassUnderAHarmonicLoad) {
                                  {"--from", "2Hz", "--to", "40Hz", "--points", "13", "--out", "m", "--out", "spring", "-q"});
     ASSERT_EQ(table.rows.size(), 13u);
     for (size_t i = 0; i < table.rows.size(); ++i) {
-        const double f = table.value(i, "frequency"), w = 2 * kPi * f;
-        const Complex F = std::polar(14.0, 25 * kPi / 180), x = F * receptance(f), force = Complex(kSpring, w * kDamper) * x;
+        const double f = table.value(i, "frequency"), w = 2 * kHalfTurn * f;
+        const Complex F = std::polar(14.0, 25 * kHalfTurn / 180), x = F * receptance(f),
+                      force = Complex(kSpring, w * kDamper) * x;
         EXPECT_NEAR(f, 2 + 38.0 * static_cast<double>(i) / 12, 1e-12);
         EXPECT_LT(std::abs(table.amplitude(i, "m.position.x") - x), 1e-10 * std::abs(x));
         EXPECT_LT(std::abs(table.amplitude(i, "m.velocity.x") - Complex(0, w) * x), 1e-10 * std::abs(w * x));
@@ -167,12 +168,12 @@ phase = "20 deg"
     const Table table = response(text, {"--rpm", "200..1500:9", "--out", "m.position", "-q"});
     ASSERT_EQ(table.rows.size(), 18u);
     for (size_t i = 0; i < 18; ++i) {
-        const double rpm = table.value(i, "rpm"), speed = rpm * kPi / 30, order = table.value(i, "order"),
+        const double rpm = table.value(i, "rpm"), speed = rpm * kHalfTurn / 30, order = table.value(i, "order"),
                      f = table.value(i, "frequency");
         EXPECT_EQ(order, i < 9 ? 1 : 2);
         EXPECT_NEAR(rpm, 200 + 1300.0 / 8 * static_cast<double>(i % 9), 1e-9);
         EXPECT_NEAR(f, order * rpm / 60, 1e-9);
-        const Complex F = order == 1 ? 0.03 * speed * speed * std::polar(1.0, 20 * kPi / 180)
+        const Complex F = order == 1 ? 0.03 * speed * speed * std::polar(1.0, 20 * kHalfTurn / 180)
                                      : (0.02 * speed * speed + 7) * std::polar(1.0, 1.0);
         const Complex x = F * receptance(f);
         EXPECT_LT(std::abs(table.amplitude(i, "m.position.x") - x), 1e-9 * std::abs(x)) << i;
@@ -180,16 +181,16 @@ phase = "20 deg"
     // Without --rpm: at the speed of the model
     const Table own = response(text, {"--out", "m.position", "-q"});
     ASSERT_EQ(own.rows.size(), 2u);
-    const double speed = 10 * kPi;
+    const double speed = 10 * kHalfTurn;
     EXPECT_NEAR(own.value(0, "frequency"), 5, 1e-12);
-    const Complex x = 0.03 * speed * speed * std::polar(1.0, 20 * kPi / 180) * receptance(5);
+    const Complex x = 0.03 * speed * speed * std::polar(1.0, 20 * kHalfTurn / 180) * receptance(5);
     EXPECT_LT(std::abs(own.amplitude(0, "m.position.x") - x), 1e-9 * std::abs(x));
 }
 
 // Oracle: closed forms under white noise of density S: x² = S/(4 k c) of the whole axis, here cut at 40 times the natural
 // frequency, and the rate of crossings ω0/2π.
 TEST_F(SteadyVibration, WhiteNoiseOnOneMass) {
-    const double f0 = std::sqrt(kSpring / kOwnMass) / (2 * kPi);
+    const double f0 = std::sqrt(kSpring / kOwnMass) / (2 * kHalfTurn);
     const std::string text =
         kOneMass + fmt::format("psd = {{ frequencies = [0, {}], values = [\"3 N^2/Hz\", \"3 N^2/Hz\"] }}\n", 40 * f0);
     const Ended ended = ask(text, {"--out", "m.position.x", "--out", "spring.force.x", "-q"});
@@ -235,7 +236,7 @@ TEST_F(SteadyVibration, AFootIsShakenByAcceleration) {
         EXPECT_LT(std::abs(table.amplitude(i, "spring.deflection.x") - z), 1e-9 * std::abs(z));
         EXPECT_LT(std::abs(table.amplitude(i, "foot.acceleration.x") - 3.0), 1e-9);
     }
-    const double f0 = std::sqrt(kSpring / kOwnMass) / (2 * kPi);
+    const double f0 = std::sqrt(kSpring / kOwnMass) / (2 * kHalfTurn);
     const Ended ended =
         ask(text(fmt::format("{{ type = \"psd\", of = \"acceleration\", frequencies = [0.01, {}], values = [2, "
                              "\"2 (m/s^2)^2/Hz\"] }}",
@@ -259,7 +260,7 @@ TEST_F(SteadyVibration, ALossFactorTurnsStiffnessComplex) {
     const Table table = response(text, words);
     ASSERT_EQ(table.rows.size(), 5u);
     for (size_t i = 0; i < 5; ++i) {
-        const double w = 2 * kPi * table.value(i, "frequency");
+        const double w = 2 * kHalfTurn * table.value(i, "frequency");
         const Complex k(kSpring, kSpring * kLoss + w * kDamper), x = 1.0 / (k - kOwnMass * w * w);
         EXPECT_LT(std::abs(table.amplitude(i, "m.position.x") - x), 1e-10 * std::abs(x));
         EXPECT_LT(std::abs(table.amplitude(i, "spring.force.x") - k * x), 1e-10 * std::abs(k * x));
@@ -284,7 +285,7 @@ harmonic = { amplitude = "1 N" }
     const Table waves = response(rod, {"--from", "20Hz", "--to", "900Hz", "--points", "7", "--out", "tip", "-q"});
     ASSERT_EQ(waves.rows.size(), 7u);
     for (size_t i = 0; i < 7; ++i) {
-        const Complex EA = 3e6 * Complex(1, 0.04), kappa = 2 * kPi * waves.value(i, "frequency") * std::sqrt(0.8 / EA);
+        const Complex EA = 3e6 * Complex(1, 0.04), kappa = 2 * kHalfTurn * waves.value(i, "frequency") * std::sqrt(0.8 / EA);
         const Complex x = std::tan(1.7 * kappa) / (EA * kappa);
         EXPECT_LT(std::abs(waves.amplitude(i, "tip.position.x") - x), 1e-9 * std::abs(x));
     }
@@ -375,7 +376,7 @@ zero = [1, 0, 0]
     for (const std::string& channel : channels) words.insert(words.end(), {"--out", channel});
     const Table steady = response(text, words), run = history(text);
     ASSERT_EQ(steady.rows.size(), 1u);
-    const double w = 14 * kPi;
+    const double w = 14 * kHalfTurn;
     for (const std::string& channel : channels)
         for (const char* axis : {".x", ".y", ".z"}) {
             const std::string name = channel + axis;
@@ -480,7 +481,7 @@ TEST_F(SteadyVibration, ARunOnMovingSupportsBecomesTheResponse) {
     for (const std::string& channel : channels) words.insert(words.end(), {"--out", channel});
     const Table steady = response(text, words), run = history(text);
     ASSERT_EQ(steady.rows.size(), 1u);
-    const double w = 12 * kPi;
+    const double w = 12 * kHalfTurn;
     for (const std::string& channel : channels) {
         double largest = 0;
         for (const char* axis : {".x", ".y", ".z"})

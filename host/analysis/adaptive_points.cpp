@@ -9,12 +9,12 @@ namespace dttmm::host {
 
 namespace {
 
-constexpr double kTolerance = 0.01;      ///< of magnitude and of phase [rad]
-constexpr double kSmall = 1e-4;          ///< of the largest magnitude: below it a curve need not be straight
-constexpr double kRounding = 1e-7;       ///< of the largest magnitude of its kind: below it a curve may be rounding
-constexpr double kNearZero = 1e-6;       ///< share of all x below which the interval that begins at 0 is not parted
-constexpr double kPeakTolerance = 1e-5;  ///< of a peak, between its points
-constexpr double kNarrow = 1e-7;         ///< share of x below which no interval is parted: half-power width of ζ = 5e-8
+constexpr double kTolerance = 0.01;       ///< of magnitude and of phase [rad]
+constexpr double kSmall = 1e-4;           ///< of the largest magnitude: below it a curve need not be straight
+constexpr double kRoundingOfKind = 1e-7;  ///< of the largest magnitude of its kind: below it a curve may be rounding
+constexpr double kNearZero = 1e-6;        ///< share of all x below which the interval that begins at 0 is not parted
+constexpr double kPeakTolerance = 1e-5;   ///< of a peak, between its points
+constexpr double kNarrow = 1e-7;          ///< share of x below which no interval is parted: half-power width of ζ = 5e-8
 
 }  // namespace
 
@@ -33,7 +33,7 @@ const AdaptivePoints::Values* AdaptivePoints::take(double x) {
 
 /// Smaller magnitudes of a curve need not be straight.
 double AdaptivePoints::floor_of(size_t c) const {
-    return std::max(kSmall * largest_[c], kRounding * largest_of_kind_[kinds_[c]]);
+    return std::max(kSmall * largest_[c], kRoundingOfKind * largest_of_kind_[kinds_[c]]);
 }
 
 /// Whether the values at x1, between x0 and x2, are where a straight line has them.

@@ -13,10 +13,10 @@ namespace dttmm::host {
 
 namespace {
 
-constexpr double kTwoPi = 2 * std::numbers::pi;
+constexpr double kTurn = 2 * std::numbers::pi;
 
 /// Neither vibrates nor decays: what is left of it is rounding.
-bool is_rigid(const ModalInstance::Damped& mode, double below) { return std::abs(mode.s) < 1e-6 * kTwoPi * below; }
+bool is_rigid(const ModalInstance::Damped& mode, double below) { return std::abs(mode.s) < 1e-6 * kTurn * below; }
 
 double ratio(const ModalInstance::Damped& mode) { return std::abs(mode.s) > 0 ? (0 - mode.s.real()) / std::abs(mode.s) : 0; }
 
@@ -37,7 +37,7 @@ DampedModes find_damped_modes(ModalMachine& machine, double below, Warnings& war
         if (!is_rigid(mode, below) && mode.s.real() > 1e-9 * std::abs(mode.s))
             warnings.add("damped-mode-grows", fmt::format("the motion with {:.6g} Hz grows as exp({:.4g} t): the machine is "
                                                           "not stable",
-                                                          mode.s.imag() / kTwoPi, mode.s.real()));
+                                                          mode.s.imag() / kTurn, mode.s.real()));
     return damped;
 }
 
@@ -55,7 +55,7 @@ std::string damped_table(const DampedModes& damped) {
         if (rigid)
             table.add(0.0).add(0.0).add(0.0).add(0.0);
         else
-            table.add(mode.s.imag() / kTwoPi).add(std::abs(mode.s) / kTwoPi).add(ratio(mode)).add(0 - mode.s.real());
+            table.add(mode.s.imag() / kTurn).add(std::abs(mode.s) / kTurn).add(ratio(mode)).add(0 - mode.s.real());
         table.add(mode.residual).end_row();
     }
     return table.text();
@@ -69,7 +69,7 @@ std::string damped_shapes(const ModalMachine& machine, const DampedModes& damped
     CsvTable table(columns);
     for (size_t m = 0; m < damped.modes.size(); ++m)
         for (const ModalPlace& place : machine.places()) {
-            table.add(static_cast<double>(m + 1)).add(damped.modes[m].s.imag() / kTwoPi).add(place.name);
+            table.add(static_cast<double>(m + 1)).add(damped.modes[m].s.imag() / kTurn).add(place.name);
             for (const std::complex<double>& u : machine.motion(place, damped.modes[m])) table.add(u.real()).add(u.imag());
             table.end_row();
         }
@@ -79,8 +79,8 @@ std::string damped_shapes(const ModalMachine& machine, const DampedModes& damped
 Json describe(const DampedModes& damped) {
     Json list = Json::array();
     for (const ModalInstance::Damped& mode : damped.modes)
-        list.push_back({{"damped_frequency_hz", mode.s.imag() / kTwoPi},
-                        {"frequency_hz", std::abs(mode.s) / kTwoPi},
+        list.push_back({{"damped_frequency_hz", mode.s.imag() / kTurn},
+                        {"frequency_hz", std::abs(mode.s) / kTurn},
                         {"damping_ratio", is_rigid(mode, damped.below) ? 0 : ratio(mode)},
                         {"decay_per_s", -mode.s.real()},
                         {"residual", mode.residual}});
@@ -95,8 +95,8 @@ void print_damped(const DampedModes& damped) {
         if (is_rigid(mode, damped.below))
             fmt::print("{:>4} {:>14} Hz {:>11} Hz {:>9}  rigid\n", m + 1, 0, 0, "");
         else
-            fmt::print("{:>4} {:>14.8g} Hz {:>11.8g} Hz {:>7.4g} %{}\n", m + 1, mode.s.imag() / kTwoPi,
-                       std::abs(mode.s) / kTwoPi, 100 * ratio(mode), mode.s.imag() == 0 ? "  decays without vibration" : "");
+            fmt::print("{:>4} {:>14.8g} Hz {:>11.8g} Hz {:>7.4g} %{}\n", m + 1, mode.s.imag() / kTurn,
+                       std::abs(mode.s) / kTurn, 100 * ratio(mode), mode.s.imag() == 0 ? "  decays without vibration" : "");
     }
     fmt::print("{}\n", damped.is_proved ? "complete: all eigenvalues of the linear equations, improved on the exact ones"
                                         : "not proved to be complete");

@@ -32,10 +32,10 @@ namespace {
 
 using Values = std::vector<std::complex<double>>;
 
-constexpr double kTwoPi = 2 * std::numbers::pi;
-constexpr double kPerRpm = kTwoPi / 60;  ///< [rad/s]
-constexpr size_t kMostPoints = 200'000;  ///< of one adaptive sweep
-constexpr size_t kMostModes = 2000;      ///< whose frequencies become points
+constexpr double kFullTurn = 2 * std::numbers::pi;
+constexpr double kPerRpm = kFullTurn / 60;  ///< [rad/s]
+constexpr size_t kMostAdaptive = 200'000;   ///< of one adaptive sweep
+constexpr size_t kMostStarts = 2000;        ///< whose frequencies become points
 
 /// One way through frequencies: of a speed's order, or of frequencies themselves.
 struct Sweep {
@@ -45,7 +45,7 @@ struct Sweep {
     double order = 0;
 
     Instance at(double at) const {
-        return is_speed ? Instance{order * at / kTwoPi, at, order} : Instance{at, std::nullopt, 0};
+        return is_speed ? Instance{order * at / kFullTurn, at, order} : Instance{at, std::nullopt, 0};
     }
 };
 
@@ -190,7 +190,7 @@ std::vector<double> SteadyResponse::natural_frequencies(double to) {
                                   error.what()));
     }
     std::erase_if(natural, [](double f) { return !(f > 0); });
-    if (natural.size() > kMostModes) natural.resize(kMostModes);
+    if (natural.size() > kMostStarts) natural.resize(kMostStarts);
     return natural;
 }
 
@@ -250,7 +250,7 @@ void SteadyResponse::plan_speeds() {
     const Speeds speeds = parse_speeds(request_.rpm);
     has_speeds_ = true;
     std::vector<double> natural;
-    if (speeds.count == 0) natural = natural_frequencies(orders.back() * speeds.to / kTwoPi);
+    if (speeds.count == 0) natural = natural_frequencies(orders.back() * speeds.to / kFullTurn);
     for (const double order : orders) {
         Sweep& sweep = sweeps_.emplace_back();
         sweep.is_speed = true;
@@ -258,7 +258,7 @@ void SteadyResponse::plan_speeds() {
         sweep.is_adaptive = speeds.count == 0;
         if (sweep.is_adaptive) {
             std::vector<double> critical;
-            for (const double f : natural) critical.push_back(kTwoPi * f / order);
+            for (const double f : natural) critical.push_back(kFullTurn * f / order);
             sweep.x = begin_with(speeds.from, speeds.to, critical);
         } else {
             sweep.x = spaced(speeds.from, speeds.to, speeds.count, false);
@@ -314,7 +314,7 @@ Values SteadyResponse::evaluate(const Instance& at) {
     const std::vector<ModalInstance::Response> responses = session_.machine.respond(at.frequency, cases, with_forces_);
     Values values;
     for (const ModalInstance::Response& response : responses)
-        for (const int channel : chosen_) values.push_back(channels_.value(channel, response, kTwoPi * at.frequency));
+        for (const int channel : chosen_) values.push_back(channels_.value(channel, response, kFullTurn * at.frequency));
     return values;
 }
 
@@ -354,12 +354,12 @@ bool SteadyResponse::sweep(const Sweep& sweep, const std::function<void(const In
             return values;
         },
         kinds());
-    const bool is_done = adaptive.find(sweep.x, kMostPoints, StopSignals::requested);
+    const bool is_done = adaptive.find(sweep.x, kMostAdaptive, StopSignals::requested);
     for (const auto& [x, values] : adaptive.points()) take(sweep.at(x), values);
     if (!is_done && !StopSignals::requested())
         warnings_.add("too-many-points", fmt::format("after {} points the curves are still not straight between them; give "
                                                      "a shorter range",
-                                                     kMostPoints));
+                                                     kMostAdaptive));
     for (const double x : adaptive.unbounded())
         warnings_.add("unbounded-peak",
                       fmt::format("nothing damps the motion at {:.6g} Hz: there the response grows without bound, and the "
@@ -419,7 +419,7 @@ void SteadyResponse::write_random(const ResultsFolder& folder) {
     };
     AdaptivePoints adaptive(amplitudes, kinds());
     std::vector<double> start = begin_with(from, to, natural_frequencies(to));
-    if (!adaptive.find(start, kMostPoints, StopSignals::requested)) return;
+    if (!adaptive.find(start, kMostAdaptive, StopSignals::requested)) return;
     const auto densities = [&](double f, const Values& values) {
         std::vector<double> density(count);
         for (size_t r = 0; r < excitation_.random_count(); ++r) {

@@ -16,7 +16,6 @@ namespace dttmm::host {
 namespace {
 
 constexpr std::size_t kLongestExpression = 1000;  // [byte]
-constexpr int kDeepestBrackets = 30;
 
 [[noreturn]] void fail(const std::string& text) { throw Error(ExitCode::model_invalid, text); }
 
@@ -180,6 +179,8 @@ std::vector<std::string> expression_names(std::string_view text) {
             result.push_back(name.text);
     return result;
 }
+
+void check_expression_size(std::string_view text) { check_size(text); }
 
 std::string replace_names(std::string_view given, const std::function<std::string(const std::string&)>& replacement) {
     const std::string text = normalise_name(given);

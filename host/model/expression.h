@@ -46,6 +46,11 @@ std::vector<std::string> expression_functions();
 /// The names in an expression that are not functions, each once; pi and t too.
 std::vector<std::string> expression_names(std::string_view text);
 
+inline constexpr int kDeepestBrackets = 30;  ///< within each other in an expression
+
+/// Throws Error(model_invalid) for an expression that is longer, or has more brackets within each other, than allowed.
+void check_expression_size(std::string_view text);
+
 /// The expression with every name in it that is no number put through `replacement`, functions too.
 std::string replace_names(std::string_view text, const std::function<std::string(const std::string&)>& replacement);
 

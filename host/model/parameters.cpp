@@ -199,23 +199,38 @@ std::optional<double> Parameters::evaluate(std::string_view expression, std::str
     return value;
 }
 
-std::optional<std::string> Parameters::written_out(std::string_view expression, const std::string& name) const {
-    bool rests = false;
+bool Parameters::rests_on(std::string_view expression, const std::string& name) const {
+    std::vector<bool> seen(entries_.size());
+    std::vector<std::string> waiting = expression_names(expression);
+    while (!waiting.empty()) {
+        const std::string next = std::move(waiting.back());
+        waiting.pop_back();
+        if (next == name) return true;
+        const auto found = index_.find(next);
+        if (found == index_.end() || seen[found->second]) continue;
+        seen[found->second] = true;
+        const std::vector<std::string> more = expression_names(entries_[found->second].expression);
+        waiting.insert(waiting.end(), more.begin(), more.end());
+    }
+    return false;
+}
+
+std::string Parameters::written_out(std::string_view expression, const std::string& name, int depth) const {
+    if (depth > kDeepestBrackets)
+        throw Error(ExitCode::model_invalid,
+                    fmt::format("it rests on {} through more than {} parameters, one after the other", quote(name),
+                                kDeepestBrackets));
     std::string text = replace_names(expression, [&](const std::string& other) {
-        if (other == name) {
-            rests = true;
-            return other;
-        }
-        const Entry* entry = find(other);
-        const auto in_it = entry && !entry->is_faulty ? written_out(entry->expression, name) : std::nullopt;
-        rests |= in_it.has_value();
-        return in_it ? "(" + *in_it + ")" : other;
+        const Entry* entry = other == name ? nullptr : find(other);
+        const bool rests = entry && !entry->is_faulty && rests_on(entry->expression, name);
+        return rests ? "(" + written_out(entry->expression, name, depth + 1) + ")" : other;
     });
-    return rests ? std::optional(std::move(text)) : std::nullopt;
+    check_expression_size(text);
+    return text;
 }
 
 bool Parameters::has_used(const std::string& name) const {
-    return std::ranges::any_of(used_, [&](const std::string& used) { return written_out(used, name).has_value(); });
+    return std::ranges::any_of(used_, [&](const std::string& used) { return rests_on(used, name); });
 }
 
 bool Parameters::rests_on_fault(std::string_view expression) const {

@@ -36,9 +36,12 @@ public:
     /// whose fault has been told; throws Error(model_invalid) for a fault of its own.
     std::optional<double> evaluate(std::string_view expression, std::string_view wanted) const;
 
-    /// The expression with all that rests on the parameter `name`, or on a name of that kind that is no parameter, written
-    /// out in it; nothing if it does not rest on it.
-    std::optional<std::string> written_out(std::string_view expression, const std::string& name) const;
+    /// Whether the value of an expression changes with the parameter `name`, or with a name of that kind that is none.
+    bool rests_on(std::string_view expression, const std::string& name) const;
+
+    /// The expression with every parameter in it that rests on `name` replaced by what it is. Throws Error(model_invalid)
+    /// where that becomes longer than an expression may be.
+    std::string written_out(std::string_view expression, const std::string& name, int depth = 0) const;
 
     /// Whether an expression that was evaluated rests on the parameter `name`.
     bool has_used(const std::string& name) const;

@@ -126,8 +126,7 @@ bool read_amplitude(const TableReader& table, HarmonicSignal::Numbers& numbers) 
     const TomlMember* member = table.find("amplitude");
     const bool is_expression = member && member->value.is_text() && member->value.string.starts_with("=");
     const std::string text = is_expression ? member->value.string.substr(1) : std::string();
-    const auto of_speed = is_expression ? context.parameters.written_out(text, kSpeed) : std::nullopt;
-    if (!of_speed) {
+    if (!is_expression || !context.parameters.rests_on(text, kSpeed)) {
         const TomlMember* given = table.require("amplitude");
         if (!given) return false;
         const auto number =
@@ -137,7 +136,8 @@ bool read_amplitude(const TableReader& table, HarmonicSignal::Numbers& numbers) 
     }
     if (context.parameters.rests_on_fault(text)) return false;
     try {
-        numbers.formula = std::make_shared<const Expression>(*of_speed, context.parameters.constants(), kSpeed);
+        numbers.formula = std::make_shared<const Expression>(context.parameters.written_out(text, kSpeed),
+                                                             context.parameters.constants(), kSpeed);
         return true;
     } catch (const Error& error) {
         table.error(member->value.place, fmt::format("amplitude: {}", error.what()));

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "model/test_model.h"
 
 namespace dttmm::host {
@@ -119,6 +121,24 @@ TEST(Parameters, ADimensionIsCheckedWhereABareNameIsUsed) {
             "m.toml:19:13: element \"e\": stiffness: expected a value in N/m, got \"=k\", which is \"500 kg\" (line 13)"));
     EXPECT_EQ(parse(model_with("[parameters]\nk = \"500 kg\"\n" + element + "stiffness = \"=k/2\"\n")).elements[0].values[0],
               250);
+}
+
+// Oracle: the time it takes. Written out, the 60th of these parameters has 2^60 names.
+TEST(Parameters, ManyWaysToAParameterAreOneLook) {
+    std::string text = "Omega = 2\np0 = 1\n";
+    for (int k = 1; k < 60; ++k) text += fmt::format("p{0} = \"=(p{1} + p{1})/2\"\n", k, k - 1);
+    const std::string load = "[[load]]\non = \"plate\"\ndirection = [0, 0, 1]\n";
+    EXPECT_FALSE(
+        parse(with_parameters(text) + load + "harmonic = { amplitude = \"=p59\", frequency = 3 }\n").machine_rests_on_speed);
+    text.replace(text.find("p0 = 1"), 6, "p0 = \"=Omega\"");
+    EXPECT_THAT(errors_of(with_parameters(text) + load + "harmonic = { amplitude = \"=p59\", order = 1 }\n"),
+                HasSubstr("through more than 30 parameters"));
+    EXPECT_THAT(errors_of(with_parameters(text) + load + "harmonic = { amplitude = \"=p20\", order = 1 }\n"),
+                HasSubstr("at most 1000 are allowed"));
+    const Model model =
+        parse(with_parameters(text) + load + "harmonic = { amplitude = \"=p3\", order = 1, phase = \"=p2\" }\n");
+    EXPECT_EQ(model.loads.back().signal.value(0), 2 * std::cos(2.0));
+    EXPECT_TRUE(model.machine_rests_on_speed);  // by its phase
 }
 
 TEST(Parameters, AMinusInANameIsWarnedOf) {

@@ -438,6 +438,109 @@ inertia = {{ xx = 0.001, yy = 0.002, zz = 0.0015 }}
                        motion1, motion2, guide);
 }
 
+// Oracle: the same machine in time: forces, moments and coordinates of a hinge between two turned bodies and of a slider to
+// the ground, with their signs and axes; force and length of an axial spring; angular velocities; a marker off the centre.
+TEST_F(SteadyVibration, JointsVibrateAsInARun) {
+    const std::string text = R"(format = "dttmm/1"
+[simulation]
+duration = "3 s"
+step = "0.5 ms"
+[[body]]
+name = "cart"
+mass = 2.1
+inertia = [0.04, 0.05, 0.06]
+position = [0.1, 0.2, -0.1]
+rotation = { axis = [1, 0.4, -0.3], angle = "50 deg" }
+markers.side = [0.05, 0.1, -0.04]
+[[body]]
+name = "arm"
+mass = 0.9
+inertia = [0.01, 0.02, 0.015]
+position = [0.3, 0.5, 0.1]
+rotation = { axis = [0.2, -1, 0.5], angle = "-70 deg" }
+center_of_mass = [0.01, 0.03, -0.02]
+markers.end = [0.12, -0.05, 0.08]
+[[joint]]
+name = "rail"
+type = "slider"
+between = ["ground", "cart"]
+anchor = [0.1, 0.2, -0.1]
+axis = [0.6, 0.64, 0.48]
+[[joint]]
+name = "pin"
+type = "hinge"
+between = ["cart", "arm"]
+anchor = [0.25, 0.3, 0.02]
+axis = [0.3, -0.2, 1]
+[[element]]
+name = "spring"
+type = "spring_damper"
+from = "ground"
+to = "cart.side"
+stiffness = [2000, 3000, 2500]
+damping = [30, 40, 20]
+[[element]]
+name = "hinge_spring"
+type = "spring_damper"
+from = "cart"
+to = "arm"
+rotational_stiffness = [30, 30, 30]
+rotational_damping = [0.4, 0.4, 0.4]
+[nodes]
+wall = { position = [0.9, 0.1, 0.6], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+[[element]]
+name = "rod"
+type = "axial_spring"
+from = "arm.end"
+to = "wall"
+stiffness = 700
+damping = 6
+[[load]]
+on = "arm.end"
+direction = [0.2, 1, -0.7]
+harmonic = { amplitude = "0.02 N", phase = "15 deg", frequency = "5 Hz" }
+)";
+    const std::vector<std::string> channels = {"rail.force.",   "rail.moment.",          "pin.force.",
+                                               "pin.moment.",   "arm.angular_velocity.", "arm.end.position.",
+                                               "arm.position.", "arm.velocity.",         "hinge_spring.rotation."};
+    const std::vector<std::string> scalars = {"rail.travel", "pin.angle", "rod.force", "rod.length"};
+    const Table steady = response(text, {"-q", "--out", "*"});
+    write_text(folder_ / "model.toml", text + "[output]\nchannels = [\"*\"]\n");
+    const Table run = history(text + "[output]\nchannels = [\"*\"]\n");
+    ASSERT_EQ(steady.rows.size(), 1u);
+    const double w = 10 * kHalfTurn;
+    const auto compare = [&](const std::string& name, double size) {
+        const Complex expected = steady.amplitude(0, name), got = amplitude_of(run, name, w, 3 - 1.0);
+        EXPECT_LT(std::abs(got - expected), 3e-3 * size) << name << " " << got << " " << expected;
+    };
+    for (const std::string& name : scalars) {
+        EXPECT_GT(std::abs(steady.amplitude(0, name)), 0) << name;
+        compare(name, std::abs(steady.amplitude(0, name)));
+    }
+    for (const std::string& channel : channels) {
+        double largest = 0;
+        for (const char* axis : {"x", "y", "z"}) largest = std::max(largest, std::abs(steady.amplitude(0, channel + axis)));
+        EXPECT_GT(largest, 0) << channel;
+        for (const char* axis : {"x", "y", "z"}) compare(channel + axis, largest);
+    }
+}
+
+// Oracle: closed form in both directions across the axis: u Ω² turns about it by the right hand, so that its part along
+// y = z × x lags by 90 degrees.
+TEST_F(SteadyVibration, AnUnbalanceTurnsByTheRightHand) {
+    std::string text = kOneMass.substr(0, kOneMass.find("[[load]]"));
+    text.replace(text.find("dofs = [\"x\"]"), 12, "dofs = [\"x\", \"y\"]");
+    text.replace(text.find("stiffness = 9100"), 16, "stiffness = [9100, 9100, 9100]");
+    text.replace(text.find("damping = 11"), 12, "damping = [11, 11, 11]");
+    const Table table = response(text + "[[load]]\non = \"m\"\ndirection = [0, 0, 2]\nunbalance = \"30 g*m\"\n",
+                                 {"--rpm", "300", "--out", "m.position", "-q"});
+    ASSERT_EQ(table.rows.size(), 1u);
+    const double speed = 10 * kHalfTurn;
+    const Complex x = 0.03 * speed * speed * receptance(5);
+    EXPECT_LT(std::abs(table.amplitude(0, "m.position.x") - x), 1e-9 * std::abs(x));
+    EXPECT_LT(std::abs(table.amplitude(0, "m.position.y") - Complex(0, -1) * x), 1e-9 * std::abs(x));
+}
+
 // Oracle: statics. Far below all frequencies a machine whose supports all move alike goes with them as a rigid body, in
 // displacement and in rotation, and nothing carries a force. A support alone strains it.
 TEST_F(SteadyVibration, SupportsCarryTheMachineAlong) {

@@ -12,7 +12,6 @@ namespace {
 constexpr double kTolerance = 0.01;       ///< of magnitude and of phase [rad]
 constexpr double kSmall = 1e-4;           ///< of the largest magnitude: below it a curve need not be straight
 constexpr double kRoundingOfKind = 1e-7;  ///< of the largest magnitude of its kind: below it a curve may be rounding
-constexpr double kNearZero = 1e-6;        ///< share of all x below which the interval that begins at 0 is not parted
 constexpr double kPeakTolerance = 1e-5;   ///< of a peak, between its points
 constexpr double kNarrow = 1e-7;          ///< share of x below which no interval is parted: half-power width of ζ = 5e-8
 
@@ -57,8 +56,8 @@ bool AdaptivePoints::refine(std::vector<std::pair<double, double>> intervals) {
         const auto [x0, x2] = intervals.back();
         intervals.pop_back();
         const double x1 = 0.5 * (x0 + x2);
-        if (x0 == 0 && x2 < kNearZero * span_) continue;
-        if (!(x2 - x0 > kNarrow * std::abs(x2))) {
+        if (x0 == 0 && !(x2 > kNarrow * span_)) continue;  // what is free at 0 has no curve there
+        if (!(x2 - x0 > kNarrow * x2)) {
             if (unbounded_.empty() || std::abs(unbounded_.back() - x1) > 1e-5 * std::abs(x1)) unbounded_.push_back(x1);
             continue;
         }

@@ -59,10 +59,7 @@ Excitation::Excitation(const Model& model, const ModalMachine& machine) {
             const ModalPlace& on =
                 *machine.find(load.on.marker < 0 ? body.name : body.name + "." + body.markers[as_size(load.on.marker)].name);
             place = on;
-            if (load.turns) {
-                const auto* rest = machine.rest();
-                direction = (rest ? rest->at[as_size(load.on.body)].rotation : body.rotation) * load.direction;
-            }
+            if (load.turns) direction = machine.axes_of_body(as_size(load.on.body)) * load.direction;
         } else {
             place = *machine.find(model.nodes[as_size(load.on.node)].name);
         }
@@ -92,7 +89,7 @@ std::vector<double> Excitation::own_frequencies() const {
     std::vector<double> frequencies;
     for (const Placed& placed : harmonics_) {
         speed_of(placed);
-        if (const auto own = harmonic(*placed.signal).frequency()) frequencies.push_back(std::abs(*own));
+        if (const auto own = harmonic(*placed.signal).frequency()) frequencies.push_back(*own);
     }
     std::ranges::sort(frequencies);
     frequencies.erase(std::unique(frequencies.begin(), frequencies.end()), frequencies.end());
@@ -108,8 +105,23 @@ std::vector<double> Excitation::orders() const {
     return orders;
 }
 
-double Excitation::density(size_t random, double frequency) const {
-    return randoms_[random].signal->as<PsdSignal>()->density(frequency);
+double Excitation::density(size_t random, double frequency, double inside) const {
+    const PsdSignal& signal = *randoms_[random].signal->as<PsdSignal>();
+    return signal.density(inside) > 0 ? signal.density(frequency) : 0;
+}
+
+std::vector<double> Excitation::random_corners() const {
+    std::vector<double> corners;
+    for (const Placed& placed : randoms_) {
+        const std::vector<double>& own = placed.signal->as<PsdSignal>()->frequencies();
+        corners.insert(corners.end(), own.begin(), own.end());
+    }
+    return corners;
+}
+
+bool Excitation::has_others_than_orders() const {
+    return random_count() > 0 ||
+           std::ranges::any_of(harmonics_, [](const Placed& placed) { return !harmonic(*placed.signal).is_order(); });
 }
 
 std::pair<double, double> Excitation::random_range() const {
@@ -122,7 +134,7 @@ std::pair<double, double> Excitation::random_range() const {
     return {low, high};
 }
 
-std::vector<ModalInstance::Loads> Excitation::cases(const Instance& at) const {
+std::vector<ModalInstance::Loads> Excitation::cases(const OperatingPoint& at) const {
     std::vector<ModalInstance::Loads> cases;
     for (const Input& input : inputs_) {
         const auto unit = ModalMachine::Complex6::Unit(input.direction);
@@ -136,7 +148,8 @@ std::vector<ModalInstance::Loads> Excitation::cases(const Instance& at) const {
             const HarmonicSignal& signal = harmonic(*placed.signal);
             const auto own = signal.frequency();
             const bool acts = at.speed ? signal.is_order() && signal.order() == at.order
-                                       : (!own && !signal.is_order()) || (own && std::abs(*own) == at.frequency);
+                              : own    ? at.has_own && *own == at.frequency
+                                       : !signal.is_order();
             if (!acts) continue;
             const std::complex<double> amplitude = signal.amplitude(at.speed ? *at.speed : speed_of(placed), at.frequency);
             if (!(std::abs(amplitude) <= World::kLargestWrench))

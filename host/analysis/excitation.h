@@ -9,11 +9,12 @@
 
 namespace dttmm::host {
 
-/// A frequency at which a machine is asked for its steady vibration.
-struct Instance {
+/// A frequency at which a machine vibrates, and how the loads come to it.
+struct OperatingPoint {
     double frequency = 0;         ///< [Hz]
-    std::optional<double> speed;  ///< of a row over speed [rad/s]
-    double order = 0;             ///< of it
+    std::optional<double> speed;  ///< of a row over speed: loads of `order` act [rad/s]
+    double order = 0;
+    bool has_own = false;  ///< loads that have this very frequency of their own act too
 };
 
 /// What drives a machine in steady vibration: unit forces, moments and motions of supports one at a time, or the loads and
@@ -40,20 +41,23 @@ public:
     bool is_by_inputs() const { return !inputs_.empty(); }
     /// Whether a load acts at every frequency that is asked for.
     bool acts_everywhere() const;
+    bool has_others_than_orders() const;
     /// The own frequencies of loads, ascending [Hz]. Throws Error(model_invalid) for an order without speed.
     std::vector<double> own_frequencies() const;
     /// The orders of loads, ascending.
     std::vector<double> orders() const;
     bool has_harmonics() const { return !harmonics_.empty(); }
     size_t random_count() const { return randoms_.size(); }
-    /// Density of a random load [N²/Hz, (N m)²/Hz], or of a motion.
-    double density(size_t random, double frequency) const;
+    /// Density of a random load [N²/Hz, (N m)²/Hz] or motion [m²/Hz, rad²/Hz] on the side where the frequency `inside` lies.
+    double density(size_t random, double frequency, double inside) const;
+    /// Frequencies at which densities begin, bend or end.
+    std::vector<double> random_corners() const;
     /// Where random loads act: the lowest and the highest frequency.
     std::pair<double, double> random_range() const;
 
     /// Each input; or what of the harmonic loads acts, together, where there are any, then each random load of unit
     /// amplitude. Throws Error(numerical_failure) for an amplitude that is not finite.
-    std::vector<ModalInstance::Loads> cases(const Instance& at) const;
+    std::vector<ModalInstance::Loads> cases(const OperatingPoint& at) const;
 
 private:
     /// A load or a support of the model; its wrench or motion per unit of its signal.

@@ -129,10 +129,8 @@ ModalMachine::Complex6 ModalMachine::motion_of_body(int body, const Eigen::Vecto
 }
 
 ModalMachine::Complex6 ModalMachine::joint_wrench(size_t joint, const ModalInstance::Response& response) const {
-    // Its axes turn with its first body, from those of the world where the file places the machine
     const int first = model_.joints[joint].first;
-    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
-    if (first >= 0) axes = rest() ? rest()->at[as_size(first)].rotation : model_.bodies[as_size(first)].rotation;
+    const Eigen::Matrix3d axes = first < 0 ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : axes_of_body(as_size(first));
     const Complex6& wrench = response.constraints[joint];
     Complex6 own;
     own << axes.transpose().cast<std::complex<double>>() * wrench.head<3>(),

@@ -2,7 +2,6 @@
 #include "analysis/response_channels.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "model/index.h"
 
@@ -99,7 +98,8 @@ std::complex<double> ResponseChannels::value(int channel, const ModalInstance::R
             break;
     }
     const std::complex<double> motion = machine_.motion(machine_.places()[source.index], response)(d);
-    return motion * std::pow(std::complex<double>(0, omega), source.derivative);
+    const std::complex<double> rate(0, omega);
+    return source.derivative == 0 ? motion : source.derivative == 1 ? rate * motion : rate * rate * motion;
 }
 
 }  // namespace dttmm::host

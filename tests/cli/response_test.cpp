@@ -217,6 +217,99 @@ TEST_F(SteadyVibration, WhiteNoiseOnOneMass) {
     EXPECT_NEAR(std::stod(cells[5 - position][2]), force, 2e-3 * force);
 }
 
+// Oracle: the integral of |H|² S by 400 000 rectangles of equal ratio. Two loads have densities with corners, steep flanks
+// and ranges of their own that begin and end where the other one goes on.
+TEST_F(SteadyVibration, DensitiesWithCornersAndRangesOfTheirOwn) {
+    const auto text =
+        kOneMass + R"(psd = { frequencies = [3, 8, 9.2, 40], values = [0.5, 6, 0.3, 0.01], interpolation = "log" }
+[[load]]
+on = "m"
+direction = [1, 0, 0]
+psd = { frequencies = [25, 25.4], values = [10, 20] }
+)";
+    const Ended ended = ask(text, {"--out", "m.position.x", "--out", "m.acceleration.x", "-q"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    const auto first = [](double f) {
+        const double at[] = {3, 8, 9.2, 40}, value[] = {0.5, 6, 0.3, 0.01};
+        for (int i = 0; i < 3; ++i)
+            if (f >= at[i] && f <= at[i + 1])
+                return value[i] * std::pow(value[i + 1] / value[i], std::log(f / at[i]) / std::log(at[i + 1] / at[i]));
+        return 0.0;
+    };
+    const auto second = [](double f) { return f >= 25 && f <= 25.4 ? 10 + (f - 25) * 25 : 0.0; };
+    double position = 0, acceleration = 0;
+    constexpr int kCount = 400000;
+    const double ratio = std::pow(40.0 / 3, 1.0 / kCount);
+    double f = 3 * std::sqrt(ratio);
+    for (int i = 0; i < kCount; ++i, f *= ratio) {
+        const double own = std::norm(receptance(f)) * (first(f) + second(f)) * f * std::log(ratio);
+        position += own;
+        acceleration += own * std::pow(2 * kHalfTurn * f, 4);
+    }
+    const std::string rms = read_text(folder_ / "out1/rms.csv");
+    for (const auto& [name, square] : {std::pair("m.position.x,m,", position), {"m.acceleration.x,m/s^2,", acceleration}}) {
+        const size_t at = rms.find(name);
+        ASSERT_NE(at, rms.npos) << rms;
+        EXPECT_NEAR(std::stod(rms.substr(at + std::string(name).size())), std::sqrt(square), 2e-4 * std::sqrt(square))
+            << name;
+    }
+}
+
+// Oracle: the closed form of a resonance under a density that ends at the resonance: half of the whole. --to cuts it there,
+// and this is said.
+TEST_F(SteadyVibration, ARangeCutsADensity) {
+    const double f0 = std::sqrt(kSpring / kOwnMass) / (2 * kHalfTurn);
+    const std::string text = kOneMass + fmt::format("psd = {{ frequencies = [0, {}], values = [3, 3] }}\n", 40 * f0);
+    const auto rms_of = [&](const std::vector<std::string>& words) {
+        const Ended ended = ask(text, words);
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        err_ = ended.err;
+        const std::string rms = read_text(folder_ / fmt::format("out{}/rms.csv", count_));
+        return std::stod(rms.substr(rms.find("m.position.x,m,") + 15));
+    };
+    const double whole = rms_of({"--out", "m.position.x", "-q"});
+    EXPECT_EQ(err_, "");
+    const double half = rms_of({"--out", "m.position.x", "-q", "--from", "0Hz", "--to", fmt::format("{} Hz", f0)});
+    EXPECT_THAT(err_, HasSubstr("random loads count from 0 to"));
+    EXPECT_NEAR(half * half, 0.5 * whole * whole, 0.03 * whole * whole);  // the flanks are not quite alike
+}
+
+// Oracle: closed form. Beside a load that acts everywhere one acts at its own frequency alone: that row has both, no other
+// has it, and its jump draws no points.
+TEST_F(SteadyVibration, ALoadOfItsOwnFrequencyIsOneRow) {
+    const std::string text = kOneMass +
+                             "harmonic = { amplitude = 1 }\n[[load]]\non = \"m\"\ndirection = [1, 0, 0]\n"
+                             "harmonic = { amplitude = 4, phase = 1, frequency = 7.3 }\n";
+    const Table table = response(text, {"--from", "2Hz", "--to", "30Hz", "--out", "m.position.x", "-q"});
+    EXPECT_EQ(err_, "");
+    EXPECT_LT(table.rows.size(), 150u);
+    size_t found = 0;
+    for (size_t i = 0; i < table.rows.size(); ++i) {
+        const double f = table.value(i, "frequency");
+        const Complex x = (1.0 + (f == 7.3 ? std::polar(4.0, 1.0) : 0)) * receptance(f);
+        found += f == 7.3;
+        EXPECT_LT(std::abs(table.amplitude(i, "m.position.x") - x), 1e-9 * std::abs(x)) << f;
+        if (i > 0) {
+            EXPECT_GT(f, table.value(i - 1, "frequency"));
+        }
+    }
+    EXPECT_EQ(found, 1u);
+}
+
+// Oracle: the same rows in whichever sequence orders are asked for; peaks of the high order are not missed.
+TEST_F(SteadyVibration, OrdersInAnySequence) {
+    const std::string text = kOneMass +
+                             "harmonic = { amplitude = 1, order = 0.5 }\n[[load]]\non = \"m\"\ndirection = [1, 0, 0]\n"
+                             "harmonic = { amplitude = 1, order = 3 }\n";
+    const std::vector<std::string> words = {"--rpm", "100..400", "--out", "m.position.x", "-q"};
+    auto down = words, twice = words;
+    for (const char* order : {"3", "0.5"}) down.insert(down.end(), {"--order", order});
+    for (const char* order : {"3", "0.5", "3"}) twice.insert(twice.end(), {"--order", order});
+    const Table all = response(text, words);
+    EXPECT_EQ(all.rows, response(text, down).rows);
+    EXPECT_EQ(all.rows, response(text, twice).rows);
+}
+
 // Oracle: closed form. A foot shaken by white acceleration S below a mass: relative displacement z² = S m²/(4 c k), here
 // m/(k ...) of the whole axis, x'' + 2 ζ ω0 z' + ω0² z = 0; and one of a harmonic acceleration a, z = −a m H.
 TEST_F(SteadyVibration, AFootIsShakenByAcceleration) {

@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-/// Neither vibrates nor decays: what is left of it is rounding.
-bool is_rigid(const ModalInstance::Damped& mode, double below) { return std::abs(mode.s) < 1e-6 * kTurn * below; }
+/// Neither vibrates nor decays.
+bool is_rigid(const ModalInstance::Damped& mode) { return mode.s == 0.0; }
 
 double ratio(const ModalInstance::Damped& mode) { return std::abs(mode.s) > 0 ? (0 - mode.s.real()) / std::abs(mode.s) : 0; }
 
@@ -31,10 +31,10 @@ DampedModes find_damped_modes(ModalMachine& machine, double below, Warnings& war
                       "exp(-t/stiffness_damping); those within 2 % of that rate are not listed");
     if (damped.is_proved == 0)
         warnings.add("damped-not-proved",
-                     "the damped modes are not proved to be all and right: some do not solve the equations to 1e-7; their "
-                     "residuals are in damped.csv");
+                     "the damped modes are not proved to be all and right: Newton's method would still change some by more "
+                     "than 1e-8 of themselves (`correction` in damped.csv), or led two to one");
     for (const ModalInstance::Damped& mode : damped.modes)
-        if (!is_rigid(mode, below) && mode.s.real() > 1e-9 * std::abs(mode.s))
+        if (!is_rigid(mode) && mode.s.real() > 1e-9 * std::abs(mode.s))
             warnings.add("damped-mode-grows", fmt::format("the motion with {:.6g} Hz grows as exp({:.4g} t): the machine is "
                                                           "not stable",
                                                           mode.s.imag() / kTurn, mode.s.real()));
@@ -47,16 +47,16 @@ std::string damped_table(const DampedModes& damped) {
                     {"frequency", "Hz"},
                     {"damping_ratio", "1"},
                     {"decay", "1/s"},
-                    {"residual", "1"}});
+                    {"correction", "1"}});
     for (size_t m = 0; m < damped.modes.size(); ++m) {
         const ModalInstance::Damped& mode = damped.modes[m];
-        const bool rigid = is_rigid(mode, damped.below);
+        const bool rigid = is_rigid(mode);
         table.add(static_cast<double>(m + 1));
         if (rigid)
             table.add(0.0).add(0.0).add(0.0).add(0.0);
         else
             table.add(mode.s.imag() / kTurn).add(std::abs(mode.s) / kTurn).add(ratio(mode)).add(0 - mode.s.real());
-        table.add(mode.residual).end_row();
+        table.add(mode.correction).end_row();
     }
     return table.text();
 }
@@ -81,9 +81,9 @@ Json describe(const DampedModes& damped) {
     for (const ModalInstance::Damped& mode : damped.modes)
         list.push_back({{"damped_frequency_hz", mode.s.imag() / kTurn},
                         {"frequency_hz", std::abs(mode.s) / kTurn},
-                        {"damping_ratio", is_rigid(mode, damped.below) ? 0 : ratio(mode)},
+                        {"damping_ratio", is_rigid(mode) ? 0 : ratio(mode)},
                         {"decay_per_s", -mode.s.real()},
-                        {"residual", mode.residual}});
+                        {"correction", mode.correction}});
     return {{"below_hz", damped.below}, {"is_proved", damped.is_proved != 0}, {"modes", list}};
 }
 
@@ -92,7 +92,7 @@ void print_damped(const DampedModes& damped) {
                "|s|/2 pi", "damping");
     for (size_t m = 0; m < damped.modes.size(); ++m) {
         const ModalInstance::Damped& mode = damped.modes[m];
-        if (is_rigid(mode, damped.below))
+        if (is_rigid(mode))
             fmt::print("{:>4} {:>14} Hz {:>11} Hz {:>9}  rigid\n", m + 1, 0, 0, "");
         else
             fmt::print("{:>4} {:>14.8g} Hz {:>11.8g} Hz {:>7.4g} %{}\n", m + 1, mode.s.imag() / kTurn,

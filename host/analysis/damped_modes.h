@@ -20,7 +20,7 @@ struct DampedModes {
 /// Those up to `below` [Hz]. What is not proved, and what grows, goes to the warnings.
 DampedModes find_damped_modes(ModalMachine& machine, double below, Warnings& warnings);
 
-/// damped.csv: a row per mode: damped frequency, |s|/2π, damping ratio −Re s/|s|, decay −Re s, residual.
+/// damped.csv: a row per mode: damped frequency, |s|/2π, damping ratio −Re s/|s|, decay −Re s, correction.
 std::string damped_table(const DampedModes& damped);
 /// damped_shapes.csv: a row per mode and place, complex.
 std::string damped_shapes(const ModalMachine& machine, const DampedModes& damped);

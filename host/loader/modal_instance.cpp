@@ -202,7 +202,7 @@ std::vector<ModalInstance::Damped> ModalInstance::find_damped(double below, int3
         check(bodies, "damped shape of bodies");
         check(nodes, "damped shape of nodes");
         modes[m].s = {numbers.s[0], numbers.s[1]};
-        modes[m].residual = numbers.residual;
+        modes[m].correction = numbers.correction;
         for (const auto& [from, to] : {std::pair(&bodies, &modes[m].bodies), {&nodes, &modes[m].nodes}})
             for (size_t k = 0; k + 12 <= from->size(); k += 12) {
                 Complex6& u = to->emplace_back();

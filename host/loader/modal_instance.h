@@ -41,8 +41,8 @@ public:
     Mode mode(uint32_t index);
     /// With damping, x e^(st).
     struct Damped {
-        std::complex<double> s;  ///< [1/s]
-        double residual = 0;
+        std::complex<double> s;               ///< [1/s]
+        double correction = 0;                ///< what another step of Newton's method changes, as share of |s|
         std::vector<Complex6> bodies, nodes;  ///< shape
     };
     /// All whose |s| is at most 2π `below` [Hz]. is_proved: see dttmm_response.h. Throws Error(plugin_failure) if the plugin

@@ -39,8 +39,8 @@ typedef struct dttmm_harmonic_result {
 
 /* A mode with damping, x exp(s t). */
 typedef struct dttmm_damped_mode {
-    double s[2];     /* real and imaginary part [1/s]; the imaginary part is zero or positive */
-    double residual; /* of the equations, as share of their size */
+    double s[2];       /* real and imaginary part [1/s]; the imaginary part is zero or positive */
+    double correction; /* what another step of Newton's method changes, as share of |s|; s = 0: a rigid-body mode */
 } dttmm_damped_mode;
 
 typedef struct dttmm_response_table {

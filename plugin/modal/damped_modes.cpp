@@ -9,11 +9,26 @@
 #include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <type_traits>
 
 #include "core/error.h"
 
 namespace dttmm::plugin {
+
+namespace {
+
+/// How far, as share of s, a candidate may be from its mode: three times what was measured, see kFiner. Newton's method that
+/// leads farther has left it, and candidates so far beyond the bound are improved too.
+constexpr double kAway = 0.05;
+/// Largest correction of a mode that counts as found, as share of s. Measured on the examples: 3e-13 at most.
+constexpr double kSolved = 1e-8;
+/// Share of s: nearer modes are told apart by their shapes. Rounding parts double ones by 1e-12.
+constexpr double kSameRate = 1e-6;
+/// Share of the bound: what is slower is a rigid-body mode. Of a double eigenvalue 0 rounding leaves its root, 1e-8.
+constexpr double kSlowest = 1e-6;
+
+}  // namespace
 
 bool DampedModes::has_loss_factor() const {
     const FrequencyModel& model = D_.model();
@@ -22,7 +37,9 @@ bool DampedModes::has_loss_factor() const {
 }
 
 DampedModes::DampedModes(DynamicStiffness& D, HarmonicSolver& solver, double below) : D_(D), solver_(solver) {
-    constexpr double kFiner = 2;  // pieces whose own frequencies lie so far above: their mass is then that of a fine element
+    // Pieces whose own frequencies lie so far above the bound. Measured on the examples with beams: candidates are up to 1.7
+    // % from the exact mode with 2, 0.6 % with 4, 0.13 % with 8, for half as many unknowns more each time.
+    constexpr double kFiner = 2;
     D_.cut(kFiner * below);
     if (has_loss_factor())
         find_all<Complex>(below);
@@ -101,17 +118,29 @@ void DampedModes::find_all(double below) {
         const Complex mu = found.eigenvalues()(k) / shift;
         if (std::abs(mu) * shift < kNoMass) continue;
         const Complex s = shift + 1.0 / mu;
-        if (std::abs(s) > below || s.imag() < 0) continue;
+        if (std::abs(s) > (1 + kAway) * below || s.imag() < 0) continue;
         if (piles_up(s)) {
             piles_up_ = true;
             continue;
         }
-        DampedMode mode{s, 0, {}};
+        DampedMode mode{std::abs(s) < kSlowest * below ? 0 : s, 0, {}};
         Eigen::VectorXcd x = Z.cast<Complex>() * vectors.col(k).head(n);
         improve(mode, x);
         modes_.push_back(std::move(mode));
     }
+    is_proved_ = std::ranges::all_of(modes_, [](const DampedMode& mode) { return mode.correction < kSolved; });
+    std::erase_if(modes_, [&](const DampedMode& mode) { return std::abs(mode.s) > below; });
     std::ranges::sort(modes_, {}, [](const DampedMode& mode) { return std::pair(std::abs(mode.s), mode.s.imag()); });
+}
+
+/// Takes out of x what belongs to modes found before with nearly this s: for two modes x₁ᵀ A' x₂ is zero.
+void DampedModes::deflate(Complex s, Eigen::VectorXcd& x) const {
+    for (size_t m = 0; m < modes_.size(); ++m) {
+        if (std::abs(modes_[m].s - s) > kSameRate * std::abs(s)) continue;
+        const auto& [whole, slope] = found_[m];
+        const Complex own = (slope.transpose() * whole)(0), other = (slope.transpose() * x)(0);
+        x -= other / own * whole;
+    }
 }
 
 /// Newton's method with both vectors alike, as the matrix is symmetric: y = A⁻¹ A' x, s − xᵀ x / xᵀ y.
@@ -119,40 +148,33 @@ void DampedModes::improve(DampedMode& mode, Eigen::VectorXcd& x) {
     constexpr int kMostPasses = 12;
     const Eigen::Index n = x.size();
     const Complex start = mode.s;
-    const auto residual = [&](Complex s, const Eigen::VectorXcd& whole) {
-        const Eigen::SparseMatrix<Complex> A = solver_.assemble(s, false);
-        return (A * whole).norm() / (A.norm() * whole.norm());
-    };
-    Eigen::VectorXcd best = Eigen::VectorXcd::Zero(solver_.assemble(start, false).rows());
-    best.head(n) = x;
-    double least = residual(start, best);
-    Eigen::VectorXcd whole = best;
+    Eigen::VectorXcd whole = Eigen::VectorXcd::Zero(solver_.assemble(start, false).rows());
+    whole.head(n) = x;
+    Eigen::VectorXcd best = whole, best_slope = whole;
+    if (start != 0.0) mode.correction = std::numeric_limits<double>::infinity();
     Complex s = start;
-    for (int pass = 0; pass < kMostPasses; ++pass) {
-        const double step = 1e-5 * std::max(std::abs(s), 1e-3);
+    for (int pass = 0; pass < kMostPasses && start != 0.0; ++pass) {
+        const double step = 1e-5 * std::abs(s);
         const Eigen::SparseMatrix<Complex> A = solver_.assemble(s, false);
         const Eigen::SparseMatrix<Complex> slope =
             (solver_.assemble(s + step, false) - solver_.assemble(s - step, false)) / (2 * step);
         Eigen::SparseLU<Eigen::SparseMatrix<Complex>> lu(A);
         if (lu.info() != Eigen::Success) break;
-        const Eigen::VectorXcd y = lu.solve(slope * whole);
+        deflate(s, whole);
+        Eigen::VectorXcd y = lu.solve(slope * whole);
+        deflate(s, y);
         const Complex below = (whole.transpose() * y)(0), own = (whole.transpose() * whole)(0);
         if (!y.allFinite() || std::abs(below) == 0) break;
-        const Complex next = s - own / below;
+        const Complex correction = -own / below;
+        if (!(std::abs(correction) < mode.correction * std::abs(s))) break;  // rounding, or it goes away
+        mode.correction = std::abs(correction) / std::abs(s);
+        mode.s = s;
+        best = whole;
+        best_slope = slope * whole;
+        s += correction;
         whole = y / y.norm();
-        if (!std::isfinite(std::abs(next)) || std::abs(next - start) > 0.05 * std::abs(start)) break;
-        const bool is_done = std::abs(next - s) < 1e-14 * std::abs(next);
-        s = next;
-        if (const double now = residual(s, whole); now < least) {
-            least = now;
-            best = whole;
-            mode.s = s;
-        } else if (pass > 3) {
-            break;
-        }
-        if (is_done) break;
+        if (std::abs(s - start) > kAway * std::abs(start)) break;
     }
-    mode.residual = least;
     // A vibration that does not decay has a real part of rounding only
     if (std::abs(mode.s.real()) < 1e-13 * std::abs(mode.s)) mode.s.real(0);
     Complex largest = 0;
@@ -161,8 +183,8 @@ void DampedModes::improve(DampedMode& mode, Eigen::VectorXcd& x) {
             if ((i % 6 < 3) == (half == 0) && std::abs(best(i)) > std::abs(largest)) largest = best(i);
         if (std::abs(largest) > 1e-9 * best.head(n).norm()) break;
     }
+    found_.emplace_back(best, best_slope);
     for (Eigen::Index f = 0; f < n / 6; ++f) mode.motion.emplace_back(best.segment<6>(6 * f) / largest);
-    if (least > 1e-7) is_proved_ = false;
 }
 
 }  // namespace dttmm::plugin

@@ -10,7 +10,7 @@ namespace dttmm::plugin {
 /// A solution x e^(st) of (K + s C + s² M) x = 0.
 struct DampedMode {
     Complex s;                     ///< [1/s]; its imaginary part is zero or positive
-    double residual;               ///< |A(s) x| over |A(s)| |x|, of the exact matrix
+    double correction = 0;         ///< what another step of Newton's method changes on the exact matrix, as share of |s|
     std::vector<Complex6> motion;  ///< of all frames; the largest displacement, or rotation where there is none, is 1
 };
 
@@ -41,6 +41,7 @@ private:
     using Matrix = Eigen::MatrixXd;
 
     Matrix free_directions(const Matrix& K) const;
+    void deflate(Complex s, Eigen::VectorXcd& x) const;
     bool piles_up(Complex s) const;
     bool has_loss_factor() const;
     template <class Scalar>
@@ -50,6 +51,7 @@ private:
     DynamicStiffness& D_;
     HarmonicSolver& solver_;
     std::vector<DampedMode> modes_;
+    std::vector<std::pair<Eigen::VectorXcd, Eigen::VectorXcd>> found_;  ///< of each the whole vector x, and A' x
     bool is_proved_ = true, piles_up_ = false;
 };
 

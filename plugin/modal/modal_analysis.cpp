@@ -71,7 +71,7 @@ DampedModes::Count ModalAnalysis::find_damped(double below) {
 void ModalAnalysis::damped_mode(uint32_t index, dttmm_damped_mode* mode, double* bodies, double* nodes) const {
     if (index >= damped_.size()) throw Error(DTTMM_ERROR_ARGUMENT, "there is no such damped mode");
     const DampedMode& own = damped_[index];
-    if (mode) *mode = {{own.s.real(), own.s.imag()}, own.residual};
+    if (mode) *mode = {{own.s.real(), own.s.imag()}, own.correction};
     const auto write = [](const Complex6& u, double* out) {
         for (Eigen::Index d = 0; d < 6; ++d) {
             out[2 * d] = u(d).real();

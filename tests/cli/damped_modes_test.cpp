@@ -167,6 +167,41 @@ mass = 1.5
     }
 }
 
+// Oracle: the proved count without damping, whose frequencies these are. Candidates of the beam's pieces lie beyond them: a
+// bound a millionth above a mode has it, one as far below has it not. Double modes of round beams are two.
+TEST(DampedModes, TheBoundIsThatOfTheExactModes) {
+    const auto text = [](const std::string& more) {
+        return R"(format = "dttmm/1"
+[nodes]
+foot = { position = [0.3, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+tip = [0.5, 0.9, 0.4]
+[[element]]
+name = "beam"
+type = "beam"
+from = "foot"
+to = "tip"
+section = { tube = ["30 mm", "22 mm"] }
+material = { E = "210 GPa", poisson = 0.3, density = "7850 kg/m^3")" +
+               more + " }\n";
+    };
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", text(""));
+    const Ended ended = run_dttmm(folder.path(), {"modes", "model.toml", "-o", "out", "--count", "14", "--json"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    const auto json = nlohmann::json::parse(ended.out);
+    const std::vector<double> exact = json["frequencies_hz"];
+    for (const size_t last : {1u, 6u, 11u}) {
+        for (const double share : {1e-6, -1e-6}) {
+            const double below = exact[last] * (1 + share);
+            std::string said;
+            const DampedRows rows = damped_modes(text(""), {"--below", fmt::format("{:.17g} Hz", below)}, &said);
+            EXPECT_EQ(rows.size(), static_cast<size_t>(std::ranges::count_if(exact, [&](double f) { return f <= below; })));
+            EXPECT_THAT(said, ::testing::HasSubstr("complete: all eigenvalues"));
+            for (size_t m = 0; m < rows.size(); ++m) EXPECT_NEAR(rows[m][1], exact[m], 1e-9 * exact[m]) << m;
+        }
+    }
+}
+
 // Oracle: by hand. A body on a hinge between joints: reactions and free directions cost nothing; a slider with a damper only
 // has a rigid-body mode and one that decays, s = −c/m.
 TEST(DampedModes, WhatNothingHoldsDecaysOrStays) {

@@ -9,11 +9,17 @@ namespace dttmm::host {
 
 namespace {
 
-constexpr double kTolerance = 0.01;       ///< of magnitude and of phase [rad]
-constexpr double kSmall = 1e-4;           ///< of the largest magnitude: below it a curve need not be straight
-constexpr double kRoundingOfKind = 1e-7;  ///< of the largest magnitude of its kind: below it a curve may be rounding
-constexpr double kPeakTolerance = 1e-5;   ///< of a peak, between its points
-constexpr double kNarrow = 1e-7;          ///< share of x below which no interval is parted: half-power width of ζ = 5e-8
+/// Of magnitude, and of phase [rad]: what users are promised (README). It sets the number of points, by its inverse root.
+constexpr double kTolerance = 0.01;
+/// Of the largest magnitude of the curve: below it, 80 dB, a curve need not be straight.
+constexpr double kSmall = 1e-4;
+/// Of the largest magnitude of its kind: below it a curve may be rounding. Zero channels of a turned machine have 1e-12 or
+/// less.
+constexpr double kRoundingOfKind = 1e-7;
+/// Of a peak: parabolas through its points add points until they promise less. What is printed is the peak to twice this.
+constexpr double kPeakTolerance = 1e-5;
+/// Share of x: narrower intervals are not parted, as beside a peak that nothing damps. The half-power width of ζ = 5e-8.
+constexpr double kNarrow = 1e-7;
 
 }  // namespace
 

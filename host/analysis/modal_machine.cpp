@@ -30,19 +30,15 @@ auto tell_place(const Model& model, Action&& action) {
 const std::vector<std::string>& direction_names() { return kDirections; }
 
 ModalMachine::ModalMachine(const Model& model, const Plugins& plugins)
-    : ModalMachine(model, plugins, ModalDescription(model, plugins)) {}
+    : ModalMachine(model, ModalDescription(model, plugins)) {}
 
 ModalMachine::ModalMachine(const Model& model, const Model& resting, const Plugins& plugins)
-    : ModalMachine(model, plugins, ModalDescription(resting, plugins, true)) {}
+    : ModalMachine(model, ModalDescription(resting, plugins, true)) {}
 
-ModalMachine::ModalMachine(const Model& model, const Plugins& plugins, ModalDescription description)
+ModalMachine::ModalMachine(const Model& model, ModalDescription description)
     : model_(model),
       description_(std::move(description)),
       instance_(tell_place(model, [&] { return ModalInstance(description_.plugin(), description_.model()); })) {
-    for (const Element& element : model.elements) {
-        const auto& types = plugins.catalogue().types;
-        is_axial_.push_back(std::string_view(types[as_size(element.type)]->name) == "axial_spring");
-    }
     for (size_t b = 0; b < model.bodies.size(); ++b) {
         Body body = model.bodies[b];
         if (rest()) {

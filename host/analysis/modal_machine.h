@@ -51,13 +51,13 @@ public:
     std::vector<ModalInstance::Response> respond(double frequency, const std::vector<ModalInstance::Loads>& cases,
                                                  bool with_forces = false);
     /// An element that carries a force along the line through its ends, and nothing else.
-    bool is_axial(size_t element) const { return is_axial_[element]; }
+    bool is_axial(size_t element) const { return instance_.is_axial(static_cast<uint32_t>(element)); }
     /// Force and moment of a joint as a run records them, in its axes [N, N m].
     Complex6 joint_wrench(size_t joint, const ModalInstance::Response& response) const;
     /// Displacement and rotation of its second body against its first at the joint, in its axes, which begin with the axis
     /// of a hinge or slider [m, rad].
     Complex6 joint_motion(size_t joint, const ModalInstance::Response& response) const;
-    /// All natural frequencies up to a frequency [Hz], whatever the model asks for.
+    /// All natural frequencies up to a frequency [Hz], not those that the model asks for.
     std::vector<double> frequencies_below(double frequency);
     /// Of a place [m, rad].
     Complex6 motion(const ModalPlace& place, const ModalInstance::Response& response) const;
@@ -84,7 +84,7 @@ public:
     const ModalPlace* find(const std::string& name) const;
 
 private:
-    ModalMachine(const Model& model, const Plugins& plugins, ModalDescription description);
+    ModalMachine(const Model& model, ModalDescription description);
     Eigen::Matrix<double, 6, 6> by_body(const ModalPlace& place) const;
     Complex6 motion_of_body(int body, const Eigen::Vector3d& point, const ModalInstance::Response& response) const;
 
@@ -92,7 +92,6 @@ private:
     ModalDescription description_;
     ModalInstance instance_;
     std::vector<ModalPlace> places_;
-    std::vector<bool> is_axial_;  ///< by Model::elements
 };
 
 /// Names of the six directions, in order.

@@ -127,7 +127,7 @@ Values SteadyResponse::evaluate(const OperatingPoint& at) {
 
 /// On a natural frequency that nothing damps a little beside it.
 Values SteadyResponse::evaluate_near(const ResponseSweep& sweep, double x) {
-    constexpr double kBeside = 1e-8;
+    constexpr double kBeside = 1e-8;  // far beyond rounding of x, far within any width that damping gives
     try {
         return evaluate(sweep.at(x));
     } catch (const Error& error) {

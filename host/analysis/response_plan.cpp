@@ -18,7 +18,7 @@ namespace dttmm::host {
 namespace {
 
 constexpr double kWholeTurn = 2 * std::numbers::pi;
-/// More natural frequencies than this become no points: each costs a solution, and an error of a count that large is told.
+/// Natural frequencies that become points, at most: each costs a solution. A warning says that there are more.
 constexpr size_t kMostStarts = 2000;
 
 std::vector<double> spaced(double from, double to, int count, bool is_logarithmic) {

@@ -186,9 +186,14 @@ std::vector<ModalInstance::Response> ModalInstance::respond(double frequency, co
     return responses;
 }
 
+bool ModalInstance::is_axial(uint32_t element) const {
+    const dttmm_response_table* table = plugin_.response();
+    return table && table->is_axial && table->is_axial(modal_.get(), element) != 0;
+}
+
 std::vector<ModalInstance::Damped> ModalInstance::find_damped(double below, int32_t& is_proved) {
     const dttmm_response_table* table = plugin_.response();
-    if (!table || table->size < sizeof(dttmm_response_table) || !table->find_damped || !table->damped_mode)
+    if (!table || !table->find_damped || !table->damped_mode)
         throw Error(ExitCode::plugin_failure, fmt::format("plugin {} knows no modes with damping", plugin_.name()));
     uint32_t count = 0;
     ask([&](dttmm_error* error) { return table->find_damped(modal_.get(), below, &count, &is_proved, error); });

@@ -39,6 +39,9 @@ public:
     /// All up to `below` [Hz], or if that is 0 the first `count`; how many there are.
     uint32_t find_modes(uint32_t count, double below);
     Mode mode(uint32_t index);
+    /// See dttmm_response.h. False for all where the plugin knows no response.
+    bool is_axial(uint32_t element) const;
+
     /// With damping, x e^(st).
     struct Damped {
         std::complex<double> s;               ///< [1/s]

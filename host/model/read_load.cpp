@@ -120,7 +120,7 @@ bool is_moment_by(const TomlMember& magnitude) {
     try {
         parse_quantity(first->string);
     } catch (const Error&) {
-        return false;  // told where it is read
+        return false;  // the reader of the number reports it
     }
     const std::string unit = unit_text(first->string);
     return !unit.empty() && measures(unit, magnitude.key == "psd" ? "(N*m)^2/Hz" : "N*m");

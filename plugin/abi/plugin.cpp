@@ -180,6 +180,8 @@ dttmm_status mode(dttmm_modal* modal, uint32_t index, dttmm_mode* mode, double* 
     return guard(error, [&] { modal->analysis.mode(index, mode, bodies, nodes, shares); });
 }
 
+int32_t is_axial(const dttmm_modal* modal, uint32_t element) { return modal->analysis.is_axial(element); }
+
 dttmm_status find_damped(dttmm_modal* modal, double below, uint32_t* found, int32_t* is_proved, dttmm_error* error) {
     return guard(error, [&] {
         const dttmm::plugin::DampedModes::Count count = modal->analysis.find_damped(below);
@@ -307,7 +309,8 @@ const void* extension(const char* name) {
                                                  bent_at_rest,
                                                  count_growing,
                                                  strain_directions};
-    static constexpr dttmm_response_table kResponse = {sizeof(dttmm_response_table), respond, find_damped, damped_mode};
+    static constexpr dttmm_response_table kResponse = {sizeof(dttmm_response_table), respond, is_axial, find_damped,
+                                                       damped_mode};
     static constexpr dttmm_state_table kState = {sizeof(dttmm_state_table), state_size, save_state, restore_state};
     static constexpr dttmm_laws_table kLaws = {sizeof(dttmm_laws_table), add_law};
     static constexpr dttmm_static_table kStatic = {sizeof(dttmm_static_table),

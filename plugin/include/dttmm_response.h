@@ -50,6 +50,9 @@ typedef struct dttmm_response_table {
      * are those from ends[c - 1] (0 for the first) to before ends[c]; they act together. */
     dttmm_status (*respond)(dttmm_modal* modal, double frequency, uint32_t case_count, const uint32_t* ends,
                             const dttmm_harmonic* loads, const dttmm_harmonic_result* result, dttmm_error* error);
+    /* NULL: none is. Non-zero for an element that carries a force along the line between its ends and nothing else: its
+     * force and its deflection are their x. */
+    int32_t (*is_axial)(const dttmm_modal* modal, uint32_t element);
 
     /* NULL: not known. All modes with damping whose |s| is at most 2 pi `below` [Hz], by |s|: their number. *is_proved:
      * 1 where all are there, counted by a complete set of eigenvalues, and solve the equations; 2 where all are there but

@@ -23,7 +23,7 @@ namespace {
 constexpr double kAway = 0.05;
 /// Largest correction of a mode that counts as found, as share of s. Measured on the examples: 3e-13 at most.
 constexpr double kSolved = 1e-8;
-/// Share of s: nearer modes are told apart by their shapes. Rounding parts double ones by 1e-12.
+/// Share of s: nearer modes are distinguished by their shapes. Rounding parts double ones by 1e-12.
 constexpr double kSameRate = 1e-6;
 /// Share of the bound: what is slower is a rigid-body mode. Of a double eigenvalue 0 rounding leaves its root, 1e-8.
 constexpr double kSlowest = 1e-6;
@@ -50,7 +50,7 @@ DampedModes::DampedModes(DynamicStiffness& D, HarmonicSolver& solver, double bel
 /// Columns that span the motions which no rigid direction forbids: of the real matrix at s = 0, rows of rigid directions
 /// last.
 DampedModes::Matrix DampedModes::free_directions(const Matrix& K) const {
-    constexpr double kDependent = 1e-9;
+    constexpr double kDependent = 1e-9;  // as of the directions of one joint: redundant ones leave rounding, 1e-15
     const Eigen::Index n = 6 * D_.frame_count(), rigid = K.rows() - n;
     std::vector<Eigen::Index> moving;  // directions that the model leaves
     for (Eigen::Index i = 0; i < n; ++i)

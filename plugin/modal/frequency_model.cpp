@@ -133,6 +133,7 @@ FrequencyModel::FrequencyModel(const dttmm_modal_model& model, const AtRest* res
         const dttmm_node& node = model.network->nodes[n];
         fixed.push_back(node.kind == DTTMM_NODE_GROUND ? 0x3f : node.kind == DTTMM_NODE_INNER ? node.fixed : 0);
     }
+    are_axial.resize(element_count);
     std::vector<int> held_nodes;  // in the order of the joints that hold them
     for (uint32_t n = 0; n < model.network->node_count; ++n) {
         const dttmm_node& node = model.network->nodes[n];
@@ -149,7 +150,10 @@ FrequencyModel::FrequencyModel(const dttmm_modal_model& model, const AtRest* res
         } catch (const Error& error) {
             throw Error(error.status(), error.what(), joint.element);
         }
-        if (bonds.size() > before) bonds.back().loss_factor = joint.law->loss_factor;
+        if (bonds.size() > before) {
+            bonds.back().loss_factor = joint.law->loss_factor;
+            if (joint.law->axial) are_axial[as_size(joint.element)] = true;
+        }
         if (const int h = as_int(j) - assembly.first_joint.back(); h >= 0 && bonds.size() > before)
             bonds.back().held_node = held_nodes[as_size(h)];
     }

@@ -131,6 +131,7 @@ struct FrequencyModel {
     std::vector<LineModel> lines;
     std::vector<Pin> pins;
     std::vector<EndNodes> ends;    ///< of every element
+    std::vector<bool> are_axial;   ///< elements that carry a force along the line between their ends and nothing else
     std::vector<int> constraints;  ///< the bond of each; −1: it holds nothing
     std::vector<Lever> levers;
     double total_mass = 0;  ///< [kg]

@@ -24,6 +24,7 @@ public:
     size_t find_modes(uint32_t count, double below);
     /// See dttmm_plugin.mode and mode_along. Throw Error(DTTMM_ERROR_ARGUMENT) for an index that is no mode.
     void mode(uint32_t index, dttmm_mode* mode, double* bodies, double* nodes, double* shares);
+    bool is_axial(uint32_t element) const { return element < model_.are_axial.size() && model_.are_axial[element]; }
     /// See dttmm_response.h. Throw what DampedModes does, and Error(DTTMM_ERROR_ARGUMENT) for an index that is no mode.
     DampedModes::Count find_damped(double below);
     void damped_mode(uint32_t index, dttmm_damped_mode* mode, double* bodies, double* nodes) const;

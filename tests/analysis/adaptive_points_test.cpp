@@ -19,14 +19,18 @@ bool goes_on() { return false; }
 TEST(AdaptivePoints, AResonanceIsDrawn) {
     AdaptivePoints adaptive([](double x) { return AdaptivePoints::Values{resonance(x)}; }, {0});
     ASSERT_TRUE(adaptive.find(std::array{0.1, 1.0, 4.0}, 1000, goes_on));
-    double peak = 0, last = 0, last_size = 0;
+    double peak = 0, last = 0;
+    Complex last_value;
     for (const auto& [x, values] : adaptive.points()) {
-        const double size = std::abs(values[0]), middle = std::abs(resonance(0.5 * (last + x)));
+        const Complex middle = resonance(0.5 * (last + x));
+        const double size = std::abs(values[0]);
         if (last > 0) {
-            EXPECT_NEAR(0.5 * (last_size + size), middle, 0.0101 * middle) << x;
+            EXPECT_NEAR(0.5 * (std::abs(last_value) + size), std::abs(middle), 0.0101 * std::abs(middle)) << x;
+            const double turn = std::arg(values[0] / last_value);
+            EXPECT_LT(std::abs(std::arg(middle / (last_value * std::polar(1.0, 0.5 * turn)))), 0.0101) << x;
         }
         last = x;
-        last_size = size;
+        last_value = values[0];
         peak = std::max(peak, size);
     }
     const double exact = 1 / (2 * kZeta * std::sqrt(1 - kZeta * kZeta));

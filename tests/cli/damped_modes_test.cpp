@@ -10,6 +10,7 @@
 #include <cmath>
 #include <complex>
 #include <random>
+#include <sstream>
 
 #include "cli/modes_run.h"
 
@@ -18,7 +19,9 @@ namespace {
 
 using DampedRows = std::vector<std::vector<double>>;
 
-DampedRows damped_modes(const std::string& text, std::vector<std::string> words, std::string* out = nullptr) {
+/// shapes: along x, of every mode and place.
+DampedRows damped_modes(const std::string& text, std::vector<std::string> words, std::string* out = nullptr,
+                        std::vector<std::complex<double>>* shapes = nullptr) {
     const TemporaryFolder folder;
     write_text(folder / "model.toml", text);
     words.insert(words.begin(), {"modes", "model.toml", "--damped", "-o", "out"});
@@ -26,6 +29,15 @@ DampedRows damped_modes(const std::string& text, std::vector<std::string> words,
     EXPECT_EQ(ended.code, 0) << ended.err;
     if (ended.code != 0) return {};
     if (out) *out = ended.out + ended.err;
+    std::istringstream lines(read_text(folder / "out/damped_shapes.csv"));
+    std::string line;
+    for (int i = 0; shapes && std::getline(lines, line); ++i) {
+        if (i < 2) continue;
+        std::istringstream fields(line);
+        std::vector<std::string> cells;
+        for (std::string cell; std::getline(fields, cell, ',');) cells.push_back(cell);
+        shapes->emplace_back(std::stod(cells[3]), std::stod(cells[4]));
+    }
     return read_history(folder / "out/damped.csv");
 }
 
@@ -72,13 +84,22 @@ TEST(DampedModes, ARandomMachineHasTheEigenvaluesOfItsEquations) {
             if (s.imag() >= 0 && std::abs(s) <= 2 * M_PI * kHighest) exact.push_back(s);
         std::ranges::sort(exact, {}, [](const auto& s) { return std::abs(s); });
         std::string said;
-        const DampedRows rows = damped_modes(text, {"--below", fmt::format("{} Hz", kHighest)}, &said);
+        std::vector<std::complex<double>> shapes;
+        const DampedRows rows = damped_modes(text, {"--below", fmt::format("{} Hz", kHighest)}, &said, &shapes);
         EXPECT_THAT(said, ::testing::HasSubstr("complete: all eigenvalues"));
         ASSERT_EQ(rows.size(), exact.size());
         for (size_t m = 0; m < rows.size(); ++m) {
             EXPECT_NEAR(rows[m][1], exact[m].imag() / (2 * M_PI), 1e-8 * std::abs(exact[m])) << m;
             EXPECT_NEAR(rows[m][4], -exact[m].real(), 1e-8 * std::abs(exact[m])) << m;
             EXPECT_NEAR(rows[m][3], -exact[m].real() / std::abs(exact[m]), 1e-8) << m;
+        }
+        for (size_t m = 0; m < rows.size(); ++m) {  // and its shape solves the equations
+            const std::complex<double> s(-rows[m][4], 2 * M_PI * rows[m][1]);
+            Eigen::VectorXcd u(kMasses);
+            for (int i = 0; i < kMasses; ++i) u(i) = shapes[m * kMasses + static_cast<size_t>(i)];
+            EXPECT_NEAR(u.cwiseAbs().maxCoeff(), 1, 1e-9);
+            const Eigen::MatrixXcd A = K.cast<std::complex<double>>() + s * C + s * s * M;
+            EXPECT_LT((A * u).norm(), 1e-7 * A.norm()) << m;
         }
         if (machine % 2 == 0) {
             EXPECT_TRUE(std::ranges::any_of(rows, [](const auto& row) { return row[1] == 0 && row[4] > 0; }));

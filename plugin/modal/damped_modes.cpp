@@ -161,8 +161,7 @@ void DampedModes::improve(DampedMode& mode, Eigen::VectorXcd& x) {
         Eigen::SparseLU<Eigen::SparseMatrix<Complex>> lu(A);
         if (lu.info() != Eigen::Success) break;
         deflate(s, whole);
-        Eigen::VectorXcd y = lu.solve(slope * whole);
-        deflate(s, y);
+        const Eigen::VectorXcd y = lu.solve(slope * whole);
         const Complex below = (whole.transpose() * y)(0), own = (whole.transpose() * whole)(0);
         if (!y.allFinite() || std::abs(below) == 0) break;
         const Complex correction = -own / below;

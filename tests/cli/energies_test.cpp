@@ -135,5 +135,41 @@ TEST(Energies, TheEngineRollsAndBounces) {
     EXPECT_EQ(count, 6u);
 }
 
+// Oracle: one body has all of the kinetic energy of each mode, however it stands in the world; directions add up to it.
+TEST(Energies, ATurnedBodyHasAllOfIt) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", R"(format = "dttmm/1"
+[[body]]
+name = "block"
+mass = 3
+inertia = [0.04, 0.07, 0.05]
+rotation = { axis = [1, -2, 0.5], angle = "50 deg" }
+markers.corner = [0.1, 0.2, -0.15]
+[[element]]
+name = "spring"
+type = "spring_damper"
+from = "ground"
+to = "block.corner"
+stiffness = [900, 1500, 2100]
+rotational_stiffness = [40, 60, 90]
+)");
+    const Ended ended = run_dttmm(folder.path(), {"modes", "model.toml", "-q", "-o", "out", "--count", "6"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    std::istringstream lines(read_text(folder / "out/energies.csv"));
+    size_t count = 0;
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream fields(line);
+        std::vector<std::string> row;
+        for (std::string cell; std::getline(fields, cell, ',');) row.push_back(cell);
+        if (row[3] != "block") continue;
+        ++count;
+        double sum = 0;
+        for (size_t c = 5; c < 11; ++c) sum += std::stod(row[c]);
+        EXPECT_NEAR(std::stod(row[4]), 1, 1e-9);
+        EXPECT_NEAR(sum, 1, 1e-9);
+    }
+    EXPECT_EQ(count, 6u);
+}
+
 }  // namespace
 }  // namespace dttmm::host

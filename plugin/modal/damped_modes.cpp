@@ -125,12 +125,26 @@ void DampedModes::find_all(double below) {
         }
         DampedMode mode{std::abs(s) < kSlowest * below ? 0 : s, 0, {}};
         Eigen::VectorXcd x = Z.cast<Complex>() * vectors.col(k).head(n);
+        if (mode.s == 0.0 && !is_new_rigid(x)) continue;
         improve(mode, x);
         modes_.push_back(std::move(mode));
     }
     is_proved_ = std::ranges::all_of(modes_, [](const DampedMode& mode) { return mode.correction < kSolved; });
     std::erase_if(modes_, [&](const DampedMode& mode) { return std::abs(mode.s) > below; });
     std::ranges::sort(modes_, {}, [](const DampedMode& mode) { return std::pair(std::abs(mode.s), mode.s.imag()); });
+}
+
+/// Whether a motion with s = 0 is another than those found; takes these out of it. A free direction without damping has the
+/// eigenvalue 0 twice, to be somewhere and to move on, with one shape.
+bool DampedModes::is_new_rigid(Eigen::VectorXcd& x) const {
+    constexpr double kOther = 1e-3;  // of its length; rounding of a double eigenvalue leaves 1e-8
+    x.normalize();
+    for (size_t m = 0; m < modes_.size(); ++m) {
+        if (modes_[m].s != 0.0) continue;
+        const Eigen::VectorXcd known = found_[m].first.head(x.size()).normalized();
+        x -= known.dot(x) * known;
+    }
+    return x.norm() > kOther;
 }
 
 /// Takes out of x what belongs to modes found before with nearly this s: for two modes x₁ᵀ A' x₂ is zero.

@@ -41,6 +41,7 @@ private:
     using Matrix = Eigen::MatrixXd;
 
     Matrix free_directions(const Matrix& K) const;
+    bool is_new_rigid(Eigen::VectorXcd& x) const;
     void deflate(Complex s, Eigen::VectorXcd& x) const;
     bool piles_up(Complex s) const;
     bool has_loss_factor() const;

@@ -146,8 +146,9 @@ TEST_P(StoppedModes, AResponseKeepsItsLines) {
 
 // Oracle: the same of `dttmm response`.
 TEST_P(StoppedModes, ASteadyResponseKeepsItsRows) {
-    const std::vector<std::string> words = {"response", "model.toml", "--in", "plate.z", "--from",  "10 Hz",
-                                            "--to",     "20000 Hz",   "-o",   "out",     "--points"};
+    const std::vector<std::string> words = {"response", "model.toml", "--in", "plate.z",  "--out", "plate.position.z",
+                                            "--from",   "10 Hz",      "--to", "20000 Hz", "-o",    "out",
+                                            "--points"};
     auto many = words;
     many.push_back("5000000");
     Process response(many, folder_.path());
@@ -156,6 +157,7 @@ TEST_P(StoppedModes, ASteadyResponseKeepsItsRows) {
     const Ended ended = response.wait();
     EXPECT_EQ(ended.code, 130) << ended.err;
     const auto rows = read_history(folder_ / "out/response.csv");
+    ASSERT_FALSE(rows.empty());
     EXPECT_THAT(ended.err, HasSubstr(std::to_string(rows.size()) + (rows.size() == 1 ? " row is kept" : " rows are kept")));
     EXPECT_THAT(read_text(folder_ / "out/summary.json"), HasSubstr("\"stopped\""));
     auto few = words;

@@ -40,11 +40,18 @@ struct Request {
     std::string rpm;                           ///< response: speeds, "800..6000:260"
     std::vector<std::string> orders;           ///< response: those of the loads' orders that count; none: all
 
+    std::vector<std::string> channels;  ///< spectrum: patterns, perhaps several in one text, parted by commas
+    std::string window, resolution;     ///< spectrum: name of the taper; text with unit
+    int segments = 0;                   ///< spectrum: averaged; 0: one
+    int identified = 0;                 ///< spectrum: so many modes
+    std::string speed, modes;           ///< spectrum: a channel; a results folder of modes
+
     int buckling = 0;  ///< static: so many critical load factors
     std::string at;    ///< static: the instant whose loads count, a text with unit
 
     std::vector<std::string> patterns;  ///< channels: those to list; none: all
-    std::vector<std::string> words;     ///< help: the topic; new: the folder; completion: the shell; check-law: the library
+    std::vector<std::string>
+        words;  ///< help: the topic; new, spectrum: the folder; completion: the shell; check-law: the library
 
     std::string command_line;  ///< as typed, for summary.json
     /// The options given, with their values as typed; a flag has an empty one.
@@ -66,7 +73,8 @@ enum Command : unsigned {
     kManual = 1024,
     kCheckLaw = 2048,
     kStatic = 4096,
-    kResponse = 8192
+    kResponse = 8192,
+    kSpectrum = 16384
 };
 
 /// An option of the command line. The commands, the words of a sweep's cases and what decides whether a case is run again

@@ -21,6 +21,7 @@
 #include "analysis/modes_sweep.h"
 #include "analysis/response.h"
 #include "analysis/run.h"
+#include "analysis/spectrum.h"
 #include "analysis/statics.h"
 #include "analysis/sweep.h"
 #include "cli/completion.h"
@@ -97,6 +98,7 @@ const CommandLine kCommands[] = {
     {kFrf, "frf", "frequency response of a model", Given::model, find_response},
     {kResponse, "response", "steady vibration of a model over frequency or speed, under its loads or unit forces",
      Given::model, find_steady_response},
+    {kSpectrum, "spectrum", "spectra, levels, modes and orders of a recorded run", Given::results, find_spectrum},
     {kChannels, "channels", "list what a run of a model can record", Given::model_and_patterns, plain<print_channels>},
     {kCheckLaw, "check-law", "test the force laws of a library", Given::library, plain<check_law>},
     {kNew, "new", "make a folder with a first model", Given::folder, plain<make_new>},
@@ -160,6 +162,11 @@ void add_given(CLI::App& command, Given given, Request& request) {
             break;
         case Given::library:
             command.add_option("FILE", request.words, "shared library with laws (dttmm_law.h)")->required()->expected(1);
+            break;
+        case Given::results:
+            command.add_option("RESULTS", request.words, "results folder of a run, or its history.csv")
+                ->required()
+                ->expected(1);
             break;
         case Given::nothing:
             break;

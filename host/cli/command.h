@@ -9,7 +9,7 @@
 namespace dttmm::host {
 
 /// What a command is given besides options.
-enum class Given : unsigned char { nothing, model, models, model_and_patterns, topic, folder, shell, library };
+enum class Given : unsigned char { nothing, model, models, model_and_patterns, topic, folder, shell, library, results };
 
 /// A command: its bit among those of the options, and what it does.
 struct CommandLine {

@@ -51,6 +51,8 @@ const char* given_text(Given given) {
             return " SHELL";
         case Given::library:
             return " FILE";
+        case Given::results:
+            return " RESULTS";
         case Given::nothing:
             break;
     }

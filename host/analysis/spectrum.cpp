@@ -8,6 +8,8 @@
 
 #include "analysis/recorded_run.h"
 #include "analysis/spectra.h"
+#include "analysis/spectrum_modes.h"
+#include "analysis/spectrum_orders.h"
 #include "analysis/summary.h"
 #include "model/index.h"
 #include "model/units.h"
@@ -36,13 +38,15 @@ public:
           warnings_(warnings),
           taper_(parse_taper(request.window.empty() ? "hann" : request.window)),
           run_(request.words.front(), warnings) {
-        run_.read(request.channels, "", request.from, request.to);
+        check_words();
+        run_.read(request.channels, request.speed, request.from, request.to);
         size_ = find_segment_size();
     }
 
     ExitCode run();
 
 private:
+    void check_words() const;
     size_t find_segment_size() const;
     void find_levels();
     void find_spectra();
@@ -64,7 +68,17 @@ private:
     std::vector<size_t> moving_;  ///< channels that are not constant
     std::vector<Spectrum> spectra_;
     std::vector<std::vector<Peak>> peaks_;
+    std::optional<SpectrumModes> modes_;
+    std::optional<SpectrumOrders> orders_;
 };
+
+void SpectrumCommand::check_words() const {
+    if (request_.orders.empty() != request_.speed.empty())
+        throw Error(ExitCode::usage,
+                    "--orders and --speed belong together: the orders, and the channel of the shaft's speed or angle");
+    if (!request_.modes.empty() && request_.identified == 0)
+        throw Error(ExitCode::usage, "--modes: what is to be compared? give --identify N, the number of modes to find");
+}
 
 size_t SpectrumCommand::find_segment_size() const {
     if (request_.segments > 0 && !request_.resolution.empty())
@@ -189,6 +203,8 @@ void SpectrumCommand::print(const ResultsFolder& folder) const {
                    levels_[c].rms, levels_[c].mean, levels_[c].peak, fmt::join(peaks, ", "));
     }
     if (moving_.size() > kShownChannels) fmt::print("and {} more in levels.csv\n", moving_.size() - kShownChannels);
+    if (modes_) modes_->print();
+    if (orders_) orders_->print();
     const size_t segments = segment_count(run_.rows(), size_);
     fmt::print("{} from {:g} s, every {:g} s; resolution {:.5g} Hz, band up to {:g} Hz, window {}, {}; results in {}\n",
                counted(run_.rows(), "row", "rows"), run_.start(), run_.interval(), resolution(), 1 / (2 * run_.interval()),
@@ -207,17 +223,20 @@ Json SpectrumCommand::describe() const {
         Json& list = peaks[channel(moving_[i]).name] = Json::array();
         for (const Peak& peak : peaks_[i]) list.push_back({{"frequency_hz", peak.frequency}, {"amplitude", peak.amplitude}});
     }
-    return {{"format", "dttmm-spectrum/1"},
-            {"status", "completed"},
-            {"warnings", describe_warnings(warnings_)},
-            {"command_line", request_.command_line},
-            {"history", run_.history().string()},
-            {"window", {{"from", run_.start()}, {"rows", run_.rows()}, {"interval", run_.interval()}}},
-            {"taper", taper_name(taper_)},
-            {"segments", segment_count(run_.rows(), size_)},
-            {"resolution_hz", resolution()},
-            {"levels", levels},
-            {"peaks", peaks}};
+    Json json = {{"format", "dttmm-spectrum/1"},
+                 {"status", "completed"},
+                 {"warnings", describe_warnings(warnings_)},
+                 {"command_line", request_.command_line},
+                 {"history", run_.history().string()},
+                 {"window", {{"from", run_.start()}, {"rows", run_.rows()}, {"interval", run_.interval()}}},
+                 {"taper", taper_name(taper_)},
+                 {"segments", segment_count(run_.rows(), size_)},
+                 {"resolution_hz", resolution()},
+                 {"levels", levels},
+                 {"peaks", peaks}};
+    if (modes_) json["identified"] = modes_->describe();
+    if (orders_) json["orders"] = orders_->describe();
+    return json;
 }
 
 std::filesystem::path results_path(const Request& request) {
@@ -235,9 +254,13 @@ ExitCode SpectrumCommand::run() {
     find_levels();
     find_spectra();
     judge_peaks();
+    if (request_.identified > 0) modes_.emplace(request_, run_, moving_, warnings_);
+    if (!request_.orders.empty()) orders_.emplace(request_, run_, moving_, warnings_);
     const ResultsFolder folder(results_path(request_));
     write_atomically(folder.file("levels.csv"), levels_table());
     if (!moving_.empty()) write_spectra(folder);
+    if (modes_) write_atomically(folder.file("identified.csv"), modes_->table());
+    if (orders_) write_atomically(folder.file("orders.csv"), orders_->table());
     warnings_.print_rest("; summary.json has all of them");
     write_json(folder.file("summary.json"), describe());
     print(folder);

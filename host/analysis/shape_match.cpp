@@ -19,6 +19,8 @@ namespace {
 constexpr double kSameMac = 0.01;        // shapes nearer than this are not told apart by it, but by frequency
 constexpr double kSameFrequency = 1e-6;  // share: modes listed with one frequency mix freely
 
+constexpr double kStill = 1e-6;  // a shape is 1 where it is largest: less is rounding, it does not move the channels
+
 struct Quantity {
     const char* name;
     int derivative;
@@ -85,8 +87,10 @@ ModeMatch ShapeMatch::match(const Eigen::VectorXcd& shape, std::complex<double> 
                                                                kSameFrequency * std::abs(frequencies_[first]);)
             ++end;
         const Eigen::MatrixXd group = shapes_.middleCols(as_row(first), as_row(end - first));
-        const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(group);
-        if (group.isZero(0)) continue;  // it moves none of the channels
+        if (group.norm() < kStill) continue;
+        Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
+        qr.setThreshold(kStill / group.norm());
+        qr.compute(group);
         const Eigen::MatrixXd basis = Eigen::MatrixXd(qr.householderQ()).leftCols(qr.rank());
         found.push_back({first + 1, frequencies_[first],
                          (basis.transpose().cast<std::complex<double>>() * own).squaredNorm() / own.squaredNorm()});

@@ -32,8 +32,9 @@ public:
         weights_.resize(rows_);
         for (Eigen::Index i = 0; i < rows_; ++i) {
             const double angle = shaft.angle[as_size(first_ + i)];
+            // Least squares take its square: Hann over the angle. Rows are even in time, the speed makes them so in angle
             weights_(i) =
-                std::sin(std::numbers::pi * (angle - begin) / (end - begin));  // squared by the least squares: Hann
+                std::sin(std::numbers::pi * (angle - begin) / (end - begin)) * std::sqrt(shaft.speed[as_size(first_ + i)]);
             A(i, 0) = weights_(i);
             Eigen::Index column = 1;
             for (size_t o = 0; o < orders.size(); ++o) {

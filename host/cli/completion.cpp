@@ -12,6 +12,7 @@
 #include "model/read_modes.h"
 #include "model/read_simulation.h"
 #include "model/wording.h"
+#include "record/history_file.h"
 #include "step/simulation.h"
 
 namespace dttmm::host {
@@ -143,6 +144,16 @@ Words channels(const Typed& typed) {
     return found;
 }
 
+/// The channels of a recorded run.
+Words recorded_channels(const Typed& typed) {
+    std::filesystem::path file = unquoted(typed.given.front());
+    if (std::filesystem::is_directory(file)) file /= "history.csv";
+    Words found;
+    for (const Column& column : HistoryFile(file).columns())
+        if (column.name != "time") found.push_back(column.name);
+    return found;
+}
+
 /// Places with their directions, as --in and --out want them.
 Words places(const Typed& typed) {
     const Plugins plugins(typed.plugins);
@@ -163,7 +174,9 @@ Words values(const Typed& typed) {
     if (name == "--coupling") return words_of(*find_key(key_table("simulation"), "coupling"));
     if (name == "--beams") return words_of(*find_key(key_table("modes"), "beams"));
     if (typed.command->bit == kNew && name == "--from") return {"plate", "mounts", "beam", "modes"};
+    if (name == "--window") return {"hann", "rectangular", "flattop"};
     if (typed.given.empty()) return {};
+    if (typed.command->bit == kSpectrum && (name == "--channels" || name == "--speed")) return recorded_channels(typed);
     if (name == "--set" || name == "--sweep") return parameters(typed);
     if (name == "--channels") return channels(typed);
     if (name == "--in" || name == "--out") return places(typed);

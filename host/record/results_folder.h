@@ -16,9 +16,9 @@ enum class Claim {
 
 /// A folder that belongs to one run for as long as this lives; what the run has written stays.
 /// It is ours when it holds the file `.dttmm-results` and beside it nothing but names that runs write: history.csv,
-/// history.h5, summary.json, modes.csv, shapes.csv, frf.csv, static.csv, members.csv, sweep.csv, each also as `.part`, and
-/// folders `case-*` that are ours in the same sense. The marker is locked while the run lives and says on which host and in
-/// which process.
+/// history.h5, summary.json, modes.csv, shapes.csv, frf.csv, static.csv, members.csv, spectrum.csv, sweep.csv and so on,
+/// each also as `.part`, and folders `case-*` that are ours in the same sense. The marker is locked while the run lives and
+/// says on which host and in which process.
 class ResultsFolder {
 public:
     /// Claims `path`: a missing folder is made with its parents, an empty one taken, one of ours taken over. Anything else

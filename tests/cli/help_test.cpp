@@ -216,6 +216,12 @@ TEST(Completion, KnowsCommandsOptionsTopicsAndWhatIsInTheModel) {
     EXPECT_THAT(complete({"channels", "small.toml", "plate.acc"}).size(), 3u);
     EXPECT_THAT(complete({"frf", "small.toml", "--in", "plate.right.r"}),
                 ElementsAre("plate.right.rx", "plate.right.ry", "plate.right.rz"));
+    EXPECT_THAT(complete({"spectrum", "out", "--wi"}), ElementsAre("--window"));
+    EXPECT_THAT(complete({"spectrum", "out", "--window", "f"}), ElementsAre("flattop"));
+    fs::create_directory(folder / "out");
+    write_text(folder / "out/history.csv", "time,one.force.x,two.force.x\ns,N,N\n");
+    EXPECT_THAT(complete({"spectrum", "out", "--channels", "t"}), ElementsAre("two.force.x"));
+    EXPECT_THAT(complete({"spectrum", "nowhere", "--speed", ""}), ElementsAre());
     EXPECT_THAT(complete({"help", "be"}), ElementsAre("beam"));
     EXPECT_THAT(complete({"help", "--plugin", test::paths::chain(), "lu"}), ElementsAre("lump"));
     EXPECT_THAT(complete({"completion", "z"}), ElementsAre("zsh"));

@@ -148,8 +148,9 @@ Words channels(const Typed& typed) {
 Words recorded_channels(const Typed& typed) {
     std::filesystem::path file = unquoted(typed.given.front());
     if (std::filesystem::is_directory(file)) file /= "history.csv";
+    const HistoryFile history(file);
     Words found;
-    for (const Column& column : HistoryFile(file).columns())
+    for (const Column& column : history.columns())
         if (column.name != "time") found.push_back(column.name);
     return found;
 }

@@ -9,6 +9,7 @@
 #include <limits>
 #include <numbers>
 
+#include "analysis/spectra.h"
 #include "model/error.h"
 #include "model/index.h"
 #include "model/wording.h"
@@ -17,8 +18,7 @@ namespace dttmm::host {
 
 namespace {
 
-constexpr double kFullTurn = 2 * std::numbers::pi;
-constexpr double kEndOfBand = 0.45;  // of the rate of rows: nearer to half of it an order and its alias are one
+constexpr double kRevolution = 2 * std::numbers::pi;
 
 /// Least squares of one block: its rows, and the orders that the rows resolve.
 class Block {
@@ -27,7 +27,7 @@ public:
         : first_(std::ranges::lower_bound(shaft.angle, begin) - shaft.angle.begin()),
           rows_(std::ranges::upper_bound(shaft.angle, end) - shaft.angle.begin() - first_) {
         const double fastest = *std::max_element(shaft.speed.begin() + first_, shaft.speed.begin() + first_ + rows_);
-        for (const double order : orders) is_resolved_.push_back(order * fastest * interval < kFullTurn * kEndOfBand);
+        for (const double order : orders) is_resolved_.push_back(2 * order * fastest * interval < kRevolution * kEndOfBand);
         Eigen::MatrixXd A(rows_, 1 + 2 * std::ranges::count(is_resolved_, true));
         weights_.resize(rows_);
         for (Eigen::Index i = 0; i < rows_; ++i) {
@@ -73,7 +73,7 @@ private:
 
 }  // namespace
 
-double ShaftAngle::revolutions() const { return (angle.back() - angle.front()) / kFullTurn; }
+double ShaftAngle::revolutions() const { return (angle.back() - angle.front()) / kRevolution; }
 
 ShaftAngle shaft_angle(const std::vector<double>& channel, const std::string& name, const std::string& unit,
                        double interval) {
@@ -87,7 +87,7 @@ ShaftAngle shaft_angle(const std::vector<double>& channel, const std::string& na
     } else if (unit == "rad") {
         shaft.angle.push_back(channel.front());
         for (size_t n = 1; n < rows; ++n)
-            shaft.angle.push_back(shaft.angle.back() + std::remainder(channel[n] - channel[n - 1], kFullTurn));
+            shaft.angle.push_back(shaft.angle.back() + std::remainder(channel[n] - channel[n - 1], kRevolution));
         for (size_t n = 0; n < rows; ++n) {
             const size_t before = n > 0 ? n - 1 : 0, after = std::min(n + 1, rows - 1);
             shaft.speed.push_back((shaft.angle[after] - shaft.angle[before]) /
@@ -129,7 +129,7 @@ std::vector<OrderRow> track_orders(const std::vector<const std::vector<double>*>
                                 "take a longer window, or orders that are further apart",
                                 there, needed));
     std::vector<OrderRow> rows;
-    const double span = needed * kFullTurn;
+    const double span = needed * kRevolution;
     const auto count = static_cast<size_t>(std::floor(2 * (there - needed) / needed * (1 + 1e-12))) + 1;
     for (size_t b = 0; b < count; ++b) {
         const double begin = shaft.angle.front() + 0.5 * static_cast<double>(b) * span;

@@ -18,10 +18,11 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr std::size_t kMostRows = 160, kMostColumns = 400;    // of the Hankel matrix: its decomposition takes 0.2 s
-constexpr std::size_t kNeighbours = 3;                        // orders that must confirm a mode
-constexpr std::size_t kFreeOrder = 24;                        // beside two per mode asked for: offsets, drifts, other modes
-constexpr double kSameFrequency = 0.01, kSameDamping = 0.01;  // usual limits of a stabilisation diagram
+constexpr std::size_t kMostHankelRows = 160,
+                      kMostHankelColumns = 400;  // of the Hankel matrix: its decomposition takes 0.2 s
+constexpr std::size_t kNeighbours = 3;           // orders that must confirm a mode
+constexpr std::size_t kFreeOrder = 24;           // beside two per mode asked for: offsets, drifts, other modes
+constexpr double kConfirmedFrequency = 0.01, kConfirmedDamping = 0.01;  // usual limits of a stabilisation diagram
 constexpr double kUnsquare = 1.5;  // delays grow with this power: irregular, so that none is blind to an alias
 
 /// `count` different delays from 0 to at most `span`, denser at first.
@@ -43,11 +44,12 @@ Layout layout_of(std::size_t channels, std::size_t samples) {
     // The last row of the shifted matrix: rows.back() + columns.back() + 1 <= samples - 1
     const std::size_t free = samples < 2 ? 0 : samples - 2;
     // As many independent rows as columns: channels * rows = columns = free - rows
-    const std::size_t blocks = std::clamp<std::size_t>(kMostRows / channels, 2, kMostRows);
+    const std::size_t blocks = std::clamp<std::size_t>(kMostHankelRows / channels, 2, kMostHankelRows);
     const std::size_t half = free < 4 * blocks ? (free + 1) / (channels + 1) : free / 2;
     const std::size_t row_span = std::max<std::size_t>(half, 1);
     const std::size_t column_span = free > row_span ? free - row_span : 0;
-    return {delays(std::min(blocks, row_span + 1), row_span), delays(std::min(kMostColumns, column_span + 1), column_span)};
+    return {delays(std::min(blocks, row_span + 1), row_span),
+            delays(std::min(kMostHankelColumns, column_span + 1), column_span)};
 }
 
 std::size_t largest_order(const Layout& layout, std::size_t channels) {
@@ -101,8 +103,8 @@ private:
 };
 
 bool is_same(Complex a, Complex b) {
-    return std::abs(a.imag() - b.imag()) <= kSameFrequency * std::abs(a) &&
-           std::abs(a.real() - b.real()) <= kSameDamping * std::abs(a);
+    return std::abs(a.imag() - b.imag()) <= kConfirmedFrequency * std::abs(a) &&
+           std::abs(a.real() - b.real()) <= kConfirmedDamping * std::abs(a);
 }
 
 /// s_h of the poles that vibrate, once each.

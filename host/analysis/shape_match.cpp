@@ -16,23 +16,23 @@ namespace dttmm::host {
 
 namespace {
 
-constexpr double kSameMac = 0.01;        // shapes nearer than this are not told apart by it, but by frequency
-constexpr double kSameFrequency = 1e-6;  // share: modes listed with one frequency mix freely
+constexpr double kSameMac = 0.01;            // shapes nearer than this are not told apart by it, but by frequency
+constexpr double kMultipleFrequency = 1e-6;  // share: modes listed with one frequency mix freely
 
 constexpr double kStill = 1e-6;  // a shape is 1 where it is largest: less is rounding, it does not move the channels
 
-struct Quantity {
+struct ShapeQuantity {
     const char* name;
     int derivative;
     bool is_rotation;
 };
-constexpr Quantity kQuantities[] = {{"position", 0, false},
-                                    {"velocity", 1, false},
-                                    {"acceleration", 2, false},
-                                    {"rotation", 0, true},
-                                    {"angular_velocity", 1, true}};
+constexpr ShapeQuantity kShapeQuantities[] = {{"position", 0, false},
+                                              {"velocity", 1, false},
+                                              {"acceleration", 2, false},
+                                              {"rotation", 0, true},
+                                              {"angular_velocity", 1, true}};
 
-Json read_modes(const std::filesystem::path& folder) {
+Json read_mode_shapes(const std::filesystem::path& folder) {
     Json json = read_json_file(folder / "summary.json");
     if (!json.is_object() || json.value("format", "") != "dttmm-modes/1" || !json.contains("modes"))
         throw Error(ExitCode::input_output,
@@ -43,7 +43,7 @@ Json read_modes(const std::filesystem::path& folder) {
 }  // namespace
 
 ShapeMatch::ShapeMatch(const std::filesystem::path& folder, const std::vector<Column>& channels) {
-    const Json json = read_modes(folder);
+    const Json json = read_mode_shapes(folder);
     std::unordered_map<std::string, int> index_of;
     for (size_t c = 0; c < channels.size(); ++c) index_of.emplace(channels[c].name, as_int(c));
     struct Row {
@@ -55,7 +55,7 @@ ShapeMatch::ShapeMatch(const std::filesystem::path& folder, const std::vector<Co
     for (const bool is_rotation : {false, true}) {
         if (!used_.empty() || modes.empty()) break;
         for (const auto& [place, shape] : modes[0]["shape"].items())
-            for (const Quantity& quantity : kQuantities)
+            for (const ShapeQuantity& quantity : kShapeQuantities)
                 for (size_t axis = 0; axis < 3 && quantity.is_rotation == is_rotation; ++axis) {
                     const auto found = index_of.find(fmt::format("{}.{}.{}", place, quantity.name, "xyz"[axis]));
                     if (found == index_of.end()) continue;
@@ -84,7 +84,7 @@ ModeMatch ShapeMatch::match(const Eigen::VectorXcd& shape, std::complex<double> 
     double best = 0;
     for (size_t first = 0, end = 0; first < frequencies_.size(); first = end) {
         for (end = first + 1; end < frequencies_.size() && std::abs(frequencies_[end] - frequencies_[first]) <=
-                                                               kSameFrequency * std::abs(frequencies_[first]);)
+                                                               kMultipleFrequency * std::abs(frequencies_[first]);)
             ++end;
         const Eigen::MatrixXd group = shapes_.middleCols(as_row(first), as_row(end - first));
         if (group.norm() < kStill) continue;

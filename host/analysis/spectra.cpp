@@ -16,7 +16,7 @@ namespace dttmm::host {
 
 namespace {
 
-constexpr double kFullTurn = 2 * std::numbers::pi;
+constexpr double kCircle = 2 * std::numbers::pi;
 
 struct NamedTaper {
     const char* name;
@@ -54,7 +54,7 @@ std::vector<double> taper_samples(Taper taper, std::size_t size) {
     std::vector<double> samples(size, 0);
     for (std::size_t n = 0; n < size; ++n)
         for (std::size_t k = 0; k < terms.size(); ++k)
-            samples[n] += terms[k] * std::cos(kFullTurn * static_cast<double>(k * n % size) / static_cast<double>(size));
+            samples[n] += terms[k] * std::cos(kCircle * static_cast<double>(k * n % size) / static_cast<double>(size));
     return samples;
 }
 
@@ -95,8 +95,8 @@ Spectrum spectrum_of(const std::vector<double>& x, double interval, double start
         for (std::size_t k = 0; k < bins; ++k) power[k] += std::norm(transformed[k]) / static_cast<double>(segments);
         for (std::size_t k = 0; segments == 1 && k < bins; ++k) {
             const double frequency = static_cast<double>(k) / (static_cast<double>(size) * interval);
-            const double phase = std::arg(transformed[k]) - kFullTurn * std::fmod(frequency * start, 1.0);
-            out.phase.push_back(std::remainder(phase, kFullTurn) * 360 / kFullTurn);
+            const double phase = std::arg(transformed[k]) - kCircle * std::fmod(frequency * start, 1.0);
+            out.phase.push_back(std::remainder(phase, kCircle) * 360 / kCircle);
         }
     }
     for (std::size_t k = 0; k < bins; ++k) {

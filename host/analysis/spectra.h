@@ -7,6 +7,12 @@
 
 namespace dttmm::host {
 
+/// Beyond this share of half the rate of rows a vibration may be a faster one that the rows fold back: no filter stands
+/// before them, and a run shows whatever the machine does.
+inline constexpr double kEndOfBand = 0.9;
+/// Of fewer periods in a window a lobe of Hann's window, two bins to either side, meets its image at the negative frequency.
+inline constexpr double kFewPeriods = 3;
+
 /// How the ends of a window of time are faded.
 enum class Taper : unsigned char { rectangular, hann, flattop };
 

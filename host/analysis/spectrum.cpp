@@ -27,8 +27,6 @@ constexpr size_t kMostPeaks = 6;       // of a channel in summary.json
 constexpr size_t kShownPeaks = 3;      // of a channel on the terminal
 constexpr size_t kShownChannels = 20;  // on the terminal
 constexpr double kLeastPeak = 0.01;    // of the largest: what is smaller is a side lobe of a Hann window (-31 dB) or noise
-constexpr double kEndOfBand = 0.9;     // above this share of half the rate a peak may be an alias
-constexpr double kFewPeriods = 3;      // bins: of fewer a lobe is not free of that at 0 Hz
 
 /// One command: what it reads, what it found.
 class SpectrumCommand {
@@ -239,7 +237,7 @@ Json SpectrumCommand::describe() const {
     return json;
 }
 
-std::filesystem::path results_path(const Request& request) {
+std::filesystem::path spectrum_path(const Request& request) {
     if (request.output) return *request.output;
     std::filesystem::path path = std::filesystem::path(request.words.front()).lexically_normal();
     if (!path.has_filename()) path = path.parent_path();  // "results/plate/"
@@ -256,7 +254,7 @@ ExitCode SpectrumCommand::run() {
     judge_peaks();
     if (request_.identified > 0) modes_.emplace(request_, run_, moving_, warnings_);
     if (!request_.orders.empty()) orders_.emplace(request_, run_, moving_, warnings_);
-    const ResultsFolder folder(results_path(request_));
+    const ResultsFolder folder(spectrum_path(request_));
     write_atomically(folder.file("levels.csv"), levels_table());
     if (!moving_.empty()) write_spectra(folder);
     if (modes_) write_atomically(folder.file("identified.csv"), modes_->table());

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "analysis/spectra.h"
 #include "model/error.h"
 #include "model/index.h"
 #include "model/wording.h"
@@ -16,13 +17,11 @@ namespace dttmm::host {
 
 namespace {
 
-constexpr double kFullTurn = 2 * std::numbers::pi;
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr size_t kMostChannels = 80;  // each needs two rows of the Hankel matrix
-constexpr double kFewPeriods = 3;     // in the window: damping of fewer is a guess
-constexpr double kEndOfBand = 0.9;    // of half the rate of rows
-constexpr double kGrowth = 0.01;      // over the window; less is rounding of an undamped vibration
-constexpr double kUnexplained = 0.1;  // share of the RMS; a clean decay leaves 1e-12
+constexpr double kPerHertz = 2 * std::numbers::pi;
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr size_t kMostIdentified = 80;  // each needs two rows of the Hankel matrix
+constexpr double kGrowth = 0.01;        // over the window; less is rounding of an undamped vibration
+constexpr double kUnexplained = 0.1;    // share of the RMS; a clean decay leaves 1e-12
 
 double damping(std::complex<double> rate) { return -rate.real() / std::abs(rate); }
 
@@ -32,11 +31,11 @@ SpectrumModes::SpectrumModes(const Request& request, const RecordedRun& run, con
                              Warnings& warnings)
     : step_(StepShift::of_run(run.summary())) {
     if (moving.empty()) throw Error(ExitCode::numerical_failure, "--identify: nothing moves in the window");
-    if (moving.size() > kMostChannels)
+    if (moving.size() > kMostIdentified)
         throw Error(ExitCode::usage,
                     fmt::format("--identify: {} channels are more than the {} that it takes; select those that "
                                 "tell the shapes with --channels",
-                                moving.size(), kMostChannels));
+                                moving.size(), kMostIdentified));
     std::vector<std::vector<double>> values;
     for (const size_t c : moving) {
         channels_.push_back(run.channels()[c]);
@@ -62,7 +61,7 @@ SpectrumModes::SpectrumModes(const Request& request, const RecordedRun& run, con
                                              "corrected for one");
 }
 
-double SpectrumModes::frequency(size_t i) const { return found_.modes[i].rate.imag() / kFullTurn; }
+double SpectrumModes::frequency(size_t i) const { return found_.modes[i].rate.imag() / kPerHertz; }
 
 /// By how much the step has moved the frequency, as share.
 double SpectrumModes::shift(size_t i) const { return found_.modes[i].rate.imag() / true_rates_[i].imag() - 1; }
@@ -135,16 +134,16 @@ std::string SpectrumModes::table() const {
         const std::complex<double> rate = true_rates_[i];
         table.add(frequency(i)).add(damping(mode.rate));
         if (step_)
-            table.add(rate.imag() / kFullTurn).add(damping(rate)).add(std::abs(rate) / kFullTurn).add(shift(i));
+            table.add(rate.imag() / kPerHertz).add(damping(rate)).add(std::abs(rate) / kPerHertz).add(shift(i));
         else
-            table.add(kNone).add(kNone).add(std::abs(rate) / kFullTurn).add(kNone);
+            table.add(kUnknown).add(kUnknown).add(std::abs(rate) / kPerHertz).add(kUnknown);
         table.add(mode.strength);
         if (matches_.empty() || matches_[i].mode == 0)
-            table.add(kNone).add(kNone).add(kNone);
+            table.add(kUnknown).add(kUnknown).add(kUnknown);
         else
             table.add(static_cast<double>(matches_[i].mode)).add(matches_[i].frequency).add(matches_[i].mac);
         for (const std::complex<double> value : mode.shape)
-            table.add(std::abs(value)).add(std::arg(value) * 360 / kFullTurn);
+            table.add(std::abs(value)).add(std::arg(value) * 360 / kPerHertz);
         table.end_row();
     }
     return table.text();
@@ -158,7 +157,7 @@ void SpectrumModes::print() const {
         if (!matches_.empty() && matches_[i].mode > 0)
             match = fmt::format("  {} at {:.7g} Hz, MAC {:.4f}", matches_[i].mode, matches_[i].frequency, matches_[i].mac);
         fmt::print("{:>11} Hz {:>11} Hz {:>14} {:>12} {:>7.2g} %{}\n", fmt::format("{:.7g}", frequency(i)),
-                   fmt::format("{:.7g}", std::abs(true_rates_[i]) / kFullTurn),
+                   fmt::format("{:.7g}", std::abs(true_rates_[i]) / kPerHertz),
                    fmt::format("{:.4g} %", 100 * damping(true_rates_[i])),
                    step_ ? fmt::format("{:+.3g} %", 100 * shift(i)) : "unknown", 100 * found_.modes[i].strength, match);
     }
@@ -172,7 +171,7 @@ Json SpectrumModes::describe() const {
     for (size_t i = 0; i < found_.modes.size(); ++i) {
         Json one = {{"frequency_hz", frequency(i)},
                     {"damping_ratio", damping(found_.modes[i].rate)},
-                    {"natural_frequency_hz", std::abs(true_rates_[i]) / kFullTurn},
+                    {"natural_frequency_hz", std::abs(true_rates_[i]) / kPerHertz},
                     {"corrected_damping_ratio", step_ ? Json(damping(true_rates_[i])) : Json()},
                     {"step_shift", step_ ? Json(shift(i)) : Json()},
                     {"strength", found_.modes[i].strength}};

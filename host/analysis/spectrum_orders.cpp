@@ -17,8 +17,8 @@ namespace dttmm::host {
 
 namespace {
 
-constexpr double kPerRpm = std::numbers::pi / 30;
-constexpr size_t kShown = 20;  // lines on the terminal
+constexpr double kRadiansPerRpm = std::numbers::pi / 30;
+constexpr size_t kShownOrders = 20;  // lines on the terminal
 
 std::vector<double> parse_orders(const std::vector<std::string>& texts) {
     std::vector<double> orders;
@@ -78,7 +78,7 @@ std::string SpectrumOrders::table() const {
     }
     CsvTable table(columns);
     for (const OrderRow& row : rows_) {
-        table.add(start_ + row.time).add(row.speed / kPerRpm);
+        table.add(start_ + row.time).add(row.speed / kRadiansPerRpm);
         for (const std::complex<double> value : row.amplitudes)
             table.add(std::abs(value)).add(std::arg(value) * 180 / std::numbers::pi);
         table.end_row();
@@ -89,22 +89,22 @@ std::string SpectrumOrders::table() const {
 void SpectrumOrders::print() const {
     const size_t columns = channels_.size() * orders_.size();
     size_t width = 16;
-    for (size_t c = 0; c < std::min(columns, kShown); ++c) width = std::max(width, name(c).size());
+    for (size_t c = 0; c < std::min(columns, kShownOrders); ++c) width = std::max(width, name(c).size());
     fmt::print("{:<{}} {:>12} {:>8} {:>10}\n", "largest of order", width, "amplitude", "unit", "at [rpm]");
-    for (size_t c = 0; c < std::min(columns, kShown); ++c)
+    for (size_t c = 0; c < std::min(columns, kShownOrders); ++c)
         fmt::print("{:<{}} {:>12.5g} {:>8} {:>10.6g}\n", name(c), width, largest(c).amplitude, unit(c),
-                   largest(c).speed / kPerRpm);
-    if (columns > kShown) fmt::print("and {} more in summary.json\n", columns - kShown);
+                   largest(c).speed / kRadiansPerRpm);
+    if (columns > kShownOrders) fmt::print("and {} more in summary.json\n", columns - kShownOrders);
     fmt::print("{} of orders from {:.5g} to {:.5g} rpm, over {:.3g} revolutions each\n",
-               counted(rows_.size(), "row", "rows"), rows_.front().speed / kPerRpm, rows_.back().speed / kPerRpm,
-               revolutions_per_block(orders_));
+               counted(rows_.size(), "row", "rows"), rows_.front().speed / kRadiansPerRpm,
+               rows_.back().speed / kRadiansPerRpm, revolutions_per_block(orders_));
 }
 
 Json SpectrumOrders::describe() const {
     Json out = {{"revolutions_per_block", revolutions_per_block(orders_)}, {"rows", rows_.size()}};
     for (size_t c = 0; c < channels_.size() * orders_.size(); ++c)
         out["largest"][name(c)] = {
-            {"amplitude", largest(c).amplitude}, {"unit", unit(c)}, {"rpm", largest(c).speed / kPerRpm}};
+            {"amplitude", largest(c).amplitude}, {"unit", unit(c)}, {"rpm", largest(c).speed / kRadiansPerRpm}};
     return out;
 }
 

@@ -12,7 +12,7 @@ namespace dttmm::host {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kRevolution = 2 * std::numbers::pi;
 constexpr double kInterval = 0.0011, kFirst = 60, kRate = 35;  // [s], [rad/s], [rad/s^2]
 
 double angle_at(double t) { return kFirst * t + kRate * t * t / 2; }
@@ -59,7 +59,7 @@ TEST(OrderTracking, AnAngleThatJumpsIsUnwound) {
     const std::vector<double> x = run_up(kRows);
     std::vector<double> wrapped;
     for (size_t n = 0; n < kRows; ++n)
-        wrapped.push_back(-std::remainder(angle_at(static_cast<double>(n) * kInterval), kTurn));
+        wrapped.push_back(-std::remainder(angle_at(static_cast<double>(n) * kInterval), kRevolution));
     const auto by_angle = track_orders({&x}, shaft_angle(wrapped, "hinge", "rad", kInterval), {1, 3.5}, kInterval);
     const auto by_speed = track_orders({&x}, shaft_angle(speeds(kRows), "rotor", "rad/s", kInterval), {1, 3.5}, kInterval);
     ASSERT_EQ(by_angle.size(), by_speed.size());

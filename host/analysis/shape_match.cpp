@@ -87,7 +87,6 @@ ModeMatch ShapeMatch::match(const Eigen::VectorXcd& shape, std::complex<double> 
                                                                kMultipleFrequency * std::abs(frequencies_[first]);)
             ++end;
         const Eigen::MatrixXd group = shapes_.middleCols(as_row(first), as_row(end - first));
-        if (group.norm() < kStill) continue;
         Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
         qr.setThreshold(kStill / group.norm());
         qr.compute(group);

@@ -27,15 +27,18 @@ public:
     Json describe() const;
 
 private:
+    void keep_strongest(size_t wanted);
+    void undo_steps();
     void judge(const RecordedRun& run, int wanted, Warnings& warnings) const;
     double frequency(size_t i) const;
     double shift(size_t i) const;
 
     std::vector<Column> channels_;
     Identification found_;
-    std::optional<StepShift> step_;
+    std::vector<StepShift> steps_;
     std::vector<std::complex<double>> true_rates_;  ///< s of the machine; s_h where the shift is not known
-    std::vector<ModeMatch> matches_;                ///< empty without --modes
+    std::vector<bool> is_shift_known_;
+    std::vector<ModeMatch> matches_;  ///< empty without --modes
 };
 
 }  // namespace dttmm::host

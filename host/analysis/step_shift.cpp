@@ -22,12 +22,17 @@ Complex backward_velocity(const std::string& scheme, Complex z) {
 
 }  // namespace
 
-std::optional<StepShift> StepShift::of_run(const Json& summary) {
-    if (!summary.is_object() || summary.contains("tolerance") || !summary.contains("model")) return std::nullopt;
+std::vector<StepShift> StepShift::of_run(const Json& summary) {
+    if (!summary.is_object() || !summary.contains("model")) return {};
     const Json simulation = summary["model"].value("simulation", Json::object());
-    const double step = simulation.value("step", 0.0);
-    if (!(step > 0)) return std::nullopt;
-    return StepShift(step, simulation.value("scheme", "centred"), simulation.value("spectral_radius", 1.0));
+    const bool is_extrapolated = summary.contains("tolerance");
+    const Json step = is_extrapolated ? summary["tolerance"].value("step", Json()) : simulation.value("step", Json());
+    if (!step.is_number()) return {};
+    const std::string scheme = simulation.value("scheme", "centred");
+    const double radius = simulation.value("spectral_radius", 1.0);
+    std::vector<StepShift> shifts = {StepShift(step.get<double>(), scheme, radius)};
+    if (is_extrapolated) shifts.emplace_back(2 * step.get<double>(), scheme, radius);
+    return shifts;
 }
 
 StepShift::StepShift(double step, std::string scheme, double radius)

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <complex>
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "analysis/json.h"
 
@@ -16,8 +16,9 @@ namespace dttmm::host {
 /// h/2), that is omega_h = omega (1 - (omega h)^2/12 + ..). Central differences: omega h/2 = sin(omega_h h/2).
 class StepShift {
 public:
-    /// summary: that of a run. Nothing if there is none, or if the history is extrapolated to an infinitely short step.
-    static std::optional<StepShift> of_run(const Json& summary);
+    /// Of the step of a run, by its summary; nothing if there is none. A history that is extrapolated is the sum of two, 4/3
+    /// of that of the shortest step and -1/3 of that of twice this step: both, the shortest first.
+    static std::vector<StepShift> of_run(const Json& summary);
     /// scheme: "centred" or that of an explicit coupling; radius: of the centred one at infinite frequency.
     StepShift(double step, std::string scheme, double radius);
 

@@ -80,13 +80,17 @@ TEST(StepShift, ExplicitSchemesAreUndone) {
     expect_true_rate(StepShift(kStep, "park", 1), root_of({-c / 6, c, 1 - 2.5 * c, -2 + 10 * c / 6 + k, 1}), 1e-12);
 }
 
-TEST(StepShift, NothingIsUndoneWhereTheStepIsNotKnown) {
-    EXPECT_FALSE(StepShift::of_run(nullptr));
+TEST(StepShift, TheStepsAreThoseOfTheRun) {
+    EXPECT_TRUE(StepShift::of_run(nullptr).empty());
+    EXPECT_TRUE(StepShift::of_run(Json::object()).empty());
     const Json run = {{"model", {{"simulation", {{"step", 0.25}, {"scheme", "centred"}, {"spectral_radius", 1.0}}}}}};
-    EXPECT_EQ(StepShift::of_run(run)->step(), 0.25);
+    ASSERT_EQ(StepShift::of_run(run).size(), 1u);
+    EXPECT_EQ(StepShift::of_run(run)[0].step(), 0.25);
     Json extrapolated = run;
-    extrapolated["tolerance"] = Json::object();
-    EXPECT_FALSE(StepShift::of_run(extrapolated));
+    extrapolated["tolerance"] = {{"step", 0.125}};
+    ASSERT_EQ(StepShift::of_run(extrapolated).size(), 2u);
+    EXPECT_EQ(StepShift::of_run(extrapolated)[0].step(), 0.125);
+    EXPECT_EQ(StepShift::of_run(extrapolated)[1].step(), 0.25);
 }
 
 }  // namespace

@@ -246,15 +246,27 @@ TEST_F(SpectrumOfARun, ThreeMassesHaveTheirModes) {
     EXPECT_THAT(fault({"--identify", "1", "--modes", "run"}, 5, "run"), HasSubstr("no results of `dttmm modes`"));
 }
 
-// Oracle: a run to a tolerance is extrapolated: its frequency is that of the machine, and nothing is corrected.
-TEST_F(SpectrumOfARun, AnExtrapolatedRunIsNotCorrected) {
-    run(kOneMass.model("duration = 1\ntolerance = \"0.01 %\"\n"));
-    const Ended ended = spectrum({"--channels", "b0.position", "--identify", "1"}, "run");
-    EXPECT_THAT(ended.err, HasSubstr("extrapolated"));
+// Oracle: closed form. A run to a tolerance is 4/3 of the history of a step and -1/3 of that of twice the step: each mode
+// stands in it twice. The vibration under a load stands in it once, and keeps its frequency.
+TEST_F(SpectrumOfARun, AnExtrapolatedRunHasItsModesOnce) {
+    run(kOneMass.model("duration = 3\ntolerance = \"1 %\"\n[output]\nstep = 0.005\n") +
+        "[[load]]\non = \"b0\"\ndirection = [1, 0, 0]\nforce = \"=3*sin(2*pi*17.3*t)\"\n");
+    const Ended ended = spectrum({"--channels", "b0.position,b0.velocity", "--identify", "2"}, "run");
     const Fields modes = table("identified.csv");
-    ASSERT_GE(modes.size(), 1u);
-    EXPECT_TRUE(std::isnan(number(modes[0], "step_shift")));
-    EXPECT_NEAR(number(modes[0], "natural_frequency") / (std::sqrt(9100 / 2.5) / kFullTurn), 1, 1e-4);
+    ASSERT_EQ(modes.size(), 2u);
+    EXPECT_NEAR(number(modes[0], "natural_frequency") / (std::sqrt(9100 / 2.5) / kFullTurn), 1, 1e-6);
+    EXPECT_NEAR(number(modes[0], "corrected_damping_ratio") / (4.7 / (2 * std::sqrt(9100 * 2.5))), 1, 1e-4);
+    EXPECT_NEAR(number(modes[1], "natural_frequency"), 17.3, 1e-6);
+    EXPECT_TRUE(std::isnan(number(modes[1], "step_shift")));
+    // The sum of both is the start: x = 0, v = 0.02 m/s.
+    for (const auto& [channel, start] : {std::pair("b0.position.x", 0.0), {"b0.velocity.x", 0.02}}) {
+        double sum = 0;
+        for (const auto& mode : modes)
+            sum += number(mode, std::string(channel) + ".amplitude") *
+                   std::cos(number(mode, std::string(channel) + ".phase") * kFullTurn / 360);
+        EXPECT_NEAR(sum, start, 1e-3 * number(modes[0], std::string(channel) + ".amplitude")) << channel;
+    }
+    EXPECT_THAT(ended.err, AllOf(HasSubstr("17.3 Hz, or a load keeps it up"), Not(HasSubstr("nearer than"))));
 }
 
 // Oracle: `dttmm response` of the same machine at the speed of each row. A rotor speeds up slowly; a force of its second

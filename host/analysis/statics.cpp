@@ -259,7 +259,7 @@ Found find_one(const Request& request, const Model& model, const Plugins& plugin
     simulation.record_to([&](std::span<const double> numbers) {
         if (found.row.empty()) found.row.assign(numbers.begin() + 1, numbers.end());
     });
-    simulation.step();
+    simulation.observe_rest();
     found.rest = *simulation.rest();
     if (results.channels.empty()) results.channels.assign(simulation.channels().begin() + 1, simulation.channels().end());
     if (request.buckling > 0) found.factors = Buckling(held, plugins).find(request.buckling);

@@ -18,14 +18,20 @@ namespace {
 
 /// Of one Newton correction [rad]: the derivative says little of what is farther.
 constexpr double kMostTurn = 0.5;
-/// Iterations for one load step. The elastica takes some 20 in one step.
-constexpr int kMostIterations = 60;
+/// Iterations for one load step. The elastica takes some 20 in one step, a chain of 2000 links that starts as a zigzag 13.
+constexpr int kMostIterations = 1000;
+/// Of the extent of the machine: what has to be moved farther in one iteration is held by nothing.
+constexpr double kLostExtents = 1e6;
 /// Of the extent of the machine: smaller corrections are rounding.
 constexpr double kNoCorrection = 1e-13;
+/// Of the largest force, those of joints included: without it a small correction only says that the resistance is large.
+constexpr double kBalance = 1e-6;
 /// Load steps are halved down to this share of the load.
 constexpr double kLeastStep = 1.0 / 1024;
 /// s by the largest stiffness over mass: what vibrates 10⁶ times slower than the fastest counts as not held.
 constexpr double kLeastResistance = 1e-12;
+
+double square(double x) { return x * x; }
 
 BodyState moved(const BodyState& from, const Eigen::Matrix<double, 6, 1>& by) {
     BodyState to = from;
@@ -58,12 +64,31 @@ Equilibrium::Equilibrium(const Model& model, Networks& networks, Loads& loads)
         first_row_.push_back(rows_);
         rows_ += joint.count();
     }
-    for (size_t b = 0; b < inertias_.size(); ++b)
-        reaches_.push_back(std::max(joints_.longest_arm(as_int(b)), inertias_[b].gyration_bound()));
+    for (const Inertia& inertia : inertias_) {
+        reaches_.push_back(inertia.gyration_bound());
+        total_mass_ += inertia.mass;
+    }
+    for (const JointEquations& joint : joints_.joints())
+        for (const auto side : JointEquations::kSides)
+            if (const int body = joint.bodies()[side]; body >= 0)
+                reaches_[as_size(body)] = std::max(reaches_[as_size(body)], joint.arm(side));
     for (Eigen::VectorXd* list : {&q_, &right_hand_side_, &solution_}) list->setZero(rows_);
-    for (const BodyState& body : states_at_start(model)) extent_ = std::max(extent_, body.position.norm());
-    for (const Node& node : model.nodes) extent_ = std::max(extent_, node.position.norm());
-    for (const double length : reaches_) extent_ = std::max(extent_, length);
+    find_size();
+}
+
+void Equilibrium::find_size() {
+    Eigen::AlignedBox3d box;
+    for (const BodyState& body : states_at_start(model_)) box.extend(body.position);
+    for (const Node& node : model_.nodes) box.extend(node.position);
+    if (!box.isEmpty()) {
+        span_ = box.diagonal().norm();
+        extent_ = std::max(box.min().cwiseAbs().norm(), box.max().cwiseAbs().norm());
+    }
+    for (const double length : reaches_) span_ = std::max(span_, length);
+    for (const JointEquations& joint : joints_.joints())
+        if (joint.has_stops() && !joint.turns())
+            for (const double stop : joint.stops()) span_ = std::max(span_, std::abs(stop));
+    extent_ = std::max(extent_, span_);
 }
 
 // ---- The load in steps --------------------------------------------------------------------------------------------------
@@ -96,13 +121,12 @@ const RestState& Equilibrium::find(double t0) {
         state_.at = kept_;
         stops_ = kept_stops_;
         q_ = kept_q_;
-        if (step >= kLeastStep) continue;
+        // Without elements there is nothing that a smaller load would bend less: it rests at the same place
+        if (step >= kLeastStep && !networks_.instances().empty()) continue;
         throw Error(ExitCode::numerical_failure,
-                    fmt::format("{}: no equilibrium under its weight and loads: {}; what moves on is {}. Is there something "
-                                "that nothing holds, or a load above what the machine can carry?",
-                                model_.path,
-                                done > 0 ? fmt::format("one was found up to {:.4g} of them", done)
-                                         : std::string("not even under a thousandth of them"),
+                    fmt::format("{}: no equilibrium under its weight and loads was found{}; what moves on is {}. Is there "
+                                "something that nothing holds, or a load above what the machine can carry?",
+                                model_.path, done > 0 ? fmt::format(", but one under {:.4g} of them", done) : "",
                                 attempt.mover.empty() ? "not known" : attempt.mover));
     }
     const std::vector<BodyState> start = states_at_start(model_);
@@ -118,6 +142,7 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
     for (double load : loads_.on_networks()) loads.push_back(factor * load);
     networks_.set_static_loads(factor * model_.simulation.gravity, loads.data());
     resistance_ = least_resistance_;
+    farthest_ = span_;
     Attempt attempt;
     double last = std::numeric_limits<double>::infinity();
     for (int i = 0; i < kMostIterations; ++i) {
@@ -126,13 +151,16 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
             const Correction correction = correct(factor);
             attempt.correction = correction.size;
             attempt.mover = correction.mover;
-            state_.residual = lacking(factor);
-            if (!std::isfinite(correction.size) || correction.size > 1e6 * extent_) return attempt;
+            state_.residual = lacking(factor, correction.share);
+            // What goes on and on is let go ever farther, until it is clear that nothing holds it
+            farthest_ = correction.share * correction.size > 0.5 * farthest_ ? 2 * farthest_ : span_;
+            if (farthest_ > kLostExtents * extent_) return attempt;
             if (reach_stops()) {
                 last = std::numeric_limits<double>::infinity();
                 continue;
             }
-            const bool is_small = correction.size <= kNoCorrection * extent_;
+            const bool is_small = correction.size <= kNoCorrection * extent_ &&
+                                  state_.residual <= std::max(16 * noise_, kBalance * strongest_);
             const bool is_noise = correction.size <= 1e-6 * extent_ && correction.size >= 0.5 * last &&
                                   state_.residual <= std::max(16 * noise_, 1e-9 * state_.force);
             last = correction.size;
@@ -153,20 +181,28 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
 // ---- One iteration ------------------------------------------------------------------------------------------------------
 
 /// Finds the correction; what moves most by it. The resistance grows until it does not lead uphill nor too far, and then
-/// falls from iteration to iteration.
+/// falls from iteration to iteration. What the resistance does not hold back, as a node without mass, is taken in part.
 Equilibrium::Correction Equilibrium::correct(double factor) {
     constexpr int kMostTries = 30;
     constexpr double kUphill = 30, kLeastGrowth = 4, kMostGrowth = 1e6, kFall = 0.1;
     resistance_ = std::max(kFall * resistance_, least_resistance_);
+    double last_excess = std::numeric_limits<double>::infinity();
     for (int attempt = 0; attempt < kMostTries; ++attempt) {
-        const Correction correction = try_resistance(factor);
+        Correction correction = try_resistance(factor);
         if (correction.size <= kNoCorrection * extent_) return correction;
-        if (correction.turn > kMostTurn)
-            resistance_ *= std::clamp(1.5 * correction.turn / kMostTurn, kLeastGrowth, kMostGrowth);
-        else if (correction.work < 0)
+        const double excess = std::max(correction.turn / kMostTurn, correction.size / farthest_);
+        if (!std::isfinite(excess)) break;
+        if (correction.work < -correction.rounding) {
             resistance_ *= kUphill;
-        else
+        } else if (excess <= 1) {
             return correction;
+        } else if (excess > 0.5 * last_excess) {
+            correction.share = 1 / excess;
+            return correction;
+        } else {
+            resistance_ *= std::clamp(1.5 * excess, kLeastGrowth, kMostGrowth);
+            last_excess = excess;
+        }
     }
     throw Error(ExitCode::numerical_failure, "no correction leads downhill");
 }
@@ -174,13 +210,21 @@ Equilibrium::Correction Equilibrium::correct(double factor) {
 Equilibrium::Correction Equilibrium::try_resistance(double factor) {
     solve(factor);
     const Networks::StaticMeasure inside = networks_.correct_static(change_.data());
-    Correction all{inside.work, inside.shift, inside.turn,
-                   inside.element.empty() ? "" : fmt::format("element \"{}\"", inside.element)};
+    constexpr double kWorkRounding = 1e-12;
+    Correction all;
+    all.work = inside.work;
+    all.size = inside.shift;
+    all.turn = inside.turn;
+    if (!inside.element.empty()) all.mover = fmt::format("element \"{}\"", inside.element);
     std::vector<double> loads(wrenches_.size(), 0.0);
     add_loads(factor, state_.at, loads);
-    for (size_t i = 0; i < loads.size(); ++i) all.work += loads[i] * change_[i];
+    const auto add_work = [&](double work) {
+        all.work += work;
+        all.rounding += kWorkRounding * std::abs(work);
+    };
+    for (size_t i = 0; i < loads.size(); ++i) add_work(loads[i] * change_[i]);
     for (auto row = as_row(change_.size()); row < rows_; ++row)
-        all.work -= (q_(row) + solution_(row)) * right_hand_side_(row);
+        add_work(-(q_(row) + solution_(row)) * right_hand_side_(row));
     for (size_t b = 0; b < model_.bodies.size(); ++b) {
         const Eigen::Map<const Vector6> u(&change_[6 * b]);
         const double turn = u.tail<3>().norm(), shift = std::max(u.head<3>().norm(), reach(b) * turn);
@@ -196,11 +240,25 @@ Equilibrium::Correction Equilibrium::try_resistance(double factor) {
 void Equilibrium::solve(double factor) {
     form(factor);
     if (rows_ == 0) return;
-    lu_.compute(matrix_);
+    if (!has_same_pattern()) {
+        lu_.analyzePattern(matrix_);
+        pattern_ = matrix_;
+    }
+    lu_.factorize(matrix_);
     if (lu_.info() != Eigen::Success)
         throw Error(ExitCode::numerical_failure, "the equations of the equilibrium are singular");
     solution_ = lu_.solve(right_hand_side_);
     for (size_t i = 0; i < change_.size(); ++i) change_[i] = solution_(as_row(i));
+}
+
+/// As the matrix that was analysed last.
+bool Equilibrium::has_same_pattern() const {
+    const auto same = [&](const int* one, const int* other, Eigen::Index count) {
+        return std::equal(one, one + count, other);
+    };
+    return matrix_.rows() == pattern_.rows() && matrix_.nonZeros() == pattern_.nonZeros() &&
+           same(matrix_.outerIndexPtr(), pattern_.outerIndexPtr(), matrix_.outerSize() + 1) &&
+           same(matrix_.innerIndexPtr(), pattern_.innerIndexPtr(), matrix_.nonZeros());
 }
 
 void Equilibrium::form(double factor) {
@@ -233,7 +291,9 @@ void Equilibrium::form(double factor) {
     for (size_t b = 0; b < inertias_.size(); ++b) {
         const BlockMatrix::Block M = inertias_[b].block(state_.at[b].rotation);
         for (int i = 0; i < 6; ++i)
-            for (int j = 0; j < 6; ++j) entries.emplace_back(6 * as_int(b) + i, 6 * as_int(b) + j, resistance_ * M(i, j));
+            for (int j = 0; j < 6; ++j)
+                entries.emplace_back(6 * as_int(b) + i, 6 * as_int(b) + j,
+                                     resistance_ * (M(i, j) + (i == j && i >= 3 ? turning_mass(b) : 0)));
     }
     for (size_t i = 0; i < wrenches_.size(); ++i) right_hand_side_(as_row(i)) = wrenches_[i];
     add_joints(entries);
@@ -287,24 +347,26 @@ void Equilibrium::add_joints(Triplets& entries) {
         double stiffest = 0;
         for (const auto side : JointEquations::kSides)
             if (const int body = joint.bodies()[side]; body >= 0)
-                stiffest = std::max(stiffest, (stiffest_ + resistance_) * inertias_[as_size(body)].mass);
+                stiffest =
+                    std::max(stiffest, stiffest_ * inertias_[as_size(body)].mass +
+                                           resistance_ * (inertias_[as_size(body)].mass +
+                                                          turning_mass(as_size(body)) / square(reach(as_size(body)))));
         for (int row = 0; row < joint.count(); ++row) {
             const bool is_stop = row == joint.lasting();
-            if (is_stop && !stops_[j].acts) {
-                entries.emplace_back(first + row, first + row, 1);
-                right_hand_side_(first + row) = -q_(first + row);
-                continue;
-            }
-            entries.emplace_back(first + row, first + row, -kProximal / stiffest);
-            right_hand_side_(first + row) =
-                is_stop ? joint.stops()[stops_[j].side > 0 ? 0 : 1] - joint.coordinate(state_.at) : -C(row);
+            const bool is_idle = is_stop && !stops_[j].acts;  // zeros all the same: the pattern stays
+            entries.emplace_back(first + row, first + row, is_idle ? 1 : -kProximal / stiffest);
+            right_hand_side_(first + row) = is_idle ? -q_(first + row)
+                                            : is_stop
+                                                ? joint.stops()[stops_[j].side > 0 ? 0 : 1] - joint.coordinate(state_.at)
+                                                : -C(row);
             for (const auto side : JointEquations::kSides) {
                 const int body = joint.bodies()[side];
                 if (body < 0) continue;
                 for (int c = 0; c < 6; ++c) {
-                    entries.emplace_back(first + row, 6 * body + c, J[side](row, c));
-                    entries.emplace_back(6 * body + c, first + row, J[side](row, c));
-                    right_hand_side_(6 * body + c) -= J[side](row, c) * q_(first + row);
+                    const double slope = is_idle ? 0 : J[side](row, c);
+                    entries.emplace_back(first + row, 6 * body + c, slope);
+                    entries.emplace_back(6 * body + c, first + row, slope);
+                    right_hand_side_(6 * body + c) -= slope * q_(first + row);
                 }
             }
         }
@@ -400,32 +462,36 @@ bool Equilibrium::release_stops() {
 
 // ---- What lacks ---------------------------------------------------------------------------------------------------------
 
-/// Takes the correction; the largest force that lacks there [N].
-double Equilibrium::lacking(double factor) {
+/// Takes a share of the correction; the largest force that lacks there [N].
+double Equilibrium::lacking(double factor, double share) {
     for (size_t b = 0; b < state_.at.size(); ++b)
-        state_.at[b] = moved(state_.at[b], Eigen::Map<const Vector6>(&change_[6 * b]));
+        state_.at[b] = moved(state_.at[b], share * Eigen::Map<const Vector6>(&change_[6 * b]));
     const auto joints = rows_ - as_row(change_.size());
-    q_.tail(joints) += solution_.tail(joints);
+    q_.tail(joints) += share * solution_.tail(joints);
     std::ranges::fill(wrenches_, 0.0);
-    const Networks::StaticMeasure inside = networks_.move_static(state_.at, 1, wrenches_.data());
+    const Networks::StaticMeasure inside = networks_.move_static(state_.at, share, wrenches_.data());
     std::vector<double> loads(wrenches_.size(), 0.0);
     add_loads(factor, state_.at, loads);
     noise_ = inside.noise;
-    state_.force = inside.force;
+    state_.force = strongest_ = inside.force;
     for (size_t j = 0; j < joints_.joints().size(); ++j) {
         const JointEquations& joint = joints_.joints()[j];
         const JointEquations::Jacobian J = joint.jacobian(state_.at);
         Eigen::VectorXd q = q_.segment(joint_row(j), joint.count());
         if (joint.has_stops() && !stops_[j].acts) q(joint.lasting()) = 0;
         for (const auto side : JointEquations::kSides)
-            if (const int body = joint.bodies()[side]; body >= 0)
-                Eigen::Map<Vector6>(&wrenches_[6 * as_size(body)]) -= J[side].transpose() * q;
+            if (const int body = joint.bodies()[side]; body >= 0) {
+                const Vector6 force = J[side].transpose() * q;
+                Eigen::Map<Vector6>(&wrenches_[6 * as_size(body)]) -= force;
+                strongest_ = std::max(strongest_, force.head<3>().norm());
+            }
     }
     double residual = inside.residual;
     for (size_t b = 0; b < state_.at.size(); ++b) {
         const Eigen::Map<const Vector6> load(&loads[6 * b]);
         const Vector6 r = Eigen::Map<const Vector6>(&wrenches_[6 * b]) + load;
         state_.force = std::max(state_.force, load.head<3>().norm());
+        strongest_ = std::max({strongest_, load.head<3>().norm(), load.tail<3>().norm() / reach(b)});
         residual = std::max({residual, r.head<3>().norm(), r.tail<3>().norm() / reach(b)});
     }
     return residual;

@@ -57,7 +57,10 @@ private:
         double work = 0;            ///< of what lacks along it [J]: negative uphill
         double size = 0, turn = 0;  ///< of bodies and insides [m, rad]
         std::string mover;
+        double rounding = 0;  ///< of the work [J]
+        double share = 1;     ///< to be taken of it
     };
+    void find_size();
     Attempt iterate(double factor);
     Correction correct(double factor);
     Correction try_resistance(double factor);
@@ -67,11 +70,16 @@ private:
     void add_load_stiffness(double factor, Triplets& entries) const;
     void add_joints(Triplets& entries);
     void add_joint_stiffness(size_t joint, Triplets& entries);
-    double lacking(double factor);
+    bool has_same_pattern() const;
+    double lacking(double factor, double share);
     bool reach_stops();
     bool release_stops();
     int joint_row(size_t joint) const { return first_row_[joint]; }
     double reach(size_t body) const { return reaches_[body]; }
+    /// Added to the inertia of a body in the resistance [kg m²]. The motion of a chain follows from how its links turn. By
+    /// inertia alone the links at its ends would turn first, as in a fall, and the next after them; with this all turn at
+    /// once: a moment of weight over the machine's length turns each by about as much.
+    double turning_mass(size_t body) const { return total_mass_ * span_ * reach(body); }
 
     const Model& model_;
     Networks& networks_;
@@ -81,7 +89,9 @@ private:
     std::vector<double> reaches_;  ///< of forces on each body from its centre of mass [m]
     std::vector<int> first_row_;   ///< of every joint's equations
     int rows_;
-    double extent_ = 0;  ///< of the machine and its distance from the origin [m]
+    double span_ = 0;    ///< of the machine and the ways of its sliders [m]
+    double extent_ = 0;  ///< that and its distance from the origin [m]
+    double total_mass_ = 0;
 
     RestState state_;
     std::vector<BodyState> kept_;
@@ -89,11 +99,13 @@ private:
     Eigen::VectorXd q_, kept_q_;
     std::vector<double> wrenches_;
     Eigen::VectorXd right_hand_side_, solution_;
-    std::vector<double> change_;  ///< 6 per body
-    Eigen::SparseMatrix<double> matrix_;
+    std::vector<double> change_;                    ///< 6 per body
+    Eigen::SparseMatrix<double> matrix_, pattern_;  ///< pattern_: last analysed
     Eigen::SparseLU<Eigen::SparseMatrix<double>> lu_;
     double resistance_ = 0, least_resistance_ = 0, stiffest_ = 0;
+    double farthest_ = 0;  ///< that one correction may move something [m]
     double noise_ = 0;
+    double strongest_ = 0;  ///< of all forces, those of joints included [N]
 };
 
 }  // namespace dttmm::host

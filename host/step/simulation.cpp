@@ -85,11 +85,24 @@ uint64_t Simulation::step_count() const {
     return static_cast<uint64_t>(std::llround(model_.simulation.duration / step_size_)) + 1;
 }
 
-void Simulation::step() {
+void Simulation::begin_step() {
     const dttmm_step step{index_, time(), step_size_};
     loads_.begin_step(step);
     networks_.begin_step(step, loads_.on_networks().data());
     end_of_step_.begin_step(step, now_, loads_);
+}
+
+void Simulation::observe_rest() {
+    begin_step();
+    world_.find_stops(step_size_, stops_);
+    end_of_step_.solve(now_, networks_, stops_);
+    after_ = end_of_step_.predicted();
+    networks_.commit_step(after_);
+    observe();
+}
+
+void Simulation::step() {
+    begin_step();
     try {
         move_bodies();
     } catch (...) {

@@ -50,6 +50,10 @@ public:
     /// One time step. Throws Error(numerical_failure) when the motion diverges, naming time, body and ω h.
     void step();
 
+    /// Instead of steps, once: hands on the row of a machine that starts at rest. Nothing moves and ODE is not asked, whose
+    /// work grows with the cube of the number of joints in a chain.
+    void observe_rest();
+
     /// Start of the coming step [s], computed from the index, never accumulated.
     double time() const { return static_cast<double>(index_) * step_size_; }
     uint64_t index() const { return index_; }
@@ -78,6 +82,7 @@ public:
 private:
     const Instant& start();
     void refuse_jumps_of_supports() const;
+    void begin_step();
     void move_bodies();
     void observe();
     void refuse_divergence() const;

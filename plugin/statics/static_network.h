@@ -42,7 +42,16 @@ public:
     /// Error(DTTMM_ERROR_SINGULAR) naming what nothing determines.
     void form(Ports ports, double resistance);
     /// Adds the condensed equations: the wrench on the ports, 6 each, and minus its derivative, row-major over all ports.
+    /// For networks with something inside.
     void condense(std::span<Vector6> wrench, double* stiffness);
+
+    /// Without anything inside: the wrench on a port, and what every joint at a port adds to the stiffness, function(joint,
+    /// blocks).
+    const Vector6& formed_wrench(int port) const { return base_residual_[as_size(port)]; }
+    template <class Function>
+    void for_each_at_ports(const Function& function) const {
+        for (size_t k = 0; k < port_joints_.size(); ++k) function(port_joints_[k], at_ports_[k]);
+    }
 
     /// As dttmm_static.h has it; its element is one of the description.
     using Measure = dttmm_static_measure;

@@ -272,17 +272,16 @@ StaticNetwork& Network::statics() {
 
 void Network::form_static(const dttmm_motion* bodies, double resistance, double* wrench, double* stiffness) {
     statics().form(ports(bodies), resistance);
-    const auto count = as_size(port_count());
-    std::vector<Vector6> own(count, Vector6::Zero());
-    std::vector<double> matrix(36 * count * count, 0.0);
-    statics_->condense(own, matrix.data());
+    if (!interior_) {
+        for (int p = 0; p < port_count(); ++p) Eigen::Map<Vector6>{on_body(p, wrench)} += statics_->formed_wrench(p);
+        statics_->for_each_at_ports([&](size_t joint, const EndBlocks& blocks) { add_stiffness(joint, blocks, stiffness); });
+        return;
+    }
+    std::vector<Vector6> own(as_size(port_count()), Vector6::Zero());
+    std::ranges::fill(blocks_.dense, 0.0);
+    statics_->condense(own, blocks_.dense.data());
     for (int p = 0; p < port_count(); ++p) Eigen::Map<Vector6>{on_body(p, wrench)} += own[as_size(p)];
-    if (interior_) return add_dense(matrix.data(), stiffness);
-    const Eigen::Map<const RowMajor> S(matrix.data(), as_row(6 * count), as_row(6 * count));
-    const auto port_of = [&](uint32_t body) { return std::ranges::find(places_.bodies, body) - places_.bodies.begin(); };
-    for (size_t b = 0; b < blocks_.list.size(); ++b)
-        Eigen::Map<RowMajor6>(stiffness + 36 * blocks_.places[b]) +=
-            S.block<6, 6>(6 * port_of(blocks_.list[b].row), 6 * port_of(blocks_.list[b].column));
+    add_dense(blocks_.dense.data(), stiffness);
 }
 
 StaticNetwork::Measure Network::correct_static(const double* change) {

@@ -294,6 +294,96 @@ rotational_stiffness = [0, 20, 0]
     EXPECT_NEAR(std::abs(rest.row["pin.moment.y"]), 3 * 10 * 0.4 * std::cos(angle) + 20 * angle, 1e-6);
 }
 
+// Oracle: a carriage on a sloping rail without any spring slides down to its lower stop. The stop bears m g cos a along the
+// rail, a the angle of the rail to gravity; the rail bears the rest, all of it together the weight.
+TEST(Statics, ACarriageRestsOnItsStop) {
+    AtRest rest = rest_of(R"(format = "dttmm/1"
+[simulation]
+duration = 1
+gravity = [0, 0, -9.7]
+[[body]]
+name = "carriage"
+mass = 3.7
+inertia = [0.11, 0.2, 0.3]
+position = [0.4, 0.1, 2]
+[[joint]]
+name = "rail"
+type = "slider"
+between = ["ground", "carriage"]
+axis = [0.3, 0, 1]
+limits = ["-130 mm", "70 mm"]
+)");
+    EXPECT_NEAR(rest.row["rail.travel"], -0.13, 1e-9);
+    EXPECT_NEAR(rest.row["carriage.position.x"], 0.4 - 0.13 * 0.3 / std::sqrt(1.09), 1e-9);
+    EXPECT_NEAR(rest.row["carriage.position.z"], 2 - 0.13 / std::sqrt(1.09), 1e-9);
+    EXPECT_NEAR(rest.row["rail.force.x"], 0, 1e-8);
+    EXPECT_NEAR(rest.row["rail.force.z"], -3.7 * 9.7, 1e-8);
+}
+
+// Oracle: two springs in line that have no force as they are assembled have no stiffness across their line either. The
+// weight W sags by d with W = 2 k d (1 - L/sqrt(L^2 + d^2)): both springs pull along their new directions.
+TEST(Statics, AWeightBetweenTwoSpringsInLine) {
+    for (const double mass : {3.7, 0.037}) {
+        AtRest rest = rest_of(fmt::format(R"(format = "dttmm/1"
+[simulation]
+duration = 1
+gravity = [0, 0, -9.81]
+[nodes]
+a = {{ position = [-1.3, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+b = {{ position = [1.3, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+[[body]]
+name = "weight"
+mass = {}
+inertia = [0.01, 0.02, 0.03]
+[[element]]
+name = "left"
+type = "axial_spring"
+from = "a"
+to = "weight"
+stiffness = 4.1e4
+[[element]]
+name = "right"
+type = "axial_spring"
+from = "weight"
+to = "b"
+stiffness = 4.1e4
+)",
+                                          mass));
+        const double d = -rest.row["weight.position.z"], L = 1.3, W = 9.81 * mass;
+        EXPECT_NEAR(d, std::cbrt(W * L * L / 4.1e4), 0.02 * d);  // its leading term
+        EXPECT_NEAR(2 * 4.1e4 * d * (1 - L / std::hypot(L, d)), W, 1e-8 * W);
+        EXPECT_NEAR(rest.row["weight.position.x"], 0, 1e-12);
+    }
+}
+
+// Oracle: a chain of links on ball joints that is assembled as a horizontal line hangs down from its first joint.
+TEST(Statics, ALongChainHangsDown) {
+    constexpr int kLinks = 1500;
+    std::string text = "format = \"dttmm/1\"\n[simulation]\nduration = 1\ngravity = [0, 0, -9.81]\n";
+    double mass = 0;
+    for (int i = 0; i < kLinks; ++i) {
+        mass += 0.1 + 0.01 * (i % 3);
+        text += fmt::format(R"([[body]]
+name = "b{}"
+mass = {}
+inertia = [1e-4, 2e-4, 2e-4]
+position = [{}, 0, 0]
+[[joint]]
+name = "j{}"
+type = "ball"
+between = ["{}", "b{}"]
+anchor = [{}, 0, 0]
+)",
+                            i, 0.1 + 0.01 * (i % 3), 0.1 * i + 0.05, i, i == 0 ? "ground" : fmt::format("b{}", i - 1), i,
+                            0.1 * i);
+    }
+    AtRest rest = rest_of(text);
+    EXPECT_NEAR(rest.row["b1499.position.z"], -149.95, 1e-7);
+    EXPECT_NEAR(rest.row["b1499.position.x"], 0, 1e-5);
+    EXPECT_NEAR(rest.row["j0.force.z"], -9.81 * mass, 1e-6);
+    EXPECT_LE(rest.summary["iterations"].get<int>(), 40);
+}
+
 TEST(Statics, WhatNothingHoldsIsNamed) {
     const TemporaryFolder folder;
     write_text(folder / "model.toml", R"(format = "dttmm/1"

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "analysis/error_scale.h"
+#include "analysis/stop_signals.h"
 #include "model/index.h"
 #include "model/read_simulation.h"
 
@@ -87,7 +88,15 @@ Ending Halving::run(bool quiet) {
             ending.code = ExitCode::numerical_failure;
             return ending;
         }
-        run = make_run();
+        try {
+            run = make_run();
+        } catch (const Error& error) {
+            if (!StopSignals::requested()) throw;
+            ending.outcome.status = "stopped";
+            ending.outcome.reason = error.what();
+            ending.code = error.code();
+            break;
+        }
         ending = advance(*run);
     }
     ending.outcome.wall_time = total.wall_time;

@@ -30,6 +30,7 @@ public:
     ModalMachine(const Model& model, const Model& resting, const Plugins& plugins);
     /// Where it rests; null: it is about the start.
     const RestState* rest() const { return description_.rest(); }
+    std::vector<RestLimit> limits_at_rest() const { return description_.limits(); }
 
     /// As the model asks.
     std::vector<ModalInstance::Mode> find_modes();

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/law_limits.h"
+#include "analysis/stop_signals.h"
 #include "model/index.h"
 #include "model/read_simulation.h"
 #include "record/results_folder.h"
@@ -111,6 +113,8 @@ void note_rest(const Model& model, const ModalMachine& machine, Warnings& warnin
                                       "about other axes: only the symmetric part of what it does then is in the frequencies",
                                       load.place));
     }
+    for (const RestLimit& limit : machine.limits_at_rest())
+        if (limit.most > 1) warn_limit(limit.channel, limit.element, limit.most, "at rest", warnings);
     std::string first;
     size_t count = 0;
     for (size_t e = 0; e < model.elements.size(); ++e) {
@@ -178,7 +182,7 @@ ModalMachine make_machine(const Model& model, const Plugins& plugins, Warnings& 
         note_rest(model, machine, warnings);
         return machine;
     } catch (const Error& error) {
-        if (model.modes.about == About::equilibrium) throw;
+        if (model.modes.about == About::equilibrium || StopSignals::requested()) throw;
         warnings.add(
             "no-equilibrium",
             fmt::format("the frequencies are not about an equilibrium, but about the machine as the file places it: "

@@ -202,6 +202,11 @@ ExitCode sweep_modes(const Request& request, const std::vector<SweepAxis>& axes)
             shapes.back() = shapes_of(session.machine, modes);
             for (const Mode& mode : modes) one.frequencies.push_back(mode.numbers.frequency);
         } catch (const Error& error) {
+            if (StopSignals::requested()) {
+                cases.pop_back();
+                shapes.pop_back();
+                break;
+            }
             one.reason = error.what();
             if (!fault) fault = std::current_exception();
         }

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <unordered_map>
 
+#include "analysis/law_limits.h"
 #include "coupling/stability.h"
 #include "model/index.h"
 
@@ -182,18 +183,6 @@ void warn_rows(const Recorder& recorder, const Model& model, const Simulation& s
                                  std::max(simulation.step_size(), spacing * std::sqrt(0.01 / worst_share))));
 }
 
-/// Elements beyond what their laws hold for.
-void warn_limits(const Simulation& simulation, Warnings& warnings) {
-    for (const Limit& limit : simulation.limits()) {
-        if (limit.most <= 1) continue;
-        const Channel& channel = simulation.channels()[limit.channel];
-        warnings.add("beyond-limit",
-                     fmt::format("\"{}\" is {:.3g} at t = {:g} s: beyond 1 the law of element \"{}\" does not hold and its "
-                                 "results are wrong; \"dttmm elements\" says what limits it",
-                                 channel.name(), limit.most, limit.time, limit.element));
-    }
-}
-
 /// What the linkages did without.
 void warn_singular_positions(const Simulation& simulation, const Model& model, Warnings& warnings) {
     const SingularPosition::Passed& passed = simulation.end_of_step().singular_position().passed();
@@ -231,7 +220,7 @@ void warn_of_run(Session& session, const Simulation& simulation, const Recorder&
     Warnings& warnings = session.warnings;
     if (session.halving) session.look_at_loads(simulation);
     warn_energy(recorder, session.model, simulation, session.fast_loads, warnings);
-    warn_limits(simulation, warnings);
+    warn_limits(simulation.limits(), simulation.channels(), "", warnings);
     warn_singular_positions(simulation, session.model, warnings);
     warn_rows(recorder, session.model, simulation, warnings);
     if (!session.halving) return warn_ripple(recorder, session.model, warnings);

@@ -7,11 +7,14 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "analysis/law_limits.h"
 #include "analysis/modal_session.h"
+#include "analysis/stop_signals.h"
 #include "analysis/summary.h"
 #include "coupling/modal_description.h"
 #include "coupling/network_description.h"
@@ -25,6 +28,7 @@
 #include "record/atomic_file.h"
 #include "record/csv_table.h"
 #include "record/results_folder.h"
+#include "record/tell.h"
 #include "step/simulation.h"
 
 namespace dttmm::host {
@@ -65,9 +69,10 @@ bool varies(const Signal& signal, double duration) {
     return false;
 }
 
-Model read(const Request& request, const Plugins& plugins) {
+Model read(const Request& request, const Plugins& plugins, double time) {
     ModelOverrides overrides = request.overrides;
     overrides.purpose = Purpose::statics;
+    overrides.instant = time;
     return read_model(request.model, plugins.catalogue(), overrides);
 }
 
@@ -183,17 +188,20 @@ void print_table(const Model& model, const Vectors& vectors) {
     for (const Joint& joint : model.joints) print_force(joint.name);
 }
 
-/// Load factors at which motions begin to grow, ascending: all forces of the machine at rest count so many times, with the
-/// places and the stiffness that it has there. Motions that grow are counted, and each factor is enclosed by two counts.
-class Buckling {
+/// Whether the machine at rest is stable, by the number of motions that grow from there.
+class Stability {
 public:
-    Buckling(const Model& model, const Plugins& plugins) : description_(model, plugins, true) {
+    Stability(const Model& model, const Plugins& plugins) : description_(model, plugins, true) {}
+
+    /// How many motions grow.
+    int count() { return count(1); }
+
+    /// Load factors at which motions begin to grow, ascending: all forces of the machine at rest count so many times, with
+    /// the places and the stiffness that it has there. Each factor is enclosed by two counts.
+    std::vector<double> find_factors(int wanted) {
         description_.scale_forces(0);
         ModalInstance instance(description_.plugin(), description_.model());
         is_held_ = instance.find_modes(1, 0) == 0 || instance.mode(0).numbers.frequency != 0;
-    }
-
-    std::vector<double> find(int wanted) {
         constexpr double kLargest = 1e9, kSmallest = 1e-9, kNear = 1e-12;
         double high = 1;
         while (count(high) < wanted && high < kLargest) high *= 4;
@@ -217,7 +225,7 @@ private:
     }
 
     ModalDescription description_;
-    bool is_held_ = true;
+    bool is_held_ = false;
 };
 
 void print_buckling(const std::vector<double>& factors, int wanted) {
@@ -236,20 +244,40 @@ struct Found {
     std::string load_case;    ///< empty: the model has none
     std::vector<double> row;  ///< by the channels, without the time
     RestState rest;
+    std::optional<int> growing;   ///< motions; none: they cannot be counted
     std::vector<double> factors;  ///< at which it buckles
+    std::vector<Limit> limits;
+};
+
+/// A load case without an equilibrium.
+struct Failure {
+    std::string load_case, reason;
 };
 
 /// The equilibria found; the channels of their rows.
 struct Results {
     std::vector<Channel> channels;
     std::vector<Found> cases;
+    std::vector<Failure> failures;
 };
+
+/// Counts motions that grow, and finds load factors where they are asked for.
+void look_at_stability(const Request& request, const Model& model, const Plugins& plugins, Found& found) {
+    try {
+        Stability stability(model, plugins);
+        found.growing = stability.count();
+        if (request.buckling > 0) found.factors = stability.find_factors(request.buckling);
+    } catch (const Error&) {
+        if (request.buckling > 0) throw;  // asked for; otherwise the equilibrium stands without it
+    }
+}
 
 /// load_case: one of the model; null: all loads act.
 Found find_one(const Request& request, const Model& model, const Plugins& plugins, double time, const LoadCase* load_case,
                Results& results) {
     Model held = model;
-    Found found{model.load_case, {}, {}, {}};
+    Found found;
+    found.load_case = model.load_case;
     if (load_case) {
         apply_case(held, *load_case);
         found.load_case = load_case->name;
@@ -262,7 +290,9 @@ Found find_one(const Request& request, const Model& model, const Plugins& plugin
     simulation.observe_rest();
     found.rest = *simulation.rest();
     if (results.channels.empty()) results.channels.assign(simulation.channels().begin() + 1, simulation.channels().end());
-    if (request.buckling > 0) found.factors = Buckling(held, plugins).find(request.buckling);
+    found.limits = simulation.limits();
+    for (Limit& limit : found.limits) --limit.channel;  // as without the time
+    look_at_stability(request, held, plugins, found);
     return found;
 }
 
@@ -275,8 +305,11 @@ Results find_all(const Request& request, const Model& model, const Plugins& plug
     for (const LoadCase& load_case : model.cases) try {
             results.cases.push_back(find_one(request, model, plugins, time, &load_case, results));
         } catch (const Error& error) {
-            throw Error(error.code(), fmt::format("case {}: {}", quote(load_case.name), error.what()));
+            const std::string reason = fmt::format("case {}: {}", quote(load_case.name), error.what());
+            if (error.code() != ExitCode::numerical_failure) throw Error(error.code(), reason);
+            results.failures.push_back({load_case.name, reason});
         }
+    if (results.cases.empty()) throw Error(ExitCode::numerical_failure, results.failures.front().reason);
     return results;
 }
 
@@ -357,12 +390,13 @@ void write_summary(JsonWriter& json, const Results& results, const Model& model,
         member("load_steps", found.rest.load_steps);
         member("largest_force_n", found.rest.force);
         member("largest_unbalanced_force_n", found.rest.residual);
+        if (found.growing) member("growing_motions", *found.growing);
         if (request.buckling > 0) member("critical_load_factors", found.factors);
     };
     json.member("format", "dttmm-static/1");
     json.member("warnings", describe_warnings(warnings));
     json.member("title", model.title);
-    json.member("status", "completed");
+    json.member("status", results.failures.empty() ? "completed" : "cases_failed");
     json.member("loads_at_s", time);
     if (results.cases.front().load_case.empty())
         describe(results.cases.front(), [&](const char* name, const auto& value) { json.member(name, value); });
@@ -372,30 +406,68 @@ void write_summary(JsonWriter& json, const Results& results, const Model& model,
                 json.object(found.load_case, [&] {
                     describe(found, [&](const char* name, const auto& value) { json.member(name, value); });
                 });
+            for (const Failure& failure : results.failures)
+                json.object(failure.load_case, [&] {
+                    json.member("status", "failed");
+                    json.member("reason", failure.reason);
+                });
         });
     json.member("command_line", request.command_line);
     json.member("inputs", describe_inputs(model, request));
     write_model(json, model, plugins.catalogue());
 }
 
+/// What an equilibrium tells against itself.
+void warn_of(const Found& found, const Results& results, Warnings& warnings) {
+    const std::string place = found.load_case.empty() ? "" : fmt::format("case {}: ", quote(found.load_case));
+    if (found.rest.turn > kFar)
+        warnings.note("moved-far", fmt::format("{}a body has turned by {:.3g} rad: there may be other equilibria; this is "
+                                               "the one reached from the assembled machine",
+                                               place, found.rest.turn));
+    if (found.growing.value_or(0) > 0)
+        warnings.add("unstable-equilibrium",
+                     fmt::format("{}the equilibrium is unstable: {} from it after the smallest disturbance; \"dttmm modes\" "
+                                 "lists them with negative frequencies",
+                                 place, counted(as_size(*found.growing), "motion grows", "motions grow")));
+    warn_limits(found.limits, results.channels,
+                found.load_case.empty() ? "at rest" : fmt::format("at rest in case {}", quote(found.load_case)), warnings);
+}
+
+void print_case(const Request& request, const Model& model, const Results& results, const Found& found) {
+    if (!found.load_case.empty())
+        fmt::print("{}case {}\n", &found == &results.cases.front() ? "" : "\n", quote(found.load_case));
+    print_table(model, Vectors(results.channels, found.row));
+    if (request.buckling > 0) print_buckling(found.factors, request.buckling);
+    fmt::print("{}forces balance to {:.2g} N (the largest is {:.4g} N) after {} in {}\n",
+               found.growing.value_or(0) > 0
+                   ? fmt::format("unstable: {}; ", counted(as_size(*found.growing), "motion grows", "motions grow"))
+                   : "",
+               found.rest.residual, found.rest.force, counted(as_size(found.rest.iterations), "iteration", "iterations"),
+               counted(as_size(found.rest.load_steps), "load step", "load steps"));
+}
+
+/// Says which cases have none.
+ExitCode conclude(const Results& results) {
+    if (results.failures.empty()) return ExitCode::ok;
+    for (const Failure& failure : results.failures) tell(failure.reason);
+    tell(fmt::format("{} of {} cases failed; the results of the others are kept", results.failures.size(),
+                     results.failures.size() + results.cases.size()));
+    return ExitCode::cases_failed;
+}
+
 }  // namespace
 
 ExitCode find_equilibrium(const Request& request) {
+    const StopSignals signals(StopSignals::First::ends);
     const double time = instant_of(request);
     const Plugins plugins(request.plugins);
     Warnings warnings;
-    Model model = read(request, plugins);
+    Model model = read(request, plugins, time);
     warnings.add(model.warnings);
     note_varying(model, time, warnings);
     const Results results = find_all(request, model, plugins, time);
     hold(model, time);  // as the summary has it
-    for (const Found& found : results.cases)
-        if (found.rest.turn > kFar)
-            warnings.note("moved-far",
-                          fmt::format("{}a body has turned by {:.3g} rad: there may be other equilibria; this is the "
-                                      "one reached from the assembled machine",
-                                      found.load_case.empty() ? "" : fmt::format("case {}: ", quote(found.load_case)),
-                                      found.rest.turn));
+    for (const Found& found : results.cases) warn_of(found, results, warnings);
     note_no_stress(results, model, warnings);
     const ResultsFolder folder(results_path(request, "-static"));
     write_atomically(folder.file("static.csv"), rows_of(results));
@@ -404,19 +476,12 @@ ExitCode find_equilibrium(const Request& request) {
     warnings.print_rest("; summary.json has all of them");
     write_json(folder.file("summary.json"),
                [&](JsonWriter& json) { write_summary(json, results, model, request, time, warnings, plugins); });
-    if (request.quiet) return ExitCode::ok;
-    if (!model.title.empty()) fmt::print("{}\n", model.title);
-    for (const Found& found : results.cases) {
-        if (!found.load_case.empty())
-            fmt::print("{}case {}\n", &found == &results.cases.front() ? "" : "\n", quote(found.load_case));
-        print_table(model, Vectors(results.channels, found.row));
-        if (request.buckling > 0) print_buckling(found.factors, request.buckling);
-        fmt::print("forces balance to {:.2g} N (the largest is {:.4g} N) after {} in {}\n", found.rest.residual,
-                   found.rest.force, counted(as_size(found.rest.iterations), "iteration", "iterations"),
-                   counted(as_size(found.rest.load_steps), "load step", "load steps"));
+    if (!request.quiet) {
+        if (!model.title.empty()) fmt::print("{}\n", model.title);
+        for (const Found& found : results.cases) print_case(request, model, results, found);
+        fmt::print("results in {}\n", folder.describe("static.csv"));
     }
-    fmt::print("results in {}\n", folder.describe("static.csv"));
-    return ExitCode::ok;
+    return conclude(results);
 }
 
 }  // namespace dttmm::host

@@ -7,13 +7,14 @@
 #include <ctime>
 
 #include "model/index.h"
+#include "model/stop_request.h"
 #include "record/csv_writer.h"
 
 namespace dttmm::host {
 
 namespace {
 
-volatile std::sig_atomic_t received = 0, first_ends = 0;
+volatile std::sig_atomic_t first_ends = 0;
 timespec received_at{};  // written and read by the handler alone, which no other signal of ours interrupts
 
 /// A second signal sooner than this is the same one: `timeout` sends SIGTERM to the process and to its group.
@@ -40,10 +41,10 @@ void say(const char (&text)[n]) {
 }
 
 void on_signal(int number) {
-    if (first_ends || (received != 0 && seconds_since(received_at) > kSameSignal)) end_now(number);
-    if (received != 0) return;
+    if (first_ends || (StopRequest::is_made() && seconds_since(received_at) > kSameSignal)) end_now(number);
+    if (StopRequest::is_made()) return;
     clock_gettime(CLOCK_MONOTONIC, &received_at);
-    received = number;
+    StopRequest::set(number);
 }
 
 constexpr int kHandled[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
@@ -51,7 +52,7 @@ constexpr int kHandled[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
 }  // namespace
 
 StopSignals::StopSignals(First first) {
-    received = 0;
+    StopRequest::set(0);
     first_ends = first == First::ends;
     struct sigaction action {};
     action.sa_handler = on_signal;
@@ -74,12 +75,10 @@ StopSignals::~StopSignals() {
     std::signal(SIGXFSZ, SIG_DFL);
 }
 
-bool StopSignals::requested() { return received != 0; }
+bool StopSignals::requested() { return StopRequest::is_made(); }
 
-ExitCode StopSignals::exit_code() { return received == SIGXCPU ? ExitCode::resource_limit : ExitCode::stopped_by_user; }
+ExitCode StopSignals::exit_code() { return StopRequest::exit_code(); }
 
-const char* StopSignals::reason() {
-    return received == SIGXCPU ? "the limit of processor time was reached" : "stopped by the user";
-}
+const char* StopSignals::reason() { return StopRequest::reason(); }
 
 }  // namespace dttmm::host

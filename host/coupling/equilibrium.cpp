@@ -10,6 +10,7 @@
 
 #include "model/error.h"
 #include "model/index.h"
+#include "model/stop_request.h"
 #include "world/rotation_step.h"
 
 namespace dttmm::host {
@@ -146,6 +147,7 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
     Attempt attempt;
     double last = std::numeric_limits<double>::infinity();
     for (int i = 0; i < kMostIterations; ++i) {
+        StopRequest::throw_if_made("before the equilibrium was found");
         ++state_.iterations;
         try {
             const Correction correction = correct(factor);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <bitset>
 
 #include "model/error.h"
@@ -15,8 +16,10 @@ namespace {
 
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-std::vector<size_t> all_elements(const Model& model, const Plugins& plugins) {
+/// Without elements a machine vibrates at rest only, as a pendulum does.
+std::vector<size_t> all_elements(const Model& model, const Plugins& plugins, bool at_rest) {
     const std::vector<std::vector<size_t>> groups = split_by_plugin(model, plugins);
+    if (groups.empty() && at_rest) return {};
     if (groups.empty())
         throw Error(ExitCode::model_invalid,
                     fmt::format("{}: no element: nothing is elastic, nothing vibrates", model.path));
@@ -72,7 +75,31 @@ ModalDescription::Rest::Rest(const Model& model, const Plugins& plugins)
         Eigen::Map<Eigen::Vector3d>{motion.position} = body.position;
         Eigen::Map<RowMajor3>{motion.rotation} = body.rotation;
     }
-    told = {networks.instances().front().at_rest(), bodies.data(), load_stiffness.data(), joint_stiffness.data(), 1};
+    const bool is_elastic = !networks.instances().empty();
+    told = {is_elastic ? networks.instances().front().at_rest() : nullptr, bodies.data(), load_stiffness.data(),
+            joint_stiffness.data(), 1};
+    find_limits(model.simulation.step);
+}
+
+/// Networks tell their results of a step: one in which nothing moves.
+void ModalDescription::Rest::find_limits(double size) {
+    const auto has_limits = [](const NetworkInstance& instance) {
+        return std::ranges::find(instance.roles(), DTTMM_ROLE_LIMIT) != instance.roles().end();
+    };
+    if (std::ranges::none_of(networks.instances(), has_limits)) return;
+    const dttmm_step step{0, 0.0, size};
+    std::vector<double> wrenches(6 * state.at.size()), values(networks.output_count());
+    networks.start_at_rest(step, state.at, loads.on_networks().data());
+    networks.begin_step(step, loads.on_networks().data());
+    networks.evaluate(state.at, wrenches.data());
+    networks.commit_step(state.at);
+    if (networks.stand()) networks.stand_at(state.at, nullptr, wrenches.data());
+    networks.outputs(values.data());
+    size_t at = 0;
+    for (const NetworkInstance& instance : networks.instances())
+        for (size_t c = 0; c < instance.channels().size(); ++c, ++at)
+            if (instance.roles()[c] == DTTMM_ROLE_LIMIT)
+                limits.push_back({instance.channels()[c].name(), instance.channels()[c].owner(), values[at]});
 }
 
 /// Ideal joints go with their bodies; a stop that pushes holds what the joint leaves free.
@@ -96,7 +123,7 @@ void ModalDescription::place_at_rest(const Model& model) {
 }
 
 ModalDescription::ModalDescription(const Model& model, const Plugins& plugins, bool at_rest)
-    : description_(model, plugins, all_elements(model, plugins)),
+    : description_(model, plugins, all_elements(model, plugins, at_rest)),
       network_(description_.network()),
       directions_(static_cast<uint32_t>(model.modes.directions.to_ulong())),
       lumped_beams_(model.modes.are_beams_lumped) {

@@ -9,18 +9,26 @@
 
 namespace dttmm::host {
 
+/// How near an element at rest is to the limit of its law.
+struct RestLimit {
+    std::string channel, element;
+    double most = 0;  ///< beyond 1 the law does not hold
+};
+
 /// A whole machine in small vibrations as a plugin is told of it: all elements as one network, the bodies, and ODE's joints
 /// as directions that do not give. Stops do not act, loads and gravity leave frequencies alone.
 class ModalDescription {
 public:
-    /// Throws Error(model_invalid) for elements of different plugins, and where there is no element at all. at_rest: as it
-    /// vibrates about its equilibrium; throws what Equilibrium does.
+    /// Throws Error(model_invalid) for elements of different plugins, and where there is no element at all and it is not
+    /// at_rest. at_rest: as it vibrates about its equilibrium; throws what Equilibrium does.
     ModalDescription(const Model& model, const Plugins& plugins, bool at_rest = false);
 
     const PluginLibrary& plugin() const { return description_.plugin(); }
     const NetworkDescription& network() const { return description_; }
     /// Where it rests; none: the machine as the file places it.
     const RestState* rest() const { return rest_ ? &rest_->state : nullptr; }
+    /// Of the elements there whose laws are limited.
+    std::vector<RestLimit> limits() const { return rest_ ? rest_->limits : std::vector<RestLimit>(); }
     /// Valid as long as the model and this object.
     dttmm_modal_model model() const;
     /// At rest, all forces counting so many times from now on.
@@ -30,6 +38,7 @@ private:
     /// A machine at rest, and what of it a plugin is told.
     struct Rest {
         Rest(const Model& model, const Plugins& plugins);
+        void find_limits(double step);
         Networks networks;
         Loads loads;
         Equilibrium equilibrium;
@@ -37,6 +46,7 @@ private:
         std::vector<dttmm_motion> bodies;
         std::vector<double> load_stiffness, joint_stiffness;
         dttmm_rest told;
+        std::vector<RestLimit> limits;
     };
     void place_at_rest(const Model& model);
 

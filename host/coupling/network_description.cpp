@@ -87,7 +87,7 @@ Frame frame_at_start(const Model& model, const Attachment& at) {
 }
 
 NetworkDescription::NetworkDescription(const Model& model, const Plugins& plugins, const std::vector<size_t>& elements)
-    : model_(model) {
+    : model_(model), plugin_(&plugins.libraries().front()) {
     for (const Body& body : model.bodies) add_body(body);
     for (size_t e : elements) {
         const Element& element = model.elements[e];

@@ -23,7 +23,7 @@ std::vector<std::vector<size_t>> split_by_plugin(const Model& model, const Plugi
 /// given. Nodes stand in the order in which the elements name them.
 class NetworkDescription {
 public:
-    /// `elements`: indices into Model::elements, of one plugin.
+    /// `elements`: indices into Model::elements, of one plugin; without any the plugin is the built-in one.
     NetworkDescription(const Model& model, const Plugins& plugins, const std::vector<size_t>& elements);
 
     const PluginLibrary& plugin() const { return *plugin_; }

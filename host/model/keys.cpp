@@ -43,7 +43,7 @@ constexpr Key kFile[] = {
 };
 
 constexpr Key kSimulation[] = {
-    {"duration", Kind::number, "of the run", kRequired, "s", 1, kPositive},
+    {"duration", Kind::number, "of the run; `run` wants it", "", "s", 1, kPositive},
     {"step",
      Kind::number,
      "fixed time step; without it the step is chosen and halved until the tolerance holds",

@@ -195,7 +195,7 @@ void read_contents(const TableReader& file, const ElementCatalogue& catalogue, c
     model.title = file.text("title", "").value_or("");
     const bool has_histories = overrides.purpose == Purpose::histories;
     if (has_histories || file.find("simulation")) {
-        model.simulation = read_simulation(file, overrides);
+        model.simulation = read_simulation(file, overrides, has_histories);
         model.output = read_output(file, model.simulation, overrides);
     }
     model.bodies = read_bodies(file, body_names);
@@ -251,7 +251,7 @@ Model parse_model(std::string_view text, const fs::path& file, const ElementCata
     const Parameters parameters(table ? &table->value : nullptr, overrides.parameters, diagnostics);
     model.parameters = parameters.all();
 
-    const ReadContext context{parameters, diagnostics, file.parent_path(), model.files};
+    const ReadContext context{parameters, diagnostics, file.parent_path(), model.files, overrides.instant};
     const TableReader root(context, *document, "", key_table("file"));
     read_contents(root, catalogue, overrides, model);
     diagnostics.throw_if_errors();

@@ -20,6 +20,7 @@ enum class Purpose { histories, modes, statics };
 /// What the command line changes in a model.
 struct ModelOverrides : SimulationOverrides {
     Purpose purpose = Purpose::histories;
+    double instant = 0;  ///< the first at which loads and motions count [s]
     ModesOverrides modes;
     std::optional<std::string> load_case;  ///< --case; none: loads act as the file has them
     Parameters::Overrides parameters;      ///< --set name=value; an empty value is an error

@@ -107,6 +107,10 @@ ModesSettings read_modes(const TableReader& file, const ModesOverrides& override
         settings.below = frequency_of(*overrides.below);
         settings.below_place = "--below";
     }
+    if (settings.about == About::equilibrium && !settings.directions.all())
+        file.error(file.find("dofs")->place,
+                   "dofs leaves directions out, about = \"equilibrium\" wants them all: leave dofs away, or write about = "
+                   "\"start\" in [modes] (--about start)");
     return settings;
 }
 

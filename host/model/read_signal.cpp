@@ -33,9 +33,10 @@ std::optional<Signal> read_expression(const ReadContext& context, const TomlValu
     if (context.parameters.rests_on_fault(text)) return std::nullopt;
     try {
         Expression expression(text, context.parameters.constants(), "t");
-        if (std::isfinite(expression.value(0))) return make_signal<ExpressionSignal>(std::move(expression));
+        if (std::isfinite(expression.value(context.instant))) return make_signal<ExpressionSignal>(std::move(expression));
         context.diagnostics.error(value.place,
-                                  fmt::format("{}: the value of {} is not finite at t = 0", what, quote(value.string)));
+                                  fmt::format("{}: the value of {} is not finite at t = {:g}{}", what, quote(value.string),
+                                              context.instant, context.instant == 0 ? "" : " s"));
     } catch (const Error& error) {
         context.diagnostics.error(value.place, fmt::format("{}: {}", what, error.what()));
     }

@@ -149,18 +149,19 @@ const std::string& scheme_name(ExplicitScheme scheme) {
     return names[static_cast<size_t>(scheme)];
 }
 
-SimulationSettings read_simulation(const TableReader& file, const SimulationOverrides& overrides) {
+SimulationSettings read_simulation(const TableReader& file, const SimulationOverrides& overrides, bool is_for_run) {
     const TomlMember* member = file.find("simulation");
     std::optional<TableReader> table;
     if (member) table.emplace(file.context(), member->value, "simulation", key_table("simulation"));
     const bool is_valid = table && table->is_valid();
     const SettingsReader reader(file, is_valid ? &*table : nullptr, key_table("simulation"));
-    if (!member && !overrides.duration)
-        file.error(file.place(), "missing table [simulation] with a duration (dttmm modes and dttmm frf want none)");
+    if (is_for_run && !member && !overrides.duration)
+        file.error(file.place(), "missing table [simulation] with a duration, which a run wants (or option --duration)");
 
     SimulationSettings settings;
     const auto step_setting = reader.find("step", overrides.step);
-    const auto duration_setting = reader.require("duration", overrides.duration);
+    const auto duration_setting =
+        is_for_run ? reader.require("duration", overrides.duration) : reader.find("duration", overrides.duration);
     const auto step = reader.read(step_setting, "step");
     const auto duration = reader.read(duration_setting, "duration");
     settings.tolerance = reader.read(reader.find("tolerance", overrides.tolerance), "tolerance");

@@ -26,8 +26,9 @@ inline constexpr double kDefaultTolerance = 0.01;
 const std::string& scheme_name(ExplicitScheme scheme);
 
 /// [simulation]: step 1e-9 s to 1 s, a duration that is a whole number of steps, at most 1e10, and a tolerance of 1e-9 to
-/// 0.5. Without a step the run is one to a tolerance, kDefaultTolerance unless given. Faults are reported.
-SimulationSettings read_simulation(const TableReader& file, const SimulationOverrides& overrides);
+/// 0.5. Without a step the run is one to a tolerance, kDefaultTolerance unless given. The duration may be missing where it
+/// is not for a run. Faults are reported.
+SimulationSettings read_simulation(const TableReader& file, const SimulationOverrides& overrides, bool is_for_run);
 
 /// [output]: its step is a whole number of time steps, where these are given, and divides the duration, so that the end is a
 /// row. Faults are reported.

@@ -21,6 +21,7 @@ struct ReadContext {
     Diagnostics& diagnostics;
     std::filesystem::path folder;               ///< of the model file
     std::vector<std::filesystem::path>& files;  ///< that the model names and that were read, in turn
+    double instant = 0;                         ///< the first at which loads and motions count [s]
 };
 
 /// The functions below report a fault and return nothing. `what` names the value in messages: `element "bolt3": stiffness`.

@@ -309,6 +309,7 @@ double DynamicStiffness::stiffest() const {
     double largest = 0;
     for (const Bond& bond : model_.bonds) largest = std::max(largest, bond.stiffness.diagonal().head<3>().maxCoeff());
     for (const LineModel& line : model_.lines) largest = std::max(largest, line.line.section.EA / piece_length(line));
+    if (largest == 0) return model_.stiffest_turning();  // what hangs or stands on joints alone
     return model_.total_mass > 0 ? largest / model_.total_mass : 0;
 }
 

@@ -536,7 +536,41 @@ void FrequencyModel::add_pin(const LineModel& line) {
 bool FrequencyModel::is_elastic() const {
     return !lines.empty() || std::ranges::any_of(bonds, [&](const Bond& bond) {
         return (mask * bond.stiffness * mask).diagonal().maxCoeff() > 0;
-    });
+    }) || stiffest_turning() > 0;
+}
+
+double FrequencyModel::stiffest_turning() const {
+    struct Turned {
+        double stiffness = 0, mass = 0, inertia = 0, arm = 0;
+    };
+    std::vector<Turned> turned(frames.size());
+    const auto add = [&](int frame, const Matrix6& K) {
+        if (frame >= 0) turned[as_size(frame)].stiffness += K.bottomRightCorner<3, 3>().norm();
+    };
+    const auto hang = [&](int frame, const Vector6& row) {
+        if (frame < 0 || row.head<3>().isZero(0)) return;
+        double& arm = turned[as_size(frame)].arm;
+        arm = std::max(arm, row.tail<3>().norm() / row.head<3>().norm());
+    };
+    for (const Lever& lever : levers) add(lever.frame, lever.stiffness);
+    for (const Mass& mass : masses) {
+        turned[as_size(mass.frame)].mass += mass.block.topLeftCorner<3, 3>().trace() / 3;
+        turned[as_size(mass.frame)].inertia += mass.block.bottomRightCorner<3, 3>().trace() / 3;
+    }
+    for (const Bond& bond : bonds) {
+        if (bond.turning) add(bond.from, bond.turning->at[0][0]);
+        if (bond.turning) add(bond.to, bond.turning->at[1][1]);
+        for (const Rigid& rigid : bond.rigid) {
+            hang(bond.from, rigid.by_from);
+            hang(bond.to, rigid.by_to);
+        }
+    }
+    double largest = 0;
+    for (const Turned& frame : turned) {
+        const double inertia = frame.inertia + frame.mass * frame.arm * frame.arm;
+        if (inertia > 0) largest = std::max(largest, frame.stiffness / inertia);
+    }
+    return largest;
 }
 
 double FrequencyModel::force_at_start(size_t element) const {

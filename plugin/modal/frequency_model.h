@@ -144,7 +144,11 @@ struct FrequencyModel {
     };
     std::vector<RestingLine> resting;  ///< of every element of a machine at rest
 
+    /// Something stores energy: an element, or forces at rest that turn with what they act on.
     bool is_elastic() const;
+    /// What forces at rest add to the stiffness of a frame against turning, over its inertia about the joints that it hangs
+    /// on: the largest of all frames [1/s²]. 0: none.
+    double stiffest_turning() const;
     /// Force of an element at the start whose stiffness is in the model [N], positive in tension; 0: none.
     double force_at_start(size_t element) const;
     /// Displacement at a point by the motion of a frame with that origin, world axes.

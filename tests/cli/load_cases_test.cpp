@@ -265,6 +265,24 @@ TEST(LoadCases, ACaseWithoutEquilibriumIsNamed) {
     EXPECT_THAT(ended.err, HasSubstr("case \"dead\": "));
 }
 
+// Oracle: the sag of the case that has an equilibrium; a mass that hangs on a damper alone has none under gravity.
+TEST(LoadCases, ACaseWithoutEquilibriumLeavesTheOthers) {
+    const TemporaryFolder folder;
+    std::string text = hanging("[[case]]\nname = \"dead\"\ngravity = 1\n[[case]]\nname = \"none\"\ngravity = 0\n");
+    text.replace(text.find("stiffness = 100"), 15, "damping = 100");
+    write_text(folder / "m.toml", text);
+    const Ended ended = run_dttmm(folder.path(), {"static", "m.toml", "-o", "out"});
+    EXPECT_EQ(ended.code, 9) << ended.err;
+    EXPECT_THAT(ended.err, HasSubstr("case \"dead\": "));
+    EXPECT_THAT(ended.err, HasSubstr("1 of 2 cases failed; the results of the others are kept"));
+    const nlohmann::json summary = read_json(folder / "out/summary.json");
+    EXPECT_EQ(summary["status"], "cases_failed");
+    EXPECT_EQ(summary["cases"]["dead"]["status"], "failed");
+    const auto rows = rows_of(folder / "out/static.csv");
+    ASSERT_EQ(rows.size(), 1u);
+    EXPECT_EQ(rows[0].at("case"), "none");
+}
+
 // ---- Members ------------------------------------------------------------------------------------------------------------
 
 std::string beam_under_load(const std::string& ends, const std::string& section) {

@@ -6,10 +6,13 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <functional>
 #include <map>
 #include <sstream>
+#include <thread>
 #include <tuple>
 
 #include "cli/modes_run.h"
@@ -426,7 +429,109 @@ TEST(Statics, LoadsCountAsTheyAreAtAnInstant) {
     EXPECT_EQ(rest.summary["warnings"][0]["code"], "load-varies");
 }
 
+// Oracle: an expression that grows without bound at t = 0 is finite at the instant asked for; without one it is refused.
+TEST(Statics, AnExpressionCountsAtItsInstant) {
+    const std::string text = bar(4, 0, 0) + "[[load]]\non = \"tip\"\ndirection = [1, 0, 0]\nforce = \"=30/t\"\n";
+    EXPECT_NEAR(rest_of(text, {"--at", "0.12 s"}).row["bar.force.x"], 250, 1e-6);
+    const TemporaryFolder folder;
+    write_text(folder / "m.toml", text);
+    const Ended ended = run_dttmm(folder.path(), {"static", "m.toml"});
+    EXPECT_EQ(ended.code, 3);
+    EXPECT_THAT(ended.err, HasSubstr("the value of \"=30/t\" is not finite at t = 0"));
+}
+
+/// A body on a hinge, its centre of mass `up` above it, without any element.
+std::string pendulum(double up) {
+    return fmt::format(R"(format = "dttmm/1"
+[simulation]
+gravity = [0, 0, -9.81]
+[[body]]
+name = "bob"
+mass = 2.3
+inertia = [0.02, 0.03, 0.04]
+position = [0, 0, {}]
+[[joint]]
+name = "pin"
+type = "hinge"
+between = ["ground", "bob"]
+anchor = [0, 0, 0]
+axis = [0, 1, 0]
+)",
+                       up);
+}
+
+std::vector<std::string> codes_of(const nlohmann::json& summary) {
+    std::vector<std::string> codes;
+    for (const nlohmann::json& warning : summary["warnings"]) codes.push_back(warning["code"]);
+    return codes;
+}
+
+// Oracle: a pendulum at rest above its pin does not stay there, below it does.
+TEST(Statics, AnUnstableEquilibriumIsSaid) {
+    const nlohmann::json above = rest_of(pendulum(0.7)).summary, below = rest_of(pendulum(-0.7)).summary;
+    EXPECT_EQ(above["growing_motions"], 1);
+    EXPECT_EQ(below["growing_motions"], 0);
+    EXPECT_THAT(codes_of(above), testing::Contains("unstable-equilibrium"));
+    EXPECT_THAT(codes_of(below), testing::Not(testing::Contains("unstable-equilibrium")));
+}
+
+// Oracle: the bar bends to M L/EI = 1.9 rad in all, the hinges between its segments take 0.5 rad each.
+TEST(Statics, WhatIsBentBeyondItsLawIsSaid) {
+    for (const int segments : {3, 5}) {
+        const nlohmann::json summary = rest_of(bar(segments, 0, 1.9)).summary;
+        EXPECT_EQ(std::ranges::count(codes_of(summary), "beyond-limit"), segments == 3 ? 1 : 0) << segments;
+        const TemporaryFolder folder;
+        write_text(folder / "m.toml", bar(segments, 0, 1.9));
+        const Ended modes = run_dttmm(folder.path(), {"modes", "m.toml", "-o", "out"});
+        EXPECT_EQ(modes.code, 0) << modes.err;
+        EXPECT_EQ(modes.err.find("does not hold") != std::string::npos, segments == 3) << modes.err;
+    }
+}
+
+// Oracle: the code of a command that was stopped; it ends before the equilibrium that takes it several seconds.
+TEST(Statics, ALongSearchCanBeStopped) {
+    std::string text =
+        "format = \"dttmm/1\"\n[simulation]\nduration = 1\nstart = \"equilibrium\"\ngravity = [0, 0, -9.81]\n";
+    constexpr int kLinks = 6000;
+    for (int i = 0; i < kLinks; ++i)
+        text += fmt::format(
+            "[[body]]\nname = \"b{0}\"\nmass = 0.1\ninertia = [1e-4, 2e-4, 2e-4]\nposition = [{1}, 0, 0]\n"
+            "[[joint]]\nname = \"j{0}\"\ntype = \"ball\"\nbetween = [\"{2}\", \"b{0}\"]\n"
+            "anchor = [{3}, 0, 0]\n",
+            i, 0.1 * i + 0.05, i == 0 ? "ground" : fmt::format("b{}", i - 1), 0.1 * i);
+    const TemporaryFolder folder;
+    write_text(folder / "m.toml", text);
+    for (const char* command : {"static", "modes", "run"}) {
+        Process process({command, "m.toml", "-o", "out"}, folder.path());
+        std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+        process.send(SIGINT);
+        const auto sent = std::chrono::steady_clock::now();
+        const Ended ended = process.wait();
+        EXPECT_EQ(ended.code, 130) << command << ": " << ended.err;
+        EXPECT_THAT(ended.err, HasSubstr("stopped by ")) << command;
+        EXPECT_LT(std::chrono::steady_clock::now() - sent, std::chrono::seconds(10)) << command;
+    }
+}
+
 // ---- Vibrations about it ------------------------------------------------------------------------------------------------
+
+// Oracle: omega^2 = m g l/(J + m l^2), and the same growth above the pin.
+TEST(ModesAtRest, APendulumWithoutElements) {
+    const double frequency = std::sqrt(2.3 * 9.81 * 0.7 / (0.03 + 2.3 * 0.49)) / (2 * M_PI);
+    for (const double sign : {1.0, -1.0}) {
+        const std::vector<double> found = frequencies_of(modes_of(pendulum(-0.7 * sign)));
+        ASSERT_EQ(found.size(), 1u);
+        EXPECT_NEAR(found[0], sign * frequency, 1e-9 * frequency);
+    }
+}
+
+TEST(ModesAtRest, AllDirectionsAreWanted) {
+    const TemporaryFolder folder;
+    write_text(folder / "m.toml", "dofs = [\"z\"]\n" + bar(3, 1, 0));
+    const Ended ended = run_dttmm(folder.path(), {"modes", "m.toml", "--about", "equilibrium"});
+    EXPECT_EQ(ended.code, 3);
+    EXPECT_THAT(ended.err, HasSubstr("m.toml:1:1: dofs leaves directions out, about = \"equilibrium\" wants them all"));
+}
 
 /// A rigid pendulum with its mass above its pin, on a spring: ω² = (k − m g l)/(J + m l²), of either sign.
 TEST(ModesAtRest, APendulumUpsideDown) {

@@ -24,11 +24,12 @@ double ratio(const ModalInstance::Damped& mode) { return std::abs(mode.s) > 0 ? 
 
 DampedModes find_damped_modes(ModalMachine& machine, double below, Warnings& warnings) {
     DampedModes damped{below, {}, 0};
+    machine.damp(below);
     damped.modes = machine.find_damped(below, damped.is_proved);
     if (damped.is_proved == 2)
-        warnings.note("damped-modes-pile-up",
-                      "beams with stiffness_damping have infinitely many motions that decay without vibration near "
-                      "exp(-t/stiffness_damping); those within 2 % of that rate are not listed");
+        warnings.note("damped-modes-left-out",
+                      "motions that decay without vibration are not listed within 2 % of exp(-t/stiffness_damping), where "
+                      "beams have infinitely many, and where a material with rows over frequency relaxes");
     if (damped.is_proved == 0)
         warnings.add("damped-not-proved",
                      "the damped modes are not proved to be all and right: Newton's method would still change some by more "

@@ -70,6 +70,8 @@ ExitCode find_response(const Request& request) {
     const auto respond = [&](double f) {
         return machine.respond(f, *input_place.first, input_place.second, *output_place.first, output_place.second);
     };
+    machine.damp(to);
+    note_damping(model, warnings);
     std::complex<double> H = respond(frequency_at(0));  // before the folder is touched: it may be refused
 
     const ResultsFolder folder(results_path(request, "-frf"));

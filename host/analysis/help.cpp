@@ -111,6 +111,7 @@ std::string describe_default(const dttmm_parameter& parameter) {
 /// What a parameter may be: unit, range, words.
 std::string describe_value(const dttmm_parameter& parameter) {
     std::string text;
+    if (parameter.flags & DTTMM_PARAMETER_TABLE) return fmt::format("file or rows: {}", parameter.unit);
     if (!(parameter.flags & DTTMM_PARAMETER_WORDS_ONLY)) {
         text = parameter.count == 1 ? unit_text(parameter.unit)
                                     : fmt::format("{} x {}", parameter.count, unit_text(parameter.unit));

@@ -89,6 +89,17 @@ std::vector<ModalMachine::Vector6> ModalMachine::along(uint32_t mode, uint32_t e
     return tell_place(model_, [&] { return instance_.along(mode, element, count, length); });
 }
 
+void ModalMachine::damp(double highest) {
+    // Of a mode at this many times ω, damping is 2 ζ/10 of what its stiffness is at ω, and that 1/100 of its inertia
+    constexpr double kModesAbove = 10;
+    const DampingSettings& damping = model_.damping;
+    if (highest == 0 || (damping.mass_rate == 0 && damping.ratios.empty())) return;
+    tell_place(model_, [&] {
+        instance_.set_damping(damping.mass_rate, damping.ratios, damping.is_of_all ? kModesAbove * highest : 0);
+        return 0;
+    });
+}
+
 std::vector<ModalInstance::Damped> ModalMachine::find_damped(double below, int32_t& is_proved) {
     return tell_place(model_, [&] { return instance_.find_damped(below, is_proved); });
 }

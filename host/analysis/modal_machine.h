@@ -36,6 +36,8 @@ public:
     std::vector<ModalInstance::Mode> find_modes();
     /// Displacement at a place [6, world].
     Vector6 motion(const ModalPlace& place, const ModalInstance::Mode& mode) const;
+    /// The damping that the model gives beside its elements, for what follows; highest: frequency asked for [Hz].
+    void damp(double highest);
     std::vector<ModalInstance::Damped> find_damped(double below, int32_t& is_proved);
     Complex6 motion(const ModalPlace& place, const ModalInstance::Damped& mode) const;
     std::vector<Vector6> strain_directions(uint32_t mode) { return instance_.strain_directions(mode); }

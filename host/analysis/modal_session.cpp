@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "analysis/law_limits.h"
+#include "analysis/material_fits.h"
 #include "analysis/stop_signals.h"
 #include "model/index.h"
 #include "model/read_simulation.h"
@@ -45,6 +46,20 @@ void note_laws(const Model& model, const ElementCatalogue& catalogue, Warnings& 
                     with_laws.size() > 1 ? fmt::format(" and {} more", with_laws.size() - 1) : ""));
 }
 
+/// Without damping, materials have the stiffness that their Maxwell series has at rest.
+void note_materials(const Model& model, const ElementCatalogue& catalogue, Warnings& warnings) {
+    std::vector<const Element*> with_rows;
+    for (const Element& element : model.elements)
+        if (has_rows(*catalogue.types[as_size(element.type)], element.values)) with_rows.push_back(&element);
+    if (with_rows.empty()) return;
+    warnings.note(
+        "stiffness-at-rest",
+        fmt::format("{}: element \"{}\"{}: natural frequencies without damping have the stiffness of its rows at rest; "
+                    "`modes --damped` and `response` have that of every frequency",
+                    with_rows[0]->place, with_rows[0]->name,
+                    with_rows.size() > 1 ? fmt::format(" and {} more", with_rows.size() - 1) : ""));
+}
+
 /// Springs that have a force at the start stiffen or soften what they act on. What bears that force has one too.
 void note_forces(const Model& model, const ModalMachine& machine, Warnings& warnings) {
     std::string first;
@@ -71,6 +86,7 @@ Model read(const Request& request, const Plugins& plugins, Warnings& warnings) {
     Model model = read_model(request.model, plugins.catalogue(), overrides);
     warnings.add(model.warnings);
     note_laws(model, plugins.catalogue(), warnings);
+    note_materials(model, plugins.catalogue(), warnings);
     return model;
 }
 
@@ -81,11 +97,14 @@ bool is_moved_at_start(const Node& node) {
     return std::ranges::any_of(node.motion, [](const auto& signal) { return signal && signal->value(0) != 0; });
 }
 
+/// A joint that a motor keeps where the file does not place it.
+bool is_driven_at_start(const Joint& joint) { return joint.drive && joint.drive->value(0) != 0; }
+
 /// Whether something pulls at the start: gravity, a load, or a support that has moved.
 bool is_loaded(const Model& model) {
     return model.modes.directions.all() &&
            (!model.simulation.gravity.isZero(0) || std::ranges::any_of(model.loads, acts_at_start) ||
-            std::ranges::any_of(model.nodes, is_moved_at_start));
+            std::ranges::any_of(model.nodes, is_moved_at_start) || std::ranges::any_of(model.joints, is_driven_at_start));
 }
 
 /// What the frequencies about an equilibrium are of, and which beams are not exact in them.
@@ -143,6 +162,15 @@ void note_rest(const Model& model, const ModalMachine& machine, Warnings& warnin
 
 /// Gravity and lasting loads change the frequencies of what they tension or press: an inverted pendulum on a spring may have
 /// 41 % less.
+void note_damping(const Model& model, Warnings& warnings) {
+    const DampingSettings& damping = model.damping;
+    if (!damping.ratios.empty() && !damping.is_of_all)
+        warnings.note("modal-damping",
+                      fmt::format("{}: modal damping acts on the first {} vibrations only; those above have that of the "
+                                  "elements",
+                                  damping.place, damping.ratios.size()));
+}
+
 void warn_preload(const Model& model, Warnings& warnings) {
     if (!model.simulation.gravity.isZero(0))
         warnings.note("gravity-not-in-modes",

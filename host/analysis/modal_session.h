@@ -14,6 +14,9 @@ namespace dttmm::host {
 /// Notes what of the model is not in its natural frequencies: gravity and lasting loads.
 void warn_preload(const Model& model, Warnings& warnings);
 
+/// What [damping] does not damp.
+void note_damping(const Model& model, Warnings& warnings);
+
 /// Its machine about the state that the model asks for; what that is, and what is not in the frequencies, goes to the
 /// warnings.
 ModalMachine make_machine(const Model& model, const Plugins& plugins, Warnings& warnings);

@@ -10,6 +10,7 @@
 
 #include "analysis/damped_modes.h"
 #include "analysis/determinant.h"
+#include "analysis/material_fits.h"
 #include "analysis/modal_session.h"
 #include "analysis/mode_energies.h"
 #include "analysis/stop_signals.h"
@@ -182,14 +183,16 @@ void print_modes(const Model& model, const ModalMachine& machine, const std::vec
 }
 
 /// Where they are asked for, up to a little beyond the last mode.
-std::optional<DampedModes> damped_of(const Request& request, const Model& model, ModalMachine& machine,
-                                     const std::vector<Mode>& modes, Warnings& warnings) {
+std::optional<DampedModes> damped_of(const Request& request, const Plugins& plugins, const Model& model,
+                                     ModalMachine& machine, const std::vector<Mode>& modes, Warnings& warnings) {
     if (!request.is_damped) return std::nullopt;
     constexpr double kBeyond = 1.02;
     const double last = modes.empty() ? 0 : kBeyond * modes.back().numbers.frequency;
     const double below = model.modes.below.value_or(last);
     if (!(below > 0))
         throw Error(ExitCode::usage, "--damped: up to which frequency? nothing vibrates among these modes; give --below");
+    note_damping(model, warnings);
+    report_fits(model, plugins, warnings);
     return find_damped_modes(machine, below, warnings);
 }
 
@@ -211,7 +214,7 @@ ExitCode find_modes(const Request& request) {
 
     std::string determinant;
     if (!request.determinant.empty()) determinant = determinant_table(machine, request.determinant);
-    const std::optional<DampedModes> damped = damped_of(request, model, machine, modes, warnings);
+    const std::optional<DampedModes> damped = damped_of(request, plugins, model, machine, modes, warnings);
 
     const ResultsFolder folder(results_path(request, "-modes"));
     Json json = describe(model, machine, modes, energies, warnings);

@@ -52,6 +52,8 @@ public:
           plan_(request, session_.model, excitation_, session_.machine, warnings) {
         chosen_.erase(chosen_.begin());  // the frequency
         with_forces_ = channels_.has_forces(chosen_);
+        session_.machine.damp(plan_.highest());
+        note_damping(session_.model, warnings);
     }
 
     ExitCode run();

@@ -118,6 +118,15 @@ OperatingPoint ResponseSweep::at(double at) const {
     return is_speed ? OperatingPoint{order * at / kWholeTurn, at, order} : OperatingPoint{at, std::nullopt, 0};
 }
 
+double ResponsePlan::highest() const {
+    double highest = random_to;
+    for (const ResponseSweep& sweep : sweeps) {
+        if (!sweep.x.empty()) highest = std::max(highest, sweep.at(sweep.x.back()).frequency);
+        if (!sweep.own.empty()) highest = std::max(highest, sweep.own.back());
+    }
+    return highest;
+}
+
 std::vector<double> natural_frequencies(ModalMachine& machine, double to, Warnings& warnings) {
     std::vector<double> natural;
     try {

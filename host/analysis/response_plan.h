@@ -27,6 +27,9 @@ struct ResponsePlan {
     double random_from = 0, random_to = 0;  ///< where random loads count [Hz]; equal: nowhere
     bool has_speeds = false;
 
+    /// The highest frequency [Hz].
+    double highest() const;
+
     /// Of the options and of what drives the machine, whose natural frequencies become points. Throws Error(usage) for
     /// options that do not go together, Error(model_invalid) for what the loads do not have.
     ResponsePlan(const Request& request, const Model& model, const Excitation& excitation, ModalMachine& machine,

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "analysis/advance.h"
+#include "analysis/material_fits.h"
 #include "analysis/run_warnings.h"
 #include "analysis/session.h"
 #include "analysis/stop_signals.h"
@@ -107,6 +108,7 @@ ExitCode conclude(const Request& request, Session& session, const Simulation& si
     const Halving* halving = session.halving ? &*session.halving : nullptr;
     recorder.finish();
     warn_of_run(session, simulation, recorder);
+    report_fits(session.model, session.plugins, session.warnings);
     session.warnings.print_rest("; summary.json has all of them");
     write_json(folder.file("summary.json"), [&](JsonWriter& out) {
         write_run(out, session.model, request, session.plugins, simulation, recorder, ending.outcome, halving,

@@ -123,6 +123,8 @@ Json value_of(const dttmm_parameter& parameter) {
     Json words = Json::array();
     for (uint32_t w = 0; w < parameter.word_count; ++w) words.push_back(parameter.words[w].name);
     if (parameter.flags & DTTMM_PARAMETER_WORDS_ONLY) return {{"enum", words}};
+    if (parameter.flags & DTTMM_PARAMETER_TABLE)
+        return any_of({{{"type", "string"}}, {{"type", "array"}, {"items", {{"type", "array"}}}, {"minItems", 2}}});
     const Json one = quantity(bounds_of(parameter));
     if (parameter.count == 1) return one;
     std::vector<Json> forms = {list_of(one, as_int(parameter.count))};

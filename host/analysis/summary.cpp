@@ -55,7 +55,9 @@ Json describe_element(const Model& model, const Element& element, const dttmm_el
         const size_t dot = name.find('.');
         Json& values = dot == name.npos ? out[name] : out[name.substr(0, dot)][name.substr(dot + 1)];
         values = Json::array();
-        for (uint32_t i = 0; i < parameter.count; ++i) values.push_back(value_json(*value++, parameter));
+        for (uint32_t i = 0; i < parameter.count; ++i, ++value)
+            if (!(parameter.flags & DTTMM_PARAMETER_TABLE) || std::isfinite(*value))
+                values.push_back(value_json(*value, parameter));
     }
     return out;
 }

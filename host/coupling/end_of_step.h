@@ -37,6 +37,8 @@ public:
     /// with the velocities half a step of size h back, as a leap-frog host wants them.
     std::vector<BodyState> start(double h, const std::vector<BodyState>& at, const BodyVectors& accelerations);
 
+    /// What motors ask for over the coming step, one per joint.
+    void drive(const std::vector<Drive>& drives) { equations_.joint_system().drive(drives); }
     /// Opens a step. `now`: poses at t_n, velocities over the step before. Networks and loads have begun the step.
     void begin_step(const dttmm_step& step, const std::vector<BodyState>& now, const Loads& loads);
 

@@ -102,6 +102,7 @@ const RestState& Equilibrium::find(double t0) {
     q_.setZero();
     kept_q_ = q_;
     loads_.start(t0);
+    joints_.drive(Drives(model_).at(t0));
     networks_.begin_statics();
     double done = 0, step = 1;
     while (done < 1) {
@@ -298,7 +299,7 @@ void Equilibrium::form(double factor) {
                                      resistance_ * (M(i, j) + (i == j && i >= 3 ? turning_mass(b) : 0)));
     }
     for (size_t i = 0; i < wrenches_.size(); ++i) right_hand_side_(as_row(i)) = wrenches_[i];
-    add_joints(entries);
+    add_joints(factor, entries);
     matrix_.resize(rows_, rows_);
     matrix_.setFromTriplets(entries.begin(), entries.end());
 }
@@ -339,13 +340,13 @@ void Equilibrium::add_load_stiffness(double factor, Triplets& entries) const {
 
 /// Equations and forces of all joints. What redundant joints share is settled by a small E, which multiplies the change of q
 /// only.
-void Equilibrium::add_joints(Triplets& entries) {
+void Equilibrium::add_joints(double factor, Triplets& entries) {
     constexpr double kProximal = 1e-10;
     for (size_t j = 0; j < joints_.joints().size(); ++j) {
         const JointEquations& joint = joints_.joints()[j];
         const int first = joint_row(j);
         const JointEquations::Jacobian J = joint.jacobian(state_.at);
-        const JointEquations::Values C = joint.residual(state_.at);
+        const JointEquations::Values C = joint.residual(state_.at, factor * joints_.drives()[j].end);
         double stiffest = 0;
         for (const auto side : JointEquations::kSides)
             if (const int body = joint.bodies()[side]; body >= 0)

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "coupling/drives.h"
 #include "coupling/loads.h"
 #include "coupling/networks.h"
 #include "model/model.h"
@@ -27,10 +28,10 @@ struct RestState {
 /// Finds where a machine rests under its weight and its loads as they are at t0: forces and moments balance on all bodies
 /// and inside all networks, joints are closed, stops push or are not reached,
 ///     W(x) + λ (weight + loads) − Jᵀ q = 0,     C(x) = 0,     λ = 1.
-/// Newton's iteration from the assembled machine with the whole derivative: what turns with joints and lever arms included.
-/// The full load is tried at once; where the iteration does not end, in steps of λ that are halved until it does. A small
-/// resistance s M against every correction keeps motions determined that nothing holds; it grows where a correction would go
-/// uphill, towards an equilibrium that does not last, or too far.
+/// Motors ask for λ times what they do at t0. Newton's iteration from the assembled machine with the whole derivative: what
+/// turns with joints and lever arms included. The full load is tried at once; where the iteration does not end, in steps of
+/// λ that are halved until it does. A small resistance s M against every correction keeps motions determined that nothing
+/// holds; it grows where a correction would go uphill, towards an equilibrium that does not last, or too far.
 class Equilibrium {
 public:
     Equilibrium(const Model& model, Networks& networks, Loads& loads);
@@ -68,7 +69,7 @@ private:
     void form(double factor);
     void add_loads(double factor, const std::vector<BodyState>& at, std::vector<double>& wrenches) const;
     void add_load_stiffness(double factor, Triplets& entries) const;
-    void add_joints(Triplets& entries);
+    void add_joints(double factor, Triplets& entries);
     void add_joint_stiffness(size_t joint, Triplets& entries);
     bool has_same_pattern() const;
     double lacking(double factor, double share);

@@ -16,27 +16,32 @@ namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-bool turns(const Joint& joint) { return joint.type != JointType::slider && joint.type != JointType::fixed; }
+bool turns_or_drives(const Joint& joint) {
+    return (joint.type != JointType::slider && joint.type != JointType::fixed) || joint.drive;
+}
 
 /// Refuses velocities at the start that open a joint.
 void refuse_opening_joints(const std::vector<Joint>& descriptions, const JointSystem& joints,
                            const std::vector<BodyState>& at) {
     constexpr double kTolerated = 1e-9;
+    constexpr double kDifference = 1e-6;  // of Drive::rate, over the speed in the first step
     double scale = 0;
     for (const BodyState& body : at) scale = std::max({scale, body.velocity.norm(), body.angular_velocity.norm()});
     for (size_t j = 0; j < joints.joints().size(); ++j)
-        if (const double speed = joints.opening_speed(j, at); speed > kTolerated * scale)
+        if (const double speed = joints.opening_speed(j, at);
+            speed > kTolerated * scale + kDifference * std::abs(joints.drives()[j].speed))
             throw ModelError(fmt::format(
                 "{}: joint \"{}\": the velocities of its bodies at the start would open it at {:.3g} m/s (or rad/s); "
-                "give both bodies velocities that the joint allows",
-                descriptions[j].place, descriptions[j].name, speed));
+                "give both bodies velocities that the joint allows{}",
+                descriptions[j].place, descriptions[j].name, speed,
+                descriptions[j].drive ? ", or let its motor begin at rest" : ""));
 }
 
 }  // namespace
 
 InstantSolver::InstantSolver(const Model& model)
     : inertias_(model.bodies.begin(), model.bodies.end()),
-      joints_turn_(std::ranges::any_of(model.joints, turns)),
+      joints_turn_(std::ranges::any_of(model.joints, turns_or_drives)),
       wrenches_(6 * model.bodies.size()),
       trial_wrenches_(wrenches_),
       matrix_(as_int(model.bodies.size()), {}, JointSystem(model.bodies, model.joints).nodes()),
@@ -58,6 +63,7 @@ const Instant& InstantSolver::start(const Model& model, const dttmm_step& step, 
     networks.linearise(at, wrenches_.data(), nullptr);
     loads.add_at_start(at, wrenches_.data());
     JointSystem joints(model.bodies, model.joints);
+    joints.drive(Drives(model).around(step));
     refuse_opening_joints(model.joints, joints, at);
     joints.linearise(at, at, std::vector<Stop>(model.joints.size()));
     factor(joints, step.time);

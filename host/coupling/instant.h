@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "coupling/drives.h"
 #include "coupling/loads.h"
 #include "coupling/networks.h"
 #include "coupling/step_equations.h"
@@ -61,7 +62,7 @@ private:
 
     std::vector<Inertia> inertias_;
     std::vector<Eigen::Matrix3d> inverse_moments_;  ///< of inertia, body axes
-    bool joints_turn_;                              ///< some leave a rotation free
+    bool joints_turn_;                              ///< some leave a rotation free, or have a motor
     double h_ = 0, start_time_ = 0;
     std::vector<BodyState> start_;  ///< as given
     Instant instant_;

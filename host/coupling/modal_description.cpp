@@ -35,8 +35,9 @@ std::vector<size_t> all_elements(const Model& model, const Plugins& plugins, boo
 }
 
 /// Directions that a joint does not give, in axes whose x is its axis and whose y is its second one.
-std::bitset<6> rigid_of(JointType type) {
-    switch (type) {
+std::bitset<6> rigid_of(const Joint& joint) {
+    if (joint.drive) return 0b111111;  // its motor holds what it leaves free
+    switch (joint.type) {
         case JointType::ball:
             return 0b000111;
         case JointType::hinge:
@@ -128,7 +129,7 @@ ModalDescription::ModalDescription(const Model& model, const Plugins& plugins, b
       directions_(static_cast<uint32_t>(model.modes.directions.to_ulong())),
       lumped_beams_(model.modes.are_beams_lumped) {
     for (const Joint& joint : model.joints) {
-        dttmm_constraint out{joint.first, joint.second, {}, {}, static_cast<uint32_t>(rigid_of(joint.type).to_ulong())};
+        dttmm_constraint out{joint.first, joint.second, {}, {}, static_cast<uint32_t>(rigid_of(joint).to_ulong())};
         Eigen::Map<Eigen::Vector3d>{out.position} = joint.anchor;
         Eigen::Map<RowMajor3>{out.axes} = axes_of(joint);
         constraints_.push_back(out);

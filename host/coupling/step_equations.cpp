@@ -117,7 +117,7 @@ void StepEquations::write_feedback(const std::vector<BodyState>& now, BodyVector
 }
 
 int StepEquations::stop_index(size_t joint) const {
-    return matrix_.joint_index(as_int(joint)) + joints_.joints()[joint].lasting();
+    return matrix_.joint_index(as_int(joint)) + joints_.joints()[joint].coordinate_row();
 }
 
 /// The impulse −q on the coordinate must have the sign of the stop's side.
@@ -167,10 +167,12 @@ bool StepEquations::has_impact(const std::vector<BodyState>& now, const std::vec
     return false;
 }
 
-double StepEquations::stop_work(const std::vector<BodyState>& now, const std::vector<BodyState>& end) const {
+/// Impulses at t_n times the mean of the speeds before and after: what they change of the kinetic energy.
+double StepEquations::coordinate_work(const std::vector<BodyState>& now, const std::vector<BodyState>& end,
+                                      bool (JointEquations::*counts)() const) const {
     double work = 0;
     for (size_t j = 0; j < joints_.joints().size(); ++j)
-        if (joints_.joints()[j].has_stops())
+        if ((joints_.joints()[j].*counts)())
             work -= impulses_(stop_index(j)) * 0.5 * (joints_.coordinate_speed(j, now) + joints_.coordinate_speed(j, end));
     return work;
 }

@@ -69,10 +69,18 @@ public:
     /// Whether a stop changes the speed of its coordinate over the step: it has not been at rest on it.
     bool has_impact(const std::vector<BodyState>& now, const std::vector<BodyState>& end) const;
     /// Work of the stops at t_n on the bodies [J], never positive but for round-off: a stop takes speed and gives none back.
-    double stop_work(const std::vector<BodyState>& now, const std::vector<BodyState>& end) const;
+    double stop_work(const std::vector<BodyState>& now, const std::vector<BodyState>& end) const {
+        return coordinate_work(now, end, &JointEquations::has_stops);
+    }
+    /// Work of the motors at t_n on the bodies [J].
+    double drive_work(const std::vector<BodyState>& now, const std::vector<BodyState>& end) const {
+        return coordinate_work(now, end, &JointEquations::is_driven);
+    }
 
 private:
-    int stop_index(size_t joint) const;  ///< of the equation of its stop
+    int stop_index(size_t joint) const;  ///< of the equation of its stop or motor
+    double coordinate_work(const std::vector<BodyState>& now, const std::vector<BodyState>& end,
+                           bool (JointEquations::*counts)() const) const;
     Eigen::Matrix<double, 6, 1> residual_of(size_t body, const BodyState& now, const std::vector<double>& wrenches) const;
 
     double h_ = 0;

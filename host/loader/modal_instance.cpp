@@ -191,6 +191,16 @@ bool ModalInstance::is_axial(uint32_t element) const {
     return table && table->is_axial && table->is_axial(modal_.get(), element) != 0;
 }
 
+void ModalInstance::set_damping(double mass_rate, const std::vector<double>& ratios, double below) {
+    const dttmm_response_table* table = plugin_.response();
+    if (!table || !table->set_damping)
+        throw Error(ExitCode::plugin_failure, fmt::format("plugin {} knows no damping of modes", plugin_.name()));
+    ask([&](dttmm_error* error) {
+        return table->set_damping(modal_.get(), mass_rate, static_cast<uint32_t>(ratios.size()), ratios.data(), below,
+                                  error);
+    });
+}
+
 std::vector<ModalInstance::Damped> ModalInstance::find_damped(double below, int32_t& is_proved) {
     const dttmm_response_table* table = plugin_.response();
     if (!table || !table->find_damped || !table->damped_mode)

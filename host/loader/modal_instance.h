@@ -50,6 +50,8 @@ public:
     };
     /// All whose |s| is at most 2π `below` [Hz]. is_proved: see dttmm_response.h. Throws Error(plugin_failure) if the plugin
     /// knows none.
+    /// See dttmm_response.h.
+    void set_damping(double mass_rate, const std::vector<double>& ratios, double below);
     std::vector<Damped> find_damped(double below, int32_t& is_proved);
     /// Shares of its strain energy by direction of the axes of every element; none: the plugin does not tell.
     std::vector<Vector6> strain_directions(uint32_t index);

@@ -66,7 +66,7 @@ bool is_well_declared(const dttmm_parameter& parameter) {
 
 /// Keys of the model file: no two alike, none that every element has, and "a.b" only where "a" is no number.
 void check_parameters(const std::string& plugin, const dttmm_element_type& type) {
-    std::set<std::string> names = {"name", "type", "from", "to", "at"}, tables;
+    std::set<std::string> names = {"name", "type", "from", "to", "at", "axes", "motion"}, tables;
     for (uint32_t p = 0; p < type.parameter_count; ++p) {
         const dttmm_parameter& parameter = type.parameters[p];
         if (!is_well_declared(parameter))
@@ -174,20 +174,36 @@ PluginLibrary PluginLibrary::load(const SharedLibrary& library) {
     }
 }
 
-bool PluginLibrary::add_law(const dttmm_law& law) const {
-    if (!laws_) return false;
+/// Calls one of its functions, which returns a status; what it says where it refuses, or `otherwise`; empty: all is well.
+template <class Call>
+std::string PluginLibrary::ask(const Call& call, const std::string& otherwise) const {
     const PluginCall at_work(name_);
     dttmm_error error{-1, {}};
     dttmm_status status = DTTMM_OK;
     try {
-        status = laws_->add_law(&law, LawLibrary::at_work(), &error);
+        status = call(&error);
     } catch (...) {
         fail(name_, describe_exception());
     }
     const std::string text(error.text, ::strnlen(error.text, sizeof error.text));
-    if (status != DTTMM_OK)
-        fail(LawLibrary::file_of(&law), text.empty() ? fmt::format("plugin {} does not take the law", name_) : text);
+    return status == DTTMM_OK ? "" : text.empty() ? otherwise : text;
+}
+
+bool PluginLibrary::add_law(const dttmm_law& law) const {
+    if (!laws_) return false;
+    const std::string fault = ask([&](dttmm_error* error) { return laws_->add_law(&law, LawLibrary::at_work(), error); },
+                                  fmt::format("plugin {} does not take the law", name_));
+    if (!fault.empty()) fail(LawLibrary::file_of(&law), fault);
     return true;
+}
+
+dttmm_fit PluginLibrary::fit(uint32_t type, const std::vector<double>& values, uint32_t direction) const {
+    dttmm_fit fit{};
+    if (!laws_ || !laws_->fit) return fit;
+    const std::string fault =
+        ask([&](dttmm_error* error) { return laws_->fit(type, values.data(), direction, &fit, error); }, "no fit is known");
+    if (!fault.empty()) fail(name_, fault);
+    return fit;
 }
 
 }  // namespace dttmm::host

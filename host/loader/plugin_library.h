@@ -39,8 +39,12 @@ public:
     const dttmm_support_table* supports() const { return supports_; }
     /// Gives its elements one more law; false: they take none. Throws Error(plugin_failure) with what it says of the law.
     bool add_law(const dttmm_law& law) const;
+    /// The Maxwell series of a direction of an element; no terms: it has none. Throws Error(plugin_failure).
+    dttmm_fit fit(uint32_t type, const std::vector<double>& values, uint32_t direction) const;
 
 private:
+    template <class Call>
+    std::string ask(const Call& call, const std::string& otherwise) const;
     PluginLibrary(std::string name, const dttmm_plugin* table, std::shared_ptr<void> handle);
     std::string name_;
     const dttmm_plugin* table_;

@@ -13,6 +13,7 @@ namespace {
 
 using Kind = Key::Kind;
 
+constexpr Bounds kRatio = {0, 1};                    // of damping
 constexpr Bounds kOnBody = {-kFarthest, kFarthest};  // coordinates in the body's axes [m]
 
 // Columns: name, kind, what it is, default, unit, count, bounds, words, table.
@@ -25,6 +26,15 @@ constexpr Key kFile[] = {
     {"simulation", Kind::table, "duration, step and method of a run", "", "", 0, {}, "", "simulation"},
     {"output", Kind::table, "which rows and channels a run records", "", "", 0, {}, "", "output"},
     {"modes", Kind::table, "which natural frequencies `dttmm modes` finds", "", "", 0, {}, "", "modes"},
+    {"damping",
+     Kind::table,
+     "damping beside that of elements, of `modes --damped`, `frf` and `response`",
+     "",
+     "",
+     0,
+     {},
+     "",
+     "damping"},
     {"dofs", Kind::directions, "of `dttmm modes` and `dttmm frf`: directions in which bodies and nodes move", "all"},
     {"nodes", Kind::named, "points inside networks, by name", "", "m", 3, {}, "", "node"},
     {"body", Kind::tables, "a rigid body", "", "", 0, {}, "", "body"},
@@ -95,6 +105,13 @@ constexpr Key kModes[] = {
      0,
      {},
      "start|equilibrium"},
+};
+
+constexpr Key kDamping[] = {
+    {"modal", Kind::numbers, "damping ratio of all modes, \"2 %\"; or a list, of the first vibrations by frequency", "0",
+     "1", 0, kRatio},
+    {"mass_rate", Kind::number, "proportional to mass: force on every mass per momentum, against the world", "0", "1/s", 1,
+     kNotNegative},
 };
 
 constexpr Key kRotationOf = {"rotation", Kind::table, "of its axes against those outside, about an axis", "none", "", 0, {},
@@ -177,6 +194,24 @@ constexpr Key kJoint[] = {
     {"axis", Kind::numbers, "of a hinge, slider or universal joint, world", "", "1", 3},
     {"axis2", Kind::numbers, "second axis of a universal joint, at right angles", "", "1", 3},
     {"limits", Kind::numbers, "stops [low, high] of a hinge's angle or a slider's travel", "none", "rad or m", 2},
+    {"angle",
+     Kind::signal,
+     "of a hinge: a motor keeps its angle over time, 0 at the start",
+     "free",
+     "rad",
+     0,
+     {},
+     "",
+     "signal"},
+    {"travel",
+     Kind::signal,
+     "of a slider: a motor keeps its travel over time, 0 at the start",
+     "free",
+     "m",
+     0,
+     {},
+     "",
+     "signal"},
 };
 
 constexpr Key kCase[] = {
@@ -244,6 +279,7 @@ constexpr Key kElement[] = {
      {},
      "from|to",
      "rotation"},
+    {"motion", Kind::table, "of an end on the ground: how a support moves it, world", "still", "", 0, {}, "", "node.motion"},
 };
 
 constexpr Key kElementAt[] = {
@@ -325,8 +361,10 @@ constexpr KeyTable kTables[] = {
     {"simulation", "[simulation]", "how a run goes", "spring_damper", kSimulation},
     {"output", "[output]", "what a run records", "joint", kOutput},
     {"modes", "[modes]", "natural frequencies", "beam", kModes},
+    {"damping", "[damping]", "damping beside that of elements, in vibration at one frequency", "beam", kDamping},
     {"node", "[nodes]", "a node, name = { ... }, or name = [x, y, z]", "point_mass", kNode},
-    {"node.motion", "motion = { }", "how a support moves a node, from its place at the start, world", "point_mass",
+    {"node.motion", "motion = { }",
+     "how a support moves a node or the ground end of an element, from its place at the start, world", "point_mass",
      kNodeMotion},
     {"body", "[[body]]", "a rigid body: a shape with density or mass, or mass and inertia", "spring_damper", kBody},
     {"inertia", "inertia = { }", "the tensor of inertia of a body", "joint", kInertia},

@@ -115,6 +115,8 @@ struct Joint {
     Eigen::Vector3d axis2 = Eigen::Vector3d::UnitY();  ///< of universal, on `second`, at right angles to `axis`
     std::optional<std::array<double, 2>> limits;       ///< stops of a hinge [rad] or slider [m], 0 at the start
     std::string place;                                 ///< "file:line:column", for errors found later
+    std::optional<Signal> drive = {};  ///< a motor: angle of a hinge [rad] or travel of a slider [m] over time
+    std::string drive_place = {};      ///< "file:line:column"
 };
 
 enum class Coupling { implicit, explicit_ };
@@ -153,6 +155,14 @@ struct ModesSettings {
     std::bitset<6> directions = 0x3f;  ///< x y z rx ry rz (world axes) in which nodes and bodies move
 };
 
+/// Damping beside that of the elements, in steady vibration and damped modes.
+struct DampingSettings {
+    std::vector<double> ratios;  ///< damping ratios of the first vibrations, or one
+    bool is_of_all = false;      ///< one number: of all vibrations
+    double mass_rate = 0;        ///< force on every mass per momentum, against the world [1/s]
+    std::string place;           ///< "file:line:column"; empty: there is none
+};
+
 /// Loads and motions of supports that act together.
 struct LoadCase {
     std::string name;
@@ -177,6 +187,7 @@ struct Model {
     SimulationSettings simulation;
     OutputSettings output;
     ModesSettings modes;
+    DampingSettings damping;
     std::vector<Body> bodies;
     std::vector<Node> nodes;
     std::vector<Joint> joints;

@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "model/index.h"
+#include "model/read_node.h"
 #include "model/read_rotation.h"
 #include "model/read_values.h"
 #include "model/wording.h"
@@ -133,8 +134,8 @@ std::optional<Ends> read_at(const TableReader& table, const Attachments& attachm
 class ElementsReader {
 public:
     ElementsReader(const ElementCatalogue& catalogue, const Attachments& attachments,
-                   const std::vector<const NameRegistry*>& others, NameRegistry& names)
-        : catalogue_(catalogue), attachments_(attachments), others_(others), names_(names) {}
+                   const std::vector<const NameRegistry*>& others, NameRegistry& names, std::vector<Node>& nodes)
+        : catalogue_(catalogue), attachments_(attachments), others_(others), names_(names), nodes_(nodes) {}
 
     void read(const ReadContext& context, const TomlValue& entry, std::size_t index) {
         const std::string label = entry_label("element", entry, index);
@@ -168,7 +169,31 @@ private:
         if (!reads_at(table, type)) element.axes = read_axes(table, *catalogue_.types[as_size(type)], *ends, attachments_);
         element.values = *values;
         warn(table, element);
+        move_ground_end(table, element);
         elements_.push_back(std::move(element));
+    }
+
+    /// `motion = { .. }`: the ground end becomes a fixed node with the same axes, which a support moves.
+    void move_ground_end(const TableReader& table, Element& element) {
+        const TomlMember* motion = table.find("motion");
+        if (!motion) return;
+        const auto ground = std::ranges::find_if(element.ends, &Attachment::is_ground);
+        if (ground == element.ends.end()) {
+            table.error(motion->place,
+                        "motion moves an end on the ground, and no end is \"ground\"; give a fixed node this motion");
+            return;
+        }
+        const bool is_from = ground == element.ends.begin();
+        const Attachment& other = element.ends[is_from ? 1 : 0];
+        Node node;
+        node.name = element.name + ".ground";
+        node.position = attachments_.position(other);
+        node.rotation = is_from && element.axes ? *element.axes : attachments_.axes(other);
+        node.fixed.set();
+        read_motion(table.context(), *motion, table.what("ground end"), node);
+        if (is_from) element.axes.reset();  // they are those of the node
+        *ground = {-1, -1, as_int(nodes_.size())};
+        nodes_.push_back(std::move(node));
     }
 
     /// An element of unknown type is judged by what it has.
@@ -199,6 +224,7 @@ private:
     const Attachments& attachments_;
     const std::vector<const NameRegistry*>& others_;
     NameRegistry& names_;
+    std::vector<Node>& nodes_;
     std::map<std::tuple<int, Ends, std::vector<std::uint64_t>>, std::string> seen_;
     std::vector<Element> elements_;
 };
@@ -207,8 +233,8 @@ private:
 
 std::vector<Element> read_elements(const TableReader& file, const ElementCatalogue& catalogue,
                                    const Attachments& attachments, const std::vector<const NameRegistry*>& others,
-                                   NameRegistry& names) {
-    ElementsReader reader(catalogue, attachments, others, names);
+                                   NameRegistry& names, std::vector<Node>& nodes) {
+    ElementsReader reader(catalogue, attachments, others, names, nodes);
     std::size_t index = 0;
     for (const TomlValue& entry : read_entries(file, "element")) reader.read(file.context(), entry, index++);
     return reader.take();

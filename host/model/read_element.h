@@ -10,9 +10,11 @@
 namespace dttmm::host {
 
 /// The [[element]] entries of the file, checked against what the plugins declare; their names go to `names` and must not
-/// be those of `others`. Elements with faults, which are reported, are left out.
+/// be those of `others`. Elements with faults, which are reported, are left out. A ground end that moves becomes a fixed
+/// node
+/// "<element>.ground", which is added to `nodes`, those of `attachments`.
 std::vector<Element> read_elements(const TableReader& file, const ElementCatalogue& catalogue,
                                    const Attachments& attachments, const std::vector<const NameRegistry*>& others,
-                                   NameRegistry& names);
+                                   NameRegistry& names, std::vector<Node>& nodes);
 
 }  // namespace dttmm::host

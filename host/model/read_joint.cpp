@@ -11,6 +11,7 @@
 #include "model/index.h"
 #include "model/read_position.h"
 #include "model/read_rotation.h"
+#include "model/read_signal.h"
 #include "model/wording.h"
 
 namespace dttmm::host {
@@ -181,6 +182,25 @@ bool read_limits(const TableReader& table, Joint& joint) {
     return true;
 }
 
+/// Whether the motor of the joint, if it has one, is right: `angle` of a hinge, `travel` of a slider.
+bool read_drive(const TableReader& table, Joint& joint) {
+    const bool is_hinge = joint.type == JointType::hinge;
+    if (!is_hinge) refuse(table, "angle", joint.type, "a hinge");
+    if (joint.type != JointType::slider) refuse(table, "travel", joint.type, "a slider");
+    if (!has_limits(joint.type)) return true;
+    const TomlMember* member = table.find(is_hinge ? "angle" : "travel");
+    if (!member) return true;
+    if (joint.limits) {
+        table.error(
+            member->place,
+            fmt::format("{} and limits exclude each other: a motor passes no stops; leave one of them out", member->key));
+        return false;
+    }
+    joint.drive = read_signal(table.context(), member->value, table.what(member->key), table.key(member->key).unit);
+    joint.drive_place = table.context().diagnostics.place_text(member->value.place);
+    return joint.drive.has_value();
+}
+
 class JointsReader {
 public:
     JointsReader(const Attachments& attachments, const std::vector<Body>& bodies,
@@ -204,9 +224,10 @@ public:
         }
         if (!type) return;
         joint.type = *type;
-        const bool has_axes = read_axes(table, joint), has_stops = read_limits(table, joint);
+        const bool has_axes = read_axes(table, joint), has_stops = read_limits(table, joint),
+                   has_drive = read_drive(table, joint);
         const auto anchor = ends ? read_anchor(table, attachments_, *ends, *type) : std::nullopt;
-        if (!anchor || !has_axes || !has_stops) return;
+        if (!anchor || !has_axes || !has_stops || !has_drive) return;
         joint.anchor = *anchor;
         warn_twin(table, joint);
         joints_.push_back(std::move(joint));

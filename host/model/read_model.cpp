@@ -120,7 +120,7 @@ void check_nodes(const TableReader& file, const Model& model) {
     for (const Element& element : model.elements)
         for (const Attachment& end : element.ends)
             if (end.node >= 0) is_used[as_size(end.node)] = true;
-    for (std::size_t i = 0; i < is_used.size(); ++i)
+    for (std::size_t i = 0; i < nodes->value.members.size(); ++i)  // behind them those of moving ground ends
         if (!is_used[i])
             file.error(nodes->value.members[i].place,
                        fmt::format("node {} is used nowhere: no element holds it", quote(model.nodes[i].name)));
@@ -202,11 +202,16 @@ void read_contents(const TableReader& file, const ElementCatalogue& catalogue, c
     model.nodes = read_nodes(file, {&body_names}, node_names);
     check_modes(file);
     model.modes = read_modes(file, overrides.modes);
+    model.damping = read_damping(file);
+    if (has_histories && !model.damping.place.empty())
+        file.error(file.find("damping")->place,
+                   "[damping] acts in modes --damped, frf and response only; a run wants damping of elements: of a spring "
+                   "that a mode of frequency f strains most, damping = zeta k/(pi f)");
     if (overrides.purpose != Purpose::modes) check_dofs(file);
     check_bodies(file, model);
     const Attachments attachments(model.bodies, model.nodes);
     // An element may be called like the node it stands at: forces are the one's, motions the other's
-    model.elements = read_elements(file, catalogue, attachments, {&body_names}, element_names);
+    model.elements = read_elements(file, catalogue, attachments, {&body_names}, element_names, model.nodes);
     model.loads = read_loads(file, {attachments, model.elements, element_names, catalogue});
     model.cases = read_cases(file, model);
     model.joints = read_joints(file, attachments, model.bodies, {&body_names, &node_names, &element_names});

@@ -72,6 +72,21 @@ std::bitset<6> read_directions(const TableReader& table, const std::string& key)
     return directions;
 }
 
+DampingSettings read_damping(const TableReader& file) {
+    DampingSettings settings;
+    const TomlMember* member = file.find("damping");
+    if (!member) return settings;
+    const TableReader table(file.context(), member->value, "damping", key_table("damping"));
+    settings.place = file.context().diagnostics.place_text(member->place);
+    if (!table.is_valid()) return settings;
+    if (const TomlMember* modal = table.find("modal")) {
+        settings.ratios = table.numbers("modal").value_or(std::vector<double>());
+        settings.is_of_all = !modal->value.is_array();
+    }
+    settings.mass_rate = table.number("mass_rate", 0).value_or(0);
+    return settings;
+}
+
 ModesSettings read_modes(const TableReader& file, const ModesOverrides& overrides) {
     ModesSettings settings;
     if (const TomlMember* dofs = file.find("dofs")) {

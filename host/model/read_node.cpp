@@ -25,27 +25,6 @@ void check_motion(const TableReader& table, const Node& node) {
     check("angular_velocity", node.angular_velocity, 3);
 }
 
-/// `motion = { z = "-5 mm" }`: of fixed directions only.
-void read_motion(const TableReader& node_table, const std::string& label, Node& node) {
-    const TomlMember* member = node_table.find("motion");
-    if (!member) return;
-    const TableReader table(node_table.context(), member->value, label + ": motion", key_table("node.motion"));
-    if (!table.is_valid()) return;
-    node.motion_place = node_table.context().diagnostics.place_text(member->value.place);
-    for (std::size_t d = 0; d < kDirections.size(); ++d) {
-        const TomlMember* signal = table.find(kDirections[d]);
-        if (!signal) continue;
-        if (!node.fixed[d])
-            table.error(signal->place, fmt::format("{} is not fixed: a support moves a node in fixed directions only; add "
-                                                   "\"{}\" to fixed, or leave its motion out",
-                                                   kDirections[d], kDirections[d]));
-        node.motion[d] =
-            read_signal(table.context(), signal->value, table.what(kDirections[d]), table.key(signal->key).unit);
-    }
-    if (member->value.members.empty())
-        table.error(member->value.place, "it moves no direction; write motion = { z = \"-5 mm\" }, or leave it out");
-}
-
 Node read_node(const ReadContext& context, const TomlMember& member, NameRegistry& names) {
     Node node;
     node.name = names.add(context, member.place, member.key);
@@ -66,11 +45,29 @@ Node read_node(const ReadContext& context, const TomlMember& member, NameRegistr
     node.velocity = table.vector("velocity", zero).value_or(zero);
     node.angular_velocity = table.vector("angular_velocity", zero).value_or(zero);
     check_motion(table, node);
-    read_motion(table, label, node);
+    if (const TomlMember* motion = table.find("motion")) read_motion(context, *motion, label, node);
     return node;
 }
 
 }  // namespace
+
+void read_motion(const ReadContext& context, const TomlMember& member, const std::string& label, Node& node) {
+    const TableReader table(context, member.value, label + ": motion", key_table("node.motion"));
+    if (!table.is_valid()) return;
+    node.motion_place = context.diagnostics.place_text(member.value.place);
+    for (std::size_t d = 0; d < kDirections.size(); ++d) {
+        const TomlMember* signal = table.find(kDirections[d]);
+        if (!signal) continue;
+        if (!node.fixed[d])
+            table.error(signal->place, fmt::format("{} is not fixed: a support moves a node in fixed directions only; add "
+                                                   "\"{}\" to fixed, or leave its motion out",
+                                                   kDirections[d], kDirections[d]));
+        node.motion[d] =
+            read_signal(table.context(), signal->value, table.what(kDirections[d]), table.key(signal->key).unit);
+    }
+    if (member.value.members.empty())
+        table.error(member.value.place, "it moves no direction; write motion = { z = \"-5 mm\" }, or leave it out");
+}
 
 std::vector<Node> read_nodes(const TableReader& file, const std::vector<const NameRegistry*>& others, NameRegistry& names) {
     std::vector<Node> nodes;

@@ -11,4 +11,8 @@ namespace dttmm::host {
 /// those of `others`. Faults are reported.
 std::vector<Node> read_nodes(const TableReader& file, const std::vector<const NameRegistry*>& others, NameRegistry& names);
 
+/// `motion = { z = "-5 mm" }` of a node, in its fixed directions only. label: what messages call the node. Faults are
+/// reported.
+void read_motion(const ReadContext& context, const TomlMember& member, const std::string& label, Node& node);
+
 }  // namespace dttmm::host

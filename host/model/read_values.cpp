@@ -5,10 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <span>
+#include <sstream>
 
+#include "model/element_catalogue.h"
+#include "model/error.h"
 #include "model/index.h"
+#include "model/table_file.h"
 #include "model/wording.h"
 
 namespace dttmm::host {
@@ -65,8 +70,83 @@ bool check_whole(const TableReader& table, const TomlMember& member, const std::
     return false;
 }
 
+/// "frequency [Hz]; stiffness [N/m]; angle [rad]" of a parameter with rows.
+std::vector<TableColumn> columns_of(const dttmm_parameter& parameter) {
+    std::vector<TableColumn> columns;
+    std::istringstream fields(parameter.unit);
+    for (std::string field; std::getline(fields, field, ';');) {
+        const std::size_t begin = field.find_first_not_of(' '), bracket = field.find(" [");
+        const std::string word = field.substr(begin, bracket - begin);
+        columns.push_back(
+            {word, word == "frequency" ? "frequencies" : word, field.substr(bracket + 2, field.size() - bracket - 3)});
+    }
+    return columns;
+}
+
+/// The rows of a file, or [[..], [..]]. Nothing where one has a fault, which is reported.
+std::optional<std::vector<std::vector<double>>> read_rows(const TableReader& table, const TomlMember& member,
+                                                          const std::vector<TableColumn>& columns) {
+    const TomlValue& value = member.value;
+    const ReadContext& context = table.context();
+    if (value.is_text()) {
+        try {
+            auto rows = read_columns_file(context.folder, value.string, columns);
+            context.files.push_back(context.folder / value.string);
+            return rows;
+        } catch (const Error& error) {
+            table.error(value.place, error.what());
+            return std::nullopt;
+        }
+    }
+    std::vector<std::vector<double>> rows;
+    bool is_whole = value.is_array() && !value.items.empty();
+    for (const TomlValue& item : value.items) {
+        is_whole = is_whole && item.is_array() && item.items.size() == columns.size();
+        if (!is_whole) break;
+        std::vector<double>& row = rows.emplace_back();
+        for (std::size_t c = 0; c < columns.size(); ++c) {
+            const auto number = read_numbers(context, item.items[c], table.what(member.key), columns[c].unit, 1);
+            if (!number) return std::nullopt;
+            row.push_back(number->front());
+        }
+    }
+    if (is_whole) return rows;
+    std::string words;
+    for (const TableColumn& column : columns) words += (words.empty() ? "" : ", ") + column.word;
+    table.error(value.place, fmt::format("{} must be the name of a file, or rows [[{}], ..]", member.key, words));
+    return std::nullopt;
+}
+
+/// Rows one after the other, in their ranges, then nothing for those that there might be.
+std::optional<std::vector<double>> read_table(const TableReader& table, const TomlMember& member,
+                                              const dttmm_parameter& parameter) {
+    const std::vector<TableColumn> columns = columns_of(parameter);
+    const auto rows = read_rows(table, member, columns);
+    if (!rows) return std::nullopt;
+    const auto fail = [&](const std::string& fault) {
+        table.error(member.value.place, fmt::format("{}: {}", member.key, fault));
+        return std::nullopt;
+    };
+    const std::size_t most = parameter.count / columns.size();
+    if (rows->size() > most) return fail(fmt::format("{} rows: at most {} are taken", rows->size(), most));
+    if (rows->size() < 2) return fail("one row: two or more are needed, between which it is interpolated");
+    std::vector<double> numbers;
+    for (const std::vector<double>& row : *rows) {
+        if (!numbers.empty() && row[0] <= numbers[numbers.size() - columns.size()])
+            return fail(fmt::format("the {} must increase from row to row", columns[0].plural));
+        for (std::size_t c = 0; c < columns.size(); ++c)
+            if (const std::string bound = broken_bound(row[c], bounds_of(parameter), columns[c].unit); !bound.empty())
+                return fail(
+                    fmt::format("{} must be {}, got {} {}", columns[c].word, bound, number_text(row[c]), columns[c].unit));
+        numbers.insert(numbers.end(), row.begin(), row.end());
+    }
+    numbers.resize(parameter.count, std::numeric_limits<double>::quiet_NaN());
+    return numbers;
+}
+
 std::optional<std::vector<double>> read_value(const TableReader& table, const TomlMember& member,
                                               const dttmm_parameter& parameter) {
+    if (parameter.flags & DTTMM_PARAMETER_TABLE) return read_table(table, member, parameter);
     const bool is_word = parameter.word_count > 0 && member.value.is_text() && !is_numeric(member.value.string);
     if (is_word || parameter.flags & DTTMM_PARAMETER_WORDS_ONLY) {
         const auto word = read_word(table, member, parameter);

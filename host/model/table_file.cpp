@@ -68,110 +68,137 @@ std::optional<double> parse_plain_number(std::string_view text) {
     return is_number ? std::optional(number) : std::nullopt;
 }
 
-struct Row {
-    double time, value;
-};
+std::vector<std::string_view> fields_of(std::string_view line) {
+    std::vector<std::string_view> fields;
+    while (true) {
+        const std::size_t comma = std::min(line.find(','), line.size());
+        fields.push_back(trimmed(line.substr(0, comma)));
+        if (comma == line.size()) return fields;
+        line.remove_prefix(comma + 1);
+    }
+}
 
-std::optional<Row> parse_row(std::string_view line) {
-    const std::size_t comma = line.find(',');
-    if (comma == line.npos) return std::nullopt;
-    const auto time = parse_plain_number(line.substr(0, comma));
-    const auto value = parse_plain_number(line.substr(comma + 1));
-    return time && value ? std::optional(Row{*time, *value}) : std::nullopt;
+/// `count` numbers; nothing if the line is none of these.
+std::optional<std::vector<double>> parse_row(std::string_view line, std::size_t count) {
+    const std::vector<std::string_view> fields = fields_of(line);
+    if (fields.size() != count) return std::nullopt;
+    std::vector<double> row;
+    for (const std::string_view field : fields) {
+        const auto number = parse_plain_number(field);
+        if (!number) return std::nullopt;
+        row.push_back(*number);
+    }
+    return row;
 }
 
 /// Whether a field of the line begins like a number: it is no heading and no unit then, but a row with a fault.
 bool holds_number(std::string_view line) {
-    while (true) {
-        const std::size_t comma = std::min(line.find(','), line.size());
-        const std::string_view field = trimmed(line.substr(0, comma));
+    return std::ranges::any_of(fields_of(line), [](std::string_view field) {
         double number = 0;
         const std::size_t sign = field.starts_with('+') ? 1 : 0;
         const auto result = std::from_chars(field.data() + sign, field.data() + field.size(), number);
         // "info" begins like inf: of words only a whole one is a number
         const bool is_word = !std::isfinite(number) && result.ptr != field.data() + field.size();
-        if (result.ec != std::errc::invalid_argument && !is_word) return true;
-        if (comma == line.size()) return false;
-        line.remove_prefix(comma + 1);
-    }
+        return result.ec != std::errc::invalid_argument && !is_word;
+    });
 }
 
-/// What a line of units makes of a time of one and a value of one [s, `unit`]; nothing if it is none.
-std::optional<Row> parse_units(std::string_view line, std::string_view unit) {
-    const std::size_t comma = line.find(',');
-    if (comma == line.npos) return std::nullopt;
-    const auto in_si = [](std::string_view text, std::string_view wanted) {
-        return parse_quantity("1 " + std::string(trimmed(text)), wanted);
-    };
-    const std::string_view time = trimmed(line.substr(0, comma)), value = trimmed(line.substr(comma + 1));
-    if (time.empty() || value.empty() || !measures(time, "s") || !measures(value, unit)) return std::nullopt;
-    return Row{in_si(time, "s"), in_si(value, unit)};
+/// What a line of units makes of a one in each column [SI]; nothing if it is none.
+std::optional<std::vector<double>> parse_units(std::string_view line, const std::vector<TableColumn>& columns) {
+    const std::vector<std::string_view> fields = fields_of(line);
+    if (fields.size() != columns.size()) return std::nullopt;
+    std::vector<double> scale;
+    for (std::size_t c = 0; c < fields.size(); ++c) {
+        if (fields[c].empty() || !measures(fields[c], columns[c].unit)) return std::nullopt;
+        scale.push_back(parse_quantity("1 " + std::string(fields[c]), columns[c].unit));
+    }
+    return scale;
 }
 
 /// "ms,kN" of a heading such as "t [ms],F [kN]" or "time (ms),force (kN)"; empty if it has no bracket.
 std::string units_in_heading(std::string_view line) {
     std::string units;
     bool has_any = false;
-    for (bool is_last = false; !is_last;) {
-        const std::size_t comma = std::min(line.find(','), line.size());
-        is_last = comma == line.size();
-        const std::string_view field = trimmed(line.substr(0, comma));
+    for (const std::string_view field : fields_of(line)) {
         const std::size_t begin = field.find_first_of("[("), end = field.find_last_of("])");
-        if (begin != field.npos && end != field.npos && begin < end) {
-            units += trimmed(field.substr(begin + 1, end - begin - 1));
-            has_any = true;
-        }
-        if (!is_last) {
-            units += ',';
-            line.remove_prefix(comma + 1);
-        }
+        if (!units.empty() || field.data() != fields_of(line).front().data()) units += ',';
+        if (begin == field.npos || end == field.npos || begin >= end) continue;
+        units += trimmed(field.substr(begin + 1, end - begin - 1));
+        has_any = true;
     }
     return has_any ? units : "";
 }
 
+/// "time and value", "s and N", "s,N" of columns.
+std::string listed(const std::vector<TableColumn>& columns, std::string TableColumn::*part, bool with_and) {
+    std::string text;
+    for (std::size_t c = 0; c < columns.size(); ++c)
+        text += (c == 0 ? "" : !with_and ? "," : c + 1 < columns.size() ? ", " : " and ") + columns[c].*part;
+    return text;
+}
+
+std::string example_heading(const std::vector<TableColumn>& columns) {
+    std::string text;
+    for (const TableColumn& column : columns)
+        text += fmt::format("{}{} [{}]", text.empty() ? "" : ",", column.word.substr(0, 1), column.unit);
+    return text;
+}
+
 }  // namespace
 
-TimeTable read_table_file(const fs::path& folder, const std::string& name, std::string_view unit) {
+std::vector<std::vector<double>> read_columns_file(const fs::path& folder, const std::string& name,
+                                                   const std::vector<TableColumn>& columns) {
     std::ifstream stream(resolve(folder, name), std::ios::binary);
     if (!stream) fail(name, "cannot be read");
-    TimeTable table;
-    Row scale = {1, 1};
+    const std::string words = listed(columns, &TableColumn::word, true),
+                      units_and = listed(columns, &TableColumn::unit, true),
+                      units = listed(columns, &TableColumn::unit, false);
+    std::vector<std::vector<double>> rows;
+    std::vector<double> scale(columns.size(), 1);
     std::string line;
     bool may_be_heading = true, may_be_units = true;
     for (int number = 1; std::getline(stream, line); ++number) {
         const std::string_view content = trimmed(line);
         if (content.empty() || content.starts_with('#')) continue;
-        const auto row = parse_row(content);
+        auto row = parse_row(content, columns.size());
         if (!row && may_be_units && !holds_number(content)) {
             const std::string bracketed = may_be_heading ? units_in_heading(content) : "";
-            const auto units = parse_units(bracketed.empty() ? content : bracketed, unit);
-            if (!bracketed.empty() && !units)
-                fail(name, fmt::format("line {}: the units in brackets are not both of s and {}, e.g. \"t [ms],y [{}]\"",
-                                       number, unit, unit));
-            if (units) {
-                scale = *units;
+            const auto given = parse_units(bracketed.empty() ? content : bracketed, columns);
+            if (!bracketed.empty() && !given)
+                fail(name, fmt::format("line {}: the units in brackets are not {} of {}, e.g. \"{}\"", number,
+                                       columns.size() == 2 ? "both" : "all", units_and, example_heading(columns)));
+            if (given) {
+                scale = *given;
                 may_be_units = false;
             } else if (!may_be_heading) {
-                fail(name,
-                     fmt::format("line {}: expected numbers, or the units of time and value in s and {}, e.g. \"s,{}\"",
-                                 number, unit, unit));
+                fail(name, fmt::format("line {}: expected numbers, or the units of {} in {}, e.g. \"{}\"", number, words,
+                                       units_and, units));
             }
             may_be_heading = false;
             continue;
         }
         if (!row)
-            fail(name, fmt::format("line {}: expected two finite numbers, time and value, and a comma; a heading holds no "
-                                   "number",
-                                   number));
+            fail(name, fmt::format("line {}: expected {} finite numbers, {}, and a comma{}; a heading holds no number",
+                                   number, columns.size() == 2 ? "two" : std::to_string(columns.size()), words,
+                                   columns.size() == 2 ? "" : " between them"));
         may_be_heading = may_be_units = false;
-        const double time = row->time * scale.time;
-        if (!table.times.empty() && time <= table.times.back())
-            fail(name, fmt::format("line {}: the times must increase from row to row", number));
-        table.times.push_back(time);
-        table.values.push_back(row->value * scale.value);
+        for (std::size_t c = 0; c < columns.size(); ++c) (*row)[c] *= scale[c];
+        if (!rows.empty() && row->front() <= rows.back().front())
+            fail(name, fmt::format("line {}: the {} must increase from row to row", number, columns[0].plural));
+        rows.push_back(std::move(*row));
     }
     if (stream.bad()) fail(name, "cannot be read to its end");
-    if (table.times.empty()) fail(name, "has no rows of time and value");
+    if (rows.empty()) fail(name, fmt::format("has no rows of {}", words));
+    return rows;
+}
+
+TimeTable read_table_file(const fs::path& folder, const std::string& name, std::string_view unit) {
+    TimeTable table;
+    for (const std::vector<double>& row :
+         read_columns_file(folder, name, {{"time", "times", "s"}, {"value", "values", std::string(unit)}})) {
+        table.times.push_back(row[0]);
+        table.values.push_back(row[1]);
+    }
     return table;
 }
 

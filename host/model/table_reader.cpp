@@ -25,15 +25,6 @@ std::string written(const TomlValue& value, double number, std::string_view unit
     return text.substr(1, text.size() - 2);
 }
 
-/// The bound that `number` breaks; empty if it breaks none.
-std::string broken_bound(double number, const Bounds& bounds, std::string_view unit) {
-    if (number > bounds.maximum) return "≤ " + with_unit(bounds.maximum, unit);
-    if (number < bounds.minimum && bounds.minimum == std::numeric_limits<double>::min()) return "> " + with_unit(0, unit);
-    if (number < bounds.minimum || (bounds.excludes_minimum && number == bounds.minimum))
-        return (bounds.excludes_minimum ? "> " : "≥ ") + with_unit(bounds.minimum, unit);
-    return {};
-}
-
 /// The SI value of a number, quantity or expression; throws Error with the fault.
 std::optional<double> evaluate(const ReadContext& context, const TomlValue& value, std::string_view unit) {
     if (value.is_number()) return value.number;
@@ -44,6 +35,14 @@ std::optional<double> evaluate(const ReadContext& context, const TomlValue& valu
 }
 
 }  // namespace
+
+std::string broken_bound(double number, const Bounds& bounds, std::string_view unit) {
+    if (number > bounds.maximum) return "≤ " + with_unit(bounds.maximum, unit);
+    if (number < bounds.minimum && bounds.minimum == std::numeric_limits<double>::min()) return "> " + with_unit(0, unit);
+    if (number < bounds.minimum || (bounds.excludes_minimum && number == bounds.minimum))
+        return (bounds.excludes_minimum ? "> " : "≥ ") + with_unit(bounds.minimum, unit);
+    return {};
+}
 
 std::optional<double> read_number(const ReadContext& context, const TomlValue& value, const std::string& what,
                                   std::string_view unit, const Bounds& bounds) {

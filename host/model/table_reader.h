@@ -24,6 +24,9 @@ struct ReadContext {
     double instant = 0;                         ///< the first at which loads and motions count [s]
 };
 
+/// The bound that `number` breaks, "more than 0 N/m"; empty if it breaks none.
+std::string broken_bound(double number, const Bounds& bounds, std::string_view unit);
+
 /// The functions below report a fault and return nothing. `what` names the value in messages: `element "bolt3": stiffness`.
 
 /// A number (SI), a quantity or an expression over the parameters, in the SI unit `unit`.

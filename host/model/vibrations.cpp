@@ -50,6 +50,8 @@ void check_vibrations(Model& model) {
     for (const Node& node : model.nodes)
         for (const auto& signal : node.motion)
             if (signal) check(*signal, node.motion_place, fmt::format("node \"{}\": motion", node.name), model);
+    for (const Joint& joint : model.joints)
+        if (joint.drive) check(*joint.drive, joint.drive_place, fmt::format("joint \"{}\"", joint.name), model);
 }
 
 void set_vibrations_aside(Model& model) {
@@ -63,6 +65,13 @@ void set_vibrations_aside(Model& model) {
             if (node.motion[d] && vibrates(*node.motion[d])) {
                 node.vibrations[d] = std::exchange(*node.motion[d], Signal());
             }
+    for (Joint& joint : model.joints) {
+        if (!joint.drive || !vibrates(*joint.drive)) continue;
+        joint.drive = Signal();
+        model.warnings.push_back(
+            {"driven-joint-held", fmt::format("{}: joint \"{}\": a motor vibrates in a run only; here it holds the joint",
+                                              joint.drive_place, joint.name)});
+    }
 }
 
 }  // namespace dttmm::host

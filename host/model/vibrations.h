@@ -10,7 +10,7 @@ namespace dttmm::host {
 void check_vibrations(Model& model);
 
 /// Takes harmonic and random loads and motions out of what acts for good: `Load::vibration` and `Node::vibrations` keep
-/// them, and the signals they were become zero, their mean.
+/// them, and the signals they were become zero, their mean. Joints that vibrate by a motor are held, which is warned of.
 void set_vibrations_aside(Model& model);
 
 }  // namespace dttmm::host

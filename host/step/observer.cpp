@@ -142,7 +142,9 @@ void Observer::advance(const Loads& loads, const StepEquations& step, const std:
     const double stop_loss = -step.stop_work(before, after);
     ledger_.stop_loss += 0.5 * (ledger_.stop_loss_now + stop_loss);
     ledger_.stop_loss_now = stop_loss;
-    ledger_.load_work += ledger_.last_work;
+    const double drive_work = step.drive_work(before, after);
+    ledger_.load_work += ledger_.last_work + 0.5 * (ledger_.drive_work_now + drive_work);
+    ledger_.drive_work_now = drive_work;
     ledger_.last_work = loads.work_over_step(before, after, h);
 }
 

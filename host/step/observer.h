@@ -54,9 +54,10 @@ private:
     struct Ledger {
         double load_work = 0, last_work = 0;  ///< up to t_n, and over the step from there [J]
         double stop_loss = 0,
-               stop_loss_now = 0;  ///< what the joints' stops have taken up to, and take around, the last instant
-        double initial = 0;        ///< kinetic + strain − work of the first row [J]
-        bool opened = false;       ///< the first row has been written
+               stop_loss_now = 0;   ///< what the joints' stops have taken up to, and take around, the last instant
+        double drive_work_now = 0;  ///< of motors around the last instant
+        double initial = 0;         ///< kinetic + strain − work of the first row [J]
+        bool opened = false;        ///< the first row has been written
     };
 
     /// [J]

@@ -33,6 +33,7 @@ Simulation::Simulation(const Model& model, const Plugins& plugins)
       world_(model.bodies, model.joints),
       networks_(model, plugins),
       loads_(model, networks_.load_weights()),
+      drives_(model),
       end_of_step_(model, networks_),
       instant_(model),
       now_(read_states(world_, model.bodies.size())),
@@ -71,11 +72,44 @@ void Simulation::refuse_jumps_of_supports() const {
                                 d < 3 ? "m" : "rad"));
 }
 
+/// A motor begins where the file places the bodies of its joint, or at rest with a machine in equilibrium.
+void Simulation::refuse_jumps_of_motors() {
+    constexpr double kNone = 1e-12;       // m and rad: rounding of an expression
+    constexpr double kDifference = 1e-6;  // of Drive::rate, over the speed in the first step
+    constexpr double kRoundOff = 1e-11;   // of the same difference: 1024 times some eps of the place, over the step
+    if (drives_.empty()) return;
+    const std::vector<Drive>& drives = drives_.around({0, 0.0, step_size_});
+    for (size_t j = 0; j < drives.size(); ++j) {
+        const Joint& joint = model_.joints[j];
+        if (!joint.drive) continue;
+        const bool turns = joint.type == JointType::hinge;
+        const double start = joint.drive->value(0);
+        const auto refuse = [&](const std::string& fault) {
+            throw Error(ExitCode::model_invalid, fmt::format("{}: joint \"{}\": its {} {}", joint.drive_place, joint.name,
+                                                             turns ? "angle" : "travel", fault));
+        };
+        if (!model_.simulation.starts_at_rest && !(std::abs(start) <= kNone))
+            refuse(
+                fmt::format("is {:.6g} {} at t = 0 s, but the run starts with the joint where the file places its bodies: "
+                            "let it begin with 0, or write start = \"equilibrium\" in [simulation]",
+                            start, turns ? "rad" : "m"));
+        const double slow = kDifference * std::abs(drives[j].speed) + kRoundOff * std::abs(start) / step_size_;
+        if (model_.simulation.starts_at_rest && std::abs(drives[j].rate) > slow)
+            refuse(
+                fmt::format("moves at {:.6g} {} at t = 0 s, but start = \"equilibrium\" begins at rest: let it begin at "
+                            "rest, as a signal of type \"step\" does",
+                            drives[j].rate, turns ? "rad/s" : "m/s"));
+    }
+}
+
 /// Initial conditions: now_ as the model has it, or at rest.
 const Instant& Simulation::start() {
     const dttmm_step first{0, 0.0, step_size_};
-    if (!model_.simulation.starts_at_rest) refuse_jumps_of_supports();
-    if (!model_.simulation.starts_at_rest) return instant_.start(model_, first, now_, networks_, loads_);
+    refuse_jumps_of_motors();
+    if (!model_.simulation.starts_at_rest) {
+        refuse_jumps_of_supports();
+        return instant_.start(model_, first, now_, networks_, loads_);
+    }
     rest_ = Equilibrium(model_, networks_, loads_).find(first.time);
     now_ = rest_->at;
     return instant_.start_at_rest(first, now_, networks_, loads_);
@@ -88,6 +122,10 @@ uint64_t Simulation::step_count() const {
 void Simulation::begin_step() {
     const dttmm_step step{index_, time(), step_size_};
     loads_.begin_step(step);
+    if (!drives_.empty()) {
+        end_of_step_.drive(drives_.around(step));
+        world_.drive(drives_.around(step));
+    }
     networks_.begin_step(step, loads_.on_networks().data());
     end_of_step_.begin_step(step, now_, loads_);
 }

@@ -82,6 +82,7 @@ public:
 private:
     const Instant& start();
     void refuse_jumps_of_supports() const;
+    void refuse_jumps_of_motors();
     void begin_step();
     void move_bodies();
     void observe();
@@ -94,6 +95,7 @@ private:
     World world_;
     Networks networks_;
     Loads loads_;
+    Drives drives_;
     EndOfStep end_of_step_;
     InstantSolver instant_;
     std::vector<BodyState> now_, after_;  ///< at the start and at the end of the step

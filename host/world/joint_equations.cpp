@@ -33,6 +33,7 @@ JointEquations::JointEquations(const Joint& joint, const std::vector<Body>& bodi
       has_coordinate_(joint.type == JointType::hinge || joint.type == JointType::slider),
       turns_(joint.type == JointType::hinge),
       has_stops_(has_coordinate_ && joint.limits),
+      is_driven_(has_coordinate_ && joint.drive),
       stops_(joint.limits.value_or(std::array{0.0, 0.0})) {
     const Eigen::Matrix3d to_first = start_rotation(joint.first, bodies).transpose();
     const Eigen::Matrix3d to_second = start_rotation(joint.second, bodies).transpose();
@@ -82,7 +83,7 @@ Eigen::Vector3d JointEquations::direction(const AnchorEquation& equation, const 
     return equation.on_first ? Eigen::Vector3d(first.rotation * equation.d) : equation.d;
 }
 
-JointEquations::Values JointEquations::residual(const std::vector<BodyState>& at) const {
+JointEquations::Values JointEquations::residual(const std::vector<BodyState>& at, double driven_to) const {
     const BodyState &first = state(kFirst, at), &second = state(kSecond, at);
     const Eigen::Vector3d gap =
         second.position + second.rotation * arm_second_ - first.position - first.rotation * arm_first_;
@@ -90,6 +91,7 @@ JointEquations::Values JointEquations::residual(const std::vector<BodyState>& at
     int row = 0;
     for (const AnchorEquation& equation : anchors_) C(row++) = direction(equation, first).dot(gap);
     for (const AngleEquation& equation : angles_) C(row++) = (first.rotation * equation.u).dot(second.rotation * equation.w);
+    if (is_driven_) C(row) = turns_ ? std::remainder(coordinate(at) - driven_to, 2 * M_PI) : coordinate(at) - driven_to;
     return C;
 }
 
@@ -112,7 +114,7 @@ JointEquations::Jacobian JointEquations::jacobian(const std::vector<BodyState>& 
         J[kFirst].row(row) << 0, 0, 0, n.transpose();
         J[kSecond].row(row++) << 0, 0, 0, -n.transpose();
     }
-    if (has_stops_) {
+    if (has_stops_ || is_driven_) {
         const Eigen::Vector3d a = first.rotation * axis_;
         if (turns_) {
             J[kFirst].row(row) << 0, 0, 0, -a.transpose();
@@ -134,16 +136,18 @@ JointEquations::Values JointEquations::curvature(const std::vector<BodyState>& a
     const Eigen::Vector3d gap_rate = second.velocity + w2.cross(r2) - first.velocity - w1.cross(r1);
     const Eigen::Vector3d gap_curvature = w2.cross(w2.cross(r2)) - w1.cross(w1.cross(r1));
     Values rate(lasting());
+    const auto along = [&](const Eigen::Vector3d& d, bool on_first) {
+        return d.dot(gap_curvature) + (on_first ? 2 * w1.cross(d).dot(gap_rate) + w1.cross(w1.cross(d)).dot(gap) : 0);
+    };
     int row = 0;
-    for (const AnchorEquation& equation : anchors_) {
-        const Eigen::Vector3d d = direction(equation, first);
-        rate(row) = d.dot(gap_curvature);
-        if (equation.on_first) rate(row) += 2 * w1.cross(d).dot(gap_rate) + w1.cross(w1.cross(d)).dot(gap);
-        ++row;
-    }
+    for (const AnchorEquation& equation : anchors_) rate(row++) = along(direction(equation, first), equation.on_first);
     for (const AngleEquation& equation : angles_) {
         const Eigen::Vector3d u = first.rotation * equation.u, w = second.rotation * equation.w;
         rate(row++) = w1.cross(w1.cross(u)).dot(w) + 2 * w1.cross(u).dot(w2.cross(w)) + u.dot(w2.cross(w2.cross(w)));
+    }
+    if (is_driven_) {
+        const Eigen::Vector3d a = first.rotation * axis_;
+        rate(row) = turns_ ? w1.cross(a).dot(w2 - w1) : along(a, true);
     }
     return rate;
 }

@@ -20,7 +20,8 @@ namespace dttmm::host {
 ///
 /// ball: 3 anchors. hinge: 3 anchors, 2 angles. universal: 3 anchors, 1 angle. slider: 2 anchors, 3 angles. fixed: 3 and 3.
 /// A hinge and a slider have a coordinate, 0 at the start: the angle [rad, −π..π] of the second body about the axis, or its
-/// travel along it [m], seen from the first. With stops, one equation more holds the coordinate while a stop acts.
+/// travel along it [m], seen from the first. A motor makes it one equation more, coordinate = what the motor asks for. With
+/// stops, one equation more holds the coordinate while a stop acts.
 /// Velocities and wrenches are [of the centre of mass; angular] and [force; moment about it], world axes.
 class JointEquations {
 public:
@@ -38,13 +39,18 @@ public:
     /// Equations, that of the stops, the last, included.
     int count() const { return lasting() + (has_stops_ ? 1 : 0); }
     /// Equations that always hold.
-    int lasting() const { return as_int(anchors_.size() + angles_.size()); }
+    int lasting() const { return as_int(anchors_.size() + angles_.size()) + (is_driven_ ? 1 : 0); }
+    /// A motor keeps the coordinate; then there are no stops.
+    bool is_driven() const { return is_driven_; }
+    /// The equation of the coordinate: of the motor, or of the stops.
+    int coordinate_row() const { return lasting() - (is_driven_ ? 1 : 0); }
     bool has_stops() const { return has_stops_; }
     const std::array<double, 2>& stops() const { return stops_; }  ///< lower and upper [rad, m]
 
-    /// C [m, rad] of the lasting equations.
-    Values residual(const std::vector<BodyState>& at) const;
-    /// ∂Ċ/∂(velocities), the last row that of the coordinate where there are stops; zero for the ground.
+    /// C [m, rad] of the lasting equations. driven_to: the coordinate that the motor asks for; angles differ by half a turn
+    /// at most.
+    Values residual(const std::vector<BodyState>& at, double driven_to) const;
+    /// ∂Ċ/∂(velocities), the last row that of the coordinate where there are stops or a motor; zero for the ground.
     Jacobian jacobian(const std::vector<BodyState>& at) const;
     /// C̈ of the lasting equations while both bodies keep their velocities.
     Values curvature(const std::vector<BodyState>& at) const;
@@ -74,7 +80,7 @@ private:
     std::vector<AnchorEquation> anchors_;
     std::vector<AngleEquation> angles_;
     Eigen::Vector3d arm_first_, arm_second_;  ///< from the centres of mass to the anchor, body axes [m]
-    bool has_coordinate_, turns_, has_stops_;
+    bool has_coordinate_, turns_, has_stops_, is_driven_;
     std::array<double, 2> stops_;
     Eigen::Vector3d axis_, zero_, quarter_;  ///< on the first body: the axis, where angle 0 points, a quarter turn on
     Eigen::Vector3d pointer_;                ///< on the second body: what shows the angle

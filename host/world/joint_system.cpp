@@ -30,6 +30,7 @@ JointSystem::JointSystem(const std::vector<Body>& bodies, const std::vector<Join
     jacobians_.resize(joints.size());
     matrix_jacobians_.resize(joints.size());
     stops_.resize(joints.size());
+    drives_.resize(joints.size());
 }
 
 std::vector<BlockMatrix::JointNode> JointSystem::nodes() const {
@@ -89,7 +90,7 @@ void JointSystem::write(const std::vector<JointEquations::Jacobian>& jacobians, 
 }
 
 double JointSystem::coordinate_speed(size_t joint, const std::vector<BodyState>& end) const {
-    return rates(joints_[joint], jacobians_[joint], end)(joints_[joint].lasting());
+    return rates(joints_[joint], jacobians_[joint], end)(joints_[joint].coordinate_row());
 }
 
 void JointSystem::write_openings(const BlockMatrix& matrix, const std::vector<BodyState>& end, double h,
@@ -97,7 +98,7 @@ void JointSystem::write_openings(const BlockMatrix& matrix, const std::vector<Bo
     for (size_t j = 0; j < joints_.size(); ++j) {
         const JointEquations& joint = joints_[j];
         const int start = matrix.joint_index(as_int(j));
-        rows.segment(start, joint.lasting()) = joint.residual(end) / -h;
+        rows.segment(start, joint.lasting()) = joint.residual(end, drives_[j].end) / -h;
         if (joint.has_stops()) rows(start + joint.lasting()) = stops_[j].speed - coordinate_speed(j, end);
         for (int row = 0; row < joint.count(); ++row)
             if (is_idle(j, row)) rows(start + row) = 0;
@@ -117,6 +118,7 @@ void JointSystem::write_curvatures(const BlockMatrix& matrix, const std::vector<
         const JointEquations& joint = joints_[j];
         const int start = matrix.joint_index(as_int(j));
         rows.segment(start, joint.lasting()) = -joint.curvature(at);
+        if (joint.is_driven()) rows(start + joint.coordinate_row()) += drives_[j].acceleration;
         if (joint.has_stops()) rows(start + joint.lasting()) = 0;
         for (int row = 0; row < joint.lasting(); ++row)
             if (is_idle(j, row)) rows(start + row) = 0;
@@ -138,7 +140,9 @@ Eigen::Matrix<double, 6, 1> JointSystem::impulse(size_t joint, JointEquations::S
 
 double JointSystem::opening_speed(size_t joint, const std::vector<BodyState>& at) const {
     const JointEquations& equations = joints_[joint];
-    return rates(equations, equations.jacobian(at), at).head(equations.lasting()).cwiseAbs().maxCoeff();
+    JointEquations::Values opening = rates(equations, equations.jacobian(at), at).head(equations.lasting());
+    if (equations.is_driven()) opening(equations.coordinate_row()) -= drives_[joint].rate;
+    return opening.cwiseAbs().maxCoeff();
 }
 
 }  // namespace dttmm::host

@@ -23,6 +23,14 @@ struct Stop {
     bool is_foreseen = false;  ///< reached within the step: ODE does not see it yet
 };
 
+/// What a motor asks of the coordinate of its joint [rad, m] around a step from t_n to t_{n+1}.
+struct Drive {
+    double end = 0;           ///< at t_{n+1}
+    double speed = 0;         ///< mean over the step
+    double rate = 0;          ///< speed at t_n
+    double acceleration = 0;  ///< at t_n
+};
+
 /// Equations of joints that do not hold over a step, a bit each, one number per joint; empty: all hold.
 using LetGo = std::vector<unsigned>;
 
@@ -50,6 +58,9 @@ public:
     bool empty() const { return joints_.empty(); }
     const std::vector<JointEquations>& joints() const { return joints_; }
     bool has_stops() const { return std::ranges::any_of(joints_, &JointEquations::has_stops); }
+    /// What motors ask for from now on, one per joint; all zero before.
+    void drive(const std::vector<Drive>& drives) { drives_ = drives; }
+    const std::vector<Drive>& drives() const { return drives_; }
     /// As last linearised, one per joint.
     const std::vector<Stop>& stops() const { return stops_; }
     /// From the centre of mass of a body to the farthest of its anchors [m]; 0 without joints.
@@ -66,7 +77,8 @@ public:
     /// The same with J at t_n.
     void write_start_to(BlockMatrix& matrix) const { write(jacobians_, matrix); }
 
-    /// Rate at which a joint's coordinate moves with the velocities of `end` [rad/s, m/s]; of a joint whose stop acts.
+    /// Rate at which a joint's coordinate moves with the velocities of `end` [rad/s, m/s]; of one that a stop or a motor
+    /// keeps.
     double coordinate_speed(size_t joint, const std::vector<BodyState>& end) const;
 
     /// Writes −C(end)/h [m/s, rad/s], and speed − J u for stops, into the joints' rows of a right-hand side. `end`: poses at
@@ -75,7 +87,7 @@ public:
     /// Writes J (u' − u) for velocities u' of `wanted` and u of `end`.
     void write_speeds(const BlockMatrix& matrix, const std::vector<BodyState>& end, const std::vector<BodyState>& wanted,
                       Eigen::VectorXd& rows) const;
-    /// Writes −C̈ of bodies that keep their velocities: the right-hand side for accelerations.
+    /// Writes −C̈ of bodies that keep their velocities, motors included: the right-hand side for accelerations.
     void write_curvatures(const BlockMatrix& matrix, const std::vector<BodyState>& at, Eigen::VectorXd& rows) const;
     /// Adds −Jᵀ q to the bodies' rows; q: the joints' rows of `multipliers`.
     void add_impulses(const BlockMatrix& matrix, const Eigen::VectorXd& multipliers, Eigen::VectorXd& rows) const;
@@ -93,6 +105,7 @@ private:
     std::vector<JointEquations> joints_;
     std::vector<JointEquations::Jacobian> jacobians_, matrix_jacobians_;
     std::vector<Stop> stops_;
+    std::vector<Drive> drives_;
     LetGo let_go_;
 };
 

@@ -154,7 +154,8 @@ void World::create_joint(const Joint& joint, double cfm) {
             dJointSetFixed(id);
             break;
     }
-    JointHandle handle{id, false, joint.type == JointType::hinge, 0, 0};
+    JointHandle handle{id, false, joint.type == JointType::hinge, joint.drive.has_value(), 0, 0};
+    if (joint.drive) (handle.turns ? dJointSetHingeParam : dJointSetSliderParam)(id, dParamFMax, dInfinity);
     if (joint.limits && (joint.type == JointType::hinge || joint.type == JointType::slider)) {
         handle.has_stops = true;
         handle.lower = (*joint.limits)[0];
@@ -213,6 +214,13 @@ void World::apply(const std::vector<Eigen::Matrix<double, 6, 1>>& wrenches) {
         dBodySetForce(id, w(0), w(1), w(2));
         dBodySetTorque(id, w(3), w(4), w(5));
     }
+}
+
+void World::drive(const std::vector<Drive>& drives) {
+    for (size_t j = 0; j < joints_.size(); ++j)
+        if (joints_[j].is_driven)
+            (joints_[j].turns ? dJointSetHingeParam : dJointSetSliderParam)(static_cast<dJointID>(joints_[j].id), dParamVel,
+                                                                            drives[j].speed);
 }
 
 void World::find_stops(double h, std::vector<Stop>& stops) const {

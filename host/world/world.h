@@ -41,6 +41,9 @@ public:
     /// kLargestWrench.
     void apply(const std::vector<Eigen::Matrix<double, 6, 1>>& wrenches);
 
+    /// What motors do over the next steps, one per joint in the model's order. Speeds must be finite.
+    void drive(const std::vector<Drive>& drives);
+
     /// One step of size h [s]. predicted: the bodies at its end, by which joints are closed; not looked at without joints.
     /// Where equations of joints are let go, all joints are left to JointClosure. Throws Error(resource_limit) if ODE ran
     /// out of memory, Error(numerical_failure) if it complained or a joint does not close.
@@ -81,7 +84,7 @@ private:
     /// A joint of ODE's. The stops of a hinge or slider are its own, in ODE's coordinate.
     struct JointHandle {
         void* id;
-        bool has_stops, turns;
+        bool has_stops, turns, is_driven;
         double lower, upper;  ///< [rad, m]
     };
     std::vector<JointHandle> joints_;

@@ -3,6 +3,7 @@
 // The C interface of the built-in plugin: every function forwards to a Machine or a ModalAnalysis and turns exceptions into
 // a status and a text.
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <new>
 #include <string_view>
@@ -17,7 +18,9 @@
 #include "dttmm_static.h"
 #include "dttmm_support.h"
 #include "element/registry.h"
+#include "element/single_joint.h"
 #include "law/registry.h"
+#include "law/viscoelastic.h"
 #include "modal/modal_analysis.h"
 #include "time/machine.h"
 
@@ -195,6 +198,11 @@ dttmm_status damped_mode(dttmm_modal* modal, uint32_t index, dttmm_damped_mode* 
     return guard(error, [&] { modal->analysis.damped_mode(index, mode, bodies, nodes); });
 }
 
+dttmm_status set_damping(dttmm_modal* modal, double mass_rate, uint32_t count, const double* ratios, double below,
+                         dttmm_error* error) {
+    return guard(error, [&] { modal->analysis.set_damping(mass_rate, {ratios, count}, below); });
+}
+
 dttmm_status strain_directions(dttmm_modal* modal, uint32_t index, double* shares, dttmm_error* error) {
     return guard(error, [&] { modal->analysis.strain_directions(index, shares); });
 }
@@ -297,6 +305,20 @@ dttmm_status add_law(const dttmm_law* law, const dttmm_law* volatile* at_work, d
     });
 }
 
+dttmm_status fit(uint32_t type, const double* values, uint32_t direction, dttmm_fit* fit, dttmm_error* error) {
+    return guard(error, [&] {
+        if (fit == nullptr || direction > 5) throw Error(DTTMM_ERROR_ARGUMENT, "a direction is one of six");
+        *fit = {};
+        const auto element = dttmm::plugin::make_element(type, values);
+        const auto* joint = dynamic_cast<const dttmm::plugin::SingleJoint*>(element.get());
+        const auto law =
+            joint ? std::dynamic_pointer_cast<const dttmm::plugin::Viscoelastic>(joint->law().laws[direction]) : nullptr;
+        if (!law) return;
+        const auto misfit = law->misfit();
+        *fit = {static_cast<uint32_t>(law->series().terms.size()), misfit.share, misfit.omega / (2 * M_PI)};
+    });
+}
+
 const void* extension(const char* name) {
     static constexpr dttmm_modal_table kModal = {sizeof(dttmm_modal_table),
                                                  create_modal,
@@ -309,10 +331,10 @@ const void* extension(const char* name) {
                                                  bent_at_rest,
                                                  count_growing,
                                                  strain_directions};
-    static constexpr dttmm_response_table kResponse = {sizeof(dttmm_response_table), respond, is_axial, find_damped,
-                                                       damped_mode};
+    static constexpr dttmm_response_table kResponse = {
+        sizeof(dttmm_response_table), respond, is_axial, find_damped, damped_mode, set_damping};
     static constexpr dttmm_state_table kState = {sizeof(dttmm_state_table), state_size, save_state, restore_state};
-    static constexpr dttmm_laws_table kLaws = {sizeof(dttmm_laws_table), add_law};
+    static constexpr dttmm_laws_table kLaws = {sizeof(dttmm_laws_table), add_law, fit};
     static constexpr dttmm_static_table kStatic = {sizeof(dttmm_static_table),
                                                    begin_static,
                                                    keep_static,

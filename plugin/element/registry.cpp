@@ -13,6 +13,7 @@
 #include "element/point_mass.h"
 #include "element/rigid_body.h"
 #include "element/rod.h"
+#include "element/rubber_mount.h"
 #include "element/spring_damper.h"
 #include "law/registry.h"
 
@@ -61,7 +62,8 @@ constexpr Entry kEntries[] = {
     entry<RigidBody>,     //
     entry<Beam>,          //
     entry<Rod>,           //
-    entry<AxialSpring>,
+    entry<AxialSpring>,   //
+    entry<RubberMount>,
 };
 
 /// A number in its range, what a word stands for, or nothing where nothing may be given.

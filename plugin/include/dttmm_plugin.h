@@ -69,10 +69,13 @@ typedef struct dttmm_error {
 /* ---- Element types, declared as data: the host checks the model file against them and converts the units ---- */
 
 enum {
-    DTTMM_PARAMETER_REQUIRED = 1u,  /* the model must give it; otherwise default_value stands for every number */
-    DTTMM_PARAMETER_SPREADS = 2u,   /* a single number in the model stands for all `count` numbers */
-    DTTMM_PARAMETER_INTEGER = 4u,   /* whole numbers only */
-    DTTMM_PARAMETER_WORDS_ONLY = 8u /* one of `words`, never a number */
+    DTTMM_PARAMETER_REQUIRED = 1u,   /* the model must give it; otherwise default_value stands for every number */
+    DTTMM_PARAMETER_SPREADS = 2u,    /* a single number in the model stands for all `count` numbers */
+    DTTMM_PARAMETER_INTEGER = 4u,    /* whole numbers only */
+    DTTMM_PARAMETER_WORDS_ONLY = 8u, /* one of `words`, never a number */
+    /* Rows of numbers, the first column ascending, from a file or the model: one row after the other, two at least, then not
+     * a number up to `count`. `unit` names the columns: "frequency [Hz]; force [N]". */
+    DTTMM_PARAMETER_TABLE = 16u
 };
 
 /* A text that stands for a number: "free" for 0, "rigid" for infinity. The only way to a value that is not finite. */

@@ -56,10 +56,18 @@ typedef struct dttmm_response_table {
 
     /* NULL: not known. All modes with damping whose |s| is at most 2 pi `below` [Hz], by |s|: their number. *is_proved:
      * 1 where all are there, counted by a complete set of eigenvalues, and solve the equations; 2 where all are there but
-     * those within 2 % of -1/stiffness_damping of a beam or rod, of which there are infinitely many; else 0. */
+     * those within 2 % of -1/stiffness_damping of a beam or rod, of which there are infinitely many, and those without
+     * vibration in which a material relaxes; else 0. */
     dttmm_status (*find_damped)(dttmm_modal* modal, double below, uint32_t* found, int32_t* is_proved, dttmm_error* error);
     /* One of them, and its shape: 12 numbers per body, at its centre of mass, and per node. Pointers may be NULL. */
     dttmm_status (*damped_mode)(dttmm_modal* modal, uint32_t index, dttmm_damped_mode* mode, double* bodies, double* nodes,
+                                dttmm_error* error);
+
+    /* NULL: not known. Damping beside that of the elements, from now on. mass_rate: force on every mass per momentum, the
+     * world at rest [1/s]. ratios: damping ratios of the first `count` vibrations by frequency, rigid-body modes left out;
+     * or, where `below` [Hz] is not 0, one number for all vibrations up to there. Refused, by respond, of supports that
+     * move. */
+    dttmm_status (*set_damping)(dttmm_modal* modal, double mass_rate, uint32_t count, const double* ratios, double below,
                                 dttmm_error* error);
 } dttmm_response_table;
 

@@ -24,8 +24,8 @@ struct LawOnPath {
 };
 
 /// The force of one direction of a joint by its deformation [m, rad], zero undeformed: elastic, or with a memory of its
-/// past. Immutable and pure: everything that works with a law gets it from this one function. A path of no length changes
-/// neither force nor memory.
+/// past. Immutable and pure: everything that works with a law gets it from this one function. A path of no length and no
+/// time changes neither force nor memory.
 class Law {
 public:
     virtual ~Law() = default;

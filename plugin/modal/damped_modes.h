@@ -27,15 +27,20 @@ public:
         bool is_proved, has_left_out;
     };
 
-    /// Cuts the lines. below: largest |s| [rad/s]. Throws Error(DTTMM_ERROR_MODEL) for too many unknowns,
-    /// Error(DTTMM_ERROR_NUMERIC) where the eigenvalues do not converge.
-    DampedModes(DynamicStiffness& D, HarmonicSolver& solver, double below);
+    /// Pieces of lines whose own frequencies lie so far above the bound. Measured on the examples with beams: candidates are
+    /// up to 1.7 % from the exact mode with 2, 0.6 % with 4, 0.13 % with 8, for half as many unknowns more each time.
+    static constexpr double kFiner = 2;
+
+    /// D is cut for kFiner times the bound or finer, and as damping of modes wants it. below: largest |s| [rad/s]. Throws
+    /// Error(DTTMM_ERROR_MODEL) for too many unknowns, Error(DTTMM_ERROR_NUMERIC) where the eigenvalues do not converge.
+    DampedModes(const DynamicStiffness& D, HarmonicSolver& solver, double below);
 
     const std::vector<DampedMode>& modes() const { return modes_; }
     /// Whether Newton's method left every mode distinct and near where the count had it.
     bool is_proved() const { return is_proved_; }
-    /// Whether modes are left out that lie within 2 % of −1/η, η the stiffness damping of a line: there are infinitely many.
-    bool has_left_out() const { return piles_up_; }
+    /// Whether modes are left out: those within 2 % of −1/η, η the stiffness damping of a line, of which there are
+    /// infinitely many; and those without vibration that lose most of their energy in Maxwell series.
+    bool has_left_out() const { return has_left_out_; }
 
 private:
     using Matrix = Eigen::MatrixXd;
@@ -44,16 +49,17 @@ private:
     bool is_new_rigid(Eigen::VectorXcd& x) const;
     void deflate(Complex s, Eigen::VectorXcd& x) const;
     bool piles_up(Complex s) const;
+    double lost_inside(const Eigen::VectorXcd& z) const;
     bool has_loss_factor() const;
     template <class Scalar>
     void find_all(double below);
     void improve(DampedMode& mode, Eigen::VectorXcd& x);
 
-    DynamicStiffness& D_;
+    const DynamicStiffness& D_;
     HarmonicSolver& solver_;
     std::vector<DampedMode> modes_;
     std::vector<std::pair<Eigen::VectorXcd, Eigen::VectorXcd>> found_;  ///< of each the whole vector x, and A' x
-    bool is_proved_ = true, piles_up_ = false;
+    bool is_proved_ = true, has_left_out_ = false;
 };
 
 }  // namespace dttmm::plugin

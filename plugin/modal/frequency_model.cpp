@@ -152,6 +152,9 @@ FrequencyModel::FrequencyModel(const dttmm_modal_model& model, const AtRest* res
         }
         if (bonds.size() > before) {
             bonds.back().loss_factor = joint.law->loss_factor;
+            for (int d = 0; d < 6; ++d)
+                if (auto law = std::dynamic_pointer_cast<const Viscoelastic>(joint.law->laws[as_size(d)]))
+                    bonds.back().materials.push_back({d, std::move(law)});
             if (joint.law->axial) are_axial[as_size(joint.element)] = true;
         }
         if (const int h = as_int(j) - assembly.first_joint.back(); h >= 0 && bonds.size() > before)

@@ -11,6 +11,7 @@
 
 #include "core/index.h"
 #include "dttmm_modal.h"
+#include "law/viscoelastic.h"
 #include "mechanism/assembly.h"
 #include "modal/line_forces.h"
 #include "modal/line_waves.h"
@@ -58,7 +59,13 @@ struct Bond : Joined {
     /// Of a machine at rest: what the forces of the joint add as they turn with its frames, by the motion of these; null:
     /// none.
     std::shared_ptr<const EndBlocks> turning;
-    double loss_factor = 0;     ///< of its stiffness
+    double loss_factor = 0;  ///< of its stiffness
+    /// Directions whose stiffness depends on the frequency; in `stiffness` they have that at rest.
+    struct Material {
+        int direction;  ///< of its axes
+        std::shared_ptr<const Viscoelastic> law;
+    };
+    std::vector<Material> materials;
     int held_node = -1;         ///< node of the network that it holds in some directions
     double tension = 0;         ///< of a joint along a line at the start [N]: along its x from `from` to `to`
     std::vector<Vector6> held;  ///< directions that do not give, world axes

@@ -60,9 +60,38 @@ void ModalAnalysis::mode(uint32_t index, dttmm_mode* out, double* bodies, double
     if (shares) std::ranges::copy(mode.shares, shares);
 }
 
+void ModalAnalysis::set_damping(double mass_rate, std::span<const double> ratios, double below) {
+    const auto wrong = [](double number) { return !(number >= 0) || !std::isfinite(number); };
+    if (wrong(mass_rate) || wrong(below) || std::ranges::any_of(ratios, wrong))
+        throw Error(DTTMM_ERROR_ARGUMENT, "damping must be finite and not negative");
+    mass_rate_ = mass_rate;
+    ratios_ = {{ratios.begin(), ratios.end()}, below > 0, 2 * M_PI * below};
+    damping_.reset();
+}
+
+/// Cuts the lines, finer where modes are damped, and tells the solver what damps beside the elements.
+void ModalAnalysis::cut_and_damp(double cut, double modes_below) {
+    if (ratios_.ratios.empty()) {
+        stiffness_.cut(cut);
+        harmonic_.set_damping(mass_rate_, nullptr);
+        return;
+    }
+    if (!damping_ || damped_below_ != modes_below || damping_->cut < cut) {
+        DampingRatios given = ratios_;
+        given.below = modes_below;
+        damping_ =
+            find_modal_damping(stiffness_, given, std::exp2(std::ceil(std::log2(cut))));  // not for every frequency anew
+        damped_below_ = modes_below;
+    }
+    stiffness_.cut(damping_->cut);
+    harmonic_.set_damping(mass_rate_, &*damping_);
+}
+
 DampedModes::Count ModalAnalysis::find_damped(double below) {
     if (!(below > 0) || !std::isfinite(below)) throw Error(DTTMM_ERROR_ARGUMENT, "a frequency must be finite and positive");
     at_ = -1;
+    constexpr double kBeyond = 1.1;  // all that may be taken for a mode within the bound
+    cut_and_damp(DampedModes::kFiner * 2 * M_PI * below, kBeyond * 2 * M_PI * below);
     const DampedModes found(stiffness_, harmonic_, 2 * M_PI * below);
     damped_ = found.modes();
     return {damped_.size(), found.is_proved(), found.has_left_out()};
@@ -159,6 +188,7 @@ std::vector<Response> ModalAnalysis::respond_at_rest(int free, const std::vector
         }
     }
     stiffness_.cut(modes.front().cut);
+    harmonic_.set_damping(0, nullptr);
     const double first = modes.size() > count ? modes[count].omega : 1;
     stiffness_.set(-kLowShare * kLowShare * first * first);  // for the masses alone
     std::vector<FrameVector> momenta;
@@ -212,7 +242,11 @@ void ModalAnalysis::respond(double frequency, std::span<const std::span<const dt
                 loads[c].loads.push_back(placed(load));
     const double omega = 2 * M_PI * frequency;
     const int free = frequency == 0 ? ModeFinder(stiffness_).count_rigid() : 0;
-    stiffness_.cut(omega);  // here pieces only keep numbers small
+    const bool moves_supports = std::ranges::any_of(loads, [](const Drive& drive) { return !drive.supports.empty(); });
+    if (moves_supports && !ratios_.ratios.empty())
+        throw Error(DTTMM_ERROR_MODEL,
+                    "damping of modes is not defined where supports move: give the elements a damping or a loss_factor");
+    cut_and_damp(omega, ratios_.below);  // but for damping, here pieces only keep numbers small
     at_ = -1;
     if ((!model_.levers.empty() || model_.is_at_rest) && !is_stable_)
         stiffness_.refuse_growing(-1e-11 * stiffness_.stiffest());

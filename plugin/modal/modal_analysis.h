@@ -2,6 +2,7 @@
 #pragma once
 
 #include <complex>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,6 +26,8 @@ public:
     /// See dttmm_plugin.mode and mode_along. Throw Error(DTTMM_ERROR_ARGUMENT) for an index that is no mode.
     void mode(uint32_t index, dttmm_mode* mode, double* bodies, double* nodes, double* shares);
     bool is_axial(uint32_t element) const { return element < model_.are_axial.size() && model_.are_axial[element]; }
+    /// See dttmm_response.h; below [Hz]. Throws Error(DTTMM_ERROR_ARGUMENT) for numbers that are negative or not finite.
+    void set_damping(double mass_rate, std::span<const double> ratios, double below);
     /// See dttmm_response.h. Throw what DampedModes does, and Error(DTTMM_ERROR_ARGUMENT) for an index that is no mode.
     DampedModes::Count find_damped(double below);
     void damped_mode(uint32_t index, dttmm_damped_mode* mode, double* bodies, double* nodes) const;
@@ -48,6 +51,7 @@ public:
 private:
     /// Where paths are short enough for products of transfer matrices; these know no forces at rest.
     bool has_overall() const { return topology_.is_short() && model_.pins.empty() && !model_.is_at_rest; }
+    void cut_and_damp(double cut, double modes_below);
     std::vector<Response> respond_at_rest(int free, const std::vector<Drive>& cases);
     PointWrench placed(const dttmm_harmonic& load) const;
     SupportMotion moved(const dttmm_harmonic& load) const;
@@ -59,6 +63,10 @@ private:
     FrequencyModel model_;
     DynamicStiffness stiffness_;
     HarmonicSolver harmonic_;
+    double mass_rate_ = 0;
+    DampingRatios ratios_;                 ///< of modes, below: as asked for
+    std::optional<ModalDamping> damping_;  ///< of the modes below damped_below_
+    double damped_below_ = 0;
     std::vector<DampedMode> damped_;
     OverallTransfer topology_;
     std::vector<Mode> modes_;

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/state_vector.h"
 
 namespace dttmm::plugin {
 
@@ -19,9 +20,19 @@ using Sparse = Eigen::SparseMatrix<Complex>;
 
 Block complex(const Matrix6& block) { return block.cast<Complex>(); }
 
-/// K (1 + iη) + s C.
-Block stiffness_of(const Bond& bond, Complex s) {
+/// K (1 + iη) + s C, K at rest.
+Block stiffness_at_rest(const Bond& bond, Complex s) {
     return Complex(1, bond.loss_factor) * complex(bond.stiffness) + s * complex(bond.damping);
+}
+
+/// The same in a vibration, materials by their rows.
+Block stiffness_of(const Bond& bond, double omega) {
+    Block K = stiffness_at_rest(bond, {0, omega});
+    for (const auto& [direction, law] : bond.materials) {
+        const Vector6 axis = bond.axes.col(direction);
+        K += (law->stiffness_at(omega) - law->series().spring) * complex(axis * axis.transpose());
+    }
+    return K;
 }
 
 /// K + iω C − ω² M, 6 rows per frame, and the rows of rigid directions behind it, entry by entry.
@@ -49,6 +60,40 @@ public:
                     entries_.emplace_back(6 * f + i, row_, (*by)(i));
                 }
             ++row_;
+        }
+    }
+    /// C of a mode with its own unknown q: s p q on the frames, s pᵀ u − s/r q = 0.
+    void damp(const FrameVector& momentum, double rate, Complex s) {
+        for (size_t f = 0; f < momentum.size(); ++f)
+            for (int i = 0; i < 6; ++i) {
+                const Complex value = s * momentum[f](i);
+                if (value == 0.0) continue;
+                entries_.emplace_back(row_, 6 * as_int(f) + i, value);
+                entries_.emplace_back(6 * as_int(f) + i, row_, value);
+            }
+        entries_.emplace_back(row_, row_, s == 0.0 ? -1.0 : -s / rate);
+        ++row_;
+    }
+    /// Maxwell series between the ends of a bond, each term with its own unknown z, k (d − z) = k s τ z: k (d − z) on the
+    /// deformation d, −k d + k (1 + s τ) z = 0.
+    void add_series(const Bond& bond, Complex s) {
+        for (const auto& [direction, law] : bond.materials) {
+            const Vector6 axis = bond.axes.col(direction);
+            const std::pair<int, Vector6> ends[] = {{bond.from, -bond.by_from.transpose() * axis},
+                                                    {bond.to, bond.by_to.transpose() * axis}};
+            for (const auto& [stiffness, time] : law->series().terms) {
+                for (const auto& [f, by] : ends) {
+                    if (f < 0) continue;
+                    for (const auto& [g, other] : ends) add(f, g, complex(stiffness * by * other.transpose()));
+                    for (int i = 0; i < 6; ++i) {
+                        if (by(i) == 0) continue;
+                        entries_.emplace_back(row_, 6 * f + i, -stiffness * by(i));
+                        entries_.emplace_back(6 * f + i, row_, -stiffness * by(i));
+                    }
+                }
+                entries_.emplace_back(row_, row_, stiffness * (1.0 + s * time));
+                ++row_;
+            }
         }
     }
     Sparse matrix() const {
@@ -80,11 +125,12 @@ Response Response::mixed(double factor, double other_factor, const Response& oth
 
 // ---- Equations ----------------------------------------------------------------------------------------------------------
 
-Eigen::SparseMatrix<Complex> HarmonicSolver::assemble(Complex s, bool is_polynomial) {
+Eigen::SparseMatrix<Complex> HarmonicSolver::assemble(Complex s, Form form) {
     const FrequencyModel& model = D_.model();
+    const Complex inertia = s * s + mass_rate_ * s;
     Entries entries(D_.frame_count());
     for (const Bond& bond : model.bonds) {
-        const Block K = stiffness_of(bond, s);
+        const Block K = form == Form::steady ? stiffness_of(bond, s.imag()) : stiffness_at_rest(bond, s);
         entries.join(bond, K, -K, K);
         if (!bond.turning) continue;
         const int ends[2] = {bond.from, bond.to};
@@ -99,33 +145,76 @@ Eigen::SparseMatrix<Complex> HarmonicSolver::assemble(Complex s, bool is_polynom
         if (!L) {
             const Section& section = line.line.section;
             const Complex stiffening = Complex(1, section.loss_factor) + s * section.stiffness_damping;
-            if (is_polynomial) {
+            if (form == Form::polynomial) {
                 LineWaves::Square<double> stiffness, mass;
                 line.waves->evaluate<double>(D_.count(line), 0, 1, stiffness, &mass);
-                L = stiffening * stiffness.cast<Complex>() + s * s * mass.cast<Complex>();
+                L = stiffening * stiffness.cast<Complex>() + inertia * mass.cast<Complex>();
             } else {
-                line.waves->evaluate<Complex>(D_.count(line), -s * s, stiffening, L.emplace(), nullptr);
+                line.waves->evaluate<Complex>(D_.count(line), -inertia, stiffening, L.emplace(), nullptr);
             }
         }
         entries.join(piece, L->topLeftCorner<6, 6>(), L->topRightCorner<6, 6>(), L->bottomRightCorner<6, 6>());
     }
     for (const Pin& pin : model.pins) {
-        const Block own = s * s / 3.0 * complex(pin.mass), across = 0.5 * own;
+        const Block own = inertia / 3.0 * complex(pin.mass), across = 0.5 * own;
         entries.join(pin, own, across, own);
     }
     D_.for_each_mass([&](const FrequencyModel::Mass& mass) {
-        entries.add(mass.frame, mass.frame, s * s * complex(model.mask * mass.block * model.mask));
+        entries.add(mass.frame, mass.frame, inertia * complex(model.mask * mass.block * model.mask));
     });
     for (const FrequencyModel::Lever& lever : model.levers) entries.add(lever.frame, lever.frame, complex(lever.stiffness));
     const Matrix6 idle = Matrix6::Identity() - model.mask;
     for (int f = 0; f < D_.frame_count(); ++f) entries.add(f, f, complex(idle));
+    for (size_t m = 0; of_modes_ && m < of_modes_->rates.size(); ++m)
+        entries.damp(of_modes_->momenta[m], of_modes_->rates[m], s);
+    if (form != Form::steady)
+        for (const Bond& bond : model.bonds) entries.add_series(bond, s);
     return entries.matrix();
+}
+
+Eigen::MatrixXd HarmonicSolver::modal_damping() const {
+    const Eigen::Index n = 6 * D_.frame_count();
+    Eigen::MatrixXd C = Eigen::MatrixXd::Zero(n, n);
+    for (size_t m = 0; of_modes_ && m < of_modes_->rates.size(); ++m) {
+        const Eigen::Map<const Eigen::VectorXd> p(of_modes_->momenta[m].front().data(), n);
+        C += of_modes_->rates[m] * p * p.transpose();
+    }
+    return C;
+}
+
+Eigen::Index HarmonicSolver::rigid_rows() const {
+    size_t rows = 0;
+    for (const Bond& bond : D_.model().bonds) rows += bond.rigid.size();
+    for (const DynamicStiffness::Piece& piece : D_.pieces()) rows += piece.rigid.size();
+    for (const Pin& pin : D_.model().pins) rows += pin.rigid.size();
+    return as_row(rows);
+}
+
+Eigen::Index HarmonicSolver::series_rows() const {
+    size_t rows = 0;
+    for (const Bond& bond : D_.model().bonds)
+        for (const Bond::Material& material : bond.materials) rows += material.law->series().terms.size();
+    return as_row(rows);
 }
 
 void HarmonicSolver::factor(double omega) {
     omega_ = omega;
     find_parts();
-    factor_matrix(assemble({0, omega}, false));
+    refuse_beyond_rows();
+    factor_matrix(assemble({0, omega}, Form::steady));
+}
+
+/// Beyond its rows nothing is known of a material.
+void HarmonicSolver::refuse_beyond_rows() const {
+    constexpr double kRoundOff = 1e-9;
+    for (const Bond& bond : D_.model().bonds)
+        for (const auto& [direction, law] : bond.materials)
+            if (omega_ > (1 + kRoundOff) * law->highest())
+                throw Error(
+                    DTTMM_ERROR_MODEL,
+                    fmt::format("its rows in {} end at {:.6g} Hz, and {:.6g} Hz is asked for: add rows up to there",
+                                kDirectionNames[as_size(direction)], law->highest() / (2 * M_PI), omega_ / (2 * M_PI)),
+                    bond.element);
 }
 
 void HarmonicSolver::factor_matrix(const Sparse& matrix) {
@@ -186,10 +275,10 @@ void HarmonicSolver::add_supports(const Response& response, Eigen::VectorXcd& r)
             r.segment<6>(6 * at.to) -= complex(at.by_to.transpose()) * across.transpose() * complex(at.by_from) * ground;
         for (const Rigid& rigid : at.rigid) r(row++) -= rigid.by_ground.cast<Complex>().dot(ground);
     };
-    for (const Bond& bond : model.bonds) add(bond, bond.held_node, -stiffness_of(bond, {0, omega_}));
+    for (const Bond& bond : model.bonds) add(bond, bond.held_node, -stiffness_of(bond, omega_));
     for (const DynamicStiffness::Piece& piece : D_.pieces())
         add(piece, -1, waves_[D_.line(piece).kind]->topRightCorner<6, 6>());
-    for (const Pin& pin : model.pins) add(pin, -1, complex(-omega_ * omega_ / 6 * pin.mass));
+    for (const Pin& pin : model.pins) add(pin, -1, Complex(-omega_ * omega_, mass_rate_ * omega_) / 6.0 * complex(pin.mass));
 }
 
 Response HarmonicSolver::solve(const Drive& drive) const {
@@ -211,7 +300,7 @@ Response HarmonicSolver::solve(const Drive& drive) const {
                     fmt::format("{:.6g} Hz is a natural frequency without damping: the response there has no bound",
                                 omega_ / (2 * M_PI)));
     for (int f = 0; f < D_.frame_count(); ++f) response.motion.push_back(complex(model.mask) * x.segment<6>(6 * f));
-    const Eigen::VectorXcd q = x.tail(x.size() - 6 * D_.frame_count());
+    const Eigen::VectorXcd q = x.segment(6 * D_.frame_count(), rigid_rows());
     response.reactions.assign(q.begin(), q.end());
     return response;
 }
@@ -232,7 +321,7 @@ Complex6 HarmonicSolver::relative(const Bond& bond, const Response& response) co
 
 /// With which it holds its `to` end back, its own point, world axes.
 Complex6 HarmonicSolver::wrench_of(const Bond& bond, const Response& response) const {
-    Complex6 wrench = stiffness_of(bond, {0, omega_}) * relative(bond, response);
+    Complex6 wrench = stiffness_of(bond, omega_) * relative(bond, response);
     size_t row = first_row_[as_size(as_int(&bond - D_.model().bonds.data()))];
     Complex6 on_frame = Complex6::Zero();
     for (const Rigid& rigid : bond.rigid)

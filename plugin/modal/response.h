@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "modal/dynamic_stiffness.h"
+#include "modal/modal_damping.h"
 
 namespace dttmm::plugin {
 
@@ -53,11 +54,29 @@ class HarmonicSolver {
 public:
     explicit HarmonicSolver(const DynamicStiffness& D) : D_(D) {}
 
+    /// Damping beside that of the elements, of all that follows. mass_rate: force on masses per momentum [1/s]. of_modes:
+    /// on the frames as D is cut; nothing: none.
+    void set_damping(double mass_rate, const ModalDamping* of_modes) {
+        mass_rate_ = mass_rate;
+        of_modes_ = of_modes;
+    }
+
     /// Throws Error(DTTMM_ERROR_SINGULAR) at a natural frequency without damping.
     void factor(double omega);
-    /// K + s C + s² M at a complex s, 6 rows per frame and then the rigid directions. is_polynomial: lines count by their
-    /// stiffness at rest and the mass that goes with it, so that this is all there is; else by their waves.
-    Eigen::SparseMatrix<Complex> assemble(Complex s, bool is_polynomial);
+    /// How lines and materials that depend on the frequency count.
+    enum class Form {
+        steady,     ///< lines by their waves, materials by their rows; s is on the imaginary axis
+        exact,      ///< lines by their waves, materials by their Maxwell series
+        polynomial  ///< lines by their stiffness at rest and the mass that goes with it: K + s C + s² M is all there is
+    };
+    /// K + s C + s² M at a complex s, 6 rows per frame, then the rigid directions, then damped modes, then, but in a steady
+    /// vibration, the terms of Maxwell series: of each the deformation of its spring's other end.
+    Eigen::SparseMatrix<Complex> assemble(Complex s, Form form);
+    /// C of the damped modes alone, 6 rows per frame.
+    Eigen::MatrixXd modal_damping() const;
+    /// Rows of the rigid directions, and of the terms of Maxwell series.
+    Eigen::Index rigid_rows() const;
+    Eigen::Index series_rows() const;
     /// At the frequency last factored, and so for what follows.
     Response solve(const Drive& drive) const;
     /// Throws Error(DTTMM_ERROR_MODEL) for a beam or rod of a machine at rest: what its forces add as they turn is not
@@ -71,6 +90,7 @@ private:
     using Sparse = Eigen::SparseMatrix<Complex>;
 
     void factor_matrix(const Sparse& matrix);
+    void refuse_beyond_rows() const;
     void find_parts();
     Complex6 relative(const Bond& bond, const Response& response) const;
     Complex6 wrench_of(const Bond& bond, const Response& response) const;
@@ -82,6 +102,8 @@ private:
     void add_supports(const Response& response, Eigen::VectorXcd& right_hand_side) const;
 
     const DynamicStiffness& D_;
+    double mass_rate_ = 0;
+    const ModalDamping* of_modes_ = nullptr;
     double omega_ = 0;
     std::vector<std::optional<LineWaves::Square<Complex>>> waves_;
     std::vector<size_t> first_row_;  ///< of every bond, among the reactions

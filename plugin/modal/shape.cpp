@@ -37,7 +37,8 @@ Vector12 state_at_start(const DynamicStiffness& D, const DynamicStiffness::Piece
     return state;
 }
 
-/// Of a line, at a distance s from its start, world axes.
+}  // namespace
+
 Vector6 motion_along(const DynamicStiffness& D, const LineModel& line, const FrameVector& u, double s) {
     const auto index = static_cast<size_t>(&line - D.model().lines.data());
     const auto first = std::ranges::find_if(D.pieces(), [&](const auto& piece) { return piece.line == index; });
@@ -53,8 +54,6 @@ Vector6 motion_along(const DynamicStiffness& D, const LineModel& line, const Fra
             local(d) = (1 - share) * first->ends(u)(d) + share * (first + D.count(line) - 1)->ends(u)(6 + d);
     return both(line.axes) * local;
 }
-
-}  // namespace
 
 std::vector<Vector6> strain_by_direction(const FrequencyModel& model, const FrameVector& u) {
     std::vector<Vector6> energies(model.element_count, Vector6::Zero());

@@ -13,10 +13,10 @@ namespace dttmm::plugin {
 struct Strain {
     double energy = 0, unsure = 0;
 };
-/// Of every element.
 /// Of springs and joints of every element, in the directions of its axes [J]; zero of one that is a line.
 std::vector<Vector6> strain_by_direction(const FrequencyModel& model, const FrameVector& u);
 
+/// Of every element.
 std::vector<Strain> strain_energies(const DynamicStiffness& D, const FrameVector& u);
 
 /// Of all elements.
@@ -25,6 +25,9 @@ Strain sum(const std::vector<Strain>& strains);
 /// Displacement [6, world] along an element at `count` equally spaced stations, ends included; its length [m], 0 if it is no
 /// line. shape: NULL, or 6 numbers per station.
 double along(const DynamicStiffness& D, size_t element, const FrameVector& u, size_t count, double* shape);
+
+/// Displacement [6, world] of a line at a distance s from its start [m].
+Vector6 motion_along(const DynamicStiffness& D, const LineModel& line, const FrameVector& u, double s);
 
 /// Points of the machine and how they move: centres of mass of the bodies, nodes, stations along the lines. They do not
 /// depend on the order in which the model lists its parts.

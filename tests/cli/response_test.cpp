@@ -12,44 +12,15 @@
 #include <sstream>
 
 #include "cli/modes_run.h"
+#include "cli/results_table.h"
 
 namespace dttmm::host {
 namespace {
 
 using ::testing::HasSubstr;
 using Complex = std::complex<double>;
+using Table = ResultsTable;
 constexpr double kHalfTurn = std::numbers::pi;
-
-/// A CSV file of results by the names of its columns.
-struct Table {
-    std::vector<std::string> names;
-    std::vector<std::vector<double>> rows;
-
-    size_t column(const std::string& name) const {
-        const auto found = std::ranges::find(names, name);
-        EXPECT_NE(found, names.end()) << name;
-        return static_cast<size_t>(found - names.begin());
-    }
-    double value(size_t row, const std::string& name) const { return rows[row][column(name)]; }
-    Complex amplitude(size_t row, const std::string& channel) const {
-        return {value(row, channel + ".re"), value(row, channel + ".im")};
-    }
-};
-
-Table read_table(const std::filesystem::path& file) {
-    Table table;
-    const std::string text = read_text(file);
-    std::istringstream names(text.substr(0, text.find('\n')));
-    for (std::string name; std::getline(names, name, ',');) table.names.push_back(name);
-    table.rows = read_history(file);
-    return table;
-}
-
-struct Answer {
-    Table table;
-    std::string err, out;
-    std::filesystem::path folder;
-};
 
 class SteadyVibration : public ::testing::Test {
 protected:

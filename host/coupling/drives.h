@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "dttmm_plugin.h"
+#include "model/model.h"
+#include "world/joint_system.h"
+
+namespace dttmm::host {
+
+/// The motors of a model's joints over time.
+class Drives {
+public:
+    explicit Drives(const Model& model);
+
+    bool empty() const { return is_empty_; }
+    /// Of every joint around a step; zero where there is no motor. The first step has rate and acceleration by one-sided
+    /// differences of second order, the others by central ones over the step size. Throws Error(numerical_failure)
+    /// for an angle or a travel that is not finite or beyond 1e6.
+    const std::vector<Drive>& around(const dttmm_step& step);
+    /// At rest at an instant [s].
+    const std::vector<Drive>& at(double time);
+
+private:
+    double value(const Joint& joint, double time) const;
+
+    const std::vector<Joint>& joints_;
+    bool is_empty_ = true;
+    std::vector<Drive> drives_;
+};
+
+}  // namespace dttmm::host

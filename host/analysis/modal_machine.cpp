@@ -170,12 +170,6 @@ ModalMachine::Complex6 ModalMachine::motion(const ModalPlace& place, const Modal
     return by_body(place).cast<std::complex<double>>() * response.bodies[as_size(place.body)];
 }
 
-std::complex<double> ModalMachine::respond(double frequency, const ModalPlace& in, int in_direction, const ModalPlace& out,
-                                           int out_direction) {
-    if (in.is_held(in_direction) || out.is_held(out_direction)) return 0;
-    return motion(out, respond(frequency, {{load_at(in, Complex6::Unit(in_direction))}}).front())(out_direction);
-}
-
 std::string ModalMachine::why_still(const ModalPlace& in, int in_direction, const ModalPlace& out, int out_direction) const {
     if (in.is_held(in_direction) || out.is_held(out_direction))
         return fmt::format("{} is fixed in that direction", in.is_held(in_direction) ? in.name : out.name);

@@ -64,10 +64,6 @@ public:
     std::vector<double> frequencies_below(double frequency);
     /// Of a place [m, rad].
     Complex6 motion(const ModalPlace& place, const ModalInstance::Response& response) const;
-    /// Displacement [m or rad] at `out` per unit force [N] (direction 0 … 2) or moment [N m] (3 … 5) at `in`; frequency
-    /// [Hz].
-    std::complex<double> respond(double frequency, const ModalPlace& in, int in_direction, const ModalPlace& out,
-                                 int out_direction);
 
     /// Why one place does not move under a load at the other.
     std::string why_still(const ModalPlace& in, int in_direction, const ModalPlace& out, int out_direction) const;
@@ -82,6 +78,7 @@ public:
 
     std::string layout() { return instance_.layout(); }
     dttmm_overall overall(double frequency) { return instance_.overall(frequency); }
+    ModalInstance::OverallMatrix overall_matrix(double frequency) { return instance_.overall_matrix(frequency); }
 
     const std::vector<ModalPlace>& places() const { return places_; }
     const ModalPlace* find(const std::string& name) const;

@@ -28,6 +28,8 @@ struct Request {
 
     bool is_verbose = false;  ///< modes: print how the overall transfer equation is laid out
     std::string determinant;  ///< modes: over these frequencies, "1Hz..200Hz:400"
+    std::string matrix;       ///< modes: the overall matrix at this frequency, a text with unit
+    std::string shapes;       ///< modes: a CSV file to compare the shapes with
     bool is_damped = false;   ///< modes: with damping too
     bool as_json = false;     ///< modes: one JSON object on the standard output instead of the table
 
@@ -38,6 +40,7 @@ struct Request {
 
     std::vector<std::string> inputs, outputs;  ///< response: unit inputs, and patterns of channels
     std::string rpm;                           ///< response: speeds, "800..6000:260"
+    std::string kind;                          ///< response: "receptance" and so on; empty: whatever the outputs are
     std::vector<std::string> orders;           ///< response: those of the loads' orders that count; none: all
 
     std::vector<std::string> channels;  ///< spectrum: patterns, perhaps several in one text, parted by commas

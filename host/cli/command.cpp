@@ -20,6 +20,7 @@
 #include "analysis/modes.h"
 #include "analysis/modes_sweep.h"
 #include "analysis/response.h"
+#include "analysis/response_sweep.h"
 #include "analysis/run.h"
 #include "analysis/spectrum.h"
 #include "analysis/statics.h"
@@ -43,6 +44,15 @@ std::vector<SweepAxis> axes_of(const Request& request) {
     std::vector<SweepAxis> axes;
     for (const std::string& text : request.sweeps) axes.push_back(parse_sweep_axis(text));
     return axes;
+}
+
+/// Options that say something about one case.
+void refuse_with_sweep(const Request& request, std::initializer_list<const char*> names) {
+    for (const auto& [option, value] : request.given)
+        if (std::ranges::find(names, option->name()) != names.end())
+            throw Error(ExitCode::usage, fmt::format("{} is for one case: a sweep has many; ask for the case of interest "
+                                                     "with --set",
+                                                     option->name()));
 }
 
 /// The model of a folder is its model.toml.
@@ -92,12 +102,17 @@ const CommandLine kCommands[] = {
     {kCheck, "check", "validate a model, print what would be solved", Given::models, check_all},
     {kModes, "modes", "natural frequencies and shapes of a model", Given::model,
      [](const Request& request) {
-         return request.sweeps.empty() ? find_modes(request) : sweep_modes(request, axes_of(request));
+         if (request.sweeps.empty()) return find_modes(request);
+         refuse_with_sweep(request, {"--determinant", "--matrix", "--mac", "--damped"});
+         return sweep_modes(request, axes_of(request));
      }},
     {kStatic, "static", "equilibrium of a model under weight and lasting loads", Given::model, find_equilibrium},
     {kFrf, "frf", "frequency response of a model", Given::model, find_response},
     {kResponse, "response", "steady vibration of a model over frequency or speed, under its loads or unit forces",
-     Given::model, find_steady_response},
+     Given::model,
+     [](const Request& request) {
+         return request.sweeps.empty() ? find_steady_response(request) : sweep_response(request, axes_of(request));
+     }},
     {kSpectrum, "spectrum", "spectra, levels, modes and orders of a recorded run", Given::results, find_spectrum},
     {kChannels, "channels", "list what a run of a model can record", Given::model_and_patterns, plain<print_channels>},
     {kCheckLaw, "check-law", "test the force laws of a library", Given::library, plain<check_law>},

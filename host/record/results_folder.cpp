@@ -27,10 +27,17 @@ constexpr std::string_view kMarker = ".dttmm-results";
 constexpr std::string_view kPart = ".part";
 constexpr std::string_view kCasePrefix = "case-";
 constexpr std::string_view kSweepTable = "sweep.csv";
-constexpr std::array<std::string_view, 20> kResults{
-    "determinant.csv", "damped.csv",   "damped_shapes.csv", "energies.csv",   "history.csv", "history.h5", "summary.json",
-    "modes.csv",       "shapes.csv",   "frf.csv",           "response.csv",   "psd.csv",     "rms.csv",    "static.csv",
-    "members.csv",     "spectrum.csv", "levels.csv",        "identified.csv", "orders.csv",  kSweepTable};
+constexpr std::array<std::string_view, 22> kResults{"mac.csv",           "overall_matrix.csv",
+                                                    "determinant.csv",   "damped.csv",
+                                                    "damped_shapes.csv", "energies.csv",
+                                                    "history.csv",       "history.h5",
+                                                    "summary.json",      "modes.csv",
+                                                    "shapes.csv",        "frf.csv",
+                                                    "response.csv",      "psd.csv",
+                                                    "rms.csv",           "static.csv",
+                                                    "members.csv",       "spectrum.csv",
+                                                    "levels.csv",        "identified.csv",
+                                                    "orders.csv",        kSweepTable};
 
 /// Set before main: no plugin has been loaded.
 const fs::path kStartFolder = [] {

@@ -16,14 +16,16 @@ void Warnings::add(const std::vector<Warning>& warnings) {
 void Warnings::print(const char* kind, const Warning& warning) {
     if (!seen_.emplace(warning.code, warning.text).second) return;
     all_.push_back(warning);
-    if (all_.size() <= kMostPrinted)
+    if (whole_)
+        whole_->print(kind, warning);
+    else if (all_.size() <= kMostPrinted)
         tell(fmt::format("{}: {}", kind, warning.text));
     else
         ++unprinted_[warning.code];
 }
 
 void Warnings::print_rest(const std::string& where) const {
-    if (all_.size() <= kMostPrinted) return;
+    if (whole_ || all_.size() <= kMostPrinted) return;
     std::string codes;
     for (const auto& [code, count] : unprinted_) codes += fmt::format("{}{} {}", codes.empty() ? "" : ", ", count, code);
     const std::size_t rest = all_.size() - kMostPrinted;

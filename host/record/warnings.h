@@ -16,6 +16,10 @@ namespace dttmm::host {
 /// warning is added once.
 class Warnings {
 public:
+    Warnings() = default;
+    /// Of a part of the command, as a case of a sweep: kept here, printed by the whole, which prints an equal one once.
+    explicit Warnings(Warnings& whole) : whole_(&whole) {}
+
     /// More lines than these push the first ones out of a terminal's view.
     static constexpr std::size_t kMostPrinted = 50;
 
@@ -33,6 +37,7 @@ public:
 private:
     void print(const char* kind, const Warning& warning);
 
+    Warnings* whole_ = nullptr;
     std::vector<Warning> all_;
     std::set<std::pair<std::string, std::string>> seen_;
     std::map<std::string, std::size_t> unprinted_;  ///< number by code

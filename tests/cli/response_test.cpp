@@ -5,89 +5,22 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <complex>
 #include <numbers>
 #include <sstream>
 
 #include "cli/modes_run.h"
-#include "cli/results_table.h"
+#include "cli/steady_vibration.h"
 
 namespace dttmm::host {
 namespace {
 
 using ::testing::HasSubstr;
-using Complex = std::complex<double>;
-using Table = ResultsTable;
-constexpr double kHalfTurn = std::numbers::pi;
-
-class SteadyVibration : public ::testing::Test {
-protected:
-    Ended ask(const std::string& text, std::vector<std::string> words) {
-        write_text(folder_ / "model.toml", text);
-        words.insert(words.begin(), {"response", "model.toml", "-o", fmt::format("out{}", ++count_)});
-        return run_dttmm(folder_.path(), words);
-    }
-    Table response(const std::string& text, const std::vector<std::string>& words,
-                   const std::string& file = "response.csv") {
-        const Ended ended = ask(text, words);
-        EXPECT_EQ(ended.code, 0) << ended.err;
-        err_ = ended.err;
-        if (ended.code != 0) return {};
-        return read_table(folder_ / fmt::format("out{}/{}", count_, file));
-    }
-    Table history(const std::string& text) {
-        write_text(folder_ / "model.toml", text);
-        const Ended ended = run_dttmm(folder_.path(), {"run", "model.toml", "-q", "-o", "history"});
-        EXPECT_EQ(ended.code, 0) << ended.err;
-        return read_table(folder_ / "history/history.csv");
-    }
-    std::string fault(const std::string& text, const std::vector<std::string>& words, int code = 3) {
-        const Ended ended = ask(text, words);
-        EXPECT_EQ(ended.code, code) << ended.err;
-        return ended.err;
-    }
-
-    const TemporaryFolder folder_;
-    int count_ = 0;
-    std::string err_;
-};
-
-/// One mass along x on a spring with a damper.
-constexpr double kOwnMass = 2.5, kSpring = 9100, kDamper = 11;
-const std::string kOneMass = R"(format = "dttmm/1"
-dofs = ["x"]
-[parameters]
-Omega = "300 rpm"
-F = "7 N"
-[nodes]
-m = [0.3, 0, 0]
-[[element]]
-name = "spring"
-type = "spring_damper"
-from = "ground"
-to = "m"
-stiffness = 9100
-damping = 11
-[[element]]
-name = "mass"
-type = "point_mass"
-at = "m"
-mass = 2.5
-[[load]]
-on = "m"
-direction = [1, 0, 0]
-)";
-
-Complex receptance(double f) {
-    const double w = 2 * kHalfTurn * f;
-    return 1.0 / Complex(kSpring - kOwnMass * w * w, kDamper * w);
-}
 
 // Oracle: closed form, x = F/(k + iωc − mω²) with F = A e^(iφ); the spring carries (k + iωc) x.
 TEST_F(SteadyVibration, OneMassUnderAHarmonicLoad) {
-    const Table table = response(kOneMass + "harmonic = { amplitude = \"=2*F\", phase = \"25 deg\" }\n",
+    const Table table = response(kMassOnSpring + "harmonic = { amplitude = \"=2*F\", phase = \"25 deg\" }\n",
                                  {"--from", "2Hz", "--to", "40Hz", "--points", "13", "--out", "m", "--out", "spring", "-q"});
     ASSERT_EQ(table.rows.size(), 13u);
     for (size_t i = 0; i < table.rows.size(); ++i) {
@@ -105,7 +38,7 @@ TEST_F(SteadyVibration, OneMassUnderAHarmonicLoad) {
 
 // Oracle: closed form. Adaptive points hold the true peak to 1e-4, and straight lines between them are good to 1 %.
 TEST_F(SteadyVibration, PointsGoWhereTheCurveBends) {
-    const Table table = response(kOneMass + "harmonic = { amplitude = \"1 N\" }\n",
+    const Table table = response(kMassOnSpring + "harmonic = { amplitude = \"1 N\" }\n",
                                  {"--from", "0.5Hz", "--to", "60Hz", "--out", "m.position.x", "-q"});
     const double z = kDamper / (2 * std::sqrt(kSpring * kOwnMass)), peak = 1 / (2 * z * std::sqrt(1 - z * z) * kSpring);
     double largest = 0;
@@ -128,7 +61,7 @@ TEST_F(SteadyVibration, PointsGoWhereTheCurveBends) {
 // Oracle: closed form. An order acts at order Ω/2π with the amplitude of its speed; derived parameters go with it, and one
 // order leaves the rows of another alone. An unbalance acts with u Ω² cos(Ωt + φ) across its axis.
 TEST_F(SteadyVibration, OrdersAndUnbalanceOverSpeed) {
-    std::string text = kOneMass + R"(harmonic = { amplitude = "=2*g2 + F", phase = "1 rad", order = 2 }
+    std::string text = kMassOnSpring + R"(harmonic = { amplitude = "=2*g2 + F", phase = "1 rad", order = 2 }
 [[load]]
 on = "m"
 direction = [0, 0, 1]
@@ -163,7 +96,7 @@ phase = "20 deg"
 TEST_F(SteadyVibration, WhiteNoiseOnOneMass) {
     const double f0 = std::sqrt(kSpring / kOwnMass) / (2 * kHalfTurn);
     const std::string text =
-        kOneMass + fmt::format("psd = {{ frequencies = [0, {}], values = [\"3 N^2/Hz\", \"3 N^2/Hz\"] }}\n", 40 * f0);
+        kMassOnSpring + fmt::format("psd = {{ frequencies = [0, {}], values = [\"3 N^2/Hz\", \"3 N^2/Hz\"] }}\n", 40 * f0);
     const Ended ended = ask(text, {"--out", "m.position.x", "--out", "spring.force.x", "-q"});
     ASSERT_EQ(ended.code, 0) << ended.err;
     const std::string rms = read_text(folder_ / "out1/rms.csv");
@@ -192,7 +125,7 @@ TEST_F(SteadyVibration, WhiteNoiseOnOneMass) {
 // and ranges of their own that begin and end where the other one goes on.
 TEST_F(SteadyVibration, DensitiesWithCornersAndRangesOfTheirOwn) {
     const auto text =
-        kOneMass + R"(psd = { frequencies = [3, 8, 9.2, 40], values = [0.5, 6, 0.3, 0.01], interpolation = "log" }
+        kMassOnSpring + R"(psd = { frequencies = [3, 8, 9.2, 40], values = [0.5, 6, 0.3, 0.01], interpolation = "log" }
 [[load]]
 on = "m"
 direction = [1, 0, 0]
@@ -230,7 +163,7 @@ psd = { frequencies = [25, 25.4], values = [10, 20] }
 // Oracle: the integral of |H|² up to the resonance by 200 000 rectangles. --to cuts a density there, which a note says.
 TEST_F(SteadyVibration, ARangeCutsADensity) {
     const double f0 = std::sqrt(kSpring / kOwnMass) / (2 * kHalfTurn);
-    const std::string text = kOneMass + fmt::format("psd = {{ frequencies = [0, {}], values = [3, 3] }}\n", 40 * f0);
+    const std::string text = kMassOnSpring + fmt::format("psd = {{ frequencies = [0, {}], values = [3, 3] }}\n", 40 * f0);
     const auto rms_of = [&](const std::vector<std::string>& words) {
         const Ended ended = ask(text, words);
         EXPECT_EQ(ended.code, 0) << ended.err;
@@ -252,7 +185,7 @@ TEST_F(SteadyVibration, ARangeCutsADensity) {
 // Oracle: closed form. Beside a load that acts everywhere one acts at its own frequency alone: that row has both, no other
 // has it, and its jump draws no points.
 TEST_F(SteadyVibration, ALoadOfItsOwnFrequencyIsOneRow) {
-    const std::string text = kOneMass +
+    const std::string text = kMassOnSpring +
                              "harmonic = { amplitude = 1 }\n[[load]]\non = \"m\"\ndirection = [1, 0, 0]\n"
                              "harmonic = { amplitude = 4, phase = 1, frequency = 7.3 }\n";
     const Table table = response(text, {"--from", "2Hz", "--to", "30Hz", "--out", "m.position.x", "-q"});
@@ -273,7 +206,7 @@ TEST_F(SteadyVibration, ALoadOfItsOwnFrequencyIsOneRow) {
 
 // Oracle: the same rows in whichever sequence orders are asked for; peaks of the high order are not missed.
 TEST_F(SteadyVibration, OrdersInAnySequence) {
-    const std::string text = kOneMass +
+    const std::string text = kMassOnSpring +
                              "harmonic = { amplitude = 1, order = 0.5 }\n[[load]]\non = \"m\"\ndirection = [1, 0, 0]\n"
                              "harmonic = { amplitude = 1, order = 3 }\n";
     const std::vector<std::string> words = {"--rpm", "100..400", "--out", "m.position.x", "-q"};
@@ -289,7 +222,7 @@ TEST_F(SteadyVibration, OrdersInAnySequence) {
 // m/(k ...) of the whole axis, x'' + 2 ζ ω0 z' + ω0² z = 0; and one of a harmonic acceleration a, z = −a m H.
 TEST_F(SteadyVibration, AFootIsShakenByAcceleration) {
     const auto text = [](const std::string& motion) {
-        std::string shaken = kOneMass.substr(0, kOneMass.find("[[load]]"));
+        std::string shaken = kMassOnSpring.substr(0, kMassOnSpring.find("[[load]]"));
         shaken.replace(
             shaken.find("m = [0.3, 0, 0]"), 15,
             "m = [0.3, 0, 0]\nfoot = { position = [0.3, 0, 0], fixed = [\"x\"], motion = { x = " + motion + " } }");
@@ -321,7 +254,7 @@ TEST_F(SteadyVibration, AFootIsShakenByAcceleration) {
 // Oracle: closed form with k (1 + iη), and of a free tip of a rod with E (1 + iη): x = F tan(κL)/(EA κ), κ = ω √(ρ/E).
 TEST_F(SteadyVibration, ALossFactorTurnsStiffnessComplex) {
     constexpr double kLoss = 0.13;
-    std::string text = kOneMass + "harmonic = { amplitude = \"1 N\" }\n";
+    std::string text = kMassOnSpring + "harmonic = { amplitude = \"1 N\" }\n";
     text.replace(text.find("damping = 11"), 12, "damping = 11\nloss_factor = 0.13");
     const std::vector<std::string> words = {"--from", "2Hz", "--to",  "30Hz",   "--points", "5",
                                             "--out",  "m",   "--out", "spring", "-q"};
@@ -363,57 +296,6 @@ harmonic = { amplitude = "1 N" }
     EXPECT_EQ(run.code, 3);
 }
 
-/// A body on four inclined springs, turned in the world, that starts where it is at rest.
-std::string turned_block(const std::string& loads, double duration, double step) {
-    std::string text = fmt::format(R"(format = "dttmm/1"
-[parameters]
-Omega = "420 rpm"
-[simulation]
-duration = "{} s"
-step = "{} s"
-[[body]]
-name = "block"
-mass = 12.5
-inertia = [0.21, 0.35, 0.28]
-center_of_mass = [0.02, -0.01, 0.03]
-rotation = {{ axis = [0.3, 1, -0.4], angle = "35 deg" }}
-markers.one = [0.2, 0.15, -0.1]
-markers.two = [-0.22, 0.14, -0.12]
-markers.three = [-0.18, -0.16, -0.09]
-markers.four = [0.21, -0.13, -0.11]
-markers.top = [0.05, 0.04, 0.2]
-)",
-                                   duration, step);
-    const char* marker[] = {"one", "two", "three", "four"};
-    for (int i = 0; i < 4; ++i)
-        text += fmt::format(R"([[element]]
-name = "mount{0}"
-type = "spring_damper"
-from = "ground"
-to = "block.{1}"
-axes = {{ axis = [{2}, 1, 0.2], angle = "{3} deg" }}
-stiffness = ["{4} N/mm", "21 N/mm", "35 N/mm"]
-damping = ["{5} N*s/m", "110 N*s/m", "140 N*s/m"]
-)",
-                            i + 1, marker[i], 0.3 * i - 0.4, 25 + 13 * i, 18 + 3 * i, 90 + 15 * i);
-    return text + loads;
-}
-
-/// Amplitude of a channel at w from an instant on, by least squares beside a constant.
-Complex amplitude_of(const Table& run, const std::string& name, double w, double from) {
-    Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d b = Eigen::Vector3d::Zero();
-    const size_t time = run.column("time"), column = run.column(name);
-    for (const std::vector<double>& row : run.rows) {
-        if (row[time] < from) continue;
-        const Eigen::Vector3d base(1, std::cos(w * row[time]), -std::sin(w * row[time]));
-        A += base * base.transpose();
-        b += base * row[column];
-    }
-    const Eigen::Vector3d fit = A.ldlt().solve(b);
-    return {fit(1), fit(2)};
-}
-
 // Oracle: the same machine driven in time until it is steady; the step shifts it by (ωh)²/6 or less. Order loads, an
 // unbalance and a force in body axes act together; forces, deflections and accelerations agree with their phases.
 TEST_F(SteadyVibration, ARunBecomesTheResponse) {
@@ -451,59 +333,6 @@ zero = [1, 0, 0]
             const Complex expected = steady.amplitude(0, name), got = amplitude_of(run, name, w, 3 - 6.0 / 7);
             EXPECT_LT(std::abs(got - expected), 2e-3 * std::abs(expected)) << name << " " << got << " " << expected;
         }
-}
-
-/// A mass on two springs from two feet, a beam from the first foot that carries a mass at its free end, which slides along x
-/// in a guide that moves too.
-std::string on_feet(const std::string& motion1, const std::string& motion2, const std::string& guide) {
-    return fmt::format(R"(format = "dttmm/1"
-[simulation]
-duration = "4 s"
-step = "0.4 ms"
-start = "equilibrium"
-[nodes]
-foot1 = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"]{} }}
-foot2 = {{ position = [0.5, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"]{} }}
-tip = {{ position = [0.1, 0.2, 0.7], fixed = ["y", "rx"]{} }}
-[[body]]
-name = "mass"
-mass = 3.1
-inertia = [0.02, 0.03, 0.04]
-position = [0.25, 0.1, 0.2]
-markers.left = [-0.1, 0.02, -0.03]
-markers.right = [0.12, -0.03, -0.02]
-[[element]]
-name = "one"
-type = "spring_damper"
-from = "foot1"
-to = "mass.left"
-stiffness = [9e3, 12e3, 15e3]
-rotational_stiffness = [40, 50, 60]
-damping = [60, 70, 80]
-rotational_damping = [0.4, 0.5, 0.6]
-[[element]]
-name = "two"
-type = "spring_damper"
-from = "foot2"
-to = "mass.right"
-stiffness = [8e3, 13e3, 11e3]
-damping = [50, 90, 80]
-[[element]]
-name = "mast"
-type = "beam"
-from = "foot1"
-to = "tip"
-section = {{ EA = 2e5, EIy = 60, EIz = 50, GJ = 40, GAy = 1e5, GAz = 1e5, mass = 0.05, inertia = 1e-4 }}
-material = {{ stiffness_damping = "6 ms" }}
-segments = 4
-[[element]]
-name = "head"
-type = "rigid_body"
-at = "tip"
-mass = 0.4
-inertia = {{ xx = 0.001, yy = 0.002, zz = 0.0015 }}
-)",
-                       motion1, motion2, guide);
 }
 
 // Oracle: the same machine in time: forces, moments and coordinates of a hinge between two turned bodies and of a slider to
@@ -596,7 +425,7 @@ harmonic = { amplitude = "0.02 N", phase = "15 deg", frequency = "5 Hz" }
 // Oracle: closed form in both directions across the axis: u Ω² turns about it by the right hand, so that its part along
 // y = z × x lags by 90 degrees.
 TEST_F(SteadyVibration, AnUnbalanceTurnsByTheRightHand) {
-    std::string text = kOneMass.substr(0, kOneMass.find("[[load]]"));
+    std::string text = kMassOnSpring.substr(0, kMassOnSpring.find("[[load]]"));
     text.replace(text.find("dofs = [\"x\"]"), 12, "dofs = [\"x\", \"y\"]");
     text.replace(text.find("stiffness = 9100"), 16, "stiffness = [9100, 9100, 9100]");
     text.replace(text.find("damping = 11"), 12, "damping = [11, 11, 11]");
@@ -668,8 +497,8 @@ TEST_F(SteadyVibration, ARunOnMovingSupportsBecomesTheResponse) {
 
 // Oracle: the loads' absence and their cure.
 TEST_F(SteadyVibration, WrongQuestionsAreRefused) {
-    const std::string harmonic = kOneMass + "harmonic = { amplitude = \"1 N\" }\n",
-                      order = kOneMass + "harmonic = { amplitude = \"1 N\", order = 2 }\n";
+    const std::string harmonic = kMassOnSpring + "harmonic = { amplitude = \"1 N\" }\n",
+                      order = kMassOnSpring + "harmonic = { amplitude = \"1 N\", order = 2 }\n";
     EXPECT_THAT(fault(harmonic, {"--out", "sprig.force", "--from", "1Hz", "--to", "2Hz"}), HasSubstr("spring.force"));
     EXPECT_THAT(fault(harmonic, {"--rpm", "100..200"}), HasSubstr("no load is an order of the speed"));
     EXPECT_THAT(fault(order, {"--rpm", "800..600"}, 2), HasSubstr("must be more than the first"));
@@ -678,12 +507,12 @@ TEST_F(SteadyVibration, WrongQuestionsAreRefused) {
     EXPECT_THAT(fault(order, {"--order", "2"}, 2), HasSubstr("of which speed"));
     EXPECT_THAT(fault(harmonic, {"--out", "m"}, 2), HasSubstr("which frequencies?"));
     EXPECT_THAT(fault(harmonic, {"--from", "3Hz"}, 2), HasSubstr("--from and --to go together"));
-    EXPECT_THAT(fault(kOneMass + "force = 3\n", {"--from", "1Hz", "--to", "2Hz"}), HasSubstr("nothing vibrates"));
-    EXPECT_THAT(fault(kOneMass + "psd = { frequencies = [3, 2], values = [1, 1] }\n", {}), HasSubstr("must increase"));
-    EXPECT_THAT(fault(kOneMass + "psd = { frequencies = [1, 2], values = [1, -1] }\n", {}), HasSubstr("≥ 0"));
-    EXPECT_THAT(fault(kOneMass + "psd = { frequencies = [1], values = [1] }\n", {}), HasSubstr("two points or more"));
-    EXPECT_THAT(fault(kOneMass + "harmonic = { amplitude = 1, order = 2, frequency = 3 }\n", {}), HasSubstr("exclude"));
-    EXPECT_THAT(fault(kOneMass + "harmonic = { amplitude = \"=Omga\" }\n", {}), HasSubstr("Omega"));
+    EXPECT_THAT(fault(kMassOnSpring + "force = 3\n", {"--from", "1Hz", "--to", "2Hz"}), HasSubstr("nothing vibrates"));
+    EXPECT_THAT(fault(kMassOnSpring + "psd = { frequencies = [3, 2], values = [1, 1] }\n", {}), HasSubstr("must increase"));
+    EXPECT_THAT(fault(kMassOnSpring + "psd = { frequencies = [1, 2], values = [1, -1] }\n", {}), HasSubstr("≥ 0"));
+    EXPECT_THAT(fault(kMassOnSpring + "psd = { frequencies = [1], values = [1] }\n", {}), HasSubstr("two points or more"));
+    EXPECT_THAT(fault(kMassOnSpring + "harmonic = { amplitude = 1, order = 2, frequency = 3 }\n", {}), HasSubstr("exclude"));
+    EXPECT_THAT(fault(kMassOnSpring + "harmonic = { amplitude = \"=Omga\" }\n", {}), HasSubstr("Omega"));
     std::string no_speed = order;
     no_speed.replace(no_speed.find("Omega = \"300 rpm\""), 17, "");
     EXPECT_THAT(fault(no_speed, {"--out", "m"}), HasSubstr("--rpm"));

@@ -7,6 +7,7 @@
 
 #include "analysis/places.h"
 #include "model/error.h"
+#include "model/index.h"
 #include "model/wording.h"
 #include "record/csv_table.h"
 
@@ -32,6 +33,19 @@ std::string determinant_table(ModalMachine& machine, const std::string& range) {
         const double f = from + (to - from) * i / (points - 1);
         const dttmm_overall overall = machine.overall(f);
         table.add(f).add(overall.sign).add(overall.log10_determinant).add(overall.smallest).end_row();
+    }
+    return table.text();
+}
+
+std::string overall_matrix_table(ModalMachine& machine, const std::string& frequency) {
+    const ModalInstance::OverallMatrix matrix = machine.overall_matrix(frequency_of("--matrix", frequency));
+    std::vector<Column> columns = {{"equation", ""}, {"unit", ""}};
+    for (const auto& [name, unit] : matrix.columns) columns.push_back({name, unit});
+    CsvTable table(columns);
+    for (size_t i = 0; i < matrix.rows.size(); ++i) {
+        table.add(matrix.rows[i].first).add(matrix.rows[i].second);
+        for (const double entry : matrix.U.row(as_row(i))) table.add(entry);
+        table.end_row();
     }
     return table.text();
 }

@@ -12,4 +12,8 @@ namespace dttmm::host {
 /// what ModalMachine::overall does.
 std::string determinant_table(ModalMachine& machine, const std::string& range);
 
+/// overall_matrix.csv: the matrix of the overall transfer equation at a frequency, "38.6 Hz", a column per unknown. Throws
+/// Error(usage) for what is no frequency, and what ModalMachine::overall_matrix does.
+std::string overall_matrix_table(ModalMachine& machine, const std::string& frequency);
+
 }  // namespace dttmm::host

@@ -10,6 +10,7 @@
 
 #include "analysis/damped_modes.h"
 #include "analysis/determinant.h"
+#include "analysis/given_shapes.h"
 #include "analysis/material_fits.h"
 #include "analysis/modal_session.h"
 #include "analysis/mode_energies.h"
@@ -212,13 +213,22 @@ ExitCode find_modes(const Request& request) {
     for (const Mode& mode : modes)
         energies.push_back(energies_of(model, machine, mode, static_cast<uint32_t>(energies.size())));
 
-    std::string determinant;
+    std::string determinant, matrix;
     if (!request.determinant.empty()) determinant = determinant_table(machine, request.determinant);
+    if (!request.matrix.empty()) matrix = overall_matrix_table(machine, request.matrix);
+    std::optional<GivenShapes> given;
+    if (!request.shapes.empty()) given.emplace(request.shapes, machine, warnings);
+    if (given) given->compare(model, machine, modes);
     const std::optional<DampedModes> damped = damped_of(request, plugins, model, machine, modes, warnings);
 
     const ResultsFolder folder(results_path(request, "-modes"));
     Json json = describe(model, machine, modes, energies, warnings);
     if (!determinant.empty()) write_atomically(folder.file("determinant.csv"), determinant);
+    if (!matrix.empty()) write_atomically(folder.file("overall_matrix.csv"), matrix);
+    if (given) {
+        json["mac"] = given->describe();
+        write_atomically(folder.file("mac.csv"), given->table());
+    }
     if (damped) {
         json["damped"] = describe(*damped);
         write_atomically(folder.file("damped.csv"), damped_table(*damped));
@@ -240,6 +250,7 @@ ExitCode find_modes(const Request& request) {
         print_modes(model, machine, modes, energies);
         if (!modes.empty()) print_participation(model, modes);
         if (damped) print_damped(*damped);
+        if (given) given->print();
         double widest = 0;
         for (const Mode& mode : modes) widest = std::max(widest, mode.numbers.bracket);
         if (modes.empty())

@@ -42,6 +42,14 @@ Json read_mode_shapes(const std::filesystem::path& folder) {
 
 }  // namespace
 
+double mac_of(const Eigen::MatrixXd& shapes, const Eigen::VectorXcd& shape) {
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
+    qr.setThreshold(kStill / shapes.norm());
+    qr.compute(shapes);
+    const Eigen::MatrixXd basis = Eigen::MatrixXd(qr.householderQ()).leftCols(qr.rank());
+    return (basis.transpose().cast<std::complex<double>>() * shape).squaredNorm() / shape.squaredNorm();
+}
+
 ShapeMatch::ShapeMatch(const std::filesystem::path& folder, const std::vector<Column>& channels) {
     const Json json = read_mode_shapes(folder);
     std::unordered_map<std::string, int> index_of;
@@ -87,12 +95,7 @@ ModeMatch ShapeMatch::match(const Eigen::VectorXcd& shape, std::complex<double> 
                                                                kMultipleFrequency * std::abs(frequencies_[first]);)
             ++end;
         const Eigen::MatrixXd group = shapes_.middleCols(as_row(first), as_row(end - first));
-        Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-        qr.setThreshold(kStill / group.norm());
-        qr.compute(group);
-        const Eigen::MatrixXd basis = Eigen::MatrixXd(qr.householderQ()).leftCols(qr.rank());
-        found.push_back({first + 1, frequencies_[first],
-                         (basis.transpose().cast<std::complex<double>>() * own).squaredNorm() / own.squaredNorm()});
+        found.push_back({first + 1, frequencies_[first], mac_of(group, own)});
         best = std::max(best, found.back().mac);
     }
     ModeMatch nearest;

@@ -11,6 +11,10 @@
 
 namespace dttmm::host {
 
+/// |aᵀb|²/(aᵀa bᵀb) of a shape and the nearest mixture of others, one per column, which are 1 where they are largest; 0 if
+/// these do not move.
+double mac_of(const Eigen::MatrixXd& shapes, const Eigen::VectorXcd& shape);
+
 /// The mode of `dttmm modes` that a shape resembles most.
 struct ModeMatch {
     std::size_t mode = 0;  ///< counted from 1, as modes.csv does

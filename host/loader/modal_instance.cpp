@@ -144,6 +144,43 @@ dttmm_overall ModalInstance::overall(double frequency) {
     return overall;
 }
 
+ModalInstance::OverallMatrix ModalInstance::overall_matrix(double frequency) {
+    constexpr uint32_t kMostLines = 4096, kMostText = 1 << 20;  // OverallTransfer writes out 400 rows at most
+    if (!table_->overall_matrix)
+        throw Error(ExitCode::plugin_failure,
+                    fmt::format("plugin {} does not write its overall transfer matrix out", plugin_.name()));
+    uint32_t rows = 0, columns = 0;
+    const auto call = [&](double* matrix, char* text) {
+        ask([&](dttmm_error* error) {
+            return table_->overall_matrix(modal_.get(), frequency, &rows, &columns, matrix, text, text ? kMostText : 0,
+                                          error);
+        });
+    };
+    call(nullptr, nullptr);
+    if (rows > kMostLines || columns > kMostLines)
+        blame(fmt::format("its overall matrix has {} x {} entries", rows, columns));
+    GuardedArray matrix(size_t{rows} * columns);
+    std::string text(kMostText, '\0');
+    const uint32_t first_rows = rows, first_columns = columns;
+    call(matrix.data(), text.data());
+    if (rows != first_rows || columns != first_columns) blame("its overall matrix has another size when asked again");
+    check(matrix, "overall matrix");
+    text.resize(::strnlen(text.data(), text.size()));
+    OverallMatrix found;
+    found.U = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(matrix.data(), rows,
+                                                                                                       columns);
+    size_t begin = 0;
+    for (uint32_t i = 0; i < rows + columns; ++i) {
+        const size_t end = std::min(text.find('\n', begin), text.size()), tab = text.find('\t', begin);
+        if (tab == text.npos || tab > end) blame("its overall matrix has rows or columns without a name");
+        (i < rows ? found.rows : found.columns)
+            .emplace_back(printable(std::string_view(text).substr(begin, tab - begin)),
+                          printable(std::string_view(text).substr(tab + 1, end - tab - 1)));
+        begin = std::min(end + 1, text.size());
+    }
+    return found;
+}
+
 std::vector<ModalInstance::Response> ModalInstance::respond(double frequency, const std::vector<Loads>& cases,
                                                             bool with_forces) {
     if (!plugin_.response())

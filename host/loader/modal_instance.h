@@ -60,6 +60,14 @@ public:
     /// How the overall transfer equation is laid out, and what it is at a frequency.
     std::string layout();
     dttmm_overall overall(double frequency);
+    /// Its matrix, what is known struck out, and what its rows and columns are: names and units. Throws
+    /// Error(plugin_failure) if the plugin does not write it out.
+    struct OverallMatrix {
+        using Names = std::vector<std::pair<std::string, std::string>>;
+        Eigen::MatrixXd U;
+        Names rows, columns;
+    };
+    OverallMatrix overall_matrix(double frequency);
     /// Under several cases of loads, each alone. Throws Error(plugin_failure) if the plugin knows no response.
     std::vector<Response> respond(double frequency, const std::vector<Loads>& cases, bool with_forces = false);
 

@@ -212,16 +212,33 @@ dttmm_status mode_along(dttmm_modal* modal, uint32_t index, uint32_t element, ui
     return guard(error, [&] { *length = modal->analysis.along(index, element, count, shape); });
 }
 
+void copy_text(const std::string& text, char* to, uint32_t size) {
+    const size_t length = std::min(text.size(), dttmm::plugin::as_size(size - 1));
+    std::memcpy(to, text.data(), length);
+    to[length] = '\0';
+}
+
+dttmm_status overall_matrix(dttmm_modal* modal, double frequency, uint32_t* rows, uint32_t* columns, double* matrix,
+                            char* text, uint32_t size, dttmm_error* error) {
+    return guard(error, [&] {
+        const auto written = modal->analysis.overall_matrix(frequency);
+        *rows = static_cast<uint32_t>(written.U.rows());
+        *columns = static_cast<uint32_t>(written.U.cols());
+        using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+        if (matrix) Eigen::Map<RowMajor>(matrix, written.U.rows(), written.U.cols()) = written.U;
+        if (!text || size == 0) return;
+        std::string lines;
+        for (const auto* side : {&written.rows, &written.columns})
+            for (const auto& line : *side) lines += line.name + "\t" + line.unit + "\n";
+        copy_text(lines, text, size);
+    });
+}
+
 dttmm_status overall(dttmm_modal* modal, double frequency, dttmm_overall* overall, char* layout, uint32_t size,
                      dttmm_error* error) {
     return guard(error, [&] {
         const dttmm::plugin::OverallTransfer& topology = modal->analysis.topology();
-        if (layout && size > 0) {
-            const std::string text = topology.layout();
-            const size_t length = std::min(text.size(), dttmm::plugin::as_size(size - 1));
-            std::memcpy(layout, text.data(), length);
-            layout[length] = '\0';
-        }
+        if (layout && size > 0) copy_text(topology.layout(), layout, size);
         *overall = {static_cast<uint32_t>(topology.rows()), static_cast<uint32_t>(topology.columns()), 1, 0, 0};
         const auto check = modal->analysis.overall(frequency);
         overall->smallest = check.smallest;
@@ -330,7 +347,8 @@ const void* extension(const char* name) {
                                                  force_at_start,
                                                  bent_at_rest,
                                                  count_growing,
-                                                 strain_directions};
+                                                 strain_directions,
+                                                 overall_matrix};
     static constexpr dttmm_response_table kResponse = {
         sizeof(dttmm_response_table), respond, is_axial, find_damped, damped_mode, set_damping};
     static constexpr dttmm_state_table kState = {sizeof(dttmm_state_table), state_size, save_state, restore_state};

@@ -101,6 +101,11 @@ typedef struct dttmm_modal_table {
     /* NULL: not known. Shares of a mode's strain energy by direction, 6 per element: x y z rx ry rz of its axes. Zero of an
      * element whose strain has no such directions, as of a beam. */
     dttmm_status (*strain_directions)(dttmm_modal* modal, uint32_t index, double* shares, dttmm_error* error);
+    /* NULL: not known. The matrix of the overall transfer equation at a frequency, what is known at the boundaries struck
+     * out, in SI: *rows times *columns numbers, row-major. text: a line for each row, then for each column: its name, a tab,
+     * its unit; zero-terminated, at most `size` bytes. matrix and text may be NULL: the sizes only. */
+    dttmm_status (*overall_matrix)(dttmm_modal* modal, double frequency, uint32_t* rows, uint32_t* columns, double* matrix,
+                                   char* text, uint32_t size, dttmm_error* error);
 } dttmm_modal_table;
 
 #ifdef __cplusplus

@@ -125,10 +125,20 @@ void ModalAnalysis::strain_directions(uint32_t index, double* shares) {
     }
 }
 
-OverallTransfer::Check ModalAnalysis::overall(double frequency) {
+void ModalAnalysis::require_overall() const {
     if (!has_overall())
         throw Error(DTTMM_ERROR_NUMERIC,
                     "the paths are too long for products of transfer matrices: they would have no digits left");
+}
+
+OverallTransfer::Written ModalAnalysis::overall_matrix(double frequency) const {
+    require_overall();
+    const double omega = 2 * M_PI * frequency;
+    return topology_.written(omega * omega);
+}
+
+OverallTransfer::Check ModalAnalysis::overall(double frequency) {
+    require_overall();
     const double omega = 2 * M_PI * frequency;
     return topology_.check(omega * omega, 1.002 * omega * omega);
 }

@@ -36,6 +36,8 @@ public:
     double along(uint32_t index, uint32_t element, uint32_t count, double* shape);
     /// See dttmm_plugin.overall. Throws Error(DTTMM_ERROR_NUMERIC) where the paths are too long for it.
     OverallTransfer::Check overall(double frequency);
+    /// Throws the same.
+    OverallTransfer::Written overall_matrix(double frequency) const;
     const OverallTransfer& topology() const { return topology_; }
     /// See dttmm_response.h; frequency [Hz]. Throws Error(DTTMM_ERROR_SINGULAR) where nothing bounds the response: at 0 Hz
     /// where a machine that is free to move is moved as a whole. Of one that is not moved, the response is the limit of low
@@ -50,6 +52,7 @@ public:
 
 private:
     /// Where paths are short enough for products of transfer matrices; these know no forces at rest.
+    void require_overall() const;
     bool has_overall() const { return topology_.is_short() && model_.pins.empty() && !model_.is_at_rest; }
     void cut_and_damp(double cut, double modes_below);
     std::vector<Response> respond_at_rest(int free, const std::vector<Drive>& cases);

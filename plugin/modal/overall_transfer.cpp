@@ -8,8 +8,10 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <deque>
 #include <limits>
+#include <map>
 
 #include "core/index.h"
 #include "core/state_vector.h"
@@ -30,12 +32,17 @@ Eigen::MatrixXd stack(const Eigen::MatrixXd& above, const Eigen::MatrixXd& below
     return both;
 }
 
-/// Orthonormal columns that are at right angles to those given.
+/// Orthonormal columns that are at right angles to those given, the largest entry of each positive.
 Eigen::MatrixXd complement(const Eigen::MatrixXd& columns, Eigen::Index size) {
     if (columns.cols() == 0) return Eigen::MatrixXd::Identity(size, size);
     const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
-    const Eigen::MatrixXd Q = qr.householderQ();
-    return Q.rightCols(size - qr.rank());
+    Eigen::MatrixXd right = Eigen::MatrixXd(qr.householderQ()).rightCols(size - qr.rank());
+    for (Eigen::Index c = 0; c < right.cols(); ++c) {
+        Eigen::Index largest = 0;
+        right.col(c).cwiseAbs().maxCoeff(&largest);
+        if (right(largest, c) < 0) right.col(c) = -right.col(c);
+    }
+    return right;
 }
 
 /// The smallest singular value as share of the largest; 1 of a matrix that is empty, not square or overflows.
@@ -43,6 +50,13 @@ double smallest_of(const Eigen::MatrixXd& U) {
     if (U.rows() == 0 || U.rows() != U.cols() || !U.allFinite()) return 1;
     const Eigen::VectorXd singular = U.bdcSvd().singularValues();
     return singular(singular.size() - 1) / singular(0);
+}
+
+/// A name for a heading: `ground at node "foot"` is "ground at foot".
+std::string without_kind(std::string name) {
+    for (const char* part : {"node \"", "body \"", "element \"", "\""})
+        for (size_t at = name.find(part); at != name.npos; at = name.find(part)) name.erase(at, std::strlen(part));
+    return name;
 }
 
 }  // namespace
@@ -274,13 +288,15 @@ OverallTransfer::Matrix OverallTransfer::state_of(const Boundary& boundary) cons
 }
 
 /// The square matrix: what is known at the boundaries struck out.
-OverallTransfer::Matrix OverallTransfer::assemble(double lambda) const {
+OverallTransfer::Matrix OverallTransfer::assemble(double lambda, std::vector<Line>* names) const {
     const Eigen::Index n = directions_;
     Matrix U = Matrix::Zero(rows_, unknowns_);
     Eigen::Index row = 0;
-    const auto add = [&](const Matrix& rows) {
+    const auto add = [&](const Matrix& rows, int vertex, const char* what, Eigen::Index first) {
         U.middleRows(row, rows.rows()) = rows;
         row += rows.rows();
+        for (Eigen::Index i = 0; names && i < rows.rows(); ++i)
+            names->push_back(line_of(without_kind(name_of(vertex)) + what, first + i));
     };
     std::vector<Matrix> handed_on(edges_.size()), lines(model_.kinds.size());
     std::vector<Matrix6> inertial(model_.frames.size(), Matrix6::Zero());
@@ -294,7 +310,7 @@ OverallTransfer::Matrix OverallTransfer::assemble(double lambda) const {
             if (motion.size() == 0)
                 motion = by.partialPivLu().solve(state.topRows(n));
             else
-                add(by * motion - state.topRows(n));
+                add(by * motion - state.topRows(n), order_[k], ".geometry", 0);
             load += by.transpose() * state.bottomRows(n);
         };
         const auto point = [&](int e) {
@@ -309,16 +325,63 @@ OverallTransfer::Matrix OverallTransfer::assemble(double lambda) const {
         }
         if (vertex.frame >= 0) load += restricted(inertial[as_size(vertex.frame)]) * motion;
         if (vertex.root >= 0) {
-            add(stack(motion, load) - state_of(boundaries_[as_size(vertex.root)]));
+            add(stack(motion, load) - state_of(boundaries_[as_size(vertex.root)]), order_[k], ".root", 0);
             continue;
         }
         const Matrix by = by_point(vertex, point(vertex.parent));
         const Edge& edge = edges_[as_size(vertex.parent)];
         const Matrix state = stack(by * motion, by.transpose().partialPivLu().solve(load));
         handed_on[as_size(vertex.parent)] = through(edge, edge.ends[0] == order_[k], state, lines, lambda);
-        if (edge.loose > 0) add(edge.law.loose.transpose() * state.bottomRows(n));
+        if (edge.loose > 0) add(edge.law.loose.transpose() * state.bottomRows(n), order_[k], ".carries nothing", -1);
     }
     return U;
+}
+
+/// An entry of a state: its symbol behind the owner, and its unit. Negative: a direction of a joint, which has no symbol.
+OverallTransfer::Line OverallTransfer::line_of(const std::string& owner, Eigen::Index entry) const {
+    constexpr const char* kSymbols[] = {"x", "y", "z", "rx", "ry", "rz", "fx", "fy", "fz", "mx", "my", "mz"};
+    constexpr const char* kUnits[] = {"m", "rad", "N", "N*m"};
+    if (entry < 0) return {owner, ""};
+    const Eigen::Index half = entry / directions_, d = active_[as_size(entry % directions_)];
+    return {owner + "." + kSymbols[6 * half + d], kUnits[2 * half + d / 3]};
+}
+
+/// Of a vertex or of the boundary that it is.
+std::string OverallTransfer::name_of(int v) const {
+    const Vertex& vertex = vertices_[as_size(v)];
+    if (vertex.frame >= 0) return model_.name(vertex.frame);
+    const int boundary = vertex.root >= 0 ? vertex.root : vertex.tips.empty() ? -1 : vertex.tips.front();
+    return boundary >= 0 ? boundaries_[as_size(boundary)].name : std::string("an end");
+}
+
+std::vector<OverallTransfer::Line> OverallTransfer::columns_of_matrix() const {
+    std::vector<Line> columns(as_size(unknowns_));
+    std::map<std::string, int> counts;  // a frame may have several ends on the ground
+    for (const Boundary& boundary : boundaries_) {
+        std::string owner = without_kind(boundary.name);
+        if (const size_t comma = owner.find(", "); comma != owner.npos) owner.replace(comma, 2, ".");
+        if (boundary.sign < 0) continue;  // the other end of a cut has its unknowns
+        if (const int count = ++counts[owner]; count > 1) owner += fmt::format(" {}", count);
+        for (Eigen::Index c = 0; c < boundary.basis.cols(); ++c) {
+            Eigen::Index entry = 0;
+            const bool is_one = boundary.basis.col(c).cwiseAbs().maxCoeff(&entry) == boundary.basis.col(c).norm();
+            columns[as_size(boundary.first + c)] =
+                is_one ? line_of(owner, entry) : Line{fmt::format("{}.u{}", owner, c + 1), ""};
+        }
+    }
+    for (const Edge& edge : edges_)
+        for (int k = 0; k < edge.loose; ++k)
+            columns[as_size(edge.first_loose + k)] = {fmt::format("{} to {}.free{}", without_kind(name_of(edge.ends[0])),
+                                                                  without_kind(name_of(edge.ends[1])), k + 1),
+                                                      ""};
+    return columns;
+}
+
+OverallTransfer::Written OverallTransfer::written(double lambda) const {
+    Written found;
+    found.U = assemble(lambda, &found.rows);
+    found.columns = columns_of_matrix();
+    return found;
 }
 
 /// Units in which rows and columns are about one, first by their largest entries, then by all that are not rounding.
@@ -370,12 +433,6 @@ std::string OverallTransfer::layout() const {
     std::string text = fmt::format(
         "overall transfer equation: {} x {}, {} directions per state; known boundary entries struck out: {} x {}\n", rows_,
         columns(), directions_, rows_, unknowns_);
-    const auto name = [&](int v) {
-        const Vertex& vertex = vertices_[as_size(v)];
-        if (vertex.frame >= 0) return model_.name(vertex.frame);
-        const int boundary = vertex.root >= 0 ? vertex.root : vertex.tips.empty() ? -1 : vertex.tips.front();
-        return boundary >= 0 ? boundaries_[as_size(boundary)].name : std::string("an end");
-    };
     for (int v : order_) {
         const Vertex& vertex = vertices_[as_size(v)];
         if (vertex.root >= 0) text += fmt::format("root: {}\n", boundaries_[as_size(vertex.root)].name);
@@ -397,7 +454,7 @@ std::string OverallTransfer::layout() const {
         const Vertex& vertex = vertices_[as_size(v)];
         const int inputs = as_int(vertex.edges.size() + vertex.tips.size()) - (vertex.parent >= 0 ? 1 : 0);
         if (inputs > 1)
-            text += fmt::format("{}: {} inputs, {} geometric equations\n", name(v), inputs, directions_ * (inputs - 1));
+            text += fmt::format("{}: {} inputs, {} geometric equations\n", name_of(v), inputs, directions_ * (inputs - 1));
     }
     return text;
 }

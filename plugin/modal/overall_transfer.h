@@ -45,6 +45,16 @@ public:
     /// In units in which it is about one at another λ, `beside`. Not at a natural frequency: what vanishes there would be
     /// blown up to one.
     Check check(double lambda, double beside) const;
+    /// The square matrix at λ, in SI, and what its rows and columns are: "tip_left.free.x" in "m". A column is an unknown at
+    /// a boundary, displacements and the force and moment that it hands on towards the root, or the free motion of a joint.
+    struct Line {
+        std::string name, unit;
+    };
+    struct Written {
+        Eigen::MatrixXd U;
+        std::vector<Line> rows, columns;
+    };
+    Written written(double lambda) const;
     /// The smallest singular value at λ as share of what it is at λ `beside`.
     double residual(double lambda, double beside) const;
 
@@ -94,7 +104,11 @@ private:
     Matrix through(const Edge& edge, bool is_forward, const Matrix& state, std::vector<Matrix>& lines, double lambda) const;
     Matrix line_transfer(const LineModel& line, double lambda) const;
     Matrix state_of(const Boundary& boundary) const;
-    Matrix assemble(double lambda) const;
+    /// rows: where they are wanted, what they are.
+    Matrix assemble(double lambda, std::vector<Line>* rows = nullptr) const;
+    std::vector<Line> columns_of_matrix() const;
+    std::string name_of(int vertex) const;
+    Line line_of(const std::string& owner, Eigen::Index entry) const;
     static Units units_of(Matrix U);
 
     const FrequencyModel& model_;

@@ -1,11 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "time/interior_layout.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 namespace dttmm::plugin {
+
+namespace {
+
+/// Of moments of inertia; 0 about a principal axis that has none, as a rod has none about itself: there a moment says
+/// nothing about the motion.
+Matrix3 inverse_of(const Matrix3& moments) {
+    constexpr double kNone = 1e-12;  // of the largest; a real part has a millionth or more
+    const Eigen::SelfAdjointEigenSolver<Matrix3> principal(moments);
+    const Vector3& values = principal.eigenvalues();
+    if (values(0) > kNone * values(2)) return moments.inverse();
+    const Vector3 inverse = (values.array() > kNone * values(2)).select(values.cwiseInverse(), 0.0);
+    return principal.eigenvectors() * inverse.asDiagonal() * principal.eigenvectors().transpose();
+}
+
+}  // namespace
 
 InteriorLayout::InteriorLayout(const Mechanism& mechanism, const dttmm_network& description, const MasslessFrames& massless,
                                const Loading& loading)
@@ -20,7 +36,7 @@ InteriorLayout::InteriorLayout(const Mechanism& mechanism, const dttmm_network& 
         const FrameSpec& frame = mechanism.assembly.frames[as_size(driven + f)];
         inertias.push_back({frame.mass, frame.inertia});
         inverse_moments.push_back(massless.is_massless(as_size(f), 1) ? Matrix3(Matrix3::Zero())
-                                                                      : Matrix3(frame.inertia.inverse()));
+                                                                      : inverse_of(frame.inertia));
     }
     set_reaches(mechanism);
     choose_receivers(mechanism, massless);

@@ -305,5 +305,45 @@ material = { E = "210 GPa", poisson = 0.3, density = "7850 kg/m^3" }
                 HasSubstr("t = 0 s: element \"spoke\" (plugin built in): the motion inside the network was not found"));
 }
 
+// Oracle: closed form, twice the static deflection F l/EA under a sudden force. A rod has no inertia about its own axis:
+// held at one end it carries a mass at the other all the same, also by hinges without freedom.
+TEST(Networks, ARodHoldsAMassInAllDirections) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", R"(format = "dttmm/1"
+[simulation]
+duration = "20 ms"
+step = "20 us"
+[nodes]
+a = [0, 0, 0]
+b = [0.3, 0.4, 0]
+[[element]]
+name = "foot"
+type = "elastic_hinge"
+from = "ground"
+to = "a"
+stiffness = { rx = "rigid" }
+[[element]]
+name = "rod"
+type = "rod"
+from = "a"
+to = "b"
+section = { EA = 1e6, mass = 1e-3 }
+[[element]]
+name = "m"
+type = "rigid_body"
+at = "b"
+mass = 5
+inertia = { xx = 0.1, yy = 0.2, zz = 0.3 }
+[[load]]
+on = "b"
+direction = [0.6, 0.8, 0]
+force = 70
+)");
+    const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    const double peak = read_json(folder / "out/summary.json")["elements"]["rod"]["deflection"]["x"]["peak"];
+    EXPECT_NEAR(peak, 2 * 70 * 0.5 / 1e6, 1e-3 * peak);
+}
+
 }  // namespace
 }  // namespace dttmm::host

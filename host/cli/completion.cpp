@@ -175,6 +175,7 @@ Words values(const Typed& typed) {
     if (name == "--coupling") return words_of(*find_key(key_table("simulation"), "coupling"));
     if (name == "--beams") return words_of(*find_key(key_table("modes"), "beams"));
     if (typed.command->bit == kNew && name == "--from") return {"plate", "mounts", "beam", "modes"};
+    if (name == "--as") return {"receptance", "mobility", "accelerance", "transmissibility"};
     if (name == "--window") return {"hann", "rectangular", "flattop"};
     if (typed.given.empty()) return {};
     if (typed.command->bit == kSpectrum && (name == "--channels" || name == "--speed")) return recorded_channels(typed);

@@ -150,10 +150,12 @@ private:
             n + 1, mass, list(centre), J.x(), J.y(), J.z());
         frames_[static_cast<size_t>(n + 1)].mass = mass_at(mass, J, axes, axes * centre);
     }
-    /// −1: the ground, which has an end where the other one is. Its force acts at its `to` end.
+    /// −1: the ground, which has an end where the other one is. Its force acts at its `to` end. From a node it has the axes
+    /// of that.
     void spring(int from, int to) {
         std::string rotation;
-        const Eigen::Matrix3d R = turned(rotation);
+        Eigen::Matrix3d R = turned(rotation);
+        if (from > 0) R = node_axes_[static_cast<size_t>(from - 1)];
         Spring own{Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, K_.cols()), {}, {}, number(0.01, 0.15)};
         for (int d = 0; d < 3; ++d) {
             own.k(d) = number(2e3, 2e4);
@@ -162,10 +164,11 @@ private:
             own.c(3 + d) = number(0, 0.02);
         }
         text_ += fmt::format(
-            "[[element]]\nname = \"s{}\"\ntype = \"spring_damper\"\nfrom = \"{}\"\nto = \"{}\"\naxes = {}\nstiffness = {}\n"
+            "[[element]]\nname = \"s{}\"\ntype = \"spring_damper\"\nfrom = \"{}\"\nto = \"{}\"\n{}stiffness = {}\n"
             "rotational_stiffness = {}\ndamping = {}\nrotational_damping = {}\nloss_factor = {:.17g}\n",
-            springs_.size(), from < 0 ? "ground" : place(from), place(to), rotation, list(own.k.head<3>()),
-            list(own.k.tail<3>()), list(own.c.head<3>()), list(own.c.tail<3>()), own.loss);
+            springs_.size(), from < 0 ? "ground" : place(from), place(to),
+            from > 0 ? "" : fmt::format("axes = {}\n", rotation), list(own.k.head<3>()), list(own.k.tail<3>()),
+            list(own.c.head<3>()), list(own.c.tail<3>()), own.loss);
         Matrix6d axes = Matrix6d::Zero();
         axes.topLeftCorner<3, 3>() = axes.bottomRightCorner<3, 3>() = R.transpose();
         const Eigen::Vector3d point = frames_[static_cast<size_t>(to)].place + arm_of(to);
@@ -317,7 +320,28 @@ TEST_F(SteadyVibration, ARunIsTheResponseOfItsStep) {
     }
 }
 
-// Oracle: the same of supports that move, in displacement and rotation, and of an unbalance, whose force grows as Ω².
+// Oracle: the same of an unbalance, whose force turns about an inclined axis.
+TEST_F(SteadyVibration, ARunUnderAnUnbalanceIsTheResponseOfItsStep) {
+    std::string text = turned_block(
+        "[[load]]\non = \"block.two\"\ndirection = [0.1, 1, 0.3]\nunbalance = \"3 g*m\"\nzero = [1, 0, 0]\n", 4, 0.01);
+    text.replace(text.find("420 rpm"), 7, "150 rpm");
+    const Table exact = response(text, {"-q", "--out", "mount*.force"});
+    ASSERT_EQ(exact.rows.size(), 1u);
+    const double w = 5 * kHalfTurn;
+    for (const double step : {0.01, 0.005}) {
+        std::string own = text;
+        own.replace(own.find("step = \"0.01 s\""), 15, fmt::format("step = {}", step));
+        const Table run = history(own);
+        for (int mount = 1; mount <= 4; ++mount)
+            for (const char* axis : {".x", ".y", ".z"}) {
+                const std::string name = fmt::format("mount{}.force{}", mount, axis);
+                const Complex got = amplitude_of(run, name, w, 4 - 2.0), expected = exact.amplitude(0, name);
+                EXPECT_LT(std::abs(got - expected), w * w * step * step / 6 * std::abs(expected)) << name << " " << step;
+            }
+    }
+}
+
+// Oracle: the same of supports that move, in displacement and rotation.
 TEST_F(SteadyVibration, ARunOnMovingSupportsIsTheResponseOfItsStep) {
     const auto text = [](const std::string& frequency, double step) {
         const auto moves = [&](double amplitude, double phase) {

@@ -152,7 +152,9 @@ TEST_F(SteadyVibration, AFrfIsTheResponseOfOneInput) {
             const Table table = response(text, words);
             const Ended ended = run_dttmm(folder_.path(), frf);
             ASSERT_EQ(ended.code, 0) << ended.err;
-            EXPECT_EQ(ended.err, "");
+            if (is_adaptive) {
+                EXPECT_EQ(ended.err, "");
+            }
             const Table same = read_table(folder_ / fmt::format("frf{}{}/frf.csv", out, is_adaptive));
             ASSERT_EQ(same.rows.size(), table.rows.size());
             EXPECT_GT(table.rows.size(), is_adaptive ? 20u : 6u);

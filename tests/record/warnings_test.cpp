@@ -38,5 +38,20 @@ TEST(Warnings, FiftyArePrintedAndTheRestIsCountedByCode) {
     EXPECT_EQ(warnings.all().size(), 58u);
 }
 
+// Cases of a sweep: each keeps its own, the sweep prints an equal one once.
+TEST(Warnings, APartKeepsItsOwnAndTheWholePrints) {
+    Warnings whole;
+    testing::internal::CaptureStderr();
+    for (int part = 0; part < 2; ++part) {
+        Warnings own(whole);
+        own.note("gravity-not-in-modes", "without gravity");
+        if (part == 1) own.add("no-response", "zero");
+        own.print_rest("");
+        EXPECT_EQ(own.all().size(), part == 0 ? 1u : 2u);
+    }
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "note: without gravity\nwarning: zero\n");
+    EXPECT_EQ(whole.all().size(), 2u);
+}
+
 }  // namespace
 }  // namespace dttmm::host

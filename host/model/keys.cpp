@@ -327,6 +327,14 @@ constexpr Key kTable[] = {
     {"file", Kind::text,
      "instead: a CSV file in the model's folder, time and value; a heading and a line of units may come "
      "first"},
+    {"of",
+     Kind::word,
+     "of a motion: what the values are of; a velocity or acceleration is zero outside and begins at rest",
+     "displacement",
+     "",
+     0,
+     {},
+     "displacement|velocity|acceleration"},
 };
 constexpr Key kExpression[] = {type_of_signal("expression"),
                                {"value", Kind::text, "\"=...\", of t and the parameters", kRequired}};

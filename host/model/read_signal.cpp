@@ -212,10 +212,28 @@ std::optional<Signal> read_psd(const TableReader& table) {
     return make_signal<PsdSignal>(*frequencies, *densities, *interpolation == 1, *derivative);
 }
 
-std::optional<Signal> read_inline_table(const TableReader& table) {
+/// The signal of points of a value, or of a velocity or acceleration of it, which may leave it moving for ever.
+Signal make_table(const TableReader& table, std::vector<double> times, std::vector<double> values, int derivative) {
+    if (derivative == 0) return make_signal<TableSignal>(std::move(times), std::move(values));
+    const auto shape = std::make_shared<const IntegratedTableSignal>(std::move(times), std::move(values), derivative);
+    constexpr double kAtRest = 1e-6;  // of the largest velocity: rounding of a table's digits
+    if (std::abs(shape->last_velocity()) > kAtRest * shape->largest_velocity())
+        table.warning(
+            table.place(), "motion-drifts",
+            fmt::format("{}: behind the last point it goes on with {:.3g} {} for ever: correct the baseline of the "
+                        "acceleration, so that its integral ends at zero",
+                        table.what("values"), shape->last_velocity(), unit_of_derivative(table, 1)));
+    return Signal(shape);
+}
+
+std::optional<Signal> read_inline_table(const TableReader& table, int derivative) {
     const auto times = table.numbers("times");
-    const auto values = table.numbers("values");
-    if (!times || !values) return std::nullopt;
+    const TomlMember* given = table.require("values");
+    if (!times || !given) return std::nullopt;
+    const auto values =
+        read_numbers(table.context(), given->value, table.what("values"), unit_of_derivative(table, derivative),
+                     std::max<std::size_t>(given->value.items.size(), 1));
+    if (!values) return std::nullopt;
     const TomlValue& place = table.find("times")->value;
     if (times->size() != values->size()) {
         table.error(place.place,
@@ -229,19 +247,19 @@ std::optional<Signal> read_inline_table(const TableReader& table) {
                                 i, (*times)[i - 1]));
         return std::nullopt;
     }
-    return make_signal<TableSignal>(*times, *values);
+    return make_table(table, *times, *values, derivative);
 }
 
-std::optional<Signal> read_file_table(const TableReader& table) {
+std::optional<Signal> read_file_table(const TableReader& table, int derivative) {
     const auto name = table.text("file");
     if (!name) return std::nullopt;
     for (const char* key : {"times", "values"})
         if (const TomlMember* member = table.find(key))
             table.error(member->place, fmt::format("{} and file exclude each other", key));
     try {
-        TimeTable columns = read_table_file(table.context().folder, *name, table.unit());
+        TimeTable columns = read_table_file(table.context().folder, *name, unit_of_derivative(table, derivative));
         table.context().files.push_back(table.context().folder / *name);
-        return make_signal<TableSignal>(std::move(columns.times), std::move(columns.values));
+        return make_table(table, std::move(columns.times), std::move(columns.values), derivative);
     } catch (const Error& error) {
         table.error(table.find("file")->value.place, error.what());
         return std::nullopt;
@@ -249,7 +267,9 @@ std::optional<Signal> read_file_table(const TableReader& table) {
 }
 
 std::optional<Signal> read_table(const TableReader& table) {
-    return table.find("file") ? read_file_table(table) : read_inline_table(table);
+    const auto derivative = read_derivative(table);
+    if (!derivative) return std::nullopt;
+    return table.find("file") ? read_file_table(table, *derivative) : read_inline_table(table, *derivative);
 }
 
 std::optional<Signal> read_constant_table(const TableReader& table) {

@@ -99,6 +99,41 @@ double TableSignal::value(double time) const {
     return (1 - s) * values_[i - 1] + s * values_[i];
 }
 
+IntegratedTableSignal::IntegratedTableSignal(std::vector<double> times, std::vector<double> rates, int order)
+    : times_(std::move(times)), rates_(std::move(rates)), order_(order), displacements_(1, 0.0), velocities_(1, 0.0) {
+    if (order_ == 1) velocities_.front() = rates_.front();
+    for (size_t i = 1; i < times_.size(); ++i) {
+        double velocity = 0;
+        displacements_.push_back(advance(i - 1, times_[i], velocity));
+        velocities_.push_back(velocity);
+    }
+}
+
+/// The displacement and the velocity at a time between point i and the next.
+double IntegratedTableSignal::advance(size_t i, double time, double& velocity) const {
+    const double t = time - times_[i], slope = (rates_[i + 1] - rates_[i]) / (times_[i + 1] - times_[i]), rate = rates_[i];
+    if (order_ == 1) {
+        velocity = rate + slope * t;
+        return displacements_[i] + t * (rate + slope * t / 2);
+    }
+    velocity = velocities_[i] + t * (rate + slope * t / 2);
+    return displacements_[i] + t * (velocities_[i] + t * (rate / 2 + slope * t / 6));
+}
+
+double IntegratedTableSignal::value(double time) const {
+    const auto after = std::upper_bound(times_.begin(), times_.end(), time);
+    if (after == times_.begin()) return 0;
+    if (after == times_.end()) return displacements_.back() + last_velocity() * (time - times_.back());
+    double velocity = 0;
+    return advance(as_size(after - times_.begin()) - 1, time, velocity);
+}
+
+double IntegratedTableSignal::largest_velocity() const {
+    double largest = 0;
+    for (const double velocity : velocities_) largest = std::max(largest, std::abs(velocity));
+    return largest;
+}
+
 double ExpressionSignal::value(double time) const { return expression_.value(time); }
 
 }  // namespace dttmm::host

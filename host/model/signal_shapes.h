@@ -133,6 +133,25 @@ private:
     std::vector<double> times_, values_;
 };
 
+/// A displacement whose velocity or acceleration is linear between the given points and zero outside; zero and at rest
+/// before the first. `times` increase strictly; at least one point.
+class IntegratedTableSignal : public Signal::Shape {
+public:
+    /// order: 1 of a velocity, 2 of an acceleration.
+    IntegratedTableSignal(std::vector<double> times, std::vector<double> rates, int order);
+    double value(double time) const override;
+    /// With which it goes on for ever behind the last point.
+    double last_velocity() const { return order_ == 2 ? velocities_.back() : 0; }
+    double largest_velocity() const;
+
+private:
+    double advance(size_t i, double time, double& velocity) const;
+
+    std::vector<double> times_, rates_;
+    int order_;
+    std::vector<double> displacements_, velocities_;  ///< at the points
+};
+
 /// f(t) = the value of an expression of t. One thread at a time.
 class ExpressionSignal : public Signal::Shape {
 public:

@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "cli/process.h"
@@ -123,6 +125,30 @@ TEST_F(GroundEnds, MoveInFrequencyAsNodesDo) {
         table(machine(false, "0", "0"),
               {"response", "--in", "spring2.ground.x", "--from", "3Hz", "--to", "60Hz", "--points", "3"}, "response.csv");
     EXPECT_EQ(unit.rows.size(), 3u);
+}
+
+// Oracle: the integral by hand. The acceleration of a haversine is a cosine; its points 0.05 ms apart move the feet as it
+// does to (W dt)²/12 = 5e-6 of it.
+TEST_F(GroundEnds, MoveByAnAcceleration) {
+    std::string times, values;
+    const double W = 2 * M_PI / 0.04, dt = 5e-5;
+    for (int i = 0; i <= 800; ++i) {
+        times += fmt::format("{}{:.17g}", i > 0 ? ", " : "", 0.003 + i * dt);
+        values += fmt::format("{}{:.17g}", i > 0 ? ", " : "", 0.001 * W * W * std::cos(W * i * dt));
+    }
+    const std::string x = R"({ type = "haversine", peak = "2 mm", start = "3 ms", width = "40 ms" })",
+                      a = "{ type = \"table\", of = \"acceleration\", times = [" + times + "], values = [" + values + "] }";
+    const ResultsTable shaken = table(machine(false, a, "0"), {"run"}, "history.csv"),
+                       moved = table(machine(false, x, "0"), {"run"}, "history.csv");
+    ASSERT_EQ(shaken.rows.size(), 121u);
+    double largest = 0;
+    for (size_t i = 0; i < moved.rows.size(); ++i) largest = std::max(largest, std::abs(moved.value(i, "spring1.force.x")));
+    for (size_t i = 0; i < moved.rows.size(); ++i)
+        EXPECT_NEAR(shaken.value(i, "spring1.force.x"), moved.value(i, "spring1.force.x"), 2e-5 * largest) << i;
+    write_text(
+        folder_ / "model.toml",
+        machine(false, "{ type = \"table\", of = \"acceleration\", times = [0, 0.01], values = [\"0 m/s^2\", 5] }", "0"));
+    EXPECT_THAT(run_dttmm(folder_.path(), {"check", "model.toml"}).err, HasSubstr("goes on with 0.025 m/s for ever"));
 }
 
 TEST_F(GroundEnds, OthersDoNotMove) {

@@ -24,7 +24,7 @@ std::vector<DynamicStiffnessRow> sampled(double low, double high, int count, Com
 // Oracle: the formula, term by term.
 TEST(MaxwellSeries, IsASpringBesideSpringsWithDampers) {
     const MaxwellSeries series{700, {{300, 0.02}, {150, 0.7}}};
-    const Complex s(0, 31), a = 300 / (1.0 + 1 / (s * 0.02)), b = 150 / (1.0 + 1 / (s * 0.7));
+    const Complex s(0, 31), a = 300.0 / (1.0 + 1.0 / (s * 0.02)), b = 150.0 / (1.0 + 1.0 / (s * 0.7));
     EXPECT_LT(std::abs(series.at(31) - (700.0 + a + b)), 1e-12 * 700);
 }
 

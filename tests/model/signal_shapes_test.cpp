@@ -87,6 +87,28 @@ TEST(TableSignal, IsLinearBetweenAndHeldOutside) {
     EXPECT_EQ(TableSignal({3}, {7}).value(0), 7);
 }
 
+// Oracle: the cubic by hand. a = 6 (t − 1) from 1 to 2 s, then 6 − 12 (t − 2) to 2.5 s: v = 3 and 4.5, x = 1 and 3.
+TEST(IntegratedTableSignal, IntegratesAnAccelerationTwice) {
+    const IntegratedTableSignal table({1, 2, 2.5}, {0, 6, 0}, 2);
+    EXPECT_EQ(table.value(0.5), 0);
+    EXPECT_NEAR(table.value(1.5), 0.125, 1e-15);
+    EXPECT_NEAR(table.value(2), 1, 1e-15);
+    EXPECT_NEAR(table.value(2.5), 1 + 3 * 0.5 + 6 * 0.125 - 12 * 0.125 / 6, 1e-15);
+    EXPECT_NEAR(table.last_velocity(), 3 + 6 * 0.5 - 6 * 0.25, 1e-15);
+    EXPECT_NEAR(table.value(4.5), table.value(2.5) + 2 * 4.5, 1e-14);
+    EXPECT_NEAR(table.largest_velocity(), 4.5, 1e-15);
+}
+
+// Oracle: the trapezes by hand; it stands still behind the last point.
+TEST(IntegratedTableSignal, IntegratesAVelocityOnce) {
+    const IntegratedTableSignal table({0, 1, 3}, {2, 4, -1}, 1);
+    EXPECT_NEAR(table.value(0.5), 1.25, 1e-15);
+    EXPECT_NEAR(table.value(1), 3, 1e-15);
+    EXPECT_NEAR(table.value(3), 6, 1e-15);
+    EXPECT_NEAR(table.value(9), 6, 1e-15);
+    EXPECT_EQ(table.last_velocity(), 0);
+}
+
 TEST(ExpressionSignal, EvaluatesAtTheTime) {
     const ExpressionSignal signal(Expression("a*t^2", {{"a", 3.0}}, "t"));
     EXPECT_EQ(signal.value(2), 12);

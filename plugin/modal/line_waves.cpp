@@ -43,7 +43,7 @@ Matrix6 mass_per_length(const Section& s) {
 /// e^X and its derivative by Y, X' = Y: Taylor of a small fraction until a term changes nothing, then squared. At λ = 0 the
 /// series ends by itself.
 template <class Square>
-void exponential_of(Square X, Square Y, bool with_derivative, Square& E, Square& D) {
+void exponential_of(Square X, Square Y, Square& E, Square& D) {
     constexpr int kMostTerms = 16;  // of a norm of 0.5 the next is 1e-20
     const double norm = X.cwiseAbs().colwise().sum().maxCoeff();
     const int squarings = norm > 0.5 ? static_cast<int>(std::ceil(std::log2(norm / 0.5))) : 0;
@@ -56,22 +56,63 @@ void exponential_of(Square X, Square Y, bool with_derivative, Square& E, Square&
     D = change;
     for (int k = 1; k <= kMostTerms; ++k) {
         const Square before = E, derivative = D;
-        if (with_derivative) D += change = ((X * change + Y * term) / k).eval();
+        D += change = ((X * change + Y * term) / k).eval();
         E += term = (X * term / k).eval();
         if (E == before && D == derivative) break;
     }
     for (int k = 0; k < squarings; ++k) {
-        if (with_derivative) D = (E * D + D * E).eval();
+        D = (E * D + D * E).eval();
         E = (E * E).eval();
     }
+}
+
+/// e^X alone, by fewer products: Taylor's terms up to X¹⁵ as a polynomial in X⁴ (Paterson and Stockmeyer).
+template <class Square>
+Square exponential_alone(Square X) {
+    const double norm = X.cwiseAbs().colwise().sum().maxCoeff();  // at 0.5 the first term left out is 7e-19
+    const int squarings = norm > 0.5 ? static_cast<int>(std::ceil(std::log2(norm / 0.5))) : 0;
+    X *= std::ldexp(1.0, -squarings);
+    const Square X2 = X * X, X3 = X2 * X, X4 = X2 * X2;
+    constexpr std::array<double, 16> kPartOf = [] {
+        std::array<double, 16> parts{1};
+        for (size_t k = 1; k < parts.size(); ++k) parts[k] = parts[k - 1] / static_cast<double>(k);
+        return parts;
+    }();
+    const auto four = [&](size_t k) {
+        Square sum = kPartOf[k + 1] * X + kPartOf[k + 2] * X2 + kPartOf[k + 3] * X3;
+        sum.diagonal().array() += kPartOf[k];
+        return sum;
+    };
+    Square E = four(12);
+    for (const size_t k : {8, 4, 0}) E = (four(k) + X4 * E).eval();
+    for (int k = 0; k < squarings; ++k) E = (E * E).eval();
+    return E;
+}
+
+/// Of blocks of one to six directions, those of one and two by their cofactors.
+template <class Block>
+Block inverse_of_block(const Block& block) {
+    using Scalar = typename Block::Scalar;
+    Block inverse(block.rows(), block.cols());
+    if (block.rows() == 1)
+        inverse(0, 0) = Scalar(1) / block(0, 0);
+    else if (block.rows() == 2)
+        inverse = Eigen::Matrix<Scalar, 2, 2>(block).inverse();
+    else
+        inverse = block.fullPivLu().inverse();
+    return inverse;
 }
 
 /// The same of blocks of one, two, .. six directions, each worked out at its own size.
 template <class Scalar, int kSize>
 void exponential_in(const LineWaves::Block<Scalar>& X, const LineWaves::Block<Scalar>& Y, bool with_derivative,
                     LineWaves::Block<Scalar>& E, LineWaves::Block<Scalar>& D) {
+    if (!with_derivative) {
+        E = exponential_alone<Eigen::Matrix<Scalar, kSize, kSize>>(X);
+        return;
+    }
     Eigen::Matrix<Scalar, kSize, kSize> exponential, derivative;
-    exponential_of<Eigen::Matrix<Scalar, kSize, kSize>>(X, Y, with_derivative, exponential, derivative);
+    exponential_of<Eigen::Matrix<Scalar, kSize, kSize>>(X, Y, exponential, derivative);
     E = exponential;
     D = derivative;
 }
@@ -163,8 +204,17 @@ LineWaves::LineWaves(const Line& line, double length, Directions active, double 
             const double bending = d == 1 ? s.EIz : d == 2 ? s.EIy : 0;
             group.unit_n(k) = bending > 0 ? bending : 1 / C(d);
         }
+        for (size_t g = 0; g < groups_.size() && group.mirror < 0; ++g)
+            if (is_mirror(group, groups_[g])) group.mirror = as_int(g);
         groups_.push_back(std::move(group));
     }
+}
+
+/// Whether it is another plane's group with its rotation the other way round: so are both planes of a round or square
+/// section.
+bool LineWaves::is_mirror(const Group& one, const Group& other) {
+    return one.directions.size() == 2 && other.directions.size() == 2 && one.C == other.C && one.M == other.M &&
+           one.M(0, 1) == 0 && one.M(1, 0) == 0 && one.G == other.G && one.A == -other.A;
 }
 
 /// U of a group over s in its units, where a deflection counts in lengths of s and forces as what bends, or shears, by a
@@ -244,9 +294,20 @@ void LineWaves::evaluate(int count, Scalar lambda, Scalar stiffening, Square<Sca
     if (mass) mass->setZero();
     for (const Group& group : groups_) {
         const auto n = as_row(group.directions.size());
+        if (group.mirror >= 0) {
+            const std::vector<int>& other = groups_[as_size(group.mirror)].directions;
+            const auto at = [](const std::vector<int>& directions, size_t k) { return directions[k % 2] + (k < 2 ? 0 : 6); };
+            for (size_t i = 0; i < 4; ++i)
+                for (size_t j = 0; j < 4; ++j)
+                    for (Square<Scalar>* into : {&stiffness, mass})
+                        if (into)
+                            (*into)(at(group.directions, i), at(group.directions, j)) =
+                                ((i + j) % 2 == 0 ? 1.0 : -1.0) * (*into)(at(other, i), at(other, j));
+            continue;
+        }
         const Waves<Scalar> w = waves<Scalar>(group, length_ / count, lambda, stiffening, mass != nullptr);
         const Block<Scalar> Udd = w.U.topLeftCorner(n, n), Unn = w.U.bottomRightCorner(n, n);
-        const Block<Scalar> W = Block<Scalar>(w.U.topRightCorner(n, n)).fullPivLu().inverse();
+        const Block<Scalar> W = inverse_of_block<Block<Scalar>>(w.U.topRightCorner(n, n));
         // n0 = W (d1 − Udd d0),  n1 = Und d0 + Unn n0; on the piece act −n0 and n1
         Eigen::Matrix<int, Eigen::Dynamic, 1, 0, 12, 1> at(2 * n);
         for (Eigen::Index k = 0; k < n; ++k) {

@@ -63,6 +63,7 @@ private:
         std::vector<int> directions;
         Block<double> A, M, G;     ///< G: what the axial force adds to n' by d
         Column C, unit_d, unit_n;  ///< diagonal of C; units of d and n for a piece of unit length
+        int mirror = -1;           ///< group of the other plane that is the same but for the sense of its rotation
         /// By count of pieces, as far as they were asked for: the lines are cut anew for every frequency. Mutable: what is
         /// kept is what would be found again.
         mutable std::map<int, double> lowest_held;
@@ -75,6 +76,7 @@ private:
     template <class Scalar>
     Waves<Scalar> waves(const Group& group, double s, Scalar lambda, Scalar stiffening, bool with_derivative) const;
     double lowest_held(const Group& group, int count) const;
+    static bool is_mirror(const Group& one, const Group& other);
 
     double length_;
     int least_pieces_ = 1;  ///< that an axial force wants: none buckles with its ends held, and no exponential overflows

@@ -168,7 +168,7 @@ TEST_F(SteadyVibration, AFrfIsTheResponseOfOneInput) {
 
 // ---- Sweeps --------------------------------------------------------------------------------------------------------------
 
-std::vector<std::vector<std::string>> cells_of(const std::filesystem::path& file) {
+std::vector<std::vector<std::string>> sweep_cells(const std::filesystem::path& file) {
     std::istringstream lines(read_text(file));
     std::vector<std::vector<std::string>> cells;
     for (std::string line; std::getline(lines, line);) {
@@ -189,7 +189,7 @@ TEST_F(SteadyVibration, ASweepHasACasePerValue) {
     alone.insert(alone.end(), {"--set", "m=2 kg", "--set", "c=30 N*s/m"});
     const Ended ended = ask(mass_on_foot(), swept);
     ASSERT_EQ(ended.code, 0) << ended.err;
-    const auto cells = cells_of(folder_ / "out1/sweep.csv");
+    const auto cells = sweep_cells(folder_ / "out1/sweep.csv");
     ASSERT_EQ(cells.size(), 8u);
     EXPECT_THAT(cells[0], ElementsAre("case", "m", "c", "status", "reason", "warnings", "top.position.x.largest",
                                       "top.position.x.frequency"));
@@ -220,7 +220,7 @@ TEST_F(SteadyVibration, AFailingCaseLeavesTheOthers) {
     const Ended ended = ask(mass_on_foot(), some);
     EXPECT_EQ(ended.code, 9);
     EXPECT_THAT(ended.err, HasSubstr("case-000002 m=-1 kg: model.toml:"));
-    const auto cells = cells_of(folder_ / "out1/sweep.csv");
+    const auto cells = sweep_cells(folder_ / "out1/sweep.csv");
     ASSERT_EQ(cells.size(), 5u);
     EXPECT_EQ(cells[2][3], "completed");
     EXPECT_EQ(cells[3][3], "failed");
@@ -240,7 +240,7 @@ TEST_F(SteadyVibration, ASweepOfRandomLoadsAndOfSpeeds) {
     ASSERT_EQ(ended.code, 0) << ended.err;
     EXPECT_THAT(ended.out, HasSubstr("RMS of m.position.x"));
     EXPECT_THAT(ended.out, HasSubstr("2 of 2 cases completed"));
-    const auto cells = cells_of(folder_ / "out1/sweep.csv");
+    const auto cells = sweep_cells(folder_ / "out1/sweep.csv");
     ASSERT_EQ(cells.size(), 4u);
     EXPECT_EQ(cells[0].back(), "m.position.x.rms");
     const double expected = std::sqrt(3 / (4 * kSpring * 11.0));
@@ -248,7 +248,7 @@ TEST_F(SteadyVibration, ASweepOfRandomLoadsAndOfSpeeds) {
     EXPECT_NEAR(std::stod(cells[3].back()), expected / 2, 5e-4 * expected);
     text.replace(text.find("psd = "), std::string::npos, "harmonic = { amplitude = 1, order = 2 }\n");
     ASSERT_EQ(ask(text, {"--rpm", "100..200:3", "--out", "m.position.x", "--sweep", "c=11 N*s/m,44 N*s/m", "-q"}).code, 0);
-    const auto speeds = cells_of(folder_ / "out2/sweep.csv");
+    const auto speeds = sweep_cells(folder_ / "out2/sweep.csv");
     EXPECT_EQ(speeds[0].back(), "m.position.x.rpm");
     EXPECT_NEAR(std::stod(speeds[2].back()), 200, 1e-9);
 }

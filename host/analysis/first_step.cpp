@@ -38,12 +38,11 @@ Model choose_step(Model model, const Plugins& plugins) {
     const double omega = simulation.fastest_mode().omega;
     double longest = settings.step;
     if (omega > 0) longest = std::min(longest, std::max(kUnresolved / omega, duration / kMostStepsForVibrations));
-    std::vector<std::vector<SignalPart>> loads;
-    for (const Load& load : model.loads) loads.push_back(find_parts(load, duration, duration / kStepsOfSpectrum));
+    const std::vector<Acting> all_acting = find_acting(model, duration / kStepsOfSpectrum);
     const auto is_short_enough = [&](double h) {
         if (h <= std::max(duration / kMostStepsForLoads, kShortestStep)) return true;
-        return h <= longest && std::ranges::all_of(loads, [&](const std::vector<SignalPart>& parts) {
-                   return compute_largest_error(parts, simulation.load_weights(), h) <= kTolerableExtrapolatedError;
+        return h <= longest && std::ranges::all_of(all_acting, [&](const Acting& acting) {
+                   return compute_largest_error(acting.parts, simulation.load_weights(), h) <= kTolerableExtrapolatedError;
                });
     };
     if (model.output.step > 0) {

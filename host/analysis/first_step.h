@@ -11,7 +11,8 @@ namespace dttmm::host {
 ///   - is at most a thousandth of the duration: a picture of the history is then smooth;
 ///   - resolves the fastest vibration of the bodies with ω h <= 1 (halving.h), but not below 1e-4 of the duration: where so
 ///     fast a vibration matters, the halvings that follow find it;
-///   - leaves the error of every load at most 10 % (load_speed.h), but not below 1e-6 of the duration: the limit of what is
+///   - leaves the error of every load and motion of a support at most 10 % (load_speed.h), but not below 1e-6 of the
+///   duration: the limit of what is
 ///     run without being asked for;
 ///   - divides the output step, or the duration where no output step is given, into 1, 2, 4, 5, 8, 10, ... parts.
 /// Without an output step there is a row per first step, at most 10 000 rows. Throws Error like Simulation.

@@ -85,11 +85,26 @@ std::vector<SignalPart> find_parts(const Signal& signal, double duration, double
     return parts;
 }
 
-std::vector<SignalPart> find_parts(const Load& load, double duration, double step) {
-    std::vector<SignalPart> parts = find_parts(load.signal, duration, step);
-    if (!load.signal_at_to) return parts;
-    for (const SignalPart& part : find_parts(*load.signal_at_to, duration, step)) parts.push_back(part);
-    return parts;
+std::vector<Acting> find_acting(const Model& model, double step) {
+    constexpr const char* kDirections[] = {"x", "y", "z", "rx", "ry", "rz"};
+    const double duration = model.simulation.duration;
+    std::vector<Acting> all;
+    for (size_t i = 0; i < model.loads.size(); ++i) {
+        const Load& load = model.loads[i];
+        all.push_back({load.place, fmt::format("load number {}", i + 1), find_parts(load.signal, duration, step)});
+        if (!load.signal_at_to) continue;
+        for (const SignalPart& part : find_parts(*load.signal_at_to, duration, step)) all.back().parts.push_back(part);
+    }
+    for (const Node& node : model.nodes)
+        for (size_t d = 0; d < node.motion.size(); ++d)
+            if (node.motion[d])
+                all.push_back({node.motion_place, fmt::format("the motion of node \"{}\" in {}", node.name, kDirections[d]),
+                               find_parts(*node.motion[d], duration, step)});
+    for (const Joint& joint : model.joints)
+        if (joint.drive)
+            all.push_back({joint.drive_place, fmt::format("the motor of joint \"{}\"", joint.name),
+                           find_parts(*joint.drive, duration, step)});
+    return all;
 }
 
 double compute_largest_error(const std::vector<SignalPart>& parts, const double weights[3], double step) {
@@ -102,29 +117,27 @@ std::vector<FastLoad> find_fast_loads(const Model& model, const Simulation& simu
     const double* weights = simulation.load_weights();
     const double step = simulation.step_size();
     std::vector<FastLoad> found;
-    for (size_t i = 0; i < model.loads.size(); ++i) {
-        const std::vector<SignalPart> parts = find_parts(model.loads[i], model.simulation.duration, step);
-        const auto largest_error = [&](double h) { return compute_largest_error(parts, weights, h); };
+    for (const Acting& acting : find_acting(model, step)) {
+        const auto largest_error = [&](double h) { return compute_largest_error(acting.parts, weights, h); };
         if (!(largest_error(step) > tolerable)) continue;
         const auto worst = std::ranges::max_element(
-            parts, {}, [&](const SignalPart& part) { return std::abs(error_of(part, weights, step)); });
+            acting.parts, {}, [&](const SignalPart& part) { return std::abs(error_of(part, weights, step)); });
         const double cure =
             divide_step(step, [&](double h) { return h < kShortestStep || largest_error(h) <= kTolerableLoadError; });
-        found.push_back({i, worst->frequency, error_of(*worst, weights, step), cure});
+        found.push_back({acting.place, acting.name, worst->frequency, error_of(*worst, weights, step), cure});
     }
     return found;
 }
 
-std::string describe(const FastLoad& fast, const Model& model, double step) {
+std::string describe(const FastLoad& fast, double step) {
     const double per_period = 1 / (fast.frequency * step);
     const double digits = std::pow(10, std::floor(std::log10(fast.frequency)) - 2);  // three of them, without exponent
     return fmt::format(
-        "{}: load number {} has a part at {:g} Hz, {:.2g} steps per period: at a step of {:g} s its effect is about "
+        "{}: {} has a part at {:g} Hz, {:.2g} steps per period: at a step of {:g} s its effect is about "
         "{:.2g} "
         "% too {}{}, more near a natural frequency; use --step \"{:.12g} s\" for 1 % away from these",
-        model.loads[fast.index].place, fast.index + 1, std::round(fast.frequency / digits) * digits, per_period, step,
-        100 * std::abs(fast.error), fast.error < 0 ? "small" : "large",
-        per_period < 2 ? ", or it is lost between two steps" : "", fast.step);
+        fast.place, fast.name, std::round(fast.frequency / digits) * digits, per_period, step, 100 * std::abs(fast.error),
+        fast.error < 0 ? "small" : "large", per_period < 2 ? ", or it is lost between two steps" : "", fast.step);
 }
 
 double divide_step(double step, const std::function<bool(double)>& is_short_enough) {

@@ -24,21 +24,27 @@ double compute_load_error(const double weights[3], double omega_h);
 /// smaller part cannot cost 1 % of the load. A part that lasts a short part of the duration only is small in the spectrum.
 std::vector<SignalPart> find_parts(const Signal& signal, double duration, double step);
 
-/// Those of a load; of a force per length those at both ends.
-std::vector<SignalPart> find_parts(const Load& load, double duration, double step);
+/// A load, or the motion of a support or a motor, which acts on what follows it as a load does: through elements, with the
+/// same weights.
+struct Acting {
+    std::string place, name;  ///< "model.toml:24:1", "load number 1"
+    std::vector<SignalPart> parts;
+};
+/// All of a model over its duration; of a force per length the parts at both ends.
+std::vector<Acting> find_acting(const Model& model, double step);
 
 /// The error of the part that costs most: the largest |share · compute_load_error|.
 double compute_largest_error(const std::vector<SignalPart>& parts, const double weights[3], double step);
 
-/// A load with a part that is too fast for the step.
+/// A load or motion with a part that is too fast for the step.
 struct FastLoad {
-    size_t index = 0;      ///< of Model::loads
+    std::string place, name;
     double frequency = 0;  ///< of the part that suffers most [Hz]
     double error = 0;      ///< of the load's effect, as a share of its largest part; negative: too small
     double step = 0;       ///< at which it would be 1 % or less [s]; divides the present step
 };
 
-/// The loads whose effect is in error by more than `tolerable` [1] at the simulation's step.
+/// The loads and motions whose effect is in error by more than `tolerable` [1] at the simulation's step.
 std::vector<FastLoad> find_fast_loads(const Model& model, const Simulation& simulation, double tolerable);
 
 /// The effect of a load may be in error by this much without a word. It is the tolerance of a run without a step.
@@ -49,7 +55,7 @@ inline constexpr double kTolerableExtrapolatedError = 0.1;
 
 /// "model.toml:24:1: load number 1 has a part at 200 Hz, 5 steps per period: at a step of 0.001 s its effect is about 35 %
 /// too small; use --step "0.000125 s" for 1 %".
-std::string describe(const FastLoad& fast, const Model& model, double step);
+std::string describe(const FastLoad& fast, double step);
 
 /// The largest step that is short enough among those that divide `step` into 1, 2, 4, 5, 8, 10, 20, ... parts: it then
 /// divides duration and output step as well, and is short to write.

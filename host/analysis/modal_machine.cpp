@@ -39,6 +39,7 @@ ModalMachine::ModalMachine(const Model& model, ModalDescription description)
     : model_(model),
       description_(std::move(description)),
       instance_(tell_place(model, [&] { return ModalInstance(description_.plugin(), description_.model()); })) {
+    joint_turning_.resize(model.joints.size());
     for (size_t b = 0; b < model.bodies.size(); ++b) {
         Body body = model.bodies[b];
         if (rest()) {
@@ -142,7 +143,14 @@ ModalMachine::Complex6 ModalMachine::joint_wrench(size_t joint, const ModalInsta
     Complex6 own;
     own << axes.transpose().cast<std::complex<double>>() * wrench.head<3>(),
         axes.transpose().cast<std::complex<double>>() * wrench.tail<3>();
-    return own;
+    Eigen::Matrix<std::complex<double>, 12, 1> bodies;
+    for (const int side : {0, 1}) {
+        const int body = side == 0 ? first : model_.joints[joint].second;
+        bodies.segment<6>(6 * side) = body < 0 ? Complex6(Complex6::Zero()) : response.bodies[as_size(body)];
+    }
+    std::optional<Eigen::Matrix<double, 6, 12>>& turning = joint_turning_[joint];
+    if (!turning) turning = description_.joint_turning(joint);
+    return own + *turning * bodies;
 }
 
 ModalMachine::Complex6 ModalMachine::joint_motion(size_t joint, const ModalInstance::Response& response) const {

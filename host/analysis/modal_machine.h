@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -92,6 +93,7 @@ private:
     ModalDescription description_;
     ModalInstance instance_;
     std::vector<ModalPlace> places_;
+    mutable std::vector<std::optional<Eigen::Matrix<double, 6, 12>>> joint_turning_;  ///< of the joints asked for
 };
 
 /// Names of the six directions, in order.

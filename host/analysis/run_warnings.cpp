@@ -67,8 +67,8 @@ std::string describe_energy_fault(const Model& model, const Simulation& simulati
     if (simulation.explicit_limit() && simulation.explicit_limit()->load > 0.8 * kExplicitLimit)
         return fmt::format("near the limit of the explicit coupling or beyond it, {}", simulation.describe_speed());
     if (!fast.empty())
-        return fmt::format("the load at {} is too fast for the step of {:g} s; use --step \"{:.12g} s\"",
-                           model.loads[fast.front().index].place, simulation.step_size(), fast.front().step);
+        return fmt::format("{} at {} is too fast for the step of {:g} s; use --step \"{:.12g} s\"", fast.front().name,
+                           fast.front().place, simulation.step_size(), fast.front().step);
     const double step = simulation.step_size(), omega_h = simulation.fastest_mode().omega * step;
     if (omega_h == 0)
         return fmt::format(

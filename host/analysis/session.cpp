@@ -101,7 +101,7 @@ Model Session::prepare(const Request& request) {
 void Session::look_at_loads(const Simulation& at) {
     const double tolerable = model.simulation.tolerance ? kTolerableExtrapolatedError : kTolerableLoadError;
     fast_loads = find_fast_loads(model, at, tolerable);
-    for (const FastLoad& load : fast_loads) warnings.add("load-too-fast", describe(load, model, at.step_size()));
+    for (const FastLoad& load : fast_loads) warnings.add("load-too-fast", describe(load, at.step_size()));
 }
 
 void Session::refuse_unstable(bool force) {

@@ -8,8 +8,9 @@
 #include <limits>
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
+#include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "analysis/law_limits.h"
@@ -191,7 +192,8 @@ void print_table(const Model& model, const Vectors& vectors) {
 /// Whether the machine at rest is stable, by the number of motions that grow from there.
 class Stability {
 public:
-    Stability(const Model& model, const Plugins& plugins) : description_(model, plugins, true) {}
+    Stability(const Model& model, const Plugins& plugins, Simulation& resting)
+        : description_(model, plugins, {&resting.networks(), &resting.equilibrium(), *resting.rest()}) {}
 
     /// How many motions grow.
     int count() { return count(1); }
@@ -262,9 +264,10 @@ struct Results {
 };
 
 /// Counts motions that grow, and finds load factors where they are asked for.
-void look_at_stability(const Request& request, const Model& model, const Plugins& plugins, Found& found) {
+void look_at_stability(const Request& request, const Model& model, const Plugins& plugins, Simulation& resting,
+                       Found& found) {
     try {
-        Stability stability(model, plugins);
+        Stability stability(model, plugins, resting);
         found.growing = stability.count();
         if (request.buckling > 0) found.factors = stability.find_factors(request.buckling);
     } catch (const Error&) {
@@ -292,7 +295,7 @@ Found find_one(const Request& request, const Model& model, const Plugins& plugin
     if (results.channels.empty()) results.channels.assign(simulation.channels().begin() + 1, simulation.channels().end());
     found.limits = simulation.limits();
     for (Limit& limit : found.limits) --limit.channel;  // as without the time
-    look_at_stability(request, held, plugins, found);
+    look_at_stability(request, held, plugins, simulation, found);
     return found;
 }
 
@@ -328,6 +331,27 @@ std::string rows_of(const Results& results) {
     return table.text();
 }
 
+/// Where the sections of a beam or rod stand among the channels: force and moment of each, then its stress if it is known.
+struct Sections {
+    size_t first = 0, count = 0, stride = 6;
+};
+
+/// Of the elements that have sections.
+std::unordered_map<std::string_view, Sections> find_sections(const std::vector<Channel>& channels) {
+    std::unordered_map<std::string_view, Sections> all;
+    for (size_t c = 0; c < channels.size(); ++c) {
+        if (channels[c].of() != Channel::Of::element || channels[c].quantity() != "section0.force") continue;
+        const std::string& owner = channels[c].owner();
+        Sections own{c};
+        if (c + 6 < channels.size() && channels[c + 6].unit() == "Pa") own.stride = 7;
+        for (; c < channels.size() && channels[c].owner() == owner && !channels[c].by_default(); c += own.stride)
+            ++own.count;
+        all[owner] = own;
+        --c;
+    }
+    return all;
+}
+
 /// members.csv: what every section of beams and rods carries, a row per case, element and section.
 std::string members_of(const Results& results, const Model& model) {
     const bool are_named = !results.cases.front().load_case.empty();
@@ -338,42 +362,31 @@ std::string members_of(const Results& results, const Model& model) {
                                      std::pair("My", "N*m"), std::pair("Mz", "N*m"), std::pair("stress", "Pa")})
         columns.push_back({name, unit});
     CsvTable table(columns);
-    std::map<std::string, size_t> places;
-    for (size_t c = 0; c < results.channels.size(); ++c) places[results.channels[c].name()] = c;
-    bool is_empty = true;
-    for (const Found& found : results.cases) {
-        const auto value = [&](const std::string& name) {
-            const auto place = places.find(name);
-            return place == places.end() ? std::numeric_limits<double>::quiet_NaN() : found.row[place->second];
-        };
+    const auto all = find_sections(results.channels);
+    for (const Found& found : results.cases)
         for (const Element& element : model.elements) {
-            const auto section = [&](size_t k) { return fmt::format("{}.section{}.", element.name, k); };
-            size_t last = 0;
-            while (places.contains(section(last + 1) + "force.x")) ++last;
-            if (last == 0) continue;
+            const auto own = all.find(element.name);
+            if (own == all.end()) continue;
+            const auto& [first, count, stride] = own->second;
             const double length =
                 (frame_at_start(model, element.ends[1]).position - frame_at_start(model, element.ends[0]).position).norm();
-            for (size_t k = 0; k <= last; ++k) {
+            for (size_t k = 0; k < count; ++k) {
                 if (are_named) table.add(found.load_case);
-                table.add(element.name).add(length * static_cast<double>(k) / static_cast<double>(last));
-                for (const char* name : {"force.x", "force.y", "force.z", "moment.x", "moment.y", "moment.z", "stress"})
-                    table.add(value(section(k) + name));
+                table.add(element.name).add(length * static_cast<double>(k) / static_cast<double>(count - 1));
+                for (size_t i = 0; i < 7; ++i)
+                    table.add(i < stride ? found.row[first + k * stride + i] : std::numeric_limits<double>::quiet_NaN());
                 table.end_row();
-                is_empty = false;
             }
         }
-    }
-    return is_empty ? std::string() : table.text();
+    return all.empty() ? std::string() : table.text();
 }
 
 /// A section that is given by stiffnesses has no outermost fibre.
 void note_no_stress(const Results& results, const Model& model, Warnings& warnings) {
     std::vector<std::string> without;
-    std::set<std::string> names;
-    for (const Channel& channel : results.channels) names.insert(channel.name());
-    const auto has = [&](const std::string& name) { return names.contains(name); };
+    const auto all = find_sections(results.channels);
     for (const Element& element : model.elements)
-        if (has(element.name + ".section0.force.x") && !has(element.name + ".section0.stress"))
+        if (const auto own = all.find(element.name); own != all.end() && own->second.stride == 6)
             without.push_back(element.name);
     if (!without.empty())
         warnings.note("no-stress",

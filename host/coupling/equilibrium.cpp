@@ -380,8 +380,7 @@ void Equilibrium::add_joints(double factor, Triplets& entries) {
 /// ∂(Jᵀ q)/∂(pose): the forces of a joint turn with its bodies. By central differences, exact for what is of second degree.
 void Equilibrium::add_joint_stiffness(size_t j, Triplets& entries) {
     const JointEquations& joint = joints_.joints()[j];
-    Eigen::VectorXd q = q_.segment(joint_row(j), joint.count());
-    if (joint.has_stops() && !stops_[j].acts) q(joint.lasting()) = 0;
+    const Eigen::VectorXd q = reactions(j);
     if (q.isZero(0)) return;
     constexpr double kTurn = 1e-5;
     for (const auto moving : JointEquations::kSides) {
@@ -435,6 +434,48 @@ std::vector<double> Equilibrium::joint_stiffness() {
     return all;
 }
 
+/// Of its equations; of a stop that does not act 0.
+Eigen::VectorXd Equilibrium::reactions(size_t j) const {
+    const JointEquations& joint = joints_.joints()[j];
+    Eigen::VectorXd q = q_.segment(joint_row(j), joint.count());
+    if (joint.has_stops() && !stops_[j].acts) q(joint.lasting()) = 0;
+    return q;
+}
+
+/// On the first body at the anchor, in the axes of that body.
+Equilibrium::Vector6 Equilibrium::joint_wrench(size_t j, const std::vector<BodyState>& at) const {
+    const JointEquations& joint = joints_.joints()[j];
+    const bool is_on_ground = joint.bodies()[JointEquations::kFirst] < 0;
+    const auto side = is_on_ground ? JointEquations::kSecond : JointEquations::kFirst;
+    const Vector6 wrench = (is_on_ground ? 1.0 : -1.0) * joint.jacobian(at)[side].transpose() * reactions(j);
+    const Eigen::Vector3d arm = joint.anchor(at) - at[as_size(joint.bodies()[side])].position;
+    const Eigen::Matrix3d axes = joint.axes(at);
+    Vector6 own;
+    own << axes.transpose() * wrench.head<3>(), axes.transpose() * (wrench.tail<3>() - arm.cross(wrench.head<3>()));
+    return own;
+}
+
+/// By central differences: what is neglected and rounding are 1e-10 of the forces.
+Eigen::Matrix<double, 6, 12> Equilibrium::joint_turning(size_t j) const {
+    constexpr double kTurn = 1e-5;
+    const JointEquations& joint = joints_.joints()[j];
+    Eigen::Matrix<double, 6, 12> turning = Eigen::Matrix<double, 6, 12>::Zero();
+    std::vector<BodyState> at = state_.at;
+    for (const auto side : JointEquations::kSides) {
+        const int body = joint.bodies()[side];
+        if (body < 0) continue;
+        for (int c = 0; c < 6; ++c) {
+            const double step = c < 3 ? kTurn * std::max(joint.arm(side), 1e-3) : kTurn;
+            for (const double sign : {1.0, -1.0}) {
+                at[as_size(body)] = moved(state_.at[as_size(body)], sign * step * Vector6::Unit(c));
+                turning.col(6 * as_row(size_t{side}) + c) += sign / (2 * step) * joint_wrench(j, at);
+            }
+        }
+        at[as_size(body)] = state_.at[as_size(body)];
+    }
+    return turning;
+}
+
 /// Makes stops act that are passed; true if one more does.
 bool Equilibrium::reach_stops() {
     bool is_reached = false;
@@ -480,8 +521,7 @@ double Equilibrium::lacking(double factor, double share) {
     for (size_t j = 0; j < joints_.joints().size(); ++j) {
         const JointEquations& joint = joints_.joints()[j];
         const JointEquations::Jacobian J = joint.jacobian(state_.at);
-        Eigen::VectorXd q = q_.segment(joint_row(j), joint.count());
-        if (joint.has_stops() && !stops_[j].acts) q(joint.lasting()) = 0;
+        const Eigen::VectorXd q = reactions(j);
         for (const auto side : JointEquations::kSides)
             if (const int body = joint.bodies()[side]; body >= 0) {
                 const Vector6 force = J[side].transpose() * q;

@@ -44,6 +44,9 @@ public:
     // ideal joints, 144 per joint by the motion of [first; second body], row-major.
     std::vector<double> load_stiffness() const;
     std::vector<double> joint_stiffness();
+    /// How the force and moment of a joint on its first body, in the axes of that body, change while its reactions keep
+    /// their size: by small motions of [first; second] body at their centres of mass, world axes.
+    Eigen::Matrix<double, 6, 12> joint_turning(size_t joint) const;
     const std::vector<Stop>& stops() const { return stops_; }
 
 private:
@@ -71,6 +74,8 @@ private:
     void add_load_stiffness(double factor, Triplets& entries) const;
     void add_joints(double factor, Triplets& entries);
     void add_joint_stiffness(size_t joint, Triplets& entries);
+    Eigen::VectorXd reactions(size_t joint) const;
+    Vector6 joint_wrench(size_t joint, const std::vector<BodyState>& at) const;
     bool has_same_pattern() const;
     double lacking(double factor, double share);
     bool reach_stops();

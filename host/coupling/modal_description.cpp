@@ -64,49 +64,49 @@ Eigen::Matrix3d axes_of(const Joint& joint) {
 
 }  // namespace
 
-ModalDescription::Rest::Rest(const Model& model, const Plugins& plugins)
-    : networks(model, plugins),
-      loads(model, networks.load_weights()),
-      equilibrium(model, networks, loads),
-      state(equilibrium.find(0)),
-      load_stiffness(equilibrium.load_stiffness()),
-      joint_stiffness(equilibrium.joint_stiffness()) {
-    for (const BodyState& body : state.at) {
+ModalDescription::Search::Search(const Model& model, const Plugins& plugins)
+    : networks(model, plugins), loads(model, networks.load_weights()), equilibrium(model, networks, loads) {}
+
+ModalDescription::Rest::Rest(Resting resting)
+    : at(std::move(resting)),
+      load_stiffness(at.equilibrium->load_stiffness()),
+      joint_stiffness(at.equilibrium->joint_stiffness()) {
+    for (const BodyState& body : at.state.at) {
         dttmm_motion& motion = bodies.emplace_back();
         Eigen::Map<Eigen::Vector3d>{motion.position} = body.position;
         Eigen::Map<RowMajor3>{motion.rotation} = body.rotation;
     }
-    const bool is_elastic = !networks.instances().empty();
-    told = {is_elastic ? networks.instances().front().at_rest() : nullptr, bodies.data(), load_stiffness.data(),
+    const bool is_elastic = !at.networks->instances().empty();
+    told = {is_elastic ? at.networks->instances().front().at_rest() : nullptr, bodies.data(), load_stiffness.data(),
             joint_stiffness.data(), 1};
-    find_limits(model.simulation.step);
 }
 
 /// Networks tell their results of a step: one in which nothing moves.
-void ModalDescription::Rest::find_limits(double size) {
+void ModalDescription::Rest::find_limits(const Loads& loads, double size) {
+    Networks* const networks = at.networks;
     const auto has_limits = [](const NetworkInstance& instance) {
         return std::ranges::find(instance.roles(), DTTMM_ROLE_LIMIT) != instance.roles().end();
     };
-    if (std::ranges::none_of(networks.instances(), has_limits)) return;
+    if (std::ranges::none_of(networks->instances(), has_limits)) return;
     const dttmm_step step{0, 0.0, size};
-    std::vector<double> wrenches(6 * state.at.size()), values(networks.output_count());
-    networks.start_at_rest(step, state.at, loads.on_networks().data());
-    networks.begin_step(step, loads.on_networks().data());
-    networks.evaluate(state.at, wrenches.data());
-    networks.commit_step(state.at);
-    if (networks.stand()) networks.stand_at(state.at, nullptr, wrenches.data());
-    networks.outputs(values.data());
-    size_t at = 0;
-    for (const NetworkInstance& instance : networks.instances())
-        for (size_t c = 0; c < instance.channels().size(); ++c, ++at)
+    std::vector<double> wrenches(6 * at.state.at.size()), values(networks->output_count());
+    networks->start_at_rest(step, at.state.at, loads.on_networks().data());
+    networks->begin_step(step, loads.on_networks().data());
+    networks->evaluate(at.state.at, wrenches.data());
+    networks->commit_step(at.state.at);
+    if (networks->stand()) networks->stand_at(at.state.at, nullptr, wrenches.data());
+    networks->outputs(values.data());
+    size_t channel = 0;
+    for (const NetworkInstance& instance : networks->instances())
+        for (size_t c = 0; c < instance.channels().size(); ++c, ++channel)
             if (instance.roles()[c] == DTTMM_ROLE_LIMIT)
-                limits.push_back({instance.channels()[c].name(), instance.channels()[c].owner(), values[at]});
+                limits.push_back({instance.channels()[c].name(), instance.channels()[c].owner(), values[channel]});
 }
 
 /// Ideal joints go with their bodies; a stop that pushes holds what the joint leaves free.
 void ModalDescription::place_at_rest(const Model& model) {
     const JointSystem joints(model.bodies, model.joints);
-    const std::vector<BodyState>& at = rest_->state.at;
+    const std::vector<BodyState>& at = rest_->at.state.at;
     for (size_t j = 0; j < model.joints.size(); ++j) {
         const Joint& joint = model.joints[j];
         const auto turned = [&](int body, const Eigen::Vector3d& v) {
@@ -119,7 +119,7 @@ void ModalDescription::place_at_rest(const Model& model) {
         dttmm_constraint& out = constraints_[j];
         Eigen::Map<Eigen::Vector3d>{out.position} = joints.joints()[j].anchor(at);
         Eigen::Map<RowMajor3>{out.axes} = axes_of(now);
-        if (rest_->equilibrium.stops()[j].acts) out.rigid |= joint.type == JointType::hinge ? 0b001000u : 0b000001u;
+        if (rest_->at.equilibrium->stops()[j].acts) out.rigid |= joint.type == JointType::hinge ? 0b001000u : 0b000001u;
     }
 }
 
@@ -128,15 +128,33 @@ ModalDescription::ModalDescription(const Model& model, const Plugins& plugins, b
       network_(description_.network()),
       directions_(static_cast<uint32_t>(model.modes.directions.to_ulong())),
       lumped_beams_(model.modes.are_beams_lumped) {
+    describe_joints(model);
+    if (!at_rest) return;
+    auto search = std::make_unique<Search>(model, plugins);
+    const RestState& state = search->equilibrium.find(0);
+    rest_ = std::make_unique<Rest>(Resting{&search->networks, &search->equilibrium, state});
+    rest_->search = std::move(search);
+    rest_->find_limits(rest_->search->loads, model.simulation.step);
+    place_at_rest(model);
+}
+
+ModalDescription::ModalDescription(const Model& model, const Plugins& plugins, Resting resting)
+    : description_(model, plugins, all_elements(model, plugins, true)),
+      network_(description_.network()),
+      directions_(static_cast<uint32_t>(model.modes.directions.to_ulong())),
+      lumped_beams_(model.modes.are_beams_lumped),
+      rest_(std::make_unique<Rest>(std::move(resting))) {
+    describe_joints(model);
+    place_at_rest(model);
+}
+
+void ModalDescription::describe_joints(const Model& model) {
     for (const Joint& joint : model.joints) {
         dttmm_constraint out{joint.first, joint.second, {}, {}, static_cast<uint32_t>(rigid_of(joint).to_ulong())};
         Eigen::Map<Eigen::Vector3d>{out.position} = joint.anchor;
         Eigen::Map<RowMajor3>{out.axes} = axes_of(joint);
         constraints_.push_back(out);
     }
-    if (!at_rest) return;
-    rest_ = std::make_unique<Rest>(model, plugins);
-    place_at_rest(model);
 }
 
 dttmm_modal_model ModalDescription::model() const {

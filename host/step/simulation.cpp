@@ -110,7 +110,8 @@ const Instant& Simulation::start() {
         refuse_jumps_of_supports();
         return instant_.start(model_, first, now_, networks_, loads_);
     }
-    rest_ = Equilibrium(model_, networks_, loads_).find(first.time);
+    equilibrium_ = std::make_unique<Equilibrium>(model_, networks_, loads_);
+    rest_ = equilibrium_->find(first.time);
     now_ = rest_->at;
     return instant_.start_at_rest(first, now_, networks_, loads_);
 }
@@ -140,6 +141,7 @@ void Simulation::observe_rest() {
 }
 
 void Simulation::step() {
+    equilibrium_.reset();
     begin_step();
     try {
         move_bodies();

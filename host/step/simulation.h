@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -73,6 +74,9 @@ public:
     std::string describe_speed() const;
     /// Where it started, if in equilibrium.
     const std::optional<RestState>& rest() const { return rest_; }
+    /// Of one that starts in equilibrium, until its first step: what found that.
+    Networks& networks() { return networks_; }
+    Equilibrium& equilibrium() { return *equilibrium_; }
     /// Of an explicit coupling.
     const std::optional<ExplicitLimit>& explicit_limit() const { return limit_; }
 
@@ -101,6 +105,7 @@ private:
     std::vector<BodyState> now_, after_;  ///< at the start and at the end of the step
     FastestMode fastest_;
     std::optional<RestState> rest_;
+    std::unique_ptr<Equilibrium> equilibrium_;  ///< until the first step: it takes memory
     std::optional<ExplicitLimit> limit_;
     Observer observer_;  ///< made last: finding the fastest vibration takes much memory
     RowSink sink_;

@@ -31,8 +31,9 @@ typedef struct dttmm_harmonic_result {
     double* bodies; /* 12 per body: displacement and rotation at its centre of mass [m, rad, world] */
     double* nodes;  /* 12 per node */
     /* 24 per element, in its axes, signs as of the channels of a run: force and moment [N, N m]; of its `to` end against its
-     * `from` end, deflection and rotation [m, rad]. Of a line force and moment at its `from` end; refused of lines of a
-     * machine at rest. In rigid directions they are the reactions; where these are redundant, one set that balances. */
+     * `from` end, deflection and rotation [m, rad]. Of a line force and moment at its `from` end. The axes turn with the
+     * `from` end: forces of a machine at rest change in them with that. In rigid directions they are the reactions; where
+     * these are redundant, one set that balances. */
     double* elements;
     double* constraints; /* 12 per constraint: force and moment on its first body at its point [N, N m, world] */
 } dttmm_harmonic_result;

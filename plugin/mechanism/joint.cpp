@@ -416,8 +416,33 @@ JointForce Joint::carry(Ends at, const Vector6& force, const Vector6& rigid) con
     return all;
 }
 
-/// By central differences. The forces are linear in the shifts of frames and smooth in their turns: with 1e-5 rad both the
-/// neglected third derivative and rounding are 1e-10 of the forces.
+/// By central differences: with 1e-5 rad what is neglected and rounding are 1e-10 of the forces.
+Matrix6 Joint::spread_tangent(Ends at, const Vector6& force, const Vector6& rigid) const {
+    constexpr double kStep = 1e-5;
+    Matrix6 tangent = Matrix6::Zero();
+    if (!turns() && !kind_->springs.is_line) return tangent;
+    const JointPose pose = this->pose(at);
+    const Vector6 x = deformation(pose, at.from, at.to);
+    const double size = std::max({pose.arm.norm(), pose.lever.norm(), kStep});
+    for (int c = 0; c < 6; ++c) {
+        Vector6 change = (c < 3 ? kStep * size : kStep) * Vector6::Unit(c);
+        const double step = change(c);
+        change(0) = stretch(x).dot(change);
+        if (turns()) change.tail<3>() = (rotation_vector_rate(x.tail<3>()) * change.tail<3>()).eval();
+        for (const double sign : {1.0, -1.0}) {
+            const Vector6 end = x + sign * change;
+            Vector6 all = spread(end, force) + rigid;
+            if (turns())
+                all.tail<3>() += moment_of_gradient(Vector3(end.tail<3>()), Vector3(rigid.tail<3>())) - rigid.tail<3>();
+            tangent.col(c) += sign / (2 * step) * all;
+        }
+    }
+    return tangent;
+}
+
+/// By the motion of the `to` end by central differences. The forces are linear in the shifts of frames and smooth in their
+/// turns: with 1e-5 rad both the neglected third derivative and rounding are 1e-10 of the forces. What the `from` end does
+/// follows: forces go with a motion of both ends as a whole.
 EndBlocks Joint::turning_stiffness(Ends at, const Vector6& force, const Vector6& rigid) const {
     constexpr double kTurn = 1e-5;
     EndBlocks K;
@@ -428,24 +453,31 @@ EndBlocks Joint::turning_stiffness(Ends at, const Vector6& force, const Vector6&
     double size = std::max(pose.arm.norm(), pose.lever.norm());
     if (is_axial()) size = way(at.from, at.to).norm();
     if (!(size > 0)) size = 1;
-    for (int end : {0, 1})
-        for (int c = 0; c < 6; ++c) {
-            const double step = c < 3 ? kTurn * size : kTurn;
-            JointForce difference;
-            for (const double sign : {1.0, -1.0}) {
-                Frame moved = (end == 0 ? at.from : at.to).copy();
-                if (c < 3) {
-                    moved.position[c] += sign * step;
-                } else {
-                    Eigen::Map<RowMajor3> axes(moved.rotation);
-                    axes = (rotation_from_vector(Vector3(sign * step * Vector3::Unit(c - 3))) * axes).eval();
-                }
-                const FrameView view = moved;
-                difference.add(sign / (2 * step), carry(end == 0 ? Ends{view, at.to} : Ends{at.from, view}, force, rigid));
+    for (int c = 0; c < 6; ++c) {
+        const double step = c < 3 ? kTurn * size : kTurn;
+        JointForce difference;
+        for (const double sign : {1.0, -1.0}) {
+            Frame moved = at.to.copy();
+            if (c < 3) {
+                moved.position[c] += sign * step;
+            } else {
+                Eigen::Map<RowMajor3> axes(moved.rotation);
+                axes = (rotation_from_vector(Vector3(sign * step * Vector3::Unit(c - 3))) * axes).eval();
             }
-            K.at[0][end].col(c) << -difference.force, -difference.on_from;
-            K.at[1][end].col(c) << difference.force, difference.on_to;
+            difference.add(sign / (2 * step), carry({at.from, FrameView(moved)}, force, rigid));
         }
+        K.at[0][1].col(c) << -difference.force, -difference.on_from;
+        K.at[1][1].col(c) << difference.force, difference.on_to;
+    }
+    const JointForce now = carry(at, force, rigid);
+    const Matrix3 between = skew(at.to.origin() - at.from.origin());
+    for (int row : {0, 1}) {
+        K.at[row][0].leftCols<3>() = -K.at[row][1].leftCols<3>();
+        K.at[row][0].rightCols<3>() = K.at[row][1].leftCols<3>() * between - K.at[row][1].rightCols<3>();
+        const double sign = row == 0 ? 1 : -1;
+        K.at[row][0].topRightCorner<3, 3>() += sign * skew(now.force);
+        K.at[row][0].bottomRightCorner<3, 3>() += sign * skew(row == 0 ? now.on_from : now.on_to);
+    }
     return K;
 }
 

@@ -201,6 +201,9 @@ public:
     Vector6 change(const JointPose& pose, const Vector6& x, const Vector6& of_from, const Vector6& of_to) const;
     /// What forces along the deformations do to the frames; `rigid` are those of rigid directions.
     JointForce carry(Ends at, const Vector6& force, const Vector6& rigid) const;
+    /// How such forces change as [force; moment] in the joint's axes while they keep their size, by a small relative motion
+    /// [d; ε] of the `to` end.
+    Matrix6 spread_tangent(Ends at, const Vector6& force, const Vector6& rigid) const;
     /// −∂(wrench)/∂(pose) of such forces while they keep their size: all that stems from their directions and lever arms.
     EndBlocks turning_stiffness(Ends at, const Vector6& force, const Vector6& rigid) const;
 

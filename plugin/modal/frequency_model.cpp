@@ -188,7 +188,6 @@ constexpr double kStraight = 0.05;
 /// How far lines are bent, and their forces. Their joints are those of the lumps of the network that came to rest.
 void FrequencyModel::find_resting_lines(const dttmm_modal_model& model, const AtRest& rest) {
     resting.resize(element_count);
-    if (model.lumped_beams) return;
     const Assembly exact = assemble(*model.network, Waves::exact), lumps = assemble(*model.network);
     for (const LineSpec& line : exact.lines) {
         const auto e = as_size(line.element);
@@ -198,12 +197,19 @@ void FrequencyModel::find_resting_lines(const dttmm_modal_model& model, const At
         std::vector<Vector3> points;
         for (size_t k = 0; k < links.size(); ++k) {
             const JointSpec& spec = lumps.joints[as_size(lumps.first_joint[e]) + k];
-            const JointPose pose =
-                Joint(spec, lumps, std::make_shared<JointKind>(spec.law)).pose({links[k].from, links[k].to});
+            const Joint joint(spec, lumps, std::make_shared<JointKind>(spec.law));
+            const JointPose pose = joint.pose({links[k].from, links[k].to});
             points.push_back(FrameView(links[k].from).origin() + pose.arm);
             own.forces.push_back(both(pose.axes) * (links[k].force + links[k].rigid));
+            if (k == 0) own.axes = pose.axes;
+            if (k + 1 == links.size())
+                own.turned = rotation_vector(Matrix3(own.axes.transpose() * joint.seat().axes_at_to(links[k].to)));
         }
-        if (line.line.stretches_only) continue;
+        // The first joint lies a quarter of a segment from the end
+        own.at_from = both(own.axes.transpose()) * own.forces.front();
+        const double quarter = (line.finish - line.start).norm() / (4 * static_cast<double>(links.size() - 1));
+        own.at_from.tail<3>() += quarter * Vector3::UnitX().cross(Vector3(own.at_from.head<3>()));
+        if (model.lumped_beams || line.line.stretches_only) continue;
         const Vector3 chord = (points.back() - points.front()).normalized();
         double away = 0;
         for (const Vector3& point : points) away = std::max(away, (point - points.front()).cross(chord).norm());
@@ -216,15 +222,26 @@ void FrequencyModel::find_resting_lines(const dttmm_modal_model& model, const At
     }
 }
 
+namespace {
+
+/// What a section has per length at the start, per length at rest; stretch: of these. A run strains it per length at the
+/// start.
+void scale_to(Section& section, double stretch) {
+    for (double* stiffness : {&section.EA, &section.EIy, &section.EIz, &section.GJ, &section.GAy, &section.GAz})
+        *stiffness *= stretch;
+    for (double* inertia : {&section.mass, &section.inertia, &section.rotary_y, &section.rotary_z}) *inertia /= stretch;
+}
+
+}  // namespace
+
 /// Moves the frames of the assembly to where they rest; the link of every joint there.
 std::vector<const AtRest::Link*> FrequencyModel::place_at_rest(const AtRest& rest, Assembly& assembly) {
     std::vector<const AtRest::Link*> links;
     std::vector<Pose> start;
     for (const FrameSpec& frame : assembly.frames) start.push_back(frame.pose);
     const auto place = [&](int frame, const dttmm::plugin::Frame& at) {
-        FrameSpec& spec = assembly.frames[as_size(frame)];
-        if (spec.kind == FrameSpec::Kind::inner)
-            spec.pose = {Eigen::Map<const Vector3>(at.position), Eigen::Map<const RowMajor3>(at.rotation)};
+        assembly.frames[as_size(frame)].pose = {Eigen::Map<const Vector3>(at.position),
+                                                Eigen::Map<const RowMajor3>(at.rotation)};
     };
     for (size_t j = 0; j < assembly.joints.size(); ++j) {
         const JointSpec& joint = assembly.joints[j];
@@ -253,7 +270,7 @@ std::vector<const AtRest::Link*> FrequencyModel::place_at_rest(const AtRest& res
         carry(line.from, own.front().from, line.start);
         carry(line.to, own.back().to, line.finish);
         const double stretched = (line.finish - line.start).norm();
-        line.line.section.mass *= length / stretched;
+        scale_to(line.line.section, stretched / length);
         const Vector3 x = (line.finish - line.start) / stretched,
                       y = carried(line.from, own.front().from, line.line.axes.col(1)), z = x.cross(y).normalized();
         line.line.axes << x, z.cross(x), z;
@@ -291,6 +308,8 @@ void FrequencyModel::add_joint_at_rest(const dttmm::plugin::Joint& joint, const 
     for (int i : {0, 1})
         for (int k : {0, 1}) both_ways.at[i][k] = 0.5 * (turning.at[i][k] + turning.at[k][i].transpose());
     bond.turning = std::make_shared<const EndBlocks>(both_ways);
+    bond.spread = joint.spread_tangent(at, link.force, link.rigid);
+    bond.turned = joint.turns() ? Vector3(x.tail<3>()) : rotation_vector(joint.attitude(at.from, at.to));
     bonds.push_back(std::move(bond));
 }
 
@@ -333,7 +352,7 @@ void FrequencyModel::add_bar_force(const LineModel& line, const LineForces& forc
     Matrix6 stiffness = Matrix6::Zero();
     stiffness.bottomRightCorner<3, 3>() =
         forces.length() * (f.dot(e) * Matrix3::Identity() - 0.5 * (e * f.transpose() + f * e.transpose()));
-    levers.push_back({line.element, frame, stiffness});
+    levers.push_back({line.element, frame, stiffness, true});
 }
 
 /// What forces of a line but the axial one of its waves do from `start` of it on, where this segment of it begins.
@@ -486,10 +505,10 @@ void FrequencyModel::add_lines(const std::vector<LineSpec>& specs, const std::ve
     }
 }
 
-/// forces: at rest. Where they are not uniform the line is cut into segments.
+/// forces: at rest. Where they are not uniform the line is cut.
 void FrequencyModel::add_line(const LineSpec& spec, int from, int to, const std::optional<LineForces>& forces) {
     const bool is_bar = spec.line.stretches_only;
-    const int segments = !forces || is_bar || forces->is_uniform(spec.line.section) ? 1 : forces->segments();
+    const int segments = !forces || is_bar ? 1 : forces->pieces(spec.line.section);
     const double axial = forces ? forces->mean_force().x() : 0, step = (spec.finish - spec.start).norm() / segments;
     const size_t kind = find_kind(spec, step, axial);
     const LineShapes shapes = segments > 1 ? kinds[kind]->static_shapes() : LineShapes{};
@@ -503,7 +522,10 @@ void FrequencyModel::add_line(const LineSpec& spec, int from, int to, const std:
         }
         lines.push_back(
             {spec.element, last, next, point(i), point(i + 1), spec.line.axes, spec.line, kind, kinds[kind].get(), axial});
-        if (segments > 1) add_deviation(lines.back(), *forces, i * step, shapes);
+        if (segments > 1) {
+            add_deviation(lines.back(), *forces, i * step, shapes);
+            lines.back().deviation = as_int(bonds.size()) - 1;
+        }
         last = next;
     }
     if (!forces) return;

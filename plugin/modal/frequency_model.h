@@ -59,6 +59,9 @@ struct Bond : Joined {
     /// Of a machine at rest: what the forces of the joint add as they turn with its frames, by the motion of these; null:
     /// none.
     std::shared_ptr<const EndBlocks> turning;
+    /// Of a machine at rest: how its force there changes in its own axes by the relative motion; its rotation there [rad].
+    Matrix6 spread = Matrix6::Zero();
+    Vector3 turned = Vector3::Zero();
     double loss_factor = 0;  ///< of its stiffness
     /// Directions whose stiffness depends on the frequency; in `stiffness` they have that at rest.
     struct Material {
@@ -89,7 +92,8 @@ struct LineModel {
     Line line;
     size_t kind;  ///< lines alike share their waves
     const LineWaves* waves;
-    double axial;  ///< force at rest that its waves know [N]
+    double axial;        ///< force at rest that its waves know [N]
+    int deviation = -1;  ///< the bond that has what its other forces at rest do; −1: none counts
     double length() const { return (finish - start).norm(); }
 };
 
@@ -117,7 +121,8 @@ struct FrequencyModel {
     /// What forces that act at the start add to the stiffness as they turn with a frame. See geometric_stiffness.h.
     struct Lever {
         int element, frame;
-        Matrix6 stiffness;  ///< by the motion of the frame, symmetric
+        Matrix6 stiffness;    ///< by the motion of the frame, symmetric
+        bool is_bar = false;  ///< of the forces along a rod that the frame turns
     };
 
     /// Nodes of the network that an element joins first and second; of a mass the one that it sits on, twice.
@@ -147,7 +152,10 @@ struct FrequencyModel {
     struct RestingLine {
         double share = 0;
         bool is_lumped = false;
-        std::vector<Vector6> forces;  ///< [force; moment] in its joints, on the end part, world axes; ascending
+        std::vector<Vector6> forces;         ///< [force; moment] in its joints, on the end part, world axes; ascending
+        Vector6 at_from = Vector6::Zero();   ///< the same at its `from` end, in the axes of that end
+        Matrix3 axes = Matrix3::Identity();  ///< these, as columns in world
+        Vector3 turned = Vector3::Zero();    ///< rotation of its `to` end in them [rad]
     };
     std::vector<RestingLine> resting;  ///< of every element of a machine at rest
 

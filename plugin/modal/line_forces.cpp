@@ -55,14 +55,20 @@ Vector3 LineForces::mean_force() const {
     return sum / segments();
 }
 
-bool LineForces::is_uniform(const Section& section) const {
+/// In k pieces an axial force that varies by a share a of the stiffness leaves 0.03 to 0.085 a/k⁴ of a frequency: masts of
+/// a = 0.001 to 0.1 in 2 to 10 pieces. Moments of a share b leave 0.008 b/k²: a deep cantilever.
+int LineForces::pieces(const Section& section) const {
     constexpr double kShare = 1e-5;
     const double bending = std::min(section.EIy, section.EIz), axial = mean_force().x();
     const double along = M_PI * M_PI * bending / (length_ * length_) + std::abs(axial),
-                 across = std::sqrt(bending * std::min(section.GJ, bending)) / length_;
-    return std::ranges::all_of(stations_, [&](const Vector6& station) {
-        return std::abs(station(0) - axial) <= kShare * along && station.tail<3>().norm() <= std::sqrt(kShare) * across;
-    });
+                 across = bending * std::min(section.GJ, bending) / (length_ * length_);
+    double varies = 0, bends = 0;
+    for (const Vector6& station : stations_) {
+        varies = std::max(varies, std::abs(station(0) - axial) / along);
+        bends = std::max(bends, station.tail<3>().squaredNorm() / across);
+    }
+    const double wanted = std::max(std::pow(varies / kShare, 0.25), std::sqrt(bends / kShare));
+    return std::clamp(static_cast<int>(std::ceil(std::min(wanted, 1e6))), 1, segments());
 }
 
 Matrix12 LineForces::stiffness(double start, double length, double axial, double GJ, const LineShapes& shapes) const {

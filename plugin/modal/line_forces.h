@@ -34,8 +34,9 @@ public:
     const Vector6& last() const { return stations_.back(); }
     Vector6 at(double s) const;
     Vector3 mean_force() const;
-    /// Whether only the mean axial force counts. What the others add to the stiffness is then below a share of 1e-5.
-    bool is_uniform(const Section& section) const;
+    /// Into how many pieces the line is to be cut, its segments at most, so that what its forces add to the stiffness is
+    /// known to a share of 1e-6 of it. 1: only the mean axial force counts, what the others add is below a share of 1e-5.
+    int pieces(const Section& section) const;
 
     /// What these forces, without a uniform axial one, add to the stiffness from `start` over a piece as they turn with it:
     /// the second derivative of ∫ f·(−θ × u' + ½ θ × (θ × e_x)) − ½ m·(θ × θ') ds, θ the rotation vector.

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/rotation.h"
 #include "core/state_vector.h"
 
 namespace dttmm::plugin {
@@ -243,7 +244,14 @@ void HarmonicSolver::find_parts() {
         Parts& own = parts_[as_size(bond.element)];
         if (own.bonds++ == 0) own.bond = as_int(b);
     }
-    for (size_t k = D_.pieces().size(); k-- > 0;) parts_[as_size(D_.pieces()[k].element)].piece = as_int(k);
+    for (size_t k = 0; k < D_.pieces().size(); ++k) {
+        Parts& own = parts_[as_size(D_.pieces()[k].element)];
+        if (own.piece < 0) {
+            own.piece = as_int(k);
+            own.row = row;
+        }
+        row += D_.pieces()[k].rigid.size();
+    }
 }
 
 /// Motion of the ground at an end of what is joined to it, about the world's origin.
@@ -331,6 +339,12 @@ Complex6 HarmonicSolver::wrench_of(const Bond& bond, const Response& response) c
     return wrench + complex(by.transpose().inverse()) * on_frame;
 }
 
+/// The same in its own axes, which turn with its `from` end as a run has them.
+Complex6 HarmonicSolver::own_wrench_of(const Bond& bond, const Response& response) const {
+    const Block to_own = complex(bond.axes.transpose());
+    return to_own * wrench_of(bond, response) + complex(bond.spread) * (to_own * relative(bond, response));
+}
+
 Carried HarmonicSolver::carried(size_t element, const Response& response) const {
     const FrequencyModel& model = D_.model();
     const Parts& parts = parts_[element];
@@ -338,36 +352,97 @@ Carried HarmonicSolver::carried(size_t element, const Response& response) const 
     if (parts.bond < 0) return {};
     if (parts.bonds > 1) return carried_by_chain(element, response);
     const Bond& bond = model.bonds[as_size(parts.bond)];
-    const Block to_own = complex(bond.axes.transpose());
-    return {to_own * wrench_of(bond, response), to_own * relative(bond, response)};
+    Carried carried{own_wrench_of(bond, response), complex(bond.axes.transpose()) * relative(bond, response)};
+    carried.deflection.tail<3>() = (rotation_vector_rate(bond.turned).cast<Complex>() * carried.deflection.tail<3>()).eval();
+    return carried;
+}
+
+/// Motion of an end of what is joined, in its axes.
+Complex6 HarmonicSolver::motion_at(const Joined& joined, bool is_to, const Response& response) const {
+    const int frame = is_to ? joined.to : joined.from;
+    return complex(is_to ? joined.by_to : joined.by_from) *
+           (frame < 0 ? ground_at(joined, -1, is_to, response) : motion_of(frame, response));
 }
 
 /// Force and moment at the `from` end.
 Carried HarmonicSolver::carried_by_line(size_t element, const Response& response) const {
-    if (D_.model().is_at_rest)
-        throw Error(DTTMM_ERROR_MODEL, "the forces along it about its equilibrium are not known", as_int(element));
+    const FrequencyModel& model = D_.model();
     const DynamicStiffness::Piece& piece = D_.pieces()[as_size(parts_[element].piece)];
     const LineModel& line = D_.line(piece);
     Eigen::Matrix<Complex, 12, 1> ends;
-    const auto end = [&](int frame, bool is_to) {
-        return frame < 0 ? ground_at(piece, -1, is_to, response) : motion_of(frame, response);
-    };
-    ends << complex(piece.by_from) * end(piece.from, false), complex(piece.by_to) * end(piece.to, true);
-    Carried carried = between_ends(element, line.axes, response);
-    carried.force = -(waves_[line.kind]->topRows<6>() * ends);
+    ends << motion_at(piece, false, response), motion_at(piece, true, response);
+    Complex6 force = held_by_line(element, response) - waves_[line.kind]->topRows<6>() * ends;
+    if (line.waves->pinned().any())
+        for (const Pin& pin : model.pins)
+            if (pin.element == as_int(element))
+                force += omega_ * omega_ / 6 * complex(pin.mass) *
+                         (2 * motion_at(pin, false, response) + motion_at(pin, true, response));
+    Carried carried = between_ends(element, model.is_at_rest ? model.resting[element].axes : line.axes, response);
+    carried.force = model.is_at_rest ? turned_with_line(element, force, response) : force;
     return carried;
+}
+
+/// On the `from` end of a line by its first piece, local axes: in rigid directions, and of a bar by the mass that goes with
+/// that end.
+Complex6 HarmonicSolver::held_by_line(size_t element, const Response& response) const {
+    const FrequencyModel& model = D_.model();
+    const DynamicStiffness::Piece& piece = D_.pieces()[as_size(parts_[element].piece)];
+    const LineModel& line = D_.line(piece);
+    Complex6 on_frame = Complex6::Zero();
+    size_t row = parts_[element].row;
+    for (const Rigid& rigid : piece.rigid)
+        on_frame -= response.reactions[row++] * (piece.from < 0 ? rigid.by_ground : rigid.by_from).cast<Complex>();
+    if (model.is_bar(line) && piece.from >= 0) {
+        const double length = D_.piece_length(line);
+        const Vector3 middle = line.start + 0.5 * length * line.axes.col(0);
+        const Matrix6 by = both(line.axes.transpose()) * model.masked_at(middle, model.origin(piece.from));
+        on_frame += omega_ * omega_ * complex(by.transpose() * bar_mass(line.line.section, length) * by) *
+                    motion_of(piece.from, response);
+        for (const FrequencyModel::Lever& lever : model.levers)
+            if (lever.is_bar && lever.element == as_int(element))
+                on_frame -= complex(lever.stiffness) * motion_of(piece.from, response);
+    }
+    if (on_frame.isZero(0)) return on_frame;
+    const Matrix6 by_from = both(line.axes.transpose()) * FrequencyModel::at_point(line.start, model.origin(piece.from));
+    return complex(by_from.transpose().inverse()) * on_frame;
+}
+
+/// The force of the waves on the `from` end of a line at rest, local axes, with what its other forces there add; in the axes
+/// of that end, which turn with it. The moment of the equations does work on a rotation vector: half its turn is in it.
+Complex6 HarmonicSolver::turned_with_line(size_t element, const Complex6& force, const Response& response) const {
+    const FrequencyModel& model = D_.model();
+    const FrequencyModel::RestingLine& resting = model.resting[element];
+    const DynamicStiffness::Piece& piece = D_.pieces()[as_size(parts_[element].piece)];
+    const LineModel& line = D_.line(piece);
+    Complex6 all = force;
+    if (line.deviation >= 0) {
+        const Bond& bond = model.bonds[as_size(line.deviation)];
+        const auto motion = [&](int frame, bool is_to) {
+            return frame < 0 ? ground_at(bond, -1, is_to, response) : motion_of(frame, response);
+        };
+        const Complex6 on_frame = complex(bond.turning->at[0][0]) * motion(bond.from, false) +
+                                  complex(bond.turning->at[0][1]) * motion(bond.to, true);
+        all -= complex(bond.axes.transpose() * bond.by_from.transpose().inverse()) * on_frame;
+    }
+    const Block to_end = complex(both(resting.axes.transpose() * line.axes));
+    const Complex6 end = to_end * motion_at(piece, false, response);
+    all = (to_end * all).eval();
+    const Eigen::Vector3cd turn = end.tail<3>();
+    all.head<3>() += skew(resting.at_from.head<3>()).cast<Complex>() * turn;
+    all.tail<3>() += 0.5 * skew(resting.at_from.tail<3>()).cast<Complex>() * turn;
+    return all;
 }
 
 /// Of lumps: its first joint lies a quarter of a segment behind the `from` end.
 Carried HarmonicSolver::carried_by_chain(size_t element, const Response& response) const {
     const FrequencyModel& model = D_.model();
     const Bond& first = model.bonds[as_size(parts_[element].bond)];
-    Carried carried = between_ends(element, first.axes.topLeftCorner<3, 3>(), response);
-    carried.force = wrench_of(first, response);
-    const Vector3 lever = first.points[0] - model.nodes[as_size(model.ends[element].from)].position;
+    const Matrix3 axes = first.axes.topLeftCorner<3, 3>();
+    Carried carried = between_ends(element, axes, response);
+    carried.force = own_wrench_of(first, response);
+    const Vector3 lever = axes.transpose() * (first.points[0] - model.nodes[as_size(model.ends[element].from)].position);
     const Eigen::Vector3cd force = carried.force.head<3>();
     carried.force.tail<3>() += skew(lever).cast<Complex>() * force;  // cross() of Eigen conjugates
-    carried.force = complex(first.axes.transpose()) * carried.force;
     return carried;
 }
 
@@ -384,6 +459,9 @@ Carried HarmonicSolver::between_ends(size_t element, const Matrix3& axes, const 
     const Complex6 seen = complex(FrequencyModel::at_point(way, Vector3::Zero())) * motion(from);
     Carried carried;
     carried.deflection = complex(both(axes.transpose())) * (motion(to) - seen);
+    if (model.is_at_rest)
+        carried.deflection.tail<3>() =
+            (rotation_vector_rate(model.resting[element].turned).cast<Complex>() * carried.deflection.tail<3>()).eval();
     return carried;
 }
 

@@ -79,8 +79,6 @@ public:
     Eigen::Index series_rows() const;
     /// At the frequency last factored, and so for what follows.
     Response solve(const Drive& drive) const;
-    /// Throws Error(DTTMM_ERROR_MODEL) for a beam or rod of a machine at rest: what its forces add as they turn is not
-    /// known.
     Carried carried(size_t element, const Response& response) const;
     /// Force and moment on the first body of a constraint at its point, world axes.
     Complex6 on_first(size_t constraint, const Response& response) const;
@@ -94,9 +92,13 @@ private:
     void find_parts();
     Complex6 relative(const Bond& bond, const Response& response) const;
     Complex6 wrench_of(const Bond& bond, const Response& response) const;
+    Complex6 own_wrench_of(const Bond& bond, const Response& response) const;
+    Complex6 held_by_line(size_t element, const Response& response) const;
+    Complex6 turned_with_line(size_t element, const Complex6& end, const Response& response) const;
     Carried carried_by_line(size_t element, const Response& response) const;
     Carried carried_by_chain(size_t element, const Response& response) const;
     Carried between_ends(size_t element, const Matrix3& axes, const Response& response) const;
+    Complex6 motion_at(const Joined& joined, bool is_to, const Response& response) const;
     Complex6 motion_of(int frame, const Response& response) const;
     Complex6 ground_at(const Joined& joined, int held_node, bool is_to, const Response& response) const;
     void add_supports(const Response& response, Eigen::VectorXcd& right_hand_side) const;
@@ -107,9 +109,11 @@ private:
     double omega_ = 0;
     std::vector<std::optional<LineWaves::Square<Complex>>> waves_;
     std::vector<size_t> first_row_;  ///< of every bond, among the reactions
-    /// Of an element: where its bonds begin and how many they are, or its first piece; −1: it has none.
+    /// Of an element: where its bonds begin and how many they are, or its first piece and where that begins among the
+    /// reactions; −1: it has none.
     struct Parts {
         int bond = -1, bonds = 0, piece = -1;
+        size_t row = 0;
     };
     std::vector<Parts> parts_;
     Sparse pattern_;  ///< the matrix whose order of elimination lu_ knows

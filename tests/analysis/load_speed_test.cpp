@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/first_step.h"
+#include "model/read_model.h"
 #include "model/signal_shapes.h"
 #include "support/models.h"
 
@@ -117,6 +119,47 @@ TEST(LoadSpeed, TheStepThatIsProposedIsShortEnough) {
     EXPECT_NEAR(fast[0].error, std::pow(pi * 0.2 / std::tan(pi * 0.2), 2) - 1, 1e-12);
     EXPECT_EQ(fast[0].step, 1e-3 / 8);  // a/tan a = sqrt(0.99), a = 0.1224: 0.195 ms
     EXPECT_TRUE(find_fast_loads(model, simulation, 0.26).empty());
+}
+
+// Oracle: a soft spring between a mass and a support that moves by X sin wt acts as a load k X sin wt: the same loss, the
+// same step.
+TEST(LoadSpeed, AMotionOfASupportCountsAsALoadDoes) {
+    const Plugins plugins;
+    Model model = parse_model(R"(format = "dttmm/1"
+[simulation]
+duration = 1
+step = "1 ms"
+[nodes]
+still = { position = [1, 0, 0], fixed = ["x", "y"] }
+base = { position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"], motion = { z = { type = "sine", amplitude = 0.01, frequency = 200 }, rx = "=0.1*t" } }
+[[element]]
+name = "spring"
+type = "spring_damper"
+from = "base"
+to = "still"
+stiffness = 10
+rotational_stiffness = 10
+[[element]]
+name = "mass"
+type = "rigid_body"
+at = "still"
+mass = 3
+inertia = { xx = 1, yy = 1, zz = 1 }
+)",
+                              "m.toml", plugins.catalogue());
+    const Simulation simulation(model, plugins);
+    const std::vector<FastLoad> fast = find_fast_loads(model, simulation, kTolerableLoadError);
+    ASSERT_EQ(fast.size(), 1u) << "the slow rotation is not fast";
+    EXPECT_EQ(fast[0].frequency, 200);
+    EXPECT_EQ(fast[0].name, "the motion of node \"base\" in z");
+    EXPECT_NEAR(fast[0].error, std::pow(pi * 0.2 / std::tan(pi * 0.2), 2) - 1, 1e-12);
+    EXPECT_EQ(fast[0].step, 1e-3 / 8);
+    // The first step of a run to a tolerance likewise: at most 10 %, a/tan a = sqrt(0.9), a = 0.387: 0.62 ms
+    model.simulation.step = 0;
+    model.simulation.tolerance = 0.01;
+    const double first = choose_step(model, plugins).simulation.step;
+    EXPECT_LE(first, 0.62e-3);
+    EXPECT_GT(first, 0.3e-3);
 }
 
 }  // namespace

@@ -138,7 +138,7 @@ struct Chain {
     }
 };
 
-const Chain kOneMass = {{2.5}, {9100}, {4.7}};
+const Chain kOneMassChain = {{2.5}, {9100}, {4.7}};
 const Chain kThreeMasses = {{2.5, 1.7, 4.1}, {9100, 5300, 7700}, {0.61, 0.13, 0.42}};
 
 // Oracle: closed form. A sine of a frequency between bins, an offset, a second channel of the force; levels by integrals
@@ -186,12 +186,12 @@ TEST_F(SpectrumOfARun, TheWindowOfTimeIsAsAskedFor) {
 // (c/2m)^2). Rows are 3 steps apart.
 TEST_F(SpectrumOfARun, OneMassHasTheFrequencyOfTheSchemeAndOfTheMachine) {
     constexpr double kStep = 0.004;  // omega h = 0.24
-    run(kOneMass.model(fmt::format("duration = 6\nstep = {}\n[output]\nstep = {}\n", kStep, 3 * kStep)));
+    run(kOneMassChain.model(fmt::format("duration = 6\nstep = {}\n[output]\nstep = {}\n", kStep, 3 * kStep)));
     const Ended ended = spectrum({"--channels", "b0.position,s0.force", "--identify", "1"}, "run");
     EXPECT_THAT(ended.out, AllOf(HasSubstr("(omega h)^2/12"), HasSubstr("step 0.004 s")));
     const Fields modes = table("identified.csv");
     ASSERT_EQ(modes.size(), 1u);
-    const Complex s = kOneMass.rates().front(), recorded = std::atanh(s * kStep / 2.0) * 2.0 / kStep;
+    const Complex s = kOneMassChain.rates().front(), recorded = std::atanh(s * kStep / 2.0) * 2.0 / kStep;
     EXPECT_NEAR(number(modes[0], "frequency") / (recorded.imag() / kFullTurn), 1, 1e-8);
     EXPECT_NEAR(number(modes[0], "damping_ratio") / (-recorded.real() / std::abs(recorded)), 1, 1e-6);
     EXPECT_NEAR(number(modes[0], "natural_frequency") / (std::sqrt(9100 / 2.5) / kFullTurn), 1, 1e-8);
@@ -208,7 +208,7 @@ TEST_F(SpectrumOfARun, TheShiftsOfOtherSchemesAreUndone) {
     for (const char* scheme :
          {"spectral_radius = 0.8\n", "coupling = \"explicit\"\n", "coupling = \"explicit\"\nscheme = \"bdf1\"\n",
           "coupling = \"explicit\"\nscheme = \"houbolt\"\n", "coupling = \"explicit\"\nscheme = \"park\"\n"}) {
-        run(kOneMass.model(fmt::format("duration = 3\nstep = 0.004\n{}", scheme)));
+        run(kOneMassChain.model(fmt::format("duration = 3\nstep = 0.004\n{}", scheme)));
         spectrum({"--channels", "b0.position", "--identify", "1", "--from", "40 ms"}, "run");
         const Fields modes = table("identified.csv");
         ASSERT_EQ(modes.size(), 1u) << scheme;
@@ -249,7 +249,7 @@ TEST_F(SpectrumOfARun, ThreeMassesHaveTheirModes) {
 // Oracle: closed form. A run to a tolerance is 4/3 of the history of a step and -1/3 of that of twice the step: each mode
 // stands in it twice. The vibration under a load stands in it once, and keeps its frequency.
 TEST_F(SpectrumOfARun, AnExtrapolatedRunHasItsModesOnce) {
-    run(kOneMass.model("duration = 3\ntolerance = \"1 %\"\n[output]\nstep = 0.005\n") +
+    run(kOneMassChain.model("duration = 3\ntolerance = \"1 %\"\n[output]\nstep = 0.005\n") +
         "[[load]]\non = \"b0\"\ndirection = [1, 0, 0]\nforce = \"=3*sin(2*pi*17.3*t)\"\n");
     const Ended ended = spectrum({"--channels", "b0.position,b0.velocity", "--identify", "2"}, "run");
     const Fields modes = table("identified.csv");
@@ -272,7 +272,7 @@ TEST_F(SpectrumOfARun, AnExtrapolatedRunHasItsModesOnce) {
 // Oracle: `dttmm response` of the same machine at the speed of each row. A rotor speeds up slowly; a force of its second
 // order shakes a mass. The amplitude lags by the decay time of the mass, 0.1 s; the speed changes by 0.3 % in it.
 TEST_F(SpectrumOfARun, ASlowRunUpIsTheSteadyResponse) {
-    const std::string machine = kOneMass.model("duration = 12\nstep = 0.001\n");
+    const std::string machine = kOneMassChain.model("duration = 12\nstep = 0.001\n");
     const std::string damped = machine.substr(0, machine.rfind("damping")) + "damping = [60, 0, 0]\n";
     run(damped +
         "[[body]]\nname = \"rotor\"\nmass = 1\ninertia = [1, 1, 1]\nposition = [0, 3, 0]\nangular_velocity = [0, 0, 20]\n"

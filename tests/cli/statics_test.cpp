@@ -440,6 +440,107 @@ TEST(Statics, AnExpressionCountsAtItsInstant) {
     EXPECT_THAT(ended.err, HasSubstr("the value of \"=30/t\" is not finite at t = 0"));
 }
 
+// Oracle: a spring that softens, k d − k3 d³, carries 2k/3 √(k/3k3) at most. Beyond it there is no equilibrium; the largest
+// share that has one is told to a 1024th of the load.
+TEST(Statics, ALoadAboveTheLimitIsNamed) {
+    const double k = 4e3, k3 = 9e7, most = 2 * k / 3 * std::sqrt(k / (3 * k3));
+    const auto text = [&](double force) {
+        return fmt::format(R"(format = "dttmm/1"
+[[body]]
+name = "anvil"
+mass = 2.3
+inertia = [0.01, 0.02, 0.03]
+[[element]]
+name = "pad"
+type = "spring_damper"
+from = "ground"
+to = "anvil"
+stiffness = [7e3, 8e3, 0]
+rotational_stiffness = [20, 30, 40]
+z = {{ law = "cubic", stiffness = {}, cubic = -{} }}
+[[load]]
+on = "anvil"
+direction = [0, 0, 1]
+force = {:.17g}
+)",
+                           k, k3, force);
+    };
+    AtRest below = rest_of(text(0.99 * most));
+    const double d = below.row["anvil.position.z"];
+    EXPECT_NEAR(k * d - k3 * d * d * d, 0.99 * most, 1e-6 * most);
+    EXPECT_LT(d, std::sqrt(k / (3 * k3))) << "the stable one of two";
+    const TemporaryFolder folder;
+    write_text(folder / "m.toml", text(1.25 * most));
+    const Ended ended = run_dttmm(folder.path(), {"static", "m.toml"});
+    EXPECT_EQ(ended.code, 4);
+    EXPECT_THAT(ended.err, HasSubstr("what moves on is body \"anvil\""));
+    const size_t at = ended.err.find("but one under ");
+    ASSERT_NE(at, std::string::npos) << ended.err;
+    const double share = std::stod(ended.err.substr(at + 14));
+    EXPECT_LE(share, 0.8);
+    EXPECT_GT(share, 0.8 - 2.0 / 1024);
+}
+
+// Oracle: a case by a name that no case has is refused with the nearest name, before anything is found.
+TEST(Statics, ACaseThatDoesNotExistIsRefused) {
+    const TemporaryFolder folder;
+    write_text(folder / "m.toml", bar(3, 1, 0) + "[[case]]\nname = \"snow\"\n[[case]]\nname = \"wind\"\n");
+    const Ended ended = run_dttmm(folder.path(), {"static", "m.toml", "--case", "snwo", "-o", "out"});
+    EXPECT_EQ(ended.code, 2);
+    EXPECT_THAT(ended.err, HasSubstr("--case \"snwo\": there is no case \"snwo\"; did you mean \"snow\"?"));
+    EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+// Oracle: a rod on two pins under a force per length from w1 to w2 across it: (2 w1 + w2) L/6 and (w1 + 2 w2) L/6; it bends
+// nowhere.
+TEST(Statics, ALineLoadOnARod) {
+    const double w1 = 40, w2 = 130, L = 1.3;
+    AtRest rest = rest_of(fmt::format(R"(format = "dttmm/1"
+[nodes]
+left = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx"] }}
+right = {{ position = [0.78, 1.04, 0], fixed = ["x", "y", "z"] }}
+[[element]]
+name = "rod"
+type = "rod"
+from = "left"
+to = "right"
+segments = 3
+section = {{ EA = 2e6, mass = 0.7 }}
+[[load]]
+element = "rod"
+direction = [0, 0, -1]
+force_per_length = [{}, {}]
+)",
+                                      w1, w2));
+    EXPECT_NEAR(rest.row["left.reaction.z"], (2 * w1 + w2) * L / 6, 1e-6);
+    EXPECT_NEAR(rest.row["right.reaction.z"], (w1 + 2 * w2) * L / 6, 1e-6);
+    EXPECT_NEAR(rest.row["right.rotation.x"], 0, 1e-9);
+}
+
+// Oracle: what nothing holds is named, by its node and direction.
+TEST(Statics, ANodeThatNothingHoldsIsNamed) {
+    const TemporaryFolder folder;
+    write_text(folder / "m.toml", R"(format = "dttmm/1"
+[nodes]
+peg = [0.4, 0.1, 0]
+[[element]]
+name = "dashpot"
+type = "spring_damper"
+from = "ground"
+to = "peg"
+stiffness = [3e3, 4e3, 0]
+rotational_stiffness = [5, 6, 7]
+damping = 20
+[[load]]
+on = "peg"
+direction = [0, 1, 3]
+force = 12
+)");
+    const Ended ended = run_dttmm(folder.path(), {"static", "m.toml"});
+    EXPECT_EQ(ended.code, 4) << ended.err;
+    EXPECT_THAT(ended.err, HasSubstr("\"dashpot\""));
+}
+
 /// A body on a hinge, its centre of mass `up` above it, without any element.
 std::string pendulum(double up) {
     return fmt::format(R"(format = "dttmm/1"
@@ -651,7 +752,8 @@ force = {}
 )",
                                       0.3 + kL, kEA, kEI, 1.9 * kEI, kLoad),
                           {"--buckling", "3"});
-    const double pressed = kL * (1 - kLoad / kEA), first = M_PI * M_PI * kEI / (pressed * pressed) / kLoad;
+    const double pressed = kL * (1 - kLoad / kEA),
+                 first = M_PI * M_PI * kEI / (pressed * kL) / kLoad;  // EI per length at the start
     const std::vector<double> found = rest.summary["critical_load_factors"];
     ASSERT_EQ(found.size(), 3u);
     EXPECT_NEAR(found[0], first, 1e-8 * first);

@@ -113,6 +113,28 @@ TEST(Allocation, NothingIsAllocatedInsideANetwork) {
     EXPECT_EQ(allocations - before, 0);
 }
 
+// The same with supports that move: one that shifts and turns, one that lifts a mass.
+TEST(Allocation, SupportsThatMoveAllocateNothing) {
+    const Plugins plugins;
+    std::string text = kLeg;
+    text.replace(
+        text.find("tip = [0.5, 0.6, 0.1]"), 21,
+        "tip = { position = [0.5, 0.6, 0.1], fixed = [\"z\"], motion = { z = \"=0.01*sin(40*t)\" } }\n"
+        "wall = { position = [0.9, 0.6, 0], fixed = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"], motion = { x = { type = "
+        "\"sine\", amplitude = 0.02, frequency = 5 }, ry = \"=0.3*sin(9*t)\" } }");
+    text +=
+        "[[element]]\nname = \"tie\"\ntype = \"spring_damper\"\nfrom = \"wall\"\nto = \"tip\"\nstiffness = 300\n"
+        "rotational_stiffness = 2\n";
+    const Model model = parse_model(text, "leg.toml", plugins.catalogue());
+    Simulation simulation(model, plugins);
+    Recorder recorder(simulation.channels());
+    simulation.record_to([&](std::span<const double> row) { recorder.close_row(row); });
+    for (int n = 0; n < 3; ++n) simulation.step();
+    const long before = allocations;
+    for (int n = 0; n < 2000; ++n) simulation.step();
+    EXPECT_EQ(allocations - before, 0);
+}
+
 // The same with springs that are not linear, between bodies and at the end of a beam.
 TEST(Allocation, LawsAllocateNothing) {
     const Plugins plugins;

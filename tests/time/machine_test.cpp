@@ -239,6 +239,55 @@ TEST(Machine, SavesAllItsNetworks) {
     EXPECT_THROW(other.restore_state(state.data(), state.size() - 1), Error);
 }
 
+// Oracle: the same machine that has gone on: the same bits. One support shifts and turns, another lifts a mass.
+TEST(Machine, SavesSupportsThatMove) {
+    NetworkModel model;
+    const Matrix3 turned = rotation_from_vector(Vector3(0.4, -0.8, 1.3));
+    model.node("wall", DTTMM_NODE_INNER, {0.05, 0.1, -0.2});
+    model.node("tip", DTTMM_NODE_INNER, {0.9, 0.3, 0.2}, turned);
+    model.node("a", DTTMM_NODE_ON_BODY, {1.1, 0.7, 0.2}, turned, {-0.04, 0.01, 0.02});
+    model.fix("wall", 0x3f);
+    model.fix("tip", 0x24);
+    model.element("arm", "beam", {"wall", "tip"}, test::tube(3, 1e-5));
+    model.element("mass", "point_mass", {"tip"}, {{"mass", {1.7}}});
+    model.element("tie", "spring_damper", {"tip", "a"}, {{"stiffness", {3e4, 5e4, 2e4}}, {"damping", {20}}});
+    dttmm_network network = model.description();
+    const std::vector<uint32_t> supports = {0, 1};
+    network.support_count = 2;
+    network.supports = supports.data();
+    const auto move = [](Machine& machine, double t) {
+        dttmm_support_motion motions[2]{};
+        motions[0].displacement[1] = 0.3 * t;
+        motions[0].rotation[2] = 5 * t * t;
+        motions[1].displacement[2] = -40 * t * t;
+        motions[0].velocity[1] = 0.3;
+        motions[0].angular_acceleration[2] = 10;
+        motions[1].acceleration[2] = -80;
+        machine.move_supports(motions);
+    };
+    const std::vector<double> accelerations(6, 0.0), loads(12, 0.0);
+    Machine machine(network), other(network);
+    for (Machine* m : {&machine, &other}) {
+        move(*m, 0);
+        m->start({0, 0, kMachineStep}, motions(network, 0).data(), accelerations.data(), loads.data());
+    }
+    const size_t blocks = machine.blocks().size();
+    for (uint64_t n = 0; n < 4; ++n) {
+        move(machine, static_cast<double>(n + 1) * kMachineStep);
+        take_step(machine, network, n, blocks);
+    }
+    std::vector<char> state(machine.state_size());
+    machine.save_state(state.data(), state.size());
+    other.restore_state(state.data(), state.size());
+    for (uint64_t n = 4; n < 9; ++n) {
+        for (Machine* m : {&machine, &other}) move(*m, static_cast<double>(n + 1) * kMachineStep);
+        const Answer a = take_step(machine, network, n, blocks), b = take_step(other, network, n, blocks);
+        EXPECT_EQ(a.wrench, b.wrench);
+        EXPECT_EQ(a.mean, b.mean);
+        EXPECT_EQ(a.outputs, b.outputs);
+    }
+}
+
 // Oracle: two equal dampers in a row: the node between them moves half as fast as the body. No spring holds it anywhere.
 TEST(Machine, ANodeMayHangOnDampersAlone) {
     NetworkModel model;

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Vibrations about equilibrium against tables of machines whose truth is known in closed form, and small runs of the same
+// machines.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "cli/modes_run.h"
+
+namespace dttmm::host {
+namespace {
+
+/// A pendulum on a spring: k by m g l, its centre of mass above its pin or below. Its spring is at rest as it hangs or
+/// stands.
+struct Swinging {
+    double ratio;
+    bool hangs;
+};
+constexpr double kBob = 1.37, kArm = 0.83, kInertia = 0.031, kPull = 9.81;
+
+std::string swinging(const Swinging& p, const std::string& simulation, double speed) {
+    const double up = p.hangs ? -kArm : kArm;
+    return fmt::format(R"(format = "dttmm/1"
+[simulation]
+gravity = [0, 0, -9.81]
+{}
+[output]
+channels = ["pin.angle"]
+[[body]]
+name = "bob"
+mass = {}
+inertia = [0.01, {}, 0.03]
+position = [0.3, 0.2, {:.17g}]
+velocity = [{:.17g}, 0, 0]
+angular_velocity = [0, {:.17g}, 0]
+[[joint]]
+name = "pin"
+type = "hinge"
+between = ["ground", "bob"]
+anchor = [0.3, 0.2, 0.7]
+axis = [0, 1, 0]
+[[element]]
+name = "spring"
+type = "spring_damper"
+from = "ground"
+to = "bob"
+rotational_stiffness = [0, {:.17g}, 0]
+)",
+                       simulation, kBob, kInertia, 0.7 + up, speed * up, speed, p.ratio * kBob * kPull * kArm);
+}
+
+/// Natural frequency [Hz] behind a free vibration x of one mode: x(t + h) + x(t − h) = 2 c x(t) by least squares, with
+/// c = cos ω_h h of the scheme, tan(ω_h h/2) = ωh/2. Negative: it grows, c = cosh.
+double frequency_behind(const std::vector<double>& x, double h) {
+    double over = 0, under = 0;
+    for (size_t n = 1; n + 1 < x.size(); ++n) {
+        over += (x[n + 1] + x[n - 1]) * x[n];
+        under += 2 * x[n] * x[n];
+    }
+    const double c = over / under;
+    return (c < 1 ? std::tan(0.5 * std::acos(c)) : -std::tanh(0.5 * std::acosh(c))) * 2 / h / (2 * M_PI);
+}
+
+std::vector<double> angle_of(const std::string& text) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", text);
+    const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "-q"});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    std::vector<double> x;
+    for (const std::vector<double>& row : read_history(folder / "out/history.csv")) x.push_back(row[1]);
+    return x;
+}
+
+// Oracle: ω² = (k ± m g l)/(J + m l²): the pendulums of physics2.md's table P5, standing and hanging, and a small run of
+// each.
+TEST(PreloadedModes, PendulumsOnSprings) {
+    for (const Swinging& p :
+         {Swinging{2, false}, {1.2, false}, {0.8, false}, {2, true}, {1.2, true}, {0.8, true}, {20, true}, {100, true}}) {
+        const double square = (p.ratio + (p.hangs ? 1 : -1)) * kBob * kPull * kArm / (kInertia + kBob * kArm * kArm);
+        const double exact = std::copysign(std::sqrt(std::abs(square)), square) / (2 * M_PI);
+        const std::vector<double> found = frequencies_of(modes_of(swinging(p, "", 0)));
+        ASSERT_EQ(found.size(), 1u);
+        EXPECT_NEAR(found[0], exact, 1e-8 * std::abs(exact)) << p.ratio << p.hangs;
+        // Forces of joints act along the directions at the start of a step: (ω_g h)²/8 of the frequency, ω_g that of gravity
+        const auto rung = [&](double h) {
+            const std::string simulation = fmt::format("duration = \"1 s\"\nstep = {}", h);
+            return frequency_behind(angle_of(swinging(p, simulation, 1e-5 * std::sqrt(std::abs(square)))), h);
+        };
+        EXPECT_NEAR((4 * rung(1e-3) - rung(2e-3)) / 3, exact, 1e-6 * std::abs(exact)) << p.ratio << p.hangs;
+    }
+}
+
+// Oracle: the column of P5 between pins, ω = (π/L)² √(EI/µ) √(1 − s P L²/π²EI)/s, s = 1 − P/EA, pressed and pulled: the
+// length at rest is s L; mass and stiffness of the section are those per length at the start.
+TEST(PreloadedModes, ColumnsAndTies) {
+    constexpr double kL = 1.2, kEI = 16.4, kMass = 0.7, kEA = 1e7;
+    const double critical = M_PI * M_PI * kEI / (kL * kL);
+    for (const double load : {0.25, 0.5, 0.9, -1.0, -4.0, -16.0}) {
+        const double P = load * critical, s = 1 - P / kEA;
+        const double exact = M_PI / 2 / (kL * kL * s) * std::sqrt(kEI / kMass * (1 - s * load));
+        const std::vector<double> found = frequencies_of(modes_of(fmt::format(R"(format = "dttmm/1"
+[nodes]
+foot = {{ position = [0.1, 0.2, 0.3], fixed = ["x", "y", "z", "rz"] }}
+head = {{ position = [0.1, 0.2, 1.5], fixed = ["x", "y"] }}
+[[element]]
+name = "column"
+type = "beam"
+from = "foot"
+to = "head"
+segments = 3
+theory = "euler-bernoulli"
+section = {{ EA = {}, EIy = {}, EIz = {}, GJ = 1e3, mass = {}, inertia = 1e-8 }}
+[[load]]
+on = "head"
+direction = [0, 0, -1]
+force = {:.17g}
+)",
+                                                                              kEA, kEI, 1.9 * kEI, kMass, P),
+                                                                  {"--count", "1"}));
+        ASSERT_EQ(found.size(), 1u);
+        EXPECT_NEAR(found[0], exact, 1e-6 * exact) << load;
+    }
+}
+
+// Code_Aster SDLL101 (V2.02.101): a pinned steel bar, L = 2 m, d = 10 mm, E = 2e11, rho = 7800, under tension T. Its printed
+// frequencies to their digits, and the formula n² π/(2 L²) √(EI/µ) √(1 + T L²/(n² π² EI)) to 1e-6.
+TEST(PreloadedModes, CodeAsterSDLL101) {
+    const std::vector<std::vector<double>> printed = {{4.9713, 19.8851, 44.7414, 79.5403, 124.2818},
+                                                      {5.9090, 20.8860, 45.7561, 80.5600, 125.3037}};
+    const double d = 0.01, A = M_PI / 4 * d * d, I = M_PI / 64 * std::pow(d, 4), E = 2e11, rho = 7800, L = 2;
+    for (size_t c : {0u, 1u}) {
+        const double T = c == 0 ? 0 : 100;
+        const std::vector<double> found = frequencies_of(modes_of(fmt::format(R"(format = "dttmm/1"
+[nodes]
+left = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx"] }}
+right = {{ position = [2, 0, 0], fixed = ["y", "z"] }}
+[[element]]
+name = "bar"
+type = "beam"
+from = "left"
+to = "right"
+theory = "euler-bernoulli"
+section = {{ EA = {:.17g}, EIy = {:.17g}, EIz = {:.17g}, GJ = 1e4, mass = {:.17g}, inertia = 1e-6 }}
+[[load]]
+on = "right"
+direction = [1, 0, 0]
+force = {}
+)",
+                                                                              E * A, E * I, 1.000001 * E * I, rho * A, T),
+                                                                  {"--count", "10"}));
+        ASSERT_EQ(found.size(), 10u);
+        for (size_t n = 1; n <= 5; ++n) {
+            const double N = static_cast<double>(n), s = 1 + T / (E * A);
+            const double exact = N * N * M_PI / (2 * L * L * s) * std::sqrt(E * I / (rho * A)) *
+                                 std::sqrt(1 + T * s * L * L / (N * N * M_PI * M_PI * E * I));
+            EXPECT_NEAR(found[2 * n - 2], exact, 1e-6 * exact) << T << " " << n;
+            EXPECT_NEAR(found[2 * n - 2], printed[c][n - 1], 2e-4 * exact) << T << " " << n;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace dttmm::host

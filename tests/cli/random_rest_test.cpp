@@ -359,7 +359,7 @@ TEST(RandomRest, IsWhereADampedRunEnds) {
         const RandomRest machine(seed);
         AtRest rest = rest_of(machine.text("duration = 1", 0.04, with_beams(seed, 0.02)));
         const std::map<std::string, double> run =
-            final_row(machine.text("duration = 12\nstep = \"4 ms\"\nspectral_radius = 0.6", 0.04, with_beams(seed, 0.02)));
+            final_row(machine.text("duration = 60\nstep = \"4 ms\"\nspectral_radius = 0.6", 0.04, with_beams(seed, 0.02)));
         size_t compared = 0;
         for (const auto& [name, value] : run) {
             if (name.find("position") == std::string::npos && name.find("middle.rotation") == std::string::npos) continue;
@@ -375,7 +375,8 @@ TEST(RandomRest, VibratesAsASmallRunRings) {
     for (unsigned seed = 1; seed <= 6; ++seed) {
         const RandomRest machine(seed);
         const std::string kick =
-            "[[load]]\non = \"b0\"\ndirection = [1, 0.7, -0.4]\nforce = { type = \"haversine\", peak = 0.02, start = 0, "
+            "[[load]]\non = \"b0.load\"\ndirection = [1, 0.7, -0.4]\nforce = { type = \"haversine\", peak = 0.02, start = "
+            "0, "
             "width "
             "= 0.02 }\n";
         const std::string text =

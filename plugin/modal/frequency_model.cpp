@@ -269,6 +269,8 @@ std::vector<const AtRest::Link*> FrequencyModel::place_at_rest(const AtRest& res
         const double length = (line.finish - line.start).norm();
         carry(line.from, own.front().from, line.start);
         carry(line.to, own.back().to, line.finish);
+        place(line.from, own.front().from);  // what lines alone join
+        place(line.to, own.back().to);
         const double stretched = (line.finish - line.start).norm();
         scale_to(line.line.section, stretched / length);
         const Vector3 x = (line.finish - line.start) / stretched,

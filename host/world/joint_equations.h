@@ -49,7 +49,7 @@ public:
 
     /// C [m, rad] of the lasting equations. driven_to: the coordinate that the motor asks for; angles differ by half a turn
     /// at most.
-    Values residual(const std::vector<BodyState>& at, double driven_to) const;
+    Values residual(const std::vector<BodyState>& at, double driven_to = 0) const;
     /// ∂Ċ/∂(velocities), the last row that of the coordinate where there are stops or a motor; zero for the ground.
     Jacobian jacobian(const std::vector<BodyState>& at) const;
     /// C̈ of the lasting equations while both bodies keep their velocities.

@@ -77,8 +77,8 @@ std::vector<TableColumn> columns_of(const dttmm_parameter& parameter) {
     for (std::string field; std::getline(fields, field, ';');) {
         const std::size_t begin = field.find_first_not_of(' '), bracket = field.find(" [");
         const std::string word = field.substr(begin, bracket - begin);
-        columns.push_back(
-            {word, word == "frequency" ? "frequencies" : word, field.substr(bracket + 2, field.size() - bracket - 3)});
+        columns.push_back({word, word == "frequency" ? "frequencies" : word,
+                           field.substr(bracket + 2, field.size() - bracket - 3), field.substr(begin)});
     }
     return columns;
 }

@@ -137,13 +137,6 @@ std::string listed(const std::vector<TableColumn>& columns, std::string TableCol
     return text;
 }
 
-std::string example_heading(const std::vector<TableColumn>& columns) {
-    std::string text;
-    for (const TableColumn& column : columns)
-        text += fmt::format("{}{} [{}]", text.empty() ? "" : ",", column.word.substr(0, 1), column.unit);
-    return text;
-}
-
 }  // namespace
 
 std::vector<std::vector<double>> read_columns_file(const fs::path& folder, const std::string& name,
@@ -166,7 +159,8 @@ std::vector<std::vector<double>> read_columns_file(const fs::path& folder, const
             const auto given = parse_units(bracketed.empty() ? content : bracketed, columns);
             if (!bracketed.empty() && !given)
                 fail(name, fmt::format("line {}: the units in brackets are not {} of {}, e.g. \"{}\"", number,
-                                       columns.size() == 2 ? "both" : "all", units_and, example_heading(columns)));
+                                       columns.size() == 2 ? "both" : "all", units_and,
+                                       listed(columns, &TableColumn::heading, false)));
             if (given) {
                 scale = *given;
                 may_be_units = false;
@@ -194,8 +188,9 @@ std::vector<std::vector<double>> read_columns_file(const fs::path& folder, const
 
 TimeTable read_table_file(const fs::path& folder, const std::string& name, std::string_view unit) {
     TimeTable table;
-    for (const std::vector<double>& row :
-         read_columns_file(folder, name, {{"time", "times", "s"}, {"value", "values", std::string(unit)}})) {
+    for (const std::vector<double>& row : read_columns_file(
+             folder, name,
+             {{"time", "times", "s", "t [ms]"}, {"value", "values", std::string(unit), fmt::format("y [{}]", unit)}})) {
         table.times.push_back(row[0]);
         table.values.push_back(row[1]);
     }

@@ -11,6 +11,7 @@ namespace dttmm::host {
 struct TableColumn {
     std::string word, plural;  ///< "time", "times", for messages
     std::string unit;          ///< SI
+    std::string heading;       ///< an example of one, "t [ms]"
 };
 
 /// A file of columns separated by commas: rows of plain numbers [SI], the first column ascending. Empty lines and lines that

@@ -6,6 +6,30 @@
 
 namespace dttmm::plugin {
 
+namespace {
+
+/// Below it series have more digits than closed forms, and 16 of their terms all of them.
+constexpr double kShort = 0.5;
+
+/// (x − d)/x² with d = 1 − e^(−x): Σ (−x)^n/(n + 2)!
+double mean_share(double x) {
+    if (x >= kShort) return (x + std::expm1(-x)) / (x * x);
+    double sum = 0, term = 0.5;
+    for (int n = 0; n < 16; ++n, term *= -x / (n + 3)) sum += term;
+    return sum;
+}
+
+/// (x − d − d²/2)/x², the integral of (1 − e^(−s))² over it: Σ (−1)^n (2^n − 2) x^(n − 1)/(n! (n + 1)), n from 2.
+double lost_share(double x) {
+    const double d = -std::expm1(-x);
+    if (x >= kShort) return (x - d - 0.5 * d * d) / (x * x);
+    double sum = 0, term = 0.5 * x, power = 4;  // (−1)^n x^(n − 1)/n!, 2^n
+    for (int n = 2; n < 18; ++n, term *= -x / (n + 1), power *= 2) sum += term * (power - 2) / (n + 1);
+    return sum;
+}
+
+}  // namespace
+
 Viscoelastic::Viscoelastic(std::vector<DynamicStiffnessRow> rows) : rows_(std::move(rows)), series_(fit_maxwell(rows_)) {}
 
 LawOnPath Viscoelastic::along(const LawPath& path) const {
@@ -21,15 +45,15 @@ LawOnPath Viscoelastic::along(const LawPath& path) const {
             after = 0;
             relaxed += 0.5 * before * before / stiffness;
         } else if (h > 0) {
-            // With a constant rate q tends to k τ (b − a)/h; lost is ∫ q²/(k τ) dt
-            const double x = h / time, decay = -std::expm1(-x), limit = stiffness * (b - a) / x, away = before - limit;
-            const double slope = stiffness * decay / x;
-            after = limit + away * (1 - decay);
-            on.tangent += slope;
-            on.mean += limit + away * decay / x;
-            on.mean_tangent += stiffness / x * (1 - decay / x);
+            // With u = k (b − a) and x = h/τ, at a share s/x of the path q = q₀ e^(−s) + u (1 − e^(−s))/x; lost is ∫ q² ds/k
+            const double x = h / time, decay = -std::expm1(-x), u = stiffness * (b - a);
+            after = before * (1 - decay) + u * decay / x;
+            on.tangent += stiffness * decay / x;
+            on.mean += before * decay / x + u * mean_share(x);
+            on.mean_tangent += stiffness * mean_share(x);
             on.dissipated +=
-                (limit * limit * x + 2 * limit * away * decay + 0.5 * away * away * decay * (2 - decay)) / stiffness;
+                (before * before * 0.5 * decay * (2 - decay) + before * u * decay * decay / x + u * u * lost_share(x)) /
+                stiffness;
         } else {
             on.mean += before;
         }
@@ -37,10 +61,7 @@ LawOnPath Viscoelastic::along(const LawPath& path) const {
         on.stored += 0.5 * after * after / stiffness;
         if (path.after) path.after[j] = after;
     }
-    if (is_slow) {
-        on.dissipated += relaxed;
-        // The mean force of (stored at the end − at the start + lost)/(b − a) is that of the spring alone
-    }
+    on.dissipated += relaxed;  // the mean along a slow path is that of the spring alone
     return on;
 }
 

@@ -175,12 +175,15 @@ type = "point_mass"
 at = "tip"
 mass = 0.35
 )";
-    int i = 0;
-    for (const char* marker : {"one", "two", "three"})
+    for (int i = 0; i < 3; ++i)
         text += fmt::format(
             "[[element]]\nname = \"mount{0}\"\ntype = \"spring_damper\"\nfrom = \"block.{1}\"\nto = \"ground\"\n"
             "stiffness = [{2}, {3}, {4}]\nrotational_stiffness = {5}\n",
-            i, marker, 41000 + 3000 * i, 52000 - 7000 * i, 90000 + 5000 * i, 30 + 4 * i++);
+            i,
+            i == 0   ? "one"
+            : i == 1 ? "two"
+                     : "three",
+            41000 + 3000 * i, 52000 - 7000 * i, 90000 + 5000 * i, 30 + 4 * i);
     return text;
 }
 

@@ -119,7 +119,7 @@ TEST(Allocation, SupportsThatMoveAllocateNothing) {
     std::string text = kLeg;
     text.replace(
         text.find("tip = [0.5, 0.6, 0.1]"), 21,
-        "tip = { position = [0.5, 0.6, 0.1], fixed = [\"z\"], motion = { z = \"=0.01*sin(40*t)\" } }\n"
+        "tip = { position = [0.5, 0.6, 0.1], fixed = [\"y\"], motion = { y = \"=0.01*sin(40*t)\" } }\n"
         "wall = { position = [0.9, 0.6, 0], fixed = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"], motion = { x = { type = "
         "\"sine\", amplitude = 0.02, frequency = 5 }, ry = \"=0.3*sin(9*t)\" } }");
     text +=
@@ -132,6 +132,21 @@ TEST(Allocation, SupportsThatMoveAllocateNothing) {
     for (int n = 0; n < 3; ++n) simulation.step();
     const long before = allocations;
     for (int n = 0; n < 2000; ++n) simulation.step();
+    EXPECT_EQ(allocations - before, 0);
+}
+
+// The same with a motor in a joint.
+TEST(Allocation, MotorsAllocateNothing) {
+    const Plugins plugins;
+    std::string text = kLeg;
+    text.replace(text.find("axis = [0, 0, 1]"), 16, "axis = [0, 0, 1]\nangle = \"=-6*t + 0.2*sin(20*t)*t\"");
+    const Model model = parse_model(text, "leg.toml", plugins.catalogue());
+    Simulation simulation(model, plugins);
+    Recorder recorder(simulation.channels());
+    simulation.record_to([&](std::span<const double> row) { recorder.close_row(row); });
+    for (int n = 0; n < 3; ++n) simulation.step();
+    const long before = allocations;
+    for (int n = 0; n < 500; ++n) simulation.step();
     EXPECT_EQ(allocations - before, 0);
 }
 

@@ -58,7 +58,7 @@ Vector3 LineForces::mean_force() const {
 /// In k pieces an axial force that varies by a share a of the stiffness leaves 0.03 to 0.085 a/k⁴ of a frequency: masts of
 /// a = 0.001 to 0.1 in 2 to 10 pieces. Moments of a share b leave 0.008 b/k²: a deep cantilever.
 int LineForces::pieces(const Section& section) const {
-    constexpr double kShare = 1e-5;
+    constexpr double kShare = 1e-5, kVaries = 1e-6;
     const double bending = std::min(section.EIy, section.EIz), axial = mean_force().x();
     const double along = M_PI * M_PI * bending / (length_ * length_) + std::abs(axial),
                  across = bending * std::min(section.GJ, bending) / (length_ * length_);
@@ -67,7 +67,8 @@ int LineForces::pieces(const Section& section) const {
         varies = std::max(varies, std::abs(station(0) - axial) / along);
         bends = std::max(bends, station.tail<3>().squaredNorm() / across);
     }
-    const double wanted = std::max(std::pow(varies / kShare, 0.25), std::sqrt(bends / kShare));
+    if (varies <= kShare && bends <= kShare) return 1;
+    const double wanted = std::max(std::pow(varies / kVaries, 0.25), std::sqrt(bends / kShare));
     return std::clamp(static_cast<int>(std::ceil(std::min(wanted, 1e6))), 1, segments());
 }
 

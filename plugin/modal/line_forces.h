@@ -35,7 +35,7 @@ public:
     Vector6 at(double s) const;
     Vector3 mean_force() const;
     /// Into how many pieces the line is to be cut, its segments at most, so that what its forces add to the stiffness is
-    /// known to a share of 1e-6 of it. 1: only the mean axial force counts, what the others add is below a share of 1e-5.
+    /// known to a share of 1e-7 of it. 1: only the mean axial force counts, what the others add is below a share of 1e-5.
     int pieces(const Section& section) const;
 
     /// What these forces, without a uniform axial one, add to the stiffness from `start` over a piece as they turn with it:

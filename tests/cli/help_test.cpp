@@ -65,7 +65,7 @@ TEST(Help, MakesTheReference) {
 
 TEST(Help, TellsElementsToPrograms) {
     const nlohmann::json all = nlohmann::json::parse(run_dttmm("/", {"elements", "--json"}).out);
-    EXPECT_EQ(all.size(), 7u);
+    EXPECT_EQ(all.size(), 8u);
     const nlohmann::json beam = nlohmann::json::parse(run_dttmm("/", {"elements", "beam", "--json"}).out);
     ASSERT_EQ(beam.size(), 1u);
     EXPECT_EQ(beam[0].at("type"), "beam");

@@ -505,11 +505,12 @@ harmonic = {{ amplitude = "9 mN", phase = "-60 deg", frequency = "1.3 Hz" }}
                        segments);
 }
 
-// Oracle: a run that starts in equilibrium and vibrates about it: forces that are there at rest turn with their elements.
+// Oracle: a run that starts in equilibrium and vibrates about it: forces that are there at rest turn with their elements. Of
+// a rod that carries a force across itself at rest the elongation is not compared: it lacks the turning of that force.
 TEST_F(SteadyVibration, ForcesAboutAnEquilibriumAreThoseOfARun) {
-    const std::vector<std::string> channels = {"mast.force",  "mast.moment",   "mast.deflection", "mast.rotation",
-                                               "arm.force",   "arm.moment",    "arm.deflection",  "foot.force",
-                                               "foot.moment", "foot.rotation", "tip.position"};
+    const std::vector<std::string> channels = {"mast.force",    "mast.moment", "mast.deflection", "mast.rotation",
+                                               "arm.force",     "arm.moment",  "foot.force",      "foot.moment",
+                                               "foot.rotation", "tip.position"};
     std::string patterns;
     for (const std::string& channel : channels) patterns += fmt::format("\"{}\", ", channel);
     const Table run = history(leaning(24) + fmt::format("[output]\nchannels = [{}]\n", patterns));

@@ -680,7 +680,7 @@ TEST(ModesAtRest, SlowGrowthIsRefused) {
     constexpr double kL = 1.2, kEI = 16.4, kEA = 1e9;
     const TemporaryFolder folder;
     double load = 0;
-    for (int i = 0; i < 9; ++i) load = M_PI * M_PI * kEI / std::pow(kL * (1 - load / kEA), 2);
+    for (int i = 0; i < 9; ++i) load = M_PI * M_PI * kEI / (kL * kL * (1 - load / kEA));
     for (const double share : {1 + 1e-8, 1 - 1e-8}) {
         write_text(folder / "model.toml", fmt::format(R"(format = "dttmm/1"
 [nodes]

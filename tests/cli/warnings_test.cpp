@@ -280,7 +280,7 @@ stiffness = 20000
     EXPECT_THAT(
         run_at("200 Hz"),
         AllOf(HasSubstr("unaccounted for"),
-              HasSubstr(": the load at model.toml:18:1 is too fast for the step of 0.001 s; use --step \"0.000125 s\""),
+              HasSubstr(": load number 1 at model.toml:18:1 is too fast for the step of 0.001 s; use --step \"0.000125 s\""),
               Not(HasSubstr("fastest vibration"))));
     EXPECT_EQ(codes_in(folder / "out/summary.json"), (std::vector<std::string>{"load-too-fast", "energy-balance"}));
     EXPECT_EQ(run_at("5 Hz"), "");

@@ -92,8 +92,8 @@ TEST(LineForces, PiecesByTheShareOfTheStiffness) {
     };
     EXPECT_EQ(pieces(0, 0.9e-5 * along), 1);
     EXPECT_EQ(pieces(0, 1.1e-5 * along), 2);
-    EXPECT_EQ(pieces(0, 15.9e-5 * along), 2);
-    EXPECT_EQ(pieces(0, 16.1e-5 * along), 3);
+    EXPECT_EQ(pieces(0, 1.59e-5 * along), 2);
+    EXPECT_EQ(pieces(0, 1.61e-5 * along), 3);
     EXPECT_EQ(pieces(0, 0.3 * along), 8) << "its segments at most";
     EXPECT_EQ(pieces(0, 0.3 * along, 1), 1);
     for (const Eigen::Index moment : {3, 4, 5}) {

@@ -15,7 +15,7 @@ constexpr double kShort = 0.5;
 double mean_share(double x) {
     if (x >= kShort) return (x + std::expm1(-x)) / (x * x);
     double sum = 0, term = 0.5;
-    for (int n = 0; n < 16; ++n, term *= -x / (n + 3)) sum += term;
+    for (int n = 0; n < 16; ++n, term *= -x / (n + 2)) sum += term;
     return sum;
 }
 
@@ -24,7 +24,7 @@ double lost_share(double x) {
     const double d = -std::expm1(-x);
     if (x >= kShort) return (x - d - 0.5 * d * d) / (x * x);
     double sum = 0, term = 0.5 * x, power = 4;  // (−1)^n x^(n − 1)/n!, 2^n
-    for (int n = 2; n < 18; ++n, term *= -x / (n + 1), power *= 2) sum += term * (power - 2) / (n + 1);
+    for (int n = 2; n < 18; ++n, term *= -x / n, power *= 2) sum += term * (power - 2) / (n + 1);
     return sum;
 }
 

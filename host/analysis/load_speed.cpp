@@ -11,6 +11,7 @@
 #include <unsupported/Eigen/FFT>
 
 #include "model/index.h"
+#include "model/read_modes.h"
 #include "model/read_simulation.h"
 
 namespace dttmm::host {
@@ -86,7 +87,6 @@ std::vector<SignalPart> find_parts(const Signal& signal, double duration, double
 }
 
 std::vector<Acting> find_acting(const Model& model, double step) {
-    constexpr const char* kDirections[] = {"x", "y", "z", "rx", "ry", "rz"};
     const double duration = model.simulation.duration;
     std::vector<Acting> all;
     for (size_t i = 0; i < model.loads.size(); ++i) {

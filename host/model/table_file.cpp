@@ -53,14 +53,14 @@ fs::path resolve(const fs::path& folder, const std::string& name) {
     return file;
 }
 
-std::string_view trimmed(std::string_view text) {
+std::string_view without_blanks(std::string_view text) {
     constexpr const char* kBlanks = " \t\r";
     const std::size_t begin = std::min(text.find_first_not_of(kBlanks), text.size());
     return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
 }
 
 std::optional<double> parse_plain_number(std::string_view text) {
-    text = trimmed(text);
+    text = without_blanks(text);
     if (text.starts_with('+')) text.remove_prefix(1);
     double number = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -72,7 +72,7 @@ std::vector<std::string_view> fields_of(std::string_view line) {
     std::vector<std::string_view> fields;
     while (true) {
         const std::size_t comma = std::min(line.find(','), line.size());
-        fields.push_back(trimmed(line.substr(0, comma)));
+        fields.push_back(without_blanks(line.substr(0, comma)));
         if (comma == line.size()) return fields;
         line.remove_prefix(comma + 1);
     }
@@ -123,14 +123,14 @@ std::string units_in_heading(std::string_view line) {
         const std::size_t begin = field.find_first_of("[("), end = field.find_last_of("])");
         if (!units.empty() || field.data() != fields_of(line).front().data()) units += ',';
         if (begin == field.npos || end == field.npos || begin >= end) continue;
-        units += trimmed(field.substr(begin + 1, end - begin - 1));
+        units += without_blanks(field.substr(begin + 1, end - begin - 1));
         has_any = true;
     }
     return has_any ? units : "";
 }
 
 /// "time and value", "s and N", "s,N" of columns.
-std::string listed(const std::vector<TableColumn>& columns, std::string TableColumn::*part, bool with_and) {
+std::string joined(const std::vector<TableColumn>& columns, std::string TableColumn::*part, bool with_and) {
     std::string text;
     for (std::size_t c = 0; c < columns.size(); ++c)
         text += (c == 0 ? "" : !with_and ? "," : c + 1 < columns.size() ? ", " : " and ") + columns[c].*part;
@@ -143,15 +143,15 @@ std::vector<std::vector<double>> read_columns_file(const fs::path& folder, const
                                                    const std::vector<TableColumn>& columns) {
     std::ifstream stream(resolve(folder, name), std::ios::binary);
     if (!stream) fail(name, "cannot be read");
-    const std::string words = listed(columns, &TableColumn::word, true),
-                      units_and = listed(columns, &TableColumn::unit, true),
-                      units = listed(columns, &TableColumn::unit, false);
+    const std::string words = joined(columns, &TableColumn::word, true),
+                      units_and = joined(columns, &TableColumn::unit, true),
+                      units = joined(columns, &TableColumn::unit, false);
     std::vector<std::vector<double>> rows;
     std::vector<double> scale(columns.size(), 1);
     std::string line;
     bool may_be_heading = true, may_be_units = true;
     for (int number = 1; std::getline(stream, line); ++number) {
-        const std::string_view content = trimmed(line);
+        const std::string_view content = without_blanks(line);
         if (content.empty() || content.starts_with('#')) continue;
         auto row = parse_row(content, columns.size());
         if (!row && may_be_units && !holds_number(content)) {
@@ -160,7 +160,7 @@ std::vector<std::vector<double>> read_columns_file(const fs::path& folder, const
             if (!bracketed.empty() && !given)
                 fail(name, fmt::format("line {}: the units in brackets are not {} of {}, e.g. \"{}\"", number,
                                        columns.size() == 2 ? "both" : "all", units_and,
-                                       listed(columns, &TableColumn::heading, false)));
+                                       joined(columns, &TableColumn::heading, false)));
             if (given) {
                 scale = *given;
                 may_be_units = false;

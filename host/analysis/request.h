@@ -40,7 +40,7 @@ struct Request {
 
     std::vector<std::string> inputs, outputs;  ///< response: unit inputs, and patterns of channels
     std::string rpm;                           ///< response: speeds, "800..6000:260"
-    std::string kind;                          ///< response: "receptance" and so on; empty: whatever the outputs are
+    std::string kind;                          ///< response: "receptance" and so on; empty: as the outputs are
     std::vector<std::string> orders;           ///< response: those of the loads' orders that count; none: all
 
     std::vector<std::string> channels;  ///< spectrum: patterns, perhaps several in one text, parted by commas

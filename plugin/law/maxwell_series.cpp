@@ -65,7 +65,7 @@ MaxwellSeries::Misfit MaxwellSeries::misfit(std::span<const DynamicStiffnessRow>
 
 MaxwellSeries fit_maxwell(std::span<const DynamicStiffnessRow> rows) {
     constexpr double kBeyond = 3;     // a term bends the curve for about half a decade on each side of 1/τ
-    constexpr double kPerDecade = 2;  // terms; more of them are too alike to be told apart
+    constexpr double kPerDecade = 2;  // terms; more of them are too similar to be distinguished
     constexpr double kFewest = 3;
     const double low = rows.front().omega / kBeyond, high = kBeyond * rows.back().omega;
     const auto count = static_cast<Eigen::Index>(std::max(kFewest, std::ceil(kPerDecade * std::log10(high / low)) + 1));

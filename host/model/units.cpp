@@ -171,13 +171,14 @@ NumberAndUnit split_quantity(std::string_view text) {
     return {number, trimmed(rest)};
 }
 
-/// Reads a unit as written by a user; `cure` tells what would be right.
-Unit read_unit(std::string_view unit, std::string_view text, const std::string& cure) {
+/// Reads a unit as written by a user; `wanted`: what would be right, if one is expected.
+Unit read_unit(std::string_view unit, std::string_view text, std::string_view wanted = {}) {
     const bool is_inverse = unit.starts_with("1/");
     const bool starts_well = is_inverse || !(is_digit(unit[0]) || unit[0] == '+' || unit[0] == '-' || unit[0] == '.');
     const auto result = starts_well ? parse_unit(unit) : std::nullopt;
-    if (!result) fail(fmt::format("unknown unit {} in {}{}", quote(unit), quote(text), cure));
-    return *result;
+    if (result) return *result;
+    const std::string cure = wanted.empty() ? std::string() : fmt::format("; accepted here: {}", accepted_text(wanted));
+    fail(fmt::format("unknown unit {} in {}{}", quote(unit), quote(text), cure));
 }
 
 double checked_value(double number, const Unit& unit, std::string_view text) {
@@ -191,14 +192,14 @@ double checked_value(double number, const Unit& unit, std::string_view text) {
 Quantity parse_quantity(std::string_view text) {
     const auto [number, unit_text] = split_quantity(text);
     if (unit_text.empty()) return {number, "1"};
-    const Unit unit = read_unit(unit_text, text, "");
+    const Unit unit = read_unit(unit_text, text);
     return {checked_value(number, unit, text), is_cycles(unit_text) ? "Hz" : si_text(unit)};
 }
 
 double parse_quantity(std::string_view text, std::string_view wanted) {
     const auto [number, unit_text] = split_quantity(text);
     if (unit_text.empty()) return number;
-    const Unit unit = read_unit(unit_text, text, fmt::format("; accepted here: {}", accepted_text(wanted)));
+    const Unit unit = read_unit(unit_text, text, wanted);
     if (!measures(unit_text, wanted))
         fail(fmt::format("expected a value in {}, got {}; accepted here: {}", wanted, quote(text), accepted_text(wanted)));
     return checked_value(number, unit, text);

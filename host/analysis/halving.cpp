@@ -194,16 +194,15 @@ std::string Halving::describe_shortfall() const {
         100 * tolerance(), levels_.size() - 1, last.step, reached);
 }
 
-void Halving::write_to(Recorder& recorder) const {
+void Halving::write_to(const TakeSelected& take) const {
     std::vector<double> values(selection_.size()), estimates(has_estimates() ? selection_.size() : 0);
     for (size_t row = 0; row < convergence_.rows(); ++row) {
         if (has_estimates())
             convergence_.evaluate_row(row, values, estimates);
         else
             std::ranges::copy(convergence_.newest_row(row), values.begin());
-        recorder.close_selected_row(values, estimates);
+        take(values, estimates);
     }
-    recorder.adopt_unselected(kept_->statistics);
 }
 
 std::string Halving::channel(size_t selected) const {

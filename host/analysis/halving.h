@@ -49,9 +49,12 @@ public:
     /// recorded.
     Ending run(bool quiet);
 
-    /// Rows of the selected channels, extrapolated and with estimates where there are any; the statistics of all others are
-    /// those of the shortest step.
-    void write_to(Recorder& recorder) const;
+    /// Takes a row: the values of the selected channels, and as many estimates of their errors, or none.
+    using TakeSelected = std::function<void(std::span<const double> values, std::span<const double> errors)>;
+    /// All rows, extrapolated where there are estimates.
+    void write_to(const TakeSelected& take) const;
+    /// Of all channels at the shortest step, those that are not selected too.
+    const Recorder& statistics() const { return kept_->statistics; }
     bool has_estimates() const { return convergence_.histories() > 1; }
 
     double tolerance() const { return *model_.simulation.tolerance; }

@@ -52,6 +52,14 @@ struct Request {
     int buckling = 0;  ///< static: so many critical load factors
     std::string at;    ///< static: the instant whose loads count, a text with unit
 
+    std::vector<std::string> variations, correlations;  ///< study: "k1..k4 ~ normal(500 N/mm, 10 %)", "k1, k2 = 0.5"
+    std::filesystem::path table;                        ///< study: of cases
+    int cases = 0, seed = 1;                            ///< study
+    std::string design, work;                           ///< study: how cases are spread; the command that each does
+    std::vector<std::string> figures;                   ///< study: "bolt*.force.z:peak,final"
+    std::string limit, engine;                          ///< study: of a case, a text with unit; "slurm:..", "parallel:.."
+    bool keeps = false;                                 ///< study: the results of every case
+
     std::vector<std::string> patterns;  ///< channels: those to list; none: all
     std::vector<std::string>
         words;  ///< help: the topic; new, spectrum: the folder; completion: the shell; check-law: the library
@@ -77,7 +85,8 @@ enum Command : unsigned {
     kCheckLaw = 2048,
     kStatic = 4096,
     kResponse = 8192,
-    kSpectrum = 16384
+    kSpectrum = 16384,
+    kStudy = 65536
 };
 
 /// An option of the command line. The commands, the words of a sweep's cases and what decides whether a case is run again
@@ -98,8 +107,8 @@ struct Option {
 };
 
 std::span<const Option> options();
-/// By its name, "--step".
-const Option& option(const std::string& name);
+/// By its name, "--step", of one of these commands.
+const Option& option(const std::string& name, unsigned commands = ~0u);
 
 /// Takes a value: applies it, and keeps it in `given`. Throws Error(usage) for a value that cannot be read.
 void give(Request& request, const Option& option, const std::string& value);

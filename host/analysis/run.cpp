@@ -130,8 +130,10 @@ ExitCode run(const Request& request) {
     const StopSignals signals;
     Session session(request);
     session.refuse_unstable(request.force);
+    return run(request, session, ResultsFolder(request.output.value_or(default_results_path(request.model))), {});
+}
 
-    const ResultsFolder folder(request.output.value_or(default_results_path(request.model)));
+ExitCode run(const Request& request, Session& session, const ResultsFolder& folder, const TakeRow& take) {
     const auto make_recorder = [&](Recorder::Rows rows) {
         const Attributes attributes = {
             {"title", session.model.title}, {"version", DTTMM_VERSION}, {"model", session.model.source}};
@@ -147,12 +149,19 @@ ExitCode run(const Request& request) {
         halving.prepare_with(trace_from);
         const Ending ending = halving.run(request.quiet);
         Recorder recorder = make_recorder(halving.has_estimates() ? Recorder::Rows::estimated : Recorder::Rows::plain);
-        halving.write_to(recorder);
+        halving.write_to([&](std::span<const double> values, std::span<const double> errors) {
+            recorder.close_selected_row(values, errors);
+            if (take) take(values);
+        });
+        recorder.adopt_unselected(halving.statistics());
         return conclude(request, session, halving.simulation(), folder, recorder, ending);
     }
     trace_from(session.simulation);
     Recorder recorder = make_recorder(Recorder::Rows::plain);
-    session.simulation.record_to([&](std::span<const double> row) { recorder.close_row(row); });
+    session.simulation.record_to([&](std::span<const double> row) {
+        recorder.close_row(row);
+        if (take) take(row);
+    });
     const Ending ending = advance_to_end(session.simulation, request.quiet);
     return conclude(request, session, session.simulation, folder, recorder, ending);
 }

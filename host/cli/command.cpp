@@ -34,6 +34,7 @@
 #include "model/wording.h"
 #include "record/hdf5_writer.h"
 #include "record/tell.h"
+#include "study/study.h"
 #include "world/world.h"
 
 namespace dttmm::host {
@@ -113,6 +114,12 @@ const CommandLine kCommands[] = {
      [](const Request& request) {
          return request.sweeps.empty() ? find_steady_response(request) : sweep_response(request, axes_of(request));
      }},
+    {kStudy, "study", "many cases of a model: scatter, grids and tables, on all cores or a cluster", Given::study,
+     [](const Request& request) {
+         Request own = request;
+         own.model = model_file(request.words.front());
+         return run_study(own);
+     }},
     {kSpectrum, "spectrum", "spectra, levels, modes and orders of a recorded run", Given::results, find_spectrum},
     {kChannels, "channels", "list what a run of a model can record", Given::model_and_patterns, plain<print_channels>},
     {kCheckLaw, "check-law", "test the force laws of a library", Given::library, plain<check_law>},
@@ -182,6 +189,14 @@ void add_given(CLI::App& command, Given given, Request& request) {
             command.add_option("RESULTS", request.words, "results folder of a run, or its history.csv")
                 ->required()
                 ->expected(1);
+            break;
+        case Given::study:
+            command
+                .add_option("MODEL", request.words,
+                            "model file (TOML), or its folder; or one of: status FOLDER, collect FOLDER, retry FOLDER, work "
+                            "FOLDER CASES")
+                ->required()
+                ->expected(1, 5);
             break;
         case Given::nothing:
             break;

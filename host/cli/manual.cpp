@@ -53,6 +53,8 @@ const char* given_text(Given given) {
             return " FILE";
         case Given::results:
             return " RESULTS";
+        case Given::study:
+            return " MODEL|status FOLDER|collect FOLDER|retry FOLDER|work FOLDER CASES";
         case Given::nothing:
             break;
     }

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "study/case_runner.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+#include "analysis/advance.h"
+#include "analysis/modal_session.h"
+#include "analysis/response.h"
+#include "analysis/run.h"
+#include "analysis/run_warnings.h"
+#include "analysis/session.h"
+#include "analysis/stop_signals.h"
+#include "model/error.h"
+#include "model/index.h"
+#include "record/results_folder.h"
+#include "study/figures.h"
+
+namespace dttmm::host {
+
+namespace {
+
+/// What a case found: names, units and numbers, in the order in which it found them.
+struct Found {
+    std::vector<Column> columns;
+    std::vector<double> values;
+    size_t warnings = 0;
+
+    void add(const std::string& name, const std::string& unit, double value) {
+        columns.push_back({name, unit});
+        values.push_back(value);
+    }
+};
+
+Request request_of(const StudyPlan& plan, size_t index) {
+    Request request = plan.request;
+    request.quiet = true;
+    for (const auto& [name, value] : plan.cases.settings(index)) give(request, option("--set"), name + "=" + value);
+    return request;
+}
+
+std::filesystem::path case_folder(const std::filesystem::path& study, size_t index) {
+    return study / fmt::format("case-{:06}", index + 1);
+}
+
+Found run_history(const Request& request, const StudyPlan& plan, const std::optional<std::filesystem::path>& kept) {
+    Session session(request);
+    session.refuse_unstable(request.force);
+    std::optional<std::vector<int>> selection;
+    if (session.halving) selection = session.selection;
+    HistoryFigures figures(plan.figures, session.simulation.channels(), selection);
+    const TakeRow take = [&](std::span<const double> row) { figures.take_row(row); };
+    const auto found = [&] { return Found{figures.columns(), figures.values(), session.warnings.all().size()}; };
+    const auto judge = [](const Ending& ending) {
+        if (ending.code != ExitCode::ok) throw Error(ending.code, ending.outcome.reason);
+    };
+    if (kept) {
+        judge({{}, run(request, session, ResultsFolder(*kept), take)});
+        return found();
+    }
+    if (session.halving) {
+        judge(session.halving->run(true));
+        session.halving->write_to([&](std::span<const double> values, std::span<const double>) { take(values); });
+        warn_of_run(session, session.halving->simulation(), session.halving->statistics());
+        return found();
+    }
+    Recorder recorder(session.simulation.channels());
+    session.simulation.record_to([&](std::span<const double> row) {
+        recorder.close_row(row);
+        take(row);
+    });
+    judge(advance_to_end(session.simulation, true));
+    warn_of_run(session, session.simulation, recorder);
+    return found();
+}
+
+Found find_frequencies(const Request& request, const Plugins& plugins) {
+    Warnings warnings;
+    ModalSession session(request, plugins, warnings);
+    Found found;
+    for (const ModalInstance::Mode& mode : session.find_modes())
+        found.add(fmt::format("mode{}.frequency", found.values.size() + 1), "Hz", mode.numbers.frequency);
+    found.warnings = warnings.all().size();
+    return found;
+}
+
+/// Its files go into the case's folder, which stays only where it is to be kept.
+Found find_response_of_case(const Request& asked, const Plugins& plugins, const std::filesystem::path& folder, bool keeps) {
+    Request request = asked;
+    request.output = folder;
+    Warnings warnings;
+    ResponseFindings findings;
+    const ExitCode code = find_steady_response(request, plugins, warnings, findings);
+    std::error_code fault;
+    if (!keeps) std::filesystem::remove_all(folder, fault);
+    if (code != ExitCode::ok) throw Error(code, "stopped");
+    Found found;
+    for (const ResponseFindings::Largest& one : findings.largest) {
+        found.add(one.name + ".largest", one.unit, one.size);
+        found.add(one.name + ".frequency", "Hz", one.frequency);
+        if (one.rpm) found.add(one.name + ".rpm", "rpm", *one.rpm);
+    }
+    for (const ResponseFindings::Level& level : findings.levels) found.add(level.name + ".rms", level.unit, level.rms);
+    found.warnings = warnings.all().size();
+    return found;
+}
+
+Found find(const Request& request, const StudyPlan& plan, const Plugins& plugins, const std::filesystem::path& folder) {
+    if (plan.command == "modes") return find_frequencies(request, plugins);
+    if (plan.command == "response") return find_response_of_case(request, plugins, folder, plan.keeps);
+    return run_history(request, plan, plan.keeps ? std::optional(folder) : std::nullopt);
+}
+
+/// The numbers of the study's columns, in their order; those that the case does not have are NaN.
+std::vector<double> pick(const Found& found, const std::vector<Column>& columns) {
+    std::vector<double> values(columns.size(), std::numeric_limits<double>::quiet_NaN());
+    for (size_t c = 0; c < columns.size(); ++c) {
+        const auto same = std::ranges::find(found.columns, columns[c].name, &Column::name);
+        if (same != found.columns.end()) values[c] = found.values[as_size(same - found.columns.begin())];
+    }
+    return values;
+}
+
+}  // namespace
+
+std::vector<Column> find_figures(const StudyPlan& plan, const Plugins& plugins) {
+    if (plan.command == "run") {
+        Session session(plan.request);
+        std::optional<std::vector<int>> selection;
+        if (session.halving) selection = session.selection;
+        return HistoryFigures(plan.figures, session.simulation.channels(), selection).columns();
+    }
+    const std::filesystem::path scratch =
+        std::filesystem::temp_directory_path() / fmt::format("dttmm-study-{}", Journal::make_name());
+    const std::vector<Column> all = find(plan.request, plan, plugins, scratch).columns;
+    std::vector<Column> chosen;
+    for (const size_t c : choose_figures(plan.figures, all)) chosen.push_back(all[c]);
+    return chosen;
+}
+
+CaseOutcome run_case(const StudyPlan& plan, size_t index, const Plugins& plugins, const std::filesystem::path& folder) {
+    CaseOutcome outcome;
+    try {
+        const Found found = find(request_of(plan, index), plan, plugins, case_folder(folder, index));
+        outcome.status = "completed";
+        outcome.warnings = found.warnings;
+        outcome.figures = pick(found, plan.columns);
+    } catch (const Error& error) {
+        if (StopSignals::requested()) throw;
+        if (error.code() == ExitCode::input_output && plan.keeps) throw;
+        outcome = {"failed", fmt::format("exit code {}: {}", static_cast<int>(error.code()), error.what())};
+    }
+    return outcome;
+}
+
+}  // namespace dttmm::host

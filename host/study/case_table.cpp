@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "study/case_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+
+#include "model/error.h"
+#include "model/index.h"
+#include "model/parameters.h"
+#include "model/units.h"
+#include "model/wording.h"
+#include "record/file.h"
+
+namespace dttmm::host {
+
+namespace {
+
+std::vector<std::string> split_cells(std::string line) {
+    if (line.ends_with('\r')) line.pop_back();
+    std::vector<std::string> cells;
+    for (size_t begin = 0; begin <= line.size();) {
+        const size_t comma = std::min(line.find(',', begin), line.size());
+        std::string cell = line.substr(begin, comma - begin);
+        const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '"'; };
+        while (!cell.empty() && is_blank(cell.back())) cell.pop_back();
+        cell.erase(cell.begin(), std::ranges::find_if_not(cell, is_blank));
+        cells.push_back(cell);
+        begin = comma + 1;
+    }
+    return cells;
+}
+
+bool is_number(const std::string& cell) {
+    try {
+        parse_quantity(cell);
+        return true;
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+/// Of one table while it is read.
+class TableText {
+public:
+    TableText(const std::filesystem::path& file, const std::vector<Parameter>& parameters)
+        : file_(file), parameters_(parameters) {}
+
+    CaseTable read() {
+        std::ifstream in(file_);
+        if (!in) throw file_error(file_, "cannot be read", errno);
+        std::vector<std::vector<std::string>> rows;
+        std::vector<size_t> lines;
+        std::string line;
+        for (size_t number = 1; std::getline(in, line); ++number) {
+            if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
+            if (line.find_first_not_of(" \t\r,") == std::string::npos || line.starts_with('#')) continue;
+            rows.push_back(split_cells(line));
+            lines.push_back(number);
+        }
+        if (rows.empty()) throw Error(ExitCode::model_invalid, fmt::format("{}: the table is empty", file_.string()));
+        read_head(rows.front());
+        size_t first = 1;
+        if (rows.size() > 1 && is_unit_row(rows[1])) units_ = rows[first++];
+        if (as_row(rows.size() - first) > kMostStudyCases || rows.size() == first)
+            throw Error(ExitCode::model_invalid, fmt::format("{}: it has {} rows of values; 1 to {} are possible",
+                                                             file_.string(), rows.size() - first, kMostStudyCases));
+        table_.values.resize(as_row(rows.size() - first), as_row(table_.parameters.size()));
+        for (size_t r = first; r < rows.size(); ++r) read_row(r - first, rows[r], lines[r]);
+        return std::move(table_);
+    }
+
+private:
+    void read_head(const std::vector<std::string>& names) {
+        std::vector<std::string> known;
+        for (const Parameter& parameter : parameters_) known.push_back(parameter.name);
+        for (size_t c = 0; c < names.size(); ++c) {
+            if (names[c] == "case") continue;
+            const auto found = std::ranges::find(parameters_, names[c], &Parameter::name);
+            if (found == parameters_.end())
+                throw Error(ExitCode::usage, fmt::format("{}:1: column {} is no parameter of the model{}", file_.string(),
+                                                         quote(names[c]), suggestion(names[c], known)));
+            if (std::ranges::find(table_.parameters, names[c], &Column::name) != table_.parameters.end())
+                throw Error(ExitCode::usage,
+                            fmt::format("{}:1: two columns are called {}", file_.string(), quote(names[c])));
+            table_.parameters.push_back({found->name, found->unit});
+            from_.push_back(&*found);
+            columns_.push_back(c);
+        }
+        width_ = names.size();
+        if (columns_.empty())
+            throw Error(ExitCode::usage, fmt::format("{}:1: no column is a parameter of the model", file_.string()));
+    }
+
+    /// Units only: at least one cell of the columns has one, and none is a number.
+    bool is_unit_row(const std::vector<std::string>& cells) const {
+        bool has_unit = false;
+        for (const size_t c : columns_) {
+            if (c >= cells.size() || cells[c].empty()) continue;
+            if (cells[c] != "1" && is_number(cells[c])) return false;
+            has_unit = has_unit || cells[c] != "1";
+        }
+        return has_unit;
+    }
+
+    void read_row(size_t row, const std::vector<std::string>& cells, size_t line) {
+        const auto refuse = [&](ExitCode code, const std::string& fault) {
+            throw Error(code, fmt::format("{}:{}: {}", file_.string(), line, fault));
+        };
+        if (cells.size() != width_)
+            refuse(ExitCode::model_invalid, fmt::format("{} cells, but the first row has {}", cells.size(), width_));
+        for (size_t p = 0; p < columns_.size(); ++p) {
+            std::string text = cells[columns_[p]];
+            const std::string unit = columns_[p] < units_.size() ? units_[columns_[p]] : "";
+            if (!unit.empty() && unit != "1" && unit_text_of(text).empty()) text += " " + unit;
+            if (const auto missing = find_missing_unit(*from_[p], text))
+                refuse(ExitCode::usage, fmt::format("{} = {} of which unit? the model gives {}: write a second row of units",
+                                                    from_[p]->name, text, *missing));
+            try {
+                table_.values(as_row(row), as_row(p)) =
+                    from_[p]->unit.empty() ? parse_quantity(text).value : parse_quantity(text, from_[p]->unit);
+            } catch (const Error& error) {
+                refuse(ExitCode::model_invalid, fmt::format("{}: {}", from_[p]->name, error.what()));
+            }
+        }
+    }
+
+    static std::string unit_text_of(const std::string& text) { return is_number(text) ? unit_text(text) : ""; }
+
+    const std::filesystem::path& file_;
+    const std::vector<Parameter>& parameters_;
+    CaseTable table_;
+    std::vector<const Parameter*> from_;
+    std::vector<size_t> columns_;  ///< of the file, for each parameter
+    std::vector<std::string> units_;
+    size_t width_ = 0;
+};
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> CaseTable::settings(size_t index) const {
+    std::vector<std::pair<std::string, std::string>> all;
+    for (size_t p = 0; p < parameters.size(); ++p) {
+        const std::string number = number_text(values(as_row(index), as_row(p)));
+        const std::string& unit = parameters[p].unit;
+        all.emplace_back(parameters[p].name, unit.empty() || unit == "1" ? number : number + " " + unit);
+    }
+    return all;
+}
+
+std::string CaseTable::text() const {
+    std::string names = "case", units = "1", rows;
+    for (const Column& column : parameters) {
+        names += "," + column.name;
+        units += "," + (column.unit.empty() ? std::string("1") : column.unit);
+    }
+    for (size_t i = 0; i < cases(); ++i) {
+        rows += std::to_string(i + 1);
+        for (size_t p = 0; p < parameters.size(); ++p) rows += "," + number_text(values(as_row(i), as_row(p)));
+        rows += '\n';
+    }
+    return names + "\n" + units + "\n" + rows;
+}
+
+CaseTable CaseTable::parse(const std::string& text, const std::filesystem::path& file) {
+    const auto refuse = [&] { throw Error(ExitCode::input_output, fmt::format("{}: it is damaged", file.string())); };
+    std::vector<std::string> lines;
+    for (size_t begin = 0; begin < text.size();) {
+        const size_t end = std::min(text.find('\n', begin), text.size());
+        lines.push_back(text.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    if (lines.size() < 2) refuse();
+    const std::vector<std::string> names = split_cells(lines[0]), units = split_cells(lines[1]);
+    if (names.size() != units.size() || names.size() < 2) refuse();
+    CaseTable table;
+    for (size_t c = 1; c < names.size(); ++c) table.parameters.push_back({names[c], units[c]});
+    table.values.resize(as_row(lines.size() - 2), as_row(names.size() - 1));
+    for (size_t i = 0; i < table.cases(); ++i) {
+        const std::string& line = lines[i + 2];
+        const char *at = line.data(), *const end = at + line.size();
+        for (size_t c = 0; c < names.size(); ++c) {
+            double value = 0;
+            const auto [next, fault] = std::from_chars(at, end, value);
+            const bool is_last = c + 1 == names.size();
+            if (fault != std::errc() || (is_last ? next != end : next == end || *next != ',')) refuse();
+            if (c == 0 ? value != static_cast<double>(i + 1) : !std::isfinite(value)) refuse();
+            if (c > 0) table.values(as_row(i), as_row(c - 1)) = value;
+            at = next + 1;
+        }
+    }
+    return table;
+}
+
+CaseTable read_case_table(const std::filesystem::path& file, const std::vector<Parameter>& parameters) {
+    return TableText(file, parameters).read();
+}
+
+}  // namespace dttmm::host

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "study/collect.h"
+
+#include <fmt/format.h>
+#include <fmt/ostream.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "analysis/json.h"
+#include "model/index.h"
+#include "model/wording.h"
+#include "record/atomic_file.h"
+#include "record/csv_table.h"
+#include "record/csv_writer.h"
+#include "record/hdf5_writer.h"
+#include "record/tell.h"
+#include "study/statistics.h"
+
+namespace dttmm::host {
+
+namespace {
+
+/// The numbers of one figure, a case each; NaN where the case did not complete.
+std::vector<double> values_of_figure(const std::vector<CaseOutcome>& outcomes, size_t figure) {
+    std::vector<double> values(outcomes.size(), std::numeric_limits<double>::quiet_NaN());
+    for (size_t i = 0; i < outcomes.size(); ++i)
+        if (outcomes[i].status == "completed" && figure < outcomes[i].figures.size())
+            values[i] = outcomes[i].figures[figure];
+    return values;
+}
+
+std::vector<double> values_of_parameter(const CaseTable& cases, size_t parameter) {
+    const Eigen::VectorXd column = cases.values.col(as_row(parameter));
+    return {column.begin(), column.end()};
+}
+
+Column with_unit(const Column& column) { return {column.name, column.unit.empty() ? "1" : column.unit}; }
+
+void write_results(std::ostream& out, const StudyFolder& study, const std::vector<CaseOutcome>& outcomes) {
+    const CaseTable& cases = study.plan().cases;
+    std::vector<Column> heads = {{"case", "1"}, {"status", ""}, {"warnings", "1"}};
+    for (const Column& column : cases.parameters) heads.push_back(with_unit(column));
+    for (const Column& column : study.plan().columns) heads.push_back(column);
+    out << csv_header(heads);
+    std::string line;
+    for (size_t i = 0; i < outcomes.size(); ++i) {
+        const CaseOutcome& one = outcomes[i];
+        const bool is_completed = one.status == "completed";
+        line = fmt::format("{},{},{}", i + 1, one.status, is_completed ? std::to_string(one.warnings) : "");
+        for (size_t p = 0; p < cases.parameters.size(); ++p) line += "," + number_text(cases.values(as_row(i), as_row(p)));
+        for (size_t f = 0; f < study.plan().columns.size(); ++f) {
+            line += ',';
+            if (is_completed && f < one.figures.size() && !std::isnan(one.figures[f])) line += number_text(one.figures[f]);
+        }
+        out << line << '\n';
+    }
+}
+
+/// Data sets of HDF5 have no slash in their names.
+std::string dataset_name(std::string name) {
+    for (size_t at = name.find('/'); at != name.npos; at = name.find('/', at)) name.replace(at, 1, " per ");
+    return name;
+}
+
+void write_hdf5(const std::filesystem::path& file, const StudyFolder& study, const std::vector<CaseOutcome>& outcomes) {
+    const CaseTable& cases = study.plan().cases;
+    std::vector<Column> heads = {{"case", "1"}, {"status", "1"}, {"warnings", "1"}};
+    for (const Column& column : cases.parameters) heads.push_back(with_unit(column));
+    for (const Column& column : study.plan().columns) heads.push_back({dataset_name(column.name), column.unit});
+    Hdf5Writer writer(file, heads,
+                      {{"title", "study"},
+                       {"version", DTTMM_VERSION},
+                       {"command_line", study.command_line()},
+                       {"status", "1: completed, 0: failed, -1: missing; figures of those that did not complete are NaN"}});
+    std::vector<double> row(heads.size());
+    for (size_t i = 0; i < outcomes.size(); ++i) {
+        const CaseOutcome& one = outcomes[i];
+        const bool is_completed = one.status == "completed";
+        row[0] = static_cast<double>(i + 1);
+        row[1] = is_completed ? 1 : one.status == "failed" ? 0 : -1;
+        row[2] = static_cast<double>(one.warnings);
+        size_t c = 3;
+        for (size_t p = 0; p < cases.parameters.size(); ++p) row[c++] = cases.values(as_row(i), as_row(p));
+        for (size_t f = 0; f < study.plan().columns.size(); ++f)
+            row[c++] = is_completed && f < one.figures.size() ? one.figures[f] : std::numeric_limits<double>::quiet_NaN();
+        writer.write_row(row);
+    }
+    writer.publish();
+}
+
+std::string statistics_table(const StudyFolder& study, const std::vector<CaseOutcome>& outcomes, const StudyCount& count) {
+    std::vector<Column> heads = {{"figure", ""},   {"unit", ""}, {"completed", "1"}, {"failed", "1"},
+                                 {"missing", "1"}, {"mean", ""}, {"deviation", ""},  {"minimum", ""}};
+    for (const double share : FigureStatistics::kShares) heads.push_back({fmt::format("q{:02.0f}", 100 * share), ""});
+    heads.push_back({"maximum", ""});
+    CsvTable table(heads);
+    for (size_t f = 0; f < study.plan().columns.size(); ++f) {
+        const FigureStatistics of = compute_statistics(values_of_figure(outcomes, f));
+        table.add(study.plan().columns[f].name).add(study.plan().columns[f].unit);
+        table.add(static_cast<double>(of.count))
+            .add(static_cast<double>(count.failed))
+            .add(static_cast<double>(count.missing));
+        table.add(of.mean).add(of.deviation).add(of.minimum).add_all(of.quantiles).add(of.maximum).end_row();
+    }
+    return table.text();
+}
+
+std::string correlation_table(const StudyFolder& study, const std::vector<CaseOutcome>& outcomes) {
+    const CaseTable& cases = study.plan().cases;
+    std::vector<Column> heads = {{"figure", ""}};
+    for (const Column& column : cases.parameters) heads.push_back({column.name, "1"});
+    for (const Column& column : cases.parameters) heads.push_back({column.name + ".rank", "1"});
+    CsvTable table(heads);
+    std::vector<std::vector<double>> parameters, ranks;
+    for (size_t p = 0; p < cases.parameters.size(); ++p) {
+        parameters.push_back(values_of_parameter(cases, p));
+        ranks.push_back(compute_ranks(parameters.back()));
+    }
+    for (size_t f = 0; f < study.plan().columns.size(); ++f) {
+        const std::vector<double> values = values_of_figure(outcomes, f), value_ranks = compute_ranks(values);
+        table.add(study.plan().columns[f].name);
+        for (const auto& parameter : parameters) table.add(compute_correlation(parameter, values));
+        for (const auto& rank : ranks) table.add(compute_correlation(rank, value_ranks));
+        table.end_row();
+    }
+    return table.text();
+}
+
+std::string failure_table(const std::vector<CaseOutcome>& outcomes) {
+    CsvTable table({{"case", "1"}, {"reason", ""}});
+    for (size_t i = 0; i < outcomes.size(); ++i)
+        if (outcomes[i].status == "failed") table.add(static_cast<double>(i + 1)).add(outcomes[i].reason).end_row();
+    return table.text();
+}
+
+Json describe_statistics(const StudyFolder& study, const std::vector<CaseOutcome>& outcomes) {
+    const auto or_null = [](double value) { return std::isnan(value) ? Json() : Json(value); };
+    Json all = Json::object();
+    for (size_t f = 0; f < study.plan().columns.size(); ++f) {
+        const FigureStatistics of = compute_statistics(values_of_figure(outcomes, f));
+        Json one = {{"unit", study.plan().columns[f].unit},
+                    {"count", of.count},
+                    {"mean", or_null(of.mean)},
+                    {"deviation", or_null(of.deviation)},
+                    {"minimum", or_null(of.minimum)},
+                    {"maximum", or_null(of.maximum)}};
+        for (size_t q = 0; q < of.quantiles.size(); ++q)
+            one[fmt::format("q{:02.0f}", 100 * FigureStatistics::kShares[q])] = or_null(of.quantiles[q]);
+        all[study.plan().columns[f].name] = one;
+    }
+    return all;
+}
+
+}  // namespace
+
+StudyCount count_cases(const std::vector<CaseOutcome>& outcomes) {
+    StudyCount count;
+    for (const CaseOutcome& one : outcomes) {
+        ++(one.status == "completed" ? count.completed : one.status == "failed" ? count.failed : count.missing);
+        if (one.status == "completed" && one.warnings > 0) ++count.warned;
+    }
+    return count;
+}
+
+std::string describe_count(const StudyCount& count) {
+    return fmt::format("{} of {} completed, {} failed, {} not run{}", count.completed,
+                       counted(count.completed + count.failed + count.missing, "case", "cases"), count.failed, count.missing,
+                       count.warned > 0 ? fmt::format(", {} with warnings", count.warned) : "");
+}
+
+void collect(const StudyFolder& study, const std::vector<CaseOutcome>& outcomes) {
+    const StudyCount count = count_cases(outcomes);
+    write_atomically(study.path() / "results.csv", [&](std::ostream& out) { write_results(out, study, outcomes); });
+    write_hdf5(study.path() / "results.h5", study, outcomes);
+    write_atomically(study.path() / "statistics.csv", statistics_table(study, outcomes, count));
+    write_atomically(study.path() / "correlations.csv", correlation_table(study, outcomes));
+    write_atomically(study.path() / "failures.csv", failure_table(outcomes));
+    const Json summary = {{"format", "dttmm-study-results/1"},
+                          {"status", count.missing > 0 ? "incomplete" : "completed"},
+                          {"command_line", study.command_line()},
+                          {"cases", outcomes.size()},
+                          {"completed", count.completed},
+                          {"failed", count.failed},
+                          {"missing", count.missing},
+                          {"with_warnings", count.warned},
+                          {"statistics", describe_statistics(study, outcomes)}};
+    write_atomically(study.path() / "summary.json", summary.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+void print_statistics(const StudyFolder& study, const std::vector<CaseOutcome>& outcomes) {
+    constexpr size_t kMostFigures = 40, kMostFailures = 10;
+    const std::vector<Column>& columns = study.plan().columns;
+    size_t width = 6;
+    for (const Column& column : columns) width = std::max(width, column.name.size());
+    fmt::print("{:<{}}  {:>12}  {:>12}  {:>12}  {:>12}  {:>12}  {:>12}\n", "figure", width, "mean", "deviation", "5 %",
+               "50 %", "95 %", "maximum");
+    for (size_t f = 0; f < std::min(columns.size(), kMostFigures); ++f) {
+        const FigureStatistics of = compute_statistics(values_of_figure(outcomes, f));
+        fmt::print("{:<{}}  {:>12.6g}  {:>12.6g}  {:>12.6g}  {:>12.6g}  {:>12.6g}  {:>12.6g}  {}\n", columns[f].name, width,
+                   of.mean, of.deviation, of.quantiles[1], of.quantiles[3], of.quantiles[5], of.maximum, columns[f].unit);
+    }
+    if (columns.size() > kMostFigures) fmt::print("and {} more in statistics.csv\n", columns.size() - kMostFigures);
+    size_t failures = 0;
+    for (size_t i = 0; i < outcomes.size(); ++i)
+        if (outcomes[i].status == "failed" && ++failures <= kMostFailures)
+            tell(fmt::format("case {}: {}", i + 1, outcomes[i].reason));
+    if (failures > kMostFailures) tell(fmt::format("and {} more failures in failures.csv", failures - kMostFailures));
+}
+
+}  // namespace dttmm::host

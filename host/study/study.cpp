@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "study/study.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "analysis/modal_session.h"
+#include "analysis/stop_signals.h"
+#include "model/index.h"
+#include "model/wording.h"
+#include "record/tell.h"
+#include "study/collect.h"
+#include "study/engine.h"
+#include "study/plan.h"
+#include "study/work.h"
+
+namespace dttmm::host {
+
+namespace {
+
+int jobs_of(const Request& request) {
+    return request.jobs > 0 ? request.jobs : as_int(std::max(1u, std::thread::hardware_concurrency()));
+}
+
+std::vector<size_t> cases_with(const std::vector<CaseOutcome>& outcomes, std::initializer_list<const char*> statuses) {
+    std::vector<size_t> cases;
+    for (size_t i = 0; i < outcomes.size(); ++i)
+        if (std::ranges::find(statuses, outcomes[i].status) != statuses.end()) cases.push_back(i);
+    return cases;
+}
+
+/// Collects, tells how it went and what to do next.
+ExitCode conclude_study(const Request& request, const StudyFolder& study) {
+    const std::vector<CaseOutcome> outcomes = study.outcomes();
+    const StudyCount count = count_cases(outcomes);
+    collect(study, outcomes);
+    if (!request.quiet) print_statistics(study, outcomes);
+    if (!request.quiet) fmt::print("{}\nresults in {}\n", describe_count(count), (study.path() / "results.csv").string());
+    if (StopSignals::requested()) {
+        tell(fmt::format("{}; {} of {} cases are kept, the same command goes on", StopSignals::reason(),
+                         count.completed + count.failed, outcomes.size()));
+        return StopSignals::exit_code();
+    }
+    return count.failed > 0 ? ExitCode::cases_failed : ExitCode::ok;
+}
+
+ExitCode work_here(const Request& request, const StudyFolder& study, const std::vector<size_t>& cases) {
+    work_on(study, cases, jobs_of(request), request.quiet);
+    return conclude_study(request, study);
+}
+
+ExitCode work_somewhere(const Request& request, const StudyFolder& study, const std::vector<size_t>& cases) {
+    if (request.engine.empty() || cases.empty()) return work_here(request, study, cases);
+    const Engine engine = parse_engine(request.engine);
+    if (engine.kind == Engine::Kind::parallel) {
+        run_by_parallel(study, cases, engine.options, request.jobs);
+        return conclude_study(request, study);
+    }
+    const size_t tasks = submit_to_slurm(study, cases, engine.options);
+    if (!request.quiet)
+        fmt::print(
+            "{} in {} of a job array handed to Slurm; dttmm study status {} tells how far they are, dttmm study "
+            "collect {} makes the tables\n",
+            counted(cases.size(), "case", "cases"), counted(tasks, "task", "tasks"), study.path().string(),
+            study.path().string());
+    return ExitCode::ok;
+}
+
+ExitCode start_study(const Request& request) {
+    if (request.model == "-")
+        throw Error(ExitCode::usage, "a study keeps a copy of its model: give a file instead of the standard input");
+    Request own = request;
+    if (own.work == "modes" || own.work == "response") own.overrides.purpose = Purpose::modes;
+    const Plugins plugins(own.plugins);
+    const Model model = read_model(own.model, plugins.catalogue(), own.overrides);
+    const StudyPlan plan = make_plan(own, model, plugins);
+    const StudyFolder study = StudyFolder::make(results_path(request, "-study"), request, plan, model);
+    const std::vector<CaseOutcome> outcomes = study.outcomes();
+    const std::vector<size_t> missing = cases_with(outcomes, {"missing"});
+    if (missing.size() < outcomes.size() && !request.quiet)
+        fmt::print("{} of {} cases are there already\n", outcomes.size() - missing.size(), outcomes.size());
+    return work_somewhere(request, study, missing);
+}
+
+ExitCode print_status(const StudyFolder& study) {
+    const StudyCount count = count_cases(study.outcomes());
+    fmt::print("{}\n", describe_count(count));
+    return ExitCode::ok;
+}
+
+const std::string& word(const Request& request, size_t index, const char* what) {
+    if (index < request.words.size()) return request.words[index];
+    throw Error(ExitCode::usage, fmt::format("study {}: {} is missing", request.words.front(), what));
+}
+
+void refuse_more_words(const Request& request, size_t count) {
+    if (request.words.size() > count)
+        throw Error(ExitCode::usage,
+                    fmt::format("study {}: {} was not expected", request.words.front(), quote(request.words[count])));
+}
+
+}  // namespace
+
+ExitCode run_study(const Request& request) {
+    const StopSignals signals;
+    const std::string& first = request.words.front();
+    const auto folder = [&](size_t words) {
+        refuse_more_words(request, words);
+        return StudyFolder(word(request, 1, "the folder of the study"));
+    };
+    if (first == "status") return print_status(folder(2));
+    if (first == "collect") return conclude_study(request, folder(2));
+    if (first == "retry") {
+        const StudyFolder study = folder(2);
+        return work_somewhere(request, study, cases_with(study.outcomes(), {"missing", "failed"}));
+    }
+    if (first == "work") {
+        const StudyFolder study = folder(3);
+        const auto cases = parse_cases(word(request, 2, "the list of cases, e.g. 1-40"), study.plan().cases.cases());
+        work_on(study, cases, request.jobs > 0 ? request.jobs : 1, true);
+        return StopSignals::requested() ? StopSignals::exit_code() : ExitCode::ok;
+    }
+    if (first == "serve") {
+        const StudyFolder study = folder(5);
+        const auto cases = parse_cases(word(request, 2, "the list of cases"), study.plan().cases.cases());
+        return serve(study, cases, word(request, 3, "the journal"), std::stoi(word(request, 4, "the attempt")));
+    }
+    refuse_more_words(request, 1);
+    return start_study(request);
+}
+
+}  // namespace dttmm::host

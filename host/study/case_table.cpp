@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <optional>
 
 #include "model/error.h"
 #include "model/index.h"
@@ -117,15 +118,18 @@ private:
             std::string text = cells[columns_[p]];
             const std::string unit = columns_[p] < units_.size() ? units_[columns_[p]] : "";
             if (!unit.empty() && unit != "1" && unit_text_of(text).empty()) text += " " + unit;
-            if (const auto missing = find_missing_unit(*from_[p], text))
-                refuse(ExitCode::usage, fmt::format("{} = {} of which unit? the model gives {}: write a second row of units",
-                                                    from_[p]->name, text, *missing));
+            std::optional<std::string> missing;
             try {
-                table_.values(as_row(row), as_row(p)) =
-                    from_[p]->unit.empty() ? parse_quantity(text).value : parse_quantity(text, from_[p]->unit);
+                missing = find_missing_unit(*from_[p], text);
+                if (!missing)
+                    table_.values(as_row(row), as_row(p)) =
+                        from_[p]->unit.empty() ? parse_quantity(text).value : parse_quantity(text, from_[p]->unit);
             } catch (const Error& error) {
                 refuse(ExitCode::model_invalid, fmt::format("{}: {}", from_[p]->name, error.what()));
             }
+            if (missing)
+                refuse(ExitCode::usage, fmt::format("{} = {} of which unit? the model gives {}: write a second row of units",
+                                                    from_[p]->name, text, *missing));
         }
     }
 

@@ -2,9 +2,10 @@
 #include "study/collect.h"
 
 #include <fmt/format.h>
-#include <fmt/ostream.h>
+#include <sys/file.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <limits>
 
@@ -14,6 +15,7 @@
 #include "record/atomic_file.h"
 #include "record/csv_table.h"
 #include "record/csv_writer.h"
+#include "record/file.h"
 #include "record/hdf5_writer.h"
 #include "record/tell.h"
 #include "study/statistics.h"
@@ -153,6 +155,14 @@ Json describe_statistics(const StudyFolder& study, const std::vector<CaseOutcome
     return all;
 }
 
+/// Two that collect at once take turns. Where the file system has no locks, they go without.
+File wait_for_turn(const StudyFolder& study) {
+    File file = File::open(study.path() / ".collecting");
+    while (::flock(file.descriptor(), LOCK_EX) != 0 && errno == EINTR) {
+    }
+    return file;
+}
+
 }  // namespace
 
 StudyCount count_cases(const std::vector<CaseOutcome>& outcomes) {
@@ -172,6 +182,7 @@ std::string describe_count(const StudyCount& count) {
 
 void collect(const StudyFolder& study, const std::vector<CaseOutcome>& outcomes) {
     const StudyCount count = count_cases(outcomes);
+    const File turn = wait_for_turn(study);
     write_atomically(study.path() / "results.csv", [&](std::ostream& out) { write_results(out, study, outcomes); });
     write_hdf5(study.path() / "results.h5", study, outcomes);
     write_atomically(study.path() / "statistics.csv", statistics_table(study, outcomes, count));

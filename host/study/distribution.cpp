@@ -8,6 +8,7 @@
 #include <boost/math/distributions/normal.hpp>
 #include <charconv>
 #include <cmath>
+#include <optional>
 
 #include "model/error.h"
 #include "model/index.h"
@@ -99,14 +100,15 @@ private:
     }
 
     double value(const std::string& text) const {
-        if (const auto unit = find_missing_unit(parameter_, text))
-            refuse(fmt::format("{} of which unit? the file gives {} in {}: write \"{} {}\"", quote(text),
-                               quote(parameter_.name), *unit, text, *unit));
+        std::optional<std::string> unit;
         try {
-            return parameter_.unit.empty() ? parse_quantity(text).value : parse_quantity(text, parameter_.unit);
+            unit = find_missing_unit(parameter_, text);
+            if (!unit) return parameter_.unit.empty() ? parse_quantity(text).value : parse_quantity(text, parameter_.unit);
         } catch (const Error& error) {
             refuse(error.what());
         }
+        refuse(fmt::format("{} of which unit? the file gives {} in {}: write \"{} {}\"", quote(text), quote(parameter_.name),
+                           *unit, text, *unit));
     }
 
     Distribution read_bell() const {

@@ -71,6 +71,7 @@ ExitCode work_somewhere(const Request& request, const StudyFolder& study, const 
 ExitCode start_study(const Request& request) {
     if (request.model == "-")
         throw Error(ExitCode::usage, "a study keeps a copy of its model: give a file instead of the standard input");
+    if (!request.engine.empty()) parse_engine(request.engine);  // a wrong word shows before anything is made
     Request own = request;
     if (own.work == "modes" || own.work == "response") own.overrides.purpose = Purpose::modes;
     const Plugins plugins(own.plugins);

@@ -101,18 +101,18 @@ private:
         last_line_ = last_line;
         read_journals();
         const std::optional<size_t> open = journals_.open_case(name);
-        if (WIFEXITED(status) && WEXITSTATUS(status) != static_cast<int>(ExitCode::internal_error)) {
-            if (!fault_) fault_.emplace(static_cast<ExitCode>(WEXITSTATUS(status)), last_line);
+        const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1, signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+        if (!open || code == static_cast<int>(ExitCode::input_output)) {
+            if (code >= 0 && !fault_) fault_.emplace(static_cast<ExitCode>(code), last_line);
             return;
         }
-        if (!open) return;
-        const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-        const bool is_from_outside = signal == SIGKILL || signal == SIGTERM || signal == SIGHUP || signal == SIGINT;
+        const bool is_from_outside = signal == SIGKILL || signal == SIGTERM || signal == SIGHUP || signal == SIGINT ||
+                                     code == static_cast<int>(ExitCode::stopped_by_user);
         if (is_from_outside && taken_from_outside_.insert(*open).second) return;
         fail(*open, signal == SIGALRM ? fmt::format("exit code {}: it took longer than its limit of {:g} s",
                                                     static_cast<int>(ExitCode::resource_limit), study_.plan().limit)
                     : signal != 0     ? fmt::format("killed by signal {} ({})", signal, strsignal(signal))
-                                      : fmt::format("exit code {}: {}", WEXITSTATUS(status), last_line));
+                                      : fmt::format("exit code {}: {}", code, last_line));
     }
 
     void fail(size_t index, const std::string& reason) {

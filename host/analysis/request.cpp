@@ -156,7 +156,7 @@ constexpr Option kOptions[] = {
      [](Request& request, const std::string& value) { request.cases = std::stoi(value); }, false, 1, 10000000},
     {"--seed", Kind::number, kStudy, "of the random numbers; default 1", false, false,
      [](Request& request, const std::string& value) { request.seed = std::stoi(value); }, false, 0, 2147483647},
-    {"--design", Kind::text, kStudy, "latin (default), sobol, random or one-at-a-time", false, false,
+    {"--design", Kind::text, kStudy, "latin (default), sobol, random, one-at-a-time, morris or sobol-indices", false, false,
      [](Request& request, const std::string& value) { request.design = value; }},
     {"--table", Kind::text, kStudy, "CSV file with the values of each case, instead of --vary: names, units, rows", false,
      false, [](Request& request, const std::string& value) { request.table = value; }},

@@ -18,6 +18,7 @@
 #include "record/file.h"
 #include "record/hdf5_writer.h"
 #include "record/tell.h"
+#include "study/sensitivity.h"
 #include "study/statistics.h"
 
 namespace dttmm::host {
@@ -130,6 +131,51 @@ std::string correlation_table(const StudyFolder& study, const std::vector<CaseOu
     return table.text();
 }
 
+/// What each parameter does to each figure, by the design of the study; empty for a design that tells nothing of it.
+std::string sensitivity_table(const StudyFolder& study, const std::vector<CaseOutcome>& outcomes) {
+    const StudyPlan& plan = study.plan();
+    const std::vector<Column>& parameters = plan.cases.parameters;
+    const auto fill = [&](const std::vector<Column>& heads, const auto& add) {
+        std::vector<Column> all = {{"figure", ""}, {"unit", ""}, {"parameter", ""}};
+        all.insert(all.end(), heads.begin(), heads.end());
+        CsvTable table(all);
+        for (size_t f = 0; f < plan.columns.size(); ++f)
+            add(values_of_figure(outcomes, f), [&](size_t parameter, std::initializer_list<double> numbers) {
+                table.add(plan.columns[f].name).add(plan.columns[f].unit).add(parameters[parameter].name);
+                table.add_all(numbers).end_row();
+            });
+        return table.text();
+    };
+    if (plan.design == "sobol-indices")
+        return fill({{"first", "1"},
+                     {"first.low", "1"},
+                     {"first.high", "1"},
+                     {"total", "1"},
+                     {"total.low", "1"},
+                     {"total.high", "1"},
+                     {"blocks", "1"}},
+                    [&](const std::vector<double>& values, const auto& row) {
+                        const auto all = compute_sobol_indices(values, as_row(parameters.size()));
+                        for (size_t p = 0; p < all.size(); ++p)
+                            row(p, {all[p].first.value, all[p].first.low, all[p].first.high, all[p].total.value,
+                                    all[p].total.low, all[p].total.high, static_cast<double>(all[p].blocks)});
+                    });
+    if (plan.design == "morris")
+        return fill({{"size", ""}, {"size.low", ""}, {"size.high", ""}, {"mean", ""}, {"deviation", ""}, {"walks", "1"}},
+                    [&](const std::vector<double>& values, const auto& row) {
+                        const auto all = compute_elementary_effects(values, plan.cases.values);
+                        for (size_t p = 0; p < all.size(); ++p)
+                            row(p, {all[p].size.value, all[p].size.low, all[p].size.high, all[p].mean, all[p].deviation,
+                                    static_cast<double>(all[p].walks)});
+                    });
+    if (plan.design == "one-at-a-time")
+        return fill({{"value", ""}, {"change", ""}}, [&](const std::vector<double>& values, const auto& row) {
+            for (const SingleEffect& effect : compute_single_effects(values, plan.cases.values))
+                row(as_size(effect.parameter), {plan.cases.values(as_row(effect.row), effect.parameter), effect.change});
+        });
+    return {};
+}
+
 std::string failure_table(const std::vector<CaseOutcome>& outcomes) {
     CsvTable table({{"case", "1"}, {"reason", ""}});
     for (size_t i = 0; i < outcomes.size(); ++i)
@@ -153,6 +199,33 @@ Json describe_statistics(const StudyFolder& study, const std::vector<CaseOutcome
         all[study.plan().columns[f].name] = one;
     }
     return all;
+}
+
+/// Of few figures; sensitivities.csv has all.
+void print_sensitivities(const StudyFolder& study, const std::vector<CaseOutcome>& outcomes) {
+    constexpr size_t kMostShown = 8;
+    const StudyPlan& plan = study.plan();
+    const bool has_indices = plan.design == "sobol-indices";
+    if (!has_indices && plan.design != "morris") return;
+    const size_t shown = std::min(plan.columns.size(), kMostShown);
+    for (size_t f = 0; f < shown; ++f) {
+        const std::vector<double> values = values_of_figure(outcomes, f);
+        fmt::print("{}\n", plan.columns[f].name);
+        if (has_indices) {
+            const auto all = compute_sobol_indices(values, as_row(plan.cases.parameters.size()));
+            for (size_t p = 0; p < all.size(); ++p)
+                fmt::print("  {:<20} alone {:6.3f} ({:.3f} to {:.3f}), in all {:6.3f} ({:.3f} to {:.3f}) of the variance\n",
+                           plan.cases.parameters[p].name, all[p].first.value, all[p].first.low, all[p].first.high,
+                           all[p].total.value, all[p].total.low, all[p].total.high);
+        } else {
+            const auto all = compute_elementary_effects(values, plan.cases.values);
+            for (size_t p = 0; p < all.size(); ++p)
+                fmt::print("  {:<20} {:.4g} ({:.4g} to {:.4g}) {} by half of its range, deviation {:.4g}\n",
+                           plan.cases.parameters[p].name, all[p].size.value, all[p].size.low, all[p].size.high,
+                           plan.columns[f].unit, all[p].deviation);
+        }
+    }
+    fmt::print("sensitivities.csv has {}\n", shown < plan.columns.size() ? "all figures" : "these numbers");
 }
 
 /// Two that collect at once take turns. Where the file system has no locks, they go without.
@@ -187,6 +260,8 @@ void collect(const StudyFolder& study, const std::vector<CaseOutcome>& outcomes)
     write_hdf5(study.path() / "results.h5", study, outcomes);
     write_atomically(study.path() / "statistics.csv", statistics_table(study, outcomes, count));
     write_atomically(study.path() / "correlations.csv", correlation_table(study, outcomes));
+    if (const std::string table = sensitivity_table(study, outcomes); !table.empty())
+        write_atomically(study.path() / "sensitivities.csv", table);
     write_atomically(study.path() / "failures.csv", failure_table(outcomes));
     const Json summary = {{"format", "dttmm-study-results/1"},
                           {"status", count.missing > 0 ? "incomplete" : "completed"},
@@ -213,6 +288,7 @@ void print_statistics(const StudyFolder& study, const std::vector<CaseOutcome>& 
                    of.mean, of.deviation, of.quantiles[1], of.quantiles[3], of.quantiles[5], of.maximum, columns[f].unit);
     }
     if (columns.size() > kMostFigures) fmt::print("and {} more in statistics.csv\n", columns.size() - kMostFigures);
+    print_sensitivities(study, outcomes);
     size_t failures = 0;
     for (size_t i = 0; i < outcomes.size(); ++i)
         if (outcomes[i].status == "failed" && ++failures <= kMostFailures)

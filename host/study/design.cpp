@@ -60,6 +60,41 @@ Eigen::MatrixXd draw_sobol(Eigen::Index cases, Eigen::Index parameters, Draws dr
     return u;
 }
 
+/// A walk begins in the middle of one of four cells of each parameter and moves every parameter once, in random order, by
+/// two cells.
+Eigen::MatrixXd draw_morris(Eigen::Index walks, Eigen::Index parameters, Draws draws) {
+    Eigen::MatrixXd u(walks * (parameters + 1), parameters);
+    std::vector<Eigen::Index> order(as_size(parameters));
+    for (Eigen::Index w = 0; w < walks; ++w) {
+        const Eigen::Index first = w * (parameters + 1);
+        for (Eigen::Index p = 0; p < parameters; ++p) u(first, p) = (static_cast<double>(draws.below(4)) + 0.5) / 4;
+        std::iota(order.begin(), order.end(), 0);
+        for (Eigen::Index i = parameters - 1; i > 0; --i) std::swap(order[as_size(i)], order[as_size(draws.below(i + 1))]);
+        for (Eigen::Index step = 0; step < parameters; ++step) {
+            u.row(first + step + 1) = u.row(first + step);
+            double& moved = u(first + step + 1, order[as_size(step)]);
+            moved += moved < 0.5 ? 0.5 : -0.5;
+        }
+    }
+    return u;
+}
+
+/// A and B of each block are the two halves of a point of a sequence in twice as many dimensions.
+Eigen::MatrixXd draw_indices(Eigen::Index blocks, Eigen::Index parameters, const Draws& draws) {
+    const Eigen::MatrixXd both = draw_sobol(blocks, 2 * parameters, draws);
+    Eigen::MatrixXd u(blocks * (parameters + 2), parameters);
+    for (Eigen::Index b = 0; b < blocks; ++b) {
+        const Eigen::Index first = b * (parameters + 2);
+        u.row(first) = both.row(b).head(parameters);
+        u.row(first + 1) = both.row(b).tail(parameters);
+        for (Eigen::Index p = 0; p < parameters; ++p) {
+            u.row(first + 2 + p) = u.row(first);
+            u(first + 2 + p, p) = u(first + 1, p);
+        }
+    }
+    return u;
+}
+
 /// Indices of a column from its smallest to its largest number.
 std::vector<Eigen::Index> ranking(const Eigen::Ref<const Eigen::VectorXd>& column) {
     std::vector<Eigen::Index> order(as_size(column.size()));
@@ -75,14 +110,23 @@ Design parse_design(const std::string& text) {
     if (text == "sobol") return Design::sobol;
     if (text == "random") return Design::random;
     if (text == "one-at-a-time") return Design::single;
-    throw Error(ExitCode::usage, fmt::format("--design {}: there is no such design{}", quote(text),
-                                             suggestion(text, {"latin", "sobol", "random", "one-at-a-time"})));
+    if (text == "morris") return Design::morris;
+    if (text == "sobol-indices") return Design::indices;
+    throw Error(ExitCode::usage,
+                fmt::format("--design {}: there is no such design{}", quote(text),
+                            suggestion(text, {"latin", "sobol", "random", "one-at-a-time", "morris", "sobol-indices"})));
+}
+
+Eigen::Index block_size(Design design, Eigen::Index parameters) {
+    return design == Design::morris ? parameters + 1 : design == Design::indices ? parameters + 2 : 1;
 }
 
 Eigen::MatrixXd make_probabilities(Design design, Eigen::Index cases, Eigen::Index parameters, std::uint64_t seed) {
     Draws draws(seed);
     if (design == Design::latin) return draw_latin(cases, parameters, draws);
     if (design == Design::sobol) return draw_sobol(cases, parameters, draws);
+    if (design == Design::morris) return draw_morris(cases / block_size(design, parameters), parameters, draws);
+    if (design == Design::indices) return draw_indices(cases / block_size(design, parameters), parameters, draws);
     Eigen::MatrixXd u(cases, parameters);
     for (Eigen::Index i = 0; i < cases; ++i)
         for (Eigen::Index p = 0; p < parameters; ++p) u(i, p) = draws.probability();

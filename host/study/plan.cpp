@@ -111,6 +111,17 @@ CaseTable draw_cases(const Request& request, const Model& model) {
         return table;
     }
     if (request.cases == 0) throw Error(ExitCode::usage, "how many cases? --vary wants --cases, e.g. --cases 1000");
+    const Eigen::Index block = block_size(design, as_row(varied.size()));
+    if (block > 1 && !request.correlations.empty())
+        throw Error(ExitCode::usage, fmt::format("--correlate: the design {} is of parameters that are independent of each "
+                                                 "other",
+                                                 request.design));
+    if (block > 1 && request.cases < 10 * block)
+        throw Error(ExitCode::usage,
+                    fmt::format("--cases {}: the design {} of {} takes {} cases at least, ten blocks of {}; "
+                                "some hundred blocks tell more",
+                                request.cases, request.design, counted(varied.size(), "parameter", "parameters"), 10 * block,
+                                block));
     Eigen::MatrixXd u =
         make_probabilities(design, request.cases, as_row(varied.size()), static_cast<std::uint64_t>(request.seed));
     if (!request.correlations.empty()) correlate(u, read_correlations(request, model, varied));
@@ -189,6 +200,7 @@ StudyPlan make_plan(const Request& request, const Model& model, const Plugins& p
     if (!request.limit.empty() && !(plan.limit >= 0.001 && plan.limit <= 1e8))
         throw Error(ExitCode::usage, fmt::format("--limit {}: it must be 1 ms to 1e8 s", quote(request.limit)));
     plan.cases = make_cases(request, model);
+    if (!request.variations.empty()) plan.design = request.design.empty() ? "latin" : request.design;
     plan.columns = find_figures(plan, plugins);
     if (plan.columns.empty())
         throw Error(ExitCode::usage, "the cases have no figures: ask for some with --figures, e.g. \"*.position.z:peak\"");

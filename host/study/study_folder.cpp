@@ -101,6 +101,7 @@ Json describe_plan(const Request& request, const StudyPlan& plan, const Model& m
                       {"figure_requests", plan.figures},
                       {"parameters", parameters},
                       {"varied", describe_columns(plan.cases.parameters)},
+                      {"design", plan.design},
                       {"cases", plan.cases.cases()},
                       {"limit_s", plan.limit},
                       {"keep", plan.keeps},
@@ -113,6 +114,7 @@ Json describe_plan(const Request& request, const StudyPlan& plan, const Model& m
 std::string difference(const Json& there, const Json& asked, bool cases_differ) {
     for (const auto& [key, words] : {std::pair("command", "the command"),
                                      {"varied", "the parameters that vary"},
+                                     {"design", "the design"},
                                      {"cases", "the number of cases"},
                                      {"options", "the options"},
                                      {"figure_requests", "the figures"},
@@ -199,6 +201,7 @@ StudyFolder::StudyFolder(const fs::path& path) : path_(from_start(path)) {
         plan_.figures = text.at("figure_requests").get<std::vector<std::string>>();
         for (const Json& one : text.at("parameters")) plan_.parameters.push_back({one.at(0), one.at(2), one.at(1), {}});
         plan_.limit = text.at("limit_s");
+        plan_.design = text.at("design");
         plan_.keeps = text.at("keep");
         command_line_ = text.value("command_line", "");
         plan_.cases = CaseTable::parse(read_text(path_ / kCasesFile), path / kCasesFile);

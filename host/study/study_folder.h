@@ -20,6 +20,7 @@ struct StudyPlan {
     Request request;                   ///< of every case, but for its parameters; the model is the copy in the folder
     std::vector<std::string> figures;  ///< as given to --figures
     std::vector<Column> columns;       ///< of the figures of a case
+    std::string design;                ///< by its name; empty for a grid or a table
     CaseTable cases;
     std::vector<Parameter> parameters;  ///< all of the model, as the file has them
     double limit = 0;                   ///< of a case [s]; 0: none
@@ -32,7 +33,9 @@ struct StudyPlan {
 ///     model/           the model file, the tables it names, and plugins, as they were
 ///     journal/         what workers have done, a file each
 ///     case-000001/     results of a case, where they are kept
-///     results.csv, results.h5, statistics.csv, correlations.csv, failures.csv, summary.json: what collect makes of it
+///     results.csv, results.h5, statistics.csv, correlations.csv, sensitivities.csv, failures.csv, summary.json: what
+///     collect
+///                      makes of it
 class StudyFolder {
 public:
     /// Opens a study that is there. Throws Error(input_output) for a folder that is none, or of another format.

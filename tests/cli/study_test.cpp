@@ -311,6 +311,43 @@ TEST_F(Study, OneAtATime) {
     }
 }
 
+// Oracle: Ishigami's function as a load: the final force of the springs is proportional to it, so its indices are known:
+// 0.3139, 0.4424, 0 alone; 0.5576, 0.4424, 0.2437 in all.
+TEST_F(Study, TellsWhatIsBehindTheVariance) {
+    write_text(folder_ / "model.toml",
+               small_model_with("mass = \"2 kg\"",
+                                "mass = \"2 kg\"\na = 0\nb = 0\nd = 0\nf = \"=sin(a) + 7*sin(b)^2 + 0.1*d^4*sin(a)\""));
+    std::string text = read_text(folder_ / "model.toml");
+    write_text(folder_ / "model.toml", text.replace(text.find("\"100 N\""), 7, "\"=f\""));
+    const std::vector<std::string> words = {"model.toml",
+                                            "--vary",
+                                            "a, b, d ~ uniform(-3.141592653589793, 3.141592653589793)",
+                                            "--figures",
+                                            "one.force.z:final",
+                                            "-o",
+                                            "out",
+                                            "--cases"};
+    const auto with = [&](const std::string& cases, const std::string& design) {
+        std::vector<std::string> all = words;
+        all.insert(all.end(), {cases, "--design", design});
+        fs::remove_all(folder_ / "out");
+        return study(all);
+    };
+    const Ended ended = with("5123", "sobol-indices");
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    EXPECT_THAT(ended.out, HasSubstr("5120 of 5120 cases completed")) << "whole blocks of five";
+    const StudyTable table = read_study(folder_ / "out/sensitivities.csv");
+    ASSERT_EQ(table.rows.size(), 3u);
+    const double first[] = {0.3139, 0.4424, 0}, total[] = {0.5576, 0.4424, 0.2437};
+    for (size_t p = 0; p < 3; ++p) {
+        EXPECT_NEAR(std::stod(table.cell(p, "first")), first[p], 0.04);
+        EXPECT_NEAR(std::stod(table.cell(p, "total")), total[p], 0.04);
+    }
+    EXPECT_EQ(with("400", "morris").code, 0);
+    EXPECT_GT(std::stod(read_study(folder_ / "out/sensitivities.csv").cell(0, "size")), 0);
+    EXPECT_THAT(with("30", "morris").err, HasSubstr("takes 40 cases at least, ten blocks of 4"));
+}
+
 /// Words that are refused before a folder is made.
 struct WrongStudy {
     std::vector<std::string> words;

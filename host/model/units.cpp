@@ -69,6 +69,18 @@ public:
     std::optional<Unit> parse(const std::string& text) {
         if (text.find('\0') != text.npos) return std::nullopt;  // UDUNITS would stop reading there
         const std::scoped_lock lock(mutex_);
+        // A file has few units and many values: reading them anew was a third of reading the four-bolt plate
+        constexpr size_t kMostKnown = 1000;
+        if (const auto found = known_.find(text); found != known_.end()) return found->second;
+        if (known_.size() == kMostKnown) known_.clear();
+        return known_[text] = read(text);
+    }
+
+private:
+    using UnitPointer = std::unique_ptr<ut_unit, decltype(&ut_free)>;
+    using SystemPointer = std::unique_ptr<ut_system, decltype(&ut_free_system)>;
+
+    std::optional<Unit> read(const std::string& text) const {
         const UnitPointer unit(ut_parse(system_.get(), text.c_str(), UT_UTF8), &ut_free);
         if (!unit) return std::nullopt;
         Unit result;
@@ -78,10 +90,6 @@ public:
         if (!std::isfinite(result.scale) || result.scale <= 0) return std::nullopt;
         return result;
     }
-
-private:
-    using UnitPointer = std::unique_ptr<ut_unit, decltype(&ut_free)>;
-    using SystemPointer = std::unique_ptr<ut_system, decltype(&ut_free_system)>;
 
     UnitSystem() : system_(nullptr, &ut_free_system) {
         ut_set_error_message_handler(&ut_ignore);  // faults are told by us, with their place
@@ -122,6 +130,7 @@ private:
 
     std::mutex mutex_;
     SystemPointer system_;
+    std::map<std::string, std::optional<Unit>> known_;
 };
 
 std::optional<Unit> parse_unit(std::string_view text) { return UnitSystem::instance().parse(std::string(text)); }

@@ -49,14 +49,16 @@ Eigen::MatrixXd draw_latin(Eigen::Index cases, Eigen::Index parameters, Draws dr
     return u;
 }
 
-/// A random digital shift of each parameter keeps the even spread and takes 0 away.
+/// The first point of the sequence is 0 and belongs to every net of 2^m points; the library leaves it out. A random digital
+/// shift of each parameter keeps the even spread and moves it.
 Eigen::MatrixXd draw_sobol(Eigen::Index cases, Eigen::Index parameters, Draws draws) {
     boost::random::sobol sequence(as_size(parameters));
     std::vector<std::uint64_t> shift(as_size(parameters));
     for (std::uint64_t& bits : shift) bits = draws.bits();
     Eigen::MatrixXd u(cases, parameters);
     for (Eigen::Index i = 0; i < cases; ++i)
-        for (Eigen::Index p = 0; p < parameters; ++p) u(i, p) = to_probability(sequence() ^ shift[as_size(p)]);
+        for (Eigen::Index p = 0; p < parameters; ++p)
+            u(i, p) = to_probability((i == 0 ? 0 : sequence()) ^ shift[as_size(p)]);
     return u;
 }
 

@@ -35,6 +35,19 @@ TEST(DesignOfCases, TheSeedDecides) {
     }
 }
 
+// Oracle: a net of 2^m points has one in each of 2^m equal cells of every parameter, and of every pair of the first two.
+TEST(DesignOfCases, ASobolSequenceIsANet) {
+    const Eigen::MatrixXd u = make_probabilities(Design::sobol, 256, kColumns, 9);
+    for (int p = 0; p < kColumns; ++p) {
+        std::set<int> cells;
+        for (int i = 0; i < 256; ++i) cells.insert(static_cast<int>(u(i, p) * 256));
+        EXPECT_EQ(cells.size(), 256u) << p;
+    }
+    std::set<int> squares;
+    for (int i = 0; i < 256; ++i) squares.insert(16 * static_cast<int>(16 * u(i, 0)) + static_cast<int>(16 * u(i, 1)));
+    EXPECT_EQ(squares.size(), 256u);
+}
+
 // Oracle: the mean of a product over the unit cube, 1/32; at 1024 points a Sobol sequence errs by less than a tenth of what
 // independent draws do, (7/12)/32/sqrt(1024) or so.
 TEST(DesignOfCases, ASobolSequenceIntegratesWell) {

@@ -34,6 +34,7 @@
 #include "model/wording.h"
 #include "record/hdf5_writer.h"
 #include "record/tell.h"
+#include "report/report.h"
 #include "world/world.h"
 
 namespace dttmm::host {
@@ -114,6 +115,8 @@ const CommandLine kCommands[] = {
          return request.sweeps.empty() ? find_steady_response(request) : sweep_response(request, axes_of(request));
      }},
     {kSpectrum, "spectrum", "spectra, levels, modes and orders of a recorded run", Given::results, find_spectrum},
+    {kReport, "report", "one HTML file of any results: curves, tables, the machine in 3-D", Given::several_results,
+     make_report},
     {kChannels, "channels", "list what a run of a model can record", Given::model_and_patterns, plain<print_channels>},
     {kCheckLaw, "check-law", "test the force laws of a library", Given::library, plain<check_law>},
     {kNew, "new", "make a folder with a first model", Given::folder, plain<make_new>},
@@ -182,6 +185,10 @@ void add_given(CLI::App& command, Given given, Request& request) {
             command.add_option("RESULTS", request.words, "results folder of a run, or its history.csv")
                 ->required()
                 ->expected(1);
+            break;
+        case Given::several_results:
+            command.add_option("RESULTS", request.words, "results folders of any command; several are shown together")
+                ->required();
             break;
         case Given::nothing:
             break;

@@ -9,7 +9,18 @@
 namespace dttmm::host {
 
 /// What a command is given besides options.
-enum class Given : unsigned char { nothing, model, models, model_and_patterns, topic, folder, shell, library, results };
+enum class Given : unsigned char {
+    nothing,
+    model,
+    models,
+    model_and_patterns,
+    topic,
+    folder,
+    shell,
+    library,
+    results,
+    several_results
+};
 
 /// A command: its bit among those of the options, and what it does.
 struct CommandLine {

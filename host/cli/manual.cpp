@@ -53,6 +53,8 @@ const char* given_text(Given given) {
             return " FILE";
         case Given::results:
             return " RESULTS";
+        case Given::several_results:
+            return " RESULTS...";
         case Given::nothing:
             break;
     }

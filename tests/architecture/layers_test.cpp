@@ -43,8 +43,10 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"host/step", {"host/model", "host/world", "host/loader", "host/record", "host/coupling", "host/step"}},
     {"host/analysis",
      {"host/model", "host/world", "host/loader", "host/record", "host/coupling", "host/step", "host/analysis"}},
+    {"host/report", {"host/model", "host/record", "host/analysis", "host/report"}},
     {"host/cli",
-     {"host/model", "host/world", "host/loader", "host/record", "host/coupling", "host/step", "host/analysis", "host/cli"}},
+     {"host/model", "host/world", "host/loader", "host/record", "host/coupling", "host/step", "host/analysis", "host/report",
+      "host/cli"}},
 };
 
 Includes read_includes() {

@@ -106,8 +106,11 @@ Json describe(const CurveSet& set, std::size_t most) {
     return json;
 }
 
-CurveSet curves_of(const CsvFile& file, std::size_t x, std::size_t first, const std::vector<std::size_t>& rows) {
-    CurveSet set{file.path().filename().string(), {}, file.columns()[x], pick(file.numbers(x), rows), {}};
+CurveSet curves_of(const CsvFile& file, int x, std::size_t first, const std::vector<std::size_t>& rows) {
+    CurveSet set{file.path().filename().string(), {}, {"case", "1"}, {}, {}};
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        set.places.push_back(x < 0 ? static_cast<double>(i + 1) : file.numbers(as_size(x))[rows[i]]);
+    if (x >= 0) set.x = file.columns()[as_size(x)];
     const auto has = [&](const std::string& name) { return file.find(name) >= 0; };
     const auto numbers = [&](const std::string& name) { return pick(file.numbers(as_size(file.find(name))), rows); };
     for (std::size_t c = first; c < file.columns().size(); ++c) {

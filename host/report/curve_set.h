@@ -34,9 +34,9 @@ std::vector<std::size_t> thin(const std::vector<double>& values, std::size_t mos
 /// there. Every curve has its least, largest and last value with their places, from all rows. A constant curve is one value.
 Json describe(const CurveSet& set, std::size_t most);
 
-/// Of a table over frequency, speed or time: its column `x`, and all numbers behind column `first` as curves. Columns
-/// "<name>.re" and "<name>.im" are one curve of the magnitude with its phase; "<name>.phase" is the phase of
-/// "<name>.amplitude". rows: those of the table that count.
-CurveSet curves_of(const CsvFile& file, std::size_t x, std::size_t first, const std::vector<std::size_t>& rows);
+/// Of a table over frequency, speed or time: all numbers from column `first` on as curves over column `x`, or, if x is -1,
+/// over the number of the row among `rows`, called "case". Columns "<name>.re" and "<name>.im" are one curve of the
+/// magnitude with its phase; "<name>.phase" is the phase of "<name>.amplitude". rows: those of the table that count.
+CurveSet curves_of(const CsvFile& file, int x, std::size_t first, const std::vector<std::size_t>& rows);
 
 }  // namespace dttmm::host

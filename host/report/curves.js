@@ -3,8 +3,9 @@
 // several results.
 'use strict';
 
-const kUnitsFirst = ['N', 'N*m', 'm/s^2', 'm', 'Hz', 'm/s', 'rad', 'rad/s', 'Pa', 'J'];
-const kMostAtFirst = 4;
+const kUnitsFirst = ['N', 'm/s^2', 'm', 'N*m', 'Hz', 'm/s', 'rad', 'rad/s', 'Pa', 'J'];
+const kMostAtFirst = 4;  // curves of a chart
+const kXNames = {rpm: 'speed'};
 const kChartHeight = 270;
 
 /** Curves of one file, of all results that have it. sets: {set, result} with result the name of the results. */
@@ -12,7 +13,8 @@ class CurvePanel {
     constructor(sets, hasSeveralResults) {
         this.series = [];
         this.constants = [];
-        this.x = {name: sets[0].set.x, unit: sets[0].set.x_unit};
+        this.x = {name: kXNames[sets[0].set.x] ?? sets[0].set.x, unit: sets[0].set.x_unit};
+        this.hasSeveralResults = hasSeveralResults;
         this.span = Math.max(...sets.map(({set}) => set.span));
         for (const {set, result, index} of sets) this.take(set, hasSeveralResults ? result : '', index);
         this.hasPhases = this.series.some(one => one.phases);
@@ -64,9 +66,18 @@ class CurvePanel {
             const names = this.namesOf(unit);
             const range = name => Math.max(...this.series.filter(one => one.name === name).map(one => one.range));
             const moving = names.filter(name => range(name) > 1e-6 * range(names[0]));
-            chosen.push(...moving.slice(0, kMostAtFirst));
+            const different = moving.filter((name, i) => !moving.slice(0, i).some(other => this.areEqual(name, other)));
+            chosen.push(...different.slice(0, this.hasSeveralResults ? 1 : kMostAtFirst));
         }
         return chosen;
+    }
+
+    /** Whether two channels have the same curves, up to round-off, as those of symmetric bolts. */
+    areEqual(name, other) {
+        return this.series.filter(one => one.name === name).every(one => {
+            const twin = this.series.find(two => two.name === other && two.index === one.index);
+            return twin && twin.values.length === one.values.length && one.values.every((value, i) => Math.abs(value - twin.values[i]) <= 1e-6 * one.range);
+        });
     }
 
     makeTools() {
@@ -102,7 +113,7 @@ class CurvePanel {
         const list = element('div', {class: 'list', tabindex: '0', role: 'group', 'aria-label': 'Channels to draw'});
         const rows = [];
         for (const unit of this.units()) {
-            const head = element('h4', {}, unit === '1' ? 'without unit' : formatUnit(unit));
+            const head = element('p', {class: 'group'}, unit === '1' ? 'without unit' : formatUnit(unit));
             list.append(head);
             for (const name of this.namesOf(unit)) {
                 const box = element('input', {type: 'checkbox', onchange: () => {
@@ -134,9 +145,9 @@ class CurvePanel {
         for (const chart of this.charts) chart.destroy();
         this.charts = [];
         this.chartsBox.replaceChildren();
-        const chosen = this.series.filter(one => this.chosen.has(one.name));
-        if (chosen.length === 0) this.chartsBox.append(element('p', {class: 'muted'}, 'Choose channels to draw.'));
         const names = [...this.chosen];
+        const chosen = this.series.filter(one => this.chosen.has(one.name)).sort((a, b) => names.indexOf(a.name) - names.indexOf(b.name));
+        if (chosen.length === 0) this.chartsBox.append(element('p', {class: 'muted'}, 'Choose channels to draw.'));
         const styleOf = one => {
             const colour = names.length === 1 ? one.index : names.indexOf(one.name);
             const round = Math.floor(colour / theme.colours.length);
@@ -220,12 +231,13 @@ class Chart {
     options(width, scale, syncKey, areEqual) {
         const axis = label => ({stroke: theme.text, grid: {stroke: theme.faint, width: 1}, ticks: {stroke: theme.faint, width: 1}, label, labelSize: 22,
                                 font: '12px system-ui, sans-serif', labelFont: '12px system-ui, sans-serif', labelGap: 0});
+        const texts = (_, values) => values.map(value => (value === null ? '' : formatNumber(value, 5)));
         const arePoints = this.series[0].places.length <= 40;
         return {
-            width, height: kChartHeight, legend: {show: false}, padding: [8, 12, 0, 0],
+            width, height: kChartHeight, legend: {show: false}, padding: [8, 26, 0, 0],
             scales: {x: {time: false, distr: this.panel.isLogarithmicX && this.whole[0] > 0 ? 3 : 1}, y: {distr: scale === 'log' ? 3 : 1}},
-            axes: [axis(`${this.panel.x.name}${formatUnit(this.panel.x.unit) ? ` [${formatUnit(this.panel.x.unit)}]` : ''}`),
-                   {...axis(this.unit || 'value'), size: 68, values: (_, values) => values.map(value => (value === null ? '' : formatNumber(value, 5)))}],
+            axes: [{...axis(`${this.panel.x.name}${formatUnit(this.panel.x.unit) ? ` [${formatUnit(this.panel.x.unit)}]` : ''}`), values: texts},
+                   {...axis(this.unit || 'value'), size: 68, values: texts}],
             series: [{}, ...this.series.map((one, i) => ({label: one.label, stroke: this.styles[i].colour, dash: this.styles[i].dash, width: 1.6,
                                                            points: {show: arePoints, size: 6}, spanGaps: !areEqual}))],
             cursor: {sync: {key: syncKey, setSeries: false}, drag: {x: true, y: false}, points: {size: 7}},

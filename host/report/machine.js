@@ -292,7 +292,7 @@ class MachineView {
         const parts = ['Bodies are drawn as the homogeneous boxes of their mass and inertia, not in their real shape. Spheres are elements between two points at the same place; cones are the ground.'];
         if (result.motion) {
             const still = [...structure.owners.keys()].filter(name => !this.motion.tracks?.has(name));
-            if (this.motion.every > 1) parts.push(`The motion shows every ${this.motion.every}th row: vibrations faster than that are not seen.`);
+            if (this.motion.every > 1) parts.push(`The motion shows one row in ${this.motion.every}: vibrations faster than that are not seen.`);
             if (still.length > 0) parts.push(`No position is recorded of ${still.slice(0, 6).join(', ')}${still.length > 6 ? ` and ${still.length - 6} more` : ''}: drawn at the start.`);
             if (structure.elements.some(one => one.isBeam)) parts.push('Beams are bent as their ends have it, without loads between.');
         } else if (!this.mode) parts.push('These results have no motion: the machine is drawn as it starts.');
@@ -323,7 +323,9 @@ class MachineView {
         const sun = new THREE.DirectionalLight('#ffffff', 1.7);
         sun.position.set(1, -2, 3);
         this.world.add(new THREE.HemisphereLight('#ffffff', theme.isDark ? '#555555' : '#aaaaaa', 1.9), sun, this.model.root);
-        const {size, low, middle} = this.choice.structure;
+        const {size} = this.choice.structure;
+        const {low, high} = this.choice.structure.bounds(this.motion, this.unitFactor);
+        const middle = low.clone().add(high).multiplyScalar(0.5);
         const grid = new THREE.GridHelper(1.6 * size, 16, theme.faint, theme.faint);
         grid.rotation.x = Math.PI / 2;
         grid.position.set(middle.x, middle.y, low.z - 0.045 * size);
@@ -347,10 +349,20 @@ class MachineView {
     }
 
     look(direction) {
-        const {size, middle} = this.choice.structure;
+        const {low, high} = this.choice.structure.bounds(this.motion, this.total ?? this.unitFactor);
+        const middle = low.clone().add(high).multiplyScalar(0.5);
+        const towards = new THREE.Vector3(...direction).normalize();
+        const right = this.camera.up.clone().cross(towards).normalize();
+        const up = towards.clone().cross(right);
+        const slope = Math.tan(this.camera.fov * Math.PI / 360);
+        let distance = 0.2 * this.choice.structure.size;
+        for (const x of [low.x, high.x]) for (const y of [low.y, high.y]) for (const z of [low.z, high.z]) {
+            const corner = new THREE.Vector3(x, y, z).sub(middle);
+            distance = Math.max(distance, corner.dot(towards) + Math.abs(corner.dot(right)) / slope / this.camera.aspect, corner.dot(towards) + Math.abs(corner.dot(up)) / slope);
+        }
+        distance *= 1.2;
         this.controls.target.copy(middle);
-        const distance = 1.85 * size * Math.max(1, 1.15 / this.camera.aspect);
-        this.camera.position.copy(middle).addScaledVector(new THREE.Vector3(...direction).normalize(), distance);
+        this.camera.position.copy(middle).addScaledVector(towards, distance);
         this.camera.near = distance / 100;
         this.camera.far = distance * 20;
         this.camera.updateProjectionMatrix();

@@ -104,13 +104,30 @@ class Structure {
     measure() {
         const low = new THREE.Vector3(Infinity, Infinity, Infinity), high = low.clone().negate();
         const add = point => { low.min(point); high.max(point); };
-        for (const point of this.points.values()) add(this.startOf(point));
+        this.corners = [...this.points.values()];
         for (const {owner, centre, edges, turn} of this.bodies)
             for (const x of [-0.5, 0.5]) for (const y of [-0.5, 0.5]) for (const z of [-0.5, 0.5])
-                add(this.startOf({owner, local: new THREE.Vector3(x * edges[0], y * edges[1], z * edges[2]).applyQuaternion(turn).add(centre)}));
+                this.corners.push({owner, local: new THREE.Vector3(x * edges[0], y * edges[1], z * edges[2]).applyQuaternion(turn).add(centre)});
+        for (const point of this.corners) add(this.startOf(point));
         this.low = low;
+        this.high = high;
         this.middle = low.clone().add(high).multiplyScalar(0.5);
         this.size = Math.max(low.distanceTo(high), 1e-6);
+    }
+
+    /** Corners of what the machine fills while it moves. */
+    bounds(motion, scale) {
+        const low = this.low.clone(), high = this.high.clone();
+        const count = motion.duration > 0 ? 40 : 0;
+        for (let i = 0; i < count; ++i) {
+            motion.at((motion.times?.[0] ?? 0) + motion.duration * i / count);
+            for (const point of this.corners) {
+                const place = this.placeOf(point, motion, scale);
+                low.min(place);
+                high.max(place);
+            }
+        }
+        return {low, high};
     }
 
     startOf({owner, local}) {
@@ -183,6 +200,7 @@ class RunMotion {
             if (this.times[middle] <= time) low = middle; else high = middle;
         }
         this.low = low;
+        this.high = high;
         this.high = high;
         this.between = Math.min(1, Math.max(0, (time - this.times[low]) / (this.times[high] - this.times[low] || 1)));
     }

@@ -3,9 +3,12 @@
 'use strict';
 
 (() => {
+    const kCurveTitles = {'history.csv': 'Curves over time', 'response.csv': 'Steady vibration', 'frf.csv': 'Frequency response', 'psd.csv': 'Power spectral densities',
+                          'spectrum.csv': 'Spectrum', 'determinant.csv': 'Determinant', 'orders.csv': 'Orders'};
     const data = JSON.parse(document.getElementById('data').textContent);
     const main = document.getElementById('main');
     const contents = element('ul');
+    let startMachine = () => {};  // once the rest is drawn: a graphics driver takes its time
 
     /** Results are known by the last part of their path, or by all of it where that is not enough. */
     function nameResults(results) {
@@ -15,9 +18,7 @@
     }
 
     /** A part of the page that cannot be made says so and leaves the others. */
-    function addSection(title, id, make) {
-        const section = element('section', {id, 'aria-labelledby': `${id}-title`}, element('h2', {id: `${id}-title`}, title));
-        main.append(section);
+    function attempt(section, make) {
         try {
             const made = make(section);
             if (made) section.append(made);
@@ -25,6 +26,12 @@
             console.error(fault);
             section.append(element('p', {class: 'notice bad'}, `This part cannot be shown: ${fault.message}`));
         }
+    }
+
+    function addSection(title, id, make) {
+        const section = element('section', {id, 'aria-labelledby': `${id}-title`}, element('h2', {id: `${id}-title`}, title));
+        main.append(section);
+        attempt(section, make);
         contents.append(element('li', {}, element('a', {href: `#${id}`}, title)));
     }
 
@@ -35,13 +42,13 @@
 
     document.getElementById('head').append(...makeHead(data, results));
     if (results.some(result => result.kind === 'modes')) addSection('Modes', 'modes', () => all(result => result.kind === 'modes' && makeModes(result)));
-    if (data.has_machine) addSection('Machine', 'machine', section => addMachine(section, results));
+    if (data.has_machine) addSection('Machine', 'machine', section => { startMachine = () => requestAnimationFrame(() => setTimeout(() => attempt(section, () => addMachine(section, results)))); });
 
     const files = [...new Set(results.flatMap(result => listOf(result.curve_sets).map(set => set.file)))];
     for (const file of files) {
         const sets = results.flatMap((result, index) => listOf(result.curve_sets).filter(set => set.file === file).map(set => ({set, result: result.name, index})));
-        addSection(file === 'history.csv' ? 'Curves over time' : file === 'sweep.csv' ? `Sweep over ${sets[0].set.x}` : `Curves of ${file}`, `curves-${file.replace('.', '-')}`, section => {
-            const panel = new CurvePanel(sets, several);
+        addSection(kCurveTitles[file] ?? `Sweep over ${sets[0].set.x}`, `curves-${file.replace('.', '-')}`, section => {
+            const panel = section.panel = new CurvePanel(sets, several);
             section.append(panel.element);
             panel.draw();
         });
@@ -55,4 +62,5 @@
     document.getElementById('contents').append(contents);
     document.getElementById('maker').textContent = `Made by ${data.program}: ${data.command_line}`;
     document.documentElement.dataset.ready = 'yes';
+    startMachine();
 })();

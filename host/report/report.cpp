@@ -46,11 +46,15 @@ void refuse_foreign(const fs::path& path) {
                     fmt::format("{}: is there and is no report of dttmm; choose another file with -o", path.string()));
 }
 
+/// Of the first results that have one; else their folder.
 std::string title_of(const Json& results) {
+    const auto title_in = [](const Json& object, const char* name) {
+        return object.is_object() && object.contains(name) && object[name].is_string() ? object[name].get<std::string>()
+                                                                                       : "";
+    };
     for (const Json& one : results)
-        if (one["summary"].is_object() && one["summary"].contains("title") && one["summary"]["title"].is_string() &&
-            one["summary"]["title"] != "")
-            return one["summary"]["title"];
+        for (const std::string& title : {title_in(one["summary"], "title"), title_in(one, "title_of_cases")})
+            if (!title.empty()) return title;
     return results.front()["path"];
 }
 

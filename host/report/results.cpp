@@ -152,6 +152,8 @@ void Description::take_summary(Json summary) {
             note(
                 "There is no summary.json: the run has not ended, or it was killed. Its status, warnings and model are not "
                 "known.");
+        const Json first = read_summary(folder_ / "case-000001/summary.json");
+        if (first.is_object() && first.contains("title")) json_["title_of_cases"] = first["title"];
         json_["summary"] = nullptr;
         json_["written"] = time_of_results(folder_ / (kind_ == "run" ? "history.csv" : "sweep.csv"));
         return;
@@ -205,7 +207,7 @@ void Description::take_curves(const CsvFile& file, const std::string& x, std::si
         for (std::size_t row = 0; row < file.rows(); ++row)
             if (!is_by_order || file.numbers(as_size(order))[row] == one) rows.push_back(row);
         std::ranges::stable_sort(rows, {}, [&](std::size_t row) { return file.numbers(as_size(over))[row]; });
-        CurveSet set = curves_of(file, as_size(over), is_by_order ? 3 : first, rows);
+        CurveSet set = curves_of(file, over, is_by_order ? 3 : first, rows);
         if (is_by_order) set.label = fmt::format("order {:g}", one);
         add(set);
     }
@@ -225,18 +227,13 @@ void Description::take_sweep(const CsvFile& file) {
     for (std::size_t row = 0; row < file.rows(); ++row) rows.push_back(row);
     if (rows.empty() || first >= file.columns().size() || file.columns().front().name != "case") return;
     // Parameters that follow from the one that varies go with it
-    const std::size_t over = varied.empty() ? 0 : varied.back();
-    const auto over_value = [&](std::size_t row) { return file.numbers(over)[row]; };
-    const bool is_line =
-        over > 0 && std::set<double>(file.numbers(over).begin(), file.numbers(over).end()).size() == file.rows();
-    if (is_line) std::ranges::stable_sort(rows, {}, over_value);
-    CurveSet set = curves_of(file, is_line ? over : first, first, rows);
-    if (!is_line) {
-        set.x = {"case", "1"};
-        set.places.clear();
-        for (std::size_t row = 0; row < file.rows(); ++row) set.places.push_back(static_cast<double>(row + 1));
+    int over = varied.empty() ? -1 : as_int(varied.back());
+    if (over >= 0) {
+        const std::vector<double>& values = file.numbers(varied.back());
+        if (std::set<double>(values.begin(), values.end()).size() < file.rows()) over = -1;
+        if (over >= 0) std::ranges::stable_sort(rows, {}, [&](std::size_t row) { return values[row]; });
     }
-    add(set);
+    add(curves_of(file, over, first, rows));
 }
 
 void Description::take_table(const CsvFile& file) {

@@ -3,7 +3,6 @@
 'use strict';
 
 const kKinds = {run: 'Run', modes: 'Natural frequencies', static: 'Equilibrium', frf: 'Frequency response', response: 'Steady vibration', spectrum: 'Spectrum of a run', sweep: 'Sweep'};
-const kPlainStatus = {completed: 'Completed'};
 
 /** Status in words, and how good it is. Modes have none: they are there or the command has failed. */
 function statusOf(result) {
@@ -59,7 +58,7 @@ function makeHead(data, results) {
         head.push(element('p', {class: 'verdict'}, results.length > 1 ? element('strong', {}, result.name) : null,
                           element('span', {}, kKinds[result.kind] ?? result.kind),
                           element('span', {class: `status ${status.level}`}, status.text),
-                          ...factsOf(result).map(fact => element('span', {class: 'muted'}, fact))));
+                          element('span', {class: 'muted'}, factsOf(result).join(' · '))));
     }
     for (const result of results) {
         const warnings = listOf(result.summary?.warnings);
@@ -101,9 +100,8 @@ function largestShares(shares, most = 4) {
 
 function makeModes(result) {
     const modes = listOf(result.summary?.modes);
-    const wide = text => { const cellOfText = element('span', {}, text || '–'); return cellOfText; };
     const columns = [{name: 'mode', isText: false}, {name: 'frequency', unit: 'Hz'}, {name: 'multiplicity'}, {name: 'modal mass', unit: 'kg'}, {name: 'kinetic energy', isText: true}, {name: 'strain energy', isText: true}];
-    const rows = modes.map((mode, i) => [i + 1, mode.frequency_hz, mode.multiplicity, mode.modal_mass, wide(mode.kind || largestShares(mode.kinetic_energy)), wide(largestShares(mode.strain_energy))]);
+    const rows = modes.map((mode, i) => [i + 1, mode.frequency_hz, mode.multiplicity, mode.modal_mass, mode.kind || largestShares(mode.kinetic_energy) || '–', largestShares(mode.strain_energy) || '–']);
     const parts = [makeTable({caption: `Natural frequencies, ${result.name}`, columns, rows, shown: 20})];
     const totals = entriesOf(result.summary?.effective_mass_totals);
     if (totals.length > 0)
@@ -128,7 +126,7 @@ function makeProvenance(result) {
     const parts = [list];
     const parameters = entriesOf(result.model?.parameters);
     if (parameters.length > 0)
-        parts.push(makeTable({caption: 'Parameters, in SI units', columns: [{name: 'parameter', isText: true}, {name: 'value'}], rows: parameters}));
+        parts.push(makeTable({caption: `Parameters of ${result.name}, in SI units`, columns: [{name: 'parameter', isText: true}, {name: 'value'}], rows: parameters}));
     if (result.model_text)
         parts.push(element('details', {}, element('summary', {}, 'Model file'), element('pre', {tabindex: '0', role: 'region', 'aria-label': `Model file of ${result.name}`}, result.model_text)));
     return element('div', {}, ...parts);

@@ -7,8 +7,7 @@ const kShownRows = 12;
 function cell(value, digits) {
     if (typeof value === 'number' || value === null || value === undefined)
         return element('td', {class: 'number'}, formatNumber(value, digits));
-    if (value instanceof Node) return element('td', {}, value);
-    return element('td', {}, String(value));
+    return element('td', {class: String(value).length > 40 ? 'wide' : null}, String(value));
 }
 
 /**

@@ -198,7 +198,9 @@ class Chart {
         this.series = series;
         this.unit = scale === 'dB' ? `dB re 1 ${formatUnit(unit)}`.trim() : formatUnit(unit);
         const toScale = value => (Number.isNaN(value) || (scale !== 'linear' && !(value > 0)) ? null : scale === 'dB' ? 20 * Math.log10(value) : value);
-        const tables = series.map(one => [one.places, Array.from(one.values, toScale)]);
+        // What is drawn as it is needs no copy, which a million points would feel
+        const isPlain = values => scale === 'linear' && values.every(value => !Number.isNaN(value));
+        const tables = series.map(one => [one.places, isPlain(one.values) ? one.values : Array.from(one.values, toScale)]);
         const areEqual = tables.every(([xs]) => xs === tables[0][0] || (xs.length === tables[0][0].length && xs.every((x, i) => x === tables[0][0][i])));
         const data = areEqual ? [tables[0][0], ...tables.map(table => table[1])] : uPlot.join(tables);
         this.whole = [data[0][0], data[0][data[0].length - 1]];

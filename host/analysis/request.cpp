@@ -128,6 +128,15 @@ constexpr Option kOptions[] = {
      [](Request& request, const std::string& value) { request.speed = value; }},
     {"-o,--output", Kind::text, kSpectrum, "results folder; default RESULTS with -spectrum behind it", false, false,
      [](Request& request, const std::string& value) { request.output = value; }},
+    {"--channels", Kind::list, kReport, "patterns of a run's channels to show, parted by commas or repeated; default all",
+     false, true, [](Request& request, const std::string& value) { request.channels.push_back(value); }},
+    {"--points", Kind::number, kReport,
+     "most points of a curve, default 4000; of more rows the least and the largest value of every span", false, true,
+     [](Request& request, const std::string& value) { request.points = std::stoi(value); }, false, 100, 10000000},
+    {"--flat", Kind::flag, kReport, "without the machine in 3-D: 0.6 MB less", false, true,
+     [](Request& request, const std::string&) { request.is_flat = true; }},
+    {"-o,--output", Kind::text, kReport, "the HTML file; default RESULTS with .html behind it", false, false,
+     [](Request& request, const std::string& value) { request.output = value; }},
     {"--sweep", Kind::list, kRun | kModes | kResponse | kStudy,
      "name=from..to:count or name=value,value; several span a grid", false, false,
      [](Request& request, const std::string& value) { request.sweeps.push_back(value); }},
@@ -178,8 +187,8 @@ constexpr Option kOptions[] = {
      [](Request& request, const std::string&) { request.is_verbose = true; }},
     {"--json", Kind::flag, kModes | kElements, "print one JSON object instead of the table", false, false,
      [](Request& request, const std::string&) { request.as_json = true; }},
-    {"-q,--quiet", Kind::flag, kRun | kFrequency | kStatic | kSpectrum | kStudy, "no table and no progress bar", false,
-     false, [](Request& request, const std::string&) { request.quiet = true; }},
+    {"-q,--quiet", Kind::flag, kRun | kFrequency | kStatic | kSpectrum | kStudy | kReport, "no table and no progress bar",
+     false, false, [](Request& request, const std::string&) { request.quiet = true; }},
 };
 
 }  // namespace

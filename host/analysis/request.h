@@ -49,6 +49,8 @@ struct Request {
     int identified = 0;                 ///< spectrum: so many modes
     std::string speed, modes;           ///< spectrum: a channel; a results folder of modes
 
+    bool is_flat = false;  ///< report: without the machine in 3-D
+
     int buckling = 0;  ///< static: so many critical load factors
     std::string at;    ///< static: the instant whose loads count, a text with unit
 
@@ -62,7 +64,7 @@ struct Request {
 
     std::vector<std::string> patterns;  ///< channels: those to list; none: all
     std::vector<std::string>
-        words;  ///< help: the topic; new, spectrum: the folder; completion: the shell; check-law: the library
+        words;  ///< help: the topic; new, spectrum, report: the folders; completion: the shell; check-law: the library
 
     std::string command_line;  ///< as typed, for summary.json
     /// The options given, with their values as typed; a flag has an empty one.
@@ -86,6 +88,7 @@ enum Command : unsigned {
     kStatic = 4096,
     kResponse = 8192,
     kSpectrum = 16384,
+    kReport = 32768,
     kStudy = 65536
 };
 

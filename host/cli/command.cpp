@@ -34,6 +34,7 @@
 #include "model/wording.h"
 #include "record/hdf5_writer.h"
 #include "record/tell.h"
+#include "report/report.h"
 #include "study/study.h"
 #include "world/world.h"
 
@@ -121,6 +122,8 @@ const CommandLine kCommands[] = {
          return run_study(own);
      }},
     {kSpectrum, "spectrum", "spectra, levels, modes and orders of a recorded run", Given::results, find_spectrum},
+    {kReport, "report", "one HTML file of any results: curves, tables, the machine in 3-D", Given::several_results,
+     make_report},
     {kChannels, "channels", "list what a run of a model can record", Given::model_and_patterns, plain<print_channels>},
     {kCheckLaw, "check-law", "test the force laws of a library", Given::library, plain<check_law>},
     {kNew, "new", "make a folder with a first model", Given::folder, plain<make_new>},
@@ -197,6 +200,10 @@ void add_given(CLI::App& command, Given given, Request& request) {
                             "FOLDER CASES")
                 ->required()
                 ->expected(1, 5);
+            break;
+        case Given::several_results:
+            command.add_option("RESULTS", request.words, "results folders of any command; several are shown together")
+                ->required();
             break;
         case Given::nothing:
             break;

@@ -19,6 +19,7 @@ enum class Given : unsigned char {
     shell,
     library,
     results,
+    several_results,
     study
 };
 

@@ -178,7 +178,8 @@ Words values(const Typed& typed) {
     if (name == "--as") return {"receptance", "mobility", "accelerance", "transmissibility"};
     if (name == "--window") return {"hann", "rectangular", "flattop"};
     if (typed.given.empty()) return {};
-    if (typed.command->bit == kSpectrum && (name == "--channels" || name == "--speed")) return recorded_channels(typed);
+    if ((typed.command->bit & (kSpectrum | kReport)) && (name == "--channels" || name == "--speed"))
+        return recorded_channels(typed);
     if (name == "--set" || name == "--sweep") return parameters(typed);
     if (name == "--channels") return channels(typed);
     if (name == "--in" || name == "--out") return places(typed);

@@ -55,6 +55,8 @@ const char* given_text(Given given) {
             return " RESULTS";
         case Given::study:
             return " MODEL|status FOLDER|collect FOLDER|retry FOLDER|work FOLDER CASES";
+        case Given::several_results:
+            return " RESULTS...";
         case Given::nothing:
             break;
     }

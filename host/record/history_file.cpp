@@ -3,65 +3,22 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <string_view>
 
+#include "model/error.h"
 #include "model/wording.h"
-#include "record/file.h"
+#include "record/csv_file.h"
 
 namespace dttmm::host {
 
-namespace {
-
-/// The whole file.
-std::string text_of(const std::filesystem::path& path) {
-    std::error_code fault;
-    if (std::filesystem::is_directory(path, fault)) throw file_error(path, "cannot read", EISDIR);
-    errno = 0;
-    std::ifstream file(path, std::ios::binary);
-    if (!file) throw file_error(path, "cannot read", errno ? errno : ENOENT);
-    std::string text;
-    const auto size = std::filesystem::file_size(path, fault);
-    if (!fault) text.reserve(size);
-    std::vector<char> block(1 << 20);
-    while (file.read(block.data(), static_cast<std::streamsize>(block.size())), file.gcount() > 0)
-        text.append(block.data(), static_cast<std::size_t>(file.gcount()));
-    if (file.bad()) throw file_error(path, "cannot read", errno);
-    return text;
-}
-
-/// The fields of a heading, without their quotes (RFC 4180). `begin` moves behind its line feed.
-std::vector<std::string> heading(std::string_view text, std::size_t& begin) {
-    std::vector<std::string> fields(1);
-    bool is_quoted = false;
-    for (; begin < text.size() && (is_quoted || text[begin] != '\n'); ++begin) {
-        const char c = text[begin];
-        if (c == '"') {
-            if (is_quoted && begin + 1 < text.size() && text[begin + 1] == '"')
-                fields.back() += text[begin++];
-            else
-                is_quoted = !is_quoted;
-        } else if (c == ',' && !is_quoted) {
-            fields.emplace_back();
-        } else if (c != '\r') {
-            fields.back() += c;
-        }
-    }
-    ++begin;
-    return fields;
-}
-
-}  // namespace
-
-HistoryFile::HistoryFile(std::filesystem::path path) : path_(std::move(path)), text_(text_of(path_)) {
-    const std::vector<std::string> names = heading(text_, rows_begin_);
+HistoryFile::HistoryFile(std::filesystem::path path) : path_(std::move(path)), text_(read_whole_file(path_)) {
+    const std::vector<std::string> names = csv_record(text_, rows_begin_);
     const std::size_t units_begin = rows_begin_;
     if (names.front() != "time" || units_begin >= text_.size())
         fail(1, "this is no history of a run: its first line are the names of channels, of which \"time\" is the first");
-    const std::vector<std::string> units = heading(text_, rows_begin_);
+    const std::vector<std::string> units = csv_record(text_, rows_begin_);
     if (units.size() != names.size() || units.front() != "s")
         fail(2, fmt::format("the second line are the units, one for each of the {} names, \"s\" first", names.size()));
     for (std::size_t c = 0; c < names.size(); ++c) columns_.push_back({names[c], units[c]});

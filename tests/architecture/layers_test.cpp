@@ -44,10 +44,12 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"host/analysis",
      {"host/model", "host/world", "host/loader", "host/record", "host/coupling", "host/step", "host/analysis"}},
     {"host/study",
-     {"host/model", "host/world", "host/loader", "host/record", "host/coupling", "host/step", "host/analysis", "host/study"}},
+     {"host/model", "host/world", "host/loader", "host/record", "host/coupling", "host/step", "host/analysis",
+      "host/study"}},
+    {"host/report", {"host/model", "host/record", "host/analysis", "host/report"}},
     {"host/cli",
      {"host/model", "host/world", "host/loader", "host/record", "host/coupling", "host/step", "host/analysis", "host/study",
-      "host/cli"}},
+      "host/report", "host/cli"}},
 };
 
 Includes read_includes() {

@@ -222,6 +222,7 @@ TEST(Completion, KnowsCommandsOptionsTopicsAndWhatIsInTheModel) {
     write_text(folder / "out/history.csv", "time,one.force.x,two.force.x\ns,N,N\n");
     EXPECT_THAT(complete({"spectrum", "out", "--channels", "t"}), ElementsAre("two.force.x"));
     EXPECT_THAT(complete({"spectrum", "nowhere", "--speed", ""}), ElementsAre());
+    EXPECT_THAT(complete({"report", "out", "--channels", "t"}), ElementsAre("two.force.x"));
     EXPECT_THAT(complete({"help", "be"}), ElementsAre("beam"));
     EXPECT_THAT(complete({"help", "--plugin", test::paths::chain(), "lu"}), ElementsAre("lump"));
     EXPECT_THAT(complete({"completion", "z"}), ElementsAre("zsh"));

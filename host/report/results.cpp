@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/results.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <ctime>
+#include <set>
+#include <span>
+
+#include "model/error.h"
+#include "model/index.h"
+#include "model/wording.h"
+#include "record/channels.h"
+#include "record/csv_file.h"
+#include "record/file.h"
+#include "record/history_file.h"
+#include "report/curve_set.h"
+#include "report/pictures.h"
+
+namespace dttmm::host {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kMostRows = 2000;  // of a table; a page of more is no reading
+
+/// Files whose rows are points of curves, the column over which they are drawn, and that of the first curve.
+constexpr struct {
+    const char *name, *x;
+    std::size_t first;
+} kCurveFiles[] = {{"response.csv", "frequency", 1}, {"frf.csv", "frequency", 1},         {"psd.csv", "frequency", 1},
+                   {"spectrum.csv", "frequency", 1}, {"determinant.csv", "frequency", 1}, {"orders.csv", "time", 1}};
+
+constexpr const char* kTableFiles[] = {"sweep.csv",  "static.csv",     "members.csv", "damped.csv",
+                                       "levels.csv", "identified.csv", "rms.csv",     "mac.csv"};
+
+[[noreturn]] void refuse_results(const fs::path& path, const std::string& text) {
+    throw Error(ExitCode::input_output, fmt::format("{}: {}", path.string(), text));
+}
+
+bool is_there(const fs::path& path) {
+    std::error_code fault;
+    return fs::exists(path, fault);
+}
+
+/// The folder, or the one of the file, of results.
+fs::path find_folder(const fs::path& path) {
+    std::error_code fault;
+    if (!fs::exists(path, fault)) throw file_error(path, "cannot read", ENOENT);
+    if (fs::is_directory(path, fault)) {
+        for (const char* name : {"summary.json", "history.csv", "sweep.csv"})
+            if (is_there(path / name)) return path;
+        if (is_there(path / "model.toml"))
+            refuse_results(path, "this is the folder of a model; run it, and name the results folder");
+        refuse_results(path, "these are no results of dttmm: there is no summary.json, history.csv or sweep.csv in it");
+    }
+    if (path.filename() == "history.csv" || path.filename() == "summary.json" || path.filename() == "sweep.csv")
+        return path.has_parent_path() ? path.parent_path() : fs::path(".");
+    if (path.extension() == ".toml") refuse_results(path, "this is a model; run it, and name the results folder");
+    refuse_results(path, "this is no results folder of dttmm; name the folder that -o or results/ has");
+}
+
+/// summary.json; null where there is none.
+Json read_summary(const fs::path& file) {
+    if (!is_there(file)) return nullptr;
+    Json json;
+    try {
+        json = Json::parse(read_whole_file(file));
+    } catch (const nlohmann::json::exception& fault) {
+        refuse_results(file, fmt::format("damaged: {}", fault.what()));
+    }
+    const auto is_text = [&](const char* name) { return json.contains(name) && json[name].is_string(); };
+    if (!json.is_object() || !is_text("format") || !json["format"].get<std::string>().starts_with("dttmm-"))
+        refuse_results(file, "this is no summary of dttmm: there is no \"format\" that begins with dttmm-");
+    return json;
+}
+
+/// "run", "modes", "static", "frf", "response", "spectrum", "sweep".
+std::string kind_of(const fs::path& folder, const Json& summary) {
+    if (summary.is_null()) return is_there(folder / "history.csv") ? "run" : "sweep";
+    const std::string format = summary["format"];
+    for (const char* kind : {"modes", "static", "frf", "response", "spectrum"})
+        if (format == fmt::format("dttmm-{}/1", kind)) return kind;
+    if (format == "dttmm-summary/1") return "run";
+    refuse_results(folder / "summary.json",
+                   fmt::format("its format {} is not known to this version of the program; make the "
+                               "results anew, or use the version that made them",
+                               quote(format)));
+}
+
+/// UTC, to the minute.
+std::string time_of_results(const fs::path& file) {
+    std::error_code fault;
+    const fs::file_time_type time = fs::last_write_time(file, fault);
+    if (fault) return {};
+    const std::time_t seconds = std::chrono::system_clock::to_time_t(std::chrono::file_clock::to_sys(time));
+    std::tm parts{};
+    std::array<char, 32> text{};
+    if (!::gmtime_r(&seconds, &parts)) return {};
+    return {text.data(), std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M UTC", &parts)};
+}
+
+/// Reads the files of one folder into the description.
+class Description {
+public:
+    Description(const fs::path& path, const ReportChoice& choice) : folder_(find_folder(path)), choice_(choice) {
+        json_["path"] = path.lexically_normal().string();
+        Json summary = read_summary(folder_ / "summary.json");
+        kind_ = kind_of(folder_, summary);
+        json_["kind"] = kind_;
+        for (const char* part : {"curve_sets", "tables", "notes"}) json_[part] = Json::array();
+        take_summary(std::move(summary));
+        if (is_there(folder_ / "history.csv")) take_history();
+        for (const auto& file : kCurveFiles)
+            if (is_there(folder_ / file.name)) take_curves(CsvFile(folder_ / file.name), file.x, file.first);
+        for (const char* file : kTableFiles)
+            if (is_there(folder_ / file)) take_table(CsvFile(folder_ / file));
+        if (kind_ == "modes") json_["lines"] = describe_lines(folder_ / "shapes.csv");
+    }
+
+    Json take() { return std::move(json_); }
+
+private:
+    void take_summary(Json summary);
+    void take_history();
+    void take_curves(const CsvFile& file, const std::string& x, std::size_t first);
+    void take_sweep(const CsvFile& file);
+    void take_table(const CsvFile& file);
+    void add(const CurveSet& set) { json_["curve_sets"].push_back(describe(set, choice_.most_points)); }
+    void note(const std::string& text) { json_["notes"].push_back(text); }
+    void note_torn(const CsvFile& file) {
+        if (file.is_torn()) note(file.path().filename().string() + ": the last row is not whole and is left out");
+    }
+
+    fs::path folder_;
+    const ReportChoice& choice_;
+    std::string kind_;
+    Json json_;
+};
+
+/// The model and its text stand apart: the page shows them in places of their own.
+void Description::take_summary(Json summary) {
+    json_["model"] = nullptr;
+    json_["model_text"] = "";
+    if (summary.is_null()) {
+        if (kind_ == "run")
+            note(
+                "There is no summary.json: the run has not ended, or it was killed. Its status, warnings and model are not "
+                "known.");
+        const Json first = read_summary(folder_ / "case-000001/summary.json");
+        if (first.is_object() && first.contains("title")) json_["title_of_cases"] = first["title"];
+        json_["summary"] = nullptr;
+        json_["written"] = time_of_results(folder_ / (kind_ == "run" ? "history.csv" : "sweep.csv"));
+        return;
+    }
+    json_["written"] = time_of_results(folder_ / "summary.json");
+    if (summary.contains("inputs") && summary["inputs"].is_object() && summary["inputs"].contains("model_text")) {
+        json_["model_text"] = std::move(summary["inputs"]["model_text"]);
+        summary["inputs"].erase("model_text");
+    }
+    if (summary.contains("model")) {
+        json_["model"] = std::move(summary["model"]);
+        summary.erase("model");
+    }
+    json_["summary"] = std::move(summary);
+}
+
+void Description::take_history() {
+    const HistoryFile history(folder_ / "history.csv");
+    if (history.is_torn()) note("history.csv: the last row is not whole and is left out");
+    std::vector<Channel> channels;
+    for (const Column& column : history.columns()) channels.emplace_back(column.name, column.unit);
+    std::vector<int> chosen;
+    try {
+        chosen = select_channels(channels, choice_.patterns);
+    } catch (const Error& error) {
+        throw Error(ExitCode::usage, fmt::format("--channels: {}", error.what()));
+    }
+    if (chosen.size() < channels.size())
+        note(fmt::format("The curves are {} of the {} recorded channels, as --channels asked for.", chosen.size() - 1,
+                         channels.size() - 1));
+    std::vector<std::vector<double>> values = history.read(chosen);
+    CurveSet set{"history.csv", {}, history.columns().front(), std::move(values.front()), {}};
+    for (std::size_t i = 1; i < chosen.size(); ++i)
+        set.curves.push_back({history.columns()[as_size(chosen[i])], std::move(values[i]), {}});
+    add(set);
+    json_["motion"] = describe_motion(history, json_["model"]);
+}
+
+/// Rows go order by order where there are several: a set of each.
+void Description::take_curves(const CsvFile& file, const std::string& x, std::size_t first) {
+    note_torn(file);
+    const int rpm = file.find("rpm"), order = file.find("order");
+    const bool is_by_order = rpm >= 0 && order >= 0;
+    const int over = is_by_order ? rpm : file.find(x);
+    if (over < 0) refuse_results(file.path(), fmt::format("damaged: there is no column {}", quote(x)));
+    std::vector<double> orders = is_by_order ? file.numbers(as_size(order)) : std::vector<double>{0};
+    std::ranges::sort(orders);
+    orders.erase(std::ranges::unique(orders).begin(), orders.end());
+    for (const double one : orders) {
+        std::vector<std::size_t> rows;
+        for (std::size_t row = 0; row < file.rows(); ++row)
+            if (!is_by_order || file.numbers(as_size(order))[row] == one) rows.push_back(row);
+        std::ranges::stable_sort(rows, {}, [&](std::size_t row) { return file.numbers(as_size(over))[row]; });
+        CurveSet set = curves_of(file, over, is_by_order ? 3 : first, rows);
+        if (is_by_order) set.label = fmt::format("order {:g}", one);
+        add(set);
+    }
+}
+
+/// Figures over the one parameter that differs from case to case; over the number of the case if several do.
+void Description::take_sweep(const CsvFile& file) {
+    std::size_t first = 1;
+    std::vector<std::size_t> varied;
+    for (; first < file.columns().size(); ++first) {
+        const std::string& name = file.columns()[first].name;
+        if (file.is_text(first) || name == "curve1") break;
+        const std::vector<double>& values = file.numbers(first);
+        if (std::ranges::adjacent_find(values, std::ranges::not_equal_to{}) != values.end()) varied.push_back(first);
+    }
+    std::vector<std::size_t> rows;
+    for (std::size_t row = 0; row < file.rows(); ++row) rows.push_back(row);
+    if (rows.empty() || first >= file.columns().size() || file.columns().front().name != "case") return;
+    // Parameters that follow from the one that varies go with it
+    int over = varied.empty() ? -1 : as_int(varied.back());
+    if (over >= 0) {
+        const std::vector<double>& values = file.numbers(varied.back());
+        if (std::set<double>(values.begin(), values.end()).size() < file.rows()) over = -1;
+        if (over >= 0) std::ranges::stable_sort(rows, {}, [&](std::size_t row) { return values[row]; });
+    }
+    add(curves_of(file, over, first, rows));
+}
+
+void Description::take_table(const CsvFile& file) {
+    note_torn(file);
+    if (file.path().filename() == "sweep.csv") take_sweep(file);
+    Json table = {{"file", file.path().filename().string()}, {"columns", Json::array()}, {"rows", Json::array()}};
+    for (const Column& column : file.columns()) table["columns"].push_back({{"name", column.name}, {"unit", column.unit}});
+    table["left_out"] = file.rows() - std::min(file.rows(), kMostRows);
+    for (std::size_t row = 0; row < std::min(file.rows(), kMostRows); ++row) {
+        Json& cells = table["rows"].emplace_back(Json::array());
+        for (std::size_t c = 0; c < file.columns().size(); ++c)
+            cells.push_back(file.is_text(c)                       ? Json(file.texts(c)[row])
+                            : std::isfinite(file.numbers(c)[row]) ? Json(file.numbers(c)[row])
+                                                                  : Json());
+    }
+    json_["tables"].push_back(std::move(table));
+}
+
+}  // namespace
+
+Json describe_results(const fs::path& path, const ReportChoice& choice) { return Description(path, choice).take(); }
+
+}  // namespace dttmm::host

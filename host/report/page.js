@@ -42,6 +42,7 @@
 
     document.getElementById('head').append(...makeHead(data, results));
     if (results.some(result => result.kind === 'modes')) addSection('Modes', 'modes', () => all(result => result.kind === 'modes' && makeModes(result)));
+    if (results.some(result => result.kind === 'study')) addSection('Study', 'study', () => all(result => result.kind === 'study' && makeStudy(result)));
     if (data.has_machine) addSection('Machine', 'machine', section => { startMachine = () => requestAnimationFrame(() => setTimeout(() => attempt(section, () => addMachine(section, results)))); });
 
     const files = [...new Set(results.flatMap(result => listOf(result.curve_sets).map(set => set.file)))];
@@ -55,8 +56,9 @@
     }
     if (results.some(result => listOf(result.curve_sets).some(set => set.file === 'history.csv')))
         addSection('Extremes', 'extremes', () => all(makeExtremes));
-    if (results.some(result => listOf(result.tables).length > 0))
-        addSection('Tables', 'tables', () => all(result => element('div', {}, ...listOf(result.tables).map(table => makeFileTable(table, several ? result.name : '')))));
+    const hasTables = result => result.kind !== 'study' && listOf(result.tables).length > 0;
+    if (results.some(hasTables))
+        addSection('Tables', 'tables', () => all(result => hasTables(result) && element('div', {}, ...listOf(result.tables).map(table => makeFileTable(table, several ? result.name : '')))));
     addSection('Model and origin', 'origin', () => all(result => element('div', {}, several ? element('h3', {}, result.name) : null, makeProvenance(result))));
 
     document.getElementById('contents').append(contents);

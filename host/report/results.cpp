@@ -18,6 +18,7 @@
 #include "record/csv_file.h"
 #include "record/file.h"
 #include "record/history_file.h"
+#include "report/base64.h"
 #include "report/curve_set.h"
 #include "report/pictures.h"
 
@@ -27,7 +28,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kMostRows = 2000;  // of a table; a page of more is no reading
+constexpr std::size_t kMostRows = 2000;    // of a table; a page of more is no reading
+constexpr std::size_t kMostCases = 20000;  // of a study, as points
 
 /// Files whose rows are points of curves, the column over which they are drawn, and that of the first curve.
 constexpr struct {
@@ -36,8 +38,9 @@ constexpr struct {
 } kCurveFiles[] = {{"response.csv", "frequency", 1}, {"frf.csv", "frequency", 1},         {"psd.csv", "frequency", 1},
                    {"spectrum.csv", "frequency", 1}, {"determinant.csv", "frequency", 1}, {"orders.csv", "time", 1}};
 
-constexpr const char* kTableFiles[] = {"sweep.csv",  "static.csv",     "members.csv", "damped.csv",
-                                       "levels.csv", "identified.csv", "rms.csv",     "mac.csv"};
+constexpr const char* kTableFiles[] = {"sweep.csv",         "static.csv",       "members.csv", "damped.csv",
+                                       "levels.csv",        "identified.csv",   "rms.csv",     "mac.csv",
+                                       "sensitivities.csv", "correlations.csv", "failures.csv"};
 
 [[noreturn]] void refuse_results(const fs::path& path, const std::string& text) {
     throw Error(ExitCode::input_output, fmt::format("{}: {}", path.string(), text));
@@ -80,13 +83,14 @@ Json read_summary(const fs::path& file) {
     return json;
 }
 
-/// "run", "modes", "static", "frf", "response", "spectrum", "sweep".
+/// "run", "modes", "static", "frf", "response", "spectrum", "sweep", "study".
 std::string kind_of(const fs::path& folder, const Json& summary) {
     if (summary.is_null()) return is_there(folder / "history.csv") ? "run" : "sweep";
     const std::string format = summary["format"];
     for (const char* kind : {"modes", "static", "frf", "response", "spectrum"})
         if (format == fmt::format("dttmm-{}/1", kind)) return kind;
     if (format == "dttmm-summary/1") return "run";
+    if (format == "dttmm-study-results/1") return "study";
     refuse_results(folder / "summary.json",
                    fmt::format("its format {} is not known to this version of the program; make the "
                                "results anew, or use the version that made them",
@@ -120,6 +124,7 @@ public:
             if (is_there(folder_ / file.name)) take_curves(CsvFile(folder_ / file.name), file.x, file.first);
         for (const char* file : kTableFiles)
             if (is_there(folder_ / file)) take_table(CsvFile(folder_ / file));
+        if (kind_ == "study") take_study();
         if (kind_ == "modes") json_["lines"] = describe_lines(folder_ / "shapes.csv");
     }
 
@@ -130,6 +135,7 @@ private:
     void take_history();
     void take_curves(const CsvFile& file, const std::string& x, std::size_t first);
     void take_sweep(const CsvFile& file);
+    void take_study();
     void take_table(const CsvFile& file);
     void add(const CurveSet& set) { json_["curve_sets"].push_back(describe(set, choice_.most_points)); }
     void note(const std::string& text) { json_["notes"].push_back(text); }
@@ -234,6 +240,31 @@ void Description::take_sweep(const CsvFile& file) {
         if (over >= 0) std::ranges::stable_sort(rows, {}, [&](std::size_t row) { return values[row]; });
     }
     add(curves_of(file, over, first, rows));
+}
+
+/// The parameters that vary and the figures of every case, as numbers of four bytes; of a large study evenly chosen cases.
+void Description::take_study() {
+    const CsvFile file(folder_ / "results.csv");
+    const Json study = read_summary(folder_ / "study.json");
+    std::set<std::string> varied;
+    if (study.is_object() && study.contains("varied") && study["varied"].is_array())
+        for (const Json& one : study["varied"])
+            if (one.is_array() && !one.empty() && one[0].is_string()) varied.insert(one[0].get<std::string>());
+    if (study.is_object() && study.contains("inputs") && study["inputs"].is_object())
+        json_["model_text"] = study["inputs"].value("model_text", "");
+    const std::size_t every = (file.rows() + kMostCases - 1) / kMostCases;
+    Json columns = Json::array();
+    constexpr std::size_t kFirst = 3;  // behind case, status and warnings
+    for (std::size_t c = kFirst; c < file.columns().size(); ++c) {
+        if (file.is_text(c)) continue;
+        std::vector<double> values;
+        for (std::size_t row = 0; row < file.rows(); row += every) values.push_back(file.numbers(c)[row]);
+        columns.push_back({{"name", file.columns()[c].name},
+                           {"unit", file.columns()[c].unit},
+                           {"is_parameter", varied.contains(file.columns()[c].name)},
+                           {"data", base64_of_floats(values)}});
+    }
+    json_["study"] = {{"columns", columns}, {"every", every}, {"left_out", every > 1}};
 }
 
 void Description::take_table(const CsvFile& file) {

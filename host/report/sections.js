@@ -2,7 +2,7 @@
 // What the page says in words and tables, by the kind of results.
 'use strict';
 
-const kKinds = {run: 'Run', modes: 'Natural frequencies', static: 'Equilibrium', frf: 'Frequency response', response: 'Steady vibration', spectrum: 'Spectrum of a run', sweep: 'Sweep'};
+const kKinds = {run: 'Run', modes: 'Natural frequencies', static: 'Equilibrium', frf: 'Frequency response', response: 'Steady vibration', spectrum: 'Spectrum of a run', sweep: 'Sweep', study: 'Study'};
 
 /** Status in words, and how good it is. Modes have none: they are there or the command has failed. */
 function statusOf(result) {
@@ -14,6 +14,11 @@ function statusOf(result) {
         const failed = column < 0 ? 0 : table.rows.filter(row => row[column] !== 'completed').length;
         return failed > 0 ? {text: `${failed} of ${counted(all, 'case', 'cases')} not completed`, level: 'bad'}
                           : {text: counted(all, 'case', 'cases'), level: 'good'};
+    }
+    if (result.kind === 'study') {
+        const s = result.summary ?? {};
+        const rest = [[s.failed, 'failed'], [s.missing, 'not run'], [s.with_warnings, 'with warnings']].filter(([number]) => number > 0).map(([number, text]) => `, ${number} ${text}`);
+        return {text: `${s.completed} of ${counted(s.cases, 'case', 'cases')} completed${rest.join('')}`, level: s.failed > 0 || s.missing > 0 ? 'bad' : s.with_warnings > 0 ? 'warn' : 'good'};
     }
     if (!status) return {text: 'Status unknown', level: 'bad'};
     const reason = result.summary?.reason ? `: ${result.summary.reason}` : '';

@@ -264,6 +264,7 @@ void collect(const StudyFolder& study, const std::vector<CaseOutcome>& outcomes)
         write_atomically(study.path() / "sensitivities.csv", table);
     write_atomically(study.path() / "failures.csv", failure_table(outcomes));
     const Json summary = {{"format", "dttmm-study-results/1"},
+                          {"title", study.title()},
                           {"status", count.missing > 0 ? "incomplete" : "completed"},
                           {"command_line", study.command_line()},
                           {"cases", outcomes.size()},

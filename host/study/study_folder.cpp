@@ -94,6 +94,7 @@ Json describe_plan(const Request& request, const StudyPlan& plan, const Model& m
     for (const Parameter& parameter : plan.parameters)
         parameters.push_back({parameter.name, parameter.unit, parameter.value});
     Json plan_text = {{"format", kFormat},
+                      {"title", model.title},
                       {"command", plan.command},
                       {"model", model_file_name(request)},
                       {"options", describe_options(request)},
@@ -191,8 +192,7 @@ StudyFolder::StudyFolder(const fs::path& path) : path_(from_start(path)) {
             throw Error(ExitCode::input_output, fmt::format("{}: study.json is of the format {}, not {}", path.string(),
                                                             text.at("format").dump(), kFormat));
         plan_.command = text.at("command");
-        model_name_ = text.at("model");
-        plan_.request.model = path_ / kModelFolder / model_name_;
+        plan_.request.model = path_ / kModelFolder / text.at("model").get<std::string>();
         for (const Json& given : text.at("options")) {
             const std::string name = given.at(0), value = given.at(1);
             give(plan_.request, option(name, kStudy), name == "--plugin" ? (path_ / value).string() : value);
@@ -203,6 +203,7 @@ StudyFolder::StudyFolder(const fs::path& path) : path_(from_start(path)) {
         plan_.limit = text.at("limit_s");
         plan_.design = text.at("design");
         plan_.keeps = text.at("keep");
+        title_ = text.value("title", "");
         command_line_ = text.value("command_line", "");
         plan_.cases = CaseTable::parse(read_text(path_ / kCasesFile), path / kCasesFile);
         if (plan_.cases.cases() != text.at("cases").get<size_t>())

@@ -51,7 +51,8 @@ public:
     const StudyPlan& plan() const { return plan_; }
     /// How the study was asked for.
     const std::string& command_line() const { return command_line_; }
-    const std::string& model_name() const { return model_name_; }
+    /// Of the model.
+    const std::string& title() const { return title_; }
 
     /// Of every case, as the journals have it.
     std::vector<CaseOutcome> outcomes() const;
@@ -59,7 +60,7 @@ public:
 private:
     std::filesystem::path path_;
     StudyPlan plan_;
-    std::string command_line_, model_name_;
+    std::string title_, command_line_;
 };
 
 }  // namespace dttmm::host

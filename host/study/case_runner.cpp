@@ -135,7 +135,9 @@ std::vector<Column> find_figures(const StudyPlan& plan, const Plugins& plugins) 
     }
     const std::filesystem::path scratch =
         std::filesystem::temp_directory_path() / fmt::format("dttmm-study-{}", Journal::make_name());
-    const std::vector<Column> all = find(plan.request, plan, plugins, scratch).columns;
+    StudyPlan trial = plan;
+    trial.keeps = false;
+    const std::vector<Column> all = find(plan.request, trial, plugins, scratch).columns;
     std::vector<Column> chosen;
     for (const size_t c : choose_figures(plan.figures, all)) chosen.push_back(all[c]);
     return chosen;

@@ -120,8 +120,10 @@ struct Expression::Compiled {
     mu::Parser parser;
     double argument = 0;
 
-    void define_name(const Name& name, const Constants& constants, const std::string& variable) {
+    void define_name(const Name& name, const Constants& constants, const std::string& variable, const Variables& variables) {
         if (name.is_function) return check_function(name.text, text, parser);
+        if (const auto known = variables.find(name.text); known != variables.end())
+            return parser.DefineVar(name.text, known->second);
         if (name.text == "pi") return parser.DefineConst("pi", std::numbers::pi);
         if (name.text == variable) return parser.DefineVar(variable, &argument);
         const auto found = constants.find(name.text);
@@ -134,6 +136,15 @@ struct Expression::Compiled {
 
 Expression::Expression(std::string_view text, const Constants& constants, const std::string& variable)
     : compiled_(new Compiled) {
+    compile(text, constants, variable, {});
+}
+
+Expression::Expression(std::string_view text, const Variables& variables) : compiled_(new Compiled) {
+    compile(text, {}, {}, variables);
+}
+
+void Expression::compile(std::string_view text, const Constants& constants, const std::string& variable,
+                         const Variables& variables) {
     check_size(text);
     compiled_->text = normalise_name(text);
     check_characters(compiled_->text);
@@ -143,7 +154,7 @@ Expression::Expression(std::string_view text, const Constants& constants, const 
         std::string name_characters = parser.ValidNameChars();
         for (int byte = 0x80; byte <= 0xff; ++byte) name_characters += static_cast<char>(byte);
         parser.DefineNameChars(name_characters.c_str());
-        for (const Name& name : find_names(compiled_->text)) compiled_->define_name(name, constants, variable);
+        for (const Name& name : find_names(compiled_->text)) compiled_->define_name(name, constants, variable, variables);
         parser.SetExpr(compiled_->text);
         int results = 0;
         parser.Eval(results);  // the first evaluation compiles

@@ -23,6 +23,9 @@ public:
     /// `text` is what follows the "=". Throws Error(model_invalid), quoting it, if it is no formula or uses an unknown name.
     /// The variable counts before a constant of its name; empty: there is none.
     Expression(std::string_view text, const Constants& constants, const std::string& variable = {});
+    /// Of several variables: each value() reads them where they stand, which must outlive this.
+    using Variables = std::map<std::string, double*, std::less<>>;
+    Expression(std::string_view text, const Variables& variables);
     ~Expression();
     Expression(Expression&&) noexcept;
     Expression& operator=(Expression&&) noexcept;
@@ -34,6 +37,7 @@ public:
 
 private:
     struct Compiled;
+    void compile(std::string_view text, const Constants& constants, const std::string& variable, const Variables& variables);
     std::unique_ptr<Compiled> compiled_;
 };
 

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "model/channel.h"
+#include "model/expression.h"
 #include "record/column.h"
 
 namespace dttmm::host {
@@ -14,7 +17,8 @@ namespace dttmm::host {
 /// Numbers that a run of a case leaves: "bolt*.force.z:peak,final" is the peak and the last value of channels.
 ///     peak       largest size                     time    instant of the peak [s]
 ///     minimum    maximum     final (last row)     mean    rms    over the rows, the first and the last counted half
-/// Each is called <channel>.<statistic>. Rows come once; memory does not grow with them.
+/// Each is called <channel>.<statistic>. "lift = bolt1.force.z + bolt3.force.z: peak" is the same of a formula over
+/// channels, called lift.peak. Rows come once; memory does not grow with them.
 class HistoryFigures {
 public:
     /// requests: as given to --figures; none: peak and final value of the forces of all elements. selection: the channels
@@ -35,17 +39,32 @@ private:
         size_t watched;
         Statistic statistic;
     };
-    /// A channel and what its rows were.
+    /// A formula over numbers of a row.
+    struct Formula {
+        Formula(const std::string& text, std::span<const Channel> channels,
+                const std::function<size_t(int channel)>& place_of);
+        double value(std::span<const double> row);
+        std::vector<size_t> places;
+        std::vector<double> arguments;
+        std::optional<Expression> expression;
+        std::string unit;  ///< of the channels if they have one and are only added up or compared, else "SI"
+    };
+    /// A channel, or a formula, and what its rows were.
     struct Watched {
-        int channel;
-        size_t place;  ///< in a row
+        std::string name, unit;
+        size_t place = 0;  ///< in a row, of a channel
+        std::unique_ptr<Formula> formula = nullptr;
         double peak = 0, time = 0, minimum = 0, maximum = 0, final = 0;
         double sum = 0, squares = 0;  ///< the first row counted half
     };
-    void add(int channel, Statistic statistic, const std::optional<std::vector<int>>& selection);
+    void add_request(const std::string& request);
+    size_t watch_channel(int channel);
+    size_t place_of(int channel) const;
+    void add(size_t watched, Statistic statistic);
     double value(const Figure& figure) const;
 
     std::span<const Channel> channels_;
+    std::optional<std::vector<int>> selection_;
     std::vector<Figure> figures_;
     std::vector<Column> columns_;
     std::vector<Watched> watched_;

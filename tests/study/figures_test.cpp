@@ -45,6 +45,22 @@ TEST(FiguresOfAHistory, PatternsAndWhatIsThereWithoutThem) {
     EXPECT_THROW(HistoryFigures({"screw*"}, kChannels, std::nullopt), Error);
 }
 
+// Oracle: by hand.
+TEST(FiguresOfAHistory, FormulasOverChannels) {
+    HistoryFigures figures({"lift = bolt1.force.z + bolt2.force.z: peak, final", "work = bolt1.force.z*plate.position.z",
+                            "worst = bolt1.force.z > bolt2.force.z ? bolt1.force.z : bolt2.force.z"},
+                           kChannels, std::nullopt);
+    EXPECT_THAT(names_of(figures), ElementsAre("lift.peak N", "lift.final N", "work.peak SI", "work.final SI",
+                                               "worst.peak SI", "worst.final SI"));
+    figures.take_row(std::vector<double>{0, 2, 3, 0.5});
+    figures.take_row(std::vector<double>{1, -4, 1, 2});
+    EXPECT_THAT(figures.values(), ElementsAre(5, -3, 8, -8, 3, 1));
+    for (const char* wrong :
+         {"lift = 3", "lift = bolt1.force.z + bolt9.force.z", "bolt1.force.z = 3", "lift = bolt1.force.z +"})
+        EXPECT_THROW(HistoryFigures({wrong}, kChannels, std::nullopt), Error) << wrong;
+    EXPECT_THROW(HistoryFigures({"a = bolt1.force.z", "a = bolt2.force.z"}, kChannels, std::nullopt), Error);
+}
+
 TEST(FiguresOfAHistory, RowsOfAFewChannels) {
     HistoryFigures figures({"plate:final"}, kChannels, std::vector<int>{0, 3});
     figures.take_row(std::vector<double>{0, 8});

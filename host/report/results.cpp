@@ -27,6 +27,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr int kDeepest = 64;  // levels of summary.json, which has 8: writing deep ones takes stack
+
 constexpr std::size_t kMostRows = 2000;  // of a table; a page of more is no reading
 
 /// Files whose rows are points of curves, the column over which they are drawn, and that of the first curve.
@@ -70,7 +72,11 @@ Json read_summary(const fs::path& file) {
     if (!is_there(file)) return nullptr;
     Json json;
     try {
-        json = Json::parse(read_whole_file(file));
+        const auto check_depth = [&](int depth, Json::parse_event_t, Json&) {
+            if (depth > kDeepest) refuse_results(file, fmt::format("damaged: it is nested more than {} deep", kDeepest));
+            return true;
+        };
+        json = Json::parse(read_whole_file(file), check_depth);
     } catch (const nlohmann::json::exception& fault) {
         refuse_results(file, fmt::format("damaged: {}", fault.what()));
     }
@@ -153,6 +159,7 @@ void Description::take_summary(Json summary) {
                 "There is no summary.json: the run has not ended, or it was killed. Its status, warnings and model are not "
                 "known.");
         const Json first = read_summary(folder_ / "case-000001/summary.json");
+        json_["has_cases"] = is_there(folder_ / "case-000001");
         if (first.is_object() && first.contains("title")) json_["title_of_cases"] = first["title"];
         json_["summary"] = nullptr;
         json_["written"] = time_of_results(folder_ / (kind_ == "run" ? "history.csv" : "sweep.csv"));

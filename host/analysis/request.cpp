@@ -134,6 +134,10 @@ constexpr Option kOptions[] = {
      [](Request& request, const std::string&) { request.is_flat = true; }},
     {"-o,--output", Kind::text, kReport, "the HTML file; default RESULTS with .html behind it", false, false,
      [](Request& request, const std::string& value) { request.output = value; }},
+    {"--log", Kind::flag, kPlot, "logarithmic axis of magnitudes and of other positive values", false, false,
+     [](Request& request, const std::string&) { request.is_logarithmic = true; }},
+    {"-o,--output", Kind::text, kPlot, "the SVG file, or - for the standard output; default RESULTS with .svg behind it",
+     false, false, [](Request& request, const std::string& value) { request.output = value; }},
     {"--sweep", Kind::list, kRun | kModes | kResponse, "name=from..to:count or name=value,value; several span a grid", false,
      false, [](Request& request, const std::string& value) { request.sweeps.push_back(value); }},
     {"-j,--jobs", Kind::number, kRun, "cases of a sweep at a time; default one per core", false, false,
@@ -153,8 +157,8 @@ constexpr Option kOptions[] = {
      [](Request& request, const std::string&) { request.is_verbose = true; }},
     {"--json", Kind::flag, kModes | kElements, "print one JSON object instead of the table", false, false,
      [](Request& request, const std::string&) { request.as_json = true; }},
-    {"-q,--quiet", Kind::flag, kRun | kFrequency | kStatic | kSpectrum | kReport, "no table and no progress bar", false,
-     false, [](Request& request, const std::string&) { request.quiet = true; }},
+    {"-q,--quiet", Kind::flag, kRun | kFrequency | kStatic | kSpectrum | kReport | kPlot, "no table and no progress bar",
+     false, false, [](Request& request, const std::string&) { request.quiet = true; }},
 };
 
 }  // namespace

@@ -55,8 +55,8 @@ struct Request {
     std::string at;    ///< static: the instant whose loads count, a text with unit
 
     std::vector<std::string> patterns;  ///< channels: those to list; none: all
-    std::vector<std::string>
-        words;  ///< help: the topic; new, spectrum, report: the folders; completion: the shell; check-law: the library
+    std::vector<std::string> words;     ///< help: the topic; new, spectrum, report: the folders; plot: the folder, then
+                                        ///< patterns; completion: the shell; check-law: the library
 
     std::string command_line;  ///< as typed, for summary.json
     /// The options given, with their values as typed; a flag has an empty one.
@@ -80,7 +80,8 @@ enum Command : unsigned {
     kStatic = 4096,
     kResponse = 8192,
     kSpectrum = 16384,
-    kReport = 32768
+    kReport = 32768,
+    kPlot = 65536
 };
 
 /// An option of the command line. The commands, the words of a sweep's cases and what decides whether a case is run again

@@ -19,7 +19,8 @@ enum class Given : unsigned char {
     shell,
     library,
     results,
-    several_results
+    several_results,
+    results_and_patterns
 };
 
 /// A command: its bit among those of the options, and what it does.

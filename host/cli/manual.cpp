@@ -55,6 +55,8 @@ const char* given_text(Given given) {
             return " RESULTS";
         case Given::several_results:
             return " RESULTS...";
+        case Given::results_and_patterns:
+            return " RESULTS PATTERN...";
         case Given::nothing:
             break;
     }

@@ -137,6 +137,10 @@ constexpr Option kOptions[] = {
      [](Request& request, const std::string&) { request.is_flat = true; }},
     {"-o,--output", Kind::text, kReport, "the HTML file; default RESULTS with .html behind it", false, false,
      [](Request& request, const std::string& value) { request.output = value; }},
+    {"--log", Kind::flag, kPlot, "logarithmic axis of magnitudes and of other positive values", false, false,
+     [](Request& request, const std::string&) { request.is_logarithmic = true; }},
+    {"-o,--output", Kind::text, kPlot, "the SVG file, or - for the standard output; default RESULTS with .svg behind it",
+     false, false, [](Request& request, const std::string& value) { request.output = value; }},
     {"--sweep", Kind::list, kRun | kModes | kResponse | kStudy,
      "name=from..to:count or name=value,value; several span a grid", false, false,
      [](Request& request, const std::string& value) { request.sweeps.push_back(value); }},
@@ -187,8 +191,8 @@ constexpr Option kOptions[] = {
      [](Request& request, const std::string&) { request.is_verbose = true; }},
     {"--json", Kind::flag, kModes | kElements, "print one JSON object instead of the table", false, false,
      [](Request& request, const std::string&) { request.as_json = true; }},
-    {"-q,--quiet", Kind::flag, kRun | kFrequency | kStatic | kSpectrum | kStudy | kReport, "no table and no progress bar",
-     false, false, [](Request& request, const std::string&) { request.quiet = true; }},
+    {"-q,--quiet", Kind::flag, kRun | kFrequency | kStatic | kSpectrum | kStudy | kReport | kPlot,
+     "no table and no progress bar", false, false, [](Request& request, const std::string&) { request.quiet = true; }},
 };
 
 }  // namespace

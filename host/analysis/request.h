@@ -63,8 +63,8 @@ struct Request {
     bool keeps = false;                                 ///< study: the results of every case
 
     std::vector<std::string> patterns;  ///< channels: those to list; none: all
-    std::vector<std::string>
-        words;  ///< help: the topic; new, spectrum, report: the folders; completion: the shell; check-law: the library
+    std::vector<std::string> words;     ///< help: the topic; new, spectrum, report: the folders; plot: the folder, then
+                                        ///< patterns; completion: the shell; check-law: the library
 
     std::string command_line;  ///< as typed, for summary.json
     /// The options given, with their values as typed; a flag has an empty one.
@@ -89,7 +89,8 @@ enum Command : unsigned {
     kResponse = 8192,
     kSpectrum = 16384,
     kReport = 32768,
-    kStudy = 65536
+    kPlot = 65536,
+    kStudy = 131072
 };
 
 /// An option of the command line. The commands, the words of a sweep's cases and what decides whether a case is run again

@@ -34,6 +34,7 @@
 #include "model/wording.h"
 #include "record/hdf5_writer.h"
 #include "record/tell.h"
+#include "report/plot.h"
 #include "report/report.h"
 #include "study/study.h"
 #include "world/world.h"
@@ -124,6 +125,7 @@ const CommandLine kCommands[] = {
     {kSpectrum, "spectrum", "spectra, levels, modes and orders of a recorded run", Given::results, find_spectrum},
     {kReport, "report", "one HTML file of any results: curves, tables, the machine in 3-D", Given::several_results,
      make_report},
+    {kPlot, "plot", "curves of channels as an SVG picture", Given::results_and_patterns, plot_curves},
     {kChannels, "channels", "list what a run of a model can record", Given::model_and_patterns, plain<print_channels>},
     {kCheckLaw, "check-law", "test the force laws of a library", Given::library, plain<check_law>},
     {kNew, "new", "make a folder with a first model", Given::folder, plain<make_new>},
@@ -200,6 +202,13 @@ void add_given(CLI::App& command, Given given, Request& request) {
                             "FOLDER CASES")
                 ->required()
                 ->expected(1, 5);
+            break;
+        case Given::results_and_patterns:
+            command
+                .add_option("RESULTS PATTERN", request.words,
+                            "results folder of any command, then patterns of channels, e.g. \"bolt*.force.z\"")
+                ->required()
+                ->expected(2, -1);
             break;
         case Given::several_results:
             command.add_option("RESULTS", request.words, "results folders of any command; several are shown together")

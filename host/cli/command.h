@@ -20,6 +20,7 @@ enum class Given : unsigned char {
     library,
     results,
     several_results,
+    results_and_patterns,
     study
 };
 

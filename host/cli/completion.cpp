@@ -203,6 +203,7 @@ Words candidates(const Words& words) {
     if (typed.command->given == Given::topic && typed.given.empty()) return topics(typed);
     if (typed.command->given == Given::shell) return {"bash", "zsh", "fish"};
     if (typed.command->given == Given::model_and_patterns && !typed.given.empty()) return channels(typed);
+    if (typed.command->given == Given::results_and_patterns && !typed.given.empty()) return recorded_channels(typed);
     return {};
 }
 

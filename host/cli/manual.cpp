@@ -57,6 +57,8 @@ const char* given_text(Given given) {
             return " MODEL|status FOLDER|collect FOLDER|retry FOLDER|work FOLDER CASES";
         case Given::several_results:
             return " RESULTS...";
+        case Given::results_and_patterns:
+            return " RESULTS PATTERN...";
         case Given::nothing:
             break;
     }

@@ -28,6 +28,7 @@ class CurvePanel {
     }
 
     take(set, result, index) {
+        if (set.rows === 0) return;
         const places = decodeDoubles(set.places);
         for (const curve of set.curves) {
             const name = [curve.name, set.label].filter(Boolean).join(', ');
@@ -147,7 +148,7 @@ class CurvePanel {
         this.chartsBox.replaceChildren();
         const names = [...this.chosen];
         const chosen = this.series.filter(one => this.chosen.has(one.name)).sort((a, b) => names.indexOf(a.name) - names.indexOf(b.name));
-        if (chosen.length === 0) this.chartsBox.append(element('p', {class: 'muted'}, 'Choose channels to draw.'));
+        if (chosen.length === 0) this.chartsBox.append(element('p', {class: 'muted'}, this.series.length > 0 ? 'Choose channels to draw.' : 'There is nothing to draw: no rows, or constant channels only.'));
         const styleOf = one => {
             const colour = names.length === 1 ? one.index : names.indexOf(one.name);
             const round = Math.floor(colour / theme.colours.length);

@@ -5,8 +5,8 @@
 
 const kRing = 10;  // corners of a tube
 const kBent = 12;  // pieces of a bent beam
-/** Cividis: from dark blue to yellow, the same to every colour vision. */
-const kMap = [[0, 34, 78], [58, 77, 108], [124, 123, 120], [187, 174, 113], [254, 232, 56]];
+/** From blue to yellow, as cividis the same to every colour vision, but lighter at its low end. */
+const kMap = [[36, 86, 160], [90, 117, 145], [140, 146, 128], [197, 180, 96], [254, 226, 60]];
 
 function mapColour(share) {
     const place = Math.min(Math.max(share, 0), 1) * (kMap.length - 1);
@@ -19,14 +19,15 @@ class Tube {
     constructor(pieces, radius, material) {
         this.radius = radius;
         this.count = pieces + 1;
+        const rings = this.count + 2;  // those at the ends have no radius: they close it
         const geometry = new THREE.BufferGeometry();
-        geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(3 * kRing * this.count), 3));
-        geometry.setAttribute('normal', new THREE.BufferAttribute(new Float32Array(3 * kRing * this.count), 3));
+        geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(3 * kRing * rings), 3));
+        geometry.setAttribute('normal', new THREE.BufferAttribute(new Float32Array(3 * kRing * rings), 3));
         const index = [];
-        for (let i = 0; i < pieces; ++i)
+        for (let i = 0; i < rings - 1; ++i)
             for (let k = 0; k < kRing; ++k) {
                 const [a, b, c, d] = [i * kRing + k, i * kRing + (k + 1) % kRing, (i + 1) * kRing + k, (i + 1) * kRing + (k + 1) % kRing];
-                index.push(a, c, b, b, c, d);
+                index.push(a, b, c, b, d, c);
             }
         geometry.setIndex(index);
         this.mesh = new THREE.Mesh(geometry, material);
@@ -36,7 +37,9 @@ class Tube {
     put(points) {
         const [position, normal] = [this.mesh.geometry.attributes.position, this.mesh.geometry.attributes.normal];
         const [along, side, other, out] = [0, 1, 2, 3].map(() => new THREE.Vector3());
-        for (let i = 0; i < this.count; ++i) {
+        for (let ring = 0; ring < this.count + 2; ++ring) {
+            const i = Math.min(Math.max(ring - 1, 0), this.count - 1);
+            const isEnd = ring !== i + 1;
             along.subVectors(points[Math.min(i + 1, this.count - 1)], points[Math.max(i - 1, 0)]).normalize();
             side.set(0, 0, 1);
             if (Math.abs(along.z) > 0.9) side.set(1, 0, 0);
@@ -45,9 +48,10 @@ class Tube {
             for (let k = 0; k < kRing; ++k) {
                 const angle = 2 * Math.PI * k / kRing;
                 out.copy(side).multiplyScalar(Math.cos(angle)).addScaledVector(other, Math.sin(angle));
-                normal.setXYZ(i * kRing + k, out.x, out.y, out.z);
-                out.multiplyScalar(this.radius).add(points[i]);
-                position.setXYZ(i * kRing + k, out.x, out.y, out.z);
+                if (isEnd) normal.setXYZ(ring * kRing + k, ...along.clone().multiplyScalar(ring === 0 ? -1 : 1).toArray());
+                else normal.setXYZ(ring * kRing + k, out.x, out.y, out.z);
+                out.multiplyScalar(isEnd ? 0 : this.radius).add(points[i]);
+                position.setXYZ(ring * kRing + k, out.x, out.y, out.z);
             }
         }
         position.needsUpdate = normal.needsUpdate = true;
@@ -71,6 +75,7 @@ class Model3d {
         this.structure = structure;
         this.root = new THREE.Group();
         this.labels = [];
+        this.boxes = [];
         const unit = structure.size;
         this.unit = unit;
         this.plain = new THREE.Color(theme.isDark ? '#8b9095' : '#6d7276');
@@ -96,14 +101,16 @@ class Model3d {
         box.position.copy(body.centre);
         box.quaternion.copy(body.turn);
         group.add(box);
-        const lines = body.places.flatMap(place => [...body.centre.toArray(), ...place.toArray()]);
-        if (lines.length > 0) {
-            const skeleton = new THREE.BufferGeometry().setAttribute('position', new THREE.Float32BufferAttribute(lines, 3));
-            group.add(new THREE.LineSegments(skeleton, new THREE.LineBasicMaterial({color: theme.isDark ? '#a9cbe6' : '#3d6685', transparent: true, opacity: 0.7})));
+        this.boxes.push(box);
+        for (const place of body.places) {
+            if (place.distanceTo(body.centre) < 1e-6 * unit) continue;
+            const arm = new Tube(1, 0.0025 * unit, new THREE.MeshLambertMaterial({color: theme.isDark ? '#a9cbe6' : '#5d87a6'}));
+            arm.put([body.centre, place]);
+            group.add(arm.mesh);
         }
         this.root.add(group);
         body.group = group;
-        this.labels.push({text: body.owner.name, point: {owner: body.owner, local: body.centre}, isStrong: true});
+        this.labels.push({text: body.owner.name, point: {owner: body.owner, local: body.centre}});
     }
 
     addNode(node, unit) {
@@ -200,7 +207,7 @@ class MachineView {
         this.canvas = element('canvas', {role: 'img'});
         this.readout = element('div', {class: 'readout', 'aria-hidden': 'true'});
         this.scale = element('div', {class: 'scale', 'aria-hidden': 'true'});
-        this.scene.append(this.canvas, this.readout, this.scale);
+        this.scene.append(this.canvas, this.readout, this.scale, this.makeAxes());
         this.makeTools();
         section.append(this.choiceTools, this.scene, this.tools, this.remark);
         this.renderer = new THREE.WebGLRenderer({canvas: this.canvas, antialias: true, preserveDrawingBuffer: true});
@@ -222,7 +229,24 @@ class MachineView {
         calm.addEventListener('change', () => { if (calm.matches) this.play(false); });
         this.time = 0;
         this.choose(0);
-        this.play(!calm.matches && this.motion.duration > 0);
+        this.play(!calm.matches && this.motion.duration > 0 && !this.isStatic);
+    }
+
+    /** Where x, y and z point, in a corner. */
+    makeAxes() {
+        const make = (tag, attributes, parent) => {
+            const made = document.createElementNS('http://www.w3.org/2000/svg', tag);
+            for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+            parent?.append(made);
+            return made;
+        };
+        const svg = make('svg', {class: 'axes', viewBox: '-42 -42 84 84', 'aria-hidden': 'true'});
+        this.axes = ['x', 'y', 'z'].map((name, i) => {
+            const line = make('line', {x1: 0, y1: 0}, svg), text = make('text', {'text-anchor': 'middle'}, svg);
+            text.textContent = name;
+            return {axis: new THREE.Vector3().setComponent(i, 1), line, text};
+        });
+        return svg;
     }
 
     makeTools() {
@@ -237,7 +261,9 @@ class MachineView {
         const views = [['Oblique', [0.75, -1.1, 0.62]], ['Along x', [-1, 0, 0]], ['Along y', [0, -1, 0]], ['From above', [0, -1e-3, 1]]];
         this.choiceTools.append(this.modeLabel, ...views.map(([name, direction]) => button(name, () => this.look(direction))));
         const names = element('input', {type: 'checkbox', onchange: () => { this.hasNames = names.checked; this.makeLabels(); this.ask(); }});
-        this.choiceTools.append(element('label', {}, names, 'names'));
+        this.boxesBox = element('input', {type: 'checkbox', onchange: () => { this.showBoxes(); this.ask(); }});
+        this.boxesBox.checked = true;
+        this.choiceTools.append(element('label', {}, names, 'names'), element('label', {}, this.boxesBox, 'boxes of inertia'));
         this.playButton = button('Play', () => this.play(!this.isPlaying));
         this.slider = element('input', {type: 'range', min: 0, max: 1000, value: 0, 'aria-label': 'Instant', class: 'grow', oninput: () => {
             this.play(false);
@@ -253,9 +279,11 @@ class MachineView {
 
     choose(index) {
         this.choice = this.choices[index];
-        const modes = this.choice.result.kind === 'modes' ? listOf(this.choice.result.summary?.modes) : [];
-        this.modeSelect.replaceChildren(...modes.map((mode, i) => element('option', {value: i}, `${i + 1}: ${formatNumber(mode.frequency_hz, 5)} Hz`)));
-        this.modeLabel.style.display = modes.length > 0 ? '' : 'none';
+        const {result} = this.choice;
+        const names = result.kind === 'modes' ? listOf(result.summary?.modes).map((mode, i) => `${i + 1}: ${formatNumber(mode.frequency_hz, 5)} Hz`) : result.kind === 'static' ? casesOf(result) : [];
+        this.modeSelect.replaceChildren(...names.map((name, i) => element('option', {value: i}, name)));
+        this.modeLabel.firstChild.textContent = result.kind === 'static' ? 'Load case' : 'Mode';
+        this.modeLabel.style.display = names.length > 1 || result.kind === 'modes' ? '' : 'none';
         this.chooseMotion(0);
         this.build();
         this.look([0.75, -1.1, 0.62]);
@@ -265,7 +293,9 @@ class MachineView {
         const {result, structure} = this.choice;
         const mode = result.kind === 'modes' ? listOf(result.summary?.modes)[index] : null;
         this.mode = mode;
-        this.motion = mode ? new ModeMotion(mode, result.lines?.[index], structure) : result.motion ? new RunMotion(result.motion, structure) : new Rest();
+        this.isStatic = result.kind === 'static' && casesOf(result).length > 0;
+        this.motion = mode ? new ModeMotion(mode, result.lines?.[index], structure) : result.motion ? new RunMotion(result.motion, structure)
+                                                                                   : this.isStatic ? new StaticMotion(result, index, structure) : new Rest();
         const {shift, angle} = this.motion.largest();
         // Modes, and motions that could not be seen, are enlarged; what turns far is shown as it is.
         const reach = Math.max(shift, angle * structure.size / 2);
@@ -274,7 +304,8 @@ class MachineView {
         this.factor.max = mode ? 1 : 5;
         this.factor.min = mode ? -1 : 0;
         this.factor.value = mode || wanted < 3 || angle > 0.3 ? 0 : Math.min(5, Math.log10(this.round(wanted)));
-        this.time = mode ? 0.5 : 0;
+        this.time = mode ? 0.5 : this.isStatic ? this.motion.duration : 0;
+        this.slider.value = this.motion.duration > 0 ? 1000 * this.time / this.motion.duration : 0;
         for (const part of [this.playButton, this.slider, this.factorLabel]) part.style.display = this.motion.duration > 0 ? '' : 'none';
         this.describe();
         this.makeScale();
@@ -291,11 +322,12 @@ class MachineView {
         const {result, structure} = this.choice;
         const parts = ['Bodies are drawn as the homogeneous boxes of their mass and inertia, not in their real shape. Spheres are elements between two points at the same place; cones are the ground.'];
         if (result.motion) {
-            const still = [...structure.owners.keys()].filter(name => !this.motion.tracks?.has(name));
+            const still = [...structure.owners.values()].filter(owner => !owner.isFixed && !this.motion.tracks?.has(owner.name)).map(owner => owner.name);
             if (this.motion.every > 1) parts.push(`The motion shows one row in ${this.motion.every}: vibrations faster than that are not seen.`);
             if (still.length > 0) parts.push(`No position is recorded of ${still.slice(0, 6).join(', ')}${still.length > 6 ? ` and ${still.length - 6} more` : ''}: drawn at the start.`);
             if (structure.elements.some(one => one.isBeam)) parts.push('Beams are bent as their ends have it, without loads between.');
-        } else if (!this.mode) parts.push('These results have no motion: the machine is drawn as it starts.');
+        } else if (this.isStatic) parts.push('Shown is the way from the start to the equilibrium: displacements grow in proportion.' + (structure.elements.some(one => one.isBeam) ? ' Beams are bent as their ends have it, without loads between.' : ''));
+        else if (!this.mode) parts.push('These results have no motion: the machine is drawn as it starts.');
         this.remark.textContent = parts.join(' ');
         const what = this.mode ? `in a mode of ${formatNumber(this.mode.frequency_hz, 5)} Hz` : result.motion ? `moving for ${formatNumber(this.motion.duration, 4)} s` : 'at the start';
         this.canvas.setAttribute('aria-label', `The machine ${what}: ${counted(structure.bodies.length, 'body', 'bodies')}, ${counted(structure.nodes.length, 'node', 'nodes')}, ` +
@@ -330,22 +362,19 @@ class MachineView {
         grid.rotation.x = Math.PI / 2;
         grid.position.set(middle.x, middle.y, low.z - 0.045 * size);
         this.world.add(grid);
-        this.axes = ['x', 'y', 'z'].map((name, i) => ({name, end: new THREE.Vector3().setComponent(i, 0.13 * size)}));
-        this.corner = new THREE.Vector3(middle.x - 0.62 * size, middle.y - 0.62 * size, low.z - 0.045 * size);
-        for (const {end} of this.axes) {
-            const line = new THREE.BufferGeometry().setFromPoints([this.corner, this.corner.clone().add(end)]);
-            this.world.add(new THREE.Line(line, new THREE.LineBasicMaterial({color: theme.text})));
-        }
+        this.showBoxes();
         this.makeLabels();
     }
 
+    showBoxes() { for (const box of this.model.boxes) box.visible = this.boxesBox.checked; }
+
     makeLabels() {
         this.scene.querySelectorAll('.label').forEach(label => label.remove());
-        const make = (text, kind) => { const label = element('div', {class: `label ${kind}`, 'aria-hidden': 'true'}, text); this.scene.append(label); return label; };
-        this.labels = this.axes.map(({name, end}) => ({node: make(name, 'axis'), place: () => this.corner.clone().addScaledVector(end, 1.15)}));
+        const make = text => { const label = element('div', {class: 'label', 'aria-hidden': 'true'}, text); this.scene.append(label); return label; };
+        this.labels = [];
         if (!this.hasNames) return;
-        for (const label of this.model.labels.slice(0, 200))
-            this.labels.push({node: make(label.text, ''), place: () => this.model.labelPoint(label, this.motion, this.total).clone()});
+        for (const label of this.model.labels.slice(0, 300))
+            this.labels.push({node: make(label.text), place: () => this.model.labelPoint(label, this.motion, this.total).clone()});
     }
 
     look(direction) {
@@ -395,14 +424,14 @@ class MachineView {
     }
 
     /** Seconds of the picture for the whole motion. */
-    get playTime() { return this.mode ? this.motion.duration : Math.min(Math.max(this.motion.duration, 6), 20); }
+    get playTime() { return this.mode || this.isStatic ? this.motion.duration : Math.min(Math.max(this.motion.duration, 6), 20); }
 
     render(now) {
         if (!this.isVisible) { this.last = undefined; return; }
         if (this.isPlaying && this.motion.duration > 0) {
             const passed = this.last === undefined ? 0 : Math.min((now - this.last) / 1000, 0.1);
             this.last = now;
-            this.time = (this.time + passed * this.motion.duration / this.playTime) % this.motion.duration;
+            this.time = (this.time + passed * this.motion.duration / this.playTime) % (this.motion.duration * (1 + 1e-9));
             this.slider.value = 1000 * this.time / this.motion.duration;
         }
         this.total = this.unitFactor * 10 ** Number(this.factor.value);
@@ -419,6 +448,7 @@ class MachineView {
         if (this.motion.duration === 0) return '';
         const factor = 10 ** Number(this.factor.value);
         if (this.mode) return `${formatNumber(this.mode.frequency_hz, 5)} Hz`;
+        if (this.isStatic) return `${share(this.time / this.motion.duration, 2)} of the displacement${factor > 1.001 ? `, × ${formatNumber(factor, 2)}` : ''}`;
         const slow = this.playTime / this.motion.duration;
         return `t = ${(this.motion.times[0] + this.time).toPrecision(4)} s${factor > 1.001 ? `, motion × ${formatNumber(factor, 2)}` : ''}` +
                `${Math.abs(slow - 1) > 0.01 ? `, ${slow > 1 ? `${formatNumber(slow, 2)} times slower` : `${formatNumber(1 / slow, 2)} times faster`}` : ''}`;
@@ -426,11 +456,22 @@ class MachineView {
 
     putLabels() {
         const {clientWidth: width, clientHeight: height} = this.scene;
+        const taken = [];
         for (const {node, place} of this.labels) {
             const p = place().project(this.camera);
-            const isIn = p.z < 1 && Math.abs(p.x) < 1 && Math.abs(p.y) < 1;
-            node.style.display = isIn ? '' : 'none';
-            node.style.transform = `translate(${((p.x + 1) / 2 * width).toFixed(1)}px, ${((1 - p.y) / 2 * height).toFixed(1)}px) translate(-50%, -50%)`;
+            const [x, y, half] = [(p.x + 1) / 2 * width, (1 - p.y) / 2 * height, 3.4 * node.textContent.length + 5];
+            const isFree = p.z < 1 && taken.every(other => Math.abs(x - other.x) > half + other.half || Math.abs(y - other.y) > 17);
+            if (isFree) taken.push({x, y, half});
+            node.style.display = isFree ? '' : 'none';
+            node.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translate(-50%, -50%)`;
+        }
+        const [right, up] = [0, 1].map(i => new THREE.Vector3().setFromMatrixColumn(this.camera.matrixWorld, i));
+        for (const {axis, line, text} of this.axes) {
+            const [x, y] = [axis.dot(right), -axis.dot(up)];
+            line.setAttribute('x2', 24 * x);
+            line.setAttribute('y2', 24 * y);
+            text.setAttribute('x', 33 * x);
+            text.setAttribute('y', 33 * y + 4);
         }
     }
 

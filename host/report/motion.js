@@ -16,6 +16,15 @@ function turnBy(theta) {
     return angle > 0 ? new THREE.Quaternion().setFromAxisAngle(theta.clone().divideScalar(angle), angle) : new THREE.Quaternion();
 }
 
+/** Rotation vector of a quaternion w x y z [rad], at most half a turn, behind another turn. */
+function rotationVector([w, x, y, z], behind) {
+    const q = new THREE.Quaternion(x, y, z, w).multiply(behind).normalize();
+    if (q.w < 0) q.set(-q.x, -q.y, -q.z, -q.w);
+    const axis = new THREE.Vector3(q.x, q.y, q.z);
+    const sine = axis.length();
+    return axis.multiplyScalar(sine > 1e-12 ? 2 * Math.atan2(sine, q.w) / sine : 2);
+}
+
 /** Eigenvalues and eigenvectors (columns) of a symmetric matrix of three rows, by Jacobi's rotations. */
 function principalAxes(matrix) {
     const a = matrix.map(row => row.map(Number));
@@ -59,7 +68,7 @@ class Structure {
             for (const [marker, local] of entriesOf(body.markers)) this.points.set(`${name}.${marker}`, {owner, local: vector(local)});
         }
         for (const [name, node] of entriesOf(model.nodes)) {
-            const owner = {name, start: vector(node.position), turn: turnOf(node.rotation)};
+            const owner = {name, start: vector(node.position), turn: turnOf(node.rotation), isFixed: listOf(node.fixed).length === 6};
             this.owners.set(name, owner);
             this.nodes.push({owner, isFixed: listOf(node.fixed).length > 0});
             this.points.set(name, {owner, local: new THREE.Vector3()});
@@ -178,16 +187,12 @@ class RunMotion {
         const back = start.clone().invert();
         const last = new THREE.Vector3();
         for (let i = 0; i < quaternions.length / 4; ++i) {
-            const [w, x, y, z] = quaternions.subarray(4 * i, 4 * i + 4);
-            const q = new THREE.Quaternion(x, y, z, w).multiply(back).normalize();
-            if (q.w < 0) q.set(-q.x, -q.y, -q.z, -q.w);
-            const axis = new THREE.Vector3(q.x, q.y, q.z);
-            const sine = axis.length();
-            let angle = 2 * Math.atan2(sine, q.w);
-            if (sine > 1e-9) axis.divideScalar(sine); else if (last.length() > 1) axis.copy(last).normalize(); else angle = 2 * sine;
-            if (axis.dot(last) < 0 && last.length() > Math.PI / 2) { axis.negate(); angle = -angle; }
-            angle += 2 * Math.PI * Math.round((last.dot(axis) - angle) / (2 * Math.PI));
-            last.copy(axis).multiplyScalar(angle);
+            const found = rotationVector(quaternions.subarray(4 * i, 4 * i + 4), back);
+            const angle = found.length();
+            // The same turn by another angle or axis, nearest to the last row
+            if (angle > 1e-9) found.addScaledVector(found, 2 * Math.PI / angle * Math.round((last.dot(found) / angle - angle) / (2 * Math.PI)));
+            else if (last.length() > Math.PI) found.copy(last).setLength(2 * Math.PI * Math.round(last.length() / (2 * Math.PI)));
+            last.copy(found);
             theta.set([last.x, last.y, last.z], 3 * i);
         }
         return theta;
@@ -270,4 +275,58 @@ class ModeMotion {
             points.push(new THREE.Vector3(...[0, 1, 2].map(k => list[i + k] + scale * this.phase * list[i + 3 + k])));
         return points;
     }
+}
+
+const staticTable = result => listOf(result.tables).find(table => table.file === 'static.csv');
+
+/** Names of the load cases of an equilibrium; one without a name if the model has none. */
+function casesOf(result) {
+    const table = staticTable(result);
+    if (!table || table.rows.length === 0) return [];
+    return table.columns[0].unit === '' ? table.rows.map(row => String(row[0])) : table.rows.map((_, i) => `row ${i + 1}`);
+}
+
+/** The way from the start to an equilibrium, in proportion; it takes 2 s. */
+class StaticMotion {
+    constructor(result, index, structure) {
+        const table = staticTable(result);
+        const columns = new Map(table.columns.map(({name}, c) => [name, c]));
+        const read = (name, quantity, axes) => {
+            const found = axes.map(axis => table.rows[index][columns.get(`${name}.${quantity}.${axis}`)]);
+            return found.every(value => typeof value === 'number') ? found : null;
+        };
+        this.duration = 2;
+        this.tracks = new Map();
+        for (const {name, start, turn} of structure.owners.values()) {
+            const position = read(name, 'position', ['x', 'y', 'z']);
+            if (!position) continue;
+            const quaternion = read(name, 'quaternion', ['w', 'x', 'y', 'z']), rotation = read(name, 'rotation', ['x', 'y', 'z']);
+            const theta = quaternion ? rotationVector(quaternion, turn.clone().invert()) : vector(rotation);
+            this.tracks.set(name, {u: vector(position).sub(start), theta});
+        }
+        this.forces = new Map();
+        for (const {name} of structure.elements) {
+            const force = read(name, 'force', ['x', 'y', 'z']) ?? (columns.has(`${name}.force`) ? [table.rows[index][columns.get(`${name}.force`)]] : null);
+            if (force) this.forces.set(name, Math.hypot(...force));
+        }
+        this.most = Math.max(0, ...this.forces.values());
+        this.at(this.duration);
+    }
+
+    at(time) { this.part = Math.min(time / this.duration, 1); }
+
+    of(name) {
+        const track = this.tracks.get(name);
+        return track ? {u: track.u.clone().multiplyScalar(this.part), theta: track.theta.clone().multiplyScalar(this.part)} : null;
+    }
+
+    valueOf(name) { return this.forces.get(name) ?? null; }
+
+    largest() {
+        let [shift, angle] = [0, 0];
+        for (const {u, theta} of this.tracks.values()) { shift = Math.max(shift, u.length()); angle = Math.max(angle, theta.length()); }
+        return {shift, angle};
+    }
+
+    line() { return null; }
 }

@@ -8,27 +8,11 @@
 
 #include "report/assets.h"
 #include "report/base64.h"
+#include "report/html_text.h"
 
 namespace dttmm::host {
 
 namespace {
-
-std::string escaped(std::string_view text) {
-    std::string html;
-    for (const char c : text) {
-        if (c == '&')
-            html += "&amp;";
-        else if (c == '<')
-            html += "&lt;";
-        else if (c == '>')
-            html += "&gt;";
-        else if (c == '"')
-            html += "&quot;";
-        else
-            html += c;
-    }
-    return html;
-}
 
 /// As a content policy names a script or style that is allowed.
 std::string source(const Asset& asset) {
@@ -72,9 +56,9 @@ std::string make_page(const std::string& title, const Json& data, bool has_machi
         {"{{policy}}", fmt::format("default-src 'none'; script-src{}; style-src{}; img-src data:; base-uri 'none'; "
                                    "form-action 'none'",
                                    script_sources, style_sources)},
-        {"{{title}}", escaped(title)},
+        {"{{title}}", html_text(title)},
         {"{{styles}}", style_elements},
-        {"{{licences}}", escaped(report_asset("licences.txt").text)},
+        {"{{licences}}", html_text(report_asset("licences.txt").text)},
         {"{{data}}", safe_json(data)},
         {"{{scripts}}", script_elements}};
     std::string_view rest = report_asset("page.html").text;

@@ -52,6 +52,8 @@
             const panel = section.panel = new CurvePanel(sets, several);
             section.append(panel.element);
             panel.draw();
+            const swept = file === 'sweep.csv' ? results.filter(result => result.has_cases) : [];
+            for (const {path} of swept) section.append(element('p', {class: 'remark'}, `Every case has results of its own: dttmm report ${path}/case-*`));
         });
     }
     if (results.some(result => listOf(result.curve_sets).some(set => set.file === 'history.csv')))

@@ -28,6 +28,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr int kDeepest = 64;  // levels of summary.json, which has 8: writing deep ones takes stack
+
 constexpr std::size_t kMostRows = 2000;    // of a table; a page of more is no reading
 constexpr std::size_t kMostCases = 20000;  // of a study, as points
 
@@ -73,7 +75,11 @@ Json read_summary(const fs::path& file) {
     if (!is_there(file)) return nullptr;
     Json json;
     try {
-        json = Json::parse(read_whole_file(file));
+        const auto check_depth = [&](int depth, Json::parse_event_t, Json&) {
+            if (depth > kDeepest) refuse_results(file, fmt::format("damaged: it is nested more than {} deep", kDeepest));
+            return true;
+        };
+        json = Json::parse(read_whole_file(file), check_depth);
     } catch (const nlohmann::json::exception& fault) {
         refuse_results(file, fmt::format("damaged: {}", fault.what()));
     }
@@ -125,10 +131,17 @@ public:
         for (const char* file : kTableFiles)
             if (is_there(folder_ / file)) take_table(CsvFile(folder_ / file));
         if (kind_ == "study") take_study();
-        if (kind_ == "modes") json_["lines"] = describe_lines(folder_ / "shapes.csv");
     }
 
-    Json take() { return std::move(json_); }
+    /// The last call.
+    Json take() {
+        for (const CurveSet& set : sets_) json_["curve_sets"].push_back(describe(set, choice_.most_points));
+        if (is_there(folder_ / "history.csv"))
+            json_["motion"] = describe_motion(HistoryFile(folder_ / "history.csv"), json_["model"]);
+        if (kind_ == "modes") json_["lines"] = describe_lines(folder_ / "shapes.csv");
+        return std::move(json_);
+    }
+    std::vector<CurveSet> take_sets() { return std::move(sets_); }
 
 private:
     void take_summary(Json summary);
@@ -137,7 +150,6 @@ private:
     void take_sweep(const CsvFile& file);
     void take_study();
     void take_table(const CsvFile& file);
-    void add(const CurveSet& set) { json_["curve_sets"].push_back(describe(set, choice_.most_points)); }
     void note(const std::string& text) { json_["notes"].push_back(text); }
     void note_torn(const CsvFile& file) {
         if (file.is_torn()) note(file.path().filename().string() + ": the last row is not whole and is left out");
@@ -147,6 +159,7 @@ private:
     const ReportChoice& choice_;
     std::string kind_;
     Json json_;
+    std::vector<CurveSet> sets_;
 };
 
 /// The model and its text stand apart: the page shows them in places of their own.
@@ -159,6 +172,7 @@ void Description::take_summary(Json summary) {
                 "There is no summary.json: the run has not ended, or it was killed. Its status, warnings and model are not "
                 "known.");
         const Json first = read_summary(folder_ / "case-000001/summary.json");
+        json_["has_cases"] = is_there(folder_ / "case-000001");
         if (first.is_object() && first.contains("title")) json_["title_of_cases"] = first["title"];
         json_["summary"] = nullptr;
         json_["written"] = time_of_results(folder_ / (kind_ == "run" ? "history.csv" : "sweep.csv"));
@@ -194,8 +208,7 @@ void Description::take_history() {
     CurveSet set{"history.csv", {}, history.columns().front(), std::move(values.front()), {}};
     for (std::size_t i = 1; i < chosen.size(); ++i)
         set.curves.push_back({history.columns()[as_size(chosen[i])], std::move(values[i]), {}});
-    add(set);
-    json_["motion"] = describe_motion(history, json_["model"]);
+    sets_.push_back(std::move(set));
 }
 
 /// Rows go order by order where there are several: a set of each.
@@ -215,7 +228,7 @@ void Description::take_curves(const CsvFile& file, const std::string& x, std::si
         std::ranges::stable_sort(rows, {}, [&](std::size_t row) { return file.numbers(as_size(over))[row]; });
         CurveSet set = curves_of(file, over, is_by_order ? 3 : first, rows);
         if (is_by_order) set.label = fmt::format("order {:g}", one);
-        add(set);
+        sets_.push_back(std::move(set));
     }
 }
 
@@ -239,7 +252,7 @@ void Description::take_sweep(const CsvFile& file) {
         if (std::set<double>(values.begin(), values.end()).size() < file.rows()) over = -1;
         if (over >= 0) std::ranges::stable_sort(rows, {}, [&](std::size_t row) { return values[row]; });
     }
-    add(curves_of(file, over, first, rows));
+    sets_.push_back(curves_of(file, over, first, rows));
 }
 
 /// The parameters that vary and the figures of every case, as numbers of four bytes; of a large study evenly chosen cases.
@@ -286,5 +299,10 @@ void Description::take_table(const CsvFile& file) {
 }  // namespace
 
 Json describe_results(const fs::path& path, const ReportChoice& choice) { return Description(path, choice).take(); }
+
+std::vector<CurveSet> read_curve_sets(const fs::path& path) {
+    const ReportChoice all;
+    return Description(path, all).take_sets();
+}
 
 }  // namespace dttmm::host

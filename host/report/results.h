@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "analysis/json.h"
+#include "report/curve_set.h"
 
 namespace dttmm::host {
 
@@ -19,5 +20,8 @@ struct ReportChoice {
 /// tables, motion, shapes, notes. Throws Error(input_output) for what is no results of dttmm, and says what it is; for a
 /// damaged file of results, with its place; Error(usage) for a pattern without a channel.
 Json describe_results(const std::filesystem::path& path, const ReportChoice& choice);
+
+/// All curves of the same, whole: one set per file, of orders over speed one per order. Throws as describe_results does.
+std::vector<CurveSet> read_curve_sets(const std::filesystem::path& path);
 
 }  // namespace dttmm::host

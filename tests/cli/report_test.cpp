@@ -11,6 +11,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 void write_small_history(const fs::path& folder) {
     fs::create_directories(folder);
@@ -46,6 +47,34 @@ TEST(Report, OfSeveralResultsOneForeignIsRefusedAndNothingWritten) {
     EXPECT_EQ(ended.code, 5);
     EXPECT_THAT(ended.err, HasSubstr("photos: these are no results of dttmm"));
     EXPECT_FALSE(fs::exists(folder / "both.html"));
+}
+
+TEST(Plot, DrawsTheChosenCurvesByUnit) {
+    const TemporaryFolder folder;
+    fs::create_directories(folder / "results/pump");
+    write_text(folder / "results/pump/history.csv", "time,a.x,a.y,b\ns,N,N,m\n0,1,2,3\n0.1,2,4,5\n");
+    const Ended ended = run_dttmm(folder.path(), {"plot", "results/pump", "a", "b"});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_EQ(ended.out, "results/pump.svg\n");
+    const std::string svg = read_text(folder / "results/pump.svg");
+    EXPECT_THAT(svg, AllOf(HasSubstr(">a.x</text>"), HasSubstr(">a.y</text>"), HasSubstr(">b</text>"),
+                           HasSubstr(">time [s]</text>"), HasSubstr(">N</text>"), HasSubstr(">m</text>")));
+    const Ended printed = run_dttmm(folder.path(), {"plot", "results/pump", "b", "-o", "-"});
+    EXPECT_TRUE(printed.out.starts_with("<svg ")) << printed.err;
+    EXPECT_THAT(printed.out, Not(HasSubstr(">a.x<")));
+}
+
+TEST(Plot, RefusesWhatItCannotDraw) {
+    const TemporaryFolder folder;
+    write_small_history(folder / "pump");
+    const Ended unknown = run_dttmm(folder.path(), {"plot", "pump", "bolt"});
+    EXPECT_EQ(unknown.code, 2);
+    EXPECT_THAT(unknown.err, HasSubstr("bolt"));
+    const Ended other = run_dttmm(folder.path(), {"plot", "pump", "a", "-o", "a.png"});
+    EXPECT_EQ(other.code, 2);
+    EXPECT_THAT(other.err, HasSubstr("a.png: the picture is SVG; give a name that ends with .svg"));
+    EXPECT_EQ(run_dttmm(folder.path(), {"plot", "nothing", "a"}).code, 5);
+    EXPECT_EQ(run_dttmm(folder.path(), {"plot", "pump"}).code, 2);
 }
 
 }  // namespace

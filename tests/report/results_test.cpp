@@ -36,6 +36,9 @@ TEST(Results, ADamagedSummaryIsRefused) {
         expect_refusal(folder.path(), AllOf(HasSubstr("summary.json: "), message));
     };
     expect("{\"format\": \"dttmm-su", HasSubstr("damaged: "));
+    std::string deep = "{\"format\": ";
+    deep.append(100000, '[');
+    expect(deep.c_str(), HasSubstr("damaged: it is nested more than 64 deep"));
     expect("[]", HasSubstr("this is no summary of dttmm"));
     expect("{\"format\": 3}", HasSubstr("this is no summary of dttmm"));
     expect("{\"format\": \"dttmm-summary/9\"}", HasSubstr("its format \"dttmm-summary/9\" is not known"));

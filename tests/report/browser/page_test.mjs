@@ -23,7 +23,8 @@ before(async () => {
     dttmm('run', join(examples, 'four_bolt_plate'), '-o', 'other', '--duration', '0.2 s');
     dttmm('modes', join(examples, 'hydroplane'), '-o', 'modes');
     dttmm('response', join(examples, 'engine_on_inclined_mounts'), '-o', 'response', '--rpm', '800..6000', '--out', 'mount*.force');
-    dttmm('static', join(examples, 'loaded_girder'), '-o', 'static');
+    dttmm('static', join(examples, 'loaded_girder'), '-o', 'static', '--at', '2 s');
+    dttmm('run', join(examples, 'pendulum_on_bolts'), '-o', 'pendulum', '--duration', '2 s');
     dttmm('run', join(examples, 'four_bolt_plate'), '-o', 'sweep', '--duration', '0.1 s', '--sweep', 'k1=300 N/mm..500 N/mm:3');
     const model = readFileSync(join(examples, 'four_bolt_plate', 'model.toml'), 'utf8').replace(/^title\s*=.*$/m, `title = '''${kHostile}'''`);
     writeFileSync(join(folder, 'hostile.toml'), model);
@@ -229,6 +230,48 @@ test('a mode moves the machine by its shape', async () => {
     found.node.forEach((x, i) => assert.ok(Math.abs(x - node[i]) < 1e-9));
     // The rotation is finite here: it differs from its first order by half its square
     found.marker.forEach((x, i) => assert.ok(Math.abs(x - (body.position[i] + arm[i] + 0.01 * shape.tiller[i] + cross[i])) < 0.6 * Math.hypot(...theta) ** 2 * Math.hypot(...arm) + 1e-12));
+    await close();
+});
+
+/** R(q) r by the matrix of a unit quaternion w x y z. */
+function turned([w, x, y, z], [a, b, c]) {
+    return [(1 - 2 * (y * y + z * z)) * a + 2 * (x * y - w * z) * b + 2 * (x * z + w * y) * c,
+            2 * (x * y + w * z) * a + (1 - 2 * (x * x + z * z)) * b + 2 * (y * z - w * x) * c,
+            2 * (x * z - w * y) * a + 2 * (y * z + w * x) * b + (1 - 2 * (x * x + y * y)) * c];
+}
+
+test('a run moves the machine as it was recorded', async () => {
+    const {page, close} = await open(['pendulum']);
+    const history = columnsOf('pendulum/history.csv');
+    const {bodies} = JSON.parse(readFileSync(join(folder, 'pendulum/summary.json'), 'utf8')).model;
+    const body = Object.keys(bodies).find(name => Math.max(...history[`${name}.quaternion.y`]) - Math.min(...history[`${name}.quaternion.y`]) > 0.3);
+    assert.ok(body, 'a body turns far');
+    const local = [0.11, -0.2, 0.35];
+    for (const row of [0, 501, 1200, 1999]) {
+        const at = (quantity, axes) => axes.map(axis => history[`${body}.${quantity}.${axis}`][row]);
+        const position = at('position', ['x', 'y', 'z']), arm = turned(at('quaternion', ['w', 'x', 'y', 'z']), local);
+        const found = await page.evaluate(([time, name, place]) => {
+            const {view} = document.getElementById('machine');
+            view.motion.at(time);
+            return view.choice.structure.placeOf({owner: view.choice.structure.owners.get(name), local: new THREE.Vector3(...place)}, view.motion, 1).toArray();
+        }, [history.time[row], body, local]);
+        // Four bytes per number, and a straight line between frames two rows apart: half a step squared times the acceleration
+        found.forEach((x, i) => assert.ok(Math.abs(x - position[i] - arm[i]) < 2e-5, `${body} row ${row}: ${x} is not ${position[i] + arm[i]}`));
+    }
+    await close();
+});
+
+test('an equilibrium is drawn where static.csv has it', async () => {
+    const {page, close} = await open(['static']);
+    const table = columnsOf('static/static.csv');
+    const found = await page.evaluate(() => {
+        const {view} = document.getElementById('machine');
+        view.motion.at(view.motion.duration);
+        const {structure} = view.choice;
+        return Object.fromEntries([...structure.owners.keys()].map(name => [name, structure.placeOf(structure.points.get(name), view.motion, 1).toArray()]));
+    });
+    assert.ok(Math.abs(table['middle.position.z'][0]) > 1e-4, 'it sags');
+    ['x', 'y', 'z'].forEach((axis, i) => assert.ok(Math.abs(found.middle[i] - table[`middle.position.${axis}`][0]) < 1e-12));
     await close();
 });
 

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "analysis/request.h"
+#include "model/error.h"
+
+namespace dttmm::host {
+
+/// Curves of results as an SVG picture: a chart per file and unit, over each other. words: the results folder, then patterns
+/// of curves. Throws Error(usage) for a pattern without a curve, and as describe_results does.
+ExitCode plot_curves(const Request& request);
+
+}  // namespace dttmm::host

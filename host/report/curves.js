@@ -101,13 +101,14 @@ class CurvePanel {
     }
 
     makeRemark() {
-        const texts = ['Drag over a chart to zoom, double-click for the whole range. With the keyboard: arrows move the cursor, + and − zoom, Home shows the whole range.'];
+        const help = 'Drag over a chart to zoom, double-click for the whole range. With the keyboard: arrows move the cursor, + and − zoom, Home shows the whole range.';
+        const texts = [];
         if (this.span > 1)
             texts.push(`These are thinned curves: of every ${formatNumber(this.span, 3)} rows they show the least and the largest value. The tables have the values of all rows.`);
         if (this.constants.length > 0)
             texts.push(`${counted(this.constants.length, 'channel is', 'channels are')} constant and ${this.constants.length === 1 ? 'is' : 'are'} not drawn; ` +
                        'the table of extremes lists them.');
-        return element('div', {}, ...texts.map(text => element('p', {class: 'remark'}, text)));
+        return element('div', {}, element('p', {class: 'remark help'}, help), ...texts.map(text => element('p', {class: 'remark'}, text)));
     }
 
     makePicker() {

@@ -120,8 +120,8 @@ class Structure {
         for (const point of this.corners) add(this.startOf(point));
         this.low = low;
         this.high = high;
-        this.middle = low.clone().add(high).multiplyScalar(0.5);
         this.size = Math.max(low.distanceTo(high), 1e-6);
+        if (!Number.isFinite(this.size)) throw new Error('the model in summary.json has places that are no numbers');
     }
 
     /** Corners of what the machine fills while it moves. */

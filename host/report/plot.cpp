@@ -25,8 +25,18 @@ namespace {
 constexpr std::size_t kMostPoints = 3000;  // of a line: four times the width of the picture
 constexpr std::size_t kMostLines = 28;     // in one chart: so many differ in colour and dashes
 
+/// "m/s²" for "m/s^2"; nothing for a pure number.
+std::string unit_text(std::string unit) {
+    if (unit == "1") return {};
+    for (const auto& [from, to] : {std::pair("^2", "²"), std::pair("^3", "³"), std::pair("*", "·")})
+        for (size_t at = unit.find(from); at != unit.npos; at = unit.find(from, at))
+            unit.replace(at, std::string(from).size(), to);
+    return unit;
+}
+
 std::string with_unit(const std::string& name, const std::string& unit) {
-    return unit.empty() || unit == "1" ? name : fmt::format("{} [{}]", name, unit);
+    const std::string text = unit_text(unit);
+    return text.empty() ? name : fmt::format("{} [{}]", name == "rpm" ? "speed" : name, text);
 }
 
 /// The names of all curves that a pattern selects.
@@ -65,8 +75,7 @@ std::vector<Chart> make_charts(const std::vector<CurveSet>& sets, const std::set
             const auto place = as_size(found - keys.begin());
             if (found == keys.end()) {
                 keys.push_back(key);
-                charts.push_back(
-                    {with_unit(set.x.name, set.x.unit), curve.head.unit == "1" ? "" : curve.head.unit, {}, is_logarithmic});
+                charts.push_back({with_unit(set.x.name, set.x.unit), unit_text(curve.head.unit), {}, is_logarithmic});
             }
             charts[place].lines.push_back(thinned(set, curve));
         }

@@ -33,7 +33,7 @@ function factsOf(result) {
     const facts = [];
     if (result.kind === 'run') {
         const simulation = result.model?.simulation;
-        if (s.steps) facts.push(`${s.steps} steps`);
+        if (s.steps) facts.push(`${s.steps} steps${s.tolerance ? ' in all runs' : ''}`);
         if (simulation?.duration) facts.push(`${formatNumber(simulation.duration)} s`);
         if (s.fastest_vibration?.omega_h > 0)
             facts.push(`fastest vibration ${formatNumber(s.fastest_vibration.frequency_hz, 4)} Hz, ${formatNumber(2 * Math.PI / s.fastest_vibration.omega_h, 3)} steps per period`);

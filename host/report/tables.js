@@ -34,7 +34,7 @@ function makeTable({caption, columns, rows, shown = kShownRows, digits = 6}) {
     const frame = element('div', {class: 'frame', tabindex: '0', role: 'region', 'aria-label': caption},
                           element('table', {}, element('caption', {}, caption), element('thead', {}, head), body));
     if (!isCut) return frame;
-    const more = button(`Show all ${rows.length} rows`, () => {
+    const more = button(`${shown} of ${rows.length} rows: show all`, () => {
         addRows(shown, rows.length);
         more.remove();
     }, {class: 'more'});

@@ -53,6 +53,9 @@ TEST(SvgChart, PointsStandWhereTheTicksSay) {
         ASSERT_EQ(points.size(), 4u);
         ASSERT_GE(ys.size(), 3u);
         for (std::size_t i = 0; i < 4; ++i) {
+            // Within the frame, which is 764 by 230 behind a margin of 78 and 14
+            EXPECT_TRUE(points[i].first >= 78 && points[i].first <= 842) << points[i].first;
+            EXPECT_TRUE(points[i].second >= 14 && points[i].second <= 244) << points[i].second;
             EXPECT_NEAR(value_at(xs, points[i].first, false), x[i], 1e-4);
             EXPECT_NEAR(value_at(ys, points[i].second, is_logarithmic), y[i], is_logarithmic ? 3e-4 * y[i] : 0.4);
         }

@@ -3,7 +3,7 @@
 // schemes, on a phone. Oracle of every number: the CSV file beside the report, read here.
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
-import {mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
+import {cpSync, mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
 import {createRequire} from 'node:module';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
@@ -104,6 +104,20 @@ test('a text of a model is a text', async () => {
     assert.equal(await page.title(), kHostile);
     assert.equal(await page.evaluate(() => window.harmed ?? 0), 0);
     assert.deepEqual(complaints, []);
+    await close();
+});
+
+test('a damaged model costs its picture only, and the page says so', async () => {
+    cpSync(join(folder, 'plate'), join(folder, 'damaged'), {recursive: true});
+    const summary = JSON.parse(readFileSync(join(folder, 'damaged/summary.json'), 'utf8'));
+    summary.model.bodies.plate.position = ['a', {}, null];
+    summary.warnings = {code: [3]};
+    summary.energy = 'none';
+    writeFileSync(join(folder, 'damaged/summary.json'), JSON.stringify(summary));
+    const {page, close} = await open(['damaged']);
+    assert.match(await page.locator('#machine .notice').textContent(), /cannot be shown: the model in summary.json has places that are no numbers/);
+    assert.ok(await page.locator('#curves-history-csv canvas').count() > 0);
+    assert.ok(await page.locator('#extremes tbody tr').count() > 5);
     await close();
 });
 

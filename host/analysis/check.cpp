@@ -11,6 +11,7 @@
 #include "analysis/modal_session.h"
 #include "analysis/session.h"
 #include "coupling/stability.h"
+#include "model/expanded_file.h"
 #include "model/read_simulation.h"
 #include "model/wording.h"
 
@@ -109,6 +110,7 @@ void check(const Request& request) {
         no_run = error.what();
         run_fault = std::current_exception();
     }
+    if (request.is_expanded) return fmt::print("{}", write_expanded(request.model, plugins.catalogue(), request.overrides));
     ModelOverrides overrides = request.overrides;
     overrides.purpose = Purpose::modes;
     const Model for_modes = read_model(request.model, plugins.catalogue(), overrides);

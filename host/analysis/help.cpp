@@ -85,7 +85,7 @@ std::string describe_value(const Key& key) {
         case Key::Kind::table:
             return fmt::format("{{ }} of {}", key.table);
         case Key::Kind::tables:
-            return fmt::format("[[{}]]", key.name);
+            return key.name == std::string_view("sections") ? "list of { } of section" : fmt::format("[[{}]]", key.name);
         case Key::Kind::named:
             return *key.table ? fmt::format("name = {{ }} of {}", key.table) : "name = number";
     }
@@ -176,6 +176,7 @@ void print_parameters(const dttmm_element_type& type) {
     fmt::print("{}  {}\n\n", type.name, type.documentation ? type.documentation : "");
     std::vector<Row> rows = rows_of(key_table(type.ends == DTTMM_ENDS_AT ? "element.at" : "element"));
     if (is_line(type)) std::erase_if(rows, [](const Row& row) { return row.name == "axes"; });
+    if (!takes_line_loads(type)) std::erase_if(rows, [](const Row& row) { return row.name == "sections"; });
     for (Row& row : rows_of(type)) rows.push_back(std::move(row));
     print_rows(rows);
     print_conventions(type);

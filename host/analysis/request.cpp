@@ -189,6 +189,8 @@ constexpr Option kOptions[] = {
      [](Request& request, const std::string& value) { request.engine = value; }},
     {"-v,--verbose", Kind::flag, kModes, "print how the overall transfer equation is laid out", false, false,
      [](Request& request, const std::string&) { request.is_verbose = true; }},
+    {"--expanded", Kind::flag, kCheck, "print the model with includes, patterns and defaults written out, and nothing else",
+     false, false, [](Request& request, const std::string&) { request.is_expanded = true; }},
     {"--json", Kind::flag, kModes | kElements, "print one JSON object instead of the table", false, false,
      [](Request& request, const std::string&) { request.as_json = true; }},
     {"-q,--quiet", Kind::flag, kRun | kFrequency | kStatic | kSpectrum | kStudy | kReport | kPlot,

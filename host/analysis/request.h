@@ -23,6 +23,7 @@ struct Request {
     std::optional<std::filesystem::path> trace;   ///< run: file with a row per step
     bool force = false;                           ///< run an explicit coupling beyond its limit
     bool quiet = false;                           ///< no table, no progress
+    bool is_expanded = false;                     ///< check: print the model with its patterns written out, alone
     std::vector<std::string> sweeps;              ///< "name=from..to:count", as typed
     int jobs = 0;                                 ///< cases at a time; 0: one per core
 

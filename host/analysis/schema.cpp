@@ -107,12 +107,19 @@ Json property_of(const Key& key) {
     return described(value_of(key), describe(key.unit, key.help, is_required(key) ? "" : key.fallback));
 }
 
+/// What [defaults] may supply in place of the table itself, so that an editor must not miss it there.
+bool may_be_default(const KeyTable& table, const Key& key) {
+    const std::string_view owner = table.name, name = key.name;
+    const bool has_defaults = owner == "body" || owner == "joint" || owner == "load";
+    return has_defaults && name != "name" && name != "on" && name != "between";
+}
+
 Json object_of(const KeyTable& table) {
     Json object = {{"type", "object"}, {"description", table.help}, {"additionalProperties", false}};
     Json required = Json::array(), properties = Json::object();
     for (const Key& key : table.keys) {
         properties[key.name] = property_of(key);
-        if (is_required(key)) required.push_back(key.name);
+        if (is_required(key) && !may_be_default(table, key)) required.push_back(key.name);
     }
     object["properties"] = std::move(properties);
     if (!required.empty()) object["required"] = std::move(required);
@@ -207,34 +214,97 @@ Json signal_object() {
     return signals.take();
 }
 
+/// The keys that a type declares, with those of the tables in it.
+Json parameters_of(const dttmm_element_type& type) {
+    Json properties = Json::object();
+    for (uint32_t p = 0; p < type.parameter_count; ++p) {
+        const dttmm_parameter& parameter = type.parameters[p];
+        const std::string name = parameter.name;
+        const size_t dot = name.find('.');
+        if (dot == std::string::npos) {
+            properties[name] = property_of(parameter);
+            continue;
+        }
+        Json& inner = properties[name.substr(0, dot)];
+        if (inner.is_null()) inner = {{"type", "object"}, {"additionalProperties", false}, {"properties", Json::object()}};
+        inner["properties"][name.substr(dot + 1)] = property_of(parameter);
+        if (parameter.flags & DTTMM_PARAMETER_REQUIRED) inner["required"].push_back(name.substr(dot + 1));
+    }
+    return properties;
+}
+
+/// A table of some of these keys, whose values are described elsewhere.
+Json table_of_keys(const std::vector<std::string>& keys, const char* help) {
+    return {{"type", "object"}, {"description", help}, {"propertyNames", {{"enum", keys}}}};
+}
+
+std::vector<std::string> keys_of(const Json& properties, const std::vector<std::string>& but) {
+    std::vector<std::string> keys;
+    for (const auto& [key, property] : properties.items())
+        if (std::ranges::find(but, key) == but.end()) keys.push_back(key);
+    return keys;
+}
+
+/// Keys of a section of a line: a length and those of the type.
+Json sections_of(const Json& parameters) {
+    const KeyTable& table = key_table("section");
+    std::vector<std::string> keys = names_of(table);
+    for (std::string& key : keys_of(parameters, {})) keys.push_back(std::move(key));
+    Json section = table_of_keys(keys, table.help);
+    section["properties"] = object_of(table)["properties"];
+    section["required"] = {"length"};
+    return described(list_of(std::move(section), 0), find_key(key_table("element"), "sections")->help);
+}
+
+/// All keys of an element of a type.
+Json element_properties(const dttmm_element_type& type) {
+    Json properties = object_of(key_table(type.ends == DTTMM_ENDS_AT ? "element.at" : "element"))["properties"];
+    properties["type"] = described(type_word(type.name), type.documentation ? type.documentation : "");
+    const Json own = parameters_of(type);
+    if (takes_line_loads(type))
+        properties["sections"] = sections_of(own);
+    else
+        properties.erase("sections");
+    for (const auto& [name, property] : own.items()) properties[name] = property;
+    return properties;
+}
+
+/// What a type wants besides name and ends may stand in [defaults].
 Json element_object(const ElementCatalogue& catalogue) {
     Variants elements("what it is; `dttmm help TYPE` says more");
-    for (const dttmm_element_type* type : catalogue.types) {
-        Json object = object_of(key_table(type->ends == DTTMM_ENDS_AT ? "element.at" : "element"));
-        Json &properties = object["properties"], &required = object["required"];
-        properties["type"] = described(type_word(type->name), type->documentation ? type->documentation : "");
-        for (uint32_t p = 0; p < type->parameter_count; ++p) {
-            const dttmm_parameter& parameter = type->parameters[p];
-            const std::string name = parameter.name;
-            const size_t dot = name.find('.');
-            const bool must = parameter.flags & DTTMM_PARAMETER_REQUIRED;
-            if (dot == std::string::npos) {
-                properties[name] = property_of(parameter);
-                if (must) required.push_back(name);
-                continue;
-            }
-            Json& inner = properties[name.substr(0, dot)];
-            if (inner.is_null())
-                inner = {{"type", "object"}, {"additionalProperties", false}, {"properties", Json::object()}};
-            inner["properties"][name.substr(dot + 1)] = property_of(parameter);
-            if (!must) continue;
-            inner["required"].push_back(name.substr(dot + 1));
-            if (std::ranges::find(required, Json(name.substr(0, dot))) == required.end())
-                required.push_back(name.substr(0, dot));
-        }
-        elements.add(type->name, properties, required);
-    }
+    for (const dttmm_element_type* type : catalogue.types)
+        elements.add(type->name, element_properties(*type),
+                     object_of(key_table(type->ends == DTTMM_ENDS_AT ? "element.at" : "element"))["required"]);
     return elements.take();
+}
+
+/// An element whose name and ends its circle gives.
+Json bolt_object(const ElementCatalogue& catalogue) {
+    Json types = Json::array(), cases = Json::array();
+    for (const dttmm_element_type* type : catalogue.types) {
+        if (type->ends == DTTMM_ENDS_AT) continue;
+        types.push_back(type->name);
+        const std::vector<std::string> keys = keys_of(element_properties(*type), {"name", "from", "to"});
+        cases.push_back({{"if", {{"properties", {{"type", {{"const", type->name}}}}}, {"required", {"type"}}}},
+                         {"then", {{"propertyNames", {{"enum", keys}}}}}});
+    }
+    return {{"type", "object"},
+            {"description", key_table("bolt").help},
+            {"properties", {{"type", {{"enum", types}}}}},
+            {"required", {"type"}},
+            {"allOf", cases}};
+}
+
+/// Keys of all of a kind, of which any may be missing.
+Json defaults_object(const ElementCatalogue& catalogue) {
+    Json object = object_of(key_table("defaults"));
+    for (const Key& key : key_table("defaults").keys)
+        object["properties"][key.name] =
+            table_of_keys(keys_of(object_of(key_table(key.table))["properties"], {"name"}), key.help);
+    for (const dttmm_element_type* type : catalogue.types)
+        object["properties"][type->name] =
+            table_of_keys(keys_of(element_properties(*type), {"name", "type"}), "keys of every element of this type");
+    return object;
 }
 
 }  // namespace
@@ -246,11 +316,13 @@ Json make_schema(const ElementCatalogue& catalogue) {
     Json definitions = Json::object();
     for (const KeyTable& table : key_tables()) {
         const std::string_view name = table.name;
-        if (name != "file" && name != "element" && name != "element.at" && !name.starts_with("signal."))
+        if (name != "file" && name != "element" && name != "element.at" && name != "section" && !name.starts_with("signal."))
             definitions[table.name] = object_of(table);
     }
     definitions["signal"] = signal_object();
     definitions["element"] = element_object(catalogue);
+    definitions["bolt"] = bolt_object(catalogue);
+    definitions["defaults"] = defaults_object(catalogue);
     schema["definitions"] = std::move(definitions);
     return schema;
 }

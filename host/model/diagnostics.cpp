@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
+#include <tuple>
 
 #include "model/index.h"
 
@@ -14,13 +16,19 @@ Place Diagnostics::option_place(std::string option) {
     return {0, as_int(options_.size())};
 }
 
+int Diagnostics::add_file(std::string file) {
+    files_.push_back(std::move(file));
+    return as_int(files_.size()) - 1;
+}
+
 std::string Diagnostics::place_text(Place place) const {
-    if (place.line > 0) return fmt::format("{}:{}:{}", file_, place.line, place.column);
-    return place.column > 0 ? options_.at(as_size(place.column) - 1) : file_;
+    if (place.line > 0) return fmt::format("{}:{}:{}", files_.at(as_size(place.file)), place.line, place.column);
+    return place.column > 0 ? options_.at(as_size(place.column) - 1) : files_.at(as_size(place.file));
 }
 
 std::string Diagnostics::line_text(Place place) const {
-    return place.line > 0 ? fmt::format("line {}", place.line) : place_text(place);
+    if (place.line <= 0) return place_text(place);
+    return fmt::format("line {}{}", place.line, place.file > 0 ? " of " + files_.at(as_size(place.file)) : "");
 }
 
 void Diagnostics::throw_if_errors() const {
@@ -37,9 +45,23 @@ void Diagnostics::throw_if_errors() const {
 std::vector<Warning> Diagnostics::warnings() const { return in_order(warnings_); }
 
 std::vector<Warning> Diagnostics::in_order(std::vector<Diagnostic> diagnostics) const {
-    std::stable_sort(diagnostics.begin(), diagnostics.end(), [](const auto& a, const auto& b) { return a.place < b.place; });
+    std::stable_sort(diagnostics.begin(), diagnostics.end(), [](const auto& a, const auto& b) {
+        const auto order = [](const Place& p) { return std::tuple(p.file, p.line, p.column, p.copy); };
+        return order(a.place) < order(b.place);
+    });
     std::vector<Warning> result;
-    for (const Diagnostic& d : diagnostics) result.push_back({d.code, place_text(d.place) + ": " + d.text});
+    for (auto first = diagnostics.begin(); first != diagnostics.end();) {
+        const auto is_elsewhere = [&](const Diagnostic& d) { return !d.place.is_same_text(first->place); };
+        const auto end = std::find_if(first, diagnostics.end(), is_elsewhere);
+        std::set<int> copies;
+        for (auto d = first; d != end; ++d) copies.insert(d->place.copy);
+        const std::size_t others = copies.size() - 1;
+        const std::string note =
+            others == 0 ? "" : fmt::format(" (and in {} more cop{} of this)", others, others == 1 ? "y" : "ies");
+        for (auto d = first; d != end && d->place.copy == first->place.copy; ++d)
+            result.push_back({d->code, place_text(d->place) + ": " + d->text + note});
+        first = end;
+    }
     return result;
 }
 

@@ -14,7 +14,13 @@ namespace dttmm::host {
 struct Place {
     int line = 0;
     int column = 0;
+    int file = 0;  ///< 0: the model file; else as Diagnostics::add_file numbered it
+    int copy = 0;  ///< of what a pattern makes: the number of the copy, counted through the model; 0: as written
     auto operator<=>(const Place&) const = default;
+
+    bool is_same_text(const Place& other) const {
+        return line == other.line && column == other.column && file == other.file;
+    }
 };
 
 /// The model cannot be run as written: every fault found, one per line, in the order of the file.
@@ -28,7 +34,10 @@ class Diagnostics {
 public:
     static constexpr int kMostShown = 50;
 
-    explicit Diagnostics(std::string file) : file_(std::move(file)) {}
+    explicit Diagnostics(std::string file) : files_{std::move(file)} {}
+
+    /// A further file, for places in it: its number.
+    int add_file(std::string file);
 
     void error(Place place, std::string text) { errors_.push_back({place, {}, std::move(text)}); }
     void warning(Place place, std::string code, std::string text) {
@@ -41,15 +50,16 @@ public:
     /// "file:line:column", or the option.
     std::string place_text(Place place) const;
 
-    /// "line 12", or the option: the other place a message speaks of.
+    /// "line 12", "line 12 of bolts.toml" of a further file, or the option: the other place a message speaks of.
     std::string line_text(Place place) const;
 
     bool has_errors() const { return !errors_.empty(); }
 
-    /// Throws ModelError if there was an error; at most kMostShown are spelt out.
+    /// Throws ModelError if there was an error; at most kMostShown are spelt out. Of those in copies of the same text the
+    /// first copy's are spelt out, and the other copies are counted.
     void throw_if_errors() const;
 
-    /// The warnings in the order of the file, each text with its place.
+    /// The warnings in the order of the file, each text with its place; of copies as for errors.
     std::vector<Warning> warnings() const;
 
 private:
@@ -60,8 +70,7 @@ private:
     };
     std::vector<Warning> in_order(std::vector<Diagnostic> diagnostics) const;
 
-    std::string file_;
-    std::vector<std::string> options_;
+    std::vector<std::string> files_, options_;
     std::vector<Diagnostic> errors_, warnings_;
 };
 

@@ -50,6 +50,93 @@ constexpr Key kFile[] = {
      "",
      "load"},
     {"case", Kind::tables, "loads that act together, for `dttmm static` and --case", "", "", 0, {}, "", "case"},
+    {"defaults",
+     Kind::table,
+     "keys of all elements of a type, or of all bodies, joints, loads",
+     "none",
+     "",
+     0,
+     {},
+     "",
+     "defaults"},
+    {"repeat", Kind::tables, "tables that are written once and stand for several", "", "", 0, {}, "", "repeat"},
+    {"bolt_circle", Kind::tables, "equal elements on a circle between two bodies", "", "", 0, {}, "", "bolt_circle"},
+    {"probe", Kind::tables, "a place on a beam, rod or body whose motion is recorded", "", "", 0, {}, "", "probe"},
+};
+
+constexpr Key kProbe[] = {
+    {"name", Kind::text, "of its channels", kRequired},
+    {"on", Kind::text, "a beam or rod, which gets a node there; or a body, which gets a marker", kRequired},
+    {"at", Kind::number, "on a beam or rod: the distance from its `from` end", "", "m", 1, kPositive},
+    {"position", Kind::numbers, "on a body: the point in its axes, from its origin", "", "m", 3, kOnBody},
+};
+
+constexpr Key kSection[] = {
+    {"length", Kind::number, "along the line; together as far as its ends are apart", kRequired, "m", 1, kPositive},
+};
+
+constexpr Key kDefaults[] = {
+    {"body", Kind::table, "keys of every [[body]] that has not these keys itself", "none", "", 0, {}, "", "body"},
+    {"joint", Kind::table, "the same of every [[joint]]", "none", "", 0, {}, "", "joint"},
+    {"load", Kind::table, "the same of every [[load]]", "none", "", 0, {}, "", "load"},
+};
+
+constexpr Key kIndexName = {"index", Kind::text,
+                            "its name: \"{i}\" in names and other texts, i in expressions, is its value in each copy",
+                            kRequired};
+constexpr Key kCount = {"count", Kind::number, "the index is 1, 2, ... count; or values", "", "1", 1, {1, kMostCopies}};
+constexpr Key kValues = {"values", Kind::numbers, "instead: the values of the index, numbers or texts", "", "1", 0};
+
+// What a model may have several of, as in the file
+constexpr Key kRepeat[] = {
+    kIndexName,
+    kCount,
+    kValues,
+    {"parameters", Kind::named, "parameters, as \"k{i}\" = \"500 N/mm\"; count and values then use no parameter"},
+    {"nodes", Kind::named, "nodes, as \"low{i}\" = [\"=R*cos(pi*i/4)\", \"=R*sin(pi*i/4)\", 0]", "", "m", 3, {}, "", "node"},
+    {"body", Kind::tables, "a rigid body", "", "", 0, {}, "", "body"},
+    {"joint", Kind::tables, "an ideal joint", "", "", 0, {}, "", "joint"},
+    {"element", Kind::tables, "an element", "", "", 0, {}, "", "element"},
+    {"load", Kind::tables, "a load", "", "", 0, {}, "", "load"},
+    {"case", Kind::tables, "a load case", "", "", 0, {}, "", "case"},
+    {"probe", Kind::tables, "a probe", "", "", 0, {}, "", "probe"},
+    {"bolt_circle", Kind::tables, "a bolt circle", "", "", 0, {}, "", "bolt_circle"},
+    {"repeat", Kind::tables, "a pattern within the pattern, with an index of its own", "", "", 0, {}, "", "repeat"},
+};
+
+constexpr Key kBodyRepeat[] = {
+    kIndexName,
+    kCount,
+    kValues,
+    {"markers", Kind::named, "markers, as \"b{i}\" = [\"=R*cos(pi*i/4)\", \"=R*sin(pi*i/4)\", 0]", "", "m", 3, kOnBody, "",
+     "marker"},
+    {"repeat", Kind::tables, "a pattern within the pattern, with an index of its own", "", "", 0, {}, "", "body.repeat"},
+};
+
+constexpr Key kBoltCircle[] = {
+    {"name", Kind::text, "its elements, and their markers on the bodies, are called name1, name2, ...", kRequired},
+    {"count", Kind::number, "of bolts", kRequired, "1", 1, {1, kMostCopies}},
+    {"radius", Kind::number, "of the circle", kRequired, "m", 1, kPositive},
+    {"from", Kind::place, "body or marker in the centre of the circle, whose axes count; or \"ground\"", kRequired},
+    {"to", Kind::place, "the same of the other end", kRequired},
+    {"axis", Kind::numbers, "of the circle, in the axes of from and of to", "[0, 0, 1]", "1", 3},
+    {"zero", Kind::numbers, "where angles about it begin", "the next of x, y, z behind that which axis is nearest to", "1",
+     3},
+    {"start_angle", Kind::number, "of the first bolt, about axis from zero", "0", "rad"},
+    {"index", Kind::text, "a name for the number of the bolt in the texts of element", "none"},
+    {"element",
+     Kind::table,
+     "what every bolt is; its local x points outwards, y along the circle, z along axis, where it has no axes of its own",
+     kRequired,
+     "",
+     0,
+     {},
+     "",
+     "bolt"},
+};
+
+constexpr Key kBolt[] = {
+    {"type", Kind::text, "an element type with two ends; the keys of `dttmm help TYPE` but name, from and to", kRequired},
 };
 
 constexpr Key kSimulation[] = {
@@ -163,6 +250,7 @@ constexpr Key kBody[] = {
     {"angular_velocity", Kind::numbers, "at the start, world axes", "[0, 0, 0]", "rad/s", 3},
     {"markers", Kind::named, "points of the body by name: [x, y, z] from its origin, or a table with axes", "", "m", 3,
      kOnBody, "", "marker"},
+    {"repeat", Kind::tables, "markers that are written once and stand for several", "", "", 0, {}, "", "body.repeat"},
 };
 
 constexpr Key kInertia[] = {
@@ -279,6 +367,15 @@ constexpr Key kElement[] = {
      {},
      "from|to",
      "rotation"},
+    {"sections",
+     Kind::tables,
+     "of a beam or rod: several behind each other, from the `from` end",
+     "one",
+     "",
+     0,
+     {},
+     "",
+     "section"},
     {"motion", Kind::table, "of an end on the ground: how a support moves it, world", "still", "", 0, {}, "", "node.motion"},
 };
 
@@ -381,6 +478,22 @@ constexpr KeyTable kTables[] = {
     {"joint", "[[joint]]", "an ideal joint; its force acts on the first body", "joint", kJoint},
     {"load", "[[load]]", "a force, a moment or a force per length", "spring_damper", kLoad},
     {"case", "[[case]]", "a load case: the loads that act, and how often", "beam", kCase},
+    {"defaults", "[defaults]",
+     "keys that are written once for all: [defaults.beam] of every beam, so of each element type; own keys count whole",
+     "repeat", kDefaults},
+    {"repeat", "[[repeat]]", "tables that are written once and stand for several: one for each value of the index", "repeat",
+     kRepeat},
+    {"body.repeat", "[[body.repeat]]", "the same of the markers of a body", "repeat", kBodyRepeat},
+    {"bolt_circle", "[[bolt_circle]]", "equal elements on a circle between two bodies, or a body and the ground",
+     "bolt_circle", kBoltCircle},
+    {"probe", "[[probe]]",
+     "a place whose motion is recorded; on a beam or rod its section too: force and moment of the element behind it, "
+     "BEAM_NAME",
+     "probe", kProbe},
+    {"section", "sections = [{ }]",
+     "one of the sections of a beam or rod, with any keys of its type, which count before those of the element", "probe",
+     kSection},
+    {"bolt", "element = { }", "the element that each bolt of a circle is", "bolt_circle", kBolt},
     {"element", "[[element]]", "an element between two ends; `dttmm help TYPE` has the keys of its type", "spring_damper",
      kElement},
     {"element.at", "[[element]]", "an element at nodes", "rigid_body", kElementAt},

@@ -23,6 +23,7 @@ struct Marker {
     std::string name;
     Eigen::Vector3d position = Eigen::Vector3d::Zero();      ///< in the body's axes, from the body's origin [m]
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< the marker's axes in the body's axes
+    bool is_probe = false;                                   ///< its motion is recorded by default
 };
 
 struct Body {

@@ -15,9 +15,15 @@ std::string NameRegistry::add(const ReadContext& context, Place place, const std
         return normal;
     }
     const auto [other, is_new] = places_.emplace(normal, place);
-    if (!is_new)
-        context.diagnostics.error(place, fmt::format("{} name {} on line {} is taken already, on line {}", kind_,
-                                                     quote(normal), place.line, other->second.line));
+    if (is_new) return normal;
+    if (place.copy > 0 && place.is_same_text(other->second))
+        context.diagnostics.error(
+            place, fmt::format("{} name {} is the same in every copy; put the index in braces into it, as \"{}{{i}}\"",
+                               kind_, quote(normal), normal));
+    else
+        context.diagnostics.error(
+            place, fmt::format("{} name {} on {} is taken already, on {}", kind_, quote(normal),
+                               context.diagnostics.line_text(place), context.diagnostics.line_text(other->second)));
     return normal;
 }
 
@@ -31,20 +37,22 @@ const Place* NameRegistry::find(const std::string& name) const {
     return found == places_.end() ? nullptr : &found->second;
 }
 
-std::vector<std::string> find_name_conflicts(const std::string& name, const std::vector<const NameRegistry*>& others) {
+std::vector<std::string> find_name_conflicts(const Diagnostics& diagnostics, const std::string& name,
+                                             const std::vector<const NameRegistry*>& others) {
     std::vector<std::string> conflicts;
     if (name == "time" || name == "energy" || name == "ground")
         conflicts.push_back(fmt::format("the name \"{}\" is reserved", name));
     for (const NameRegistry* names : others)
         if (const Place* other = names->find(name))
-            conflicts.push_back(fmt::format("the {} on line {} has the same name; results could not be told apart",
-                                            names->kind(), other->line));
+            conflicts.push_back(fmt::format("the {} on {} has the same name; results could not be told apart", names->kind(),
+                                            diagnostics.line_text(*other)));
     return conflicts;
 }
 
 void check_name(const TableReader& table, const std::string& name, const std::vector<const NameRegistry*>& others) {
     const Place place = table.find("name") ? table.find("name")->value.place : table.place();
-    for (const std::string& conflict : find_name_conflicts(name, others)) table.error(place, conflict);
+    for (const std::string& conflict : find_name_conflicts(table.context().diagnostics, name, others))
+        table.error(place, conflict);
 }
 
 std::string entry_label(const char* kind, const TomlValue& entry, std::size_t index) {

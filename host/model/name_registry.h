@@ -31,7 +31,8 @@ private:
 };
 
 /// What speaks against a name: it is reserved, or a thing of another kind has it, so that results could not be told apart.
-std::vector<std::string> find_name_conflicts(const std::string& name, const std::vector<const NameRegistry*>& others);
+std::vector<std::string> find_name_conflicts(const Diagnostics& diagnostics, const std::string& name,
+                                             const std::vector<const NameRegistry*>& others);
 
 /// Reports the same of the `name` of a table.
 void check_name(const TableReader& table, const std::string& name, const std::vector<const NameRegistry*>& others = {});

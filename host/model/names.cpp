@@ -23,6 +23,7 @@ bool is_name_character(utf8proc_int32_t character) {
 
 std::string character_text(utf8proc_int32_t character) {
     if (character == '.') return "a dot (it separates body from marker)";
+    if (character == '{' || character == '}') return "a brace (braces hold the index of a [[repeat]], and this is in none)";
     if (character > ' ' && character < 0x7f) return fmt::format("'{}'", static_cast<char>(character));
     return fmt::format("the character U+{:04X}", character);
 }

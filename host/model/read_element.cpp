@@ -23,6 +23,7 @@ constexpr double kFarApart = 100;  // [m] a bolt of a part whose millimetres wer
 
 std::vector<std::string> keys_of(const dttmm_element_type& type) {
     std::vector<std::string> keys = names_of(key_table(type.ends == DTTMM_ENDS_AT ? "element.at" : "element"));
+    std::erase(keys, "sections");  // divided by now, where the type has them
     for (std::string& key : parameter_keys(type)) keys.push_back(std::move(key));
     return keys;
 }

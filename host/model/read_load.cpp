@@ -178,20 +178,8 @@ std::vector<Load> read_unbalance(const TableReader& table, const TomlMember& mag
     const auto size = table.number("unbalance");
     const auto phase = table.number("phase", 0);
     const Eigen::Vector3d axis = about.direction;
-    Eigen::Index nearest = 0;
-    axis.cwiseAbs().maxCoeff(&nearest);
-    Eigen::Vector3d zero = Eigen::Vector3d::Unit((nearest + 1) % 3);
-    if (table.find("zero")) {
-        const auto given = read_direction(table, "zero");
-        if (!given) return {};
-        zero = *given;
-    }
-    zero -= axis.dot(zero) * axis;
-    if (!(zero.norm() > 1e-6)) {
-        table.error(table.find("zero")->place, "zero lies along direction, about which the unbalance turns");
-        return {};
-    }
-    if (!size || !phase) return {};
+    const auto zero = read_zero(table, "zero", axis, "direction, about which the unbalance turns");
+    if (!zero || !size || !phase) return {};
     const Constants& constants = table.context().parameters.constants();
     HarmonicSignal::Numbers numbers;
     numbers.formula = std::make_shared<const Expression>(fmt::format("({:.17g})*{}^2", *size, kSpeed), constants, kSpeed);
@@ -201,7 +189,7 @@ std::vector<Load> read_unbalance(const TableReader& table, const TomlMember& mag
     for (const int part : {0, 1}) {
         Load load = about;
         load.place = table.context().diagnostics.place_text(magnitude.place);
-        load.direction = part == 0 ? zero.normalized() : Eigen::Vector3d(axis.cross(zero.normalized()));
+        load.direction = part == 0 ? *zero : Eigen::Vector3d(axis.cross(*zero));
         numbers.phase = *phase - part * std::numbers::pi / 2;
         load.signal = Signal(std::make_shared<const HarmonicSignal>(numbers));
         loads.push_back(load);

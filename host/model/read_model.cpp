@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "model/read_model.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 
 #include "model/attachments.h"
+#include "model/expanded_file.h"
 #include "model/index.h"
 #include "model/name_registry.h"
 #include "model/read_body.h"
@@ -19,7 +16,7 @@
 #include "model/read_load.h"
 #include "model/read_node.h"
 #include "model/read_signal.h"
-#include "model/toml_text.h"
+#include "model/text_file.h"
 #include "model/vibrations.h"
 #include "model/wording.h"
 
@@ -27,66 +24,6 @@ namespace dttmm::host {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string format_word() { return find_key(key_table("file"), "format")->words; }
-
-/// To its end, also where its size is said to be 0: what cannot be read is no empty file. Returns errno, 0 if all is well.
-int read_to_end(int descriptor, std::string& text) {
-    char piece[64 * 1024];
-    ssize_t size = 1;
-    while (size != 0 && text.size() <= kLargestFile) {
-        size = ::read(descriptor, piece, sizeof piece);
-        if (size > 0) text.append(piece, as_size(size));
-        if (size < 0 && errno != EINTR) return errno;
-    }
-    text.resize(std::min(text.size(), kLargestFile + 1));
-    return 0;
-}
-
-/// Read once: a command may look at its model several times.
-const std::string& standard_input() {
-    static const std::string text = [] {
-        std::string read;
-        if (const int reason = read_to_end(STDIN_FILENO, read))
-            throw Error(ExitCode::input_output, fmt::format("the standard input cannot be read: {}", std::strerror(reason)));
-        return read;
-    }();
-    return text;
-}
-
-std::string read_text(const fs::path& file) {
-    const auto fail = [&](const std::string& why) {
-        throw Error(ExitCode::input_output, fmt::format("{}: {}", file.string(), why));
-    };
-    if (file == "-") return standard_input();
-    std::error_code error;
-    const fs::file_status status = fs::status(file, error);
-    if (status.type() == fs::file_type::not_found) fail("there is no such file");
-    if (!fs::status_known(status)) fail("cannot be read: " + error.message());
-    if (!fs::is_regular_file(status)) fail("is not a regular file");
-    const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
-    if (descriptor < 0) fail(fmt::format("cannot be read: {}", std::strerror(errno)));
-    std::string text;
-    const int reason = read_to_end(descriptor, text);
-    ::close(descriptor);
-    if (reason) fail(fmt::format("cannot be read: {}", std::strerror(reason)));
-    return text;
-}
-
-/// Whether the rest of the file can be judged: it is of the format this version reads, or forgets to say so. Reports where
-/// it is not of that format.
-bool check_format(const TomlValue& document, Diagnostics& diagnostics) {
-    const TomlMember* format = document.find("format");
-    if (!format) {
-        diagnostics.error({1, 1}, fmt::format("no format key; begin the file with: format = \"{}\"", format_word()));
-        return !document.members.empty();
-    }
-    if (format->value.is_text() && format->value.string == format_word()) return true;
-    const std::string got =
-        format->value.is_text() ? quote(format->value.string) : std::string(kind_text(format->value.kind));
-    diagnostics.error(format->value.place, fmt::format("this version reads format \"{}\" only, got {}", format_word(), got));
-    return false;
-}
 
 /// A run moves in all directions.
 void check_dofs(const TableReader& file) {
@@ -240,26 +177,26 @@ void refuse_loss_factors(const Model& model, const ElementCatalogue& catalogue) 
 }  // namespace
 
 Model read_model(const fs::path& file, const ElementCatalogue& catalogue, const ModelOverrides& overrides) {
-    return parse_model(read_text(file), file, catalogue, overrides);
+    return parse_model(read_text_file(file), file, catalogue, overrides);
 }
 
 Model parse_model(std::string_view text, const fs::path& file, const ElementCatalogue& catalogue,
                   const ModelOverrides& overrides) {
-    Diagnostics diagnostics(file == "-" ? "<standard input>" : file.string());
-    const auto document = parse_toml(text, diagnostics);
-    if (!document || !check_format(*document, diagnostics)) diagnostics.throw_if_errors();
+    ExpandedFile expanded(text, file, catalogue, overrides);
+    Diagnostics& diagnostics = expanded.diagnostics;
+    const Parameters& parameters = *expanded.parameters;
     Model model;
     model.path = file.string();
     model.source = text;
-
-    const TomlMember* table = document->find("parameters");
-    const Parameters parameters(table ? &table->value : nullptr, overrides.parameters, diagnostics);
     model.parameters = parameters.all();
-
-    const ReadContext context{parameters, diagnostics, file.parent_path(), model.files, overrides.instant};
-    const TableReader root(context, *document, "", key_table("file"));
+    const ReadContext context = expanded.context();
+    const TableReader root(context, expanded.document, "", key_table("file"));
     read_contents(root, catalogue, overrides, model);
+    for (Body& body : model.bodies)
+        for (Marker& marker : body.markers)
+            marker.is_probe = std::ranges::find(expanded.probes, body.name + "." + marker.name) != expanded.probes.end();
     diagnostics.throw_if_errors();
+    model.files = expanded.inputs.read;
     if (overrides.purpose == Purpose::histories) warn_free_bodies(root, model);
     model.warnings = diagnostics.warnings();
     if (overrides.purpose == Purpose::histories) {

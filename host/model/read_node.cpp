@@ -80,7 +80,7 @@ std::vector<Node> read_nodes(const TableReader& file, const std::vector<const Na
     }
     for (const TomlMember& entry : member->value.members) {
         nodes.push_back(read_node(file.context(), entry, names));
-        for (const std::string& conflict : find_name_conflicts(nodes.back().name, others))
+        for (const std::string& conflict : find_name_conflicts(file.context().diagnostics, nodes.back().name, others))
             file.context().diagnostics.error(entry.place, fmt::format("node {}: {}", quote(entry.key), conflict));
     }
     return nodes;

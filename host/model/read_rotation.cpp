@@ -60,4 +60,20 @@ std::optional<Eigen::Vector3d> read_direction(const TableReader& table, const ch
     return std::nullopt;
 }
 
+std::optional<Eigen::Vector3d> read_zero(const TableReader& table, const char* key, const Eigen::Vector3d& axis,
+                                         const char* axis_name) {
+    Eigen::Index nearest = 0;
+    axis.cwiseAbs().maxCoeff(&nearest);
+    Eigen::Vector3d zero = Eigen::Vector3d::Unit((nearest + 1) % 3);
+    if (table.find(key)) {
+        const auto given = read_direction(table, key);
+        if (!given) return std::nullopt;
+        zero = *given;
+    }
+    zero -= axis.dot(zero) * axis;
+    if (zero.norm() > 1e-6) return zero.normalized();
+    table.error(table.find(key)->place, fmt::format("{} lies along {}", key, axis_name));
+    return std::nullopt;
+}
+
 }  // namespace dttmm::host

@@ -25,4 +25,10 @@ std::optional<Eigen::Matrix3d> read_axis_and_angle(const TableReader& outer, con
 /// A vector that is not zero, scaled to length 1. Reports faults and then returns nothing.
 std::optional<Eigen::Vector3d> read_direction(const TableReader& table, const char* key);
 
+/// The unit vector across `axis`, a unit vector, from which angles about it count: the part of the vector `key` across it;
+/// without that key, of the next of x, y, z behind that which `axis` is nearest to. `axis_name` names the axis in messages.
+/// Reports faults and then returns nothing.
+std::optional<Eigen::Vector3d> read_zero(const TableReader& table, const char* key, const Eigen::Vector3d& axis,
+                                         const char* axis_name);
+
 }  // namespace dttmm::host

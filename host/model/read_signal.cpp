@@ -257,8 +257,9 @@ std::optional<Signal> read_file_table(const TableReader& table, int derivative) 
         if (const TomlMember* member = table.find(key))
             table.error(member->place, fmt::format("{} and file exclude each other", key));
     try {
-        TimeTable columns = read_table_file(table.context().folder, *name, unit_of_derivative(table, derivative));
-        table.context().files.push_back(table.context().folder / *name);
+        const std::filesystem::path& folder = table.context().folder_of(table.find("file")->value.place);
+        TimeTable columns = read_table_file(folder, *name, unit_of_derivative(table, derivative));
+        table.context().inputs.read.push_back(folder / *name);
         return make_table(table, std::move(columns.times), std::move(columns.values), derivative);
     } catch (const Error& error) {
         table.error(table.find("file")->value.place, error.what());

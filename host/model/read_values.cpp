@@ -90,8 +90,9 @@ std::optional<std::vector<std::vector<double>>> read_rows(const TableReader& tab
     const ReadContext& context = table.context();
     if (value.is_text()) {
         try {
-            auto rows = read_columns_file(context.folder, value.string, columns);
-            context.files.push_back(context.folder / value.string);
+            const std::filesystem::path& folder = context.folder_of(value.place);
+            auto rows = read_columns_file(folder, value.string, columns);
+            context.inputs.read.push_back(folder / value.string);
             return rows;
         } catch (const Error& error) {
             table.error(value.place, error.what());

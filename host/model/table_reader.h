@@ -15,13 +15,23 @@
 
 namespace dttmm::host {
 
+/// The files that a model is made of.
+struct InputFiles {
+    std::vector<std::filesystem::path> folders = {{}};  ///< by Place::file: where the files that it names are looked for
+    std::vector<std::filesystem::path> read = {};       ///< beside the model file, in turn
+};
+
 /// What every part of the reader works with.
 struct ReadContext {
     const Parameters& parameters;
     Diagnostics& diagnostics;
-    std::filesystem::path folder;               ///< of the model file
-    std::vector<std::filesystem::path>& files;  ///< that the model names and that were read, in turn
-    double instant = 0;                         ///< the first at which loads and motions count [s]
+    InputFiles& inputs;
+    double instant = 0;  ///< the first at which loads and motions count [s]
+
+    /// Where a file that is named at this place is looked for.
+    const std::filesystem::path& folder_of(Place place) const {
+        return inputs.folders.at(static_cast<std::size_t>(place.file));
+    }
 };
 
 /// The bound that `number` breaks, "more than 0 N/m"; empty if it breaks none.

@@ -33,29 +33,32 @@ namespace {
 
 using Kind = TomlValue::Kind;
 
-Place make_place(const toml::source_position& position) { return {as_int(position.line), as_int(position.column)}; }
+Place make_place(const toml::source_position& position, int file = 0) {
+    return {as_int(position.line), as_int(position.column), file};
+}
 
-Place place_of(const toml::key& key) { return make_place(key.source().begin); }
+Place place_of(const toml::key& key, int file = 0) { return make_place(key.source().begin, file); }
 
-TomlValue make_value(const toml::node& node);
+TomlValue make_value(const toml::node& node, int file);
 
-std::vector<TomlMember> make_members(const toml::table& table) {
+std::vector<TomlMember> make_members(const toml::table& table, int file) {
     std::vector<TomlMember> members;
     members.reserve(table.size());
-    for (const auto& [key, value] : table) members.push_back({std::string(key.str()), place_of(key), make_value(value)});
+    for (const auto& [key, value] : table)
+        members.push_back({std::string(key.str()), place_of(key, file), make_value(value, file)});
     std::sort(members.begin(), members.end(), [](const auto& a, const auto& b) { return a.place < b.place; });
     return members;
 }
 
-TomlValue make_value(const toml::node& node) {
+TomlValue make_value(const toml::node& node, int file) {
     TomlValue value;
-    value.place = make_place(node.source().begin);
+    value.place = make_place(node.source().begin, file);
     if (const auto* table = node.as_table()) {
-        value.members = make_members(*table);
+        value.members = make_members(*table, file);
     } else if (const auto* array = node.as_array()) {
         value.kind = Kind::array;
         value.items.reserve(array->size());
-        for (const toml::node& item : *array) value.items.push_back(make_value(item));
+        for (const toml::node& item : *array) value.items.push_back(make_value(item, file));
     } else if (const auto* text = node.as_string()) {
         value.kind = Kind::text;
         value.string = text->get();
@@ -65,8 +68,11 @@ TomlValue make_value(const toml::node& node) {
     } else if (const auto* real = node.as_floating_point()) {
         value.kind = Kind::real;
         value.number = real->get();
+    } else if (const auto* boolean = node.as_boolean()) {
+        value.kind = Kind::boolean;
+        value.number = boolean->get() ? 1 : 0;
     } else {
-        value.kind = node.is_boolean() ? Kind::boolean : Kind::date;
+        value.kind = Kind::date;
     }
     return value;
 }
@@ -154,8 +160,8 @@ std::string pointed_at(std::string_view line, int column) {
     return fmt::format("\n    {}\n    {:>{}}", line, '^', column);
 }
 
-void report(const toml::parse_error& error, std::string_view text, Diagnostics& diagnostics) {
-    Place place = make_place(error.source().begin);
+void report(const toml::parse_error& error, std::string_view text, Diagnostics& diagnostics, int file) {
+    Place place = make_place(error.source().begin, file);
     std::string message = message_of(error);
     const auto says = [&](const char* words) { return message.find(words) != message.npos; };
     const Line line = line_of(text, place.line);
@@ -207,15 +213,15 @@ std::string_view kind_text(Kind kind) {
     return "a value";
 }
 
-std::optional<TomlValue> parse_toml(std::string_view text, Diagnostics& diagnostics) {
+std::optional<TomlValue> parse_toml(std::string_view text, Diagnostics& diagnostics, int file) {
     if (const auto fault = find_text_fault(text)) {
-        diagnostics.error(fault->place, fault->text);
+        diagnostics.error({fault->place.line, fault->place.column, file}, fault->text);
         return std::nullopt;
     }
     try {
-        return make_value(toml::parse(text));
+        return make_value(toml::parse(text), file);
     } catch (const toml::parse_error& error) {
-        report(error, text, diagnostics);
+        report(error, text, diagnostics, file);
         return std::nullopt;
     }
 }

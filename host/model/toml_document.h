@@ -19,7 +19,7 @@ struct TomlValue {
 
     Kind kind = Kind::table;
     Place place;
-    double number = 0;                ///< integer and real; an infinity or NaN if the file says so
+    double number = 0;                ///< integer and real, an infinity or NaN if the file says so; boolean: 1 or 0
     std::string string;               ///< text
     std::vector<TomlValue> items;     ///< array
     std::vector<TomlMember> members;  ///< table, in the order of the file
@@ -43,6 +43,7 @@ struct TomlMember {
 std::string_view kind_text(TomlValue::Kind kind);
 
 /// The document as a table. A fault of syntax goes to `diagnostics` and gives nothing: the parser cannot look beyond it.
-std::optional<TomlValue> parse_toml(std::string_view text, Diagnostics& diagnostics);
+/// file: that of all places, as Diagnostics::add_file numbered it.
+std::optional<TomlValue> parse_toml(std::string_view text, Diagnostics& diagnostics, int file = 0);
 
 }  // namespace dttmm::host

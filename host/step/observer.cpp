@@ -125,9 +125,9 @@ void Observer::declare_bodies(const Model& model) {
             const Marker& marker = bodies_[b].markers[m];
             const std::string point = name + "." + marker.name;
             markers_.push_back({b, marker.position - bodies_[b].center_of_mass});
-            add_vector(Of::marker, point, "acceleration", "m/s^2", used.contains({as_int(b), as_int(m)}));
-            add_vector(Of::marker, point, "position", "m", false);
-            add_vector(Of::marker, point, "velocity", "m/s", false);
+            add_vector(Of::marker, point, "acceleration", "m/s^2", marker.is_probe || used.contains({as_int(b), as_int(m)}));
+            add_vector(Of::marker, point, "position", "m", marker.is_probe);
+            add_vector(Of::marker, point, "velocity", "m/s", marker.is_probe);
         }
     }
 }

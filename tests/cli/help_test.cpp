@@ -111,6 +111,20 @@ TEST(Help, ShowsEveryElementTypeInAModelThatRuns) {
     }
 }
 
+// Oracle: the model is valid, has a table of that kind, and runs.
+TEST(Help, ShowsPatternsInModelsThatRun) {
+    const TemporaryFolder folder;
+    for (const std::string topic : {"repeat", "body.repeat", "bolt_circle", "probe", "section"}) {
+        const Ended help = run_dttmm("/", {"help", topic});
+        EXPECT_EQ(help.code, 0);
+        write_text(folder / "model.toml", model_in(help.out));
+        EXPECT_THAT(model_in(help.out), HasSubstr(topic == "section" ? "sections = [" : "[[" + topic + "]]"));
+        const Ended run = run_dttmm(folder.path(), {"run", ".", "-q", "-o", "out"});
+        EXPECT_EQ(run.code, 0) << topic << run.err;
+        EXPECT_EQ(run.err, "") << topic;
+    }
+}
+
 // Oracle: the words of the fault; a topic of a foreign plugin comes from its table.
 TEST(Help, KnowsForeignElementsAndNearTopics) {
     const Ended wrong = run_dttmm("/", {"help", "beem"});

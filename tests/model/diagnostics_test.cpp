@@ -27,6 +27,29 @@ TEST(Diagnostics, FiftyErrorsAreShownAndTheRestCounted) {
     EXPECT_TRUE(text.ends_with("m.toml:50:1: x\nand 3 more errors")) << text;
 }
 
+// Oracle: the places as a compiler would print them; the further file comes behind the model file.
+TEST(Diagnostics, PlacesOfAFurtherFileNameIt) {
+    Diagnostics diagnostics("m.toml");
+    const int bolts = diagnostics.add_file("parts/bolts.toml");
+    diagnostics.error({2, 9, bolts}, "there");
+    diagnostics.error({7, 3}, "here");
+    EXPECT_EQ(error_of([&] { diagnostics.throw_if_errors(); }), "m.toml:7:3: here\nparts/bolts.toml:2:9: there");
+    EXPECT_EQ(diagnostics.line_text({2, 9, bolts}), "line 2 of parts/bolts.toml");
+    EXPECT_EQ(diagnostics.line_text({7, 3}), "line 7");
+}
+
+TEST(Diagnostics, OfCopiesTheFirstIsSpeltOutAndTheOthersAreCounted) {
+    Diagnostics diagnostics("m.toml");
+    for (const int copy : {3, 2, 4}) {
+        diagnostics.error({5, 1, 0, copy}, fmt::format("bolt{}: wrong", copy));
+        diagnostics.error({5, 1, 0, copy}, fmt::format("bolt{}: bad", copy));
+    }
+    diagnostics.error({5, 2, 0, 3}, "alone");
+    EXPECT_EQ(error_of([&] { diagnostics.throw_if_errors(); }),
+              "m.toml:5:1: bolt2: wrong (and in 2 more copies of this)\nm.toml:5:1: bolt2: bad (and in 2 more copies of "
+              "this)\nm.toml:5:2: alone");
+}
+
 TEST(Diagnostics, WarningsDoNotThrow) {
     Diagnostics diagnostics("m.toml");
     diagnostics.warning({4, 2}, "odd", "hm");

@@ -35,6 +35,7 @@ constexpr Key kFile[] = {
      {},
      "",
      "damping"},
+    {"study", Kind::table, "cases of `dttmm study`", "", "", 0, {}, "", "study"},
     {"dofs", Kind::directions, "of `dttmm modes` and `dttmm frf`: directions in which bodies and nodes move", "all"},
     {"nodes", Kind::named, "points inside networks, by name", "", "m", 3, {}, "", "node"},
     {"body", Kind::tables, "a rigid body", "", "", 0, {}, "", "body"},
@@ -199,6 +200,26 @@ constexpr Key kDamping[] = {
      "1", 0, kRatio},
     {"mass_rate", Kind::number, "proportional to mass: force on every mass per momentum, against the world", "0", "1/s", 1,
      kNotNegative},
+};
+
+constexpr Key kStudy[] = {
+    {"vary", Kind::texts, "parameters and how they scatter, \"k1..k4 ~ normal(500 N/mm, 10 %)\"", "[]"},
+    {"correlate", Kind::texts, "parameters whose ranks are correlated, \"k1..k4 = 0.5\"", "[]"},
+    {"sweep", Kind::texts, "axes of a grid, \"k1=300N/mm..500N/mm:9\"", "[]"},
+    {"table", Kind::text, "a CSV file of cases, seen from the model's folder", "none"},
+    {"cases", Kind::number, "how many; whole", "none", "1", 1, {1, 1e7}},
+    {"seed", Kind::number, "of the random numbers; whole", "1", "1", 1, {0, 2147483647}},
+    {"design",
+     Kind::word,
+     "how cases are spread",
+     "latin",
+     "",
+     0,
+     {},
+     "latin|sobol|random|one-at-a-time|morris|sobol-indices"},
+    {"command", Kind::word, "what each case does", "run", "", 0, {}, "run|modes|response"},
+    {"figures", Kind::texts, "numbers of each case, \"bolt*.force.z:peak,final\"", "peak and final forces of elements"},
+    {"limit", Kind::number, "a case that takes longer has failed", "none", "s", 1, {1e-3, 1e8}},
 };
 
 constexpr Key kRotationOf = {"rotation", Kind::table, "of its axes against those outside, about an axis", "none", "", 0, {},
@@ -467,6 +488,7 @@ constexpr KeyTable kTables[] = {
     {"output", "[output]", "what a run records", "joint", kOutput},
     {"modes", "[modes]", "natural frequencies", "beam", kModes},
     {"damping", "[damping]", "damping beside that of elements, in vibration at one frequency", "beam", kDamping},
+    {"study", "[study]", "cases of `dttmm study`; options of the command count instead of keys", "study", kStudy},
     {"node", "[nodes]", "a node, name = { ... }, or name = [x, y, z]", "point_mass", kNode},
     {"node.motion", "motion = { }",
      "how a support moves a node or the ground end of an element, from its place at the start, world", "point_mass",

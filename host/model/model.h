@@ -196,9 +196,10 @@ struct Model {
     std::vector<LoadCase> cases;
     std::string load_case;  ///< the one that was asked for, whose factors the loads have; empty: none
     std::vector<Element> elements;
-    bool machine_rests_on_speed = false;       ///< other numbers than amplitudes of orders rest on the parameter Omega
-    std::vector<std::filesystem::path> files;  ///< beside the model file that were read: tables of loads
-    std::vector<Warning> warnings;             ///< of the model file, each text with its place
+    bool machine_rests_on_speed = false;  ///< other numbers than amplitudes of orders rest on the parameter Omega
+    std::vector<std::pair<std::string, std::string>> study;  ///< options of `dttmm study` by [study], "--vary", as texts
+    std::vector<std::filesystem::path> files;                ///< beside the model file that were read: tables of loads
+    std::vector<Warning> warnings;                           ///< of the model file, each text with its place
 };
 
 }  // namespace dttmm::host

@@ -140,6 +140,7 @@ void read_contents(const TableReader& file, const ElementCatalogue& catalogue, c
     check_modes(file);
     model.modes = read_modes(file, overrides.modes);
     model.damping = read_damping(file);
+    model.study = read_study(file);
     if (has_histories && !model.damping.place.empty())
         file.error(file.find("damping")->place,
                    "[damping] acts in modes --damped, frf and response only; a run wants damping of elements: of a spring "

@@ -68,16 +68,43 @@ ExitCode work_somewhere(const Request& request, const StudyFolder& study, const 
     return ExitCode::ok;
 }
 
+/// What the model file says in [study], where the command line does not say it. Options that tell which cases there are
+/// count together: one on the command line replaces all of the file.
+Request with_file(const Request& request, const Model& model) {
+    const auto is_of_cases = [](const std::string& name) {
+        return name == "--vary" || name == "--sweep" || name == "--table" || name == "--cases" || name == "--design" ||
+               name == "--correlate";
+    };
+    const auto is_given = [&](const std::string& name) {
+        return std::ranges::any_of(request.given, [&](const auto& one) { return one.first->name() == name; });
+    };
+    const bool has_cases = is_given("--vary") || is_given("--sweep") || is_given("--table");
+    Request whole = request;
+    for (const auto& [name, value] : model.study)
+        if (!is_given(name) && !(has_cases && is_of_cases(name)))
+            give(whole, option(name, kStudy), name == "--table" ? (request.model.parent_path() / value).string() : value);
+    return whole;
+}
+
+/// The model tells what each case does, and that tells how the model is read.
+Request completed(const Request& request) {
+    Request trial = request;
+    trial.overrides.purpose = Purpose::modes;  // wants least
+    const Plugins plugins(trial.plugins);
+    Request whole = with_file(request, read_model(trial.model, plugins.catalogue(), trial.overrides));
+    if (whole.work == "modes" || whole.work == "response") whole.overrides.purpose = Purpose::modes;
+    return whole;
+}
+
 ExitCode start_study(const Request& request) {
     if (request.model == "-")
         throw Error(ExitCode::usage, "a study keeps a copy of its model: give a file instead of the standard input");
     if (!request.engine.empty()) parse_engine(request.engine);  // a wrong word shows before anything is made
-    Request own = request;
-    if (own.work == "modes" || own.work == "response") own.overrides.purpose = Purpose::modes;
+    const Request own = completed(request);
     const Plugins plugins(own.plugins);
     const Model model = read_model(own.model, plugins.catalogue(), own.overrides);
     const StudyPlan plan = make_plan(own, model, plugins);
-    const StudyFolder study = StudyFolder::make(results_path(request, "-study"), request, plan, model);
+    const StudyFolder study = StudyFolder::make(results_path(own, "-study"), own, plan, model);
     const std::vector<CaseOutcome> outcomes = study.outcomes();
     const std::vector<size_t> missing = cases_with(outcomes, {"missing"});
     if (missing.size() < outcomes.size() && !request.quiet)

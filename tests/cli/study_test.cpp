@@ -295,6 +295,34 @@ TEST_F(Study, OfModesAndOfResponses) {
     EXPECT_FALSE(fs::exists(folder_ / "out/case-000001"));
 }
 
+// Oracle: the same study by options, byte for byte; an option on the command line counts instead.
+TEST_F(Study, TheModelFileMayDescribeIt) {
+    const std::vector<std::string> by_options = {
+        "model.toml", "--vary",    "mass ~ normal(2 kg, 10 %)", "--cases", "12",  "--seed", "4", "--design",
+        "sobol",      "--figures", "one.force.z:rms",           "-o",      "out", "-q"};
+    ASSERT_EQ(study(by_options).code, 0);
+    const std::string wanted = read_text(folder_ / "out/results.csv");
+    const std::string model = read_text(folder_ / "model.toml");
+    write_text(folder_ / "model.toml",
+               model +
+                   "[study]\nvary = \"mass ~ normal(2 kg, 10 %)\"\ncases = 12\nseed = 4\ndesign = \"sobol\"\n"
+                   "figures = [\"one.force.z:rms\"]\n");
+    ASSERT_EQ(study({"model.toml", "-o", "by_file", "-q"}).code, 0);
+    EXPECT_EQ(read_text(folder_ / "by_file/results.csv"), wanted);
+    ASSERT_EQ(study({"model.toml", "-o", "grid", "-q", "--sweep", "mass=1 kg,2 kg"}).code, 0);
+    EXPECT_EQ(read_study(folder_ / "grid/results.csv").rows.size(), 2u);
+    EXPECT_EQ(run_dttmm(folder_.path(), {"run", "model.toml", "-q", "-o", "alone"}).code, 0) << "others leave it alone";
+    for (const auto& [line, says] : {std::pair("vary = 3", "vary must be a text or a list of texts"),
+                                     {"cases = 2.5", "cases must be a whole number"},
+                                     {"design = \"latn\"", "latin"},
+                                     {"colour = 1", "colour"}}) {
+        write_text(folder_ / "model.toml", model + "[study]\n" + line + "\n");
+        const Ended ended = study({"model.toml", "-o", "bad", "-q"});
+        EXPECT_EQ(ended.code, 3) << line;
+        EXPECT_THAT(ended.err, AllOf(HasSubstr("model.toml:38:"), HasSubstr(says)));
+    }
+}
+
 // Oracle: the quantiles of the definition: 2 kg, then 5 % and 95 % of uniform(1 kg, 3 kg).
 TEST_F(Study, OneAtATime) {
     write_text(folder_ / "model.toml", small_model_with("mass = \"2 kg\"", "mass = \"2 kg\"\nn = 7"));

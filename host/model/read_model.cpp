@@ -16,6 +16,7 @@
 #include "model/read_load.h"
 #include "model/read_node.h"
 #include "model/read_signal.h"
+#include "model/read_study.h"
 #include "model/text_file.h"
 #include "model/vibrations.h"
 #include "model/wording.h"

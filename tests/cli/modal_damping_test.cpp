@@ -21,7 +21,7 @@ using Complex = std::complex<double>;
 constexpr double kTurn = 2 * std::numbers::pi;
 
 /// Masses in a row along x on springs, one with a damper, and their matrices.
-constexpr double kMass[] = {1.3, 0.7, 2.1, 0.4}, kStiffness[] = {5200, 3100, 8800, 1700}, kDamping = 3.7;
+constexpr double kMasses[] = {1.3, 0.7, 2.1, 0.4}, kStiffness[] = {5200, 3100, 8800, 1700}, kDamping = 3.7;
 
 std::string masses_in_a_row(const std::string& damping) {
     std::string text = "format = \"dttmm/1\"\ndofs = [\"x\"]\n[modes]\ncount = 4\n" + damping + "[nodes]\n";
@@ -41,7 +41,7 @@ to = "n{0}"
 stiffness = [{3}, 0, 0]
 damping = [{4}, 0, 0]
 )",
-                        i, kMass[i], i == 0 ? "ground" : fmt::format("n{}", i - 1), kStiffness[i], i == 2 ? kDamping : 0);
+                        i, kMasses[i], i == 0 ? "ground" : fmt::format("n{}", i - 1), kStiffness[i], i == 2 ? kDamping : 0);
     return text;
 }
 
@@ -51,7 +51,7 @@ struct Matrices {
 
     Matrices() {
         for (int i = 0; i < 4; ++i) {
-            M(i, i) = kMass[i];
+            M(i, i) = kMasses[i];
             Eigen::Vector4d pull = Eigen::Vector4d::Unit(i);
             if (i > 0) pull(i - 1) = -1;
             K += kStiffness[i] * pull * pull.transpose();

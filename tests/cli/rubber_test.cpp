@@ -18,17 +18,17 @@ namespace {
 
 using ::testing::HasSubstr;
 using Complex = std::complex<double>;
-constexpr double kTurn = 2 * std::numbers::pi, kMass = 2.3;
+constexpr double kWholeTurn = 2 * std::numbers::pi, kMassOnRubber = 2.3;
 
 /// k (iω)^0.06: rubber.
-Complex measured(double f) { return 9000.0 * std::pow(Complex(0, kTurn * f), 0.06); }
+Complex measured(double f) { return 9000.0 * std::pow(Complex(0, kWholeTurn * f), 0.06); }
 
 /// A file of rows [Hz, N/mm, deg].
 std::string rows_file() {
     std::string text = "# mount A, 20 degC\nfrequency [Hz],stiffness [N/mm],loss angle [deg]\n";
     for (double f = 1; f < 110; f *= 1.25)
-        text +=
-            fmt::format("{:.17g},{:.17g},{:.17g}\n", f, std::abs(measured(f)) / 1000, std::arg(measured(f)) * 360 / kTurn);
+        text += fmt::format("{:.17g},{:.17g},{:.17g}\n", f, std::abs(measured(f)) / 1000,
+                            std::arg(measured(f)) * 360 / kWholeTurn);
     return text;
 }
 
@@ -53,7 +53,7 @@ to = "block"
 axes = {{ axis = [1, 0, 0], angle = "{:.17g} rad" }}
 z = {}
 {})",
-                       kMass, -std::asin(0.6), rows, rest);
+                       kMassOnRubber, -std::asin(0.6), rows, rest);
 }
 
 class Rubber : public ::testing::Test {
@@ -79,7 +79,7 @@ protected:
     const TemporaryFolder folder_;
 };
 
-const std::string kLoad = R"([[load]]
+const std::string kLoadOnRubber = R"([[load]]
 on = "block"
 direction = [0, 0.6, 0.8]
 )";
@@ -87,16 +87,16 @@ direction = [0, 0.6, 0.8]
 // Oracle: closed form, x = F/(K(f) − m ω²) with K by straight lines of magnitude and angle between the rows.
 TEST_F(Rubber, VibratesWithItsRows) {
     const std::string rows = R"([[2, "9 N/mm", "4 deg"], ["10 Hz", 9900, 0.09], [40, 11e3, "7 deg"]])";
-    const ResultsTable found = table(mass_on_rubber(rows, kLoad + "harmonic = { amplitude = \"5 N\" }\n"),
+    const ResultsTable found = table(mass_on_rubber(rows, kLoadOnRubber + "harmonic = { amplitude = \"5 N\" }\n"),
                                      {"response", "--from", "1Hz", "--to", "40Hz", "--points", "14", "-q"}, "response.csv");
     ASSERT_EQ(found.rows.size(), 14u);
     for (size_t i = 0; i < found.rows.size(); ++i) {
-        const double f = found.value(i, "frequency"), deg = kTurn / 360;
+        const double f = found.value(i, "frequency"), deg = kWholeTurn / 360;
         const double share = f < 10 ? (f - 2) / 8 : (f - 10) / 30;
         const Complex K = f < 2    ? std::polar(9000.0, 4 * deg * f / 2)
                           : f < 10 ? std::polar(9000 + 900 * share, 4 * deg + share * (0.09 - 4 * deg))
                                    : std::polar(9900 + 1100 * share, 0.09 + share * (7 * deg - 0.09));
-        const Complex x = 5.0 / (K - kMass * std::pow(kTurn * f, 2));
+        const Complex x = 5.0 / (K - kMassOnRubber * std::pow(kWholeTurn * f, 2));
         EXPECT_LT(std::abs(found.amplitude(i, "guide.travel") - x), 1e-9 * std::abs(x)) << f;
         EXPECT_LT(std::abs(found.amplitude(i, "mount.force.z") - K * x), 1e-9 * std::abs(K * x)) << f;
     }
@@ -108,19 +108,19 @@ TEST_F(Rubber, ARunBecomesTheVibration) {
     for (const double f : {4.0, 25.0}) {
         const double step = 1 / f / 200;
         std::string said;
-        const ResultsTable found =
-            table(mass_on_rubber("\"a.csv\"", kLoad + fmt::format("harmonic = {{ amplitude = \"5 N\", frequency = {} }}\n"
-                                                                  "[simulation]\nduration = {}\nstep = {:.17g}\n",
-                                                                  f, 4.0 + 1 / f, step)),
-                  {"run", "-q"}, "history.csv", &said);
+        const ResultsTable found = table(
+            mass_on_rubber("\"a.csv\"", kLoadOnRubber + fmt::format("harmonic = {{ amplitude = \"5 N\", frequency = {} }}\n"
+                                                                    "[simulation]\nduration = {}\nstep = {:.17g}\n",
+                                                                    f, 4.0 + 1 / f, step)),
+            {"run", "-q"}, "history.csv", &said);
         ASSERT_GT(found.rows.size(), 200u);
         EXPECT_THAT(said, HasSubstr("a Maxwell series of"));
         EXPECT_THAT(said, HasSubstr("element \"mount\": in z"));
-        const Complex x = 5.0 / (measured(f) - kMass * std::pow(kTurn * f, 2)), force = measured(f) * x;
+        const Complex x = 5.0 / (measured(f) - kMassOnRubber * std::pow(kWholeTurn * f, 2)), force = measured(f) * x;
         // The amplitude over the last period, by its Fourier coefficient
         Complex way = 0, pull = 0;
         for (size_t i = found.rows.size() - 200; i < found.rows.size(); ++i) {
-            const Complex turn = std::polar(1.0 / 100, -kTurn * f * found.value(i, "time"));
+            const Complex turn = std::polar(1.0 / 100, -kWholeTurn * f * found.value(i, "time"));
             way += found.value(i, "guide.travel") * turn;
             pull += found.value(i, "mount.force.z") * turn;
         }
@@ -139,7 +139,8 @@ TEST_F(Rubber, ARunBecomesTheVibration) {
 TEST_F(Rubber, DampedModesHaveTheStiffnessOfTheirFrequency) {
     Complex s(0, 70);
     for (int i = 0; i < 60; ++i) {
-        const Complex f = kMass * s * s + 9000.0 * std::pow(s, 0.06), slope = 2 * kMass * s + 540.0 * std::pow(s, 0.06 - 1);
+        const Complex f = kMassOnRubber * s * s + 9000.0 * std::pow(s, 0.06),
+                      slope = 2 * kMassOnRubber * s + 540.0 * std::pow(s, 0.06 - 1);
         s -= f / slope;
     }
     std::string said;
@@ -150,7 +151,7 @@ TEST_F(Rubber, DampedModesHaveTheStiffnessOfTheirFrequency) {
     const auto vibrates = std::ranges::find_if(found.rows, [](const auto& row) { return row[1] > 0; });
     ASSERT_NE(vibrates, found.rows.end());
     EXPECT_EQ(std::ranges::count_if(found.rows, [](const auto& row) { return row[1] > 0; }), 1);
-    EXPECT_NEAR((*vibrates)[2], std::abs(s) / kTurn, 0.005 * std::abs(s) / kTurn);
+    EXPECT_NEAR((*vibrates)[2], std::abs(s) / kWholeTurn, 0.005 * std::abs(s) / kWholeTurn);
     EXPECT_NEAR((*vibrates)[3], -s.real() / std::abs(s), 0.003);
 }
 
@@ -161,7 +162,7 @@ TEST_F(Rubber, RestsOnItsSpring) {
                                             "[simulation]\nduration = 0.2\nstep = 1e-3\ngravity = [0, 0, -9.81]\n"
                                             "start = \"equilibrium\"\n");
     const ResultsTable rest = table(text, {"static", "-q"}, "static.csv");
-    EXPECT_NEAR(std::abs(rest.value(0, "mount.force.z")), kMass * 9.81 * 0.8, 1e-8);
+    EXPECT_NEAR(std::abs(rest.value(0, "mount.force.z")), kMassOnRubber * 9.81 * 0.8, 1e-8);
     const ResultsTable found = table(text, {"run", "-q"}, "history.csv");
     for (size_t i = 0; i < found.rows.size(); ++i)
         EXPECT_NEAR(found.value(i, "guide.travel"), rest.value(0, "guide.travel"), 1e-11);
@@ -182,7 +183,7 @@ TEST_F(Rubber, WhatIsWrongIsRefused) {
     fault("[[0, 9e3, 0.1], [20, 9e3, 0.1]]", "the frequency must be more than zero");
     fault("9e3", "z must be the name of a file, or rows");
     fault("\"none.csv\"", "table file \"none.csv\"");
-    expect_fault(mass_on_rubber("\"a.csv\"", kLoad + "harmonic = { amplitude = \"5 N\" }\n"),
+    expect_fault(mass_on_rubber("\"a.csv\"", kLoadOnRubber + "harmonic = { amplitude = \"5 N\" }\n"),
                  {"response", "--from", "1Hz", "--to", "400Hz"}, "add rows up to there");
 }
 

@@ -319,7 +319,7 @@ TEST_F(Study, TheModelFileMayDescribeIt) {
         write_text(folder_ / "model.toml", model + "[study]\n" + line + "\n");
         const Ended ended = study({"model.toml", "-o", "bad", "-q"});
         EXPECT_EQ(ended.code, 3) << line;
-        EXPECT_THAT(ended.err, AllOf(HasSubstr("model.toml:38:"), HasSubstr(says)));
+        EXPECT_THAT(ended.err, AllOf(HasSubstr("model.toml:40:"), HasSubstr(says)));
     }
 }
 

@@ -58,8 +58,7 @@ TEST_F(CaseTables, ItsTextReadsBack) {
     EXPECT_EQ(back.values, table.values);
     EXPECT_EQ(back.parameters[1].unit, "1");
     EXPECT_THAT(back.settings(1), ElementsAre(Pair("k", "-2.5e-300 N/m"), Pair("n", "7")));
-    for (const char* damaged :
-         {"", "case,k\n1,N/m\n1,5", "case,k\n1,N/m\n2,5\n", "case,k\n1,N/m\n1,x\n", "case,k\n1,N/m\n1,5,6\n"}) {
+    for (const char* damaged : {"", "case,k\n1,N/m\n2,5\n", "case,k\n1,N/m\n1,x\n", "case,k\n1,N/m\n1,5,6\n"}) {
         EXPECT_THROW(CaseTable::parse(damaged, "cases.csv"), Error) << damaged;
     }
 }

@@ -221,6 +221,16 @@ std::vector<Response> ModalAnalysis::respond_at_rest(int free, const std::vector
     return responses;
 }
 
+/// Where the machine can move freely at rest, no place belongs to those of its supports.
+void ModalAnalysis::follow_supports() {
+    if (ModeFinder(stiffness_).count_rigid() > 0)
+        throw Error(DTTMM_ERROR_MODEL,
+                    "damping of modes is not defined where supports move a machine that they do not hold in all directions: "
+                    "give the elements a damping or a loss_factor");
+    stiffness_.cut(damping_->cut);
+    harmonic_.follow_supports(*damping_);
+}
+
 PointWrench ModalAnalysis::placed(const dttmm_harmonic& load) const {
     if ((load.on_body < 0) == (load.on_node < 0)) throw Error(DTTMM_ERROR_ARGUMENT, "respond wants a body or a node");
     PointWrench placed;
@@ -253,10 +263,8 @@ void ModalAnalysis::respond(double frequency, std::span<const std::span<const dt
     const double omega = 2 * M_PI * frequency;
     const int free = frequency == 0 ? ModeFinder(stiffness_).count_rigid() : 0;
     const bool moves_supports = std::ranges::any_of(loads, [](const Drive& drive) { return !drive.supports.empty(); });
-    if (moves_supports && !ratios_.ratios.empty())
-        throw Error(DTTMM_ERROR_MODEL,
-                    "damping of modes is not defined where supports move: give the elements a damping or a loss_factor");
     cut_and_damp(omega, ratios_.below);  // but for damping, here pieces only keep numbers small
+    if (moves_supports && damping_ && damping_->followed.empty()) follow_supports();
     at_ = -1;
     if ((!model_.levers.empty() || model_.is_at_rest) && !is_stable_)
         stiffness_.refuse_growing(-1e-11 * stiffness_.stiffest());

@@ -58,6 +58,7 @@ private:
     std::vector<Response> respond_at_rest(int free, const std::vector<Drive>& cases);
     PointWrench placed(const dttmm_harmonic& load) const;
     SupportMotion moved(const dttmm_harmonic& load) const;
+    void follow_supports();
     void write(const Response& response, size_t index, const dttmm_harmonic_result& result) const;
     std::string describe_motion(const Mode& mode) const;
     const Mode& mode_at(uint32_t index) const;

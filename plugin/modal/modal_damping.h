@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
+#include <complex>
 #include <span>
 #include <vector>
 
@@ -8,11 +10,19 @@
 
 namespace dttmm::plugin {
 
-/// Damping that belongs to natural modes, not to elements: C = Σ M φ 2 ζ ω φᵀ M, with shapes φ of modal mass 1.
+using Complex = std::complex<double>;
+using Complex6 = Eigen::Matrix<Complex, 6, 1>;
+
+/// Damping that belongs to natural modes, not to elements: C = Σ M φ 2 ζ ω φᵀ M, with shapes φ of modal mass 1. Where
+/// supports move, its forces are C times the velocity against the place to which the supports would bring the machine at
+/// rest: a machine that moves with its supports as a rigid body is not damped.
 struct ModalDamping {
     std::vector<FrameVector> momenta;  ///< M φ of every mode that is damped, on the frames of one cut
     std::vector<double> rates;         ///< 2 ζ ω [1/s]
     double cut = 0;                    ///< of the lines [rad/s]
+    /// φᵀ M u of every mode that is damped and every node of the network, u the motion at rest by a unit motion of the node
+    /// in each of its fixed directions, else 0; empty: not asked for yet.
+    std::vector<std::vector<Complex6>> followed = {};
 };
 
 /// Which modes, by frequency, rigid-body modes and those that grow left out.

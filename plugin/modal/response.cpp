@@ -205,6 +205,20 @@ void HarmonicSolver::factor(double omega) {
     factor_matrix(assemble({0, omega}, Form::steady));
 }
 
+void HarmonicSolver::follow_supports(ModalDamping& damping) {
+    const FrequencyModel& model = D_.model();
+    factor(0);
+    damping.followed.assign(damping.momenta.size(), std::vector<Complex6>(model.nodes.size(), Complex6::Zero()));
+    for (size_t n = 0; n < model.nodes.size(); ++n)
+        for (Eigen::Index d = 0; d < 6; ++d) {
+            if ((model.fixed[n] >> d & 1) == 0) continue;
+            const Response at_rest = solve({{}, {{as_int(n), Complex6::Unit(d)}}});
+            for (size_t m = 0; m < damping.momenta.size(); ++m)
+                for (size_t f = 0; f < at_rest.motion.size(); ++f)
+                    damping.followed[m][n](d) += damping.momenta[m][f].cast<Complex>().dot(at_rest.motion[f]);
+        }
+}
+
 /// Beyond its rows nothing is known of a material.
 void HarmonicSolver::refuse_beyond_rows() const {
     constexpr double kRoundOff = 1e-9;
@@ -287,6 +301,12 @@ void HarmonicSolver::add_supports(const Response& response, Eigen::VectorXcd& r)
     for (const DynamicStiffness::Piece& piece : D_.pieces())
         add(piece, -1, waves_[D_.line(piece).kind]->topRightCorner<6, 6>());
     for (const Pin& pin : model.pins) add(pin, -1, Complex(-omega_ * omega_, mass_rate_ * omega_) / 6.0 * complex(pin.mass));
+    if (!of_modes_) return;
+    for (const std::vector<Complex6>& followed : of_modes_->followed) {
+        for (size_t n = 0; n < followed.size(); ++n)
+            r(row) += Complex(0, omega_) * followed[n].cwiseProduct(response.supports[n]).sum();
+        ++row;
+    }
 }
 
 Response HarmonicSolver::solve(const Drive& drive) const {

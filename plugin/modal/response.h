@@ -12,9 +12,6 @@
 
 namespace dttmm::plugin {
 
-using Complex = std::complex<double>;
-using Complex6 = Eigen::Matrix<Complex, 6, 1>;
-
 /// A harmonic wrench [N, N m, world] at a point [m, world] of a frame (−1: the ground, nothing moves).
 struct PointWrench {
     int frame;
@@ -60,6 +57,9 @@ public:
         mass_rate_ = mass_rate;
         of_modes_ = of_modes;
     }
+
+    /// Finds damping.followed of the damping last set, for a machine that its supports hold at rest. factor() comes next.
+    void follow_supports(ModalDamping& damping);
 
     /// Throws Error(DTTMM_ERROR_SINGULAR) at a natural frequency without damping.
     void factor(double omega);

@@ -23,7 +23,7 @@ inline constexpr double kFarthest = 1e6;
 inline constexpr double kShortestStep = 1e-9, kLongestStep = 1;        // [s]
 inline constexpr double kLeastTolerance = 1e-9, kMostTolerance = 0.5;  // beyond 50 % nothing is known of a history
 inline constexpr int kMostModes = 10000;
-inline constexpr int kMostCopies = 100000;  // of a pattern; as many beams take a minute to read
+inline constexpr int kMostCopies = 100000;  // of a pattern: as many beams take a minute to read, measured on two cores
 
 /// A key of the model file: what its value may be, and what it says. The reader, `dttmm help`, `dttmm schema` and the
 /// completion of words all come from the tables of keys below.

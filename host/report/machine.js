@@ -326,7 +326,7 @@ class MachineView {
             if (this.motion.every > 1) parts.push(`The motion shows one row in ${this.motion.every}: vibrations faster than that are not seen.`);
             if (still.length > 0) parts.push(`No position is recorded of ${still.slice(0, 6).join(', ')}${still.length > 6 ? ` and ${still.length - 6} more` : ''}: drawn at the start.`);
             if (structure.elements.some(one => one.isBeam)) parts.push('Beams are bent as their ends have it, without loads between.');
-        } else if (this.isStatic) parts.push('Shown is the way from the start to the equilibrium: displacements grow in proportion.' + (structure.elements.some(one => one.isBeam) ? ' Beams are bent as their ends have it, without loads between.' : ''));
+        } else if (this.isStatic) parts.push('Shown are the displacements from the start to the equilibrium, growing in proportion.' + (structure.elements.some(one => one.isBeam) ? ' Beams are bent as their ends have it, without loads between.' : ''));
         else if (!this.mode) parts.push('These results have no motion: the machine is drawn as it starts.');
         this.remark.textContent = parts.join(' ');
         const what = this.mode ? `in a mode of ${formatNumber(this.mode.frequency_hz, 5)} Hz` : result.motion ? `moving for ${formatNumber(this.motion.duration, 4)} s` : 'at the start';

@@ -81,7 +81,7 @@ std::vector<Chart> make_charts(const std::vector<CurveSet>& sets, const std::set
         }
     for (const Chart& chart : charts)
         if (chart.lines.size() > kMostLines)
-            throw Error(ExitCode::usage, fmt::format("{} in one chart cannot be told apart; choose at most {} of a unit",
+            throw Error(ExitCode::usage, fmt::format("{} in one chart cannot be distinguished; choose at most {} of a unit",
                                                      counted(chart.lines.size(), "curve", "curves"), kMostLines));
     return charts;
 }

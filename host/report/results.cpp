@@ -28,7 +28,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kDeepest = 64;  // levels of summary.json, which has 8: writing deep ones takes stack
+/// Levels of summary.json, which has 8: JSON is written by a function that calls itself, and 100 000 levels end the process.
+constexpr int kDeepest = 64;
 
 constexpr std::size_t kMostRows = 2000;    // of a table; a page of more is no reading
 constexpr std::size_t kMostCases = 20000;  // of a study, as points

@@ -14,6 +14,7 @@
 #include "analysis/run_warnings.h"
 #include "analysis/session.h"
 #include "analysis/stop_signals.h"
+#include "analysis/sweep_table.h"
 #include "model/error.h"
 #include "model/index.h"
 #include "record/results_folder.h"
@@ -40,10 +41,6 @@ Request request_of(const StudyPlan& plan, size_t index) {
     request.quiet = true;
     for (const auto& [name, value] : plan.cases.settings(index)) give(request, option("--set"), name + "=" + value);
     return request;
-}
-
-std::filesystem::path case_folder(const std::filesystem::path& study, size_t index) {
-    return study / fmt::format("case-{:06}", index + 1);
 }
 
 Found run_history(const Request& request, const StudyPlan& plan, const std::optional<std::filesystem::path>& kept) {
@@ -146,7 +143,7 @@ std::vector<Column> find_figures(const StudyPlan& plan, const Plugins& plugins) 
 CaseOutcome run_case(const StudyPlan& plan, size_t index, const Plugins& plugins, const std::filesystem::path& folder) {
     CaseOutcome outcome;
     try {
-        const Found found = find(request_of(plan, index), plan, plugins, case_folder(folder, index));
+        const Found found = find(request_of(plan, index), plan, plugins, folder / case_name(index));
         outcome.status = "completed";
         outcome.warnings = found.warnings;
         outcome.figures = pick(found, plan.columns);

@@ -17,7 +17,7 @@ namespace dttmm::host {
 std::vector<Column> find_figures(const StudyPlan& plan, const Plugins& plugins);
 
 /// Works on one case of a study in this process. A case that fails is an outcome too. Throws Error(stopped_by_user) when it
-/// is stopped on the way, Error(input_output) where a file of the study cannot be written.
+/// is stopped before its end, Error(input_output) where a file of the study cannot be written.
 CaseOutcome run_case(const StudyPlan& plan, size_t index, const Plugins& plugins, const std::filesystem::path& folder);
 
 }  // namespace dttmm::host

@@ -4,10 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <optional>
 
 #include "model/error.h"
@@ -15,24 +13,18 @@
 #include "model/parameters.h"
 #include "model/units.h"
 #include "model/wording.h"
-#include "record/file.h"
+#include "record/csv_file.h"
+#include "study/text_list.h"
 
 namespace dttmm::host {
 
 namespace {
 
-std::vector<std::string> split_cells(std::string line) {
-    if (line.ends_with('\r')) line.pop_back();
-    std::vector<std::string> cells;
-    for (size_t begin = 0; begin <= line.size();) {
-        const size_t comma = std::min(line.find(',', begin), line.size());
-        std::string cell = line.substr(begin, comma - begin);
-        const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '"'; };
-        while (!cell.empty() && is_blank(cell.back())) cell.pop_back();
-        cell.erase(cell.begin(), std::ranges::find_if_not(cell, is_blank));
-        cells.push_back(cell);
-        begin = comma + 1;
-    }
+/// The fields of one record, without the blanks around them; one without any is a blank line.
+std::vector<std::string> split_cells(std::string_view text, size_t& begin) {
+    std::vector<std::string> cells = csv_record(text, begin);
+    for (std::string& cell : cells) cell = without_blanks_around(cell);
+    if (std::ranges::all_of(cells, &std::string::empty)) cells.clear();
     return cells;
 }
 
@@ -52,16 +44,23 @@ public:
         : file_(file), parameters_(parameters) {}
 
     CaseTable read() {
-        std::ifstream in(file_);
-        if (!in) throw file_error(file_, "cannot be read", errno);
+        const std::string text = read_whole_file(file_);
         std::vector<std::vector<std::string>> rows;
         std::vector<size_t> lines;
-        std::string line;
-        for (size_t number = 1; std::getline(in, line); ++number) {
-            if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
-            if (line.find_first_not_of(" \t\r,") == std::string::npos || line.starts_with('#')) continue;
-            rows.push_back(split_cells(line));
-            lines.push_back(number);
+        size_t line = 1;
+        for (size_t begin = text.starts_with("\xEF\xBB\xBF") ? 3 : 0; begin < text.size();) {
+            const size_t start = begin;
+            std::vector<std::string> cells;
+            if (text[begin] == '#')
+                begin = std::min(text.find('\n', begin), text.size() - 1) + 1;
+            else
+                cells = split_cells(text, begin);
+            if (!cells.empty()) {
+                rows.push_back(std::move(cells));
+                lines.push_back(line);
+            }
+            line +=
+                as_size(std::count(text.begin() + as_row(start), text.begin() + as_row(std::min(begin, text.size())), '\n'));
         }
         if (rows.empty()) throw Error(ExitCode::model_invalid, fmt::format("{}: the table is empty", file_.string()));
         read_head(rows.front());
@@ -179,7 +178,7 @@ CaseTable CaseTable::parse(const std::string& text, const std::filesystem::path&
         begin = end + 1;
     }
     if (lines.size() < 2) refuse();
-    const std::vector<std::string> names = split_cells(lines[0]), units = split_cells(lines[1]);
+    const std::vector<std::string> names = split_list(lines[0]), units = split_list(lines[1]);
     if (names.size() != units.size() || names.size() < 2) refuse();
     CaseTable table;
     for (size_t c = 1; c < names.size(); ++c) table.parameters.push_back({names[c], units[c]});

@@ -15,26 +15,11 @@
 #include "model/parameters.h"
 #include "model/units.h"
 #include "model/wording.h"
+#include "study/text_list.h"
 
 namespace dttmm::host {
 
 namespace {
-
-std::string without_blanks_around(std::string_view text) {
-    constexpr const char* kBlanks = " \t";
-    const size_t begin = std::min(text.find_first_not_of(kBlanks), text.size());
-    return std::string(text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1));
-}
-
-std::vector<std::string> split_arguments(const std::string& text) {
-    std::vector<std::string> parts;
-    for (size_t begin = 0; begin <= text.size();) {
-        const size_t comma = std::min(text.find(',', begin), text.size());
-        parts.push_back(without_blanks_around(std::string_view(text).substr(begin, comma - begin)));
-        begin = comma + 1;
-    }
-    return parts;
-}
 
 /// A name cut before its last digits.
 struct Numbered {
@@ -73,7 +58,7 @@ public:
         const size_t open = text.find('(');
         if (open == std::string::npos || text.back() != ')') refuse_form(text);
         name_ = without_blanks_around(text.substr(0, open));
-        arguments_ = split_arguments(text.substr(open + 1, text.size() - open - 2));
+        arguments_ = split_list(text.substr(open + 1, text.size() - open - 2));
     }
 
     Distribution read() const {
@@ -188,7 +173,7 @@ double Distribution::quantile(double probability) const {
 std::vector<std::string> parameter_names(const std::string& text, const std::vector<Parameter>& parameters,
                                          const std::string& option) {
     std::vector<std::string> names;
-    for (const std::string& part : split_arguments(text)) {
+    for (const std::string& part : split_list(text)) {
         if (part.empty()) throw Error(ExitCode::usage, fmt::format("{}: a name is missing", option));
         std::vector<std::string> meant;
         if (const size_t dots = part.find(".."); dots != std::string::npos) {

@@ -12,21 +12,11 @@
 #include "model/index.h"
 #include "model/wording.h"
 #include "record/channels.h"
+#include "study/text_list.h"
 
 namespace dttmm::host {
 
 namespace {
-
-std::vector<std::string> split_list(const std::string& text) {
-    std::vector<std::string> parts;
-    for (size_t begin = 0; begin <= text.size();) {
-        const size_t comma = std::min(text.find(',', begin), text.size());
-        parts.push_back(text.substr(begin, comma - begin));
-        std::erase(parts.back(), ' ');
-        begin = comma + 1;
-    }
-    return parts;
-}
 
 /// In the order of HistoryFigures::Statistic.
 const std::vector<std::string> kStatistics = {"peak", "time", "minimum", "maximum", "final", "mean", "rms"};

@@ -4,17 +4,13 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <cerrno>
-#include <cmath>
-#include <fstream>
-#include <iterator>
-
 #include "analysis/json.h"
 #include "analysis/summary.h"
 #include "model/error.h"
 #include "model/index.h"
 #include "model/wording.h"
 #include "record/atomic_file.h"
+#include "record/csv_file.h"
 #include "record/file.h"
 #include "record/results_folder.h"
 
@@ -26,12 +22,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "dttmm-study/1";
 constexpr const char *kStudyFile = "study.json", *kCasesFile = "cases.csv", *kModelFolder = "model";
-
-std::string read_text(const fs::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    if (!in) throw file_error(file, "cannot be read", errno);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
 
 void copy_into(const fs::path& from, const fs::path& to) {
     std::error_code fault;
@@ -141,9 +131,9 @@ StudyFolder StudyFolder::make(const fs::path& path, const Request& request, cons
     const std::string cases = plan.cases.text();
     std::error_code fault;
     if (fs::exists(folder / kStudyFile, fault)) {
-        const Json there = Json::parse(read_text(folder / kStudyFile), nullptr, false);
+        const Json there = Json::parse(read_whole_file(folder / kStudyFile), nullptr, false);
         const std::string differs =
-            there.is_object() ? difference(there, text, read_text(folder / kCasesFile) != cases) : "its study.json";
+            there.is_object() ? difference(there, text, read_whole_file(folder / kCasesFile) != cases) : "its study.json";
         if (!differs.empty())
             throw Error(ExitCode::input_output,
                         fmt::format("{}: it holds another study, and a study is never changed: {} differ{}; give another "
@@ -186,7 +176,7 @@ StudyFolder::StudyFolder(const fs::path& path) : path_(from_start(path)) {
     if (!fs::exists(path_ / kStudyFile, fault))
         throw Error(ExitCode::input_output,
                     fmt::format("{}: this is no folder of a study: it has no study.json", path.string()));
-    const Json text = Json::parse(read_text(path_ / kStudyFile), nullptr, false);
+    const Json text = Json::parse(read_whole_file(path_ / kStudyFile), nullptr, false);
     try {
         if (text.at("format") != kFormat)
             throw Error(ExitCode::input_output, fmt::format("{}: study.json is of the format {}, not {}", path.string(),
@@ -205,7 +195,7 @@ StudyFolder::StudyFolder(const fs::path& path) : path_(from_start(path)) {
         plan_.keeps = text.at("keep");
         title_ = text.value("title", "");
         command_line_ = text.value("command_line", "");
-        plan_.cases = CaseTable::parse(read_text(path_ / kCasesFile), path / kCasesFile);
+        plan_.cases = CaseTable::parse(read_whole_file(path_ / kCasesFile), path / kCasesFile);
         if (plan_.cases.cases() != text.at("cases").get<size_t>())
             throw Error(ExitCode::input_output, fmt::format("{}: cases.csv has {} cases, study.json {}", path.string(),
                                                             plan_.cases.cases(), text.at("cases").dump()));

@@ -26,7 +26,7 @@ namespace dttmm::host {
 
 namespace {
 
-/// The signal of the timer ends the process: whatever the case is in, a plugin that does not return included.
+/// The signal of the timer ends the process, also inside a plugin that does not return.
 void limit_time(double seconds) {
     const double whole = std::floor(seconds);
     itimerval timer{};

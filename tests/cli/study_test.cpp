@@ -105,7 +105,7 @@ TEST_F(Study, ACaseHasTheFiguresOfItsRun) {
     }
 }
 
-// Oracle: the same bytes, whatever the number of processes and however often it is collected.
+// Oracle: the same bytes for any number of processes, and when it is collected again.
 TEST_F(Study, ResultsDoNotDependOnTheProcesses) {
     std::string first;
     for (const char* jobs : {"1", "3"}) {

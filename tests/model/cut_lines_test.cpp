@@ -100,6 +100,13 @@ TEST(CutLines, FaultsOfSections) {
     };
     EXPECT_THAT(fault("length = 1 ", "length = 2 "), HasSubstr("m.toml:21:1: element \"pole\": the sections are 5 m long "
                                                                "together, but its ends are 4 m apart"));
+    // 1e-6 of the distance of 4 m
+    EXPECT_THAT(fault("length = 1 ", "length = 1.0000056 "), HasSubstr("but its ends are 4 m apart"));
+    for (const char* length : {"length = 1.0000028 ", "length = 0.9999972 "}) {
+        std::string text = kRoot + kPole + kSections;
+        const Model model = parse_lines(text.replace(text.find("length = 1 "), 11, length));
+        EXPECT_NEAR(model.nodes[2].position.z(), 4.5, 2e-6) << "scaled to the distance";
+    }
     EXPECT_THAT(fault("length = 1 ", "length = 0 "),
                 HasSubstr("m.toml:22:12: element \"pole\": length must be > 0 m, got 0"));
     EXPECT_THAT(fault("length = 1 ", "size = 1 "), HasSubstr("m.toml:22:1: element \"pole\": a section without length"));
@@ -118,7 +125,13 @@ TEST(CutLines, FaultsOfProbes) {
         return line_fault(kRoot + kPole + "[[probe]]\nname = \"mid\"\non = \"" + on + "\"\n" + at + "\n");
     };
     EXPECT_THAT(fault("pole", "at = 5"), HasSubstr("m.toml:24:6: probe \"mid\": at: the line is 4 m long, got 5 m"));
-    EXPECT_THAT(fault("pole", "at = 4"), HasSubstr("m.toml:24:6: probe \"mid\": at: there is a node or an end already"));
+    EXPECT_THAT(fault("pole", "at = 4"), HasSubstr("m.toml:24:6: probe \"mid\": at: 0 m beside there is a node or an end"));
+    // 1e-3 of the line of 4 m
+    EXPECT_THAT(fault("pole", "at = 0.0027"), HasSubstr("keep 0.004 m off, or leave the probe out"));
+    EXPECT_THAT(fault("pole", "at = 3.9973"), HasSubstr("keep 0.004 m off, or leave the probe out"));
+    for (const char* at : {"0.0054", "3.9946"})
+        EXPECT_EQ(parse_lines(kRoot + kPole + "[[probe]]\nname = \"mid\"\non = \"pole\"\nat = " + at + "\n").elements.size(),
+                  2u);
     EXPECT_THAT(fault("pole", "at = 0"), HasSubstr("probe \"mid\": at must be > 0 m, got 0"));
     EXPECT_THAT(fault("pole", ""), HasSubstr("m.toml:21:1: probe \"mid\": missing key \"at\""));
     EXPECT_THAT(fault("pol", "at = 1"),

@@ -210,7 +210,17 @@ TEST(Patterns, ParametersOfARepeatAreMadeBeforeOthers) {
                 HasSubstr("m.toml:18:1: parameter \"k2\" exists already, line 13"));
 }
 
-// Oracle: the bound, whatever stands in the copies.
+// Oracle: one copy more than 100 000.
+TEST(Patterns, TheNumberOfCopiesIsBounded) {
+    const auto markers = [](const char* count) {
+        return model_with(std::string("[[body.repeat]]\nindex = \"i\"\ncount = ") + count +
+                          "\nmarkers = { \"m{i}\" = [0, 0, 0] }\n");
+    };
+    EXPECT_THAT(errors_of(markers("100001")), HasSubstr("count must be ≤ 100000, got 100001"));
+    EXPECT_EQ(parse(markers("100000")).bodies[0].markers.back().name, "m100000");
+}
+
+// Oracle: the bound, for any content of the copies.
 TEST(Patterns, TheirSizeIsBounded) {
     std::string text =
         "[[repeat]]\nindex = \"i\"\ncount = 100000\n[[repeat.repeat]]\nindex = \"j\"\ncount = "

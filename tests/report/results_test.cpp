@@ -36,9 +36,14 @@ TEST(Results, ADamagedSummaryIsRefused) {
         expect_refusal(folder.path(), AllOf(HasSubstr("summary.json: "), message));
     };
     expect("{\"format\": \"dttmm-su", HasSubstr("damaged: "));
-    std::string deep = "{\"format\": ";
-    deep.append(100000, '[');
-    expect(deep.c_str(), HasSubstr("damaged: it is nested more than 64 deep"));
+    const auto nested = [](size_t levels) {
+        return "{\"format\": \"dttmm-spectrum/1\", \"more\": " + std::string(levels - 1, '[') +
+               std::string(levels - 1, ']') + "}";
+    };
+    expect(nested(66).c_str(), HasSubstr("damaged: it is nested more than 64 deep"));
+    expect(nested(100000).c_str(), HasSubstr("damaged: it is nested more than 64 deep"));
+    write_text(folder / "summary.json", nested(60));
+    EXPECT_EQ(describe_results(folder.path(), {})["kind"], "spectrum");
     expect("[]", HasSubstr("this is no summary of dttmm"));
     expect("{\"format\": 3}", HasSubstr("this is no summary of dttmm"));
     expect("{\"format\": \"dttmm-summary/9\"}", HasSubstr("its format \"dttmm-summary/9\" is not known"));

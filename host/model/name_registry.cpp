@@ -44,8 +44,8 @@ std::vector<std::string> find_name_conflicts(const Diagnostics& diagnostics, con
         conflicts.push_back(fmt::format("the name \"{}\" is reserved", name));
     for (const NameRegistry* names : others)
         if (const Place* other = names->find(name))
-            conflicts.push_back(fmt::format("the {} on {} has the same name; results of both would have one name", names->kind(),
-                                            diagnostics.line_text(*other)));
+            conflicts.push_back(fmt::format("the {} on {} has the same name; results of both would have one name",
+                                            names->kind(), diagnostics.line_text(*other)));
     return conflicts;
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 using Kind = Option::Kind;
 
-constexpr unsigned kEveryModel = kRun | kCheck | kModes | kFrf | kChannels | kStatic | kResponse | kStudy,
+constexpr unsigned kEveryModel = kRun | kCheck | kModes | kFrf | kChannels | kStatic | kResponse | kStudy | kShow,
                    kTime = kRun | kCheck, kFrequency = kModes | kFrf | kResponse;
 
 void set_parameter(Request& request, const std::string& text) {
@@ -53,11 +53,14 @@ constexpr Option kOptions[] = {
      [](Request& request, const std::string& value) { request.output = value; }},
     {"--trace", Kind::text, kRun, "CSV file with a row per step: how its end was found, and what it waited for", false,
      false, [](Request& request, const std::string& value) { request.trace = value; }},
+    {"--for-report", Kind::flag, kRun,
+     "record beside the channels asked for where all bodies and nodes are, and the forces of all elements", true, true,
+     [](Request& request, const std::string&) { request.records_motion = true; }},
     {"-o,--output", Kind::text, kFrequency, "results folder; default results/<model name>-modes, or -frf", false, false,
      [](Request& request, const std::string& value) { request.output = value; }},
     {"-o,--output", Kind::text, kStatic, "results folder; default results/<model name>-static", false, false,
      [](Request& request, const std::string& value) { request.output = value; }},
-    {"--case", Kind::text, kTime | kFrequency | kStatic | kStudy,
+    {"--case", Kind::text, kTime | kFrequency | kStatic | kStudy | kShow,
      "load case of the model; without it static finds all, and others have every load", true, true,
      [](Request& request, const std::string& value) { request.overrides.load_case = value; }},
     {"--at", Kind::text, kStatic, "instant whose loads count, e.g. \"0.5 s\"; default the start", false, true,
@@ -139,8 +142,27 @@ constexpr Option kOptions[] = {
      [](Request& request, const std::string& value) { request.output = value; }},
     {"--log", Kind::flag, kPlot, "logarithmic axis of magnitudes and of other positive values", false, false,
      [](Request& request, const std::string&) { request.is_logarithmic = true; }},
-    {"-o,--output", Kind::text, kPlot, "the SVG file, or - for the standard output; default RESULTS with .svg behind it",
+    {"--text", Kind::flag, kPlot, "draw in the terminal", false, false,
+     [](Request& request, const std::string&) { request.is_text = true; }},
+    {"-o,--output", Kind::text, kPlot,
+     "the picture, SVG or PNG by its name, or - for SVG on the standard output; default RESULTS with .svg behind it", false,
+     false, [](Request& request, const std::string& value) { request.output = value; }},
+    {"-o,--output", Kind::text, kShow, "the SVG file, or - for the standard output; default results/<model name>-views.svg",
      false, false, [](Request& request, const std::string& value) { request.output = value; }},
+    {"--gltf", Kind::flag, kExport, "the machine as it moves in a run or in its modes, for viewers: .glb", false, false,
+     [](Request& request, const std::string&) { request.formats.emplace_back("gltf"); }},
+    {"--vtu", Kind::flag, kExport, "the same for ParaView: a .vtu file per instant or mode and a .pvd file", false, false,
+     [](Request& request, const std::string&) { request.formats.emplace_back("vtu"); }},
+    {"--mat", Kind::flag, kExport, "all curves and tables for MATLAB and Octave: .mat (level 5)", false, false,
+     [](Request& request, const std::string&) { request.formats.emplace_back("mat"); }},
+    {"--uff58", Kind::flag, kExport, "histories and frequency responses as universal file datasets 58: .uff", false, false,
+     [](Request& request, const std::string&) { request.formats.emplace_back("uff58"); }},
+    {"--uff55", Kind::flag, kExport, "mode shapes as universal file datasets 15, 2411 and 55: .uff", false, false,
+     [](Request& request, const std::string&) { request.formats.emplace_back("uff55"); }},
+    {"--channels", Kind::list, kExport, "patterns of channels, parted by commas or repeated; default all", false, false,
+     [](Request& request, const std::string& value) { request.channels.push_back(value); }},
+    {"-o,--output", Kind::text, kExport, "the file; default RESULTS with the ending of the format behind it", false, false,
+     [](Request& request, const std::string& value) { request.output = value; }},
     {"--sweep", Kind::list, kRun | kModes | kResponse | kStudy,
      "name=from..to:count or name=value,value; several span a grid", false, false,
      [](Request& request, const std::string& value) { request.sweeps.push_back(value); }},
@@ -193,7 +215,7 @@ constexpr Option kOptions[] = {
      false, false, [](Request& request, const std::string&) { request.is_expanded = true; }},
     {"--json", Kind::flag, kModes | kElements, "print one JSON object instead of the table", false, false,
      [](Request& request, const std::string&) { request.as_json = true; }},
-    {"-q,--quiet", Kind::flag, kRun | kFrequency | kStatic | kSpectrum | kStudy | kReport | kPlot,
+    {"-q,--quiet", Kind::flag, kRun | kFrequency | kStatic | kSpectrum | kStudy | kReport | kPlot | kShow | kExport,
      "no table and no progress bar", false, false, [](Request& request, const std::string&) { request.quiet = true; }},
 };
 

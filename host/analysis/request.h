@@ -51,6 +51,10 @@ struct Request {
     std::string speed, modes;           ///< spectrum: a channel; a results folder of modes
 
     bool is_flat = false;  ///< report: without the machine in 3-D
+    bool is_text = false;  ///< plot: in the terminal
+
+    bool records_motion = false;       ///< run: where all parts are, for a report
+    std::vector<std::string> formats;  ///< export: "gltf", "vtu", "mat", "uff58", "uff55"
 
     int buckling = 0;  ///< static: so many critical load factors
     std::string at;    ///< static: the instant whose loads count, a text with unit
@@ -91,7 +95,9 @@ enum Command : unsigned {
     kSpectrum = 16384,
     kReport = 32768,
     kPlot = 65536,
-    kStudy = 131072
+    kStudy = 131072,
+    kShow = 262144,
+    kExport = 524288
 };
 
 /// An option of the command line. The commands, the words of a sweep's cases and what decides whether a case is run again

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string_view>
@@ -50,13 +51,37 @@ void warn_jumps(const Model& model, const ElementCatalogue& catalogue, Warnings&
     }
 }
 
-/// The channels the model asks for. Throws Error(model_invalid) with the place of the list.
-std::vector<int> selected_channels(const Model& model, const Simulation& simulation) {
+/// Whether pictures of the machine need it: where a body or node is, the force of an element.
+bool shows_motion(const Channel& channel) {
+    const std::string& quantity = channel.quantity();
+    switch (channel.of()) {
+        case Channel::Of::body:
+            return quantity == "position" || quantity == "quaternion";
+        case Channel::Of::node:
+            return quantity == "position" || quantity == "rotation";
+        case Channel::Of::element:
+            return quantity == "force";
+        default:
+            return false;
+    }
+}
+
+/// The channels the model asks for, and those that pictures of the machine need. Throws Error(model_invalid) with the place
+/// of the list.
+std::vector<int> selected_channels(const Model& model, const Simulation& simulation, bool records_motion) {
+    const std::vector<Channel>& all = simulation.channels();
+    std::vector<int> selected;
     try {
-        return select_channels(simulation.channels(), model.output.channels);
+        selected = select_channels(all, model.output.channels);
     } catch (const Error& error) {
         throw ModelError(fmt::format("{}: {}", model.output.channels_place, error.what()));
     }
+    if (!records_motion) return selected;
+    for (int c = 0; c < as_int(all.size()); ++c)
+        if (shows_motion(all[as_size(c)])) selected.push_back(c);
+    std::ranges::sort(selected);
+    selected.erase(std::ranges::unique(selected).begin(), selected.end());
+    return selected;
 }
 
 /// A run to a tolerance needs no stable step from the user: it starts from one, its rows where they were.
@@ -81,7 +106,7 @@ Session::Session(const Request& request)
     : plugins(request.plugins),
       model(prepare(request)),
       simulation(model, plugins),
-      selection(selected_channels(model, simulation)) {
+      selection(selected_channels(model, simulation, request.records_motion)) {
     if (!model.simulation.starts_at_rest) warn_jumps(model, plugins.catalogue(), warnings);
     if (model.simulation.tolerance)
         halving.emplace(model, plugins, simulation.channels(), selection);

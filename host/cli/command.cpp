@@ -34,8 +34,10 @@
 #include "model/wording.h"
 #include "record/hdf5_writer.h"
 #include "record/tell.h"
+#include "report/export.h"
 #include "report/plot.h"
 #include "report/report.h"
+#include "report/show.h"
 #include "study/study.h"
 #include "world/world.h"
 
@@ -125,7 +127,9 @@ const CommandLine kCommands[] = {
     {kSpectrum, "spectrum", "spectra, levels, modes and orders of a recorded run", Given::results, find_spectrum},
     {kReport, "report", "one HTML file of any results: curves, tables, the machine in 3-D", Given::several_results,
      make_report},
-    {kPlot, "plot", "curves of channels as an SVG picture", Given::results_and_patterns, plot_curves},
+    {kPlot, "plot", "curves of channels as a picture, or in the terminal", Given::results_and_patterns, plot_curves},
+    {kShow, "show", "three views of a model as an SVG picture", Given::model, show_model},
+    {kExport, "export", "results for other programs: glTF, VTU, MAT, universal files", Given::results, export_results},
     {kChannels, "channels", "list what a run of a model can record", Given::model_and_patterns, plain<print_channels>},
     {kCheckLaw, "check-law", "test the force laws of a library", Given::library, plain<check_law>},
     {kNew, "new", "make a folder with a first model", Given::folder, plain<make_new>},
@@ -206,7 +210,7 @@ void add_given(CLI::App& command, Given given, Request& request) {
         case Given::results_and_patterns:
             command
                 .add_option("RESULTS PATTERN", request.words,
-                            "results folder of any command, then patterns of channels, e.g. \"bolt*.force.z\"")
+                            "results folder of any command, or several, then patterns of channels, e.g. \"bolt*.force.z\"")
                 ->required()
                 ->expected(2, -1);
             break;

@@ -126,10 +126,15 @@ CurveSet curves_of(const CsvFile& file, int x, std::size_t first, const std::vec
             const std::vector<double> imaginary = numbers(of_real + ".im");
             for (std::size_t i = 0; i < rows.size(); ++i) {
                 const double real = std::exchange(curve.values[i], std::hypot(curve.values[i], imaginary[i]));
+                curve.complex_values.emplace_back(real, imaginary[i]);
                 curve.phases.push_back(std::atan2(imaginary[i], real) * 180 / std::numbers::pi);
             }
         } else if (!of_amplitude.empty() && has(of_amplitude + ".phase")) {
             curve.phases = numbers(of_amplitude + ".phase");
+            for (std::size_t i = 0; i < rows.size(); ++i) {
+                const double phase = curve.phases[i] * std::numbers::pi / 180;
+                curve.complex_values.emplace_back(curve.values[i] * std::cos(phase), curve.values[i] * std::sin(phase));
+            }
         }
         set.curves.push_back(std::move(curve));
     }

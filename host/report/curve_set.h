@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <complex>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@ struct Curve {
     Column head;
     std::vector<double> values;  ///< in the unit of the head; NaN where there is none
     std::vector<double> phases;  ///< [deg]; empty: it is no amplitude of a vibration
+    /// The same as complex numbers, to the bit those of the file where it has real and imaginary parts.
+    std::vector<std::complex<double>> complex_values = {};
 };
 
 /// Curves over one quantity.

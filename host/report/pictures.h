@@ -8,8 +8,7 @@
 
 namespace dttmm::host {
 
-/// How the machine moves in a run: rows at equal distances, of every body and node whose position is recorded, and the
-/// force of every element whose force is. At most 2000 rows, fewer of large machines. model: member "model" of
+/// A recorded motion as the page reads it. At most 2000 rows, fewer of large machines. model: member "model" of
 /// summary.json. Null where nothing moves.
 ///     {times [s], every (rows from one to the next), bodies: {name: {position: 3 per row [m], quaternion: 4 per row}},
 ///      nodes: {name: {position, rotation [rad]}}, forces: {element: magnitude per row [N]}}

@@ -2,6 +2,8 @@
 #include "report/plot.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +15,7 @@
 #include "record/atomic_file.h"
 #include "record/channels.h"
 #include "record/results_folder.h"
+#include "report/gnuplot.h"
 #include "report/results.h"
 #include "report/svg_chart.h"
 
@@ -22,7 +25,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kMostPoints = 3000;  // of a line: four times the width of the picture
+constexpr std::size_t kMostPoints = 1500;  // of a line: twice the width of a chart, for the least and the largest value
 constexpr std::size_t kMostLines = 28;     // in one chart: so many differ in colour and dashes
 
 /// "m/s²" for "m/s^2"; nothing for a pure number.
@@ -39,11 +42,42 @@ std::string with_unit(const std::string& name, const std::string& unit) {
     return text.empty() ? name : fmt::format("{} [{}]", name == "rpm" ? "speed" : name, text);
 }
 
+/// Words of the command: results folders first, at least one; then patterns, at least one.
+struct Words {
+    std::vector<std::string> results, patterns;
+};
+
+Words split_words(const std::vector<std::string>& words) {
+    const auto is_results = [](const std::string& word) {
+        std::error_code fault;
+        return fs::is_directory(word, fault) || word.ends_with(".csv") || word.ends_with("summary.json");
+    };
+    const auto first = std::find_if_not(words.begin() + 1, words.end() - 1, is_results);
+    return {{words.begin(), first}, split_at_commas({first, words.end()})};
+}
+
+/// Curves of all results; of several the label of a curve begins with the name of its folder.
+std::vector<CurveSet> read_sets(const std::vector<std::string>& results) {
+    std::vector<CurveSet> all;
+    for (const std::string& one : results)
+        for (CurveSet& set : read_curve_sets(one)) {
+            if (results.size() > 1) {
+                fs::path path = fs::path(one).lexically_normal();
+                if (path.has_extension() || !path.has_filename()) path = path.parent_path();
+                set.label = path.filename().string() + (set.label.empty() ? "" : ", " + set.label);
+            }
+            all.push_back(std::move(set));
+        }
+    return all;
+}
+
 /// The names of all curves that a pattern selects.
 std::set<std::string> choose(const std::vector<CurveSet>& sets, const std::vector<std::string>& patterns) {
     std::vector<Channel> channels = {{"time", "s"}};
+    std::set<std::string> known;
     for (const CurveSet& set : sets)
-        for (const Curve& curve : set.curves) channels.emplace_back(curve.head.name, curve.head.unit);
+        for (const Curve& curve : set.curves)
+            if (known.insert(curve.head.name).second) channels.emplace_back(curve.head.name, curve.head.unit);
     std::set<std::string> names;
     try {
         for (const int c : select_channels(channels, patterns))
@@ -98,21 +132,38 @@ fs::path picture_path(const Request& request) {
     return path;
 }
 
+/// Columns and rows of a chart in the terminal.
+std::pair<int, int> terminal_size() {
+    winsize size{};
+    const bool is_known = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+    return {is_known ? std::clamp<int>(size.ws_col, 40, 240) : 100,
+            is_known ? std::clamp<int>(size.ws_row - 2, 12, 60) : 30};
+}
+
 }  // namespace
 
 ExitCode plot_curves(const Request& request) {
     const fs::path path = picture_path(request);
-    if (path != "-" && path.extension() != ".svg")
-        throw Error(ExitCode::usage, fmt::format("{}: the picture is SVG; give a name that ends with .svg", path.string()));
-    const std::vector<std::string> patterns = split_at_commas({request.words.begin() + 1, request.words.end()});
-    const std::vector<CurveSet> sets = read_curve_sets(request.words.front());
-    const std::vector<Chart> charts = make_charts(sets, choose(sets, patterns), request.is_logarithmic);
-    const std::string picture = draw_svg(fmt::format("{} of {}", fmt::join(patterns, ", "), request.words.front()), charts);
-    if (path == "-") {
-        fmt::print("{}", picture);
+    if (path != "-" && path.extension() != ".svg" && path.extension() != ".png")
+        throw Error(ExitCode::usage,
+                    fmt::format("{}: the picture is SVG or PNG; give a name that ends with .svg or .png", path.string()));
+    const Words words = split_words(request.words);
+    const std::vector<CurveSet> sets = read_sets(words.results);
+    const std::vector<Chart> charts = make_charts(sets, choose(sets, words.patterns), request.is_logarithmic);
+    const std::string title = fmt::format("{} of {}", fmt::join(words.patterns, ", "), fmt::join(words.results, ", "));
+    if (request.is_text) {
+        const auto [columns, rows] = terminal_size();
+        fmt::print("{}", draw_text(charts, columns, rows));
         return ExitCode::ok;
     }
-    write_atomically(from_start(path), picture);
+    if (path == "-") {
+        fmt::print("{}", draw_svg(title, charts));
+        return ExitCode::ok;
+    }
+    if (path.extension() == ".png")
+        draw_png(title, charts, from_start(path));
+    else
+        write_atomically(from_start(path), draw_svg(title, charts));
     if (!request.quiet) fmt::print("{}\n", path.string());
     return ExitCode::ok;
 }

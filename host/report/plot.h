@@ -6,8 +6,9 @@
 
 namespace dttmm::host {
 
-/// Curves of results as an SVG picture: a chart per file and unit, over each other. words: the results folder, then patterns
-/// of curves. Throws Error(usage) for a pattern without a curve, and as describe_results does.
+/// Curves of results as an SVG or PNG picture or as text: a chart per file and unit, over each other. words: results
+/// folders, whose curves are drawn together, then patterns of curves. Throws Error(usage) for a pattern without a curve, and
+/// as describe_results does.
 ExitCode plot_curves(const Request& request);
 
 }  // namespace dttmm::host

@@ -143,6 +143,7 @@ public:
         return std::move(json_);
     }
     std::vector<CurveSet> take_sets() { return std::move(sets_); }
+    Results take_results();
 
 private:
     void take_summary(Json summary);
@@ -162,6 +163,22 @@ private:
     Json json_;
     std::vector<CurveSet> sets_;
 };
+
+Results Description::take_results() {
+    Results results;
+    results.folder = folder_;
+    results.kind = kind_;
+    results.written = json_["written"];
+    results.summary = std::move(json_["summary"]);
+    results.model = std::move(json_["model"]);
+    results.model_text = std::move(json_["model_text"]);
+    for (const auto& [object, name] : {std::pair(&results.summary, "title"), std::pair(&json_, "title_of_cases")})
+        if (results.title.empty() && object->is_object() && object->contains(name) && (*object)[name].is_string())
+            results.title = (*object)[name];
+    for (const Json& text : json_["notes"]) results.notes.push_back(text);
+    results.sets = std::move(sets_);
+    return results;
+}
 
 /// The model and its text stand apart: the page shows them in places of their own.
 void Description::take_summary(Json summary) {
@@ -300,6 +317,23 @@ void Description::take_table(const CsvFile& file) {
 }  // namespace
 
 Json describe_results(const fs::path& path, const ReportChoice& choice) { return Description(path, choice).take(); }
+
+Results read_results(const fs::path& path) {
+    const ReportChoice all;
+    return Description(path, all).take_results();
+}
+
+std::vector<CsvFile> read_tables(const fs::path& folder) {
+    std::set<fs::path> files;
+    std::error_code fault;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, fault)) {
+        const fs::path name = entry.path().filename();
+        const bool is_curves =
+            name == "history.csv" || std::ranges::any_of(kCurveFiles, [&](const auto& file) { return name == file.name; });
+        if (name.extension() == ".csv" && !is_curves) files.insert(entry.path());
+    }
+    return {files.begin(), files.end()};
+}
 
 std::vector<CurveSet> read_curve_sets(const fs::path& path) {
     const ReportChoice all;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "analysis/json.h"
+#include "record/csv_file.h"
 #include "report/curve_set.h"
 
 namespace dttmm::host {
@@ -20,6 +21,26 @@ struct ReportChoice {
 /// tables, motion, shapes, notes. Throws Error(input_output) for what is no results of dttmm, and says what it is; for a
 /// damaged file of results, with its place; Error(usage) for a pattern without a channel.
 Json describe_results(const std::filesystem::path& path, const ReportChoice& choice);
+
+/// Results with all their digits, for other programs.
+struct Results {
+    std::filesystem::path folder;
+    std::string kind;        ///< "run", "modes", "static", "frf", "response", "spectrum", "sweep", "study"
+    std::string title;       ///< of the model; empty where it is not known
+    std::string written;     ///< "2026-11-25 08:03 UTC"; empty where it is not known
+    Json summary;            ///< summary.json without the two below; null where there is none
+    Json model;              ///< its member "model"; null where there is none
+    std::string model_text;  ///< the model file
+    std::vector<CurveSet> sets;
+    std::vector<std::string> notes;  ///< what is missing of them
+};
+
+/// The same as read_curve_sets, and what is known beside. Throws as describe_results does.
+Results read_results(const std::filesystem::path& path);
+
+/// All tables of a results folder that are no curves: every other CSV file in it, by name. Throws Error(input_output) for
+/// a damaged one, with its place.
+std::vector<CsvFile> read_tables(const std::filesystem::path& folder);
 
 /// All curves of the same, whole: one set per file, of orders over speed one per order. Throws as describe_results does.
 std::vector<CurveSet> read_curve_sets(const std::filesystem::path& path);

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "study/engine.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,6 +12,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "analysis/program.h"
 #include "analysis/stop_signals.h"
 #include "model/error.h"
 #include "model/index.h"
@@ -27,64 +26,6 @@ namespace dttmm::host {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Ended {
-    int status = 0;      ///< exit code, or −1: it could not be started
-    std::string output;  ///< standard output and error
-};
-
-/// Runs a program of the path, without a shell, to its end; a stop by the user reaches it as a signal.
-Ended run_program(const std::vector<std::string>& words) {
-    std::array<int, 2> pipe_ends{};
-    if (::pipe2(pipe_ends.data(), O_CLOEXEC) != 0)
-        throw Error(ExitCode::resource_limit, fmt::format("no pipe for a program: {}", std::strerror(errno)));
-    std::vector<char*> arguments;
-    for (const std::string& one : words) arguments.push_back(const_cast<char*>(one.c_str()));
-    arguments.push_back(nullptr);
-    const pid_t child = ::fork();
-    if (child < 0)
-        throw Error(ExitCode::resource_limit, fmt::format("a program could not be started: {}", std::strerror(errno)));
-    if (child == 0) {
-        ::dup2(pipe_ends[1], STDOUT_FILENO);
-        ::dup2(pipe_ends[1], STDERR_FILENO);
-        ::execvp(arguments[0], arguments.data());
-        ::_exit(127);
-    }
-    ::close(pipe_ends[1]);
-    Ended ended;
-    std::array<char, 4096> buffer{};
-    bool is_told = false;
-    for (;;) {
-        if (StopSignals::requested() && !is_told) {
-            ::kill(child, SIGTERM);
-            is_told = true;
-        }
-        const ssize_t size = ::read(pipe_ends[0], buffer.data(), buffer.size());
-        if (size < 0 && errno == EINTR) continue;
-        if (size <= 0) break;
-        ended.output.append(buffer.data(), as_size(size));
-    }
-    ::close(pipe_ends[0]);
-    int status = 0;
-    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    }
-    ended.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    return ended;
-}
-
-/// The last lines of what a program said.
-std::string last_words(const std::string& output) {
-    std::string text = output.size() > 500 ? output.substr(output.size() - 500) : output;
-    while (!text.empty() && text.back() == '\n') text.pop_back();
-    return printable(text);
-}
-
-void refuse_failure(const Ended& ended, const char* program, const char* package) {
-    if (ended.status == 127)
-        throw Error(ExitCode::input_output, fmt::format("{} is not installed: sudo apt-get install {}", program, package));
-    throw Error(ExitCode::input_output,
-                fmt::format("{} ended with code {}: {}", program, ended.status, last_words(ended.output)));
-}
 
 std::string program_path() { return fs::read_symlink("/proc/self/exe").string(); }
 
@@ -157,18 +98,18 @@ void run_by_parallel(const StudyFolder& study, const std::vector<size_t>& cases,
     if (!hosts.empty()) words.insert(words.end(), {"--sshlogin", hosts});
     words.insert(words.end(), {"--arg-file", file.string(),
                                fmt::format("{} study work {} {{}}", shell_word(program_path()), shell_word(study.path()))});
-    const Ended ended = run_program(words);
+    const ProgramEnd ended = run_program(words);
     // A code from 1 to 100 counts jobs that failed: their cases are missing, which the tables tell
-    if (!StopSignals::requested() && ended.status > 100) refuse_failure(ended, "GNU parallel", "parallel");
+    if (!StopSignals::requested() && ended.status > 100) refuse_failed(ended, "GNU parallel", "parallel");
     if (!StopSignals::requested() && ended.status != 0)
         throw Error(ExitCode::input_output, fmt::format("GNU parallel: {} of {} jobs failed: {}; the same command goes on "
                                                         "with what is missing",
-                                                        ended.status, count, last_words(ended.output)));
+                                                        ended.status, count, ended.last_words()));
 }
 
 size_t submit_to_slurm(const StudyFolder& study, const std::vector<size_t>& cases, const std::string& options) {
-    const Ended site = run_program({"scontrol", "show", "config"});
-    if (site.status != 0) refuse_failure(site, "scontrol (Slurm)", "slurm-wlm");
+    const ProgramEnd site = run_program({"scontrol", "show", "config"});
+    if (site.status != 0) refuse_failed(site, "scontrol (Slurm)", "slurm-wlm");
     constexpr size_t kMostTasks = 1000;
     const size_t most = std::min(
         {site_limit(site.output, "MaxArraySize", 1001) - 1, site_limit(site.output, "MaxJobCount", 10000) / 2, kMostTasks});
@@ -187,8 +128,8 @@ size_t submit_to_slurm(const StudyFolder& study, const std::vector<size_t>& case
                                       fmt::format("--output={}-%a.log", log.string())};
     for (const std::string& word : split_words(options)) words.push_back(word);
     words.push_back(script_file.string());
-    const Ended submitted = run_program(words);
-    if (submitted.status != 0) refuse_failure(submitted, "sbatch", "slurm-wlm");
+    const ProgramEnd submitted = run_program(words);
+    if (submitted.status != 0) refuse_failed(submitted, "sbatch", "slurm-wlm");
     return count;
 }
 

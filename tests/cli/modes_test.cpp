@@ -508,9 +508,9 @@ TEST(Modes, AJointLeavesItsDirections) {
 // ---- Sweeps -------------------------------------------------------------------------------------------------------------
 
 /// Rows of a sweep.csv: without its two lines of names and units, and without the likenesses; an empty cell is NaN.
-std::vector<std::vector<double>> read_table(const fs::path& file, std::string& names, std::string& units);
+std::vector<std::vector<double>> read_named_rows(const fs::path& file, std::string& names, std::string& units);
 std::vector<std::vector<double>> read_curves(const fs::path& file, std::string& names, std::string& units) {
-    std::vector<std::vector<double>> rows = read_table(file, names, units);
+    std::vector<std::vector<double>> rows = read_named_rows(file, names, units);
     const size_t mac = names.find(",mac1");
     const auto columns = std::count(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(mac), ',') + 1;
     for (std::vector<double>& row : rows) row.resize(static_cast<size_t>(columns));
@@ -519,7 +519,7 @@ std::vector<std::vector<double>> read_curves(const fs::path& file, std::string& 
 }
 
 /// The same with the likenesses.
-std::vector<std::vector<double>> read_table(const fs::path& file, std::string& names, std::string& units) {
+std::vector<std::vector<double>> read_named_rows(const fs::path& file, std::string& names, std::string& units) {
     std::istringstream lines(read_text(file));
     std::getline(lines, names);
     std::getline(lines, units);
@@ -576,7 +576,7 @@ mass = 1
     const Ended ended = run_dttmm(folder.path(), {"modes", "m.toml", "--sweep", "k=40N/m..190N/m:6"});
     ASSERT_EQ(ended.code, 0) << ended.err;
     std::string names, units;
-    const auto rows = read_table(folder / "results/m-modes/sweep.csv", names, units);
+    const auto rows = read_named_rows(folder / "results/m-modes/sweep.csv", names, units);
     EXPECT_EQ(names, "case,k,curve1,curve2,mac1,mac2");
     EXPECT_EQ(units, ",N/m,Hz,Hz,1,1");
     ASSERT_EQ(rows.size(), 6u);
@@ -655,7 +655,7 @@ mass = 1
         EXPECT_EQ(ended.code, 0) << ended.err;
         std::string names, units;
         double least = 1;
-        for (const std::vector<double>& row : read_table(folder / "out/sweep.csv", names, units))
+        for (const std::vector<double>& row : read_named_rows(folder / "out/sweep.csv", names, units))
             for (size_t k : {5u, 6u})
                 if (row[k] < least) least = row[k];
         EXPECT_EQ(ended.err.empty(), least >= 0.8) << ended.err;

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "cli/process.h"
 
 namespace dttmm::host {
@@ -64,15 +66,48 @@ TEST(Plot, DrawsTheChosenCurvesByUnit) {
     EXPECT_THAT(printed.out, Not(HasSubstr(">a.x<")));
 }
 
+TEST(Plot, OfSeveralResultsCurvesAreDrawnTogether) {
+    const TemporaryFolder folder;
+    write_small_history(folder / "tight");
+    write_small_history(folder / "loose");
+    const Ended ended = run_dttmm(folder.path(), {"plot", "tight", "loose/history.csv", "a", "-o", "-"});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_THAT(ended.out, AllOf(HasSubstr(">a, tight</text>"), HasSubstr(">a, loose</text>")));
+}
+
+TEST(Plot, DrawsInTheTerminalAndAsPng) {
+    const TemporaryFolder folder;
+    write_small_history(folder / "pump");
+    const Ended text = run_dttmm(folder.path(), {"plot", "pump", "a", "--text"});
+    EXPECT_EQ(text.code, 0) << text.err;
+    EXPECT_THAT(text.out, AllOf(HasSubstr("time [s]"), HasSubstr("***"), HasSubstr("a ")));
+    const Ended png = run_dttmm(folder.path(), {"plot", "pump", "a", "-o", "a.png"});
+    EXPECT_EQ(png.out, "a.png\n") << png.err;
+    EXPECT_TRUE(read_text(folder / "a.png").starts_with("\x89PNG"));
+}
+
+// A search path without gnuplot: the message says how to get it, and no file is left.
+TEST(Plot, WithoutGnuplotSaysHowToGetIt) {
+    const TemporaryFolder folder;
+    write_small_history(folder / "pump");
+    const std::string path = std::getenv("PATH");
+    ::setenv("PATH", folder.path().c_str(), 1);
+    const Ended ended = run_dttmm(folder.path(), {"plot", "pump", "a", "-o", "a.png"});
+    ::setenv("PATH", path.c_str(), 1);
+    EXPECT_EQ(ended.code, 5);
+    EXPECT_THAT(ended.err, HasSubstr("gnuplot is not installed: sudo apt-get install gnuplot-nox"));
+    EXPECT_FALSE(fs::exists(folder / "a.png") || fs::exists(folder / "a.png.part"));
+}
+
 TEST(Plot, RefusesWhatItCannotDraw) {
     const TemporaryFolder folder;
     write_small_history(folder / "pump");
     const Ended unknown = run_dttmm(folder.path(), {"plot", "pump", "bolt"});
     EXPECT_EQ(unknown.code, 2);
     EXPECT_THAT(unknown.err, HasSubstr("bolt"));
-    const Ended other = run_dttmm(folder.path(), {"plot", "pump", "a", "-o", "a.png"});
+    const Ended other = run_dttmm(folder.path(), {"plot", "pump", "a", "-o", "a.pdf"});
     EXPECT_EQ(other.code, 2);
-    EXPECT_THAT(other.err, HasSubstr("a.png: the picture is SVG; give a name that ends with .svg"));
+    EXPECT_THAT(other.err, HasSubstr("a.pdf: the picture is SVG or PNG; give a name that ends with .svg or .png"));
     EXPECT_EQ(run_dttmm(folder.path(), {"plot", "nothing", "a"}).code, 5);
     EXPECT_EQ(run_dttmm(folder.path(), {"plot", "pump"}).code, 2);
 }

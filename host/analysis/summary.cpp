@@ -171,6 +171,18 @@ Json describe_energy(const Recorder& recorder) {
 
 }  // namespace
 
+std::string digest_of(const std::filesystem::path& path) {
+    std::ifstream file(from_start(path), std::ios::binary);
+    std::array<char, 1 << 16> block;  // programs are large
+    uint64_t digest = 0, size = 0;
+    while (file.read(block.data(), block.size()), file.gcount() > 0) {
+        const std::string_view text(block.data(), as_size(file.gcount()));
+        digest = std::rotl(digest, 1) * 0x9e3779b97f4a7c15ULL ^ std::hash<std::string_view>{}(text);
+        size += text.size();
+    }
+    return fmt::format("{:016x}-{}", digest, size);
+}
+
 namespace {
 
 Json describe_shares(const FastestMode& mode) {
@@ -190,19 +202,6 @@ Json describe_limit(const Simulation& simulation) {
             {"frequency_hz", limit->mode.omega / (2 * M_PI)},
             {"body", limit->mode.body},
             {"elements", describe_shares(limit->mode)}};
-}
-
-/// A number that tells whether a file has changed. Read block by block: programs are large.
-std::string digest_of(const std::filesystem::path& path) {
-    std::ifstream file(from_start(path), std::ios::binary);
-    std::array<char, 1 << 16> block;
-    uint64_t digest = 0, size = 0;
-    while (file.read(block.data(), block.size()), file.gcount() > 0) {
-        const std::string_view text(block.data(), as_size(file.gcount()));
-        digest = std::rotl(digest, 1) * 0x9e3779b97f4a7c15ULL ^ std::hash<std::string_view>{}(text);
-        size += text.size();
-    }
-    return fmt::format("{:016x}-{}", digest, size);
 }
 
 Json describe_load(const Model& model, const Load& load) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "analysis/advance.h"
@@ -18,6 +19,9 @@ namespace dttmm::host {
 /// changed. A sweep reuses a case whose
 /// inputs are equal.
 Json describe_inputs(const Model& model, const Request& request);
+
+/// A number that tells whether a file has changed; of none that of an empty one.
+std::string digest_of(const std::filesystem::path& path);
 
 /// [{"code", "text"}, ...]
 Json describe_warnings(const Warnings& warnings);

@@ -134,7 +134,8 @@ std::vector<Column> find_figures(const StudyPlan& plan, const Plugins& plugins) 
         std::filesystem::temp_directory_path() / fmt::format("dttmm-study-{}", Journal::make_name());
     StudyPlan trial = plan;
     trial.keeps = false;
-    const std::vector<Column> all = find(plan.request, trial, plugins, scratch).columns;
+    trial.request.quiet = true;
+    const std::vector<Column> all = find(trial.request, trial, plugins, scratch).columns;
     std::vector<Column> chosen;
     for (const size_t c : choose_figures(plan.figures, all)) chosen.push_back(all[c]);
     return chosen;
@@ -147,9 +148,14 @@ CaseOutcome run_case(const StudyPlan& plan, size_t index, const Plugins& plugins
         outcome.status = "completed";
         outcome.warnings = found.warnings;
         outcome.figures = pick(found, plan.columns);
+        // Of a run the figures are those that were asked for; else a pattern may have passed some over
+        outcome.unlisted =
+            (plan.command == "run" || plan.figures.empty()) && std::ranges::any_of(found.columns, [&](const Column& column) {
+                return std::ranges::find(plan.columns, column.name, &Column::name) == plan.columns.end();
+            });
     } catch (const Error& error) {
         if (StopSignals::requested()) throw;
-        if (error.code() == ExitCode::input_output && plan.keeps) throw;
+        if (error.code() == ExitCode::input_output) throw;  // of the disk or the study's folder, no fault of the case
         outcome = {"failed", fmt::format("exit code {}: {}", static_cast<int>(error.code()), error.what())};
     }
     return outcome;

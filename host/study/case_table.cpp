@@ -24,11 +24,12 @@ namespace {
 std::vector<std::string> split_cells(std::string_view text, size_t& begin) {
     std::vector<std::string> cells = csv_record(text, begin);
     for (std::string& cell : cells) cell = without_blanks_around(cell);
-    if (std::ranges::all_of(cells, &std::string::empty)) cells.clear();
+    if (cells.size() == 1 && cells.front().empty()) cells.clear();
     return cells;
 }
 
 bool is_number(const std::string& cell) {
+    if (cell == "nan" || cell == "inf" || cell == "-inf" || cell == "NaN" || cell == "NA") return true;  // no unit
     try {
         parse_quantity(cell);
         return true;
@@ -65,7 +66,10 @@ public:
         if (rows.empty()) throw Error(ExitCode::model_invalid, fmt::format("{}: the table is empty", file_.string()));
         read_head(rows.front());
         size_t first = 1;
-        if (rows.size() > 1 && is_unit_row(rows[1])) units_ = rows[first++];
+        if (rows.size() > 1 && is_unit_row(rows[1])) {
+            units_ = rows[first++];
+            check_units(lines[1]);
+        }
         if (as_row(rows.size() - first) > kMostStudyCases || rows.size() == first)
             throw Error(ExitCode::model_invalid, fmt::format("{}: it has {} rows of values; 1 to {} are possible",
                                                              file_.string(), rows.size() - first, kMostStudyCases));
@@ -79,11 +83,16 @@ private:
         std::vector<std::string> known;
         for (const Parameter& parameter : parameters_) known.push_back(parameter.name);
         for (size_t c = 0; c < names.size(); ++c) {
-            if (names[c] == "case") continue;
+            if (names[c] == "case") {
+                case_column_ = c;
+                continue;
+            }
             const auto found = std::ranges::find(parameters_, names[c], &Parameter::name);
             if (found == parameters_.end())
-                throw Error(ExitCode::usage, fmt::format("{}:1: column {} is no parameter of the model{}", file_.string(),
-                                                         quote(names[c]), suggestion(names[c], known)));
+                throw Error(ExitCode::usage,
+                            fmt::format("{}:1: column {} is no parameter of the model{}", file_.string(), quote(names[c]),
+                                        names[c].find_first_of(";\t") != names[c].npos ? "; fields are separated by commas"
+                                                                                       : suggestion(names[c], known)));
             if (std::ranges::find(table_.parameters, names[c], &Column::name) != table_.parameters.end())
                 throw Error(ExitCode::usage,
                             fmt::format("{}:1: two columns are called {}", file_.string(), quote(names[c])));
@@ -107,14 +116,33 @@ private:
         return has_unit;
     }
 
+    void check_units(size_t line) const {
+        for (size_t p = 0; p < columns_.size(); ++p) {
+            const std::string unit = columns_[p] < units_.size() ? units_[columns_[p]] : "";
+            if (unit.empty() || unit == "1" || from_[p]->unit.empty()) continue;
+            try {
+                parse_quantity("1 " + unit, from_[p]->unit);
+            } catch (const Error& error) {
+                throw Error(ExitCode::model_invalid,
+                            fmt::format("{}:{}: unit of {}: {}", file_.string(), line, from_[p]->name, error.what()));
+            }
+        }
+    }
+
     void read_row(size_t row, const std::vector<std::string>& cells, size_t line) {
         const auto refuse = [&](ExitCode code, const std::string& fault) {
             throw Error(code, fmt::format("{}:{}: {}", file_.string(), line, fault));
         };
         if (cells.size() != width_)
             refuse(ExitCode::model_invalid, fmt::format("{} cells, but the first row has {}", cells.size(), width_));
+        if (case_column_ && cells[*case_column_] != std::to_string(row + 1))
+            refuse(ExitCode::model_invalid,
+                   fmt::format("case is {}, but cases count 1, 2, 3 and so on; this is row {}. Leave the "
+                               "column out, or keep your own numbers outside of the table",
+                               quote(cells[*case_column_]), row + 1));
         for (size_t p = 0; p < columns_.size(); ++p) {
             std::string text = cells[columns_[p]];
+            if (text.empty()) refuse(ExitCode::model_invalid, fmt::format("{} has no value", from_[p]->name));
             const std::string unit = columns_[p] < units_.size() ? units_[columns_[p]] : "";
             if (!unit.empty() && unit != "1" && unit_text_of(text).empty()) text += " " + unit;
             std::optional<std::string> missing;
@@ -127,8 +155,10 @@ private:
                 refuse(ExitCode::model_invalid, fmt::format("{}: {}", from_[p]->name, error.what()));
             }
             if (missing)
-                refuse(ExitCode::usage, fmt::format("{} = {} of which unit? the model gives {}: write a second row of units",
-                                                    from_[p]->name, text, *missing));
+                refuse(ExitCode::usage,
+                       fmt::format("{} = {} of which unit? the model gives {}: write {} into the second row, "
+                                   "which has the units",
+                                   from_[p]->name, text, *missing, *missing));
         }
     }
 
@@ -140,6 +170,7 @@ private:
     std::vector<const Parameter*> from_;
     std::vector<size_t> columns_;  ///< of the file, for each parameter
     std::vector<std::string> units_;
+    std::optional<size_t> case_column_;
     size_t width_ = 0;
 };
 

@@ -94,8 +94,8 @@ void write_hdf5(const std::filesystem::path& file, const StudyFolder& study, con
 }
 
 std::string statistics_table(const StudyFolder& study, const std::vector<CaseOutcome>& outcomes, const StudyCount& count) {
-    std::vector<Column> heads = {{"figure", ""},   {"unit", ""}, {"completed", "1"}, {"failed", "1"},
-                                 {"missing", "1"}, {"mean", ""}, {"deviation", ""},  {"minimum", ""}};
+    std::vector<Column> heads = {{"figure", ""},   {"unit", ""}, {"counted", "1"},  {"without", "1"}, {"failed", "1"},
+                                 {"missing", "1"}, {"mean", ""}, {"deviation", ""}, {"minimum", ""}};
     for (const double share : FigureStatistics::kShares) heads.push_back({fmt::format("q{:02.0f}", 100 * share), ""});
     heads.push_back({"maximum", ""});
     CsvTable table(heads);
@@ -103,6 +103,7 @@ std::string statistics_table(const StudyFolder& study, const std::vector<CaseOut
         const FigureStatistics of = compute_statistics(values_of_figure(outcomes, f));
         table.add(study.plan().columns[f].name).add(study.plan().columns[f].unit);
         table.add(static_cast<double>(of.count))
+            .add(static_cast<double>(count.completed - of.count))
             .add(static_cast<double>(count.failed))
             .add(static_cast<double>(count.missing));
         table.add(of.mean).add(of.deviation).add(of.minimum).add_all(of.quantiles).add(of.maximum).end_row();
@@ -116,16 +117,13 @@ std::string correlation_table(const StudyFolder& study, const std::vector<CaseOu
     for (const Column& column : cases.parameters) heads.push_back({column.name, "1"});
     for (const Column& column : cases.parameters) heads.push_back({column.name + ".rank", "1"});
     CsvTable table(heads);
-    std::vector<std::vector<double>> parameters, ranks;
-    for (size_t p = 0; p < cases.parameters.size(); ++p) {
-        parameters.push_back(values_of_parameter(cases, p));
-        ranks.push_back(compute_ranks(parameters.back()));
-    }
+    std::vector<std::vector<double>> parameters;
+    for (size_t p = 0; p < cases.parameters.size(); ++p) parameters.push_back(values_of_parameter(cases, p));
     for (size_t f = 0; f < study.plan().columns.size(); ++f) {
-        const std::vector<double> values = values_of_figure(outcomes, f), value_ranks = compute_ranks(values);
+        const std::vector<double> values = values_of_figure(outcomes, f);
         table.add(study.plan().columns[f].name);
         for (const auto& parameter : parameters) table.add(compute_correlation(parameter, values));
-        for (const auto& rank : ranks) table.add(compute_correlation(rank, value_ranks));
+        for (const auto& parameter : parameters) table.add(compute_rank_correlation(parameter, values));
         table.end_row();
     }
     return table.text();
@@ -190,6 +188,7 @@ Json describe_statistics(const StudyFolder& study, const std::vector<CaseOutcome
         const FigureStatistics of = compute_statistics(values_of_figure(outcomes, f));
         Json one = {{"unit", study.plan().columns[f].unit},
                     {"count", of.count},
+                    {"without", count_cases(outcomes).completed - of.count},
                     {"mean", or_null(of.mean)},
                     {"deviation", or_null(of.deviation)},
                     {"minimum", or_null(of.minimum)},
@@ -213,12 +212,17 @@ void print_sensitivities(const StudyFolder& study, const std::vector<CaseOutcome
         fmt::print("{}\n", plan.columns[f].name);
         if (has_indices) {
             const auto all = compute_sobol_indices(values, as_row(plan.cases.parameters.size()));
+            const size_t blocks = plan.cases.cases() / (plan.cases.parameters.size() + 2);
+            if (all.empty()) fmt::print("  no indices: fewer than two blocks of cases have completed\n");
+            if (!all.empty() && all.front().blocks < blocks)
+                fmt::print("  of {} of {} blocks: the others have cases without this number\n", all.front().blocks, blocks);
             for (size_t p = 0; p < all.size(); ++p)
                 fmt::print("  {:<20} alone {:6.3f} ({:.3f} to {:.3f}), in all {:6.3f} ({:.3f} to {:.3f}) of the variance\n",
                            plan.cases.parameters[p].name, all[p].first.value, all[p].first.low, all[p].first.high,
                            all[p].total.value, all[p].total.low, all[p].total.high);
         } else {
             const auto all = compute_elementary_effects(values, plan.cases.values);
+            if (all.empty()) fmt::print("  no effects: fewer than two walks have completed, or a parameter does not vary\n");
             for (size_t p = 0; p < all.size(); ++p)
                 fmt::print("  {:<20} {:.4g} ({:.4g} to {:.4g}) {} by half of its range, deviation {:.4g}\n",
                            plan.cases.parameters[p].name, all[p].size.value, all[p].size.low, all[p].size.high,
@@ -226,6 +230,24 @@ void print_sensitivities(const StudyFolder& study, const std::vector<CaseOutcome
         }
     }
     fmt::print("sensitivities.csv has {}\n", shown < plan.columns.size() ? "all figures" : "these numbers");
+}
+
+/// Numbers that completed cases do not have, and numbers of theirs that are in no table.
+void print_gaps(const std::vector<Column>& columns, const std::vector<CaseOutcome>& outcomes) {
+    constexpr size_t kMostGaps = 10;
+    const StudyCount count = count_cases(outcomes);
+    size_t gaps = 0;
+    for (size_t f = 0; f < columns.size(); ++f) {
+        const size_t has = compute_statistics(values_of_figure(outcomes, f)).count;
+        if (has < count.completed && ++gaps <= kMostGaps)
+            fmt::print("{}: {} of {} completed cases have no such number; they do not count\n", columns[f].name,
+                       count.completed - has, count.completed);
+    }
+    if (gaps > kMostGaps)
+        fmt::print("and {} more figures that not all cases have; statistics.csv counts them\n", gaps - kMostGaps);
+    if (count.unlisted > 0)
+        fmt::print("{} with figures that the model as the file has it lacks: these are in no table\n",
+                   counted(count.unlisted, "case", "cases"));
 }
 
 /// Two that collect at once take turns. Where the file system has no locks, they go without.
@@ -243,6 +265,7 @@ StudyCount count_cases(const std::vector<CaseOutcome>& outcomes) {
     for (const CaseOutcome& one : outcomes) {
         ++(one.status == "completed" ? count.completed : one.status == "failed" ? count.failed : count.missing);
         if (one.status == "completed" && one.warnings > 0) ++count.warned;
+        if (one.status == "completed" && one.unlisted) ++count.unlisted;
     }
     return count;
 }
@@ -253,9 +276,10 @@ std::string describe_count(const StudyCount& count) {
                        count.warned > 0 ? fmt::format(", {} with warnings", count.warned) : "");
 }
 
-void collect(const StudyFolder& study, const std::vector<CaseOutcome>& outcomes) {
-    const StudyCount count = count_cases(outcomes);
+std::vector<CaseOutcome> collect(const StudyFolder& study) {
     const File turn = wait_for_turn(study);
+    std::vector<CaseOutcome> outcomes = study.outcomes();  // no older than the tables of who had the turn before
+    const StudyCount count = count_cases(outcomes);
     write_atomically(study.path() / "results.csv", [&](std::ostream& out) { write_results(out, study, outcomes); });
     write_hdf5(study.path() / "results.h5", study, outcomes);
     write_atomically(study.path() / "statistics.csv", statistics_table(study, outcomes, count));
@@ -272,8 +296,10 @@ void collect(const StudyFolder& study, const std::vector<CaseOutcome>& outcomes)
                           {"failed", count.failed},
                           {"missing", count.missing},
                           {"with_warnings", count.warned},
+                          {"with_more_figures", count.unlisted},
                           {"statistics", describe_statistics(study, outcomes)}};
     write_atomically(study.path() / "summary.json", summary.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+    return outcomes;
 }
 
 void print_statistics(const StudyFolder& study, const std::vector<CaseOutcome>& outcomes) {
@@ -289,6 +315,7 @@ void print_statistics(const StudyFolder& study, const std::vector<CaseOutcome>& 
                    of.mean, of.deviation, of.quantiles[1], of.quantiles[3], of.quantiles[5], of.maximum, columns[f].unit);
     }
     if (columns.size() > kMostFigures) fmt::print("and {} more in statistics.csv\n", columns.size() - kMostFigures);
+    print_gaps(columns, outcomes);
     print_sensitivities(study, outcomes);
     size_t failures = 0;
     for (size_t i = 0; i < outcomes.size(); ++i)

@@ -106,6 +106,9 @@ private:
         if (!(result.deviation > 0)) refuse(fmt::format("the deviation {} must be above 0", quote(arguments_[1])));
         if (name_ == "lognormal" && !(result.mean > 0))
             refuse(fmt::format("the mean {} of a lognormal distribution must be above 0", quote(arguments_[0])));
+        if (!(result.deviation <= 1e100 && std::abs(result.mean) <= 1e100 &&
+              (name_ == "normal" || (result.mean >= 1e-100 && result.deviation <= 1e6 * result.mean))))
+            refuse("the numbers are too large, or the deviation is too large beside the mean");
         return result;
     }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 
 #include "model/error.h"
 #include "model/index.h"
@@ -79,6 +80,14 @@ HistoryFigures::Formula::Formula(const std::string& text, std::span<const Channe
         const auto channel =
             std::ranges::find_if(channels, [&](const Channel& one) { return one.name() == word && &one != &channels[0]; });
         if (channel == channels.end()) {
+            const bool is_name =
+                word.find('.') != word.npos && !std::isdigit(static_cast<unsigned char>(word[0])) && word[0] != '.';
+            if (is_name) {
+                std::vector<std::string> known;
+                for (const Channel& one : channels.subspan(1)) known.push_back(one.name());
+                throw Error(ExitCode::usage, fmt::format("--figures {}: there is no channel {}{}", quote(text), quote(word),
+                                                         suggestion(word, known)));
+            }
             formula += word;
             is_linear = is_linear && (word.size() == 1 || word == "abs" || word == "min" || word == "max");
             continue;
@@ -173,6 +182,7 @@ void HistoryFigures::take_row(std::span<const double> row) {
     const bool is_first = rows_++ == 0;
     for (Watched& one : watched_) {
         const double value = one.formula ? one.formula->value(row) : row[one.place];
+        if (!std::isfinite(value)) one.is_broken = true;
         if (is_first || std::abs(value) > one.peak) {
             one.peak = std::abs(value);
             one.time = row[0];
@@ -187,6 +197,7 @@ void HistoryFigures::take_row(std::span<const double> row) {
 
 double HistoryFigures::value(const Figure& figure) const {
     const Watched& one = watched_[figure.watched];
+    if (one.is_broken) return std::numeric_limits<double>::quiet_NaN();
     // The last row counts half as the first does
     const auto mean = [&](double sum, double last) {
         return rows_ > 1 ? (sum - 0.5 * last) / static_cast<double>(rows_ - 1) : 2 * sum;

@@ -56,6 +56,7 @@ private:
         std::unique_ptr<Formula> formula = nullptr;
         double peak = 0, time = 0, minimum = 0, maximum = 0, final = 0;
         double sum = 0, squares = 0;  ///< the first row counted half
+        bool is_broken = false;       ///< a row had no finite number: then none of its figures has
     };
     void add_request(const std::string& request);
     size_t watch_channel(int channel);

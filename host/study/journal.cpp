@@ -39,6 +39,7 @@ std::optional<std::pair<size_t, CaseOutcome>> parse_end(const Json& line) {
     outcome.reason = line.value("reason", "");
     outcome.warnings = line["warnings"];
     outcome.attempt = line["attempt"];
+    outcome.unlisted = line.contains("unlisted");
     for (const Json& figure : line["figures"])
         outcome.figures.push_back(figure.is_number() ? figure.get<double>() : std::numeric_limits<double>::quiet_NaN());
     return std::pair(line["end"].get<size_t>() - 1, std::move(outcome));
@@ -65,9 +66,10 @@ void Journal::begin(size_t index) { write_line(fmt::format("{{\"begin\":{}}}\n",
 void Journal::end(size_t index, const CaseOutcome& outcome) {
     Json figures = Json::array();
     for (const double value : outcome.figures) figures.push_back(std::isfinite(value) ? Json(value) : Json());
-    const Json line = {{"end", index + 1},           {"status", outcome.status},
-                       {"reason", outcome.reason},   {"warnings", outcome.warnings},
-                       {"attempt", outcome.attempt}, {"figures", figures}};
+    Json line = {{"end", index + 1},           {"status", outcome.status},
+                 {"reason", outcome.reason},   {"warnings", outcome.warnings},
+                 {"attempt", outcome.attempt}, {"figures", figures}};
+    if (outcome.unlisted) line["unlisted"] = true;
     write_line(line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
@@ -83,17 +85,22 @@ void Journal::write_line(const std::string& line) {
 
 void Journals::read(const std::function<void(size_t index, CaseOutcome&& outcome)>& take) {
     std::error_code fault;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder_, fault))
+    const fs::directory_iterator entries(folder_, fault);
+    if (fault) throw file_error(folder_, "cannot be read", fault.value());
+    for (const fs::directory_entry& entry : entries)
         if (entry.path().extension() == kEnding) {
             Reading& reading = readings_[entry.path().stem().string()];
             const std::uintmax_t size = entry.file_size(fault);
-            if (!fault && size > reading.done) read_file(entry.path(), reading, take);
+            if (fault) throw file_error(entry.path(), "cannot be read", fault.value());
+            if (size > reading.done) read_file(entry.path(), reading, take);
         }
 }
 
 void Journals::read_file(const fs::path& file, Reading& reading,
                          const std::function<void(size_t index, CaseOutcome&& outcome)>& take) const {
+    errno = 0;
     std::ifstream in(file, std::ios::binary);
+    if (!in) throw file_error(file, "cannot be read", errno);
     in.seekg(static_cast<std::streamoff>(reading.done));
     std::string text;
     while (std::getline(in, text) && !in.eof()) {  // a line without its end is still being written, or never will be

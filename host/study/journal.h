@@ -19,6 +19,7 @@ struct CaseOutcome {
     size_t warnings = 0;
     std::vector<double> figures = {};  ///< in the order of the study; NaN: the case has none of this name
     int attempt = 0;                   ///< that it came from
+    bool unlisted = false;             ///< it has figures that the study has no column for
 };
 
 /// Where a worker notes its cases, a line each, in a file of its own: when it begins one and when it ends one. A line is
@@ -48,7 +49,8 @@ class Journals {
 public:
     explicit Journals(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-    /// Reads what has come since; calls take(index, outcome) for every case that ended.
+    /// Reads what has come since; calls take(index, outcome) for every case that ended. Throws Error(input_output) for a
+    /// journal that cannot be read: what it holds would be taken for not done.
     void read(const std::function<void(size_t index, CaseOutcome&& outcome)>& take);
     /// The case that the worker with this journal has begun and not ended.
     std::optional<size_t> open_case(const std::string& name) const;

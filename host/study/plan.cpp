@@ -68,13 +68,22 @@ Eigen::MatrixXd read_correlations(const Request& request, const Model& model, co
             if (found == varied.end())
                 throw Error(ExitCode::usage,
                             fmt::format("--correlate {}: --vary does not vary {}", quote(text), quote(name)));
+            if (std::ranges::find(places, found - varied.begin()) != places.end())
+                throw Error(ExitCode::usage, fmt::format("--correlate {}: {} is named twice", quote(text), quote(name)));
             places.push_back(found - varied.begin());
         }
         if (places.size() < 2)
             throw Error(ExitCode::usage, fmt::format("--correlate {}: it takes two parameters or more", quote(text)));
         for (const Eigen::Index a : places)
             for (const Eigen::Index b : places)
-                if (a != b) all(a, b) = value;
+                if (a != b) {
+                    if (all(a, b) != 0 && all(a, b) != value)
+                        throw Error(
+                            ExitCode::usage,
+                            fmt::format("--correlate {}: {} and {} have another correlation already, {:g}", quote(text),
+                                        quote(varied[as_size(a)].name), quote(varied[as_size(b)].name), all(a, b)));
+                    all(a, b) = value;
+                }
     }
     return all;
 }
@@ -179,8 +188,15 @@ CaseTable make_cases(const Request& request, const Model& model) {
     CaseTable table = !request.variations.empty() ? draw_cases(request, model)
                       : !request.sweeps.empty()   ? grid_cases(request, model)
                                                   : read_case_table(request.table, model.parameters);
-    for (Column& column : table.parameters)
+    for (Column& column : table.parameters) {
         if (column.unit.empty()) column.unit = "1";
+        if (column.name == "case" || column.name == "status" || column.name == "warnings")
+            throw Error(ExitCode::usage,
+                        fmt::format("the results of a study have a column {} of their own: give the parameter another name",
+                                    quote(column.name)));
+    }
+    if (!table.values.allFinite())
+        throw Error(ExitCode::usage, "a distribution has values beyond the largest number; give a narrower one");
     return table;
 }
 

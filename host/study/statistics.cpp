@@ -21,6 +21,13 @@ double quantile_of(const std::vector<double>& sorted, double share) {
 
 }  // namespace
 
+double compute_rank_correlation(std::span<const double> x, std::span<const double> y) {
+    std::vector<double> both_x, both_y;
+    for (size_t i = 0; i < x.size(); ++i)
+        if (!std::isnan(x[i]) && !std::isnan(y[i])) both_x.push_back(x[i]), both_y.push_back(y[i]);
+    return compute_correlation(compute_ranks(both_x), compute_ranks(both_y));
+}
+
 FigureStatistics compute_statistics(std::span<const double> values) {
     std::vector<double> sorted;
     std::ranges::copy_if(values, std::back_inserter(sorted), [](double value) { return !std::isnan(value); });
@@ -57,7 +64,7 @@ double compute_correlation(std::span<const double> x, std::span<const double> y)
         yy += dy * (y[i] - mean_y);
         xy += dx * (y[i] - mean_y);
     }
-    return xx > 0 && yy > 0 ? xy / std::sqrt(xx * yy) : kNothing;
+    return xx > 0 && yy > 0 ? std::clamp(xy / std::sqrt(xx * yy), -1.0, 1.0) : kNothing;
 }
 
 std::vector<double> compute_ranks(std::span<const double> values) {

@@ -23,6 +23,9 @@ FigureStatistics compute_statistics(std::span<const double> values);
 /// Pearson's coefficient of the pairs of which both are numbers; NaN where one of the two does not vary.
 double compute_correlation(std::span<const double> x, std::span<const double> y);
 
+/// Spearman's coefficient: that of the ranks among the pairs of which both are numbers.
+double compute_rank_correlation(std::span<const double> x, std::span<const double> y);
+
 /// The rank of each number among all, equal ones their mean; NaN has none.
 std::vector<double> compute_ranks(std::span<const double> values);
 

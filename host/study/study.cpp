@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <thread>
 
 #include "analysis/modal_session.h"
@@ -33,9 +34,8 @@ std::vector<size_t> cases_with(const std::vector<CaseOutcome>& outcomes, std::in
 
 /// Collects, tells how it went and what to do next.
 ExitCode conclude_study(const Request& request, const StudyFolder& study) {
-    const std::vector<CaseOutcome> outcomes = study.outcomes();
+    const std::vector<CaseOutcome> outcomes = collect(study);
     const StudyCount count = count_cases(outcomes);
-    collect(study, outcomes);
     if (!request.quiet) print_statistics(study, outcomes);
     if (!request.quiet) fmt::print("{}\nresults in {}\n", describe_count(count), (study.path() / "results.csv").string());
     if (StopSignals::requested()) {
@@ -43,6 +43,9 @@ ExitCode conclude_study(const Request& request, const StudyFolder& study) {
                          count.completed + count.failed, outcomes.size()));
         return StopSignals::exit_code();
     }
+    if (count.failed > 0 && request.quiet)
+        tell(fmt::format("{} of {} failed; failures.csv has the reasons", count.failed,
+                         counted(outcomes.size(), "case", "cases")));
     return count.failed > 0 ? ExitCode::cases_failed : ExitCode::ok;
 }
 
@@ -129,23 +132,49 @@ void refuse_more_words(const Request& request, size_t count) {
                     fmt::format("study {}: {} was not expected", request.words.front(), quote(request.words[count])));
 }
 
+/// Options of a study that is there already: what it does is fixed.
+void refuse_options(const Request& request, std::initializer_list<const char*> allowed) {
+    for (const auto& [option, value] : request.given)
+        if (option->name() != "--quiet" && std::ranges::find(allowed, option->name()) == allowed.end())
+            throw Error(ExitCode::usage,
+                        fmt::format("study {}: {} was not expected: what a study does is fixed when it is made",
+                                    request.words.front(), option->name()));
+}
+
+/// A name without a path.
+const std::string& bare_word(const std::string& text) {
+    if (text.empty() || text.find('/') != text.npos || text.starts_with('.'))
+        throw Error(ExitCode::usage, fmt::format("study serve: {} is no name of a journal", quote(text)));
+    return text;
+}
+
+int attempt_in(const std::string& text) {
+    int attempt = 0;
+    const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), attempt);
+    if (fault != std::errc() || end != text.data() + text.size() || attempt < 0)
+        throw Error(ExitCode::usage, fmt::format("study serve: {} is no number of an attempt", quote(text)));
+    return attempt;
+}
+
 }  // namespace
 
 ExitCode run_study(const Request& request) {
     const StopSignals signals;
     const std::string& first = request.words.front();
-    const auto folder = [&](size_t words) {
+    const auto folder = [&](size_t words, std::initializer_list<const char*> allowed = {}) {
         refuse_more_words(request, words);
-        return StudyFolder(word(request, 1, "the folder of the study"));
+        StudyFolder study(word(request, 1, "the folder of the study"));
+        refuse_options(request, allowed);
+        return study;
     };
     if (first == "status") return print_status(folder(2));
     if (first == "collect") return conclude_study(request, folder(2));
     if (first == "retry") {
-        const StudyFolder study = folder(2);
+        const StudyFolder study = folder(2, {"--jobs", "--on"});
         return work_somewhere(request, study, cases_with(study.outcomes(), {"missing", "failed"}));
     }
     if (first == "work") {
-        const StudyFolder study = folder(3);
+        const StudyFolder study = folder(3, {"--jobs"});
         const auto cases = parse_cases(word(request, 2, "the list of cases, e.g. 1-40"), study.plan().cases.cases());
         work_on(study, cases, request.jobs > 0 ? request.jobs : 1, true);
         return StopSignals::requested() ? StopSignals::exit_code() : ExitCode::ok;
@@ -153,7 +182,7 @@ ExitCode run_study(const Request& request) {
     if (first == "serve") {
         const StudyFolder study = folder(5);
         const auto cases = parse_cases(word(request, 2, "the list of cases"), study.plan().cases.cases());
-        return serve(study, cases, word(request, 3, "the journal"), std::stoi(word(request, 4, "the attempt")));
+        return serve(study, cases, bare_word(word(request, 3, "the journal")), attempt_in(word(request, 4, "the attempt")));
     }
     refuse_more_words(request, 1);
     return start_study(request);

@@ -123,6 +123,41 @@ std::string difference(const Json& there, const Json& asked, bool cases_differ) 
     return cases_differ ? "the values of the cases" : "";
 }
 
+std::string read_part(const fs::path& file) {
+    std::error_code fault;
+    if (fs::exists(file, fault) && !fs::is_regular_file(file, fault))
+        throw Error(ExitCode::input_output, fmt::format("{}: it is not a regular file", file.string()));
+    return read_whole_file(file);
+}
+
+/// Digests of all files of a study that never change, by their place in its folder.
+Json describe_copies(const fs::path& folder) {
+    Json copies = {{kCasesFile, digest_of(folder / kCasesFile)}};
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder / kModelFolder))
+        if (entry.is_regular_file()) copies[entry.path().lexically_relative(folder).string()] = digest_of(entry.path());
+    return copies;
+}
+
+/// A study of two models is none.
+void check_copies(const fs::path& folder, const Json& copies) {
+    std::error_code fault;
+    for (const auto& [place, digest] : copies.items())
+        if (!fs::is_regular_file(folder / place, fault) || digest_of(folder / place) != digest)
+            throw Error(ExitCode::input_output,
+                        fmt::format("{}: it is not what it was when the study was made; put it back, or make the study anew "
+                                    "in another folder",
+                                    (folder / place).string()));
+}
+
+const Option& option_of_study(const std::string& name) {
+    for (const Option& one : options())
+        if (one.name() == name && one.commands & kStudy) return one;
+    throw Error(ExitCode::input_output,
+                fmt::format("study.json has an option {} that this version of dttmm does not have; use "
+                            "the version that made the study",
+                            quote(name)));
+}
+
 }  // namespace
 
 StudyFolder StudyFolder::make(const fs::path& path, const Request& request, const StudyPlan& plan, const Model& model) {
@@ -131,15 +166,17 @@ StudyFolder StudyFolder::make(const fs::path& path, const Request& request, cons
     const std::string cases = plan.cases.text();
     std::error_code fault;
     if (fs::exists(folder / kStudyFile, fault)) {
-        const Json there = Json::parse(read_whole_file(folder / kStudyFile), nullptr, false);
-        const std::string differs =
-            there.is_object() ? difference(there, text, read_whole_file(folder / kCasesFile) != cases) : "its study.json";
+        const Json there = Json::parse(read_part(folder / kStudyFile), nullptr, false);
+        if (!there.is_object() || !there.value("inputs", Json::object()).is_object())
+            throw Error(ExitCode::input_output, fmt::format("{}: study.json is damaged", path.string()));
+        const StudyFolder kept(path);
+        const std::string differs = difference(there, text, read_part(folder / kCasesFile) != cases);
         if (!differs.empty())
             throw Error(ExitCode::input_output,
                         fmt::format("{}: it holds another study, and a study is never changed: {} differ{}; give another "
                                     "folder with -o",
                                     path.string(), differs, differs.ends_with('s') && !differs.ends_with("ss") ? "" : "s"));
-        return StudyFolder(path);
+        return kept;
     }
     if (fs::exists(folder, fault) && !(fs::is_directory(folder, fault) && fs::is_empty(folder, fault)))
         throw Error(ExitCode::input_output,
@@ -161,8 +198,13 @@ StudyFolder StudyFolder::make(const fs::path& path, const Request& request, cons
         write_atomically(part / kCasesFile, cases);
         Json whole = text;
         whole["command_line"] = request.command_line;
+        whole["copies"] = describe_copies(part);
         write_atomically(part / kStudyFile, whole.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
         fs::rename(part, folder, fault);
+        if (fault && fs::exists(folder / kStudyFile)) {  // another command has just made it
+            fs::remove_all(part, fault);
+            return make(path, request, plan, model);
+        }
         if (fault) throw file_error(folder, "cannot be made", fault.value());
     } catch (...) {
         fs::remove_all(part, fault);
@@ -176,16 +218,21 @@ StudyFolder::StudyFolder(const fs::path& path) : path_(from_start(path)) {
     if (!fs::exists(path_ / kStudyFile, fault))
         throw Error(ExitCode::input_output,
                     fmt::format("{}: this is no folder of a study: it has no study.json", path.string()));
-    const Json text = Json::parse(read_whole_file(path_ / kStudyFile), nullptr, false);
+    const Json text = Json::parse(read_part(path_ / kStudyFile), nullptr, false);
     try {
         if (text.at("format") != kFormat)
             throw Error(ExitCode::input_output, fmt::format("{}: study.json is of the format {}, not {}", path.string(),
                                                             text.at("format").dump(), kFormat));
+        check_copies(path_, text.value("copies", Json::object()));
         plan_.command = text.at("command");
+        const bool is_known = plan_.command == "run" || plan_.command == "modes" || plan_.command == "response";
+        const std::string model_name = text.at("model");
+        if (!is_known || model_name.find('/') != model_name.npos || model_name.starts_with("..") || text.at("limit_s") < 0)
+            throw Error(ExitCode::input_output, fmt::format("{}: study.json is damaged", path.string()));
         plan_.request.model = path_ / kModelFolder / text.at("model").get<std::string>();
         for (const Json& given : text.at("options")) {
             const std::string name = given.at(0), value = given.at(1);
-            give(plan_.request, option(name, kStudy), name == "--plugin" ? (path_ / value).string() : value);
+            give(plan_.request, option_of_study(name), name == "--plugin" ? (path_ / value).string() : value);
         }
         plan_.columns = columns_in(text.at("figures"));
         plan_.figures = text.at("figure_requests").get<std::vector<std::string>>();
@@ -195,7 +242,7 @@ StudyFolder::StudyFolder(const fs::path& path) : path_(from_start(path)) {
         plan_.keeps = text.at("keep");
         title_ = text.value("title", "");
         command_line_ = text.value("command_line", "");
-        plan_.cases = CaseTable::parse(read_whole_file(path_ / kCasesFile), path / kCasesFile);
+        plan_.cases = CaseTable::parse(read_part(path_ / kCasesFile), path / kCasesFile);
         if (plan_.cases.cases() != text.at("cases").get<size_t>())
             throw Error(ExitCode::input_output, fmt::format("{}: cases.csv has {} cases, study.json {}", path.string(),
                                                             plan_.cases.cases(), text.at("cases").dump()));

@@ -98,12 +98,12 @@ private:
     /// A process that did not end well has a case in its hands, or could not even note one.
     void conclude(const std::string& name, int status, const std::string& last_line) {
         if ((WIFEXITED(status) && WEXITSTATUS(status) == 0) || StopSignals::requested()) return;
-        last_line_ = last_line;
+        last_line_ = last_line.starts_with("dttmm: ") ? last_line.substr(7) : last_line;
         read_journals();
         const std::optional<size_t> open = journals_.open_case(name);
         const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1, signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
         if (!open || code == static_cast<int>(ExitCode::input_output)) {
-            if (code >= 0 && !fault_) fault_.emplace(static_cast<ExitCode>(code), last_line);
+            if (code >= 0 && !fault_) fault_.emplace(static_cast<ExitCode>(code), last_line_);
             return;
         }
         const bool is_from_outside = signal == SIGKILL || signal == SIGTERM || signal == SIGHUP || signal == SIGINT ||
@@ -112,7 +112,7 @@ private:
         fail(*open, signal == SIGALRM ? fmt::format("exit code {}: it took longer than its limit of {:g} s",
                                                     static_cast<int>(ExitCode::resource_limit), study_.plan().limit)
                     : signal != 0     ? fmt::format("killed by signal {} ({})", signal, strsignal(signal))
-                                      : fmt::format("exit code {}: {}", code, last_line));
+                                      : fmt::format("exit code {}: {}", code, last_line_));
     }
 
     void fail(size_t index, const std::string& reason) {

@@ -190,7 +190,7 @@ TEST_F(Study, FailuresAreCountedEverywhere) {
     std::istringstream statistics(read_text(folder_ / "out/statistics.csv"));
     std::string line;
     for (int i = 0; i < 3; ++i) std::getline(statistics, line);
-    EXPECT_THAT(line, StartsWith("one.force.x.peak,N,2,2,0,"));
+    EXPECT_THAT(line, StartsWith("one.force.x.peak,N,2,0,2,0,"));
     // Tried again they fail again, as a second attempt, and nothing else is done
     const size_t before = cases_done();
     EXPECT_EQ(study({"retry", "out", "-q"}).code, 9);
@@ -409,6 +409,12 @@ TEST_F(Study, WrongWordsAreRefused) {
         {{"status"}, 2, "the folder of the study is missing"},
         {{"status", "nowhere"}, 5, "this is no folder of a study"},
         {{"status", "out", "more"}, 2, "\"more\" was not expected"},
+        {{"model.toml", "--vary", "mass ~ lognormal(1 kg, 1e200 kg)", "--cases", "2"}, 2, "too large"},
+        {{"model.toml", "--vary", "mass ~ uniform(-1e308 kg, 1e308 kg)", "--cases", "2"}, 2, "beyond the largest number"},
+        {{"model.toml", "--vary", vary, "--cases", "2", "--correlate", "mass,mass = 0.5"}, 2, "named twice"},
+        {{"model.toml", "--vary", vary, "--cases", "2", "--figures", "sum = one.force.z + three.force.z"},
+         2,
+         "there is no channel \"three.force.z\"; did you mean \"one.force.z\"?"},
         {{"model.toml", "more", "--vary", vary, "--cases", "2"}, 2, "\"more\" was not expected"},
     };
     for (const WrongStudy& one : all) {
@@ -435,6 +441,106 @@ TEST_F(Study, KeepsACopyOfWhatTheModelReads) {
     fs::create_directory(folder_ / "out/journal");
     ASSERT_EQ(study({"retry", "out", "-q"}).code, 0);
     EXPECT_EQ(read_text(folder_ / "out/results.csv"), whole);
+}
+
+// What a study does is fixed: options that would change it are refused, not passed over.
+TEST_F(Study, OptionsOfAStudyThatIsThereAreRefused) {
+    ASSERT_EQ(study({"model.toml", "--sweep", "mass=1 kg,2 kg", "-o", "out", "-q"}).code, 0);
+    for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{{"retry", "out", "--limit", "1 min"},
+                                                                                       {"collect", "out", "--figures", "x"},
+                                                                                       {"status", "out", "--on", "slurm"}}) {
+        const Ended ended = study(words);
+        EXPECT_EQ(ended.code, 2);
+        EXPECT_THAT(ended.err, HasSubstr(words[2] + " was not expected: what a study does is fixed when it is made"));
+    }
+    EXPECT_EQ(study({"serve", "out", "1-2", "../evil", "1"}).code, 2);
+    EXPECT_EQ(study({"serve", "out", "1-2", "j", "99999999999"}).code, 2);
+    EXPECT_EQ(study({"retry", "out", "-j", "1"}).code, 0);
+}
+
+TEST_F(Study, AParameterMayNotBeCalledAsAColumnOfTheResults) {
+    write_text(folder_ / "model.toml", small_model_with("mass = \"2 kg\"", "mass = \"2 kg\"\nstatus = 3"));
+    const Ended ended = study({"model.toml", "--sweep", "status=1,2", "-o", "out"});
+    EXPECT_EQ(ended.code, 2);
+    EXPECT_THAT(ended.err, HasSubstr("a column \"status\" of their own: give the parameter another name"));
+    EXPECT_FALSE(fs::exists(folder_ / "out"));
+}
+
+// What is not readable was perhaps done; what is not as it was made would be another study.
+TEST_F(Study, ADamagedFolderIsRefusedAndItsTablesStay) {
+    ASSERT_EQ(study({"model.toml", "--sweep", "mass=1 kg,2 kg,3 kg", "-o", "out", "-q"}).code, 0);
+    const std::string results = read_text(folder_ / "out/results.csv");
+    const auto refuses = [&](const char* says) {
+        for (const char* word : {"status", "collect", "retry"}) {
+            const Ended ended = study({word, "out"});
+            EXPECT_EQ(ended.code, 5) << word << ended.err;
+            EXPECT_THAT(ended.err, HasSubstr(says)) << word;
+        }
+        EXPECT_EQ(read_text(folder_ / "out/results.csv"), results);
+    };
+    fs::rename(folder_ / "out/journal", folder_ / "away");
+    refuses("journal: cannot be read");
+    write_text(folder_ / "out/journal", "no folder");
+    refuses("journal: cannot be read");
+    fs::remove(folder_ / "out/journal");
+    fs::rename(folder_ / "away", folder_ / "out/journal");
+    for (const char* place : {"model/model.toml", "cases.csv"}) {
+        const fs::path file = folder_ / "out" / place;
+        const std::string text = read_text(file);
+        std::string other = text;
+        other[other.size() - 2] = other[other.size() - 2] == '4' ? '5' : '4';
+        write_text(file, other);
+        refuses("it is not what it was when the study was made");
+        fs::rename(file, folder_ / "away");
+        refuses("it is not what it was when the study was made");
+        fs::create_directory(file);
+        refuses("it is not what it was when the study was made");
+        fs::remove(file);
+        write_text(file, text);
+        fs::remove(folder_ / "away");
+    }
+    const std::string plan = read_text(folder_ / "out/study.json");
+    const auto changed = [&](const std::string& what, const std::string& instead) {
+        std::string text = plan;
+        write_text(folder_ / "out/study.json", text.replace(text.find(what), what.size(), instead));
+    };
+    changed("\"limit_s\": 0", "\"limit_s\": -5");
+    refuses("study.json is damaged");
+    changed("\"command\": \"run\"", "\"command\": \"rm\"");
+    refuses("study.json is damaged");
+    changed("\"options\": [", "\"options\": [[\"--bogus\", \"1\"]");
+    refuses("an option \"--bogus\" that this version of dttmm does not have");
+    changed("\"inputs\": {", "\"inputs\": 5, \"x\": {");
+    EXPECT_EQ(study({"model.toml", "--sweep", "mass=1 kg,2 kg,3 kg", "-o", "out", "-q"}).code, 5);
+    write_text(folder_ / "out/study.json", plan);
+    EXPECT_EQ(study({"collect", "out", "-q"}).code, 0);
+    EXPECT_EQ(read_text(folder_ / "out/results.csv"), results);
+}
+
+// A machine of 1 to 3 springs: the third is in no column, as the model of the file has two; one case lacks the second. A
+// figure that is no number in some row is none.
+TEST_F(Study, FiguresThatCasesLackAreCounted) {
+    write_text(folder_ / "model.toml", R"(format = "dttmm/1"
+parameters = { n = 2 }
+simulation = { duration = "20 ms", step = "1 ms" }
+body = [{ name = "plate", mass = 2, inertia = [0.2, 0.3, 0.4] }]
+load = [{ on = "plate", direction = [0, 0, 1], force = 100 }]
+[[repeat]]
+index = "i"
+count = "=n"
+element = [{ name = "spring{i}", type = "spring_damper", from = "ground", to = "plate", stiffness = 5e4 }]
+)");
+    const Ended ended = study({"model.toml", "--sweep", "n=1,2,3", "-o", "out", "--figures", "spring*.force.z:peak",
+                               "--figures", "root = sqrt(30 - spring1.force.z): peak"});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_THAT(ended.out,
+                AllOf(HasSubstr("spring2.force.z.peak: 1 of 3 completed cases have no such number; they do not count"),
+                      HasSubstr("root.peak: 3 of 3 completed cases have no such number"),
+                      HasSubstr("1 case with figures that the model as the file has it lacks")));
+    EXPECT_THAT(read_text(folder_ / "out/statistics.csv"), HasSubstr("spring2.force.z.peak,N,2,1,0,0,"));
+    const nlohmann::json summary = read_json(folder_ / "out/summary.json");
+    EXPECT_EQ(summary["with_more_figures"], 1);
+    EXPECT_EQ(summary["statistics"]["spring2.force.z.peak"]["without"], 1);
 }
 
 }  // namespace

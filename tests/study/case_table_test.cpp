@@ -72,10 +72,21 @@ TEST_F(CaseTables, FaultsAreToldWithTheirLine) {
     EXPECT_THAT(refusal_of("k,k\n1 N/m,1 N/m\n", ExitCode::usage), HasSubstr("two columns are called \"k\""));
     EXPECT_THAT(refusal_of("k,n\nN/m,1\n4e5,2\n4e5\n", ExitCode::model_invalid), HasSubstr("cases.csv:4: 1 cells"));
     EXPECT_THAT(refusal_of("k\nN/m\nabc\n", ExitCode::model_invalid), HasSubstr("cases.csv:3: k: "));
-    EXPECT_THAT(refusal_of("k\nkg\n3\n", ExitCode::model_invalid), HasSubstr("expected a value in N/m"));
+    EXPECT_THAT(refusal_of("k\nkg\n3\n", ExitCode::model_invalid),
+                AllOf(HasSubstr("cases.csv:2: unit of k: "), HasSubstr("expected a value in N/m")));
+    EXPECT_THAT(refusal_of("k;n\nN/m;1\n3;4\n", ExitCode::usage), HasSubstr("fields are separated by commas"));
+    EXPECT_THAT(refusal_of("k,n\nN/m,1\n3,\n", ExitCode::model_invalid), HasSubstr("cases.csv:3: n has no value"));
     EXPECT_THAT(refusal_of("k\nN/m\n", ExitCode::model_invalid), HasSubstr("0 rows of values"));
     EXPECT_THAT(refusal_of("\n", ExitCode::model_invalid), HasSubstr("the table is empty"));
     EXPECT_THROW(read_case_table(folder_ / "none.csv", kModel), Error);
+}
+
+// A row is a case: none is taken for units or passed over, and a table does not number its cases otherwise.
+TEST_F(CaseTables, NoRowIsLost) {
+    EXPECT_THAT(refusal_of("k,n\nnan,nan\n500 N/m,3\n", ExitCode::model_invalid), HasSubstr("cases.csv:2: k: "));
+    EXPECT_THAT(refusal_of("k,n\nN/m,1\n,\n5,5\n", ExitCode::model_invalid), HasSubstr("cases.csv:3: k has no value"));
+    EXPECT_THAT(refusal_of("case,n\n1,3\n1,4\n", ExitCode::model_invalid), HasSubstr("cases.csv:3: case is \"1\""));
+    EXPECT_THAT(refusal_of("case,n\n7,3\n", ExitCode::model_invalid), HasSubstr("cases count 1, 2, 3"));
 }
 
 }  // namespace

@@ -48,5 +48,12 @@ TEST(StatisticsOfFigures, Correlation) {
     EXPECT_THAT(compute_ranks(std::vector<double>{5, 1, 5, 9}), testing::ElementsAre(2.5, 1, 2.5, 4));
 }
 
+// Oracle: y falls strictly where it is a number; the other x have no part in the ranks.
+TEST(StatisticsOfFigures, RanksAreAmongThePairsThatCount) {
+    const std::vector<double> x = {1, 2, 2.1, 2.2, 2.3, 2.4, 3, 4}, y = {9, 7, kNone, kNone, kNone, kNone, 6, 1};
+    EXPECT_DOUBLE_EQ(compute_rank_correlation(x, y), -1);
+    EXPECT_TRUE(std::isnan(compute_rank_correlation(x, std::vector<double>(8, kNone))));
+}
+
 }  // namespace
 }  // namespace dttmm::host

@@ -100,16 +100,67 @@ function makeHistogram(y, statistics) {
     });
 }
 
+/**
+ * What each parameter does to a figure, the strongest on top (a tornado). One at a time: the change from the least to the
+ * largest; Morris: the size of half the range; Sobol': the share of the variance, in all (light) and alone (dark). Whiskers
+ * are intervals of 95 %.
+ */
+function tornadoBars(table, figure) {
+    const place = Object.fromEntries(table.columns.map((column, i) => [column.name, i]));
+    const number = (row, name) => asNumber(row[place[name]]);
+    const bars = new Map();
+    for (const row of table.rows) {
+        if (row[place.figure] !== figure.name) continue;
+        const name = row[place.parameter];
+        const bar = bars.get(name) ?? {name, low: 0, high: 0};
+        if ('change' in place) {
+            bar.low = Math.min(bar.low, number(row, 'change') ?? 0);
+            bar.high = Math.max(bar.high, number(row, 'change') ?? 0);
+        } else if ('total' in place) {
+            Object.assign(bar, {high: number(row, 'total'), inner: number(row, 'first'), whisker: [number(row, 'total.low'), number(row, 'total.high')]});
+        } else {
+            Object.assign(bar, {high: number(row, 'size'), whisker: [number(row, 'size.low'), number(row, 'size.high')]});
+        }
+        bars.set(name, bar);
+    }
+    const isWhole = bar => Number.isFinite(bar.low) && Number.isFinite(bar.high);
+    const all = [...bars.values()].filter(isWhole).sort((a, b) => (b.high - b.low) - (a.high - a.low));
+    return {bars: all.slice(0, 30), left: Math.max(0, all.length - 30), isShare: 'total' in place, isChange: 'change' in place};
+}
+
+function makeTornado(table, figure) {
+    const {bars, left, isShare, isChange} = tornadoBars(table, figure);
+    if (bars.length === 0) return null;
+    const width = 460, row = 24, edge = 130, right = 16, top = 8, height = top + row * bars.length + 46;
+    const ends = bars.flatMap(bar => [bar.low, bar.high, ...(bar.whisker ?? [])]).filter(Number.isFinite);
+    const range = rangeOf([0, ...ends]);
+    const toX = value => edge + (value - range.least) / (range.largest - range.least) * (width - right - edge);
+    const words = isShare ? 'share of the variance: in all (light), alone (dark)' : `${isChange ? 'change' : 'effect'} of ${figure.name}${unitOf(figure) ? ` [${formatUnit(unitOf(figure))}]` : ''}`;
+    const svg = drawing('svg', {viewBox: `0 0 ${width} ${height}`, role: 'img', class: 'study-chart', 'aria-label': `What each parameter does to ${figure.name}, the strongest first: ${bars.map(bar => bar.name).join(', ')}.`});
+    for (const tick of ticksBetween(range.least, range.largest, 5))
+        svg.append(drawing('line', {x1: toX(tick), x2: toX(tick), y1: top, y2: height - 40, class: 'grid'}),
+                   drawing('text', {x: toX(tick), y: height - 25, 'text-anchor': 'middle'}, formatNumber(tick, 4)));
+    bars.forEach((bar, i) => {
+        const y = top + row * i + 4;
+        const rect = (from, to, name) => drawing('rect', {x: Math.min(toX(from), toX(to)), width: Math.max(.5, Math.abs(toX(to) - toX(from))), y, height: row - 8, class: name});
+        svg.append(drawing('text', {x: edge - 8, y: y + 12, 'text-anchor': 'end', class: 'axis'}, bar.name), rect(bar.low, bar.high, bar.inner === undefined ? 'bar' : 'bar light'));
+        if (Number.isFinite(bar.inner)) svg.append(rect(0, bar.inner, 'bar'));
+        if (bar.whisker?.every(Number.isFinite)) svg.append(drawing('line', {x1: toX(bar.whisker[0]), x2: toX(bar.whisker[1]), y1: y + row / 2 - 4, y2: y + row / 2 - 4, class: 'whisker'}));
+    });
+    svg.append(drawing('text', {x: (edge + width - right) / 2, y: height - 6, 'text-anchor': 'middle', class: 'axis'}, left > 0 ? `${words}; ${left} weaker ones are in the table` : words));
+    return element('figure', {class: 'chart'}, element('figcaption', {class: 'chart-title'}, `What each parameter does to ${figure.name}`), svg);
+}
+
 /** Numbers without a unit in their head stand as texts: their unit is that of the row. */
 const asNumber = value => (typeof value === 'string' && value !== '' && Number.isFinite(Number(value)) ? Number(value) : value === '' ? null : value);
 
 function makeStudyTables(result) {
     const parts = [];
     const statistics = entriesOf(result.summary?.statistics);
-    const numbers = ['count', 'mean', 'deviation', 'minimum', 'q05', 'q50', 'q95', 'maximum'];
+    const numbers = ['count', 'without', 'mean', 'deviation', 'minimum', 'q05', 'q50', 'q95', 'maximum'];
     parts.push(makeTable({
         caption: `Statistics of the cases that completed, ${result.name}`,
-        columns: [{name: 'figure', isText: true}, {name: 'unit', isText: true}, ...['cases', 'mean', 'deviation', 'least', '5 %', 'median', '95 %', 'largest'].map(name => ({name}))],
+        columns: [{name: 'figure', isText: true}, {name: 'unit', isText: true}, ...['cases', 'cases without', 'mean', 'deviation', 'least', '5 %', 'median', '95 %', 'largest'].map(name => ({name}))],
         rows: statistics.map(([name, one]) => [name, formatUnit(one.unit), ...numbers.map(key => one[key])]), shown: 20,
     }));
     const titles = {'sensitivities.csv': 'What each parameter does', 'correlations.csv': 'Correlation of figures and parameters', 'failures.csv': 'Cases that failed'};
@@ -136,7 +187,8 @@ function makeStudy(result) {
             return {select, element: element('label', {}, label, select), get: () => among.find(column => column.name === select.value)};
         };
         const y = choice('figure', figures, figures[0]), x = choice('over', [...parameters, ...figures], parameters[0] ?? figures.at(-1));
-        const draw = () => charts.replaceChildren(makeScatter(x.get(), y.get()), makeHistogram(y.get(), result.summary?.statistics?.[y.get().name]));
+        const sensitivities = listOf(result.tables).find(table => table.file === 'sensitivities.csv');
+        const draw = () => charts.replaceChildren(makeScatter(x.get(), y.get()), makeHistogram(y.get(), result.summary?.statistics?.[y.get().name]), ...[sensitivities && makeTornado(sensitivities, y.get())].filter(Boolean));
         for (const one of [x, y]) one.select.addEventListener('change', draw);
         draw();
         parts.push(element('div', {class: 'tools'}, y.element, x.element), charts);

@@ -26,6 +26,9 @@ before(async () => {
     dttmm('static', join(examples, 'loaded_girder'), '-o', 'static', '--at', '2 s');
     dttmm('run', join(examples, 'pendulum_on_bolts'), '-o', 'pendulum', '--duration', '2 s');
     dttmm('run', join(examples, 'four_bolt_plate'), '-o', 'sweep', '--duration', '0.1 s', '--sweep', 'k1=300 N/mm..500 N/mm:3');
+    const study = (...words) => dttmm('study', join(examples, 'four_bolt_plate'), '--vary', 'k, k1 ~ uniform(300 N/mm, 600 N/mm)', '--duration', '0.05 s', '-q', ...words);
+    study('-o', 'single', '--design', 'one-at-a-time', '--figures', 'bolt[12].force.z:peak');
+    study('-o', 'indices', '--design', 'sobol-indices', '--cases', '64', '--figures', 'bolt[12].force.z:peak');
     const model = readFileSync(join(examples, 'four_bolt_plate', 'model.toml'), 'utf8').replace(/^title\s*=.*$/m, `title = '''${kHostile}'''`);
     writeFileSync(join(folder, 'hostile.toml'), model);
     dttmm('run', 'hostile.toml', '-o', 'hostile', '--duration', '0.05 s');
@@ -80,7 +83,7 @@ const picture = page => page.evaluate(() => {
 });
 
 test('every kind of results opens without a complaint, by one request, under the policy', async () => {
-    for (const results of [['plate'], ['modes'], ['response'], ['static'], ['sweep'], ['plate', 'other']]) {
+    for (const results of [['plate'], ['modes'], ['response'], ['static'], ['sweep'], ['single'], ['indices'], ['plate', 'other']]) {
         const {page, complaints, requests, close} = await open(results);
         assert.deepEqual(complaints, [], results.join());
         assert.equal(requests.length, 1, requests.join());
@@ -194,6 +197,27 @@ test('magnitude and phase of a response are those of its real and imaginary part
     await close();
 });
 
+// Oracle: sensitivities.csv: of a figure the change from the least to the largest of every parameter, the widest on top.
+test('what each parameter does is drawn as sensitivities.csv has it, the strongest on top', async () => {
+    const {page, close} = await open(['single']);
+    const rows = readFileSync(join(folder, 'single/sensitivities.csv'), 'utf8').trim().split('\n').slice(2).map(line => line.split(','));
+    for (const figure of ['bolt1.force.z.peak', 'bolt2.force.z.peak']) {
+        await page.locator('.tools label', {hasText: 'figure'}).locator('select').selectOption(figure);
+        const own = rows.filter(row => row[0] === figure);
+        const spans = [...new Set(own.map(row => row[2]))].map(name => {
+            const changes = [0, ...own.filter(row => row[2] === name).map(row => Number(row[4]))];
+            return {name, span: Math.max(...changes) - Math.min(...changes)};
+        }).sort((a, b) => b.span - a.span);
+        const chart = page.locator('figure', {hasText: 'What each parameter does to'});
+        const widths = await chart.locator('rect.bar').evaluateAll(bars => bars.map(bar => Number(bar.getAttribute('width'))));
+        assert.equal(widths.length, 2);
+        near(widths[1] / widths[0], spans[1].span / spans[0].span, 4);
+        const label = await chart.locator('svg').getAttribute('aria-label');
+        assert.ok(label.endsWith(`: ${spans.map(one => one.name).join(', ')}.`), label);
+    }
+    await close();
+});
+
 test('tables of modes have the frequencies of modes.csv', async () => {
     const {page, close} = await open(['modes']);
     const {mode, frequency} = columnsOf('modes/modes.csv');
@@ -298,7 +322,7 @@ test('reduced motion keeps it still; else it plays', async () => {
 });
 
 test('axe finds nothing in any kind, light, dark and on a phone, where the page does not scroll sideways', async () => {
-    for (const results of [['plate', 'other'], ['modes'], ['response'], ['static'], ['sweep']])
+    for (const results of [['plate', 'other'], ['modes'], ['response'], ['static'], ['sweep'], ['single'], ['indices']])
         for (const [colorScheme, width] of [['light', 1200], ['dark', 1200], ['light', 375]]) {
             const {page, close} = await open(results, {colorScheme, width});
             const ground = await page.evaluate(() => getComputedStyle(document.body).backgroundColor);

@@ -169,7 +169,8 @@ private:
         const std::string name = text_of(entry, "name");
         if (!lengths || name.empty()) return;
         if (!ends)
-            return fail("its sections find no place: `from` and `to` must be two bodies, markers or nodes that are apart");
+            return fail(
+                "its sections lie on the line from `from` to `to`: both must be bodies, markers or nodes, and apart");
         double total = 0;
         for (const double length : *lengths) total += length;
         if (std::abs(total - ends->length()) > kLengthTolerance * ends->length())
@@ -247,10 +248,9 @@ private:
             return table.error(
                 table.find("at")->value.place,
                 fmt::format(
-                    "at: {} m beside there is a node or an end, whose motion is recorded; keep "
-                    "{} m off, or leave the probe out",
-                    number_text(part == parts.end() ? 0 : std::min(at - part->start, part->start + part->length - at)),
-                    number_text(least)));
+                    "at: a node or an end is {:.4g} m away, and its motion is recorded already; place the probe at least "
+                    "{:.4g} m away, or leave it out",
+                    part == parts.end() ? 0 : std::min(at - part->start, part->start + part->length - at), least));
         const Part behind{on + "_" + name, at, part->start + part->length - at};
         cut(*part, behind, name, table.find("name")->value.place);
         part->length = at - part->start;

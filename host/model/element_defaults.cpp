@@ -78,8 +78,8 @@ void apply_defaults(TomlValue& document, const ReadContext& context, const Eleme
             table.error(member.place, fmt::format("{0} must be a table; write [defaults.{0}]", member.key));
         for (const TomlMember& key : member.value.members)
             if (!may_be_default(member, key))
-                table.error(key.place,
-                            fmt::format("{} is of one alone; leave it out of [defaults.{}]", key.key, member.key));
+                table.error(key.place, fmt::format("{} belongs to each element alone; leave it out of [defaults.{}]",
+                                                   key.key, member.key));
         if (std::ranges::find(tables, member.key) != tables.end()) apply(document, member, context.diagnostics);
     }
 }

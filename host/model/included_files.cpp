@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <system_error>
 
 #include "model/text_file.h"
@@ -51,11 +52,13 @@ private:
         if (!name.is_text() || name.string.empty()) return fail("a file is named by a text, as \"bolts.toml\"");
         if (name.string.find('\0') != std::string::npos) return fail("the name of a file holds no NUL");
         const fs::path path = folder / name.string;
-        const auto [seen, is_new] = seen_.emplace(identity_of(path), name.place);
+        const fs::path identity = identity_of(path);
+        const auto [seen, is_new] = seen_.emplace(identity, name.place);
         if (!is_new && seen->second == Place{}) return fail(fmt::format("{} is the model file itself", quote(name.string)));
-        if (!is_new)
-            return fail(fmt::format("{} is included already, on {}; a file is included once", quote(name.string),
-                                    diagnostics_.line_text(seen->second)));
+        if (!is_new && open_.contains(identity))
+            return fail(fmt::format("{} includes itself by way of others, on {}; leave one of the two out",
+                                    quote(name.string), diagnostics_.line_text(seen->second)));
+        if (!is_new) return;  // it is there
         std::string text;
         try {
             if (path == "-") throw Error(ExitCode::input_output, "the standard input cannot be included");
@@ -69,8 +72,10 @@ private:
         auto document = parse_toml(text, diagnostics_, number);
         if (!document) return;
         check_format_of(*document);
+        open_.insert(identity);
         for (TomlMember& member : with_included(std::move(*document), path.parent_path()).members)
             if (member.key != "format") join_table(all, std::move(member));
+        open_.erase(identity);
     }
 
     /// An included file need not say its format.
@@ -115,6 +120,7 @@ private:
     Diagnostics& diagnostics_;
     InputFiles& inputs_;
     std::map<fs::path, Place> seen_;  ///< with where each was included
+    std::set<fs::path> open_;         ///< whose own files are being included
 };
 
 }  // namespace

@@ -29,7 +29,9 @@ std::string written(const TomlValue& value, double number, std::string_view unit
 std::optional<double> evaluate(const ReadContext& context, const TomlValue& value, std::string_view unit) {
     if (value.is_number()) return value.number;
     if (!value.is_text())
-        throw Error(ExitCode::model_invalid, fmt::format("expected a number in {}, got {}", unit, kind_text(value.kind)));
+        throw Error(ExitCode::model_invalid,
+                    fmt::format("expected a number{}, got {}", unit == "1" ? std::string() : fmt::format(" in {}", unit),
+                                kind_text(value.kind)));
     if (!value.string.starts_with("=")) return parse_quantity(value.string, unit);
     return context.parameters.evaluate(std::string_view(value.string).substr(1), unit);
 }

@@ -134,7 +134,8 @@ private:
             throw Error(code, fmt::format("{}:{}: {}", file_.string(), line, fault));
         };
         if (cells.size() != width_)
-            refuse(ExitCode::model_invalid, fmt::format("{} cells, but the first row has {}", cells.size(), width_));
+            refuse(ExitCode::model_invalid,
+                   fmt::format("{}, but the first row has {}", counted(cells.size(), "cell", "cells"), width_));
         if (case_column_ && cells[*case_column_] != std::to_string(row + 1))
             refuse(ExitCode::model_invalid,
                    fmt::format("case is {}, but cases count 1, 2, 3 and so on; this is row {}. Leave the "

@@ -123,7 +123,7 @@ ExitCode print_status(const StudyFolder& study) {
 
 const std::string& word(const Request& request, size_t index, const char* what) {
     if (index < request.words.size()) return request.words[index];
-    throw Error(ExitCode::usage, fmt::format("study {}: {} is missing", request.words.front(), what));
+    throw Error(ExitCode::usage, fmt::format("study {}: give {}", request.words.front(), what));
 }
 
 void refuse_more_words(const Request& request, size_t count) {

@@ -103,24 +103,24 @@ Json describe_plan(const Request& request, const StudyPlan& plan, const Model& m
 
 /// What two plans differ in, in words.
 std::string difference(const Json& there, const Json& asked, bool cases_differ) {
-    for (const auto& [key, words] : {std::pair("command", "the command"),
-                                     {"varied", "the parameters that vary"},
-                                     {"design", "the design"},
-                                     {"cases", "the number of cases"},
-                                     {"options", "the options"},
-                                     {"figure_requests", "the figures"},
-                                     {"figures", "the figures"},
-                                     {"limit_s", "the limit"},
-                                     {"keep", "what is kept"}})
+    for (const auto& [key, words] : {std::pair("command", "the command differs"),
+                                     {"varied", "the parameters that vary differ"},
+                                     {"design", "the design differs"},
+                                     {"cases", "the number of cases differs"},
+                                     {"options", "the options differ"},
+                                     {"figure_requests", "the figures differ"},
+                                     {"figures", "the figures differ"},
+                                     {"limit_s", "the limit differs"},
+                                     {"keep", "what is kept differs"}})
         if (there.value(key, Json()) != asked[key]) return words;
     const Json inputs = there.value("inputs", Json::object());
-    for (const auto& [key, words] : {std::pair("model_text", "the model"),
-                                     {"files", "a file of the model"},
-                                     {"plugins", "a plugin"},
-                                     {"version", "the version of dttmm"},
-                                     {"build", "the build of dttmm"}})
+    for (const auto& [key, words] : {std::pair("model_text", "the model differs"),
+                                     {"files", "a file of the model differs"},
+                                     {"plugins", "a plugin differs"},
+                                     {"version", "the version of dttmm differs"},
+                                     {"build", "the build of dttmm differs"}})
         if (inputs.value(key, Json()) != asked["inputs"].value(key, Json())) return words;
-    return cases_differ ? "the values of the cases" : "";
+    return cases_differ ? "the values of the cases differ" : "";
 }
 
 std::string read_part(const fs::path& file) {
@@ -172,10 +172,10 @@ StudyFolder StudyFolder::make(const fs::path& path, const Request& request, cons
         const StudyFolder kept(path);
         const std::string differs = difference(there, text, read_part(folder / kCasesFile) != cases);
         if (!differs.empty())
-            throw Error(ExitCode::input_output,
-                        fmt::format("{}: it holds another study, and a study is never changed: {} differ{}; give another "
-                                    "folder with -o",
-                                    path.string(), differs, differs.ends_with('s') && !differs.ends_with("ss") ? "" : "s"));
+            throw Error(
+                ExitCode::input_output,
+                fmt::format("{}: it holds another study, and a study is never changed: {}; give another folder with -o",
+                            path.string(), differs));
         return kept;
     }
     if (fs::exists(folder, fault) && !(fs::is_directory(folder, fault) && fs::is_empty(folder, fault)))

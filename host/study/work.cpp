@@ -154,7 +154,7 @@ std::vector<size_t> parse_cases(const std::string& text, size_t count) {
     const char *at = text.data(), *const end = at + text.size();
     const auto refuse = [&] {
         throw Error(ExitCode::usage,
-                    fmt::format("{} are no cases of this study: write 1-40,57; it has {}", quote(text), count));
+                    fmt::format("{} names no cases of this study, which has {}: write 1-40,57", quote(text), count));
     };
     const auto number = [&] {
         size_t value = 0;

@@ -406,7 +406,7 @@ TEST_F(Study, WrongWordsAreRefused) {
         {{"model.toml", "--vary", vary, "--cases", "2", "--correlate", "mass = 0.5"}, 2, "two parameters or more"},
         {{"model.toml", "--vary", vary, "--cases", "2", "--correlate", "mass = 1.5"}, 2, "between -1 and 1"},
         {{"-", "--vary", vary, "--cases", "2"}, 2, "give a file instead of the standard input"},
-        {{"status"}, 2, "the folder of the study is missing"},
+        {{"status"}, 2, "study status: give the folder of the study"},
         {{"status", "nowhere"}, 5, "this is no folder of a study"},
         {{"status", "out", "more"}, 2, "\"more\" was not expected"},
         {{"model.toml", "--vary", "mass ~ lognormal(1 kg, 1e200 kg)", "--cases", "2"}, 2, "too large"},

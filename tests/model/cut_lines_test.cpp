@@ -115,7 +115,7 @@ TEST(CutLines, FaultsOfSections) {
     EXPECT_THAT(fault("size = 2", "sise = 2"), HasSubstr("m.toml:23:30: element \"pole2\": unknown key \"sise\""));
     EXPECT_THAT(fault("type = \"pole\"", "type = \"strut\""), HasSubstr("m.toml:21:1: element \"pole\": unknown key "
                                                                         "\"sections\" in [[element]] number 1"));
-    EXPECT_THAT(fault("\"root\"", "\"ground\""), HasSubstr("its sections find no place: `from` and `to` must be two"));
+    EXPECT_THAT(fault("\"root\"", "\"ground\""), HasSubstr("its sections lie on the line from `from` to `to`"));
     EXPECT_THAT(line_fault(kRoot + kPole + "sections = []\n"),
                 HasSubstr("m.toml:21:12: element \"pole\": sections must be a list"));
 }
@@ -125,10 +125,10 @@ TEST(CutLines, FaultsOfProbes) {
         return line_fault(kRoot + kPole + "[[probe]]\nname = \"mid\"\non = \"" + on + "\"\n" + at + "\n");
     };
     EXPECT_THAT(fault("pole", "at = 5"), HasSubstr("m.toml:24:6: probe \"mid\": at: the line is 4 m long, got 5 m"));
-    EXPECT_THAT(fault("pole", "at = 4"), HasSubstr("m.toml:24:6: probe \"mid\": at: 0 m beside there is a node or an end"));
+    EXPECT_THAT(fault("pole", "at = 4"), HasSubstr("m.toml:24:6: probe \"mid\": at: a node or an end is 0 m away"));
     // 1e-3 of the line of 4 m
-    EXPECT_THAT(fault("pole", "at = 0.0027"), HasSubstr("keep 0.004 m off, or leave the probe out"));
-    EXPECT_THAT(fault("pole", "at = 3.9973"), HasSubstr("keep 0.004 m off, or leave the probe out"));
+    EXPECT_THAT(fault("pole", "at = 0.0027"), HasSubstr("place the probe at least 0.004 m away"));
+    EXPECT_THAT(fault("pole", "at = 3.9973"), HasSubstr("place the probe at least 0.004 m away"));
     for (const char* at : {"0.0054", "3.9946"})
         EXPECT_EQ(parse_lines(kRoot + kPole + "[[probe]]\nname = \"mid\"\non = \"pole\"\nat = " + at + "\n").elements.size(),
                   2u);

@@ -67,7 +67,8 @@ TEST(ElementDefaults, FaultsPointAtTheDefaults) {
     EXPECT_THAT(fault("[defaults]\nbody = 3\n"),
                 HasSubstr("m.toml:24:1: defaults: body must be a table; write [defaults.body]"));
     EXPECT_THAT(fault("[[defaults]]\nbody = 3\n"), HasSubstr("m.toml:23:1: defaults: expected a table"));
-    EXPECT_THAT(fault("[defaults.spring_damper]\nname = \"x\"\n"), HasSubstr("m.toml:24:1: defaults: name is of one alone"));
+    EXPECT_THAT(fault("[defaults.spring_damper]\nname = \"x\"\n"),
+                HasSubstr("m.toml:24:1: defaults: name belongs to each element alone"));
     EXPECT_THAT(parse(model_with("[defaults.strut]\nratio = 0.1\n")).warnings,
                 testing::Contains(WarningIs("unused-defaults",
                                             "m.toml:12:11: defaults of \"strut\": the model has none of "

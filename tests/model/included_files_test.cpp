@@ -85,8 +85,15 @@ TEST_F(IncludedFiles, FaultsOfTheKeyPointAtIt) {
     add("b.toml", "include = [\"x/../a.toml\"]\n");
     std::filesystem::create_directory(folder_ / "x");
     EXPECT_THAT(fault("[\"a.toml\"]"),
-                HasSubstr("b.toml:1:12: include: \"x/../a.toml\" is included already, on line 4; a file is "
-                          "included once"));
+                HasSubstr("b.toml:1:12: include: \"x/../a.toml\" includes itself by way of others, on line 4"));
+}
+
+// Bolts and beams that both want the same materials have them once.
+TEST_F(IncludedFiles, AFileThatTwoIncludeIsThereOnce) {
+    add("steel.toml", "[parameters]\nE = \"210 GPa\"\n");
+    add("a.toml", "include = [\"steel.toml\"]\n");
+    add("b.toml", "include = [\"steel.toml\", \"a.toml\"]\n");
+    EXPECT_EQ(read("[\"a.toml\", \"b.toml\"]").parameters.front().value, 210e9);
 }
 
 }  // namespace

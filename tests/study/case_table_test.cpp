@@ -70,7 +70,7 @@ TEST_F(CaseTables, FaultsAreToldWithTheirLine) {
     EXPECT_THAT(refusal_of("k\n400\n", ExitCode::usage),
                 HasSubstr("cases.csv:2: k = 400 of which unit? the model gives N/mm"));
     EXPECT_THAT(refusal_of("k,k\n1 N/m,1 N/m\n", ExitCode::usage), HasSubstr("two columns are called \"k\""));
-    EXPECT_THAT(refusal_of("k,n\nN/m,1\n4e5,2\n4e5\n", ExitCode::model_invalid), HasSubstr("cases.csv:4: 1 cells"));
+    EXPECT_THAT(refusal_of("k,n\nN/m,1\n4e5,2\n4e5\n", ExitCode::model_invalid), HasSubstr("cases.csv:4: 1 cell, but"));
     EXPECT_THAT(refusal_of("k\nN/m\nabc\n", ExitCode::model_invalid), HasSubstr("cases.csv:3: k: "));
     EXPECT_THAT(refusal_of("k\nkg\n3\n", ExitCode::model_invalid),
                 AllOf(HasSubstr("cases.csv:2: unit of k: "), HasSubstr("expected a value in N/m")));

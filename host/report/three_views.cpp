@@ -27,7 +27,7 @@ using Eigen::Vector3d;
 
 constexpr double kMargin = 46, kBetween = 34, kHeading = 22, kFoot = 54;  // [px]
 constexpr double kWidest = 560, kHighest = 400, kBeside = 400;            // of the front view, of any, of the right view
-constexpr double kLeast = 150;                                            // of any view
+constexpr double kLeastSide = 150;                                        // of any view
 constexpr double kFootWidth = 640;                                        // of the words below
 constexpr double kAxis = 17, kArrow = 34, kCharacter = 6.3, kLine = 12;   // of axes, loads, labels
 
@@ -411,7 +411,7 @@ std::string draw_three_views(const Model& model, const ElementCatalogue& catalog
     const double room = 2 * kMargin;
     const double scale =
         1 / std::max({front.x() / (kWidest - room), front.y() / (kHighest - room), right.x() / (kBeside - room), 1e-6});
-    const auto fitted = [&](double size) { return std::max(kLeast, scale * size + room); };
+    const auto fitted = [&](double size) { return std::max(kLeastSide, scale * size + room); };
     const double width = fitted(front.x()), height = fitted(front.y()), depth = fitted(right.x());
     const double beside = std::max(depth, 260.), above = std::max(depth, 220.);
     const double corner_scale = 1 / std::max({corner.x() / (beside - room), corner.y() / (above - room), 1e-6});

@@ -8,7 +8,6 @@
 #include <string_view>
 
 #include "coupling/network_description.h"
-#include "model/index.h"
 
 namespace dttmm::host {
 
@@ -33,7 +32,18 @@ Eigen::Matrix3d line_axes(const Eigen::Vector3d& x, const Eigen::Vector3d& up) {
     return axes;
 }
 
+Model read_standing(const Request& request, const Plugins& plugins) {
+    ModelOverrides overrides = request.overrides;
+    overrides.purpose = Purpose::modes;  // wants least of a model
+    return read_model(request.model, plugins.catalogue(), overrides);
+}
+
 }  // namespace
+
+Eigen::Vector3d position_at_start(const Model& model, const Attachment& at) { return frame_at_start(model, at).position; }
+
+StandingMachine::StandingMachine(const Request& request)
+    : plugins(request.plugins), model(read_standing(request, plugins)) {}
 
 EqualBox equal_box(const Body& body) {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(body.inertia);

@@ -3,7 +3,8 @@
 
 #include <Eigen/Core>
 
-#include "model/element_catalogue.h"
+#include "analysis/request.h"
+#include "loader/plugins.h"
 #include "model/model.h"
 
 namespace dttmm::host {
@@ -31,5 +32,16 @@ struct ElementPlace {
 /// A line has its x from end to end, and z as near to its parameter `up` as can be, if it has one. Others have the axes of
 /// their `from` end, or those given to them.
 ElementPlace place_at_start(const Model& model, const Element& element, const dttmm_element_type& type);
+
+/// Where a place on a body, or a node, is at the start, in the world [m].
+Eigen::Vector3d position_at_start(const Model& model, const Attachment& at);
+
+/// A model as it stands, with the plugins that its elements are of.
+struct StandingMachine {
+    /// Reads what was asked for; wants no settings of a run. Throws Error for a model that cannot be read.
+    explicit StandingMachine(const Request& request);
+    const Plugins plugins;
+    const Model model;
+};
 
 }  // namespace dttmm::host

@@ -3,8 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "loader/plugins.h"
-#include "model/read_model.h"
+#include "analysis/machine_geometry.h"
 #include "record/atomic_file.h"
 #include "record/results_folder.h"
 #include "report/three_views.h"
@@ -19,11 +18,8 @@ ExitCode show_model(const Request& request) {
     if (request.output) path = *request.output;
     if (path != "-" && path.extension() != ".svg")
         throw Error(ExitCode::usage, fmt::format("{}: the picture is SVG; give a name that ends with .svg", path.string()));
-    const Plugins plugins(request.plugins);
-    ModelOverrides overrides = request.overrides;
-    overrides.purpose = Purpose::modes;  // wants least of a model
-    const std::string picture =
-        draw_three_views(read_model(request.model, plugins.catalogue(), overrides), plugins.catalogue());
+    const StandingMachine machine(request);
+    const std::string picture = draw_three_views(machine.model, machine.plugins.catalogue());
     if (path == "-") {
         fmt::print("{}", picture);
         return ExitCode::ok;

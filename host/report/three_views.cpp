@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "analysis/machine_geometry.h"
-#include "coupling/network_description.h"
 #include "model/index.h"
 #include "model/wording.h"
 #include "report/html_text.h"
@@ -130,7 +129,7 @@ void DrawnMachine::add_body(const Body& body) {
 }
 
 void DrawnMachine::add_arm(const Attachment& end, const Model& model) {
-    if (end.body >= 0) bodies[as_size(end.body)].arms.push_back(frame_at_start(model, end).position);
+    if (end.body >= 0) bodies[as_size(end.body)].arms.push_back(position_at_start(model, end));
 }
 
 void DrawnMachine::add_load(const Model& model, const ElementCatalogue& catalogue, const Load& load) {
@@ -142,7 +141,7 @@ void DrawnMachine::add_load(const Model& model, const ElementCatalogue& catalogu
             loads.push_back({share == 0.5 ? load.name : "", place.from + share * (place.to - place.from), direction, false});
         return;
     }
-    Vector3d at = frame_at_start(model, load.on).position, direction = load.direction;
+    Vector3d at = position_at_start(model, load.on), direction = load.direction;
     if (load.on.body >= 0) {
         const Body& body = model.bodies[as_size(load.on.body)];
         if (load.on.marker < 0) at = body.position + body.rotation * body.center_of_mass;

@@ -181,6 +181,7 @@ TEST_F(Sweep, EveryOptionReachesItsCases) {
                                                        {"--channels", "one"},
                                                        {"--plugin", test::paths::c_spring()},
                                                        {"--force", ""},
+                                                       {"--for-report", ""},
                                                        {"--case", "pushed"}};
     std::vector<std::string> words = {"run", "model.toml", "-q", "-o", "out", "--sweep", "mass=1 kg,3 kg"};
     size_t given = 0;

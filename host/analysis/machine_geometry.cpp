@@ -45,10 +45,11 @@ Eigen::Vector3d position_at_start(const Model& model, const Attachment& at) { re
 StandingMachine::StandingMachine(const Request& request)
     : plugins(request.plugins), model(read_standing(request, plugins)) {}
 
-EqualBox equal_box(const Body& body) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(body.inertia);
+EqualBox equal_box(double mass, const Eigen::Matrix3d& inertia) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia);
     const Eigen::Vector3d I = solver.eigenvalues();
-    const Eigen::Vector3d squares = 6 / body.mass * (Eigen::Vector3d::Constant(I.sum()) - 2 * I);
+    Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+    if (mass > 0) squares = 6 / mass * (Eigen::Vector3d::Constant(I.sum()) - 2 * I);
     Eigen::Matrix3d axes = solver.eigenvectors();
     if (axes.determinant() < 0) axes.col(2) *= -1;
     return {squares.cwiseMax(0).cwiseSqrt(), axes};

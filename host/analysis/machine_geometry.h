@@ -15,8 +15,9 @@ struct EqualBox {
     Eigen::Matrix3d axes;   ///< columns: directions of the edges in the axes of the body, right-handed
 };
 
-/// I_1 = m (b² + c²)/12 and so on, solved for the edges; one that would be imaginary is zero.
-EqualBox equal_box(const Body& body);
+/// I_1 = m (b² + c²)/12 and so on, solved for the edges; one that would be imaginary is zero, and all are without a mass.
+/// mass [kg]; inertia about the centre of mass, body axes [kg m²].
+EqualBox equal_box(double mass, const Eigen::Matrix3d& inertia);
 
 /// Where an element is at the start, in the world.
 struct ElementPlace {

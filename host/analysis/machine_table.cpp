@@ -35,7 +35,8 @@ std::string describe_bodies(const Model& model) {
     Eigen::Vector3d moment = Eigen::Vector3d::Zero();
     for (size_t b = 0; b < model.bodies.size(); ++b) {
         const Body& body = model.bodies[b];
-        const Eigen::Vector3d centre = body.position + body.rotation * body.center_of_mass, box = equal_box(body).edges;
+        const Eigen::Vector3d centre = body.position + body.rotation * body.center_of_mass,
+                              box = equal_box(body.mass, body.inertia).edges;
         mass += body.mass;
         moment += body.mass * centre;
         if (b < kMostLines)

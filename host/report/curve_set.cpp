@@ -6,7 +6,10 @@
 #include <numbers>
 #include <utility>
 
+#include "model/channel.h"
+#include "model/error.h"
 #include "model/index.h"
+#include "record/channels.h"
 #include "report/base64.h"
 
 namespace dttmm::host {
@@ -76,6 +79,22 @@ std::string stem(const std::string& name, std::string_view ending) {
 }
 
 }  // namespace
+
+std::set<std::string> choose_names(const std::vector<CurveSet>& sets, const std::vector<std::string>& patterns,
+                                   const std::string& option) {
+    std::vector<Channel> channels = {{"time", "s"}};
+    std::set<std::string> known, chosen;
+    for (const CurveSet& set : sets)
+        for (const Curve& curve : set.curves)
+            if (known.insert(curve.head.name).second) channels.emplace_back(curve.head.name, curve.head.unit);
+    try {
+        for (const int c : select_channels(channels, patterns))
+            if (c > 0) chosen.insert(channels[as_size(c)].name());
+    } catch (const Error& error) {
+        throw Error(ExitCode::usage, option + error.what());
+    }
+    return chosen;
+}
 
 std::vector<std::size_t> thin(const std::vector<double>& values, std::size_t most) {
     std::vector<std::size_t> rows;

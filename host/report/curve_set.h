@@ -2,6 +2,7 @@
 #pragma once
 
 #include <complex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,11 @@ struct CurveSet {
     std::vector<double> places;  ///< values of x, ascending
     std::vector<Curve> curves;
 };
+
+/// The names of all curves that a pattern selects, as --channels does. Throws Error(usage) for a pattern without a curve;
+/// the message begins with the option that has the patterns, "--channels: ", if it is one.
+std::set<std::string> choose_names(const std::vector<CurveSet>& sets, const std::vector<std::string>& patterns,
+                                   const std::string& option = {});
 
 /// Rows of a curve that stand for all: for every span of rows that of the least and that of the largest value, in their
 /// order. The spans are as equal as can be. Where there are at most `most` rows, all of them.

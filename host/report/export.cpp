@@ -82,25 +82,12 @@ std::vector<const Format*> chosen_formats(const Request& request) {
     return chosen;
 }
 
-/// results/pump.mat for results/pump.
 fs::path export_path(const Request& request, const Format& format) {
-    if (request.output) {
-        if (request.output->extension() != format.ending)
-            throw Error(ExitCode::usage, fmt::format("{}: --{} writes a file whose name ends with {}; give it such a name",
-                                                     request.output->string(), format.name, format.ending));
-        return *request.output;
-    }
-    std::error_code fault;
-    fs::path path = fs::path(request.words.front()).lexically_normal();
-    if (!path.has_filename()) path = path.parent_path();
-    if (!fs::is_directory(path, fault)) path = path.parent_path();
-    // Not in the results folder: a command that replaces results would take it for a foreign file there
-    if (path.empty() || path.filename() == "." || path.filename() == "..") {
-        path = from_start(path.empty() ? "." : path).lexically_normal();
-        if (!path.has_filename()) path = path.parent_path();
-    }
-    path += format.ending;
-    return path;
+    if (!request.output) return path_beside(request.words.front(), format.ending);
+    if (request.output->extension() != format.ending)
+        throw Error(ExitCode::usage, fmt::format("{}: --{} writes a file whose name ends with {}; give it such a name",
+                                                 request.output->string(), format.name, format.ending));
+    return *request.output;
 }
 
 /// A file is ours where it begins as its format does, and names dttmm near its beginning.
@@ -122,16 +109,7 @@ void refuse_foreign_file(const fs::path& path, const Format& format) {
 /// Keeps the curves that a pattern selects. Throws Error(usage) for a pattern without one.
 void choose_curves(std::vector<CurveSet>& sets, const std::vector<std::string>& patterns) {
     if (patterns.empty()) return;
-    std::vector<Channel> channels = {{"time", "s"}};
-    for (const CurveSet& set : sets)
-        for (const Curve& curve : set.curves) channels.emplace_back(curve.head.name, curve.head.unit);
-    std::set<std::string> names;
-    try {
-        for (const int c : select_channels(channels, patterns))
-            if (c > 0) names.insert(channels[as_size(c)].name());
-    } catch (const Error& error) {
-        throw Error(ExitCode::usage, fmt::format("--channels: {}", error.what()));
-    }
+    const std::set<std::string> names = choose_names(sets, patterns, "--channels: ");
     for (CurveSet& set : sets)
         std::erase_if(set.curves, [&](const Curve& curve) { return !names.contains(curve.head.name); });
     std::erase_if(sets, [](const CurveSet& set) { return set.curves.empty(); });

@@ -15,7 +15,7 @@ namespace dttmm::host {
 ///     run          as recorded, linear between the rows
 ///     mode         one period, which lasts 1 s; the largest displacement is 10 % of the machine's size, and no rotation is
 ///                  larger than 0.5 rad
-///     equilibrium  the way from the start in 1 s
+///     equilibrium  from the start to the whole of it in 1 s
 /// A run or equilibrium that could not be seen has a second animation, enlarged; its name says how much. The extras of the
 /// file have the title, what is left out, and the factor of every animation. Returns what was written. Throws
 /// Error(input_output); Error(resource) for more than 4 GB, which the format cannot have.

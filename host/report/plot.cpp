@@ -71,23 +71,6 @@ std::vector<CurveSet> read_sets(const std::vector<std::string>& results) {
     return all;
 }
 
-/// The names of all curves that a pattern selects.
-std::set<std::string> choose(const std::vector<CurveSet>& sets, const std::vector<std::string>& patterns) {
-    std::vector<Channel> channels = {{"time", "s"}};
-    std::set<std::string> known;
-    for (const CurveSet& set : sets)
-        for (const Curve& curve : set.curves)
-            if (known.insert(curve.head.name).second) channels.emplace_back(curve.head.name, curve.head.unit);
-    std::set<std::string> names;
-    try {
-        for (const int c : select_channels(channels, patterns))
-            if (c > 0) names.insert(channels[as_size(c)].name());
-    } catch (const Error& error) {
-        throw Error(ExitCode::usage, error.what());
-    }
-    return names;
-}
-
 ChartLine thinned(const CurveSet& set, const Curve& curve) {
     ChartLine line{set.label.empty() ? curve.head.name : curve.head.name + ", " + set.label, {}, {}};
     for (const std::size_t row : thin(curve.values, kMostPoints)) {
@@ -120,18 +103,6 @@ std::vector<Chart> make_charts(const std::vector<CurveSet>& sets, const std::set
     return charts;
 }
 
-/// results/pump.svg for results/pump.
-fs::path picture_path(const Request& request) {
-    if (request.output) return *request.output;
-    std::error_code fault;
-    fs::path path = fs::path(request.words.front()).lexically_normal();
-    if (!path.has_filename()) path = path.parent_path();
-    if (!fs::is_directory(path, fault)) path = path.parent_path();
-    if (path.empty() || path == "." || path == "..") return path / "plot.svg";
-    path += ".svg";
-    return path;
-}
-
 /// Columns and rows of a chart in the terminal.
 std::pair<int, int> terminal_size() {
     winsize size{};
@@ -143,13 +114,13 @@ std::pair<int, int> terminal_size() {
 }  // namespace
 
 ExitCode plot_curves(const Request& request) {
-    const fs::path path = picture_path(request);
+    const fs::path path = request.output ? *request.output : path_beside(request.words.front(), ".svg");
     if (path != "-" && path.extension() != ".svg" && path.extension() != ".png")
         throw Error(ExitCode::usage,
                     fmt::format("{}: the picture is SVG or PNG; give a name that ends with .svg or .png", path.string()));
     const Words words = split_words(request.words);
     const std::vector<CurveSet> sets = read_sets(words.results);
-    const std::vector<Chart> charts = make_charts(sets, choose(sets, words.patterns), request.is_logarithmic);
+    const std::vector<Chart> charts = make_charts(sets, choose_names(sets, words.patterns), request.is_logarithmic);
     const std::string title = fmt::format("{} of {}", fmt::join(words.patterns, ", "), fmt::join(words.results, ", "));
     if (request.is_text) {
         const auto [columns, rows] = terminal_size();

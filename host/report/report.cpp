@@ -21,18 +21,6 @@ namespace {
 
 constexpr std::size_t kLargePage = 20'000'000;  // bytes; browsers take it, mail does not
 
-/// results/pump.html for results/pump.
-fs::path report_path(const Request& request) {
-    if (request.output) return *request.output;
-    std::error_code fault;
-    fs::path path = fs::path(request.words.front()).lexically_normal();
-    if (!path.has_filename()) path = path.parent_path();
-    if (!fs::is_directory(path, fault)) path = path.parent_path();
-    if (path.empty() || path == "." || path == "..") return path / "report.html";
-    path += ".html";
-    return path;
-}
-
 void refuse_foreign(const fs::path& path) {
     std::error_code fault;
     if (!fs::exists(path, fault)) return;
@@ -67,7 +55,7 @@ bool has_bodies_or_nodes(const Json& result) {
 }  // namespace
 
 ExitCode make_report(const Request& request) {
-    const fs::path path = report_path(request);
+    const fs::path path = request.output ? *request.output : path_beside(request.words.front(), ".html");
     refuse_foreign(from_start(path));
     ReportChoice choice;
     choice.patterns = split_at_commas(request.channels);

@@ -18,6 +18,7 @@
 #include "record/csv_file.h"
 #include "record/file.h"
 #include "record/history_file.h"
+#include "record/results_folder.h"
 #include "report/base64.h"
 #include "report/curve_set.h"
 #include "report/pictures.h"
@@ -317,6 +318,19 @@ void Description::take_table(const CsvFile& file) {
 }  // namespace
 
 Json describe_results(const fs::path& path, const ReportChoice& choice) { return Description(path, choice).take(); }
+
+fs::path path_beside(const std::string& results, const char* ending) {
+    std::error_code fault;
+    fs::path path = fs::path(results).lexically_normal();
+    if (!path.has_filename()) path = path.parent_path();
+    if (!fs::is_directory(path, fault)) path = path.parent_path();
+    if (path.empty() || path.filename() == "." || path.filename() == "..") {
+        path = from_start(path.empty() ? "." : path).lexically_normal();
+        if (!path.has_filename()) path = path.parent_path();
+    }
+    path += ending;
+    return path;
+}
 
 Results read_results(const fs::path& path) {
     const ReportChoice all;

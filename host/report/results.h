@@ -22,6 +22,10 @@ struct ReportChoice {
 /// damaged file of results, with its place; Error(usage) for a pattern without a channel.
 Json describe_results(const std::filesystem::path& path, const ReportChoice& choice);
 
+/// Where a file made of results stands unless -o says otherwise: results/pump.html for results/pump. Never in the results
+/// folder, also for ".": a command that replaces results would take it for a foreign file there.
+std::filesystem::path path_beside(const std::string& results, const char* ending);
+
 /// Results with all their digits, for other programs.
 struct Results {
     std::filesystem::path folder;

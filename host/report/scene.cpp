@@ -21,7 +21,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr std::size_t kPeriod = 24;  // pieces of a period that is drawn with straight lines between: 1 % of the amplitude
-constexpr std::size_t kWay = 10;     // pieces of the way to an equilibrium
+constexpr std::size_t kShares = 10;  // steps from the start to an equilibrium
 constexpr std::size_t kBent = 6;     // pieces of a beam that is bent as a cubic
 
 Quaterniond turn_by(const Vector3d& theta) {
@@ -193,7 +193,7 @@ void Scene::add_equilibria(const Results& results) {
     const RecordedMotion motion(table, results.model);
     const std::vector<std::string> cases = names_of_cases(table);
     std::vector<double> times;
-    for (std::size_t i = 0; i <= kWay; ++i) times.push_back(static_cast<double>(i) / kWay);
+    for (std::size_t i = 0; i <= kShares; ++i) times.push_back(static_cast<double>(i) / kShares);
     for (std::size_t row = 0; row < motion.rows(); ++row) {
         const Instant whole = recorded(motion, row);
         const auto is_number = [](const Moved& moved) { return moved.shift.allFinite() && moved.theta.allFinite(); };
@@ -202,7 +202,7 @@ void Scene::add_equilibria(const Results& results) {
             continue;
         }
         films_.push_back({Film::Kind::equilibrium, cases[row].empty() ? "equilibrium" : "equilibrium " + cases[row], times,
-                          0, [whole](std::size_t i) { return scaled(whole, static_cast<double>(i) / kWay); }, kWay});
+                          0, [whole](std::size_t i) { return scaled(whole, static_cast<double>(i) / kShares); }, kShares});
     }
     note_still(motion);
 }

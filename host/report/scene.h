@@ -45,7 +45,7 @@ struct Film {
     enum class Kind : unsigned char { run, mode, equilibrium };
     Kind kind;
     std::string name;           ///< "run", "mode 2: 12.5 Hz", "equilibrium", "equilibrium snow"
-    std::vector<double> times;  ///< [s] of a run; of a mode one period and of an equilibrium the way to it, from 0 to 1
+    std::vector<double> times;  ///< [s] of a run; of a mode one period, of an equilibrium its share, from 0 to 1
     double frequency = 0;       ///< of a mode [Hz]
     std::function<Instant(std::size_t)> at;  ///< by the number of a time
     std::size_t fullest = 0;                 ///< number of the time at which a mode or equilibrium is whole

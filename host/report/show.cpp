@@ -24,7 +24,7 @@ ExitCode show_model(const Request& request) {
         fmt::print("{}", picture);
         return ExitCode::ok;
     }
-    std::error_code fault;  // told by what follows
+    std::error_code fault;  // writing the file reports it
     if (!request.output) fs::create_directories(from_start(path).parent_path(), fault);
     write_atomically(from_start(path), picture);
     if (!request.quiet) fmt::print("{}\n", path.string());

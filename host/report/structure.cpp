@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "report/structure.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "analysis/machine_geometry.h"
 #include "model/error.h"
 #include "model/index.h"
 
@@ -25,18 +25,6 @@ Matrix3d matrix_of(const Json& json) {
     Matrix3d matrix;
     for (int row = 0; row < 3; ++row) matrix.row(row) = vector_of(json.at(as_size(row)));
     return matrix;
-}
-
-/// Principal moments I of a box of the mass m with edges e: I_x = m (e_y² + e_z²)/12  =>  e_x² = 6 (I_x + I_y + I_z − 2
-/// I_x)/m.
-InertiaBox box_of(double mass, const Vector3d& centre, const Matrix3d& inertia) {
-    const Eigen::SelfAdjointEigenSolver<Matrix3d> principal(inertia);
-    const Vector3d moments = principal.eigenvalues();
-    Matrix3d axes = principal.eigenvectors();
-    if (axes.determinant() < 0) axes.col(2) = -axes.col(2);
-    InertiaBox box{centre, Quaterniond(axes), Vector3d::Zero()};
-    if (mass > 0) box.edges = (6 / mass * (moments.sum() - 2 * moments.array())).max(0).sqrt();
-    return box;
 }
 
 /// Members of an object; none of anything else.
@@ -94,8 +82,8 @@ void Structure::add_owners(const Json& model) {
     };
     each(model, "bodies", [&](const std::string& name, const Json& body) {
         Owner& owner = add_owner(name, body);
-        owner.box =
-            box_of(body.at("mass").get<double>(), vector_of(body.at("center_of_mass")), matrix_of(body.at("inertia")));
+        const EqualBox box = equal_box(body.at("mass").get<double>(), matrix_of(body.at("inertia")));
+        owner.box = InertiaBox{vector_of(body.at("center_of_mass")), Quaterniond(box.axes), box.edges};
         each(body, "markers", [&](const std::string& marker, const Json& at) {
             add_place(name + "." + marker, {as_int(owners_.size()) - 1, vector_of(at)});
         });

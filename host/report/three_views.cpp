@@ -26,9 +26,8 @@ using Eigen::Vector3d;
 
 constexpr double kMargin = 46, kBetween = 34, kHeading = 22, kFoot = 54;  // [px]
 constexpr double kWidest = 560, kHighest = 400, kBeside = 400;            // of the front view, of any, of the right view
-constexpr double kLeastSide = 150;                                        // of any view
-constexpr double kFootWidth = 640;                                        // of the words below
-constexpr double kAxis = 17, kArrow = 34, kCharacter = 6.3, kLine = 12;   // of axes, loads, labels
+constexpr double kLeastSide = 150;  // of any view: the longest heading has 21 characters of at most 7 px
+constexpr double kAxis = 17, kArrow = 34, kCharacter = 6.3, kLine = 12;  // of axes, loads, labels
 
 constexpr const char* kViewStyle = R"(<style>
 svg{color-scheme:light dark;font:11px system-ui,sans-serif;--text:#1d1f21;--faint:#c9c9c4;--body:#9dbcd4;--edge:#3d6685;--element:#6d7276;--load:#c04e00;--x:#b3261e;--y:#00795a;--z:#0072b2}
@@ -118,7 +117,7 @@ DrawnMachine::DrawnMachine(const Model& model, const ElementCatalogue& catalogue
 }
 
 void DrawnMachine::add_body(const Body& body) {
-    const EqualBox box = equal_box(body);
+    const EqualBox box = equal_box(body.mass, body.inertia);
     DrawnBody drawn{body.name, body.position + body.rotation * body.center_of_mass, {}, {}};
     for (std::size_t corner = 0; corner < 8; ++corner) {
         Vector3d half;
@@ -420,22 +419,28 @@ std::string draw_three_views(const Model& model, const ElementCatalogue& catalog
                                               {left, top, left + width, top + above},
                                               {second, lower, second + beside, lower + height},
                                               {second, top, second + beside, top + above}}};
-    const double whole_width = std::max(second + beside + kBetween / 2, kFootWidth), whole_height = lower + height + kFoot;
+    std::string drawn;
+    int left_out = 0;
+    for (std::size_t v = 0; v < views.size(); ++v)
+        left_out += View(machine, views[v], frames[v], v == 3 ? corner_scale : scale, extents[v].middle(), drawn).draw();
+    const std::string words =
+        fmt::format("arrows: loads{}",
+                    left_out > 0 ? "; " + counted(as_size(left_out), "label finds", "labels find") + " no place" : "");
+    const std::string legend = "bodies: boxes of their mass and inertia; local axes of elements: x y z; ";
+    const double whole_width = std::max(second + beside + kBetween / 2,
+                                        left + kCharacter * static_cast<double>(legend.size() + words.size())),
+                 whole_height = lower + height + kFoot;
     std::string svg = fmt::format(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
         "role=\"img\">\n<title>{2}</title>\n{3}",
         whole_width, whole_height, html_text(model.title.empty() ? "Three views of the machine" : model.title), kViewStyle);
     svg += fmt::format("<text class=\"heading\" x=\"{:.1f}\" y=\"16\">{}</text>\n", left, html_text(model.title));
-    int left_out = 0;
-    for (std::size_t v = 0; v < views.size(); ++v)
-        left_out += View(machine, views[v], frames[v], v == 3 ? corner_scale : scale, extents[v].middle(), svg).draw();
-    svg += scale_bar(scale, width - room, whole_height - 38);
-    svg += fmt::format(
-        "<text x=\"{:.1f}\" y=\"{:.1f}\">bodies: boxes of their mass and inertia; local axes of elements: "
-        "<tspan class=\"x\" style=\"fill:var(--x)\">x</tspan> <tspan style=\"fill:var(--y)\">y</tspan> "
-        "<tspan style=\"fill:var(--z)\">z</tspan>; arrows: loads{}</text>\n",
-        left, whole_height - 12,
-        left_out > 0 ? "; " + counted(as_size(left_out), "label finds", "labels find") + " no place" : "");
+    svg += drawn + scale_bar(scale, width - room, whole_height - 38);
+    const std::string coloured =
+        "<tspan style=\"fill:var(--x)\">x</tspan> <tspan style=\"fill:var(--y)\">y</tspan> "
+        "<tspan style=\"fill:var(--z)\">z</tspan>; ";
+    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">{}{}{}</text>\n", left, whole_height - 12,
+                       legend.substr(0, legend.size() - std::string("x y z; ").size()), coloured, words);
     return svg + "</svg>\n";
 }
 

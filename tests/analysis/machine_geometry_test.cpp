@@ -23,7 +23,7 @@ TEST(MachineGeometry, ABoxComesBackFromItsInertia) {
     body.mass = m;
     const Vector3d moments = m / 12 * Vector3d(b * b + c * c, c * c + a * a, a * a + b * b);
     body.inertia = kAskew * moments.asDiagonal() * kAskew.transpose();
-    const EqualBox box = equal_box(body);
+    const EqualBox box = equal_box(body.mass, body.inertia);
     EXPECT_LT((box.edges - Vector3d(a, b, c)).norm(), 1e-12);
     EXPECT_NEAR(box.axes.determinant(), 1, 1e-12);
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(std::abs(box.axes.col(i).dot(kAskew.col(i))), 1, 1e-12);

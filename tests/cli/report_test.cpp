@@ -30,6 +30,18 @@ TEST(Report, IsWrittenBesideTheResults) {
     EXPECT_EQ(run_dttmm(folder.path(), {"report", "results/pump"}).code, 0) << "a report may be replaced";
 }
 
+// A file in the results folder would make it a foreign one: the next run into it would be refused.
+TEST(Report, OfTheCurrentFolderStandsBesideIt) {
+    const TemporaryFolder folder;
+    write_small_history(folder / "pump");
+    for (const std::vector<std::string>& words : {std::vector<std::string>{"report", "."}, {"plot", ".", "a"}}) {
+        const Ended ended = run_dttmm(folder.path() / "pump", words);
+        EXPECT_EQ(ended.code, 0) << ended.err;
+    }
+    EXPECT_TRUE(fs::exists(folder / "pump.html") && fs::exists(folder / "pump.svg"));
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder / "pump"), {}), 1);
+}
+
 TEST(Report, ReplacesNoOtherFile) {
     const TemporaryFolder folder;
     write_small_history(folder / "pump");

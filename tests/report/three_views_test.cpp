@@ -203,5 +203,29 @@ TEST_F(ThreeViews, APointOfNoSizeIsDrawn) {
     EXPECT_THAT(svg, Not(HasSubstr("inf")));
 }
 
+// Characters of the two sizes are at most 6.3 and 7 px wide: words below and headings end inside of what is theirs.
+TEST_F(ThreeViews, WordsFitAlsoWhereTheMachineIsThin) {
+    model_ = Model();
+    for (int i = 0; i < 60; ++i) {
+        Node node;
+        node.name = "n" + std::to_string(i);
+        node.position = {0, 0, 0.001 * i};
+        model_.nodes.push_back(node);
+    }
+    const std::string svg = draw();
+    std::smatch width, foot;
+    ASSERT_TRUE(std::regex_search(svg, width, std::regex("<svg[^>]* width=\"([0-9]+)\"")));
+    const std::string last = svg.substr(svg.rfind("<text"));
+    const std::string words = std::regex_replace(last, std::regex("<[^>]*>|\n"), "");
+    EXPECT_THAT(words, HasSubstr(" labels find no place"));
+    EXPECT_GE(std::stod(width[1]), 17 + 6.3 * static_cast<double>(words.size()) - 0.5);
+    for (const std::string& view : views_in(svg)) {
+        const std::vector<double> frame = paths_in(view, "frame").at(0);
+        std::smatch heading;
+        ASSERT_TRUE(std::regex_search(view, heading, std::regex("class=\"heading\"[^>]*>([^<]*)<")));
+        EXPECT_GE(frame[2] - frame[0], 7.0 * static_cast<double>(heading[1].length())) << heading[1];
+    }
+}
+
 }  // namespace
 }  // namespace dttmm::host

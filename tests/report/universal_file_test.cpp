@@ -101,6 +101,9 @@ TEST(UniversalFile, SpacingIsEvenOnlyToTheDigitsOfTheFormat) {
     EXPECT_FALSE(are_even(std::vector<double>{0, 0.1, 0.2001, 0.3}));
     EXPECT_FALSE(are_even(std::vector<double>{2, 2}));
     EXPECT_TRUE(are_even(std::vector<double>{7}));
+    // Half and twice the seventh digit of the distance
+    EXPECT_TRUE(are_even(std::vector<double>{0, 1 + 0.5e-6, 2}));
+    EXPECT_FALSE(are_even(std::vector<double>{0, 1 + 2e-6, 2}));
 }
 
 TEST(UniversalFile, TextsAreCutBetweenCharacters) {

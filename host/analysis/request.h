@@ -67,6 +67,17 @@ struct Request {
     std::string limit, engine;                          ///< study: of a case, a text with unit; "slurm:..", "parallel:.."
     bool keeps = false;                                 ///< study: the results of every case
 
+    std::vector<std::filesystem::path> measured;         ///< identify, diagnose: files
+    std::vector<std::string> maps;                       ///< "ch1 = -plate.corner1.acceleration.z"
+    std::vector<std::string> free;                       ///< names of what is sought, "k1..k4"; patterns
+    std::vector<std::string> bounds, priors, nuisances;  ///< "0.1..10", "k* ~ normal(500 N/mm, 10 %)", "gain"
+    std::string noise;                                   ///< "1 %"
+    int starts = 0;                                      ///< identify, optimise: starting points; 0: by the data
+    std::vector<std::string> suspects;                   ///< diagnose: patterns of elements
+    bool is_plan = false;                                ///< diagnose: which sensors and blows would tell
+    std::vector<std::string> by;                         ///< sensitivity, optimise: parameters, perhaps with ranges
+    std::string goal;                                    ///< optimise: "min bolt1.force.z:peak"
+
     std::vector<std::string> patterns;  ///< channels: those to list; none: all
     std::vector<std::string> words;     ///< help: the topic; new, spectrum, report: the folders; plot: the folder, then
                                         ///< patterns; completion: the shell; check-law: the library
@@ -97,7 +108,11 @@ enum Command : unsigned {
     kPlot = 65536,
     kStudy = 131072,
     kShow = 262144,
-    kExport = 524288
+    kExport = 524288,
+    kIdentify = 1048576,
+    kDiagnose = 2097152,
+    kSensitivity = 4194304,
+    kOptimise = 8388608
 };
 
 /// An option of the command line. The commands, the words of a sweep's cases and what decides whether a case is run again

@@ -28,6 +28,10 @@
 #include "cli/completion.h"
 #include "cli/crash_report.h"
 #include "cli/manual.h"
+#include "identify/diagnose.h"
+#include "identify/identify.h"
+#include "identify/local_sensitivity.h"
+#include "identify/optimise.h"
 #include "model/diagnostics.h"
 #include "model/index.h"
 #include "model/keys.h"
@@ -124,6 +128,11 @@ const CommandLine kCommands[] = {
          own.model = model_file(request.words.front());
          return run_study(own);
      }},
+    {kIdentify, "identify", "parameters of a model from measured frequencies, responses or histories", Given::model,
+     identify},
+    {kDiagnose, "diagnose", "which element is loose, how loose and how sure, from measured data", Given::model, diagnose},
+    {kSensitivity, "sensitivity", "how figures change with parameters, in % per %", Given::model, find_sensitivities},
+    {kOptimise, "optimise", "parameters within ranges that make a figure least, most or a value", Given::model, optimise},
     {kSpectrum, "spectrum", "spectra, levels, modes and orders of a recorded run", Given::results, find_spectrum},
     {kReport, "report", "one HTML file of any results: curves, tables, the machine in 3-D", Given::several_results,
      make_report},

@@ -36,6 +36,7 @@ constexpr Key kFile[] = {
      "",
      "damping"},
     {"study", Kind::table, "cases of `dttmm study`", "", "", 0, {}, "", "study"},
+    {"measured", Kind::table, "measured data, of `identify` and `diagnose`", "", "", 0, {}, "", "measured"},
     {"dofs", Kind::directions, "of `dttmm modes` and `dttmm frf`: directions in which bodies and nodes move", "all"},
     {"nodes", Kind::named, "points inside networks, by name", "", "m", 3, {}, "", "node"},
     {"body", Kind::tables, "a rigid body", "", "", 0, {}, "", "body"},
@@ -220,6 +221,27 @@ constexpr Key kStudy[] = {
     {"command", Kind::word, "what each case does", "run", "", 0, {}, "run|modes|response"},
     {"figures", Kind::texts, "numbers of each case, \"bolt*.force.z:peak,final\"", "peak and final forces of elements"},
     {"limit", Kind::number, "a case that takes longer has failed", "none", "s", 1, {1e-3, 1e8}},
+};
+
+constexpr Key kMeasured[] = {
+    {"file", Kind::text, "CSV, universal or MAT file, seen from the model's folder; --measured goes before it", "none"},
+    {"input", Kind::text, "what drove measured responses, where the file does not say it: \"plate.corner1.z\"", "none"},
+    {"noise", Kind::text, "standard deviation: \"1 %\" of a channel's largest value, or of each natural frequency",
+     "from the data"},
+    {"averages", Kind::number, "behind responses with a coherence; whole", "1", "1", 1, {1, 1e6}},
+    {"clock", Kind::number, "true time per time of the file", "1", "1", 1, {0.5, 2}},
+    {"channel", Kind::tables, "what a column of the file is", "", "", 0, {}, "", "measured.channel"},
+};
+
+constexpr Key kMeasuredChannel[] = {
+    {"column", Kind::text, "its name in the file", kRequired},
+    {"is", Kind::text, "the channel of the model, \"plate.corner1.acceleration.z\"; with - before it: the reverse of it",
+     kRequired},
+    {"unit", Kind::text, "of the numbers, \"g\"", "the file's"},
+    {"gain", Kind::number, "measured value per true one", "1", "1", 1, {1e-12, 1e12}},
+    {"delay", Kind::number, "by which it comes too late", "0", "s", 1, {-10, 10}},
+    {"noise", Kind::text, "standard deviation of this channel, \"0.05 m/s^2\" or \"1 %\" of its largest value",
+     "that of all"},
 };
 
 constexpr Key kRotationOf = {"rotation", Kind::table, "of its axes against those outside, about an axis", "none", "", 0, {},
@@ -489,6 +511,9 @@ constexpr KeyTable kTables[] = {
     {"modes", "[modes]", "natural frequencies", "beam", kModes},
     {"damping", "[damping]", "damping beside that of elements, in vibration at one frequency", "beam", kDamping},
     {"study", "[study]", "cases of `dttmm study`; options of the command count instead of keys", "study", kStudy},
+    {"measured", "[measured]", "measured data, and what they are in the model, for `dttmm identify` and `dttmm diagnose`",
+     "measured", kMeasured},
+    {"measured.channel", "[[measured.channel]]", "what a column of the measured file is", "measured", kMeasuredChannel},
     {"node", "[nodes]", "a node, name = { ... }, or name = [x, y, z]", "point_mass", kNode},
     {"node.motion", "motion = { }",
      "how a support moves a node or the ground end of an element, from its place at the start, world", "point_mass",

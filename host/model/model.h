@@ -173,6 +173,28 @@ struct LoadCase {
     std::vector<double> motion_factors;  ///< by Model::nodes
 };
 
+/// What a column of a measured file is.
+struct MeasuredChannel {
+    std::string column;
+    std::string channel;       ///< of the model
+    bool is_reversed = false;  ///< it counts against the direction of the channel
+    std::string unit;          ///< empty: as the file says
+    double gain = 1;           ///< measured value per true one
+    double delay = 0;          ///< by which it comes too late [s]
+    std::string noise;         ///< a text as [measured] has it; empty: that of all
+    std::string place;         ///< "file:line:column", for errors found later
+};
+
+/// [measured]: data that others took.
+struct MeasuredSettings {
+    std::filesystem::path file;  ///< empty: none
+    std::string input;           ///< what drove responses; empty: the file says it
+    std::string noise;           ///< "1 %", "0.5 m/s^2"; empty: from the data
+    int averages = 1;            ///< behind responses with a coherence
+    double clock = 1;            ///< true time per time of the file
+    std::vector<MeasuredChannel> channels = {};
+};
+
 struct Parameter {
     std::string name;
     double value = 0;  ///< SI
@@ -198,8 +220,9 @@ struct Model {
     std::vector<Element> elements;
     bool machine_rests_on_speed = false;  ///< other numbers than amplitudes of orders rest on the parameter Omega
     std::vector<std::pair<std::string, std::string>> study;  ///< options of `dttmm study` by [study], "--vary", as texts
-    std::vector<std::filesystem::path> files;                ///< beside the model file that were read: tables of loads
-    std::vector<Warning> warnings;                           ///< of the model file, each text with its place
+    MeasuredSettings measured;
+    std::vector<std::filesystem::path> files;  ///< beside the model file that were read: tables of loads
+    std::vector<Warning> warnings;             ///< of the model file, each text with its place
 };
 
 }  // namespace dttmm::host

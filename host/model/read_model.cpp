@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "model/attachments.h"
+#include "model/element_scale.h"
 #include "model/expanded_file.h"
 #include "model/index.h"
 #include "model/name_registry.h"
@@ -14,6 +15,7 @@
 #include "model/read_element.h"
 #include "model/read_joint.h"
 #include "model/read_load.h"
+#include "model/read_measured.h"
 #include "model/read_node.h"
 #include "model/read_signal.h"
 #include "model/read_study.h"
@@ -142,6 +144,7 @@ void read_contents(const TableReader& file, const ElementCatalogue& catalogue, c
     model.modes = read_modes(file, overrides.modes);
     model.damping = read_damping(file);
     model.study = read_study(file);
+    model.measured = read_measured(file);
     if (has_histories && !model.damping.place.empty())
         file.error(file.find("damping")->place,
                    "[damping] acts in modes --damped, frf and response only; a run wants damping of elements: of a spring "
@@ -208,6 +211,7 @@ Model parse_model(std::string_view text, const fs::path& file, const ElementCata
         set_vibrations_aside(model);
     }
     model.machine_rests_on_speed = parameters.has_used(kSpeed);
+    for (const ElementScale& scale : overrides.scales) scale_element(model, catalogue, scale);
     if (overrides.load_case) {
         const LoadCase asked = find_case(model, *overrides.load_case);
         apply_case(model, asked);

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "model/element_catalogue.h"
+#include "model/element_scale.h"
 #include "model/model.h"
 #include "model/parameters.h"
 #include "model/read_modes.h"
@@ -24,6 +25,7 @@ struct ModelOverrides : SimulationOverrides {
     ModesOverrides modes;
     std::optional<std::string> load_case;  ///< --case; none: loads act as the file has them
     Parameters::Overrides parameters;      ///< --set name=value; an empty value is an error
+    std::vector<ElementScale> scales;      ///< of elements, after all else
 };
 
 /// Reads and checks a model file of format "dttmm/1".

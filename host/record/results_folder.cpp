@@ -27,7 +27,7 @@ constexpr std::string_view kMarker = ".dttmm-results";
 constexpr std::string_view kPart = ".part";
 constexpr std::string_view kCasePrefix = "case-";
 constexpr std::string_view kSweepTable = "sweep.csv";
-constexpr std::array<std::string_view, 22> kResults{"mac.csv",           "overall_matrix.csv",
+constexpr std::array<std::string_view, 29> kResults{"mac.csv",           "overall_matrix.csv",
                                                     "determinant.csv",   "damped.csv",
                                                     "damped_shapes.csv", "energies.csv",
                                                     "history.csv",       "history.h5",
@@ -37,7 +37,11 @@ constexpr std::array<std::string_view, 22> kResults{"mac.csv",           "overal
                                                     "rms.csv",           "static.csv",
                                                     "members.csv",       "spectrum.csv",
                                                     "levels.csv",        "identified.csv",
-                                                    "orders.csv",        kSweepTable};
+                                                    "orders.csv",        "identify.json",
+                                                    "diagnose.json",     "plan.csv",
+                                                    "sensitivity.json",  "sensitivity.csv",
+                                                    "optimise.json",     "optimise.csv",
+                                                    kSweepTable};
 
 /// Set before main: no plugin has been loaded.
 const fs::path kStartFolder = [] {
@@ -62,6 +66,9 @@ std::vector<fs::path> read_entries(const fs::path& folder) {
 
 bool is_result_name(std::string_view name) {
     if (name.ends_with(kPart)) name.remove_suffix(kPart.size());
+    // Data beside a model, a file per set of times or frequencies
+    for (const std::string_view numbered : {"histories-", "responses-"})
+        if (name.starts_with(numbered) && name.ends_with(".csv")) return true;
     return std::find(kResults.begin(), kResults.end(), name) != kResults.end();
 }
 

@@ -16,6 +16,7 @@ void Warnings::add(const std::vector<Warning>& warnings) {
 void Warnings::print(const char* kind, const Warning& warning) {
     if (!seen_.emplace(warning.code, warning.text).second) return;
     all_.push_back(warning);
+    if (is_silent_) return;
     if (whole_)
         whole_->print(kind, warning);
     else if (all_.size() <= kMostPrinted)

@@ -19,6 +19,9 @@ public:
     Warnings() = default;
     /// Of a part of the command, as a case of a sweep: kept here, printed by the whole, which prints an equal one once.
     explicit Warnings(Warnings& whole) : whole_(&whole) {}
+    /// Of one trial among many: kept here, never printed.
+    enum class Silent : unsigned char { yes };
+    explicit Warnings(Silent) : is_silent_(true) {}
 
     /// More lines than these push the first ones out of a terminal's view.
     static constexpr std::size_t kMostPrinted = 50;
@@ -38,6 +41,7 @@ private:
     void print(const char* kind, const Warning& warning);
 
     Warnings* whole_ = nullptr;
+    bool is_silent_ = false;
     std::vector<Warning> all_;
     std::set<std::pair<std::string, std::string>> seen_;
     std::map<std::string, std::size_t> unprinted_;  ///< number by code

@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "identify/comparison.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "analysis/advance.h"
+#include "analysis/modal_session.h"
+#include "analysis/places.h"
+#include "analysis/response_channels.h"
+#include "analysis/response_curves.h"
+#include "model/error.h"
+#include "model/index.h"
+#include "step/simulation.h"
+
+namespace dttmm::host {
+
+namespace {
+
+// Of data whose noise nobody gives. Frequencies: usual of a modal test; shapes: share of their largest component. Source:
+// identification of structures by modal tests, Friswell and Mottershead, Finite Element Model Updating, 1995, chapter 3.
+constexpr double kFrequencyNoise = 0.005, kShapeNoise = 0.03;
+constexpr double kStartNoise = 0.01;  // share of the largest value of a channel, before residuals tell more
+constexpr int kFinestOfSample = 4;    // steps per sample, where the model gives none
+
+/// The four rows around a place between rows, and their weights: Lagrange's cubic. On a row only that one counts.
+struct Interpolation {
+    Eigen::Index first = 0, count = 1;
+    double weights[4] = {1, 0, 0, 0};
+
+    Interpolation(double at, Eigen::Index rows) {
+        const double nearest = std::round(at);
+        if (std::abs(at - nearest) < 1e-6 || rows < 4) {
+            first = std::clamp(static_cast<Eigen::Index>(nearest), Eigen::Index{0}, rows - 1);
+            return;
+        }
+        count = 4;
+        first = std::clamp(static_cast<Eigen::Index>(std::floor(at)) - 1, Eigen::Index{0}, rows - 4);
+        const double s = at - static_cast<double>(first);
+        for (int i = 0; i < 4; ++i) {
+            weights[i] = 1;
+            for (int j = 0; j < 4; ++j)
+                if (j != i) weights[i] *= (s - j) / (i - j);
+        }
+    }
+};
+
+}  // namespace
+
+Comparison::Comparison(const Request& request, const Observations& observations, const Plugins& plugins)
+    : request_(request), observations_(observations), plugins_(plugins) {
+    std::vector<double> values, weights;
+    const auto open = [&](DataGroup::Kind kind, const std::string& name) {
+        DataGroup group{kind, name};
+        group.first = as_row(values.size());
+        return group;
+    };
+    const auto close = [&](DataGroup group) {
+        group.count = as_row(values.size()) - group.first;
+        weights.resize(values.size(), 1);
+        for (Eigen::Index i = group.first; i < group.first + group.count; ++i)
+            group.largest = std::max(group.largest, std::abs(values[as_size(i)]));
+        if (group.noise == 0) group.noise = kStartNoise * group.largest;
+        if (group.count > 0) groups_.push_back(group);
+    };
+    for (const ObservedHistory& one : observations.histories) {
+        DataGroup group = open(DataGroup::Kind::history, one.channel);
+        values.insert(values.end(), one.values.begin(), one.values.end());
+        group.noise = one.noise;
+        if (one.noise > 0) group.noise_from = one.is_noise_of_user ? DataGroup::NoiseFrom::user : DataGroup::NoiseFrom::data;
+        duration_ = std::max(duration_, one.times.back());
+        close(group);
+    }
+    for (const ObservedResponse& one : observations.responses) {
+        DataGroup group = open(DataGroup::Kind::response, one.channel + "/" + one.input);
+        for (size_t i = 0; i < one.values.size(); ++i) {
+            values.push_back(one.values[i].real());
+            values.push_back(one.is_real ? 0 : one.values[i].imag());
+            const double weight = one.deviations.empty() ? 1 : one.deviations[i];
+            weights.insert(weights.end(), {weight, weight});
+        }
+        group.noise = one.deviations.empty() ? one.noise : 1;
+        if (group.noise > 0)
+            group.noise_from = one.deviations.empty() ? DataGroup::NoiseFrom::user : DataGroup::NoiseFrom::data;
+        close(group);
+    }
+    if (!observations.modes.empty()) {
+        DataGroup frequencies = open(DataGroup::Kind::frequency, "frequencies");
+        for (const ObservedMode& mode : observations.modes) {
+            values.push_back(std::log(mode.frequency));
+            weights.push_back(mode.deviation > 0 ? mode.deviation : kFrequencyNoise);
+        }
+        frequencies.noise = 1;
+        frequencies.noise_from =
+            observations.are_frequencies_known ? DataGroup::NoiseFrom::user : DataGroup::NoiseFrom::assumed;
+        close(frequencies);
+        DataGroup shapes = open(DataGroup::Kind::shape, "shapes");
+        for (const ObservedMode& mode : observations.modes) {
+            bool has_shape = false;
+            for (Eigen::Index i = 0; i < mode.shape.size(); ++i) {
+                if (std::isnan(mode.shape(i))) continue;
+                values.push_back(mode.shape(i));
+                has_shape = true;
+            }
+            if (has_shape) ++scales_;
+        }
+        shapes.noise = kShapeNoise;
+        shapes.noise_from = DataGroup::NoiseFrom::assumed;
+        close(shapes);
+    }
+    data_ = Eigen::Map<const Eigen::VectorXd>(values.data(), as_row(values.size()));
+    weights.resize(values.size(), 1);
+    weights_ = Eigen::Map<const Eigen::VectorXd>(weights.data(), as_row(weights.size()));
+    if (has_histories()) choose_step();
+}
+
+/// That of the model or the command line; else one that divides the interval between samples.
+void Comparison::choose_step() {
+    const Model model = read({}, {}, Purpose::histories);
+    step_ = model.simulation.step;
+    if (step_ > 0) return;
+    double interval = duration_;
+    for (const ObservedHistory& one : observations_.histories)
+        interval = std::min(interval, (one.times.back() - one.times.front()) / static_cast<double>(one.times.size() - 1));
+    step_ = std::clamp(interval / kFinestOfSample, kShortestStep, kLongestStep);
+}
+
+Model Comparison::read(const Unknowns& unknowns, const Eigen::VectorXd& x, Purpose purpose) const {
+    ModelOverrides overrides = request_.overrides;
+    overrides.purpose = purpose;
+    unknowns.apply(x, overrides);
+    return read_model(request_.model, plugins_.catalogue(), overrides);
+}
+
+Eigen::VectorXd Comparison::deviations() const {
+    Eigen::VectorXd deviations = weights_;
+    for (const DataGroup& group : groups_) deviations.segment(group.first, group.count) *= group.noise;
+    return deviations;
+}
+
+Eigen::VectorXd Comparison::predict(const Unknowns& unknowns, const Eigen::VectorXd& x, int finer) const {
+    Eigen::VectorXd predicted = data_;
+    const MeasurementFactors factors = unknowns.factors(x);
+    if (has_histories()) predict_histories(read(unknowns, x, Purpose::histories), factors, finer, predicted);
+    if (has_responses() || has_modes()) {
+        const Model model = read(unknowns, x, Purpose::modes);
+        if (has_responses()) predict_responses(model, factors, predicted);
+        if (has_modes()) predict_modes(model, factors, predicted);
+    }
+    return predicted;
+}
+
+void Comparison::predict_histories(Model model, const MeasurementFactors& factors, int finer, Eigen::VectorXd& out) const {
+    const double step = step_ / finer, end = window_ * duration_;
+    model.simulation.step = step;
+    model.simulation.tolerance.reset();
+    // One row beyond the last sample, for the interpolation, and as far as delay and clock may move it
+    model.simulation.duration = step * std::ceil(factors.clock * (end + std::abs(factors.delay)) / step + 2);
+    model.output.step = 0;
+    model.output.every = 1;
+    Simulation simulation(model, plugins_);
+    std::vector<int> columns;
+    for (const ObservedHistory& one : observations_.histories) {
+        const auto channel =
+            std::ranges::find_if(simulation.channels(), [&](const Channel& c) { return c.name() == one.channel; });
+        if (channel == simulation.channels().end())
+            throw Error(ExitCode::model_invalid, fmt::format("the model has no channel {} any more", one.channel));
+        columns.push_back(as_int(channel - simulation.channels().begin()));
+    }
+    std::vector<double> rows;
+    rows.reserve((simulation.step_count() + 1) * columns.size());
+    simulation.record_to([&](std::span<const double> row) {
+        for (const int column : columns) rows.push_back(row[as_size(column)]);
+    });
+    const Ending ending = advance_to_end(simulation, true);
+    if (ending.code != ExitCode::ok) throw Error(ending.code, ending.outcome.reason);
+    const auto count = as_row(columns.size()), recorded = as_row(rows.size()) / count;
+    const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> table(rows.data(),
+                                                                                                         recorded, count);
+    for (size_t c = 0; c < columns.size(); ++c) {
+        const ObservedHistory& one = observations_.histories[c];
+        const double gain = factors.gain * (c < factors.gains.size() ? factors.gains[c] : 1);
+        for (size_t i = 0; i < one.times.size() && one.times[i] <= end; ++i) {
+            const double time = factors.clock * (one.times[i] - factors.delay);
+            const Interpolation at(std::max(time, 0.0) / step, recorded);
+            double value = 0;
+            for (Eigen::Index k = 0; k < at.count; ++k) value += at.weights[k] * table(at.first + k, as_row(c));
+            out(groups_[c].first + as_row(i)) = gain * value;
+        }
+    }
+}
+
+void Comparison::predict_responses(const Model& model, const MeasurementFactors& factors, Eigen::VectorXd& out) const {
+    Warnings silent(Warnings::Silent::yes);
+    ModalMachine machine = make_machine(model, plugins_, silent);
+    const ResponseChannels channels(model, machine);
+    double highest = 0;
+    // Equal frequencies are solved once for all inputs and outputs
+    struct Wanted {
+        size_t response, point;
+    };
+    std::map<double, std::vector<Wanted>> by_frequency;
+    std::vector<std::string> inputs;
+    std::vector<Excitation::Input> driven;
+    std::vector<size_t> input_of;
+    std::vector<int> chosen;
+    for (size_t r = 0; r < observations_.responses.size(); ++r) {
+        const ObservedResponse& one = observations_.responses[r];
+        const auto known = std::ranges::find(inputs, one.input);
+        input_of.push_back(as_size(known - inputs.begin()));
+        if (known == inputs.end()) {
+            inputs.push_back(one.input);
+            const auto [place, direction] = place_and_direction(model, machine, "input", one.input);
+            driven.push_back({one.input, place, direction});
+        }
+        const auto channel = std::ranges::find_if(channels.all(), [&](const Channel& c) { return c.name() == one.channel; });
+        chosen.push_back(as_int(channel - channels.all().begin()));
+        for (size_t i = 0; i < one.frequencies.size(); ++i) {
+            by_frequency[one.frequencies[i]].push_back({r, i});
+            highest = std::max(highest, one.frequencies[i]);
+        }
+    }
+    machine.damp(highest / factors.clock);
+    const Excitation excitation(driven);
+    const bool with_forces = channels.has_forces(chosen);
+    for (const auto& [measured, wanted] : by_frequency) {
+        const double f = measured / factors.clock, omega = 2 * std::numbers::pi * f;
+        OperatingPoint at;
+        at.frequency = f;
+        const std::vector<ModalInstance::Response> responses = machine.respond(f, excitation.cases(at), with_forces);
+        for (const auto& [r, i] : wanted) {
+            const size_t own = observations_.histories.size() + r;
+            const double gain = factors.gain * (own < factors.gains.size() ? factors.gains[own] : 1);
+            const std::complex<double> value =
+                gain * channels.value(chosen[r], responses[input_of[r]], omega) * std::polar(1.0, -omega * factors.delay);
+            const DataGroup& group = groups_[own];
+            out(group.first + as_row(2 * i)) = value.real();
+            if (!observations_.responses[r].is_real) out(group.first + as_row(2 * i + 1)) = value.imag();
+        }
+    }
+}
+
+std::vector<ModePair> Comparison::predict_modes(const Model& asked, const MeasurementFactors& factors,
+                                                Eigen::VectorXd& out) const {
+    constexpr int kBeyond = 3;  // modes above the highest measured one that a shape may belong to
+    Model model = asked;
+    int highest = 0;
+    for (const ObservedMode& mode : observations_.modes) highest = std::max(highest, mode.number);
+    model.modes.count = highest + (scales_ > 0 ? kBeyond : 0);
+    model.modes.below.reset();
+    Warnings silent(Warnings::Silent::yes);
+    ModalMachine machine = make_machine(model, plugins_, silent);
+    const std::vector<ModalInstance::Mode> modes = machine.find_modes();
+    const auto count = as_row(observations_.freedoms.size());
+    Eigen::MatrixXd shapes(count, as_row(modes.size()));
+    for (Eigen::Index i = 0; i < count; ++i) {
+        const ObservedFreedom& freedom = observations_.freedoms[as_size(i)];
+        const ModalPlace* place = machine.find(freedom.place);
+        for (size_t m = 0; m < modes.size(); ++m) shapes(i, as_row(m)) = machine.motion(*place, modes[m])(freedom.direction);
+    }
+    std::vector<double> frequencies;
+    for (const ModalInstance::Mode& mode : modes) frequencies.push_back(mode.numbers.frequency);
+    std::vector<ModePair> pairs = pair_modes(observations_.modes, frequencies, shapes);
+    const size_t first_group = observations_.histories.size() + observations_.responses.size();
+    Eigen::Index row = groups_[first_group].first, shape_row = row + groups_[first_group].count;
+    for (size_t i = 0; i < observations_.modes.size(); ++i, ++row) {
+        const ObservedMode& mode = observations_.modes[i];
+        if (pairs[i].mode == 0)
+            throw Error(ExitCode::model_invalid,
+                        fmt::format("the model has {} natural frequencies, fewer than the measured number {}", modes.size(),
+                                    mode.number));
+        out(row) = std::log(pairs[i].frequency / factors.clock);
+        if (mode.shape.size() == 0) continue;
+        const Eigen::VectorXd& own = pairs[i].shape;
+        double product = 0, square = 0;
+        for (Eigen::Index k = 0; k < count; ++k) {
+            if (std::isnan(mode.shape(k))) continue;
+            product += own(k) * mode.shape(k);
+            square += own(k) * own(k);
+        }
+        for (Eigen::Index k = 0; k < count; ++k)
+            if (!std::isnan(mode.shape(k))) out(shape_row++) = square > 0 ? product / square * own(k) : 0;
+    }
+    return pairs;
+}
+
+std::vector<ModePair> Comparison::pairs(const Unknowns& unknowns, const Eigen::VectorXd& x) const {
+    if (!has_modes()) return {};
+    Eigen::VectorXd predicted = data_;
+    return predict_modes(read(unknowns, x, Purpose::modes), unknowns.factors(x), predicted);
+}
+
+Eigen::VectorXd Comparison::residual(const Eigen::VectorXd& predicted, bool are_logarithmic) const {
+    const Eigen::VectorXd deviation = deviations();
+    Eigen::VectorXd residual = (predicted - data_).cwiseQuotient(deviation);
+    if (!are_logarithmic) return residual;
+    for (const DataGroup& group : groups_) {
+        if (group.kind != DataGroup::Kind::response) continue;
+        for (Eigen::Index i = group.first; i < group.first + group.count; i += 2) {
+            const std::complex<double> measured(data_(i), data_(i + 1)), own(predicted(i), predicted(i + 1));
+            if (std::abs(own) == 0) continue;
+            const double share = std::hypot(deviation(i) / std::abs(measured), kStartNoise);
+            const std::complex<double> ratio = std::log(own / measured);
+            residual(i) = ratio.real() / share;
+            residual(i + 1) = ratio.imag() / share;
+        }
+    }
+    return residual;
+}
+
+}  // namespace dttmm::host

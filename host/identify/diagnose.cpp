@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "identify/diagnose.h"
+
+#include <fmt/format.h>
+#include <fnmatch.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/json.h"
+#include "analysis/modal_session.h"
+#include "analysis/stop_signals.h"
+#include "analysis/summary.h"
+#include "identify/diagnosis.h"
+#include "identify/fit_curves.h"
+#include "identify/test_plan.h"
+#include "identify/verdict.h"
+#include "model/index.h"
+#include "model/wording.h"
+#include "record/results_folder.h"
+#include "study/text_list.h"
+
+namespace dttmm::host {
+
+namespace {
+
+/// Elements that --suspects names.
+struct Suspects {
+    std::vector<std::string> names;
+    std::vector<bool> are_damped;
+};
+
+Suspects find_suspects(const Request& request, const Model& model, const ElementCatalogue& catalogue) {
+    if (request.suspects.empty())
+        throw Error(ExitCode::usage, "which elements may be loose? Name them with --suspects, e.g. --suspects 'bolt*'");
+    Suspects suspects;
+    std::vector<std::string> names;
+    for (const Element& element : model.elements) names.push_back(element.name);
+    for (const std::string& text : request.suspects)
+        for (const std::string& pattern : split_list(text)) {
+            bool is_any = false, is_stiff = false;
+            for (const Element& element : model.elements) {
+                if (fnmatch(pattern.c_str(), element.name.c_str(), 0) != 0) continue;
+                is_any = true;
+                if (!has_part(element, catalogue, ScaledPart::stiffness)) continue;
+                is_stiff = true;
+                if (std::ranges::find(suspects.names, element.name) != suspects.names.end()) continue;
+                suspects.names.push_back(element.name);
+                suspects.are_damped.push_back(has_part(element, catalogue, ScaledPart::damping));
+            }
+            if (!is_any)
+                throw Error(ExitCode::usage,
+                            fmt::format("--suspects: no element {}{}", quote(pattern), suggestion(pattern, names)));
+            if (!is_stiff)
+                throw Error(ExitCode::usage,
+                            fmt::format("--suspects: {} has no stiffness that could be lost", quote(pattern)));
+        }
+    return suspects;
+}
+
+/// "20 % softer (19.6 to 20.4)".
+std::string describe_factor(double factor, const std::optional<double>& low, const std::optional<double>& high) {
+    const bool is_softer = factor < 1;
+    const auto percent = [&](double value) {
+        return fmt::format("{:.3g}", is_softer ? 100 * (1 - value) : 100 * (value - 1));
+    };
+    const auto& least = is_softer ? high : low;
+    const auto& most = is_softer ? low : high;
+    return fmt::format("{} % {} ({} to {})", percent(factor), is_softer ? "softer" : "stiffer",
+                       least ? percent(*least) : "no lower limit", most ? percent(*most) : "no upper limit");
+}
+
+std::string describe_hypothesis(const Hypothesis& one) {
+    std::string text;
+    if (one.are_alike) {
+        text = fmt::format("all {} alike, {}", counted(one.elements.size(), "suspect", "suspects"),
+                           describe_factor(one.factors[0], one.low[0], one.high[0]));
+    } else {
+        for (size_t i = 0; i < one.elements.size(); ++i)
+            text += fmt::format("{}{}, {}", i > 0 ? " and " : "", one.elements[i],
+                                describe_factor(one.factors[i], one.low[i], one.high[i]));
+    }
+    if (one.damping) text += fmt::format(", damping {:.3g} times", *one.damping);
+    return text;
+}
+
+std::string name_of(const Hypothesis& one) {
+    if (one.are_alike) return "all alike";
+    std::string text;
+    for (const std::string& element : one.elements) text += (text.empty() ? "" : " with ") + element;
+    return text;
+}
+
+std::vector<std::string> make_verdict(const Diagnosis& found) {
+    std::vector<std::string> verdict;
+    const auto say = [&](std::string text) { verdict.push_back(std::move(text)); };
+    const bool is_wrong = found.fit.freedom > 0 && !found.fit.is_explained();
+    if (found.candidates.empty()) {
+        say(is_wrong ? fmt::format("No change of the suspects explains the data ({}): the model is wrong in something else",
+                                   describe_chi2(found.fit))
+                     : "No change is seen");
+        if (!is_wrong)
+            say(fmt::format("A loss of stiffness above {:.2g} % {} would have been", 100 * found.least_seen,
+                            found.unseen.empty() ? "in any suspect" : "in the other suspects"));
+    } else if (is_wrong) {
+        say(fmt::format("No single {}element explains the data ({}): what comes nearest is {}",
+                        found.candidates.front().elements.size() > 1 ? "element and no pair of the likeliest " : "",
+                        describe_chi2(found.fit), describe_hypothesis(found.candidates.front())));
+    } else if (found.candidates.size() == 1) {
+        say(describe_hypothesis(found.candidates.front()));
+    } else {
+        std::vector<std::string> names;
+        for (const Hypothesis& one : found.candidates) names.push_back(name_of(one));
+        std::string text;
+        for (size_t i = 0; i < names.size(); ++i) text += (i == 0 ? "" : " or ") + names[i];
+        say(fmt::format("{}: these sensors cannot tell", text));
+        for (const Hypothesis& one : found.candidates) say(describe_hypothesis(one));
+    }
+    for (const auto& alike : found.ties)
+        say(fmt::format("Small changes of {} do the same to these data: they can be told apart by none of them",
+                        listed(alike)));
+    if (!found.unseen.empty()) say(fmt::format("A change of {} does nothing to these data", listed(found.unseen)));
+    if (!found.fit.is_noise_independent)
+        say("The noise was estimated from the residuals: so chi2 cannot show a lack of fit, their correlation can");
+    return verdict;
+}
+
+Json describe(const Hypothesis& one, double best) {
+    const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(); };
+    Json factors = Json::array(), low = Json::array(), high = Json::array();
+    for (const double factor : one.factors) factors.push_back(factor);
+    for (const auto& limit : one.low) low.push_back(number(limit));
+    for (const auto& limit : one.high) high.push_back(number(limit));
+    const bool is_one = one.factors.size() == 1;
+    Json json = {{"elements", one.elements}, {"alike", one.are_alike}};
+    json["factor"] = is_one ? factors[0] : factors;
+    if (!one.low.empty()) {
+        json["low"] = is_one ? low[0] : low;
+        json["high"] = is_one ? high[0] : high;
+    }
+    json["damping_factor"] = number(one.damping);
+    json["chi2"] = one.chi2;
+    json["delta_bic"] = one.score - best;
+    return json;
+}
+
+void print(const Diagnosis& found, const std::vector<std::string>& verdict, const Comparison& comparison) {
+    for (const std::string& sentence : verdict) fmt::print("{}.\n", printable(sentence));
+    fmt::print("\n{:<30} {:>12} {:>12} {:>12}\n", "explanation", "factor", "chi2", "BIC more");
+    const auto line = [&](const std::string& name, const std::string& factor, const Hypothesis& one) {
+        fmt::print("{:<30} {:>12} {:>12.6g} {:>12.4g}\n", name, factor, one.chi2, one.score - found.best_score);
+    };
+    constexpr size_t kShown = 10;
+    size_t shown = 0;
+    for (const auto* list : {&found.candidates, &found.others})
+        for (const Hypothesis& one : *list) {
+            if (shown++ >= kShown) continue;
+            std::string factors;
+            for (const double factor : one.factors) factors += fmt::format("{}{:.5g}", factors.empty() ? "" : ", ", factor);
+            line(name_of(one), factors, one);
+        }
+    line("no change", "", found.unchanged);
+    fmt::print("\n{}; {} points\n", describe_noise(comparison), comparison.rows());
+}
+
+}  // namespace
+
+ExitCode diagnose(const Request& request) {
+    const StopSignals signals;
+    const Plugins plugins(request.plugins);
+    Warnings warnings;
+    ModelOverrides overrides = request.overrides;
+    overrides.purpose = Purpose::modes;
+    const Model model = read_model(request.model, plugins.catalogue(), overrides);
+    const Suspects suspects = find_suspects(request, model, plugins.catalogue());
+    if (request.is_plan) return plan_test(request, plugins, suspects.names);
+    const Observations observations = read_observations(request, model, plugins, warnings);
+    const Unknowns common(request, model, plugins.catalogue(), observations.channel_names());
+    Comparison comparison(request, observations, plugins);
+    const Diagnosis found = Diagnostician(comparison, common, suspects.names, suspects.are_damped, request.jobs).diagnose();
+    const std::vector<std::string> verdict = make_verdict(found);
+
+    const ResultsFolder folder(results_path(request, "-diagnose"));
+    Json candidates = Json::array(), others = Json::array();
+    for (const Hypothesis& one : found.candidates) candidates.push_back(describe(one, found.best_score));
+    for (const Hypothesis& one : found.others) others.push_back(describe(one, found.best_score));
+    std::string text;
+    for (const std::string& sentence : verdict) text += (text.empty() ? "" : " ") + sentence + ".";
+    const Json json = {
+        {"format", "dttmm-diagnose/1"},
+        {"verdict", text},
+        {"candidates", candidates},
+        {"others", others},
+        {"no_change", {{"chi2", found.unchanged.chi2}, {"delta_bic", found.unchanged.score - found.best_score}}},
+        {"ties", found.ties},
+        {"unseen", found.unseen},
+        {"least_loss_seen", found.least_seen},
+        {"suspects", suspects.names},
+        {"fit", describe_fit(found.fit)},
+        {"data", describe_groups(comparison)},
+        {"measured", observations.files},
+        {"warnings", describe_warnings(warnings)},
+        {"command_line", request.command_line}};
+    write_json(folder.file("diagnose.json"), json);
+    if (!request.quiet) {
+        print(found, verdict, comparison);
+        fmt::print("results in {}\n", folder.describe("diagnose.json"));
+    }
+    return ExitCode::ok;
+}
+
+}  // namespace dttmm::host

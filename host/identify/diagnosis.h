@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/request.h"
+#include "identify/comparison.h"
+#include "identify/identification.h"
+#include "identify/unknowns.h"
+
+namespace dttmm::host {
+
+/// An explanation of the data: some elements are softer or stiffer and perhaps otherwise damped than the file has them.
+struct Hypothesis {
+    std::vector<std::string> elements;                       ///< none: nothing has changed
+    bool are_alike = false;                                  ///< all by one factor
+    std::vector<double> factors = {};                        ///< of stiffness: of each element; one if they are alike
+    std::vector<std::optional<double>> low = {}, high = {};  ///< of the factors at 95 %; none: no limit
+    std::optional<double> damping = {};                      ///< factor of the damping, where it is another
+    double chi2 = 0;
+    double score = 0;  ///< Bayesian information criterion: less is better; only differences mean something
+};
+
+struct Diagnosis {
+    std::vector<Hypothesis> candidates;  ///< within kTold of the best, best first; none: no change is seen
+    std::vector<Hypothesis> others;      ///< that were fitted
+    Hypothesis unchanged;
+    double best_score = 0;
+    Fit fit;                                     ///< of the best
+    std::vector<std::vector<std::string>> ties;  ///< elements whose change the data show alike
+    std::vector<std::string> unseen;             ///< elements whose change the data do not show at all
+    double least_seen = 0;                       ///< loss of stiffness that would be seen in any element but the unseen
+};
+
+/// Difference of the criterion from which on one explanation is told from another. Source: Kass and Raftery (1995), Journal
+/// of the American Statistical Association 90, 773-795: very strong evidence.
+inline constexpr double kTold = 10;
+
+/// Fits each of the suspects alone, all alike, and pairs where no single one explains the data. common: unknowns that every
+/// hypothesis has. All must outlive it.
+class Diagnostician {
+public:
+    Diagnostician(Comparison& comparison, const Unknowns& common, std::vector<std::string> suspects,
+                  std::vector<bool> are_damped, int jobs);
+    Diagnosis diagnose();
+
+private:
+    struct Trial {
+        Hypothesis hypothesis;
+        Unknowns unknowns;
+        Eigen::VectorXd x, predicted;
+    };
+    Unknowns unknowns_of(const Hypothesis& hypothesis, bool with_damping) const;
+    Trial fit(Hypothesis hypothesis, bool with_damping, const Eigen::VectorXd& common) const;
+    void take_factors(Trial& trial) const;
+    std::vector<Trial> fit_all(const std::vector<Hypothesis>& hypotheses, const Eigen::VectorXd& common) const;
+    double score(const Eigen::VectorXd& predicted, size_t unknowns) const;
+    void estimate_noise(const Eigen::VectorXd& predicted, size_t unknowns);
+    void find_slopes(const Trial& null);
+    double gain(const std::vector<size_t>& suspects, const Eigen::VectorXd& residual) const;
+    std::vector<Hypothesis> promising_singles(const Eigen::VectorXd& residual) const;
+    std::vector<Hypothesis> promising_pairs(const Eigen::VectorXd& residual) const;
+    void find_limits(Diagnosis& diagnosis) const;
+    void add_intervals(Trial& trial) const;
+
+    Comparison& comparison_;
+    const Unknowns& common_;
+    std::vector<std::string> suspects_;
+    std::vector<bool> are_damped_;
+    int jobs_;
+    Eigen::MatrixXd slopes_;  ///< of predictions by the logarithm of the stiffness of each suspect, then of its damping
+    Eigen::MatrixXd common_slopes_;  ///< by the common unknowns
+};
+
+}  // namespace dttmm::host

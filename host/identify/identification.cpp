@@ -1,0 +1,463 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "identify/identification.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <cmath>
+#include <numeric>
+
+#include "identify/forked_map.h"
+#include "model/error.h"
+#include "model/index.h"
+#include "model/wording.h"
+#include "study/design.h"
+#include "study/distribution.h"
+
+namespace dttmm::host {
+
+namespace {
+
+constexpr double kSpread = 1.2;        // of starting points in the logarithm: a factor of 3.3 up and down
+constexpr double kAsGood = 10;         // of chi2: solutions nearer than this explain the data as well as the best
+constexpr double kSame = 1e-3;         // distance of coordinates: one minimum
+constexpr double kNear = 0.01;         // the same, of minima of a short window
+constexpr double kFirstWindow = 0.25;  // share of a history: a short one has fewer side minima
+constexpr int kDescended = 4;          // of the starting points of histories and responses: those with the least residual
+constexpr int kNoiseRounds = 2;        // estimates of noise from residuals, each followed by a fit
+constexpr double kLeastNoise = 1e-9;   // share of the largest value: data that the model made itself
+constexpr double kUnlikely = 1e-3;     // chance below which a statement is rejected
+constexpr double kAssumedWithin = 3;   // usual noise may be this many times larger or smaller in a given test
+
+/// Solves J d = r for the columns that are not at `fixed`, in the sense of least squares.
+Eigen::VectorXd solve_others(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& right, const std::vector<bool>& fixed) {
+    std::vector<Eigen::Index> free;
+    for (size_t i = 0; i < fixed.size(); ++i)
+        if (!fixed[i]) free.push_back(as_row(i));
+    Eigen::VectorXd d = Eigen::VectorXd::Zero(jacobian.cols());
+    if (free.empty()) return d;
+    Eigen::MatrixXd own(jacobian.rows(), as_row(free.size()));
+    for (size_t i = 0; i < free.size(); ++i) own.col(as_row(i)) = jacobian.col(free[i]);
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+    solver.setThreshold(1e-6);
+    const Eigen::VectorXd part = solver.compute(own).solve(right);
+    for (size_t i = 0; i < free.size(); ++i) d(free[i]) = part(as_row(i));
+    return d;
+}
+
+/// Autocorrelations at lags 1 … count.
+std::vector<double> correlations(const Eigen::VectorXd& values, Eigen::Index count) {
+    const Eigen::VectorXd own = values.array() - values.mean();
+    const double square = own.squaredNorm();
+    std::vector<double> result;
+    for (Eigen::Index k = 1; k <= count && square > 0; ++k)
+        result.push_back(own.head(own.size() - k).dot(own.tail(own.size() - k)) / square);
+    return result;
+}
+
+/// The chance that a sum of `freedom` squares of normal numbers is larger. Far from its mean it is 0 or 1 to rounding.
+double chance_beyond(double chi2, Eigen::Index freedom) {
+    const auto n = static_cast<double>(freedom);
+    constexpr double kFar = 40;  // standard deviations
+    if (!(std::abs(chi2 - n) < kFar * std::sqrt(2 * n))) return chi2 > n ? 0 : 1;
+    return boost::math::cdf(complement(boost::math::chi_squared(n), chi2));
+}
+
+}  // namespace
+
+bool Fit::is_explained() const {
+    const bool is_small = chance > kUnlikely || (is_noise_assumed && noise_factor() < kAssumedWithin);
+    return (!is_noise_independent || is_small) && whiteness > kUnlikely;
+}
+
+std::vector<Prior> read_priors(const std::vector<std::string>& texts, const Unknowns& unknowns,
+                               const std::vector<Parameter>& parameters) {
+    std::vector<Prior> priors;
+    for (const std::string& text : texts) {
+        const Variation variation = parse_variation(text, parameters);
+        const Distribution& own = variation.distribution;
+        if (own.kind != Distribution::Kind::normal && own.kind != Distribution::Kind::lognormal)
+            throw Error(ExitCode::usage,
+                        fmt::format("--prior {}: it is normal(mean, deviation) or lognormal(mean, deviation); "
+                                    "--bounds has ranges",
+                                    quote(text)));
+        for (const std::string& name : variation.names) {
+            const auto found = std::ranges::find(unknowns.all(), name, &Unknown::name);
+            if (found == unknowns.all().end())
+                throw Error(ExitCode::usage, fmt::format("--prior {}: {} is not free", quote(text), quote(name)));
+            Prior prior{as_size(found - unknowns.all().begin()), own.mean, own.deviation};
+            if (own.kind == Distribution::Kind::lognormal) {
+                const double share = own.deviation / own.mean;
+                prior.deviation = std::sqrt(std::log1p(share * share));
+                prior.mean = std::log(own.mean) - 0.5 * prior.deviation * prior.deviation;
+                prior.is_of_logarithm = true;
+            }
+            priors.push_back(prior);
+        }
+    }
+    return priors;
+}
+
+Identifier::Identifier(Comparison& comparison, const Unknowns& unknowns, std::vector<Prior> priors, int jobs)
+    : comparison_(comparison), unknowns_(unknowns), priors_(std::move(priors)), jobs_(jobs) {}
+
+Eigen::VectorXd Identifier::residual(const Eigen::VectorXd& x, bool are_logarithmic) const {
+    Eigen::VectorXd residual(comparison_.rows() + as_row(priors_.size()));
+    residual.head(comparison_.rows()) = comparison_.residual(comparison_.predict(unknowns_, x), are_logarithmic);
+    for (size_t i = 0; i < priors_.size(); ++i) {
+        const double value = unknowns_[priors_[i].unknown].value(x(as_row(priors_[i].unknown)));
+        residual(comparison_.rows() + as_row(i)) =
+            ((priors_[i].is_of_logarithm ? std::log(value) : value) - priors_[i].mean) / priors_[i].deviation;
+    }
+    return residual;
+}
+
+/// By central differences of the residuals: one formula for all kinds of data.
+Eigen::MatrixXd Identifier::jacobian(const Eigen::VectorXd& x, bool are_logarithmic, int jobs) const {
+    const auto point = [&](size_t task) {
+        Eigen::VectorXd at = x;
+        at(as_row(task / 2)) += task % 2 == 0 ? kDifference : -kDifference;
+        return at;
+    };
+    const std::vector<TaskResult> results = map_in_processes(2 * unknowns_.size(), jobs, [&](size_t task) {
+        const Eigen::VectorXd own = residual(point(task), are_logarithmic);
+        return std::vector<double>(own.begin(), own.end());
+    });
+    const auto rows = comparison_.rows() + as_row(priors_.size());
+    Eigen::MatrixXd jacobian(rows, x.size());
+    for (size_t i = 0; i < unknowns_.size(); ++i) {
+        for (size_t side : {2 * i, 2 * i + 1})
+            if (!results[side].reason.empty())
+                throw Error(ExitCode::numerical_failure,
+                            fmt::format("with {} changed by 1 %: {}", unknowns_[i].name, results[side].reason));
+        jacobian.col(as_row(i)) = (Eigen::Map<const Eigen::VectorXd>(results[2 * i].numbers.data(), rows) -
+                                   Eigen::Map<const Eigen::VectorXd>(results[2 * i + 1].numbers.data(), rows)) /
+                                  (2 * kDifference);
+    }
+    return jacobian;
+}
+
+LeastSquares Identifier::problem(bool are_logarithmic, int jobs) const {
+    return {[this, are_logarithmic](const Eigen::VectorXd& x) { return residual(x, are_logarithmic); },
+            [this, are_logarithmic, jobs](const Eigen::VectorXd& x, const Eigen::VectorXd&) {
+                return jacobian(x, are_logarithmic, jobs);
+            },
+            unknowns_.low(), unknowns_.high()};
+}
+
+Minimum Identifier::search_from(const Eigen::VectorXd& start, int jobs) const {
+    if (!comparison_.has_responses()) return minimise(problem(false, jobs), start);
+    const Minimum rough = minimise(problem(true, jobs), start);
+    return minimise(problem(false, jobs), rough.x);
+}
+
+bool Identifier::is_underdetermined(const Identifiability& judged) const {
+    const auto live = std::ranges::count(judged.is_dead, false);
+    return comparison_.rows() + as_row(priors_.size()) - comparison_.scales() <= live && !judged.flat.empty();
+}
+
+/// The file's values first.
+std::vector<Identifier::Start> Identifier::starting_points(int starts, int seed) const {
+    const auto count = as_row(unknowns_.size());
+    std::vector<Start> points = {{unknowns_.start()}};
+    if (starts < 2) return points;
+    const Eigen::MatrixXd shares = make_probabilities(Design::sobol, starts - 1, count, static_cast<std::uint64_t>(seed));
+    for (Eigen::Index s = 0; s < shares.rows(); ++s) {
+        Eigen::VectorXd x = unknowns_.start();
+        for (Eigen::Index i = 0; i < count; ++i) {
+            const Unknown& one = unknowns_[as_size(i)];
+            const bool is_of_model =
+                one.of == Unknown::Of::parameter || one.of == Unknown::Of::stiffness || one.of == Unknown::Of::damping;
+            const double reach =
+                is_of_model && one.is_logarithmic() ? kSpread : 0.1;  // a gain is nearly known, a clock more so
+            x(i) = std::clamp(x(i) + reach * (2 * shares(s, i) - 1), one.coordinate(one.low), one.coordinate(one.high));
+        }
+        points.push_back({x});
+    }
+    return points;
+}
+
+/// Of modes every point is descended from; of histories and responses those that come nearest to the data.
+std::vector<Minimum> Identifier::search(const std::vector<Start>& points, Identification& found) {
+    std::vector<size_t> chosen(points.size());
+    std::iota(chosen.begin(), chosen.end(), size_t{0});
+    const bool is_by_residual = !comparison_.has_modes();
+    if (is_by_residual && points.size() > kDescended) {
+        const std::vector<TaskResult> sums = map_in_processes(
+            points.size(), jobs_, [&](size_t p) { return std::vector<double>{residual(points[p].x, true).squaredNorm()}; });
+        const auto sum_of = [&](size_t p) {
+            return sums[p].reason.empty() ? sums[p].numbers.front() : std::numeric_limits<double>::infinity();
+        };
+        std::stable_sort(chosen.begin() + 1, chosen.end(), [&](size_t a, size_t b) { return sum_of(a) < sum_of(b); });
+        chosen.resize(kDescended);
+    }
+    found.descents = 0;
+    for (const size_t p : chosen) found.descents += points[p].count;
+    const auto size = as_row(unknowns_.size());
+    const bool is_apart = chosen.size() > 1;
+    const std::vector<TaskResult> results = map_in_processes(chosen.size(), is_apart ? jobs_ : 1, [&](size_t task) {
+        const Minimum minimum = search_from(points[chosen[task]].x, is_apart ? 1 : jobs_);
+        std::vector<double> numbers(minimum.x.begin(), minimum.x.end());
+        for (const bool is_held : minimum.at_bound) numbers.push_back(is_held ? 1 : 0);
+        numbers.insert(numbers.end(), minimum.residual.begin(), minimum.residual.end());
+        return numbers;
+    });
+    std::vector<Minimum> minima;
+    for (size_t r = 0; r < results.size(); ++r) {
+        const TaskResult& result = results[r];
+        if (!result.reason.empty()) {
+            if (found.failed++ == 0) found.first_failure = result.reason;
+            continue;
+        }
+        Minimum minimum;
+        minimum.starts = points[chosen[r]].count;
+        const Eigen::Map<const Eigen::VectorXd> all(result.numbers.data(), as_row(result.numbers.size()));
+        minimum.x = all.head(size);
+        for (Eigen::Index i = 0; i < size; ++i) minimum.at_bound.push_back(all(size + i) > 0.5);
+        minimum.residual = all.tail(all.size() - 2 * size);
+        minima.push_back(std::move(minimum));
+    }
+    std::ranges::stable_sort(minima, [](const Minimum& a, const Minimum& b) { return a.chi2() < b.chi2(); });
+    return minima;
+}
+
+/// Of groups whose noise nobody gave.
+void Identifier::estimate_noise(const Eigen::VectorXd& predicted) {
+    for (DataGroup& group : comparison_.groups()) {
+        if (group.noise_from != DataGroup::NoiseFrom::residuals) continue;
+        const double squares = (predicted - comparison_.data()).segment(group.first, group.count).squaredNorm();
+        const double freedom =
+            std::max(1.0, static_cast<double>(group.count) - static_cast<double>(unknowns_.size() * as_size(group.count)) /
+                                                                 static_cast<double>(comparison_.rows()));
+        group.noise = std::max(std::sqrt(squares / freedom), kLeastNoise * group.largest);
+    }
+}
+
+/// Near each other, or joined by a straight valley.
+bool Identifier::is_same(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
+    if ((a - b).cwiseAbs().maxCoeff() < kSame) return true;
+    const double highest = std::max(residual(a, false).squaredNorm(), residual(b, false).squaredNorm());
+    for (const double share : {0.5, 0.25, 0.75}) {
+        try {
+            if (residual(a + share * (b - a), false).squaredNorm() > highest + 1) return false;
+        } catch (const Error&) {
+            return false;
+        }
+    }
+    return true;
+}
+
+Solution Identifier::make_solution(const Minimum& minimum) const {
+    Solution solution;
+    solution.x = minimum.x;
+    solution.at_bound = minimum.at_bound;
+    solution.predicted = comparison_.predict(unknowns_, minimum.x);
+    solution.chi2 = comparison_.residual(solution.predicted, false).squaredNorm();
+    solution.judged = judge_identifiability(jacobian(minimum.x, false, jobs_), unknowns_, minimum.at_bound);
+    solution.low.resize(unknowns_.size());
+    solution.high.resize(unknowns_.size());
+    return solution;
+}
+
+Solution Identifier::polish(const Eigen::VectorXd& start) const {
+    Solution solution = make_solution(minimise(problem(false, jobs_), start));
+    find_intervals(solution, 1);
+    return solution;
+}
+
+Fit Identifier::judge(const Eigen::VectorXd& x) const {
+    Minimum minimum;
+    minimum.x = x;
+    minimum.at_bound.assign(unknowns_.size(), false);
+    return judge_fit(make_solution(minimum));
+}
+
+Identification Identifier::identify(int starts, int seed) {
+    const int count = as_int(unknowns_.size());
+    if (starts == 0) starts = count == 0 ? 1 : comparison_.has_modes() ? std::min(400, 20 * count) : std::min(64, 8 * count);
+    Identification found;
+    if (count > 0) {
+        const std::vector<bool> none(as_size(count), false);
+        const Eigen::VectorXd x = unknowns_.start();
+        found.is_underdetermined = is_underdetermined(judge_identifiability(jacobian(x, false, jobs_), unknowns_, none));
+    }
+    if (found.is_underdetermined) starts = 1;  // there is no end of solutions
+    found.starts = as_size(starts);
+    std::vector<Start> points = starting_points(starts, seed);
+    const bool has_stages = comparison_.has_histories() && !comparison_.has_modes() && starts > 1;
+    if (has_stages) comparison_.set_window(kFirstWindow);
+    std::vector<Minimum> minima = search(points, found);
+    if (has_stages) {
+        comparison_.set_window(1);
+        points.clear();
+        for (const Minimum& one : minima) {
+            const auto known = std::ranges::find_if(
+                points, [&](const Start& start) { return (start.x - one.x).cwiseAbs().maxCoeff() < kNear; });
+            if (known == points.end())
+                points.push_back({one.x});
+            else
+                ++known->count;
+        }
+        minima = search(points, found);
+    }
+    if (minima.empty())
+        throw Error(ExitCode::numerical_failure,
+                    fmt::format("the model has no answer from any of {}: {}",
+                                counted(found.starts, "starting point", "starting points"), found.first_failure));
+    for (int round = 0; round < kNoiseRounds; ++round) {
+        const bool is_known = std::ranges::none_of(comparison_.groups(), [](const DataGroup& group) {
+            return group.noise_from == DataGroup::NoiseFrom::residuals;
+        });
+        if (is_known) break;
+        estimate_noise(comparison_.predict(unknowns_, minima.front().x));
+        minima.front() = minimise(problem(false, jobs_), minima.front().x);
+        for (size_t m = 1; m < minima.size(); ++m) minima[m].residual = residual(minima[m].x, false);
+    }
+    std::ranges::stable_sort(minima, [](const Minimum& a, const Minimum& b) { return a.chi2() < b.chi2(); });
+    for (const Minimum& one : minima) {
+        if (one.chi2() > minima.front().chi2() + kAsGood) break;
+        const auto known = std::ranges::find_if(found.solutions, [&](const Solution& s) { return is_same(s.x, one.x); });
+        const bool is_valley = !found.solutions.empty() && !found.solutions.front().judged.flat.empty();
+        if (known != found.solutions.end() || is_valley) {
+            (known != found.solutions.end() ? *known : found.solutions.front()).starts += one.starts;
+            continue;
+        }
+        Solution solution = make_solution(one);
+        solution.starts = one.starts;
+        // Where the best is regular, a singular minimum is a fold beside solutions, none of them
+        if (found.solutions.empty() || solution.judged.flat.empty()) found.solutions.push_back(std::move(solution));
+    }
+    found.fit = judge_fit(found.solutions.front());
+    found.is_underdetermined = found.is_underdetermined || is_underdetermined(found.solutions.front().judged);
+    for (Solution& solution : found.solutions)
+        if (!found.is_underdetermined) find_intervals(solution, found.fit.inflation);
+    if (comparison_.has_histories()) found.step_bias = find_step_bias(found.solutions.front());
+    return found;
+}
+
+Fit Identifier::judge_fit(const Solution& solution) const {
+    Fit fit;
+    fit.chi2 = solution.chi2;
+    fit.points = comparison_.rows();
+    Eigen::Index sought = comparison_.scales();
+    for (size_t i = 0; i < unknowns_.size(); ++i) sought += !solution.judged.is_dead[i] && !solution.at_bound[i];
+    sought -= as_row(solution.judged.flat.size());
+    fit.freedom = fit.points - sought;
+    fit.is_noise_independent = std::ranges::none_of(
+        comparison_.groups(), [](const DataGroup& group) { return group.noise_from == DataGroup::NoiseFrom::residuals; });
+    fit.is_noise_assumed = std::ranges::any_of(
+        comparison_.groups(), [](const DataGroup& group) { return group.noise_from == DataGroup::NoiseFrom::assumed; });
+    if (fit.freedom > 0) fit.chance = chance_beyond(fit.chi2, fit.freedom);
+    const Eigen::VectorXd residual = comparison_.residual(solution.predicted, false);
+    double sum = 0;
+    int looked_at = 0;
+    for (const DataGroup& group : comparison_.groups()) {
+        const bool is_curve = group.kind == DataGroup::Kind::history || group.kind == DataGroup::Kind::response;
+        constexpr Eigen::Index kFewest = 50, kMostLags = 20;  // samples; lags
+        if (!is_curve || group.count < kFewest || group.noise <= kLeastNoise * group.largest) continue;
+        const Eigen::Index stride = group.kind == DataGroup::Kind::response ? 2 : 1;
+        const Eigen::Index count = group.count / stride;
+        const Eigen::VectorXd own = Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<>>(
+            residual.data() + group.first, count, Eigen::InnerStride<>(stride));
+        const std::vector<double> rho = correlations(own, std::min(kMostLags, count / 5));
+        // Ljung and Box (1978), Biometrika 65, 297-303
+        double Q = 0, memory = 1;
+        bool is_open = true;
+        for (size_t k = 0; k < rho.size(); ++k) {
+            const auto n = static_cast<double>(count);
+            Q += n * (n + 2) * rho[k] * rho[k] / (n - static_cast<double>(k + 1));
+            is_open = is_open && rho[k] > 2 / std::sqrt(n);
+            if (is_open) memory += 2 * rho[k];
+        }
+        if (!rho.empty()) fit.whiteness = std::min(fit.whiteness, chance_beyond(Q, as_row(rho.size())));
+        sum += memory;
+        ++looked_at;
+    }
+    fit.whiteness = std::min(1.0, fit.whiteness * std::max(1, looked_at));
+    if (looked_at > 0 && fit.whiteness < kUnlikely) fit.inflation = std::sqrt(sum / looked_at);
+    if (fit.is_noise_assumed && fit.chance < kUnlikely) fit.inflation = std::max(fit.inflation, fit.noise_factor());
+    return fit;
+}
+
+/// How far chi2 rises when one unknown is moved and the others follow.
+double Identifier::rise(const Solution& solution, size_t unknown, double distance, const Eigen::MatrixXd& jacobian,
+                        double base) const {
+    constexpr int kRounds = 2;  // the first is exact for a linear model
+    std::vector<bool> fixed = solution.at_bound;
+    for (size_t i = 0; i < fixed.size(); ++i) fixed[i] = fixed[i] || solution.judged.is_dead[i] || i == unknown;
+    Eigen::VectorXd x = solution.x;
+    x(as_row(unknown)) += distance;
+    Eigen::VectorXd step = distance * jacobian.col(as_row(unknown));
+    x -= solve_others(jacobian, step, fixed);
+    double least = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < kRounds; ++round) {
+        x = x.cwiseMax(unknowns_.low()).cwiseMin(unknowns_.high());
+        const Eigen::VectorXd own = residual(x, false);
+        least = std::min(least, own.squaredNorm());
+        if (round + 1 < kRounds) x -= solve_others(jacobian, own, fixed);
+    }
+    return std::max(0.0, least - base);
+}
+
+/// Where chi2 has risen by what 95 % allow: from the curvature first, then by the profile of chi2 itself.
+void Identifier::find_intervals(Solution& solution, double inflation) const {
+    Eigen::Index freedom = comparison_.rows() - comparison_.scales() - as_row(unknowns_.size());
+    const bool is_estimated = std::ranges::any_of(
+        comparison_.groups(), [](const DataGroup& group) { return group.noise_from == DataGroup::NoiseFrom::residuals; });
+    const double allowed =
+        inflation * inflation *
+        (is_estimated && freedom > 0 ? boost::math::quantile(boost::math::fisher_f(1, static_cast<double>(freedom)), 0.95)
+                                     : boost::math::quantile(boost::math::chi_squared(1), 0.95));
+    const Eigen::MatrixXd J = jacobian(solution.x, false, jobs_);
+    const double base = residual(solution.x, false).squaredNorm();
+    const auto limit = [&](size_t unknown, double sign) -> std::optional<double> {
+        const Unknown& one = unknowns_[unknown];
+        const double deviation = solution.judged.deviations(as_row(unknown)), x = solution.x(as_row(unknown));
+        const double bound = one.coordinate(sign > 0 ? one.high : one.low), reach = std::abs(bound - x);
+        if (solution.judged.is_dead[unknown] || !std::isfinite(deviation)) return std::nullopt;
+        double distance = deviation > 0 ? std::sqrt(allowed) * deviation : 0.1 * reach;
+        constexpr int kMostTries = 8;
+        for (int round = 0; round < kMostTries; ++round) {
+            distance = std::min(distance, reach);
+            double risen = 0;
+            try {
+                risen = rise(solution, unknown, sign * distance, J, base);
+            } catch (const Error&) {
+                return std::nullopt;
+            }
+            constexpr double kEnough = 0.1;  // of what is allowed: 5 % of the interval
+            if (std::abs(risen - allowed) < kEnough * allowed) return x + sign * distance;
+            if (distance >= reach && risen < allowed) return std::nullopt;
+            // chi2 is nearly a parabola; far from one no step is trusted beyond a factor of three
+            distance *= std::clamp(std::sqrt(allowed / std::max(risen, 1e-12)), 1.0 / 3, 3.0);
+        }
+        return x + sign * distance;
+    };
+    const std::vector<TaskResult> limits = map_in_processes(2 * unknowns_.size(), jobs_, [&](size_t task) {
+        const std::optional<double> found = limit(task / 2, task % 2 == 0 ? -1 : 1);
+        return found ? std::vector<double>{*found} : std::vector<double>();
+    });
+    for (size_t i = 0; i < unknowns_.size(); ++i) {
+        if (!limits[2 * i].numbers.empty()) solution.low[i] = limits[2 * i].numbers.front();
+        if (!limits[2 * i + 1].numbers.empty()) solution.high[i] = limits[2 * i + 1].numbers.front();
+        if (solution.at_bound[i]) {
+            const bool is_low = solution.x(as_row(i)) <= unknowns_.low()(as_row(i));
+            (is_low ? solution.low : solution.high)[i].reset();
+        }
+    }
+}
+
+/// The scheme is of second order: what halving the step changes is three quarters of the error.
+Eigen::VectorXd Identifier::find_step_bias(const Solution& solution) const {
+    const Eigen::VectorXd finer = comparison_.predict(unknowns_, solution.x, 2);
+    Eigen::VectorXd error = Eigen::VectorXd::Zero(comparison_.rows() + as_row(priors_.size()));
+    error.head(comparison_.rows()) = 4.0 / 3 * (finer - solution.predicted).cwiseQuotient(comparison_.deviations());
+    std::vector<bool> fixed = solution.at_bound;
+    for (size_t i = 0; i < fixed.size(); ++i) fixed[i] = fixed[i] || solution.judged.is_dead[i];
+    return solve_others(jacobian(solution.x, false, jobs_), error, fixed);
+}
+
+}  // namespace dttmm::host

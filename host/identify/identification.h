@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identify/comparison.h"
+#include "identify/identifiability.h"
+#include "identify/least_squares.h"
+#include "identify/unknowns.h"
+#include "record/warnings.h"
+
+namespace dttmm::host {
+
+/// A set of values that explains the data as well as any other.
+struct Solution {
+    Eigen::VectorXd x;          ///< coordinates
+    Eigen::VectorXd predicted;  ///< rows of the comparison
+    double chi2 = 0;            ///< of the data, without priors
+    std::vector<bool> at_bound;
+    Identifiability judged;
+    std::vector<std::optional<double>> low, high;  ///< coordinates at 95 %; none: the data give no limit
+    size_t starts = 0;                             ///< descents that led here
+};
+
+/// How well the best solution explains the data.
+struct Fit {
+    double chi2 = 0;
+    Eigen::Index points = 0, freedom = 0;  ///< rows; rows less what was fitted
+    bool is_noise_independent = false;     ///< of the residuals: only then chi2 can tell a lack of fit
+    double chance = 1;                     ///< of so large a chi2 with a true model
+    double whiteness = 1;                  ///< chance that residuals as correlated as these are noise; 1: not looked at
+    double inflation = 1;                  ///< of deviations: for correlated residuals, or for noise larger than assumed
+    bool is_noise_assumed = false;         ///< of some group: what is usual, nobody gave it
+    /// Noise that would make chi2 what it should be, per noise that counts.
+    double noise_factor() const { return freedom > 0 ? std::sqrt(chi2 / static_cast<double>(freedom)) : 1; }
+    bool is_explained() const;
+};
+
+struct Identification {
+    std::vector<Solution> solutions;  ///< best first
+    Fit fit;                          ///< of the best
+    size_t starts = 0, descents = 0;  ///< points that were looked at, and those gone down from
+    size_t failed = 0;                ///< descents that found nothing
+    std::string first_failure;        ///< why
+    bool is_underdetermined = false;  ///< there are no more data than unknowns, and they leave some open: none is known
+    Eigen::VectorXd step_bias;        ///< of coordinates, by the time step; empty: no histories
+};
+
+/// What is known of unknowns before: rows that are added to those of the data.
+struct Prior {
+    size_t unknown;
+    double mean = 0, deviation = 0;  ///< of the value, or where it is lognormal of its logarithm
+    bool is_of_logarithm = false;
+};
+
+/// Priors as --prior gives them. Throws Error(usage).
+std::vector<Prior> read_priors(const std::vector<std::string>& texts, const Unknowns& unknowns,
+                               const std::vector<Parameter>& parameters);
+
+/// Finds the sets of values that explain the data, from many starting points (a Sobol sequence within the bounds), and how
+/// far each value may be from them.
+class Identifier {
+public:
+    /// All must outlive it. jobs: processes at a time; 0: one per core.
+    Identifier(Comparison& comparison, const Unknowns& unknowns, std::vector<Prior> priors, int jobs);
+
+    /// starts: 0: by the kind of the data and the number of unknowns. Throws Error(numerical_failure) if the model has an
+    /// answer from none of them.
+    Identification identify(int starts, int seed);
+    /// From one point, near the minimum; noise as the comparison has it. For bootstraps and tests.
+    Solution polish(const Eigen::VectorXd& start) const;
+    /// From one point down to the minimum, without intervals.
+    Minimum descend(const Eigen::VectorXd& start) const { return minimise(problem(false, jobs_), start); }
+    /// Of residuals by coordinates, at a point.
+    Eigen::MatrixXd differentiate(const Eigen::VectorXd& x) const { return jacobian(x, false, jobs_); }
+    /// How well the values of a minimum explain the data.
+    Fit judge(const Eigen::VectorXd& x) const;
+
+private:
+    Eigen::VectorXd residual(const Eigen::VectorXd& x, bool are_logarithmic) const;
+    Eigen::MatrixXd jacobian(const Eigen::VectorXd& x, bool are_logarithmic, int jobs) const;
+    LeastSquares problem(bool are_logarithmic, int jobs) const;
+    Minimum search_from(const Eigen::VectorXd& start, int jobs) const;
+    /// A point to go down from, and how many descents led to it.
+    struct Start {
+        Eigen::VectorXd x;
+        size_t count = 1;
+    };
+    std::vector<Start> starting_points(int starts, int seed) const;
+    bool is_underdetermined(const Identifiability& judged) const;
+    std::vector<Minimum> search(const std::vector<Start>& points, Identification& found);
+    void estimate_noise(const Eigen::VectorXd& predicted);
+    Solution make_solution(const Minimum& minimum) const;
+    bool is_same(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
+    Fit judge_fit(const Solution& solution) const;
+    void find_intervals(Solution& solution, double inflation) const;
+    double rise(const Solution& solution, size_t unknown, double distance, const Eigen::MatrixXd& jacobian,
+                double base) const;
+    Eigen::VectorXd find_step_bias(const Solution& solution) const;
+
+    Comparison& comparison_;
+    const Unknowns& unknowns_;
+    std::vector<Prior> priors_;
+    int jobs_;
+};
+
+}  // namespace dttmm::host

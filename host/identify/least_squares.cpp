@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "identify/least_squares.h"
+
+#include <Eigen/Dense>
+#include <unsupported/Eigen/LevenbergMarquardt>
+
+#include "analysis/stop_signals.h"
+#include "model/error.h"
+#include "model/index.h"
+
+namespace dttmm::host {
+
+namespace {
+
+constexpr double kRefused = 1e3;  // times the residual at the start: a step to where the model has no answer
+
+/// The problem in those unknowns that are not held, as Eigen's solver wants it.
+class FreeProblem : public Eigen::DenseFunctor<double> {
+public:
+    FreeProblem(const LeastSquares& problem, Eigen::VectorXd x, Eigen::VectorXd at_start, std::vector<Eigen::Index> free)
+        : DenseFunctor<double>(as_int(free.size()), as_int(at_start.size())),
+          problem_(problem),
+          x_(std::move(x)),
+          refused_(kRefused * (1 + at_start.norm())),
+          free_(std::move(free)) {}
+
+    int operator()(const Eigen::VectorXd& part, Eigen::VectorXd& residual) {
+        if (StopSignals::requested()) return -1;
+        ++evaluations;
+        try {
+            residual = problem_.residual(whole(part));
+            if (residual.allFinite()) return 0;
+        } catch (const Error&) {
+            if (StopSignals::requested()) return -1;
+        }
+        residual.setConstant(values(), refused_);
+        return 0;
+    }
+
+    int df(const Eigen::VectorXd& part, Eigen::MatrixXd& jacobian) {
+        const Eigen::VectorXd x = whole(part);
+        const Eigen::MatrixXd all = problem_.jacobian(x, problem_.residual(x));
+        for (size_t i = 0; i < free_.size(); ++i) jacobian.col(as_row(i)) = all.col(free_[i]);
+        return 0;
+    }
+
+    /// All unknowns, within their bounds.
+    Eigen::VectorXd whole(const Eigen::VectorXd& part) const {
+        Eigen::VectorXd x = x_;
+        for (size_t i = 0; i < free_.size(); ++i)
+            x(free_[i]) = std::clamp(part(as_row(i)), problem_.low(free_[i]), problem_.high(free_[i]));
+        return x;
+    }
+
+    int evaluations = 0;
+
+private:
+    const LeastSquares& problem_;
+    Eigen::VectorXd x_;
+    double refused_;
+    std::vector<Eigen::Index> free_;
+};
+
+/// Goes down from minimum.x in the unknowns that are not at a bound.
+void descend(const LeastSquares& problem, Minimum& minimum, int most_evaluations) {
+    std::vector<Eigen::Index> free;
+    for (size_t i = 0; i < minimum.at_bound.size(); ++i)
+        if (!minimum.at_bound[i]) free.push_back(as_row(i));
+    minimum.is_converged = free.empty();
+    if (free.empty() || minimum.residual.size() < as_row(free.size())) return;
+    FreeProblem own(problem, minimum.x, minimum.residual, free);
+    Eigen::LevenbergMarquardt<FreeProblem> solver(own);
+    constexpr double kEnough = 1e-10;  // share of the sum, and of the distance gone
+    solver.setFtol(kEnough);
+    solver.setXtol(kEnough);
+    solver.setGtol(0);
+    solver.setMaxfev(most_evaluations);
+    Eigen::VectorXd part(as_row(free.size()));
+    for (size_t i = 0; i < free.size(); ++i) part(as_row(i)) = minimum.x(free[i]);
+    const auto status = solver.minimize(part);
+    if (StopSignals::requested()) throw Error(StopSignals::exit_code(), StopSignals::reason());
+    minimum.evaluations += own.evaluations;
+    minimum.is_converged = status != Eigen::LevenbergMarquardtSpace::TooManyFunctionEvaluation &&
+                           status != Eigen::LevenbergMarquardtSpace::ImproperInputParameters;
+    minimum.x = own.whole(part);
+    minimum.residual = problem.residual(minimum.x);
+}
+
+}  // namespace
+
+Minimum minimise(const LeastSquares& problem, const Eigen::VectorXd& start, int most_evaluations) {
+    Minimum minimum;
+    minimum.x = start.cwiseMax(problem.low).cwiseMin(problem.high);
+    minimum.residual = problem.residual(minimum.x);
+    minimum.at_bound.assign(as_size(start.size()), false);
+    constexpr int kMostRounds = 6;  // in which unknowns are taken to bounds and from them
+    for (int round = 0; round < kMostRounds; ++round) {
+        descend(problem, minimum, most_evaluations);
+        // Beyond a bound the sum falls where its slope says so
+        const Eigen::VectorXd slope = problem.jacobian(minimum.x, minimum.residual).transpose() * minimum.residual;
+        bool has_changed = false;
+        for (Eigen::Index i = 0; i < start.size(); ++i) {
+            const bool is_low = minimum.x(i) <= problem.low(i), is_high = minimum.x(i) >= problem.high(i);
+            const bool holds = (is_low && slope(i) > 0) || (is_high && slope(i) < 0);
+            if (holds == minimum.at_bound[as_size(i)]) continue;
+            minimum.at_bound[as_size(i)] = holds;
+            has_changed = true;
+        }
+        if (!has_changed) break;
+    }
+    return minimum;
+}
+
+}  // namespace dttmm::host

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+namespace dttmm::host {
+
+/// Residuals, each divided by its standard deviation, at a point; always as many. May throw Error where the model has no
+/// answer.
+using ResidualFunction = std::function<Eigen::VectorXd(const Eigen::VectorXd& x)>;
+/// Their derivatives, a column per unknown.
+using JacobianFunction = std::function<Eigen::MatrixXd(const Eigen::VectorXd& x, const Eigen::VectorXd& residual)>;
+
+/// A sum of squares to be made least between bounds.
+struct LeastSquares {
+    ResidualFunction residual;
+    JacobianFunction jacobian;
+    Eigen::VectorXd low, high;
+};
+
+struct Minimum {
+    Eigen::VectorXd x;
+    Eigen::VectorXd residual;
+    std::vector<bool> at_bound;  ///< the sum would fall beyond it
+    bool is_converged = false;
+    int evaluations = 0;
+    size_t starts = 1;  ///< points that led here
+
+    double chi2() const { return residual.squaredNorm(); }
+};
+
+/// From `start` by the method of Levenberg and Marquardt (Eigen's, after MINPACK's lmder). An unknown that leaves its range
+/// stays at the bound as long as the sum falls beyond it. Where the model has no answer the step is made shorter. Throws
+/// what residual(start) throws.
+Minimum minimise(const LeastSquares& problem, const Eigen::VectorXd& start, int most_evaluations = 200);
+
+}  // namespace dttmm::host

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "analysis/request.h"
+#include "model/error.h"
+
+namespace dttmm::host {
+
+ExitCode find_sensitivities(const Request& request);
+
+}  // namespace dttmm::host

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "identify/observations.h"
+
+namespace dttmm::host {
+
+/// The mode of the model that a measured one is.
+struct ModePair {
+    int mode = 0;           ///< counted from 1; 0: the model has too few
+    double frequency = 0;   ///< [Hz]
+    double mac = 0;         ///< |aᵀb|²/(aᵀa bᵀb); NaN: no shape was measured
+    Eigen::VectorXd shape;  ///< of the model at the measured freedoms, of a multiple mode the nearest mixture of its shapes
+};
+
+/// Pairs measured modes with those of the model, no mode twice: by their shapes, the most alike first; those without a
+/// shape by their number. frequencies: of the model, ascending [Hz]. shapes: at the measured freedoms, a column per mode.
+std::vector<ModePair> pair_modes(const std::vector<ObservedMode>& measured, const std::vector<double>& frequencies,
+                                 const Eigen::MatrixXd& shapes);
+
+}  // namespace dttmm::host

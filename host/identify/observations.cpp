@@ -1,0 +1,489 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "identify/observations.h"
+
+#include <fmt/format.h>
+#include <fnmatch.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "analysis/modal_session.h"
+#include "analysis/places.h"
+#include "analysis/response_channels.h"
+#include "measured/read_measurement.h"
+#include "model/error.h"
+#include "model/index.h"
+#include "model/read_measured.h"
+#include "model/units.h"
+#include "model/wording.h"
+#include "step/simulation.h"
+#include "study/text_list.h"
+
+namespace dttmm::host {
+
+namespace {
+
+constexpr double kSilent = 1e-9;      // share of the largest channel of its unit: rounding of a direction that rests
+constexpr size_t kFewestBefore = 20;  // samples before the start that show the noise
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+[[noreturn]] void refuse(ExitCode code, const std::string& text) { throw Error(code, text); }
+
+/// A unit as a measuring system writes it: accelerations in g are no grams.
+std::string unit_of_sensor(const std::string& unit, const std::string& wanted) {
+    return (unit == "g" || unit == "gn" || unit == "G") && wanted == "m/s^2" ? "gravity" : unit;
+}
+
+/// All names that the model knows, for each kind of data.
+class Names {
+public:
+    Names(const Request& request, const Model& model, const Plugins& plugins)
+        : request_(request), model_(model), plugins_(plugins) {}
+
+    const std::vector<Channel>& histories() {
+        if (!histories_) {
+            Model own = model_;
+            if (own.simulation.step == 0) own.simulation.step = kShortestStep;
+            histories_ = Simulation(own, plugins_).channels();
+        }
+        return *histories_;
+    }
+    const ModalMachine& machine() {
+        make_machine_once();
+        return *machine_;
+    }
+    const std::vector<Channel>& responses() {
+        make_machine_once();
+        return responses_;
+    }
+    const Model& modal_model() {
+        make_machine_once();
+        return *modal_model_;
+    }
+
+private:
+    void make_machine_once() {
+        if (machine_) return;
+        ModelOverrides overrides = request_.overrides;
+        overrides.purpose = Purpose::modes;
+        modal_model_ = read_model(request_.model, plugins_.catalogue(), overrides);
+        Warnings silent(Warnings::Silent::yes);
+        machine_.emplace(make_machine(*modal_model_, plugins_, silent));
+        responses_ = ResponseChannels(*modal_model_, *machine_).all();
+    }
+
+    const Request& request_;
+    const Model& model_;
+    const Plugins& plugins_;
+    std::optional<std::vector<Channel>> histories_;
+    std::optional<Model> modal_model_;
+    std::optional<ModalMachine> machine_;
+    std::vector<Channel> responses_;
+};
+
+class Reader {
+public:
+    Reader(const Request& request, const Model& model, const Plugins& plugins, Warnings& warnings)
+        : request_(request), model_(model), warnings_(warnings), names_(request, model, plugins) {
+        channels_ = model.measured.channels;
+        for (const std::string& text : request.maps) add_map(text);
+    }
+
+    Observations read() {
+        std::vector<std::filesystem::path> files = request_.measured;
+        if (files.empty() && !model_.measured.file.empty()) files.push_back(model_.measured.file);
+        if (files.empty())
+            refuse(ExitCode::usage,
+                   "no measured data: give a file with --measured, or as `file` in [measured] of the model");
+        for (const std::filesystem::path& file : files) read_file(file);
+        for (const MeasuredChannel& one : channels_)
+            if (!used_.contains(one.column))
+                refuse(ExitCode::usage, fmt::format("{}: there is no column {} in {}{}", one.place, quote(one.column),
+                                                    listed(texts(files)), suggestion(one.column, columns_)));
+        drop_silent();
+        if (found_.is_empty())
+            refuse(ExitCode::input_output,
+                   fmt::format("{}: nothing of it is in the model; say with --map COLUMN=CHANNEL what its columns are{}",
+                               listed(texts(files)), columns_.empty() ? "" : ": " + listed(columns_)));
+        return std::move(found_);
+    }
+
+private:
+    static std::vector<std::string> texts(const std::vector<std::filesystem::path>& files) {
+        std::vector<std::string> names;
+        for (const auto& file : files) names.push_back(file.string());
+        return names;
+    }
+
+    void add_map(const std::string& text) {
+        const size_t equals = text.find('=');
+        if (equals == text.npos) refuse(ExitCode::usage, fmt::format("--map {}: write COLUMN=CHANNEL", quote(text)));
+        MeasuredChannel channel;
+        channel.column = without_blanks_around(text.substr(0, equals));
+        channel.place = "--map";
+        std::string is = without_blanks_around(text.substr(equals + 1));
+        if (const size_t open = is.rfind('['); is.ends_with(']') && open != is.npos) {
+            channel.unit = without_blanks_around(is.substr(open + 1, is.size() - open - 2));
+            is.resize(open);
+        }
+        set_channel(channel, is);
+        std::erase_if(channels_, [&](const MeasuredChannel& one) { return one.column == channel.column; });
+        channels_.push_back(channel);
+    }
+
+    /// What the column called so is; none: nothing says it.
+    const MeasuredChannel* find_map(const std::string& column) {
+        used_.insert(column);
+        columns_.push_back(column);
+        const auto own = std::ranges::find(channels_, column, &MeasuredChannel::column);
+        return own == channels_.end() ? nullptr : &*own;
+    }
+
+    void read_file(const std::filesystem::path& file) {
+        const Measurement measurement = read_measurement(file);
+        found_.files.push_back(file.string());
+        for (const std::string& note : measurement.notes)
+            warnings_.note("measured", fmt::format("{}: {}", file.string(), note));
+        size_t unknown = 0;
+        std::string example;
+        for (const MeasuredSignal& signal : measurement.signals) {
+            if (signal.kind == MeasuredSignal::Kind::coherence || signal.kind == MeasuredSignal::Kind::other) continue;
+            const bool is_taken =
+                signal.kind == MeasuredSignal::Kind::history ? take_history(signal) : take_response(signal, measurement);
+            if (is_taken) continue;
+            if (unknown++ == 0) example = signal.name;
+        }
+        if (unknown > 0)
+            warnings_.note("unmapped", fmt::format("{}: {}, as {}: not used; --map says what a column is", file.string(),
+                                                   counted(unknown, "column is no channel of the model",
+                                                           "columns are no channels of the model"),
+                                                   quote(example)));
+        if (!measurement.modes.empty()) take_modes(measurement);
+    }
+
+    /// Whether --channels wants it.
+    bool is_chosen(const std::string& channel) const {
+        return request_.channels.empty() || std::ranges::any_of(request_.channels, [&](const std::string& text) {
+                   return std::ranges::any_of(split_list(text), [&](const std::string& pattern) {
+                       return fnmatch(pattern.c_str(), channel.c_str(), 0) == 0;
+                   });
+               });
+    }
+
+    /// The channel of this name. A map must name one; a column may. Null: none.
+    const Channel* find_channel(const std::vector<Channel>& all, const std::string& name, const MeasuredChannel* map,
+                                const std::string& place) {
+        for (const Channel& channel : all)
+            if (channel.name() == name) return &channel;
+        const bool looks_like_one = name.find('.') != name.npos && !map;
+        if (!map && !looks_like_one) return nullptr;
+        std::vector<std::string> known;
+        for (const Channel& channel : all) known.push_back(channel.name());
+        if (looks_like_one && !find_nearest(name, known)) return nullptr;
+        refuse(ExitCode::usage, fmt::format("{}: the model has no channel {}{}", map ? map->place : place, quote(name),
+                                            suggestion(name, known)));
+    }
+
+    void claim(const std::string& channel, const std::string& place) {
+        if (!claimed_.emplace(channel, place).second)
+            refuse(ExitCode::usage, fmt::format("{}: the channel {} has its data from {} already: map one of the two only",
+                                                place, quote(channel), claimed_[channel]));
+    }
+
+    /// SI per number of the file.
+    double factor(const MeasuredSignal& signal, const MeasuredChannel* map, const std::string& unit) {
+        std::string own = map && !map->unit.empty() ? map->unit : signal.unit;
+        if (own.empty()) {
+            no_unit_.insert(signal.name);
+            return 1;
+        }
+        own = unit_of_sensor(own, unit);
+        try {
+            return unit == "1" && own == "1" ? 1 : parse_quantity("1 " + own, unit);
+        } catch (const Error& error) {
+            refuse(ExitCode::input_output, fmt::format("{}: {}", signal.place, error.what()));
+        }
+    }
+
+    double noise_of(const MeasuredChannel* map, const std::string& unit, double largest, bool& is_of_user) {
+        std::string text = map ? map->noise : "";
+        if (text.empty()) text = request_.noise.empty() ? model_.measured.noise : request_.noise;
+        const NoiseLevel level = read_noise(text, unit, map && !map->noise.empty() ? map->place : "--noise");
+        is_of_user = level.is_known();
+        return level.absolute > 0 ? level.absolute : level.share * largest;
+    }
+
+    bool take_history(const MeasuredSignal& signal) {
+        const MeasuredChannel* map = find_map(signal.name);
+        const std::string name = map ? map->channel : signal.name;
+        if (name.starts_with("energy") && !map) return true;  // of our own runs: made of the other channels
+        const Channel* channel = find_channel(names_.histories(), name, map, signal.place);
+        if (!channel) return false;
+        if (!is_chosen(name)) return true;
+        claim(name, signal.place);
+        const double per_number = factor(signal, map, channel->unit()) / (map ? map->gain : 1) *
+                                  ((map && map->is_reversed) != signal.is_reversed ? -1 : 1);
+        ObservedHistory history{name, channel->unit(), {}, {}};
+        std::vector<double> before;
+        double largest = 0;
+        for (size_t i = 0; i < signal.values.size(); ++i) {
+            const double time = model_.measured.clock * (signal.abscissa[i] - (map ? map->delay : 0));
+            const double value = per_number * signal.values[i];
+            if (!std::isfinite(value))
+                refuse(ExitCode::input_output, fmt::format("{}: value {} is no finite number", signal.place, i + 1));
+            if (time < 0) {
+                before.push_back(value);
+                continue;
+            }
+            history.times.push_back(time);
+            history.values.push_back(value);
+            largest = std::max(largest, std::abs(value));
+        }
+        if (history.times.size() < 2)
+            refuse(ExitCode::input_output, fmt::format("{}: fewer than two samples from the start at 0 on", signal.place));
+        if (std::ranges::minmax(history.values).min == std::ranges::minmax(history.values).max) {
+            warnings_.add("constant-channel", fmt::format("{}: it is constant: not used", signal.place));
+            return true;
+        }
+        history.noise = noise_of(map, history.unit, largest, history.is_noise_of_user);
+        if (history.noise == 0 && before.size() >= kFewestBefore) history.noise = deviation(before);
+        found_.histories.push_back(std::move(history));
+        return true;
+    }
+
+    static double deviation(const std::vector<double>& values) {
+        double mean = 0, squares = 0;
+        for (const double value : values) mean += value / static_cast<double>(values.size());
+        for (const double value : values) squares += (value - mean) * (value - mean);
+        return std::sqrt(squares / static_cast<double>(values.size() - 1));
+    }
+
+    bool take_response(const MeasuredSignal& signal, const Measurement& all) {
+        const MeasuredChannel* map = find_map(signal.name);
+        const std::string name = map ? map->channel : signal.name;
+        const Channel* channel = find_channel(names_.responses(), name, map, signal.place);
+        if (!channel) return false;
+        if (!is_chosen(name)) return true;
+        const std::string input = input_of(signal);
+        const auto [place, direction] = place_and_direction(names_.modal_model(), names_.machine(), signal.place, input);
+        claim(name + "/" + input, signal.place);
+        const bool is_motion = place->is_held(direction), turns = direction >= 3;
+        const std::string per = is_motion ? (turns ? "rad" : "m") : turns ? "N*m" : "N";
+        const std::string unit =
+            channel->unit() == per ? "1" : fmt::format("{}/{}", channel->unit(), per == "N*m" ? "(N*m)" : per);
+        MeasuredSignal own = signal;
+        if (!own.reference_unit.empty() && !own.unit.empty())
+            own.unit = fmt::format("{}/({})", unit_of_sensor(own.unit, channel->unit()), own.reference_unit);
+        const double per_number =
+            factor(own, map, unit) / (map ? map->gain : 1) * ((map && map->is_reversed) != signal.is_reversed ? -1 : 1);
+        ObservedResponse response{name, input, unit, {}, {}, {}};
+        response.is_real = signal.imaginary.empty();
+        double largest = 0;
+        for (size_t i = 0; i < signal.abscissa.size(); ++i) {
+            const double f = signal.abscissa[i] / model_.measured.clock;
+            const std::complex<double> value =
+                per_number * std::complex<double>(signal.values[i], response.is_real ? 0 : signal.imaginary[i]) *
+                std::polar(1.0, map ? 2 * std::numbers::pi * f * map->delay : 0.0);
+            if (!std::isfinite(std::abs(value)))
+                refuse(ExitCode::input_output, fmt::format("{}: value {} is no finite number", signal.place, i + 1));
+            if (f <= 0 || std::abs(value) == 0) continue;  // nothing is measured at 0 Hz; zero has no logarithm
+            response.frequencies.push_back(f);
+            response.values.push_back(value);
+            largest = std::max(largest, std::abs(value));
+        }
+        if (response.frequencies.size() < 2)
+            refuse(ExitCode::input_output, fmt::format("{}: fewer than two values above 0 Hz", signal.place));
+        bool is_of_user = false;
+        response.noise = noise_of(map, unit, largest, is_of_user);
+        if (response.noise == 0) take_coherence(signal, all, response, largest);
+        found_.responses.push_back(std::move(response));
+        return true;
+    }
+
+    /// What drove a response: the file says it, or the user.
+    std::string input_of(const MeasuredSignal& signal) {
+        if (!signal.reference.empty()) {
+            const auto map = std::ranges::find(channels_, signal.reference, &MeasuredChannel::column);
+            if (map == channels_.end()) return signal.reference;
+            used_.insert(signal.reference);
+            return map->channel;
+        }
+        if (!request_.inputs.empty()) return request_.inputs.front();
+        if (!model_.measured.input.empty()) return model_.measured.input;
+        refuse(ExitCode::usage,
+               fmt::format("{}: what drove this response? Give it with --in PLACE.DIRECTION, or `input` in [measured]",
+                           signal.place));
+    }
+
+    /// H1 with n averages: the variance of |H| is |H|^2 (1 - g2)/(2 n g2). Source: Bendat and Piersol, Random Data, 2010.
+    void take_coherence(const MeasuredSignal& signal, const Measurement& all, ObservedResponse& response, double largest) {
+        for (const MeasuredSignal& one : all.signals) {
+            if (one.kind != MeasuredSignal::Kind::coherence || one.name != signal.name ||
+                one.reference != signal.reference || one.abscissa != signal.abscissa)
+                continue;
+            constexpr double kFloor = 1e-4;  // of the largest: rounding of a coherence near 1
+            for (size_t i = 0, k = 0; i < one.values.size() && k < response.frequencies.size(); ++i) {
+                if (signal.abscissa[i] / model_.measured.clock != response.frequencies[k]) continue;
+                const double g2 = std::clamp(one.values[i], 1e-6, 1.0);
+                const double share = std::sqrt((1 - g2) / (2 * model_.measured.averages * g2));
+                response.deviations.push_back(std::hypot(share * std::abs(response.values[k]), kFloor * largest));
+                ++k;
+            }
+            if (response.deviations.size() != response.frequencies.size()) response.deviations.clear();
+            return;
+        }
+    }
+
+    /// "floor1.x", "plate.corner1.acceleration.z"; where all moves in one direction "floor1" is enough.
+    std::optional<ObservedFreedom> find_freedom(const std::string& name) {
+        const auto place_of = [&](const std::string& text) { return names_.machine().find(text); };
+        const auto& directions = direction_names();
+        const size_t dot = name.rfind('.');
+        if (dot == name.npos) {
+            const auto free = names_.modal_model().modes.directions;
+            if (!place_of(name) || free.count() != 1) return std::nullopt;
+            for (int d = 0; d < 6; ++d)
+                if (free[as_size(d)]) return ObservedFreedom{name, d};
+        }
+        std::string owner = name.substr(0, dot), axis = name.substr(dot + 1);
+        const size_t second = owner.rfind('.');
+        if (second != owner.npos && !place_of(owner)) {
+            const std::string quantity = owner.substr(second + 1);
+            if (quantity == "rotation" || quantity == "angular_velocity") axis = "r" + axis;
+            owner.resize(second);
+        }
+        const auto direction = std::ranges::find(directions, axis);
+        if (!place_of(owner) || direction == directions.end()) return std::nullopt;
+        return ObservedFreedom{owner, as_int(direction - directions.begin())};
+    }
+
+    void take_modes(const Measurement& measurement) {
+        std::vector<size_t> rows;
+        std::vector<double> signs;
+        size_t unknown = 0;
+        std::string example;
+        for (size_t i = 0; i < measurement.shape_names.size(); ++i) {
+            const std::string& column = measurement.shape_names[i];
+            const MeasuredChannel* map = find_map(column);
+            const std::optional<ObservedFreedom> freedom = find_freedom(map ? map->channel : column);
+            if (!freedom && map)
+                refuse(ExitCode::usage, fmt::format("{}: {} is no place and direction of the model, as plate.z", map->place,
+                                                    quote(map->channel)));
+            if (!freedom) {
+                if (unknown++ == 0) example = column;
+                continue;
+            }
+            claim(fmt::format("{}.{}", freedom->place, direction_names()[as_size(freedom->direction)]), quote(column));
+            rows.push_back(i);
+            signs.push_back((map && map->is_reversed ? -1 : 1) / (map ? map->gain : 1));
+            found_.freedoms.push_back(*freedom);
+        }
+        if (unknown > 0)
+            warnings_.note("unmapped",
+                           fmt::format("{} of the shapes, as {}: not used; --map COLUMN=PLACE.DIRECTION says what it is",
+                                       counted(unknown, "column is no place and direction of the model",
+                                               "columns are no places and directions of the model"),
+                                       quote(example)));
+        const NoiseLevel level =
+            read_noise(request_.noise.empty() ? model_.measured.noise : request_.noise, "Hz", "--noise");
+        found_.are_frequencies_known = level.is_known();
+        for (const MeasuredMode& mode : measurement.modes) {
+            ObservedMode own;
+            own.frequency = mode.frequency / model_.measured.clock;
+            own.damping = mode.damping;
+            own.number = mode.number > 0 ? mode.number : as_int(found_.modes.size() + 1);
+            own.deviation = level.absolute > 0 ? level.absolute / own.frequency : level.share;
+            if (mode.frequency_deviation > 0) {
+                own.deviation = mode.frequency_deviation / mode.frequency;
+                found_.are_frequencies_known = true;
+            }
+            take_shape(mode, rows, signs, own);
+            found_.modes.push_back(std::move(own));
+        }
+    }
+
+    /// A complex shape is turned so that it is as real as it can be.
+    static void take_shape(const MeasuredMode& mode, const std::vector<size_t>& rows, const std::vector<double>& signs,
+                           ObservedMode& own) {
+        if (rows.empty()) return;
+        std::complex<double> squares = 0;
+        for (const size_t row : rows)
+            if (std::isfinite(std::abs(mode.shape[row]))) squares += mode.shape[row] * mode.shape[row];
+        const std::complex<double> turn = std::polar(1.0, -0.5 * std::arg(squares));
+        own.shape.resize(as_row(rows.size()));
+        double largest = 0;
+        for (size_t r = 0; r < rows.size(); ++r) {
+            const std::complex<double>& value = mode.shape[rows[r]];
+            own.shape(as_row(r)) = std::isfinite(std::abs(value)) ? signs[r] * (turn * value).real() : kNaN;
+            if (std::isfinite(std::abs(value))) largest = std::max(largest, std::abs(own.shape(as_row(r))));
+        }
+        if (largest > 0)
+            own.shape /= largest;
+        else
+            own.shape.resize(0);
+    }
+
+    /// Channels in which there is rounding only, as a run records them in directions without motion.
+    void drop_silent() {
+        std::map<std::string, double> largest;
+        const auto size_of = [](const ObservedHistory& one) {
+            double most = 0;
+            for (const double value : one.values) most = std::max(most, std::abs(value));
+            return most;
+        };
+        for (const ObservedHistory& one : found_.histories) largest[one.unit] = std::max(largest[one.unit], size_of(one));
+        const size_t dropped = std::erase_if(
+            found_.histories, [&](const ObservedHistory& one) { return size_of(one) < kSilent * largest[one.unit]; });
+        if (dropped > 0)
+            warnings_.note("silent-channels", fmt::format("{}: not used", counted(dropped, "channel holds rounding only",
+                                                                                  "channels hold rounding only")));
+        if (!no_unit_.empty())
+            warnings_.note("no-unit", fmt::format("{} without unit, as {}: taken as SI",
+                                                  counted(no_unit_.size(), "column", "columns"), quote(*no_unit_.begin())));
+    }
+
+    const Request& request_;
+    const Model& model_;
+    Warnings& warnings_;
+    Names names_;
+    std::vector<MeasuredChannel> channels_;
+    std::set<std::string> used_, no_unit_;
+    std::vector<std::string> columns_;
+    std::map<std::string, std::string> claimed_;  ///< channel → place of its data
+    Observations found_;
+};
+
+}  // namespace
+
+std::vector<std::string> Observations::channel_names() const {
+    std::vector<std::string> names;
+    for (const ObservedHistory& one : histories) names.push_back(one.channel);
+    for (const ObservedResponse& one : responses) names.push_back(one.channel + "/" + one.input);
+    return names;
+}
+
+NoiseLevel read_noise(const std::string& text, const std::string& unit, const std::string& option) {
+    NoiseLevel level;
+    if (text.empty()) return level;
+    try {
+        const Quantity quantity = parse_quantity(text);
+        if (quantity.unit == "1")
+            level.share = quantity.value;
+        else
+            level.absolute = parse_quantity(text, unit);
+    } catch (const Error& error) {
+        refuse(ExitCode::usage, fmt::format("{} {}: {}", option, quote(text), error.what()));
+    }
+    if (!level.is_known()) refuse(ExitCode::usage, fmt::format("{} {}: must be more than 0", option, quote(text)));
+    return level;
+}
+
+Observations read_observations(const Request& request, const Model& model, const Plugins& plugins, Warnings& warnings) {
+    return Reader(request, model, plugins, warnings).read();
+}
+
+}  // namespace dttmm::host

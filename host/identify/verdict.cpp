@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "identify/verdict.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/index.h"
+#include "model/wording.h"
+
+namespace dttmm::host {
+
+namespace {
+
+constexpr double kStepMatters = 0.5;  // of a standard deviation: a bias that shows in the interval
+
+const char* source_of(DataGroup::NoiseFrom from) {
+    switch (from) {
+        case DataGroup::NoiseFrom::user:
+            return "given";
+        case DataGroup::NoiseFrom::data:
+            return "data";
+        case DataGroup::NoiseFrom::assumed:
+            return "assumed";
+        default:
+            return "residuals";
+    }
+}
+
+std::vector<std::string> names_where(const Unknowns& unknowns, const std::vector<bool>& is_meant) {
+    std::vector<std::string> names;
+    for (size_t i = 0; i < unknowns.size(); ++i)
+        if (is_meant[i]) names.push_back(unknowns[i].name);
+    return names;
+}
+
+std::string are(size_t count) { return count == 1 ? "is" : "are"; }
+
+}  // namespace
+
+std::string describe_value(const Solution& solution, const Unknowns& unknowns, size_t i) {
+    const Unknown& one = unknowns[i];
+    const std::string unit = one.unit == "1" ? "" : " " + one.unit;
+    if (solution.judged.is_dead[i])
+        return fmt::format("{} is not fixed: nothing that was measured changes with it", one.name);
+    const auto& low = solution.low[i];
+    const auto& high = solution.high[i];
+    if (!low && !high) return fmt::format("{} is not fixed by the data", one.name);
+    const auto text = [&](const std::optional<double>& limit, const char* none) {
+        return limit ? fmt::format("{:.6g}", one.value(*limit)) : std::string(none);
+    };
+    return fmt::format("{} = {:.6g}{} ({} to {})", one.name, one.value(solution.x(as_row(i))), unit,
+                       text(low, "no lower limit"), text(high, "no upper limit"));
+}
+
+std::string describe_chi2(const Fit& fit) { return fmt::format("chi2 {:.5g} for {} points", fit.chi2, fit.points); }
+
+std::string describe_noise(const Comparison& comparison) {
+    std::vector<std::string> parts;
+    for (const auto& [from, words] :
+         {std::pair(DataGroup::NoiseFrom::user, "as given"), std::pair(DataGroup::NoiseFrom::data, "from the data"),
+          std::pair(DataGroup::NoiseFrom::assumed, "assumed: 0.5 % of frequencies, 3 % of shapes"),
+          std::pair(DataGroup::NoiseFrom::residuals, "estimated from the residuals")})
+        if (std::ranges::find(comparison.groups(), from, &DataGroup::noise_from) != comparison.groups().end())
+            parts.emplace_back(words);
+    std::string text;
+    for (const std::string& part : parts) text += (text.empty() ? "" : "; ") + part;
+    return "noise of the data: " + text;
+}
+
+Json describe_groups(const Comparison& comparison) {
+    Json list = Json::array();
+    const Eigen::VectorXd deviations = comparison.deviations();
+    for (const DataGroup& group : comparison.groups())
+        list.push_back({{"name", group.name},
+                        {"points", group.count},
+                        {"noise", deviations.segment(group.first, group.count).mean()},
+                        {"noise_from", source_of(group.noise_from)}});
+    return list;
+}
+
+Json describe_fit(const Fit& fit) {
+    return {{"chi2", fit.chi2},
+            {"points", fit.points},
+            {"degrees_of_freedom", fit.freedom},
+            {"noise_is_independent", fit.is_noise_independent},
+            {"chance_of_chi2", fit.chance},
+            {"chance_of_correlation", fit.whiteness},
+            {"inflation", fit.inflation},
+            {"explained", fit.is_explained()}};
+}
+
+std::vector<std::string> make_verdict(const Identification& found, const Comparison& comparison, const Unknowns& unknowns) {
+    const Solution& best = found.solutions.front();
+    const Fit& fit = found.fit;
+    std::vector<std::string> verdict;
+    const auto say = [&](std::string text) { verdict.push_back(std::move(text)); };
+    std::vector<std::string> open;
+    for (size_t i = 0; i < unknowns.size(); ++i)
+        if (!best.judged.is_dead[i] && !best.low[i] && !best.high[i] && !best.at_bound[i]) open.push_back(unknowns[i].name);
+
+    if (found.is_underdetermined)
+        say(fmt::format(
+            "Under-determined: {} data for {} unknowns, and many sets of values explain them: no value is known. Free "
+            "fewer, say with --prior what is known before, or measure more",
+            fit.points - comparison.scales(), unknowns.size()));
+    else if (fit.freedom > 0 && !fit.is_explained())
+        say(fmt::format(
+            "No set of values explains the data ({}{}): the values below are the best guess of a model that is wrong",
+            describe_chi2(fit), fit.whiteness < 1e-3 ? "; the residuals are correlated: a model error, not noise" : ""));
+    else if (found.solutions.size() > 1)
+        say(fmt::format(
+            "{} sets of values explain the data about equally well (chi2 within 10): the data cannot tell which is true",
+            found.solutions.size()));
+    else if (!best.judged.flat.empty() || !open.empty())
+        say(fmt::format("The data do not fix all that is sought: {} of {} are not known", open.size(), unknowns.size()));
+    else
+        say(fmt::format("The model explains the data ({})", describe_chi2(fit)));
+    if (fit.is_noise_assumed && fit.freedom > 0 && fit.is_explained() && fit.chance < 1e-3)
+        say(fmt::format("That holds if the noise is {:.2g} times what is usual ({}); the intervals are as much wider",
+                        fit.noise_factor(), describe_chi2(fit)));
+    if (fit.freedom > 0 && !fit.is_explained() && found.solutions.size() > 1)
+        say(fmt::format("{} sets of values come equally near to the data", found.solutions.size()));
+    if (fit.freedom <= 0 && !found.is_underdetermined)
+        say(fmt::format(
+            "There are no more data ({} points) than numbers sought: how well the model explains them cannot be told",
+            fit.points));
+    if (const auto dead = names_where(unknowns, best.judged.is_dead); !dead.empty())
+        say(fmt::format("Nothing that was measured changes with {}", listed(dead)));
+    for (const std::vector<size_t>& alike : best.judged.tied) {
+        std::vector<std::string> names;
+        for (const size_t i : alike) names.push_back(unknowns[i].name);
+        say(fmt::format("{} change the data alike: the data cannot tell them apart", listed(names)));
+    }
+    if (found.is_underdetermined) return verdict;
+    constexpr size_t kSpelt = 5;
+    for (size_t k = 0; k < std::min(kSpelt, best.judged.flat.size()); ++k)
+        say(fmt::format("The data do not fix the combination {}", describe_combination(best.judged.flat[k], unknowns)));
+    if (best.judged.flat.size() > kSpelt)
+        say(fmt::format("The data do not fix {} combinations more", best.judged.flat.size() - kSpelt));
+    if (const auto held = names_where(unknowns, best.at_bound); !held.empty())
+        say(fmt::format("{} {} at a bound: the data want it beyond", listed(held), are(held.size())));
+    if (!fit.is_noise_independent)
+        say("The noise was estimated from the residuals: so chi2 cannot show a lack of fit, their correlation can");
+    if (fit.inflation > 1 && fit.whiteness < 1e-3)
+        say(fmt::format("The intervals are {:.2g} times wider for the correlation of the residuals", fit.inflation));
+    std::vector<std::string> shifted;
+    for (Eigen::Index i = 0; i < found.step_bias.size(); ++i) {
+        const double deviation = best.judged.deviations(i), bias = found.step_bias(i);
+        if (!std::isfinite(deviation) || !(std::abs(bias) > kStepMatters * deviation)) continue;
+        const Unknown& one = unknowns[as_size(i)];
+        shifted.push_back(one.is_logarithmic() ? fmt::format("{} by {:.2g} %", one.name, 100 * bias)
+                                               : fmt::format("{} by {:.2g} {}", one.name, one.slope(0) * bias, one.unit));
+    }
+    if (!shifted.empty())
+        say(fmt::format(
+            "The time step of {:.4g} s shifts {} from what exact motion would give: measured data want a smaller "
+            "--step",
+            comparison.time_step(), listed(shifted)));
+    if (found.failed > 0)
+        say(fmt::format("From {} of the starting points the model had no answer, as: {}", found.failed,
+                        found.first_failure));
+    return verdict;
+}
+
+}  // namespace dttmm::host

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "analysis/json.h"
+#include "identify/identification.h"
+
+namespace dttmm::host {
+
+/// What an identification says, in sentences; the first is the answer.
+std::vector<std::string> make_verdict(const Identification& found, const Comparison& comparison, const Unknowns& unknowns);
+
+/// "k1 = 412300 N/m (409000 to 415500)"; "k1 is not fixed by the data".
+std::string describe_value(const Solution& solution, const Unknowns& unknowns, size_t i);
+
+/// Where the noise of the data comes from, a sentence.
+std::string describe_noise(const Comparison& comparison);
+/// Of every group: name, noise, source.
+Json describe_groups(const Comparison& comparison);
+/// chi2, points and what they say.
+Json describe_fit(const Fit& fit);
+/// "chi2 5189 for 4004 points".
+std::string describe_chi2(const Fit& fit);
+
+}  // namespace dttmm::host

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "identify/forked_map.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/prctl.h>
@@ -37,10 +38,19 @@ void send(int pipe, const void* data, size_t size) {
     }
 }
 
+bool is_server = false;  // this process serves tasks: it makes no others
+
 /// Of a process: tasks first, first + stride, ... of `count`.
 [[noreturn]] void serve_tasks(int pipe, size_t first, size_t stride, size_t count,
                               const std::function<std::vector<double>(size_t)>& work) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
+    is_server = true;
+    // What a trial says of itself is no message to the user
+    if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0) {
+        dup2(nowhere, STDOUT_FILENO);
+        dup2(nowhere, STDERR_FILENO);
+        close(nowhere);
+    }
     for (size_t task = first; task < count && !StopSignals::requested(); task += stride) {
         try {
             const std::vector<double> numbers = work(task);
@@ -155,7 +165,7 @@ std::vector<TaskResult> map_in_processes(size_t count, int jobs, const std::func
     std::vector<TaskResult> results(count, {{}, "its process crashed"});
     const size_t cores = std::max(1u, std::thread::hardware_concurrency());
     const size_t servers = std::min(count, jobs > 0 ? static_cast<size_t>(jobs) : cores);
-    if (servers < 2) {
+    if (is_server || count == 0) {
         for (size_t task = 0; task < count; ++task) {
             try {
                 results[task] = {work(task)};

@@ -1,8 +1,309 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "identify/local_sensitivity.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+
+#include "analysis/json.h"
+#include "analysis/modal_session.h"
+#include "analysis/stop_signals.h"
+#include "model/index.h"
+#include "model/wording.h"
+#include "record/atomic_file.h"
+#include "record/csv_table.h"
+#include "record/results_folder.h"
+#include "study/design.h"
+#include "study/distribution.h"
+#include "study/text_list.h"
+
 namespace dttmm::host {
 
-ExitCode find_sensitivities(const Request&) { return ExitCode::ok; }
+namespace {
+
+constexpr int kLevels = 3;               // of extrapolation: the error is of sixth order
+constexpr double kFarthestPoint = 0.02;  // of the logarithm of a parameter; halved from level to level
+constexpr double kOneMode = 1e-6;        // share: frequencies this near are one multiple frequency
+constexpr int kCheckCases = 200;         // that check a linear estimate of scatter
+constexpr double kRough = 0.01;          // error of a slope, share of the largest of its figure: worth a word
+
+bool is_frequency(const Column& column) { return column.name.starts_with("mode") && column.name.ends_with(".frequency"); }
+
+/// Values of the branches of one multiple frequency on both sides of the file's values, each ascending.
+struct Branches {
+    Eigen::VectorXd above, below;
+};
+
+/// Which of the values below goes on as which above: a right pair lies on a line through the file's value up to its
+/// curvature, which falls fourfold when the distance is halved; of a wrong one it falls twofold. Fewest exchanges first:
+/// branches with one slope keep their order.
+std::vector<Eigen::Index> pair_branches(const Branches& far, const Branches& near, double at) {
+    constexpr double kFalls = 3;         // between two- and fourfold
+    constexpr double kRounding = 1e-11;  // share of the frequency
+    std::vector<Eigen::Index> order(as_size(far.above.size())), best;
+    std::iota(order.begin(), order.end(), Eigen::Index{0});
+    const auto bend = [&](const Branches& own) {
+        double sum = 0;
+        for (size_t i = 0; i < order.size(); ++i) sum += std::abs(own.above(as_row(i)) + own.below(order[i]) - 2 * at);
+        return sum;
+    };
+    size_t fewest = std::numeric_limits<size_t>::max();
+    double least = std::numeric_limits<double>::infinity();
+    do {
+        size_t exchanges = 0;
+        for (size_t i = 0; i < order.size(); ++i)
+            for (size_t j = i + 1; j < order.size(); ++j) exchanges += order[i] > order[j];
+        const double wide = bend(far);
+        const bool is_line = wide < kRounding * std::abs(at) || wide > kFalls * bend(near);
+        if (is_line ? exchanges >= fewest : fewest < std::numeric_limits<size_t>::max() || wide >= least) continue;
+        if (is_line) fewest = exchanges;
+        least = wide;
+        best = order;
+    } while (std::ranges::next_permutation(order).found);
+    return best;
+}
+
+/// Puts the figures below the file's values, a row per distance, into the order of the branches above them.
+void join_branches(const std::vector<Column>& figures, const Eigen::VectorXd& nominal, const Eigen::MatrixXd& above,
+                   Eigen::MatrixXd& below) {
+    constexpr Eigen::Index kMost = 6;  // branches: their orders are counted out
+    for (Eigen::Index first = 0, end = 0; first < nominal.size(); first = end) {
+        end = first + 1;
+        if (!is_frequency(figures[as_size(first)])) continue;
+        while (end < nominal.size() && is_frequency(figures[as_size(end)]) &&
+               std::abs(nominal(end) - nominal(first)) <= kOneMode * std::abs(nominal(first)))
+            ++end;
+        const Eigen::Index count = end - first;
+        if (count < 2 || count > kMost) continue;
+        const auto branches = [&](Eigen::Index level) {
+            return Branches{above.row(level).segment(first, count), below.row(level).segment(first, count)};
+        };
+        const std::vector<Eigen::Index> order = pair_branches(branches(0), branches(1), nominal(first));
+        const Eigen::MatrixXd own = below.middleCols(first, count);
+        for (Eigen::Index i = 0; i < count; ++i) below.col(first + i) = own.col(order[as_size(i)]);
+    }
+}
+
+}  // namespace
+
+LocalSensitivity differentiate_figures(const FigureFunction& function, int jobs) {
+    const Eigen::VectorXd& nominal = function.nominal();
+    const auto count = nominal.size();
+    Eigen::MatrixXd points(1 + 2 * kLevels * count, count);
+    points.rowwise() = nominal.transpose();
+    const auto row_of = [&](Eigen::Index p, int level, int side) { return 1 + (p * kLevels + level) * 2 + side; };
+    for (Eigen::Index p = 0; p < count; ++p)
+        for (int level = 0; level < kLevels; ++level)
+            for (int side = 0; side < 2; ++side)
+                points(row_of(p, level, side), p) *= std::exp((side == 0 ? 1 : -1) * kFarthestPoint / (1 << level));
+    std::string failure;
+    const Eigen::MatrixXd figures = function.evaluate(points, jobs, failure);
+    if (!failure.empty())
+        throw Error(ExitCode::numerical_failure, fmt::format("near the file's values the model has no answer: {}", failure));
+    LocalSensitivity found;
+    found.figures = figures.row(0);
+    found.slopes.resize(figures.cols(), count);
+    found.errors.resize(figures.cols(), count);
+    for (Eigen::Index p = 0; p < count; ++p) {
+        std::array<Eigen::VectorXd, kLevels> level;
+        Eigen::MatrixXd above(kLevels, figures.cols()), below(kLevels, figures.cols());
+        for (int l = 0; l < kLevels; ++l) {
+            above.row(l) = figures.row(row_of(p, l, 0));
+            below.row(l) = figures.row(row_of(p, l, 1));
+        }
+        join_branches(function.figures(), found.figures, above, below);
+        for (int l = 0; l < kLevels; ++l)
+            level[as_size(l)] = (above.row(l) - below.row(l)).transpose() / (2 * kFarthestPoint / (1 << l));
+        // Of Neville's table each entry with the least change from the one before it counts
+        found.slopes.col(p) = level[2];
+        found.errors.col(p) = (level[2] - level[1]).cwiseAbs();
+        const Eigen::VectorXd fourth = level[1] + (level[1] - level[0]) / 3, next = level[2] + (level[2] - level[1]) / 3,
+                              sixth = next + (next - fourth) / 15;
+        for (Eigen::Index f = 0; f < figures.cols(); ++f)
+            for (const auto& [better, worse] : {std::pair(next(f), fourth(f)), std::pair(sixth(f), next(f))})
+                if (std::abs(better - worse) < found.errors(f, p)) {
+                    found.slopes(f, p) = better;
+                    found.errors(f, p) = std::abs(better - worse);
+                }
+    }
+    return found;
+}
+
+namespace {
+
+/// Names that --by or --vary means.
+std::vector<std::string> parameters_of(const Request& request, const Model& model) {
+    std::vector<std::string> names;
+    const auto add = [&](const std::string& name) {
+        if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+    };
+    for (const std::string& text : request.by)
+        for (const std::string& name : parameter_names(text, model.parameters, "--by")) add(name);
+    for (const std::string& text : request.variations)
+        for (const std::string& name : parse_variation(text, model.parameters).names) add(name);
+    if (names.empty()) throw Error(ExitCode::usage, "which parameters change? Name them with --by, e.g. --by k1..k4");
+    for (const std::string& name : names)
+        if (std::ranges::find(model.parameters, name, &Parameter::name)->value == 0)
+            throw Error(ExitCode::usage,
+                        fmt::format("--by {}: its value in the file is 0, of which there is no per cent", quote(name)));
+    return names;
+}
+
+/// How far figures scatter with parameters that scatter as --vary says.
+struct Scatter {
+    Eigen::VectorXd linear;  ///< standard deviations by the slopes
+    Eigen::VectorXd sampled, mean;
+    Eigen::Index cases = 0, failed = 0;
+};
+
+Scatter find_scatter(const Request& request, const Model& model, const FigureFunction& function,
+                     const LocalSensitivity& local) {
+    std::vector<Distribution> distributions(function.parameters().size());
+    std::vector<bool> varies(distributions.size(), false);
+    for (const std::string& text : request.variations) {
+        const Variation variation = parse_variation(text, model.parameters);
+        for (const std::string& name : variation.names)
+            for (size_t p = 0; p < distributions.size(); ++p)
+                if (function.parameters()[p].name == name) {
+                    distributions[p] = variation.distribution;
+                    varies[p] = true;
+                }
+    }
+    const auto count = as_row(distributions.size());
+    const Eigen::MatrixXd shares = make_probabilities(Design::latin, kCheckCases, count, 1);
+    Eigen::MatrixXd points(kCheckCases, count);
+    points.rowwise() = function.nominal().transpose();
+    Scatter scatter;
+    scatter.linear = Eigen::VectorXd::Zero(local.figures.size());
+    for (Eigen::Index p = 0; p < count; ++p) {
+        if (!varies[as_size(p)]) continue;
+        for (Eigen::Index i = 0; i < kCheckCases; ++i) points(i, p) = distributions[as_size(p)].quantile(shares(i, p));
+        const double deviation = std::sqrt((points.col(p).array() - points.col(p).mean()).square().mean());
+        scatter.linear.array() += (local.slopes.col(p).array() / function.nominal()(p) * deviation).square();
+    }
+    scatter.linear = scatter.linear.cwiseSqrt();
+    std::string failure;
+    const Eigen::MatrixXd figures = function.evaluate(points, request.jobs, failure);
+    scatter.sampled = scatter.mean = Eigen::VectorXd::Zero(figures.cols());
+    for (Eigen::Index f = 0; f < figures.cols(); ++f) {
+        double sum = 0, squares = 0, done = 0;
+        for (const double value : figures.col(f)) {
+            if (std::isnan(value)) continue;
+            sum += value;
+            squares += value * value;
+            ++done;
+        }
+        scatter.mean(f) = sum / done;
+        scatter.sampled(f) = std::sqrt(std::max(0.0, squares / done - scatter.mean(f) * scatter.mean(f)));
+        scatter.cases = kCheckCases;
+        scatter.failed = std::max(scatter.failed, kCheckCases - static_cast<Eigen::Index>(done));
+    }
+    return scatter;
+}
+
+/// % per %; of a figure that is zero there is none.
+double per_cent(const LocalSensitivity& local, Eigen::Index f, Eigen::Index p) {
+    return local.figures(f) != 0 ? local.slopes(f, p) / local.figures(f) : std::nan("");
+}
+
+void write_tables(const ResultsFolder& folder, const Request& request, const FigureFunction& function,
+                  const LocalSensitivity& local, const std::optional<Scatter>& scatter) {
+    CsvTable csv({{"figure", ""},
+                  {"unit", ""},
+                  {"parameter", ""},
+                  {"value", "SI"},
+                  {"percent_per_percent", "1"},
+                  {"per_logarithm", "SI"},
+                  {"error", "SI"}});
+    Json list = Json::array();
+    const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
+    for (Eigen::Index f = 0; f < local.figures.size(); ++f) {
+        const Column& figure = function.figures()[as_size(f)];
+        Json by = Json::object();
+        for (Eigen::Index p = 0; p < local.slopes.cols(); ++p) {
+            const std::string& name = function.parameters()[as_size(p)].name;
+            csv.add(figure.name)
+                .add(figure.unit)
+                .add(name)
+                .add(local.figures(f))
+                .add(per_cent(local, f, p))
+                .add(local.slopes(f, p))
+                .add(local.errors(f, p))
+                .end_row();
+            by[name] = {{"percent_per_percent", number(per_cent(local, f, p))},
+                        {"per_logarithm", number(local.slopes(f, p))},
+                        {"error", number(local.errors(f, p))}};
+        }
+        Json one = {{"figure", figure.name}, {"unit", figure.unit}, {"value", number(local.figures(f))}, {"by", by}};
+        if (scatter)
+            one["scatter"] = {{"linear", number(scatter->linear(f))},
+                              {"sampled", number(scatter->sampled(f))},
+                              {"mean", number(scatter->mean(f))}};
+        list.push_back(one);
+    }
+    write_atomically(folder.file("sensitivity.csv"), csv.text());
+    write_json(folder.file("sensitivity.json"), Json{{"format", "dttmm-sensitivity/1"},
+                                                     {"command", function.command()},
+                                                     {"figures", list},
+                                                     {"command_line", request.command_line}});
+}
+
+void print(const FigureFunction& function, const LocalSensitivity& local, const std::optional<Scatter>& scatter) {
+    size_t width = 8;
+    for (const Column& one : function.figures()) width = std::max(width, one.name.size());
+    std::string head = fmt::format("{:<{}} {:>14} {:<8}", "% per %", width, "value", "");
+    for (const Column& one : function.parameters()) head += fmt::format(" {:>11}", one.name);
+    fmt::print("{}\n", head);
+    std::vector<std::string> rough;
+    for (Eigen::Index f = 0; f < local.figures.size(); ++f) {
+        const Column& one = function.figures()[as_size(f)];
+        std::string line = fmt::format("{:<{}} {:>14.7g} {:<8}", one.name, width, local.figures(f), one.unit);
+        const double largest = local.slopes.row(f).cwiseAbs().maxCoeff();
+        bool is_rough = false;
+        for (Eigen::Index p = 0; p < local.slopes.cols(); ++p) {
+            const double value = per_cent(local, f, p);
+            line += std::isnan(value) ? fmt::format(" {:>11}", "-") : fmt::format(" {:>+11.4f}", value);
+            is_rough = is_rough || local.errors(f, p) > kRough * largest;
+        }
+        if (is_rough && largest > 0) rough.push_back(one.name);
+        fmt::print("{}\n", line);
+    }
+    if (!rough.empty())
+        fmt::print("known to worse than 1 % only, as where a peak moves from one instant to another: {}\n", listed(rough));
+    if (!scatter) return;
+    fmt::print("\n{:<{}} {:>14} {:>14} {:>14}\n", "scatter", width, "deviation", "by cases", "not linear");
+    for (Eigen::Index f = 0; f < local.figures.size(); ++f)
+        fmt::print("{:<{}} {:>14.6g} {:>14.6g} {:>13.2g}%\n", function.figures()[as_size(f)].name, width, scatter->linear(f),
+                   scatter->sampled(f),
+                   scatter->sampled(f) > 0 ? 100 * (scatter->sampled(f) / scatter->linear(f) - 1) : 0.0);
+    fmt::print("deviation: by the slopes above; by cases: of {} cases, {} of which failed\n", scatter->cases,
+               scatter->failed);
+}
+
+}  // namespace
+
+ExitCode find_sensitivities(const Request& request) {
+    const StopSignals signals;
+    const Plugins plugins(request.plugins);
+    ModelOverrides overrides = request.overrides;
+    overrides.purpose = Purpose::modes;
+    const Model model = read_model(request.model, plugins.catalogue(), overrides);
+    const FigureFunction function(request, model, plugins, parameters_of(request, model), request.figures);
+    const LocalSensitivity local = differentiate_figures(function, request.jobs);
+    std::optional<Scatter> scatter;
+    if (!request.variations.empty()) scatter = find_scatter(request, model, function, local);
+    const ResultsFolder folder(results_path(request, "-sensitivity"));
+    write_tables(folder, request, function, local, scatter);
+    if (!request.quiet) {
+        print(function, local, scatter);
+        fmt::print("results in {}\n", folder.describe("sensitivity.csv"));
+    }
+    return ExitCode::ok;
+}
 
 }  // namespace dttmm::host

@@ -33,6 +33,20 @@ private:
     herr_t (*closer_)(hid_t);
 };
 
+/// Whether a compound is a real and an imaginary part, each within it.
+bool is_complex_type(hid_t type) {
+    if (H5Tget_nmembers(type) != 2) return false;
+    for (const char* part : {"real", "imag"}) {
+        const int index = H5Tget_member_index(type, part);
+        if (index < 0) return false;
+        const auto member = static_cast<unsigned>(index);
+        const Hdf5Id own(H5Tget_member_type(type, member), &H5Tclose);
+        if (own < 0 || (H5Tget_class(own) != H5T_FLOAT && H5Tget_class(own) != H5T_INTEGER)) return false;
+        if (H5Tget_member_offset(type, member) + H5Tget_size(own) > H5Tget_size(type)) return false;
+    }
+    return true;
+}
+
 /// Reads the variables one after another. In HDF5 a struct is a group, and a struct array a group of datasets of references.
 class Mat73Reader {
 public:
@@ -181,8 +195,7 @@ void Mat73Reader::take_dataset(hid_t dataset, const std::string& name, const std
     array.sizes.resize(std::max<std::size_t>(array.sizes.size(), 2), is_empty ? 0 : 1);
     if (count > 0) check_storage(dataset, name, count);
     const H5T_class_t kind = H5Tget_class(type);
-    const bool is_complex = kind == H5T_COMPOUND && H5Tget_nmembers(type) == 2 && H5Tget_member_index(type, "real") >= 0 &&
-                            H5Tget_member_index(type, "imag") >= 0;
+    const bool is_complex = kind == H5T_COMPOUND && is_complex_type(type);
     constexpr std::string_view kNumeric[] = {"",      "double", "single", "logical", "int8",  "uint8",
                                              "int16", "uint16", "int32",  "uint32",  "int64", "uint64"};
     const bool is_numeric =

@@ -92,11 +92,11 @@ std::vector<double> ModeCollector::reals(UniversalText& text, std::size_t count)
 
 void ModeCollector::set_frequency(const UniversalText& text, long long analysis, const std::vector<double>& reals,
                                   Mode& mode) {
-    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    constexpr double kNoDamping = std::numeric_limits<double>::quiet_NaN();
     if (analysis == 2) {
         mode.mode.frequency = reals.at(0);
         const double viscous = reals.size() > 2 ? reals[2] : 0, hysteretic = reals.size() > 3 ? reals[3] : 0;
-        mode.mode.damping = viscous != 0 ? viscous : hysteretic != 0 ? hysteretic / 2 : kNone;
+        mode.mode.damping = viscous != 0 ? viscous : hysteretic != 0 ? hysteretic / 2 : kNoDamping;
         if (mode.mode.frequency < 0) text.fail("a natural frequency is below 0: the file is damaged");
         return;
     }

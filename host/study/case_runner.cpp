@@ -4,11 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 
 #include "analysis/advance.h"
+#include "analysis/damped_modes.h"
 #include "analysis/modal_session.h"
+#include "analysis/mode_energies.h"
 #include "analysis/response.h"
 #include "analysis/run.h"
 #include "analysis/run_warnings.h"
@@ -74,12 +78,35 @@ Found run_history(const Request& request, const StudyPlan& plan, const std::opti
     return found();
 }
 
-Found find_frequencies(const Request& request, const Plugins& plugins) {
+/// Frequencies; damping with --damped; shares of the kinetic energy where a pattern asks for them.
+Found find_frequencies(const Request& request, const Plugins& plugins, const std::vector<std::string>& patterns) {
     Warnings warnings;
     ModalSession session(request, plugins, warnings);
+    const std::vector<ModalInstance::Mode> modes = session.find_modes();
     Found found;
-    for (const ModalInstance::Mode& mode : session.find_modes())
+    for (const ModalInstance::Mode& mode : modes)
         found.add(fmt::format("mode{}.frequency", found.values.size() + 1), "Hz", mode.numbers.frequency);
+    if (request.is_damped && !modes.empty()) {
+        constexpr double kBeyond = 1.02;  // a damped frequency may lie above the undamped one
+        const double below = session.model.modes.below.value_or(kBeyond * modes.back().numbers.frequency);
+        size_t number = 0;
+        for (const ModalInstance::Damped& one : find_damped_modes(session.machine, below, warnings).modes) {
+            ++number;
+            found.add(fmt::format("damped{}.frequency", number), "Hz", std::abs(one.s.imag()) / (2 * std::numbers::pi));
+            found.add(fmt::format("damped{}.damping_ratio", number), "1",
+                      std::abs(one.s) > 0 ? -one.s.real() / std::abs(one.s) : 0);
+        }
+    }
+    const bool has_shares =
+        std::ranges::any_of(patterns, [](const std::string& text) { return text.find(".share") != text.npos; });
+    for (size_t m = 0; has_shares && m < modes.size(); ++m) {
+        const ModeEnergies energies = energies_of(session.model, session.machine, modes[m], static_cast<uint32_t>(m));
+        for (size_t b = 0; b < energies.bodies.size(); ++b)
+            for (Eigen::Index d = 0; d < 6; ++d)
+                found.add(
+                    fmt::format("mode{}.share.{}.{}", m + 1, session.model.bodies[b].name, direction_names()[as_size(d)]),
+                    "1", energies.bodies[b].world(d));
+    }
     found.warnings = warnings.all().size();
     return found;
 }
@@ -106,7 +133,7 @@ Found find_response_of_case(const Request& asked, const Plugins& plugins, const 
 }
 
 Found find(const Request& request, const StudyPlan& plan, const Plugins& plugins, const std::filesystem::path& folder) {
-    if (plan.command == "modes") return find_frequencies(request, plugins);
+    if (plan.command == "modes") return find_frequencies(request, plugins, plan.figures);
     if (plan.command == "response") return find_response_of_case(request, plugins, folder, plan.keeps);
     return run_history(request, plan, plan.keeps ? std::optional(folder) : std::nullopt);
 }

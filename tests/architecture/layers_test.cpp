@@ -39,6 +39,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"host/world", {"host/model", "host/world"}},
     {"host/loader", {"host/model", "host/loader"}},
     {"host/record", {"host/model", "host/record"}},
+    {"host/measured", {"host/model", "host/record", "host/measured"}},
     {"host/coupling", {"host/model", "host/world", "host/loader", "host/record", "host/coupling"}},
     {"host/step", {"host/model", "host/world", "host/loader", "host/record", "host/coupling", "host/step"}},
     {"host/analysis",
@@ -46,10 +47,13 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"host/study",
      {"host/model", "host/world", "host/loader", "host/record", "host/coupling", "host/step", "host/analysis",
       "host/study"}},
+    {"host/identify",
+     {"host/model", "host/world", "host/loader", "host/record", "host/measured", "host/coupling", "host/step",
+      "host/analysis", "host/study", "host/identify"}},
     {"host/report", {"host/model", "host/record", "host/analysis", "host/report"}},
     {"host/cli",
      {"host/model", "host/world", "host/loader", "host/record", "host/coupling", "host/step", "host/analysis", "host/study",
-      "host/report", "host/cli"}},
+      "host/identify", "host/report", "host/cli"}},
 };
 
 Includes read_includes() {

@@ -72,6 +72,7 @@ Comparison::Comparison(const Request& request, const Observations& observations,
         values.insert(values.end(), one.values.begin(), one.values.end());
         group.noise = one.noise;
         if (one.noise > 0) group.noise_from = one.is_noise_of_user ? DataGroup::NoiseFrom::user : DataGroup::NoiseFrom::data;
+        group.noise_samples = one.noise_samples;
         duration_ = std::max(duration_, one.times.back());
         close(group);
     }

@@ -22,6 +22,7 @@ struct DataGroup {
     Eigen::Index first = 0, count = 0;  ///< rows
     double largest = 0;                 ///< value
     double noise = 0;                   ///< standard deviation that counts; where deviations differ 1: see Comparison
+    size_t noise_samples = 0;           ///< that it was estimated from; 0: it is known
     enum class NoiseFrom : unsigned char { user, data, residuals, assumed } noise_from = NoiseFrom::residuals;
 };
 

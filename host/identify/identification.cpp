@@ -25,6 +25,7 @@ constexpr double kSpread = 1.2;        // of starting points in the logarithm: a
 constexpr double kAsGood = 10;         // of chi2: solutions nearer than this explain the data as well as the best
 constexpr double kSame = 1e-3;         // distance of coordinates: one minimum
 constexpr double kNear = 0.01;         // the same, of minima of a short window
+constexpr double kFarWorse = 4;        // times the least chi2 of a short window: no minimum of the long one
 constexpr double kFirstWindow = 0.25;  // share of a history: a short one has fewer side minima
 constexpr int kDescended = 4;          // of the starting points of histories and responses: those with the least residual
 constexpr int kNoiseRounds = 2;        // estimates of noise from residuals, each followed by a fit
@@ -149,7 +150,7 @@ LeastSquares Identifier::problem(bool are_logarithmic, int jobs) const {
 }
 
 Minimum Identifier::search_from(const Eigen::VectorXd& start, int jobs) const {
-    if (!comparison_.has_responses()) return minimise(problem(false, jobs), start);
+    if (!comparison_.has_responses()) return minimise(problem(false, jobs), start, most_evaluations_);
     const Minimum rough = minimise(problem(true, jobs), start);
     return minimise(problem(false, jobs), rough.x);
 }
@@ -282,9 +283,15 @@ Identification Identifier::identify(int starts, int seed) {
     if (count > 0) {
         const std::vector<bool> none(as_size(count), false);
         const Eigen::VectorXd x = unknowns_.start();
-        found.is_underdetermined = is_underdetermined(judge_identifiability(jacobian(x, false, jobs_), unknowns_, none));
+        const Identifiability judged = judge_identifiability(jacobian(x, false, jobs_), unknowns_, none);
+        found.is_underdetermined = is_underdetermined(judged);
+        found.flat_in_file = judged.flat;
     }
-    if (found.is_underdetermined) starts = 1;  // there is no end of solutions
+    if (found.is_underdetermined) {  // there is no end of solutions
+        constexpr int kFew = 12;
+        starts = 1;
+        most_evaluations_ = kFew;
+    }
     found.starts = as_size(starts);
     std::vector<Start> points = starting_points(starts, seed);
     const bool has_stages = comparison_.has_histories() && !comparison_.has_modes() && starts > 1;
@@ -294,6 +301,7 @@ Identification Identifier::identify(int starts, int seed) {
         comparison_.set_window(1);
         points.clear();
         for (const Minimum& one : minima) {
+            if (one.chi2() > kFarWorse * minima.front().chi2() + 1) continue;
             const auto known = std::ranges::find_if(
                 points, [&](const Start& start) { return (start.x - one.x).cwiseAbs().maxCoeff() < kNear; });
             if (known == points.end())
@@ -351,6 +359,12 @@ Fit Identifier::judge_fit(const Solution& solution) const {
     fit.is_noise_assumed = std::ranges::any_of(
         comparison_.groups(), [](const DataGroup& group) { return group.noise_from == DataGroup::NoiseFrom::assumed; });
     if (fit.freedom > 0) fit.chance = chance_beyond(fit.chi2, fit.freedom);
+    size_t samples = 0;
+    for (const DataGroup& group : comparison_.groups()) samples += group.noise_samples;
+    if (samples > 0 && fit.freedom > 0)  // the noise itself is an estimate
+        fit.chance = boost::math::cdf(
+            complement(boost::math::fisher_f(static_cast<double>(fit.freedom), static_cast<double>(samples)),
+                       fit.chi2 / static_cast<double>(fit.freedom)));
     const Eigen::VectorXd residual = comparison_.residual(solution.predicted, false);
     double sum = 0;
     int looked_at = 0;

@@ -47,7 +47,8 @@ struct Identification {
     size_t failed = 0;                ///< descents that found nothing
     std::string first_failure;        ///< why
     bool is_underdetermined = false;  ///< there are no more data than unknowns, and they leave some open: none is known
-    Eigen::VectorXd step_bias;        ///< of coordinates, by the time step; empty: no histories
+    std::vector<Eigen::VectorXd> flat_in_file;  ///< combinations that the data do not fix at the file's values
+    Eigen::VectorXd step_bias;                  ///< of coordinates, by the time step; empty: no histories
 };
 
 /// What is known of unknowns before: rows that are added to those of the data.
@@ -106,6 +107,7 @@ private:
     const Unknowns& unknowns_;
     std::vector<Prior> priors_;
     int jobs_;
+    int most_evaluations_ = kMostEvaluations;  ///< of one descent
 };
 
 }  // namespace dttmm::host

@@ -49,7 +49,8 @@ Json describe_solution(const Solution& solution, const Unknowns& unknowns, const
 Json describe(const Identification& found, const Comparison& comparison, const Unknowns& unknowns,
               const std::vector<std::string>& verdict) {
     const Solution& best = found.solutions.front();
-    Json solutions = Json::array(), flat = Json::array(), tied = Json::array();
+    Json solutions = Json::array(), flat = Json::array(), tied = Json::array(), flat_in_file = Json::array();
+    for (const Eigen::VectorXd& one : found.flat_in_file) flat_in_file.push_back(describe_combination(one, unknowns));
     for (const Solution& one : found.solutions) solutions.push_back(describe_solution(one, unknowns, found.fit));
     for (const Eigen::VectorXd& one : best.judged.flat) flat.push_back(describe_combination(one, unknowns));
     for (const std::vector<size_t>& alike : best.judged.tied) {
@@ -64,6 +65,7 @@ Json describe(const Identification& found, const Comparison& comparison, const U
             {"solutions", solutions},
             {"dead", names_of(unknowns, best.judged.is_dead)},
             {"flat", flat},
+            {"flat_in_file", flat_in_file},
             {"tied", tied},
             {"at_bound", names_of(unknowns, best.at_bound)},
             {"fit", describe_fit(found.fit)},

@@ -34,6 +34,7 @@ struct Minimum {
 /// From `start` by the method of Levenberg and Marquardt (Eigen's, after MINPACK's lmder). An unknown that leaves its range
 /// stays at the bound as long as the sum falls beyond it. Where the model has no answer the step is made shorter. Throws
 /// what residual(start) throws.
-Minimum minimise(const LeastSquares& problem, const Eigen::VectorXd& start, int most_evaluations = 200);
+inline constexpr int kMostEvaluations = 200;
+Minimum minimise(const LeastSquares& problem, const Eigen::VectorXd& start, int most_evaluations = kMostEvaluations);
 
 }  // namespace dttmm::host

@@ -161,6 +161,16 @@ struct Scatter {
     Eigen::Index cases = 0, failed = 0;
 };
 
+double deviation_of(const Distribution& one) {
+    if (one.kind == Distribution::Kind::uniform) return (one.high - one.low) / std::sqrt(12.0);
+    if (one.kind != Distribution::Kind::list) return one.deviation;
+    double mean = 0, squares = 0;
+    for (const double value : one.values) mean += value / static_cast<double>(one.values.size());
+    for (const double value : one.values)
+        squares += (value - mean) * (value - mean) / static_cast<double>(one.values.size());
+    return std::sqrt(squares);
+}
+
 Scatter find_scatter(const Request& request, const Model& model, const FigureFunction& function,
                      const LocalSensitivity& local) {
     std::vector<Distribution> distributions(function.parameters().size());
@@ -183,7 +193,7 @@ Scatter find_scatter(const Request& request, const Model& model, const FigureFun
     for (Eigen::Index p = 0; p < count; ++p) {
         if (!varies[as_size(p)]) continue;
         for (Eigen::Index i = 0; i < kCheckCases; ++i) points(i, p) = distributions[as_size(p)].quantile(shares(i, p));
-        const double deviation = std::sqrt((points.col(p).array() - points.col(p).mean()).square().mean());
+        const double deviation = deviation_of(distributions[as_size(p)]);
         scatter.linear.array() += (local.slopes.col(p).array() / function.nominal()(p) * deviation).square();
     }
     scatter.linear = scatter.linear.cwiseSqrt();

@@ -250,7 +250,10 @@ private:
             return true;
         }
         history.noise = noise_of(map, history.unit, largest, history.is_noise_of_user);
-        if (history.noise == 0 && before.size() >= kFewestBefore) history.noise = deviation(before);
+        if (history.noise == 0 && before.size() >= kFewestBefore) {
+            history.noise = deviation(before);
+            history.noise_samples = before.size();
+        }
         found_.histories.push_back(std::move(history));
         return true;
     }

@@ -31,6 +31,7 @@ struct ObservedHistory {
     std::vector<double> values;
     double noise = 0;  ///< standard deviation; 0: not known
     bool is_noise_of_user = false;
+    size_t noise_samples = 0;  ///< that a noise of the data was estimated from
 };
 
 /// The response of a channel to one input.

@@ -139,6 +139,12 @@ std::vector<std::string> make_verdict(const Identification& found, const Compari
         say(fmt::format("The data do not fix the combination {}", describe_combination(best.judged.flat[k], unknowns)));
     if (best.judged.flat.size() > kSpelt)
         say(fmt::format("The data do not fix {} combinations more", best.judged.flat.size() - kSpelt));
+    if (best.judged.flat.empty())
+        for (size_t k = 0; k < std::min(kSpelt, found.flat_in_file.size()); ++k)
+            say(fmt::format(
+                "At the file's values the data do not fix the combination {}: away from them it shows at second order only, "
+                "and its intervals are rough",
+                describe_combination(found.flat_in_file[k], unknowns)));
     if (const auto held = names_where(unknowns, best.at_bound); !held.empty())
         say(fmt::format("{} {} at a bound: the data want it beyond", listed(held), are(held.size())));
     if (!fit.is_noise_independent)

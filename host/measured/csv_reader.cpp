@@ -302,7 +302,8 @@ void take_complex(const MeasuredTable& table, const Columns& columns, MeasuredSi
         return;
     }
     const auto& real = columns.of(columns.of(Of::real) ? Of::real : Of::whole);
-    if (!real || columns.of(Of::magnitude) || columns.of(Of::phase))
+    const bool is_half = columns.of(Of::real).has_value() != columns.of(Of::imaginary).has_value();
+    if (!real || is_half || columns.of(Of::magnitude) || columns.of(Of::phase))
         table.fail(1, fmt::format("{} has not both of .re and .im, or of .magnitude and .phase", quote(signal.name)));
     signal.values = table.complete(*real);
     if (columns.of(Of::imaginary)) signal.imaginary = table.complete(*columns.of(Of::imaginary));

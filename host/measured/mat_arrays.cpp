@@ -55,6 +55,10 @@ std::vector<MatArray> read_mat_arrays(const std::filesystem::path& file) {
     const std::string_view order(head.data() + 126, 2);
     const int level = static_cast<unsigned char>(head[order == "MI" ? 124 : 125]);
     if (order == "IM" && level == 2) return read_mat73(file);
+    constexpr std::uintmax_t kLargestMat5 = std::uintmax_t{4} << 30;  // [byte]: it is read as a whole
+    std::error_code fault;
+    if (const auto size = std::filesystem::file_size(file, fault); !fault && size > kLargestMat5)
+        throw Error(ExitCode::input_output, fmt::format("{}: is larger than 4 GiB: split it", file.string()));
     const std::string bytes = read_whole_file(file);
     if ((order != "IM" && order != "MI") || level != 1)
         throw Error(ExitCode::input_output,

@@ -48,6 +48,26 @@ std::string with_exponent_letter(std::string_view field) {
     return text;
 }
 
+/// Numbers that touch: a sign that is not that of an exponent begins the next. Each has a decimal point, or they are parted
+/// otherwise.
+bool append_touching_reals(std::string_view field, std::vector<double>& numbers) {
+    const std::size_t before = numbers.size();
+    for (std::size_t begin = 0; begin < field.size();) {
+        std::size_t end = std::min(field.find_first_of("+-", begin + 1), field.size());
+        while (end < field.size() && std::string_view("EeDd").find(field[end - 1]) != std::string_view::npos)
+            end = std::min(field.find_first_of("+-", end + 1), field.size());
+        const std::string_view one = field.substr(begin, end - begin);
+        const auto value = parse_fortran_real(one);
+        if (!value || one.find('.') == one.npos) {
+            numbers.resize(before);
+            return false;
+        }
+        numbers.push_back(*value);
+        begin = end;
+    }
+    return true;
+}
+
 }  // namespace
 
 std::string_view UniversalText::peek() const {
@@ -168,7 +188,7 @@ std::optional<std::string_view> append_fortran_reals(std::string_view line, std:
         const std::string_view field = line.substr(at, end - at);
         if (const auto value = parse_fortran_real(field))
             numbers.push_back(*value);
-        else
+        else if (!append_touching_reals(field, numbers))
             bad = field;
         at = line.find_first_not_of(kBlanks, end);
     }

@@ -68,8 +68,8 @@ std::optional<double> parse_fortran_real(std::string_view field);
 /// A whole number; a blank field is 0, as in FORTRAN. None: it is no whole number, or one of more than 12 digits.
 std::optional<long long> parse_fortran_whole(std::string_view field);
 
-/// Appends the numbers of a line: as blanks part them or, where numbers touch, by columns of `widths` in turn. Returns the
-/// field that is no number, if there is one; nothing is appended then.
+/// Appends the numbers of a line: as blanks part them, and signs where numbers touch; where that gives none, by columns of
+/// `widths` in turn. Returns the field that is no number, if there is one; nothing is appended then.
 std::optional<std::string_view> append_fortran_reals(std::string_view line, std::span<const std::size_t> widths,
                                                      std::vector<double>& numbers);
 

@@ -18,7 +18,7 @@ bool is_of(const dttmm_parameter& parameter, ScaledPart part) {
     const auto is_any = [&](std::initializer_list<const char*> units) {
         return std::ranges::any_of(units, [&](const char* unit) { return measures(parameter.unit, unit); });
     };
-    if (parameter.words || std::string_view(parameter.unit) == "1") return false;
+    if (std::string_view(parameter.unit) == "1") return false;
     return part == ScaledPart::damping ? is_any({"N*s/m", "N*m*s/rad"}) : is_any({"N/m", "N*m/rad", "N/m^3", "Pa"});
 }
 

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// `dttmm diagnose` as a user has it: which bolt is loose, how loose, how sure; and what the sensors cannot tell.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cli/measured_models.h"
+#include "cli/process.h"
+
+namespace dttmm::host {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+class Diagnose : public testing::Test {
+protected:
+    Diagnose() { write_text(folder_ / "model.toml", struck_plate()); }
+
+    /// Runs the model with other values, adds noise of 1 % of the largest acceleration and asks who it was.
+    nlohmann::json diagnose(const std::vector<std::string>& settings, unsigned seed,
+                            const std::string& channels = "plate.corner*.acceleration.z",
+                            const std::vector<std::string>& more = {}) {
+        std::vector<std::string> words = {"run", "model.toml", "-q", "-o", "secret", "--channels", channels};
+        for (const std::string& one : settings) words.insert(words.end(), {"--set", one});
+        EXPECT_EQ(run_dttmm(folder_.path(), words).code, 0);
+        write_text(folder_ / "data.csv", with_noise(read_text(folder_ / "secret/history.csv"), 0.01, seed));
+        words = {"diagnose", "model.toml", "-o", "out", "--measured", "data.csv", "--suspects", "bolt*"};
+        words.insert(words.end(), more.begin(), more.end());
+        const Ended ended = run_dttmm(folder_.path(), words);
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        said_ = ended.out;
+        return read_json(folder_ / "out/diagnose.json");
+    }
+    const TemporaryFolder folder_;
+    std::string said_;
+};
+
+TEST_F(Diagnose, TheRightBoltAtTwoPercentWhicheverItIs) {
+    for (const int bolt : {1, 2, 3, 4}) {
+        const nlohmann::json found = diagnose({fmt::format("k{}=490 N/mm", bolt)}, static_cast<unsigned>(bolt));
+        ASSERT_EQ(found["candidates"].size(), 1u) << said_;
+        const nlohmann::json& one = found["candidates"][0];
+        EXPECT_EQ(one["elements"], nlohmann::json({fmt::format("bolt{}", bolt)}));
+        EXPECT_NEAR(one["factor"].get<double>(), 0.98, 0.006);
+        EXPECT_LT(one["low"].get<double>(), 0.98);
+        EXPECT_GT(one["high"].get<double>(), 0.98);
+        EXPECT_EQ(one["delta_bic"], 0);
+        EXPECT_THAT(found["verdict"].get<std::string>(),
+                    AllOf(StartsWith(fmt::format("bolt{}, ", bolt)), HasSubstr("% softer (")));
+        EXPECT_GT(found["no_change"]["delta_bic"].get<double>(), 10);
+    }
+}
+
+TEST_F(Diagnose, ALossBelowTheNoiseIsNotSeen) {
+    const nlohmann::json found = diagnose({"k2=499 N/mm"}, 11);
+    EXPECT_TRUE(found["candidates"].empty()) << said_;
+    EXPECT_THAT(found["verdict"].get<std::string>(),
+                AllOf(StartsWith("No change is seen"), HasSubstr("A loss of stiffness above")));
+    const double least = found["least_loss_seen"].get<double>();
+    EXPECT_GT(least, 0.002);
+    EXPECT_LT(least, 0.02);
+}
+
+// A stiffer bolt, and one whose damping has changed too.
+TEST_F(Diagnose, StifferBoltsAndDampingAreFound) {
+    const nlohmann::json found = diagnose({"k3=600 N/mm"}, 4);
+    EXPECT_EQ(found["candidates"][0]["elements"], nlohmann::json({"bolt3"}));
+    EXPECT_NEAR(found["candidates"][0]["factor"].get<double>(), 1.2, 0.01);
+    EXPECT_THAT(said_, HasSubstr("% stiffer"));
+}
+
+TEST_F(Diagnose, TwoLooseBoltsAreAPair) {
+    const nlohmann::json found = diagnose({"k1=400 N/mm", "k3=550 N/mm"}, 3);
+    ASSERT_EQ(found["candidates"].size(), 1u) << said_;
+    EXPECT_EQ(found["candidates"][0]["elements"], nlohmann::json({"bolt1", "bolt3"}));
+    EXPECT_NEAR(found["candidates"][0]["factor"][0].get<double>(), 0.8, 0.01);
+    EXPECT_NEAR(found["candidates"][0]["factor"][1].get<double>(), 1.1, 0.01);
+}
+
+// A blow at the centre moves the centre alike whichever bolt is loose: the answer is all four.
+TEST_F(Diagnose, WhatSensorsCannotTellApartIsASet) {
+    write_text(folder_ / "model.toml", struck_plate("plate"));
+    const nlohmann::json found = diagnose({"k2=400 N/mm"}, 6, "plate.acceleration.z");
+    EXPECT_THAT(found["verdict"].get<std::string>(), HasSubstr("cannot tell"));
+    std::set<nlohmann::json> sets;
+    for (const auto& one : found["candidates"]) sets.insert(one["elements"]);
+    for (int bolt = 1; bolt <= 4; ++bolt)
+        EXPECT_TRUE(sets.contains(nlohmann::json({fmt::format("bolt{}", bolt)}))) << bolt << said_;
+    EXPECT_EQ(found["ties"], nlohmann::json({{"bolt1", "bolt2", "bolt3", "bolt4"}}));
+}
+
+// What is wrong is no bolt: the mass.
+TEST_F(Diagnose, AFaultThatNoSuspectExplainsIsTold) {
+    std::string heavy = struck_plate();
+    heavy.replace(heavy.find("7850"), 4, "9850");
+    write_text(folder_ / "heavy.toml", heavy);
+    ASSERT_EQ(
+        run_dttmm(folder_.path(), {"run", "heavy.toml", "-q", "-o", "secret", "--channels", "plate.corner*.acceleration.z"})
+            .code,
+        0);
+    write_text(folder_ / "data.csv", with_noise(read_text(folder_ / "secret/history.csv"), 0.01, 2));
+    const Ended ended =
+        run_dttmm(folder_.path(), {"diagnose", "model.toml", "-o", "out", "--measured", "data.csv", "--suspects", "bolt*"});
+    EXPECT_THAT(ended.out, StartsWith("No single")) << ended.err;
+    EXPECT_THAT(ended.out, HasSubstr("explains the data"));
+}
+
+TEST_F(Diagnose, APlanSaysWhichSensorsTell) {
+    const Ended ended = run_dttmm(folder_.path(), {"diagnose", "model.toml", "-o", "out", "--suspects", "bolt*", "--plan"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    const std::string table = read_text(folder_ / "out/plan.csv");
+    // Blows along z at corners make the bolts differ; a blow along x at the centre moves them all alike
+    const std::string first = table.substr(table.find('\n', table.find('\n') + 1) + 1);
+    EXPECT_THAT(first, StartsWith("plate.corner"));
+    EXPECT_THAT(first.substr(0, first.find(',')), testing::EndsWith(".z"));
+}
+
+TEST_F(Diagnose, RefusesWrongSuspects) {
+    const auto fault = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> words = {"diagnose", "model.toml", "--measured", "data.csv"};
+        words.insert(words.end(), more.begin(), more.end());
+        const Ended ended = run_dttmm(folder_.path(), words);
+        EXPECT_EQ(ended.code, 2) << ended.err;
+        return ended.err;
+    };
+    EXPECT_THAT(fault({}), HasSubstr("--suspects"));
+    EXPECT_THAT(fault({"--suspects", "nut*"}), HasSubstr("no element \"nut*\""));
+}
+
+}  // namespace
+}  // namespace dttmm::host

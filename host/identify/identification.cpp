@@ -366,6 +366,11 @@ Fit Identifier::judge_fit(const Solution& solution) const {
             complement(boost::math::fisher_f(static_cast<double>(fit.freedom), static_cast<double>(samples)),
                        fit.chi2 / static_cast<double>(fit.freedom)));
     const Eigen::VectorXd residual = comparison_.residual(solution.predicted, false);
+    for (const DataGroup& group : comparison_.groups()) {
+        if (group.kind == DataGroup::Kind::frequency || group.kind == DataGroup::Kind::shape) continue;
+        const double squares = (solution.predicted - comparison_.data()).segment(group.first, group.count).squaredNorm();
+        fit.misfit = std::max(fit.misfit, std::sqrt(squares / static_cast<double>(group.count)) / group.largest);
+    }
     double sum = 0;
     int looked_at = 0;
     for (const DataGroup& group : comparison_.groups()) {

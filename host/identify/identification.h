@@ -33,8 +33,9 @@ struct Fit {
     bool is_noise_independent = false;     ///< of the residuals: only then chi2 can tell a lack of fit
     double chance = 1;                     ///< of so large a chi2 with a true model
     double whiteness = 1;                  ///< chance that residuals as correlated as these are noise; 1: not looked at
-    double inflation = 1;                  ///< of deviations: for correlated residuals, or for noise larger than assumed
-    bool is_noise_assumed = false;         ///< of some group: what is usual, nobody gave it
+    double misfit = 0;              ///< largest RMS of what is left of a history or response, share of its largest value
+    double inflation = 1;           ///< of deviations: for correlated residuals, or for noise larger than assumed
+    bool is_noise_assumed = false;  ///< of some group: what is usual, nobody gave it
     /// Noise that would make chi2 what it should be, per noise that counts.
     double noise_factor() const { return freedom > 0 ? std::sqrt(chi2 / static_cast<double>(freedom)) : 1; }
     bool is_explained() const;

@@ -54,7 +54,10 @@ std::string describe_value(const Solution& solution, const Unknowns& unknowns, s
                        text(low, "no lower limit"), text(high, "no upper limit"));
 }
 
-std::string describe_chi2(const Fit& fit) { return fmt::format("chi2 {:.5g} for {} points", fit.chi2, fit.points); }
+std::string describe_chi2(const Fit& fit) {
+    return fmt::format("chi2 {:.5g} for {} points{}", fit.chi2, fit.points,
+                       fit.misfit > 0 ? fmt::format(", {:.2g} % of the largest value left", 100 * fit.misfit) : "");
+}
 
 std::string describe_noise(const Comparison& comparison) {
     std::vector<std::string> parts;
@@ -85,6 +88,7 @@ Json describe_fit(const Fit& fit) {
             {"points", fit.points},
             {"degrees_of_freedom", fit.freedom},
             {"noise_is_independent", fit.is_noise_independent},
+            {"misfit", fit.misfit},
             {"chance_of_chi2", fit.chance},
             {"chance_of_correlation", fit.whiteness},
             {"inflation", fit.inflation},

@@ -21,7 +21,7 @@ std::string describe_noise(const Comparison& comparison);
 Json describe_groups(const Comparison& comparison);
 /// chi2, points and what they say.
 Json describe_fit(const Fit& fit);
-/// "chi2 5189 for 4004 points".
+/// "chi2 5189 for 4004 points, 1.3 % of the largest value left".
 std::string describe_chi2(const Fit& fit);
 
 }  // namespace dttmm::host

@@ -116,7 +116,7 @@ void Mat73Reader::take_object(hid_t object, const std::string& name, int depth) 
     if (H5Oget_info2(object, &info, H5O_INFO_BASIC) < 0 || !seen_.insert(info.addr).second)
         fail(name, "it is a part of itself or of another variable");
     const std::string of = matlab_class(object);
-    if (info.type == H5O_TYPE_GROUP && (of == "struct" || of.empty()) && H5Aexists(object, "MATLAB_sparse") <= 0) {
+    if (info.type == H5O_TYPE_GROUP && (of == "struct" || of.empty())) {
         take_group(object, name, depth + 1);
     } else if (info.type == H5O_TYPE_DATASET) {
         take_dataset(object, name, of, depth);

@@ -147,6 +147,8 @@ bool MatMeasurement::read_own_curves() {
     });
     const bool is_own = !channels.empty() || (find("kind") && find("version") && find("model_text") && find("command_line"));
     for (const auto& channel : channels) read_own_curve(channel);
+    for (std::size_t i = 0; i < arrays_.size() && is_own; ++i)
+        if (arrays_[i].of == MatArray::Of::text) is_used_[i] = true;
     return is_own;
 }
 

@@ -10,6 +10,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "measured/remarks.h"
@@ -202,14 +203,15 @@ private:
     void take_mark(const std::string& place, long long number);
     void read_factors();
     void count_nodes(long long number, const std::string& place);
+    Measurement finish();
 
     UniversalText text_;
     Remarks remarks_;
     ModeCollector modes_;
     Measurement found_;
     std::optional<UniversalFactors> factors_;
-    std::map<long long, std::size_t> sets_;  ///< how many there are by number
-    std::size_t nodes_ = 0, turned_nodes_ = 0;
+    std::map<long long, std::size_t> sets_;     ///< how many there are by number
+    std::set<long long> nodes_, turned_nodes_;  ///< labels; turned: with axes of their own for displacements
 };
 
 /// The number of a data set: up to six digits, and b with its fields behind it. None: the line is something else.
@@ -260,8 +262,11 @@ void UniversalReader::count_nodes(long long number, const std::string& place) {
                             fmt::format("{}: data set 2411 ends within a node: the file is cut off or damaged", place));
             text_.next();
         }
-        ++nodes_;
-        if (parse_fortran_whole(line.substr(std::min<std::size_t>(20, line.size()), 10)).value_or(0) != 0) ++turned_nodes_;
+        const auto field = [&](std::size_t first) {
+            return parse_fortran_whole(line.substr(std::min(first, line.size()), 10)).value_or(0);
+        };
+        nodes_.insert(field(0));
+        if (field(20) != 0) turned_nodes_.insert(field(0));
     }
 }
 
@@ -303,13 +308,17 @@ Measurement UniversalReader::read() {
         }
     }
     modes_.finish(found_);
-    if (nodes_ > 0) remarks_.add("", fmt::format("not used: {}", counted(nodes_, "node", "nodes")));
-    if (turned_nodes_ > 0)
-        remarks_.add("",
-                     fmt::format("{} a coordinate system of their own for displacements: directions may not be those of the "
-                                 "axes of the machine",
-                                 turned_nodes_ == 1 ? "1 node has" : fmt::format("{} nodes have", turned_nodes_)));
     if (stray > 0) remarks_.add("", fmt::format("skipped: {} between data sets", counted(stray, "line", "lines")));
+    return finish();
+}
+
+/// Notes of what was not used. Throws if nothing was.
+Measurement UniversalReader::finish() {
+    if (!nodes_.empty()) remarks_.add("", fmt::format("not used: {}", counted(nodes_.size(), "node", "nodes")));
+    if (!turned_nodes_.empty())
+        remarks_.add(
+            "", fmt::format("{} with axes of their own for displacements: directions there may not be those of the machine",
+                            counted(turned_nodes_.size(), "node", "nodes")));
     std::vector<std::string> all;
     for (const auto& [number, count] : sets_) {
         all.push_back(fmt::format("{} ({})", number, count));

@@ -120,6 +120,7 @@ TEST(MatReader, NamesOfAbscissae) {
     for (const char* name : {"t_hz", "f_s", "times2", "tf", "axis"})
         expect_mat_fault(mat.file({mat.column(name, kFrequencies), mat.column("y", kSeven)}),
                          HasSubstr("nothing in it can be used"));
+    EXPECT_EQ(read_variables({mat.column("t", kTimes), mat.column("coh", kTimes)}).signals.at(0).kind, MatKind::history);
     // f may be a force: it does not ascend
     const Measurement force = read_variables({mat.column("t", kFrequencies), mat.column("f", kSeven)});
     EXPECT_THAT(names_of(force), ElementsAre("f"));
@@ -236,6 +237,7 @@ TEST(MatReader, ModesWithDampingBesideOthers) {
                         mat.array("psiExp_m", {2, 3}, six, {0, -1, 0, 1, 0, 0}), mat.column("lambdaExp", {1, 2, 5})});
     ASSERT_EQ(all.modes.size(), 3u);
     EXPECT_EQ(all.modes[1].frequency, 2) << "the names freqNum and psiNum are most alike";
+    EXPECT_THAT(all.shape_names, ElementsAre("psiNum(1)", "psiNum(2)"));
     const Measurement only =
         read_variables({mat.column("dampExp", {0.011, 0.004, 0.0098}), mat.array("freqExp", {1, 3}, {0.865, 2.687, 4.849}),
                         mat.array("psiExp_m", {2, 3}, six, {0, -1, 0, 1, 0, 0}), mat.column("lambdaExp", {1, 2, 5})});
@@ -265,6 +267,7 @@ TEST(MatReader, OwnExportsSayWhatTheirCurvesAre) {
     };
     channel({u"bolt-1.force.z", u"N", u"bolt_1_force_z", u"time", u"s", u"history.csv", u""});
     channel({u"Öse.x", u"m/N", u"x_se_x", u"frequency", u"Hz", u"frf.csv", u""});
+    channel({u"Āx₂𝄞", u"(N)^2/Hz", u"psd", u"frequency", u"Hz", u"psd.csv", u""});
     channel({u"a", u"N", u"a_order_2", u"rpm_order_2", u"rpm", u"response.csv", u"order 2"});
     const std::vector<double> gap = {5, NAN, 3, 2, 1};
     const auto file = [&](const std::vector<std::string>& more) {
@@ -275,10 +278,10 @@ TEST(MatReader, OwnExportsSayWhatTheirCurvesAre) {
     };
     const Measurement all = read_variables(
         file({mat.column("time", kTimes), mat.column("bolt_1_force_z", gap), mat.column("frequency", kFrequencies),
-              mat.column("x_se_x", kSeven, kOthers), mat.column("rpm_order_2", {1, 2, 3}),
+              mat.column("x_se_x", kSeven, kOthers), mat.column("psd", kSeven), mat.column("rpm_order_2", {1, 2, 3}),
               mat.column("a_order_2", {4, 5, 6}, {1, 1, 1}), mat.structure("channels", fields, lines),
               mat.structure("levels", {"rms"}, {mat.column("", kTimes)})}));
-    EXPECT_THAT(names_of(all), ElementsAre("bolt-1.force.z", "Öse.x", "a"));
+    EXPECT_THAT(names_of(all), ElementsAre("bolt-1.force.z", "Öse.x", "Āx₂𝄞", "a"));
     EXPECT_EQ(all.signals[0].kind, MatKind::history);
     EXPECT_EQ(all.signals[0].unit, "N");
     EXPECT_THAT(all.signals[0].values, ElementsAre(5, 3, 2, 1));
@@ -286,7 +289,9 @@ TEST(MatReader, OwnExportsSayWhatTheirCurvesAre) {
     EXPECT_EQ(all.signals[1].kind, MatKind::response);
     EXPECT_EQ(all.signals[1].unit, "m/N");
     EXPECT_EQ(all.signals[1].imaginary, kOthers);
-    EXPECT_EQ(all.signals[2].kind, MatKind::other);
+    EXPECT_EQ(all.signals[2].kind, MatKind::other) << "real over frequency";
+    EXPECT_EQ(all.signals[3].kind, MatKind::other) << "over speed";
+
     EXPECT_THAT(all.notes, Contains(HasSubstr("a.mat: bolt_1_force_z: left out: 1 point without a finite value")));
     EXPECT_THAT(all.notes, Contains(HasSubstr("it is over \"rpm_order_2\" in \"rpm\"")));
     EXPECT_THAT(all.notes, Contains("not used: levels.rms 5x1"));
@@ -324,6 +329,11 @@ TEST(MatReader, AFileThatIsCutOffIsRefused) {
         for (std::size_t size = 0; size < whole.size(); ++size)
             expect_mat_fault(whole.substr(0, size),
                              size == 128 || size == between ? HasSubstr("nothing in it can be used") : HasSubstr("a.mat: "));
+        if (is_compressed) {  // the check sum at the end
+            std::string changed = whole;
+            changed.back() = static_cast<char>(changed.back() ^ 1);
+            expect_mat_fault(changed, HasSubstr("its compressed data are not whole"));
+        }
         expect_mat_fault(
             whole.substr(0, whole.size() - 1),
             AllOf(HasSubstr(fmt::format("a.mat: variable 2 at byte {}: ", between)), HasSubstr("save it again")));

@@ -30,7 +30,7 @@ public:
                        const std::vector<double>& imaginary = {}) const {
         return array(name, {static_cast<int>(real.size()), 1}, real, imaginary);
     }
-    /// Of characters below U+10000.
+    /// Of units of UTF-16.
     std::string text(const std::string& name, std::u16string_view characters) const {
         std::vector<double> codes(characters.begin(), characters.end());
         return matrix(4, name, {1, static_cast<int>(codes.size())}, numbers(4, codes));

@@ -249,6 +249,8 @@ TEST(UniversalReader, Node0IsNoPlace) {
     EXPECT_EQ(only_signal(set.text()).name, "Mic 01.x");
     set.title = "bolt1.force.z [N]";  // what this program writes for what is at no node
     EXPECT_EQ(only_signal(set.text()).name, "bolt1.force.z");
+    set.node = 3;
+    EXPECT_EQ(only_signal(set.text()).name, "3.x");
 }
 
 // Oracle: the same numbers in plain form.
@@ -275,15 +277,26 @@ TEST(UniversalReader, NumbersInEveryFormOfFortran) {
     EXPECT_EQ(values_of(" 1.00000E-400 2 3 4 5 6 7 8\n").at(0), 0) << "too small for a double";
 }
 
+// Oracle: the numbers of the lines. Only the columns tell where one ends.
 TEST(UniversalReader, PositiveNumbersThatTouchArePartedByColumns) {
-    Uff58 set;
-    set.ordinate = 2;
-    set.values.assign(3, 0.0);
-    std::string text = set.text();
-    const std::string zeros = "  0.00000E+00  0.00000E+00  0.00000E+00\n";
-    ASSERT_NE(text.rfind(zeros), text.npos);
-    text.replace(text.rfind(zeros), zeros.size(), "1.2345678E-063.1234567E-077.6543210E+08\n");
-    EXPECT_THAT(only_signal(text).values, ElementsAre(1.2345678e-6, 3.1234567e-7, 7.654321e8));
+    const auto values_of = [](int ordinate, bool is_even, std::size_t points, const std::string& line) {
+        Uff58 set;
+        set.ordinate = ordinate;
+        set.is_even = is_even;
+        set.values.assign(points, 0.0);
+        set.places.assign(points, 0.0);
+        return only_signal(kMark + std::string("    58\n") + set.head() + line + "\n" + kMark);
+    };
+    const std::string first = "1.2345678E-06", second = "3.1234567E-03", wide = "7.65432101234567E+08",
+                      other = "9.87654321098765E-01";
+    EXPECT_THAT(values_of(2, true, 3, first + second + first).values, ElementsAre(1.2345678e-6, 3.1234567e-3, 1.2345678e-6));
+    EXPECT_THAT(values_of(4, true, 2, wide + other).values, ElementsAre(7.65432101234567e8, 9.87654321098765e-1));
+    const MeasuredSignal uneven = values_of(4, false, 2, first + wide + second + other);
+    EXPECT_THAT(uneven.abscissa, ElementsAre(1.2345678e-6, 3.1234567e-3));
+    EXPECT_THAT(uneven.values, ElementsAre(7.65432101234567e8, 9.87654321098765e-1));
+    const MeasuredSignal complex = values_of(6, false, 2, first + wide + other + "\n" + second + other + wide);
+    EXPECT_THAT(complex.abscissa, ElementsAre(1.2345678e-6, 3.1234567e-3));
+    EXPECT_THAT(complex.imaginary, ElementsAre(9.87654321098765e-1, 7.65432101234567e8));
 }
 
 TEST(UniversalReader, LineEndsAndEncodings) {
@@ -340,12 +353,12 @@ TEST(UniversalReader, AbscissaeAreSecondsAndHertz) {
                 Contains(HasSubstr("\"ticks\" of its abscissa is not understood: s is taken")));
 }
 
-/// Data set 164: lengths in mm and forces in mN.
+/// Data set 164: lengths in mm and forces in dN.
 constexpr const char* kMillimetres =
-    "    -1\n   164\n         5mm (milli-newton)            2\n  1.00000000000000000D+03  1.00000000000000000D+03  "
+    "    -1\n   164\n         9mm, dN                        2\n  1.00000000000000000D+03  1.00000000000000000D+01  "
     "1.00000000000000000D+00\n  2.73149999999999980D+02\n    -1\n";
 
-// Oracle: a length in mm is a thousandth in m, a force in mN a thousandth in N, a moment in mN mm a millionth in N m.
+// Oracle: a length in mm is a thousandth in m, a force in dN a tenth in N, a moment in dN mm 1e-4 in N m.
 TEST(UniversalReader, UnitsOfTheFileAreMadeSi) {
     struct Case {
         const char* numerator;
@@ -356,10 +369,10 @@ TEST(UniversalReader, UnitsOfTheFileAreMadeSi) {
     };
     for (const auto& [numerator, direction, exponents, factor, unit] :
          {Case{"12|a|mm/s^2", 3, {}, 1e-3, "m/s^2"}, Case{"8|u|mm", -1, {}, 1e-3, "m"}, Case{"8|u|rad", 5, {}, 1, "rad"},
-          Case{"11|v|NONE", 4, {}, 1, "rad/s"}, Case{"13|F|mN", 1, {}, 1e-3, "N"}, Case{"13|M|NONE", 6, {}, 1e-6, "N*m"},
-          Case{"13|M|NONE", 0, {1, 1, 0}, 1e-6, "N*m"}, Case{"8|phi|rad", 0, {}, 1, "rad"},
-          Case{"8|u|NONE", 0, {}, 1e-3, "m"}, Case{"15|p|mN/mm^2", 0, {}, 1e3, "Pa"},
-          Case{"1|k|N/m", 0, {-1, 1, 0}, 1, "N/m"}, Case{"1|u|V", 1, {}, 1, "V"}}) {
+          Case{"11|v|NONE", 4, {}, 1, "rad/s"}, Case{"13|F|dN", 1, {}, 0.1, "N"}, Case{"13|M|NONE", 6, {}, 1e-4, "N*m"},
+          Case{"13|M|NONE", 0, {1, 1, 0}, 1e-4, "N*m"}, Case{"8|phi|rad", 0, {}, 1, "rad"},
+          Case{"8|u|NONE", 0, {}, 1e-3, "m"}, Case{"15|p|dN/mm^2", 0, {}, 1e5, "Pa"},
+          Case{"1|k|dN/mm", 0, {-1, 1, 0}, 100, "N/m"}, Case{"1|u|V", 1, {}, 1, "V"}}) {
         SCOPED_TRACE(fmt::format("{} direction {}", numerator, direction));
         Uff58 set;
         set.numerator = numerator;
@@ -382,8 +395,8 @@ TEST(UniversalReader, UnitsOfAResponseAndDisagreement) {
     EXPECT_EQ(all.signals[0].unit, "g") << "data set 164 is behind it";
     EXPECT_EQ(all.signals[1].unit, "m/s^2");
     EXPECT_EQ(all.signals[1].reference_unit, "N");
-    EXPECT_DOUBLE_EQ(all.signals[1].values[1], set.values[1].real()) << "mm over mN is m over N";
-    EXPECT_DOUBLE_EQ(all.signals[1].imaginary[0], -1);
+    EXPECT_DOUBLE_EQ(all.signals[1].values[1], set.values[1].real() * 1e-2) << "mm over dN";
+    EXPECT_DOUBLE_EQ(all.signals[1].imaginary[0], -1e-2);
     EXPECT_THAT(all.notes, ElementsAre(AllOf(HasSubstr("a.uff:26 and 1 more: its unit text \"g\" does not agree"),
                                              HasSubstr("values are in m/s^2"))));
     Uff58 psd = exact_record(2, true);
@@ -530,18 +543,19 @@ TEST(UniversalReader, ModesThatAreNoneAndModesWithoutDamping) {
 TEST(UniversalReader, OtherDataSetsAreCountedOrNamed) {
     const std::string nodes15 =
         "    -1\n    15\n         1         0         3         8 -2.40000e+00 -9.50000e-01  0.00000e+00\n"
-        "         2         0         0         8 -2.60000e+00  2.05000e+00  0.00000e+00\n    -1\n";
+        "         2         0         0         8 -2.60000e+00  2.05000e+00  0.00000e+00\n"
+        "         3         0         0         8 -2.60000e+00  2.15000e+00  0.00000e+00\n    -1\n";
     const std::string nodes2411 =
-        "    -1\n  2411\n         1         0         0        11\n   -1.711755676269531E+02    1.036403427124023E+02    "
+        "    -1\n  2411\n         7         0         0        11\n   -1.711755676269531E+02    1.036403427124023E+02    "
         "1.384829101562500E+02\n    -1\n";
     const std::string lines =
         "    -1\n    82\n         1         3         8\nNONE\n         1         2         0\n    -1\n";
     const Measurement all = read_text_as_uff("    -1\n   151\na\nb\nc\nd\ne\nf\ng\n    -1\n" + nodes15 + lines + nodes2411 +
                                              lines + "    -1\n  2412\n   -1000\n    -1\n" + Uff58().text() + "stray\n\n");
     EXPECT_EQ(all.signals.size(), 1u);
-    EXPECT_THAT(all.notes,
-                ElementsAre("not used: 3 nodes", HasSubstr("1 node has a coordinate system of their own"),
-                            "skipped: 1 line between data sets", "skipped: data set 82, 2 times", "skipped: data set 2412"));
+    EXPECT_THAT(all.notes, ElementsAre("skipped: 1 line between data sets", "not used: 4 nodes",
+                                       HasSubstr("1 node with axes of their own"), "skipped: data set 82, 2 times",
+                                       "skipped: data set 2412"));
     expect_fault(nodes15 + lines, AllOf(HasSubstr("there is no function (data set 58) and no mode (55)"),
                                         HasSubstr("it has data sets 15 (1), 82 (1)")));
     expect_fault("", HasSubstr("it has no data set"));

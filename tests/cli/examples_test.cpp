@@ -120,8 +120,8 @@ ExampleResults run_example(const std::string& name, const std::string& options) 
     const Ended ended = run_dttmm(folder.path(), words);
     EXPECT_EQ(ended.code, 0) << ended.err;
     // Commands that look at measured data call their summary as they are called
-    const fs::path own = folder.path() / "results" / (words.front() + ".json");
-    results.summary = read_json(fs::exists(own) ? own : folder.path() / "results" / "summary.json");
+    const fs::path summary = folder.path() / "results" / "summary.json";
+    results.summary = read_json(fs::exists(summary) ? summary : folder.path() / "results" / (words.front() + ".json"));
     return results;
 }
 

@@ -42,14 +42,14 @@ void write_fit_curves(const ResultsFolder& folder, const Observations& observati
     for (const CurveTable& table : group_by_x(observations.histories, &ObservedHistory::times)) {
         std::vector<Column> columns = {{"time", "s"}};
         for (const size_t c : table.curves)
-            for (const char* part : {".measured", ".predicted"})
+            for (const char* part : {".measured", ".predicted", ".residual"})
                 columns.push_back({observations.histories[c].channel + part, observations.histories[c].unit});
         CsvTable csv(columns);
         for (size_t i = 0; i < table.x->size(); ++i) {
             csv.add((*table.x)[i]);
             for (const size_t c : table.curves) {
                 const Eigen::Index row = groups[c].first + as_row(i);
-                csv.add(data(row)).add(predicted(row));
+                csv.add(data(row)).add(predicted(row)).add(data(row) - predicted(row));
             }
             csv.end_row();
         }

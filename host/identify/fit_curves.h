@@ -11,7 +11,8 @@
 namespace dttmm::host {
 
 /// Data beside what the model predicts: histories-1.csv, responses-1.csv and so on, one file per set of times or
-/// frequencies; NAME.measured and NAME.predicted side by side.
+/// frequencies; NAME.measured and NAME.predicted side by side, of
+/// histories NAME.residual too, measured less predicted.
 void write_fit_curves(const ResultsFolder& folder, const Observations& observations, const Comparison& comparison,
                       const Eigen::VectorXd& predicted);
 

@@ -11,6 +11,7 @@
 #include <optional>
 #include <set>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 
 #include "measured/mat_arrays.h"
@@ -85,7 +86,9 @@ struct MatAbscissa {
 class MatMeasurement {
 public:
     MatMeasurement(const std::filesystem::path& file, std::vector<MatArray> arrays)
-        : file_(file.string()), arrays_(std::move(arrays)), is_used_(arrays_.size()) {}
+        : file_(file.string()), arrays_(std::move(arrays)), is_used_(arrays_.size()) {
+        for (std::size_t i = 0; i < arrays_.size(); ++i) index_.emplace(arrays_[i].name, i);
+    }
     Measurement read();
 
 private:
@@ -93,6 +96,7 @@ private:
     const MatArray* find(const std::string& name) const;
     bool read_own_curves();
     void read_own_curve(const std::map<std::string, std::string>& channel);
+    std::optional<std::pair<std::size_t, std::size_t>> choose_modes();
     void read_modes();
     std::vector<double> find_damping(std::size_t frequencies);
     void find_abscissae();
@@ -104,14 +108,17 @@ private:
     std::string file_;
     std::vector<MatArray> arrays_;
     std::vector<bool> is_used_;
-    std::vector<MatAbscissa> abscissae_;
+    using Scope = std::pair<std::string, std::size_t>;  ///< a struct, and how many numbers
+    std::map<Scope, std::vector<MatAbscissa>> near_abscissae_;
+    std::map<std::size_t, std::vector<MatAbscissa>> abscissae_;  ///< of all structs, by how many numbers they have
+    std::unordered_map<std::string, std::size_t> index_;         ///< of arrays by their names
     Remarks remarks_;
     Measurement found_;
 };
 
 const MatArray* MatMeasurement::find(const std::string& name) const {
-    const auto found = std::ranges::find(arrays_, name, &MatArray::name);
-    return found == arrays_.end() ? nullptr : &*found;
+    const auto found = index_.find(name);
+    return found == index_.end() ? nullptr : &arrays_[found->second];
 }
 
 /// Leaves out points that are not finite. The imaginary part is empty for real values.
@@ -196,38 +203,48 @@ std::vector<double> MatMeasurement::find_damping(std::size_t frequencies) {
     return {};
 }
 
-/// The matrix of shapes and the vector of frequencies whose names are most alike but for what they are called by.
-void MatMeasurement::read_modes() {
-    struct Pair {
-        int distance;
-        std::size_t frequency, shape;
-    };
-    std::vector<Pair> pairs;
+/// The vector of frequencies and the matrix of shapes whose names are most alike but for what they are called by.
+std::optional<std::pair<std::size_t, std::size_t>> MatMeasurement::choose_modes() {
     const auto stem = [](std::string name) {
         for (const std::string_view word :
              {"frequencies", "frequency", "freq", "modes", "mode", "shapes", "shape", "phi", "psi"})
             if (const std::size_t at = name.find(word); at != name.npos) name.erase(at, word.size());
         return name;
     };
-    for (std::size_t f = 0; f < arrays_.size(); ++f) {
-        const MatArray& frequency = arrays_[f];
-        if (!is_real_vector(frequency) || frequency.count() == 0 || is_even(frequency.real) ||
-            !has_any(last_part(frequency.name), {"freq"}))
+    std::map<Scope, std::vector<std::size_t>> frequencies;
+    for (std::size_t f = 0; f < arrays_.size(); ++f)
+        if (has_any(last_part(arrays_[f].name), {"freq"}) && is_real_vector(arrays_[f]) && !is_even(arrays_[f].real))
+            frequencies[{std::string(struct_of(arrays_[f].name)), arrays_[f].count()}].push_back(f);
+    std::optional<std::pair<std::size_t, std::size_t>> best;
+    int least = 0;
+    std::size_t pairs = 0;
+    for (std::size_t s = 0; s < arrays_.size(); ++s) {
+        const MatArray& shape = arrays_[s];
+        if (shape.of != MatArray::Of::numbers || shape.sizes.size() != 2 || shape.sizes[0] < 2 || shape.sizes[1] == 0 ||
+            !has_any(last_part(shape.name), {"mode", "shape", "phi", "psi"}))
             continue;
-        for (std::size_t s = 0; s < arrays_.size(); ++s) {
-            const MatArray& shape = arrays_[s];
-            const bool fits = shape.of == MatArray::Of::numbers && s != f && shape.sizes.size() == 2 && shape.sizes[0] > 1 &&
-                              shape.sizes[1] == frequency.count() && struct_of(shape.name) == struct_of(frequency.name) &&
-                              has_any(last_part(shape.name), {"mode", "shape", "phi", "psi"});
-            if (fits)
-                pairs.push_back({compute_edit_distance(stem(last_part(shape.name)), stem(last_part(frequency.name))), f, s});
+        constexpr std::size_t kMost = 16;  // in one struct; more are no modes, and their pairs would take long
+        const auto found = frequencies.find({std::string(struct_of(shape.name)), shape.sizes[1]});
+        for (std::size_t i = 0; found != frequencies.end() && i < std::min(found->second.size(), kMost); ++i) {
+            const std::size_t f = found->second[i];
+            if (f == s) continue;
+            ++pairs;
+            const int distance = compute_edit_distance(stem(last_part(shape.name)), stem(last_part(arrays_[f].name)));
+            if (best && distance >= least) continue;
+            least = distance;
+            best = {f, s};
         }
     }
-    if (pairs.empty()) return;
-    const auto [distance, f, s] = *std::ranges::min_element(pairs, {}, &Pair::distance);
-    if (pairs.size() > 1)
+    if (pairs > 1)
         remarks_.add("", fmt::format("there are several frequencies and shapes that fit: modes are {} and {}",
-                                     quote(arrays_[f].name), quote(arrays_[s].name)));
+                                     quote(arrays_[best->first].name), quote(arrays_[best->second].name)));
+    return best;
+}
+
+void MatMeasurement::read_modes() {
+    const auto chosen = choose_modes();
+    if (!chosen) return;
+    const auto [f, s] = *chosen;
     is_used_[f] = is_used_[s] = true;
     const MatArray &frequency = arrays_[f], &shape = arrays_[s];
     const std::vector<double> damping = find_damping(f);
@@ -255,28 +272,28 @@ void MatMeasurement::find_abscissae() {
         const bool is_frequency = is_called(without_ending(name, {"_hz"}), {"f", "freq", "frequency"});
         if (is_used_[i] || (!is_time && !is_frequency) || !is_real_vector(array) || array.count() < 2) continue;
         if (std::ranges::adjacent_find(array.real, std::greater_equal<>()) != array.real.end()) continue;
-        abscissae_.push_back({i, is_time});
+        near_abscissae_[{std::string(struct_of(array.name)), array.count()}].push_back({i, is_time});
+        abscissae_[array.count()].push_back({i, is_time});
     }
-    for (const MatAbscissa& abscissa : abscissae_) is_used_[abscissa.array] = true;
+    for (const auto& [count, abscissae] : abscissae_)
+        for (const MatAbscissa& abscissa : abscissae) is_used_[abscissa.array] = true;
 }
 
-/// The abscissa as long as a dimension of the array: of its own struct, of one around it, or the only one there is.
+/// The abscissa as long as a dimension of the array: of its own struct, of the nearest around it, or the only one there is.
 std::optional<MatAbscissa> MatMeasurement::abscissa_of(const MatArray& array) {
-    const std::string_view own = struct_of(array.name);
-    std::vector<MatAbscissa> fitting, near;
-    std::size_t depth = 0;
-    for (const MatAbscissa& abscissa : abscissae_) {
-        const std::size_t n = arrays_[abscissa.array].count();
-        if (array.sizes.front() != n && array.sizes.back() != n) continue;
-        fitting.push_back(abscissa);
-        const std::string_view other = struct_of(arrays_[abscissa.array].name);
-        const bool is_around = other.empty() || own == other || (own.starts_with(other) && own[other.size()] == '.');
-        if (!is_around || (!near.empty() && other.size() < depth)) continue;
-        if (other.size() > depth) near.clear();
-        depth = other.size();
-        near.push_back(abscissa);
+    std::vector<std::size_t> lengths = {array.sizes.front()};
+    if (array.sizes.back() != lengths[0]) lengths.push_back(array.sizes.back());
+    std::vector<MatAbscissa> near, any;
+    const auto gather = [](const auto& all, const auto& key, std::vector<MatAbscissa>& found) {
+        if (const auto one = all.find(key); one != all.end())
+            found.insert(found.end(), one->second.begin(), one->second.end());
+    };
+    for (std::string_view scope = array.name; near.empty() && !scope.empty();) {
+        scope = struct_of(scope);
+        for (const std::size_t length : lengths) gather(near_abscissae_, Scope(scope, length), near);
     }
-    if (near.empty() && fitting.size() == 1) return fitting.front();
+    for (std::size_t i = 0; near.empty() && i < lengths.size(); ++i) gather(abscissae_, lengths[i], any);
+    if (any.size() == 1) return any.front();
     if (near.empty()) return std::nullopt;
     const bool wants_frequency = array.is_complex() || is_coherence_name(last_part(array.name));
     const auto wanted = std::ranges::find(near, !wants_frequency, &MatAbscissa::is_time);
@@ -346,10 +363,15 @@ Measurement MatMeasurement::read() {
         find_abscissae();
         for (std::size_t i = 0; i < arrays_.size(); ++i) {
             if (is_used_[i] || arrays_[i].of != MatArray::Of::numbers || arrays_[i].count() == 0) continue;
-            if (const auto abscissa = abscissa_of(arrays_[i])) {
-                is_used_[i] = true;
-                read_signals(arrays_[i], *abscissa);
+            const auto abscissa = abscissa_of(arrays_[i]);
+            if (!abscissa) continue;
+            constexpr std::size_t kMostSignals = 200'000;  // a few hundred bytes each beside their numbers
+            if (arrays_[i].count() / arrays_[abscissa->array].count() > kMostSignals - found_.signals.size()) {
+                remarks_.add(place(arrays_[i].name), "has more columns than measurements have signals");
+                continue;
             }
+            is_used_[i] = true;
+            read_signals(arrays_[i], *abscissa);
         }
     }
     note_rest();

@@ -3,16 +3,14 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 namespace dttmm::host {
 
 void Remarks::add(const std::string& place, const std::string& text) {
-    const auto known = std::ranges::find(remarks_, text, &Remark::text);
-    if (known == remarks_.end())
+    const auto [known, is_new] = index_.emplace(text, remarks_.size());
+    if (is_new)
         remarks_.push_back({place, text, 1});
     else
-        ++known->count;
+        ++remarks_[known->second].count;
 }
 
 std::vector<std::string> Remarks::notes() const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 namespace dttmm::host {
@@ -20,6 +21,7 @@ private:
         std::size_t count;
     };
     std::vector<Remark> remarks_;
+    std::unordered_map<std::string, std::size_t> index_;  ///< of remarks by their text
 };
 
 }  // namespace dttmm::host

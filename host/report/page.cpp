@@ -40,7 +40,7 @@ std::string safe_json(const Json& data) {
 std::string make_page(const std::string& title, const Json& data, bool has_machine) {
     std::vector<std::string_view> scripts = {"uplot.js", "numbers.js", "tables.js", "curves.js"};
     if (has_machine) scripts.insert(scripts.end(), {"three.js", "motion.js", "machine.js"});
-    scripts.insert(scripts.end(), {"sections.js", "study.js", "page.js"});
+    scripts.insert(scripts.end(), {"sections.js", "study.js", "verdict.js", "page.js"});
     std::string script_sources, style_sources, script_elements, style_elements;
     for (const std::string_view name : scripts) {
         const Asset& asset = report_asset(name);

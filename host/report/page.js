@@ -43,12 +43,14 @@
     document.getElementById('head').append(...makeHead(data, results));
     if (results.some(result => result.kind === 'modes')) addSection('Modes', 'modes', () => all(result => result.kind === 'modes' && makeModes(result)));
     if (results.some(result => result.kind === 'study')) addSection('Study', 'study', () => all(result => result.kind === 'study' && makeStudy(result)));
+    if (results.some(isVerdict)) addSection('Verdict', 'verdict', () => all(result => isVerdict(result) && makeVerdict(result)));
     if (data.has_machine) addSection('Machine', 'machine', section => { startMachine = () => requestAnimationFrame(() => setTimeout(() => attempt(section, () => addMachine(section, results)))); });
 
     const files = [...new Set(results.flatMap(result => listOf(result.curve_sets).map(set => set.file)))];
     for (const file of files) {
         const sets = results.flatMap((result, index) => listOf(result.curve_sets).filter(set => set.file === file).map(set => ({set, result: result.name, index})));
-        addSection(kCurveTitles[file] ?? `Sweep over ${sets[0].set.x}`, `curves-${file.replace('.', '-')}`, section => {
+        const fit = file.match(/^(histories|responses)-\d+\.csv$/);
+        addSection(kCurveTitles[file] ?? (fit ? `Measured and predicted ${fit[1]}` : `Sweep over ${sets[0].set.x}`), `curves-${file.replace('.', '-')}`, section => {
             const panel = section.panel = new CurvePanel(sets, several);
             section.append(panel.element);
             panel.draw();

@@ -42,9 +42,12 @@ constexpr struct {
 } kCurveFiles[] = {{"response.csv", "frequency", 1}, {"frf.csv", "frequency", 1},         {"psd.csv", "frequency", 1},
                    {"spectrum.csv", "frequency", 1}, {"determinant.csv", "frequency", 1}, {"orders.csv", "time", 1}};
 
-constexpr const char* kTableFiles[] = {"sweep.csv",         "static.csv",       "members.csv", "damped.csv",
-                                       "levels.csv",        "identified.csv",   "rms.csv",     "mac.csv",
-                                       "sensitivities.csv", "correlations.csv", "failures.csv"};
+constexpr const char* kTableFiles[] = {
+    "sweep.csv", "static.csv",        "members.csv",      "damped.csv",   "levels.csv",      "identified.csv", "rms.csv",
+    "mac.csv",   "sensitivities.csv", "correlations.csv", "failures.csv", "sensitivity.csv", "optimise.csv",   "plan.csv"};
+
+/// summary.json, or what commands on measured data call it.
+constexpr const char* kSummaries[] = {"summary.json", "identify.json", "diagnose.json", "sensitivity.json", "optimise.json"};
 
 [[noreturn]] void refuse_results(const fs::path& path, const std::string& text) {
     throw Error(ExitCode::input_output, fmt::format("{}: {}", path.string(), text));
@@ -55,18 +58,27 @@ bool is_there(const fs::path& path) {
     return fs::exists(path, fault);
 }
 
+/// Of a results folder.
+fs::path summary_of(const fs::path& folder) {
+    for (const char* name : kSummaries)
+        if (is_there(folder / name)) return folder / name;
+    return folder / kSummaries[0];
+}
+
 /// The folder, or the one of the file, of results.
 fs::path find_folder(const fs::path& path) {
     std::error_code fault;
     if (!fs::exists(path, fault)) throw file_error(path, "cannot read", ENOENT);
     if (fs::is_directory(path, fault)) {
-        for (const char* name : {"summary.json", "history.csv", "sweep.csv"})
+        if (is_there(summary_of(path))) return path;
+        for (const char* name : {"history.csv", "sweep.csv"})
             if (is_there(path / name)) return path;
         if (is_there(path / "model.toml"))
             refuse_results(path, "this is the folder of a model; run it, and name the results folder");
         refuse_results(path, "these are no results of dttmm: there is no summary.json, history.csv or sweep.csv in it");
     }
-    if (path.filename() == "history.csv" || path.filename() == "summary.json" || path.filename() == "sweep.csv")
+    const bool is_summary = std::ranges::any_of(kSummaries, [&](const char* name) { return path.filename() == name; });
+    if (is_summary || path.filename() == "history.csv" || path.filename() == "sweep.csv")
         return path.has_parent_path() ? path.parent_path() : fs::path(".");
     if (path.extension() == ".toml") refuse_results(path, "this is a model; run it, and name the results folder");
     refuse_results(path, "this is no results folder of dttmm; name the folder that -o or results/ has");
@@ -95,14 +107,14 @@ Json read_summary(const fs::path& file) {
 std::string kind_of(const fs::path& folder, const Json& summary) {
     if (summary.is_null()) return is_there(folder / "history.csv") ? "run" : "sweep";
     const std::string format = summary["format"];
-    for (const char* kind : {"modes", "static", "frf", "response", "spectrum"})
+    for (const char* kind :
+         {"modes", "static", "frf", "response", "spectrum", "identify", "diagnose", "sensitivity", "optimise"})
         if (format == fmt::format("dttmm-{}/1", kind)) return kind;
     if (format == "dttmm-summary/1") return "run";
     if (format == "dttmm-study-results/1") return "study";
-    refuse_results(folder / "summary.json",
-                   fmt::format("its format {} is not known to this version of the program; make the "
-                               "results anew, or use the version that made them",
-                               quote(format)));
+    refuse_results(summary_of(folder), fmt::format("its format {} is not known to this version of the program; make the "
+                                                   "results anew, or use the version that made them",
+                                                   quote(format)));
 }
 
 /// UTC, to the minute.
@@ -122,7 +134,7 @@ class Description {
 public:
     Description(const fs::path& path, const ReportChoice& choice) : folder_(find_folder(path)), choice_(choice) {
         json_["path"] = path.lexically_normal().string();
-        Json summary = read_summary(folder_ / "summary.json");
+        Json summary = read_summary(summary_of(folder_));
         kind_ = kind_of(folder_, summary);
         json_["kind"] = kind_;
         for (const char* part : {"curve_sets", "tables", "notes"}) json_[part] = Json::array();
@@ -130,6 +142,7 @@ public:
         if (is_there(folder_ / "history.csv")) take_history();
         for (const auto& file : kCurveFiles)
             if (is_there(folder_ / file.name)) take_curves(CsvFile(folder_ / file.name), file.x, file.first);
+        take_fits();
         for (const char* file : kTableFiles)
             if (is_there(folder_ / file)) take_table(CsvFile(folder_ / file));
         if (kind_ == "study") take_study();
@@ -150,6 +163,7 @@ private:
     void take_summary(Json summary);
     void take_history();
     void take_curves(const CsvFile& file, const std::string& x, std::size_t first);
+    void take_fits();
     void take_sweep(const CsvFile& file);
     void take_study();
     void take_table(const CsvFile& file);
@@ -197,7 +211,7 @@ void Description::take_summary(Json summary) {
         json_["written"] = time_of_results(folder_ / (kind_ == "run" ? "history.csv" : "sweep.csv"));
         return;
     }
-    json_["written"] = time_of_results(folder_ / "summary.json");
+    json_["written"] = time_of_results(summary_of(folder_));
     if (summary.contains("inputs") && summary["inputs"].is_object() && summary["inputs"].contains("model_text")) {
         json_["model_text"] = std::move(summary["inputs"]["model_text"]);
         summary["inputs"].erase("model_text");
@@ -249,6 +263,13 @@ void Description::take_curves(const CsvFile& file, const std::string& x, std::si
         if (is_by_order) set.label = fmt::format("order {:g}", one);
         sets_.push_back(std::move(set));
     }
+}
+
+/// Measured data beside the model's: histories-1.csv, responses-1.csv and so on.
+void Description::take_fits() {
+    for (const auto& [stem, x] : {std::pair("histories", "time"), std::pair("responses", "frequency")})
+        for (int number = 1; is_there(folder_ / fmt::format("{}-{}.csv", stem, number)); ++number)
+            take_curves(CsvFile(folder_ / fmt::format("{}-{}.csv", stem, number)), x, 1);
 }
 
 /// Figures over the one parameter that differs from case to case; over the number of the case if several do.
@@ -342,8 +363,9 @@ std::vector<CsvFile> read_tables(const fs::path& folder) {
     std::error_code fault;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, fault)) {
         const fs::path name = entry.path().filename();
-        const bool is_curves =
-            name == "history.csv" || std::ranges::any_of(kCurveFiles, [&](const auto& file) { return name == file.name; });
+        const bool is_curves = name == "history.csv" || name.string().starts_with("histories-") ||
+                               name.string().starts_with("responses-") ||
+                               std::ranges::any_of(kCurveFiles, [&](const auto& file) { return name == file.name; });
         if (name.extension() == ".csv" && !is_curves) files.insert(entry.path());
     }
     return {files.begin(), files.end()};

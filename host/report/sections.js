@@ -2,7 +2,8 @@
 // What the page says in words and tables, by the kind of results.
 'use strict';
 
-const kKinds = {run: 'Run', modes: 'Natural frequencies', static: 'Equilibrium', frf: 'Frequency response', response: 'Steady vibration', spectrum: 'Spectrum of a run', sweep: 'Sweep', study: 'Study'};
+const kKinds = {run: 'Run', modes: 'Natural frequencies', static: 'Equilibrium', frf: 'Frequency response', response: 'Steady vibration', spectrum: 'Spectrum of a run', sweep: 'Sweep', study: 'Study',
+                identify: 'Parameters from measurements', diagnose: 'Diagnosis', sensitivity: 'Sensitivities', optimise: 'Optimum'};
 
 /** Status in words, and how good it is. Modes have none: they are there or the command has failed. */
 function statusOf(result) {
@@ -20,6 +21,7 @@ function statusOf(result) {
         const rest = [[s.failed, 'failed'], [s.missing, 'not run'], [s.with_warnings, 'with warnings']].filter(([number]) => number > 0).map(([number, text]) => `, ${number} ${text}`);
         return {text: `${s.completed} of ${counted(s.cases, 'case', 'cases')} completed${rest.join('')}`, level: s.failed > 0 || s.missing > 0 ? 'bad' : s.with_warnings > 0 ? 'warn' : 'good'};
     }
+    if (isVerdict(result)) return verdictStatus(result);
     if (!status) return {text: 'Status unknown', level: 'bad'};
     const reason = result.summary?.reason ? `: ${result.summary.reason}` : '';
     if (status !== 'completed') return {text: `${String(status).replaceAll('_', ' ')}${reason}`, level: 'bad'};

@@ -108,6 +108,14 @@ TEST(MatReader, ResponsesAndCoherencesOverFrequency) {
     EXPECT_THAT(all.signals, SizeIs(1 + 6 + 6 + 3));
 }
 
+TEST(MatReader, AnImageIsNotManySignals) {
+    const MatWriter mat;
+    const Measurement all = read_variables({mat.column("t", {0, 1}), mat.array("y", {2, 3}, {1, 2, 3, 4, 5, 6}),
+                                            mat.array("image", {2, 200'000}, std::vector<double>(400'000, 1.0))});
+    EXPECT_THAT(names_of(all), ElementsAre("y(1)", "y(2)", "y(3)"));
+    EXPECT_THAT(all.notes, Contains(HasSubstr("a.mat: image: has more columns than measurements have signals")));
+}
+
 TEST(MatReader, NamesOfAbscissae) {
     const MatWriter mat;
     for (const char* name : {"t", "T", "time", "Time", "TIME_s", "t_sec", "time_s"})

@@ -28,6 +28,12 @@ before(async () => {
     dttmm('run', join(examples, 'four_bolt_plate'), '-o', 'sweep', '--duration', '0.1 s', '--sweep', 'k1=300 N/mm..500 N/mm:3');
     const study = (...words) => dttmm('study', join(examples, 'four_bolt_plate'), '--vary', 'k, k1 ~ uniform(300 N/mm, 600 N/mm)', '--duration', '0.05 s', '-q', ...words);
     study('-o', 'single', '--design', 'one-at-a-time', '--figures', 'bolt[12].force.z:peak');
+    const loose = join(examples, 'loose_bolt');
+    dttmm('identify', loose, '--free', 'k1,k2,c', '--starts', '1', '-o', 'identify');
+    dttmm('identify', join(loose, 'frame.toml'), '--free', 'k1..k4', '-o', 'frame');
+    dttmm('diagnose', loose, '--suspects', 'bolt*', '--free', 'c', '--step', '0.5 ms', '-o', 'diagnose');
+    dttmm('sensitivity', join(examples, 'scattered_bolts'), '--of', 'mode*.frequency', '--by', 'k1..k4', '-o', 'sensitivity');
+    dttmm('optimise', join(examples, 'scattered_bolts'), '--goal', 'mode1.frequency = 80 Hz', '--by', 'k1..k4 in 0.5..2', '--starts', '2', '-o', 'optimise');
     study('-o', 'indices', '--design', 'sobol-indices', '--cases', '64', '--figures', 'bolt[12].force.z:peak');
     const model = readFileSync(join(examples, 'four_bolt_plate', 'model.toml'), 'utf8').replace(/^title\s*=.*$/m, `title = '''${kHostile}'''`);
     writeFileSync(join(folder, 'hostile.toml'), model);
@@ -83,7 +89,7 @@ const picture = page => page.evaluate(() => {
 });
 
 test('every kind of results opens without a complaint, by one request, under the policy', async () => {
-    for (const results of [['plate'], ['modes'], ['response'], ['static'], ['sweep'], ['single'], ['indices'], ['plate', 'other']]) {
+    for (const results of [['plate'], ['modes'], ['response'], ['static'], ['sweep'], ['single'], ['indices'], ['identify'], ['frame'], ['diagnose'], ['sensitivity'], ['optimise'], ['plate', 'other']]) {
         const {page, complaints, requests, close} = await open(results);
         assert.deepEqual(complaints, [], results.join());
         assert.equal(requests.length, 1, requests.join());
@@ -218,6 +224,35 @@ test('what each parameter does is drawn as sensitivities.csv has it, the stronge
     await close();
 });
 
+test('a verdict stands first, its values and intervals are those of identify.json, its dots where they belong', async () => {
+    const found = JSON.parse(readFileSync(join(folder, 'identify/identify.json'), 'utf8'));
+    const {page, close} = await open(['identify']);
+    assert.equal(await page.locator('main section').first().getAttribute('id'), 'verdict');
+    assert.equal(await page.locator('#verdict p.verdict').textContent(), found.verdict);
+    const circles = await page.locator('#verdict circle').evaluateAll(all => all.map(one => Number(one.getAttribute('cx'))));
+    const whiskers = await page.locator('#verdict line.whisker').evaluateAll(all => all.map(one => [Number(one.getAttribute('x1')), Number(one.getAttribute('x2'))]));
+    const entries = Object.entries(found.solutions[0].parameters);
+    assert.equal(circles.length, entries.length);
+    for (const [i, [name, one]] of entries.entries()) {
+        near(parse((await rowOf(page, '#verdict table', name))[1]), one.value, 6);
+        near((circles[i] - whiskers[i][0]) / (whiskers[i][1] - whiskers[i][0]), (one.value - one.low) / (one.high - one.low), 3);
+    }
+    assert.equal(await page.locator('h2', {hasText: 'Measured and predicted histories'}).count(), 1);
+    await close();
+});
+
+test('explanations are those of diagnose.json', async () => {
+    const found = JSON.parse(readFileSync(join(folder, 'diagnose/diagnose.json'), 'utf8'));
+    const {page, close} = await open(['diagnose']);
+    for (const one of [...found.candidates, ...found.others].filter(one => !one.alike)) {
+        const row = await rowOf(page, '#verdict table', one.elements.join(' with '));
+        assert.equal(row[0], found.candidates.includes(one) ? 'yes' : '');
+        [one.factor].flat().forEach((factor, i) => near(parse(row[1].split(',')[i]), factor, 5));
+        near(parse(row[6]), one.delta_bic, 6);
+    }
+    await close();
+});
+
 test('tables of modes have the frequencies of modes.csv', async () => {
     const {page, close} = await open(['modes']);
     const {mode, frequency} = columnsOf('modes/modes.csv');
@@ -322,7 +357,7 @@ test('reduced motion keeps it still; else it plays', async () => {
 });
 
 test('axe finds nothing in any kind, light, dark and on a phone, where the page does not scroll sideways', async () => {
-    for (const results of [['plate', 'other'], ['modes'], ['response'], ['static'], ['sweep'], ['single'], ['indices']])
+    for (const results of [['plate', 'other'], ['modes'], ['response'], ['static'], ['sweep'], ['single'], ['indices'], ['identify'], ['diagnose']])
         for (const [colorScheme, width] of [['light', 1200], ['dark', 1200], ['light', 375]]) {
             const {page, close} = await open(results, {colorScheme, width});
             const ground = await page.evaluate(() => getComputedStyle(document.body).backgroundColor);

@@ -17,13 +17,13 @@ namespace dttmm::host {
 namespace {
 
 constexpr double kLowestFactor = 0.01, kHighestFactor = 100;  // of a suspect
-constexpr size_t kMostRefitted = 12;                          // suspects that promise most
-constexpr double kPromising = 0.3;                            // share of the best promise: nearer ones are fitted too
+constexpr size_t kFewestFitted = 3;                           // suspects that promise most
+constexpr double kPromising = 0.5;                            // share of the best promise: nearer ones are fitted too
+constexpr double kSlopeStep = 0.01;                           // of the logarithm of a factor
 constexpr size_t kMostPaired = 8;                             // suspects that pairs are made of
 constexpr size_t kMostPairs = 6;                              // pairs that are fitted
 constexpr double kTiedFaults = 0.999;                         // cosine of what two faults do to the data
 constexpr double kUnseen = 1e-6;                              // share of the strongest fault's effect
-constexpr int kRounds = 2;                                    // estimates of noise, each followed by fits
 
 Unknown factor_of(Unknown::Of of, const std::string& element) {
     Unknown unknown{
@@ -142,17 +142,34 @@ std::vector<Diagnostician::Trial> Diagnostician::fit_all(const std::vector<Hypot
     return trials;
 }
 
-/// What each fault does to the data where nothing has changed.
+/// What each fault does to the data where nothing has changed, by one-sided differences: as many runs as numbers.
 void Diagnostician::find_slopes(const Trial& null) {
     Hypothesis all;
     all.elements = suspects_;
     const Unknowns unknowns = unknowns_of(all, true);
     Eigen::VectorXd x = unknowns.start();
     x.head(null.x.size()) = null.x;
-    const Eigen::MatrixXd slopes = Identifier(comparison_, unknowns, {}, jobs_).differentiate(x);
+    const std::vector<TaskResult> results = map_in_processes(unknowns.size(), jobs_, [&](size_t task) {
+        Eigen::VectorXd at = x;
+        at(as_row(task)) += kSlopeStep;
+        const Eigen::VectorXd predicted = comparison_.predict(unknowns, at);
+        return std::vector<double>(predicted.begin(), predicted.end());
+    });
+    changes_.resize(comparison_.rows(), as_row(unknowns.size()));
+    for (size_t i = 0; i < results.size(); ++i) {
+        if (!results[i].reason.empty())
+            throw Error(ExitCode::numerical_failure,
+                        fmt::format("with {} changed by 1 %: {}", unknowns[i].name, results[i].reason));
+        const Eigen::Map<const Eigen::VectorXd> predicted(results[i].numbers.data(), comparison_.rows());
+        changes_.col(as_row(i)) = (predicted - null.predicted) / kSlopeStep;
+    }
+}
+
+/// The same per standard deviation of the data, without what the common unknowns do.
+void Diagnostician::scale_slopes() {
+    const Eigen::MatrixXd scaled = comparison_.deviations().cwiseInverse().asDiagonal() * changes_;
     const auto count = as_row(common_.size());
-    common_slopes_ = slopes.leftCols(count);
-    slopes_ = without(slopes.rightCols(slopes.cols() - count), common_slopes_);
+    slopes_ = without(scaled.rightCols(scaled.cols() - count), scaled.leftCols(count));
 }
 
 /// How far chi2 would fall by stiffness and damping of these suspects if all were linear.
@@ -179,7 +196,7 @@ std::vector<Hypothesis> Diagnostician::promising_singles(const Eigen::VectorXd& 
     std::ranges::stable_sort(order, [&](size_t a, size_t b) { return gains[a] > gains[b]; });
     std::vector<Hypothesis> chosen;
     for (size_t i = 0; i < order.size(); ++i)
-        if (i < kMostRefitted || gains[order[i]] > kPromising * gains[order[0]]) chosen.push_back({{suspects_[order[i]]}});
+        if (i < kFewestFitted || gains[order[i]] > kPromising * gains[order[0]]) chosen.push_back({{suspects_[order[i]]}});
     if (suspects_.size() > 1) {
         Hypothesis alike;
         alike.elements = suspects_;
@@ -255,34 +272,43 @@ void Diagnostician::add_intervals(Trial& trial) const {
     }
 }
 
+/// Again, where the noise is known better now.
+void Diagnostician::refit(Trial& trial) const {
+    if (trial.unknowns.size() > 0) trial.x = Identifier(comparison_, trial.unknowns, {}, jobs_).descend(trial.x).x;
+    trial.predicted = comparison_.predict(trial.unknowns, trial.x);
+    trial.hypothesis.factors.clear();
+    take_factors(trial);
+}
+
 Diagnosis Diagnostician::diagnose() {
     Diagnosis diagnosis;
+    const auto by_score = [](const Trial& a, const Trial& b) { return a.hypothesis.score < b.hypothesis.score; };
     Trial null = fit({}, false, common_.start());
     estimate_noise(null.predicted, common_.size());
-    std::vector<Trial> trials;
-    for (int round = 0; round < kRounds; ++round) {
-        null = fit({}, false, null.x);
-        find_slopes(null);
-        const Eigen::VectorXd residual = -comparison_.residual(null.predicted, false);
-        trials = fit_all(promising_singles(residual), null.x);
-        if (trials.empty())
-            throw Error(ExitCode::numerical_failure, "the model has no answer with any of the suspects changed");
+    find_slopes(null);
+    scale_slopes();
+    const auto residual_of_null = [&] { return Eigen::VectorXd(-comparison_.residual(null.predicted, false)); };
+    std::vector<Trial> trials = fit_all(promising_singles(residual_of_null()), null.x);
+    if (trials.empty()) throw Error(ExitCode::numerical_failure, "the model has no answer with any of the suspects changed");
+    const auto judge_best = [&] {
+        return Identifier(comparison_, trials.front().unknowns, {}, jobs_).judge(trials.front().x);
+    };
+    // With the noise that the best explanation leaves, those near it are fitted again
+    const auto sharpen = [&] {
         const Trial& best = trials.front().hypothesis.score < null.hypothesis.score ? trials.front() : null;
         estimate_noise(best.predicted, best.unknowns.size());
-    }
-    null = fit({}, false, null.x);
-    const auto judge_best = [&] {
-        const Trial& best = trials.front();
-        return Identifier(comparison_, best.unknowns, {}, jobs_).judge(best.x);
+        refit(null);
+        for (size_t i = 0; i < std::min(kFewestFitted, trials.size()); ++i) refit(trials[i]);
+        for (Trial& one : trials) one.hypothesis.score = score(one.predicted, one.unknowns.size());
+        std::ranges::stable_sort(trials, by_score);
+        scale_slopes();
     };
-    const Eigen::VectorXd residual = -comparison_.residual(null.predicted, false);
+    sharpen();
     if (suspects_.size() > 1 && (!judge_best().is_explained() || suspects_.size() == 2)) {
-        for (Trial& pair : fit_all(promising_pairs(residual), null.x)) trials.push_back(std::move(pair));
-        std::ranges::stable_sort(trials,
-                                 [](const Trial& a, const Trial& b) { return a.hypothesis.score < b.hypothesis.score; });
-        estimate_noise(trials.front().predicted, trials.front().unknowns.size());
+        for (Trial& pair : fit_all(promising_pairs(residual_of_null()), null.x)) trials.push_back(std::move(pair));
+        std::ranges::stable_sort(trials, by_score);
+        sharpen();
     }
-    find_slopes(null);
     const auto rejudge = [&](Trial& one) {
         one.hypothesis.chi2 = comparison_.residual(one.predicted, false).squaredNorm();
         one.hypothesis.score = score(one.predicted, one.unknowns.size());
@@ -290,7 +316,7 @@ Diagnosis Diagnostician::diagnose() {
     rejudge(null);
     std::ranges::for_each(trials, rejudge);
     diagnosis.unchanged = null.hypothesis;
-    std::ranges::stable_sort(trials, [](const Trial& a, const Trial& b) { return a.hypothesis.score < b.hypothesis.score; });
+    std::ranges::stable_sort(trials, by_score);
     find_limits(diagnosis);
     diagnosis.best_score = std::min(trials.front().hypothesis.score, diagnosis.unchanged.score);
     const bool is_seen = diagnosis.unchanged.score - trials.front().hypothesis.score > kTold;

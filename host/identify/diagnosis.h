@@ -59,6 +59,8 @@ private:
     double score(const Eigen::VectorXd& predicted, size_t unknowns) const;
     void estimate_noise(const Eigen::VectorXd& predicted, size_t unknowns);
     void find_slopes(const Trial& null);
+    void scale_slopes();
+    void refit(Trial& trial) const;
     double gain(const std::vector<size_t>& suspects, const Eigen::VectorXd& residual) const;
     std::vector<Hypothesis> promising_singles(const Eigen::VectorXd& residual) const;
     std::vector<Hypothesis> promising_pairs(const Eigen::VectorXd& residual) const;
@@ -70,8 +72,9 @@ private:
     std::vector<std::string> suspects_;
     std::vector<bool> are_damped_;
     int jobs_;
-    Eigen::MatrixXd slopes_;  ///< of predictions by the logarithm of the stiffness of each suspect, then of its damping
-    Eigen::MatrixXd common_slopes_;  ///< by the common unknowns
+    Eigen::MatrixXd
+        changes_;  ///< of predictions by the common unknowns, the logarithms of the suspects' stiffness, of damping
+    Eigen::MatrixXd slopes_;  ///< the suspects' columns per standard deviation, without what the common unknowns do
 };
 
 }  // namespace dttmm::host

@@ -29,9 +29,9 @@ struct MatArray {
 
 /// All variables of a MAT file of level 5, compressed or not, or 7.3; structs as their fields. Of cells, sparse matrices,
 /// objects of MATLAB classes and function handles only the name and kind are given. Throws Error(input_output) for another
-/// file and for one that is cut off or damaged. Sizes that the file cannot hold are refused before memory is taken. Not
-/// while another thread uses HDF5. matio is not used here: version 1.5.23 crashes on damaged structs, waits for ever, or
-/// takes gigabytes.
+/// file and for one that is cut off or damaged. Sizes that the file cannot hold are refused before memory is taken.
+/// Not while another thread uses HDF5.
+/// matio is not used here: version 1.5.23 crashes on some damaged structs, does not return, or takes gigabytes.
 std::vector<MatArray> read_mat_arrays(const std::filesystem::path& file);
 
 /// UTF-8 of UTF-16; U+FFFD for half of a pair.
@@ -41,7 +41,7 @@ std::string utf8_of_utf16(std::span<const std::uint16_t> units);
 inline constexpr std::uintmax_t kMostMatNumbers = std::uintmax_t{1} << 29;
 /// Structs in structs, and cells in cells.
 inline constexpr int kDeepestMat = 32;
-/// A byte that deflate has made is this many bytes at most.
+/// Deflate makes at most this many bytes of one.
 inline constexpr std::uintmax_t kMostInflation = 1032;
 
 }  // namespace dttmm::host

@@ -11,8 +11,8 @@ namespace dttmm::host {
 ///     MAT file         by the mark of its head; levels 5, 7 and 7.3: see read_mat()
 ///     universal file   its first line that is not blank is "    -1": see read_universal()
 ///     CSV              any other text: see read_measured_csv()
-/// Throws Error(input_output) for a file that cannot be read, for formats that are known and not read, and as the readers
-/// do.
+/// Throws Error(input_output) for a file that cannot be read, for formats that are known but not read, and as the readers
+/// named here do.
 Measurement read_measurement(const std::filesystem::path& file);
 
 }  // namespace dttmm::host

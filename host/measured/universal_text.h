@@ -62,8 +62,7 @@ private:
 /// The text without blanks at its ends, in UTF-8: what is none is taken for Latin-1. NONE is empty.
 std::string universal_text_of(std::string_view field);
 
-/// A number as FORTRAN writes it: E or D before the exponent, or no letter before one of three digits. None: it is no
-/// number.
+/// A number as FORTRAN writes it: E or D before the exponent, or no letter before one of three digits. None: it is none.
 std::optional<double> parse_fortran_real(std::string_view field);
 /// A whole number; a blank field is 0, as in FORTRAN. None: it is no whole number, or one of more than 12 digits.
 std::optional<long long> parse_fortran_whole(std::string_view field);

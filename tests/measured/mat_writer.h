@@ -19,8 +19,8 @@ public:
     bool is_big_endian = false, is_compressed = false;
 
     /// Types of numbers in a file: int8 1, uint8 2, int16 3, uint16 4, int32 5, uint32 6, single 7, double 9, int64 12,
-    /// uint64 13. Classes of arrays: cell 1, struct 2, object 3, char 4, sparse 5, double 6, single 7, int8 8, ... uint64
-    /// 15, function 16.
+    /// uint64 13. Classes of arrays: cell 1, struct 2, object 3, char 4, sparse 5, double 6, single 7, int8 8, ...
+    /// uint64 15, function 16.
     std::string array(const std::string& name, std::vector<int> sizes, const std::vector<double>& real,
                       const std::vector<double>& imaginary = {}, int type = 9, int of = 6) const {
         return matrix(of, name, std::move(sizes), numbers(type, real) + (imaginary.empty() ? "" : numbers(type, imaginary)),

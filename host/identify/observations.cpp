@@ -165,6 +165,13 @@ private:
         if (!measurement.modes.empty()) take_modes(measurement);
     }
 
+    /// The channel that a signal is called after: as a map says, else by its name, else by its title.
+    std::string channel_of(const MeasuredSignal& signal, const MeasuredChannel* map, const std::vector<Channel>& all) const {
+        if (map) return map->channel;
+        const auto is_title = [&](const Channel& channel) { return channel.name() == signal.title; };
+        return !signal.title.empty() && std::ranges::any_of(all, is_title) ? signal.title : signal.name;
+    }
+
     /// Whether --channels wants it.
     bool is_chosen(const std::string& channel) const {
         return request_.channels.empty() || std::ranges::any_of(request_.channels, [&](const std::string& text) {
@@ -219,7 +226,7 @@ private:
 
     bool take_history(const MeasuredSignal& signal) {
         const MeasuredChannel* map = find_map(signal.name);
-        const std::string name = map ? map->channel : signal.name;
+        const std::string name = channel_of(signal, map, names_.histories());
         if (name.starts_with("energy") && !map) return true;  // of our own runs: made of the other channels
         const Channel* channel = find_channel(names_.histories(), name, map, signal.place);
         if (!channel) return false;
@@ -267,7 +274,7 @@ private:
 
     bool take_response(const MeasuredSignal& signal, const Measurement& all) {
         const MeasuredChannel* map = find_map(signal.name);
-        const std::string name = map ? map->channel : signal.name;
+        const std::string name = channel_of(signal, map, names_.responses());
         const Channel* channel = find_channel(names_.responses(), name, map, signal.place);
         if (!channel) return false;
         if (!is_chosen(name)) return true;

@@ -14,9 +14,9 @@ namespace dttmm::host {
 ///     frequency   responses: NAME.re and NAME.im, or NAME.magnitude and NAME.phase (deg unless a unit says rad); a column
 ///                 without such an ending is real; NAME.coherence belongs to NAME. NAME may be "OUTPUT/INPUT"
 ///     mode        a row per mode: frequency [Hz], perhaps frequency.deviation and damping_ratio, and the shape: a column
-///     per
-///                 place and direction, NAME.re and NAME.im of a complex one. The modes.csv of `dttmm modes`, with a row per
-///                 mode and place, too. A table of frequencies, deviations and damping ratios alone needs no column "mode"
+///                 for every place and direction, NAME.re and NAME.im of a complex one. The modes.csv of `dttmm modes`, with
+///                 a row for every mode and place, too. A table of frequencies, deviations and damping ratios alone needs
+///                 no column "mode"
 /// Throws Error(input_output) with file:line for a table of another form, a row of another length, a field that is no
 /// finite number, and for times or frequencies that do not ascend.
 Measurement read_measured_csv(const std::filesystem::path& file);

@@ -13,6 +13,7 @@ struct MeasuredSignal {
     enum class Kind : unsigned char { history, response, coherence, other };
     Kind kind = Kind::other;
     std::string name;                 ///< of the column; in a universal file of node and direction: "12.z", "12.rz"
+    std::string title = {};           ///< what else the file calls it, without its unit; empty: nothing
     std::string reference = {};       ///< of a response: what drives it, named alike
     std::string unit = {};            ///< of the values, as the file writes it; empty: it gives none
     std::string reference_unit = {};  ///< of a response whose unit is given in two parts

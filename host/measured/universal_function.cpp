@@ -408,6 +408,7 @@ void set_names(const FunctionHead& head, MeasuredSignal& signal) {
         for (const std::string* text : {&head.title, &head.numerator.label, &head.response.entity})
             if (!text->empty()) otherwise = *text;
         signal.name = freedom_name(head.response, otherwise);
+        signal.title = head.title.substr(0, has_unit ? bracket : head.title.npos);
     }
     if (head.type != 1) signal.reference = freedom_name(head.reference, head.reference.entity);
     const bool is_against = head.response.direction < 0, is_reference_against = head.reference.direction < 0;

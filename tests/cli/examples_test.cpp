@@ -21,8 +21,8 @@ namespace dttmm::host {
 namespace {
 
 /// "options | value | expected | tolerance | why"; options are those of `run` unless they begin with the name of another
-/// command. The value is a pointer into summary.json (of identify into identify.json and so on), or a place in a CSV file of the results, "members.csv case=snow
-/// element=girder position=2.5 Mz": a column in the last row whose fields are these.
+/// command. The value is a pointer into summary.json (of identify into identify.json and so on), or a place in a CSV file of
+/// the results, "members.csv case=snow element=girder position=2.5 Mz": a column in the last row whose fields are these.
 struct Expectation {
     std::string options, value_at;
     double value = NAN, tolerance = NAN;

@@ -232,6 +232,19 @@ channel = [
     check(identify({"--free", "k1,k2"}));
 }
 
+// The same run as a MAT file and as a universal file.
+TEST_F(Identify, FilesOfOtherProgramsGiveTheSameAnswer) {
+    write_text(folder_ / "model.toml", struck_plate());
+    measure({"k1=400 N/mm"}, 0);
+    ASSERT_EQ(run_dttmm(folder_.path(), {"export", "secret", "--mat", "--uff58"}).code, 0);
+    for (const char* file : {"secret.mat", "secret.uff"}) {
+        const Ended ended = identify({"--measured", file, "--free", "k1,k2", "--starts", "1"});
+        ASSERT_EQ(ended.code, 0) << ended.err;
+        EXPECT_NEAR(value(found(), "k1"), 4e5, 1e-4 * 4e5) << file;
+        EXPECT_EQ(found()["solutions"][0]["points"], 4 * 501) << file;
+    }
+}
+
 // Responses of `dttmm response` go in as they came out. Oracle: the secret values, from far away: the logarithm leads there.
 TEST_F(Identify, ExactResponsesReturnTheSecretValues) {
     write_text(folder_ / "model.toml", struck_plate());

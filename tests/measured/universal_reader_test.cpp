@@ -583,18 +583,20 @@ TEST(UniversalReader, EndLinesThatAreMissing) {
 TEST(UniversalReader, AFileThatIsCutOffIsRefused) {
     const Uff58 text = exact_record(5, false), binary = exact_record(4, true);
     for (const auto& [whole, set] : {std::pair(text.text(), text), std::pair(binary.binary(true), binary)}) {
+        const TemporaryFolder folder;
+        write_text(folder / "a.uff", whole);
         const std::size_t data_end = whole.size() - 7;
-        for (std::size_t size = 1; size < whole.size(); ++size) {
-            if (size < data_end) {
-                expect_fault(whole.substr(0, size), HasSubstr("a.uff"));
-                continue;
-            }
+        for (std::size_t size = whole.size(); --size > 0;) {
+            std::filesystem::resize_file(folder / "a.uff", size);
             try {
-                const Measurement all = read_text_as_uff(whole.substr(0, size));
+                const Measurement all = read_universal(folder / "a.uff");
+                EXPECT_GE(size, data_end);
                 expect_values(all.signals.at(0), set);
                 EXPECT_TRUE(all.notes.size() == 1 || whole.substr(data_end, size - data_end) == "    -1") << size;
-            } catch (const Error& error) {  // within the end line
+            } catch (const Error& error) {
                 EXPECT_EQ(error.code(), ExitCode::input_output);
+                EXPECT_THAT(error.what(), HasSubstr("a.uff"));
+                EXPECT_NE(size, data_end) << "only the end line is missing";
             }
         }
     }

@@ -81,7 +81,7 @@ constexpr Option kOptions[] = {
      [](Request& request, const std::string& value) { request.input = value; }, true},
     {"--out", Kind::text, kFrf, "the same of the displacement", false, true,
      [](Request& request, const std::string& value) { request.response = value; }, true},
-    {"--in", Kind::list, kResponse | kCases | kIdentify,
+    {"--in", Kind::list, kResponse | kCases | kFit,
      "body, marker or node and direction of a unit force or moment, instead of the model's loads; repeated for others",
      false, true, [](Request& request, const std::string& value) { request.inputs.push_back(value); }},
     {"--out", Kind::list, kResponse | kCases,

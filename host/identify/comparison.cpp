@@ -271,9 +271,12 @@ std::vector<ModePair> Comparison::predict_modes(const Model& asked, const Measur
     for (size_t i = 0; i < observations_.modes.size(); ++i, ++row) {
         const ObservedMode& mode = observations_.modes[i];
         if (pairs[i].mode == 0)
-            throw Error(ExitCode::model_invalid,
-                        fmt::format("the model has {} natural frequencies, fewer than the measured number {}", modes.size(),
-                                    mode.number));
+            throw Error(
+                ExitCode::model_invalid,
+                fmt::format(
+                    "the model has {} natural frequencies, but none is left for the measured one of {:.6g} Hz: leave "
+                    "out of the file what is no mode of the model",
+                    modes.size(), mode.frequency));
         out(row) = std::log(pairs[i].frequency / factors.clock);
         if (mode.shape.size() == 0) continue;
         const Eigen::VectorXd& own = pairs[i].shape;

@@ -120,8 +120,8 @@ std::vector<std::string> make_verdict(const Diagnosis& found) {
         say(fmt::format("Small changes of {} do the same to these data: they can be told apart by none of them",
                         listed(alike)));
     if (!found.unseen.empty()) say(fmt::format("A change of {} does nothing to these data", listed(found.unseen)));
-    if (!found.fit.is_noise_independent)
-        say("The noise was estimated from the residuals: so chi2 cannot show a lack of fit, their correlation can");
+    for (const std::string& sentence : describe_limits(found.fit)) say(sentence);
+    if (!found.step.empty()) say(found.step);
     return verdict;
 }
 

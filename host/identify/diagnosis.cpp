@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "identify/forked_map.h"
+#include "identify/verdict.h"
 #include "model/error.h"
 #include "model/index.h"
 
@@ -19,11 +20,12 @@ namespace {
 constexpr double kLowestFactor = 0.01, kHighestFactor = 100;  // of a suspect
 constexpr size_t kFewestFitted = 3;                           // suspects that promise most
 constexpr double kPromising = 0.5;                            // share of the best promise: nearer ones are fitted too
-constexpr double kSlopeStep = 0.01;                           // of the logarithm of a factor
-constexpr size_t kMostPaired = 8;                             // suspects that pairs are made of
-constexpr size_t kMostPairs = 6;                              // pairs that are fitted
-constexpr double kTiedFaults = 0.999;                         // cosine of what two faults do to the data
-constexpr double kUnseen = 1e-6;                              // share of the strongest fault's effect
+constexpr double kDoubtful = 0.05;     // chance of a chi2 as large with the noise that was assumed: pairs are tried below it
+constexpr double kSlopeStep = 0.01;    // of the logarithm of a factor
+constexpr size_t kMostPaired = 8;      // suspects that pairs are made of
+constexpr size_t kMostPairs = 6;       // pairs that are fitted
+constexpr double kTiedFaults = 0.999;  // cosine of what two faults do to the data
+constexpr double kUnseen = 1e-6;       // share of the strongest fault's effect
 
 Unknown factor_of(Unknown::Of of, const std::string& element) {
     Unknown unknown{
@@ -57,9 +59,15 @@ Unknowns Diagnostician::unknowns_of(const Hypothesis& hypothesis, bool with_damp
         unknowns.add(stiffness);
         if (hypothesis.are_alike) break;
     }
-    for (const std::string& element : hypothesis.elements) {
-        const size_t s = as_size(std::ranges::find(suspects_, element) - suspects_.begin());
-        if (with_damping && are_damped_[s]) unknowns.add(factor_of(Unknown::Of::damping, element));
+    std::vector<std::string> damped;
+    for (const std::string& element : hypothesis.elements)
+        if (are_damped_[as_size(std::ranges::find(suspects_, element) - suspects_.begin())]) damped.push_back(element);
+    for (const std::string& element : damped) {
+        if (!with_damping) break;
+        Unknown damping = factor_of(Unknown::Of::damping, element);
+        if (hypothesis.are_alike) damping.shared = damped;
+        unknowns.add(damping);
+        if (hypothesis.are_alike) break;
     }
     return unknowns;
 }
@@ -304,7 +312,9 @@ Diagnosis Diagnostician::diagnose() {
         scale_slopes();
     };
     sharpen();
-    if (suspects_.size() > 1 && (!judge_best().is_explained() || suspects_.size() == 2)) {
+    const Fit single = judge_best();
+    const bool is_doubtful = !single.is_explained() || (single.is_noise_assumed && single.chance < kDoubtful);
+    if (suspects_.size() > 1 && (is_doubtful || suspects_.size() == 2)) {
         for (Trial& pair : fit_all(promising_pairs(residual_of_null()), null.x)) trials.push_back(std::move(pair));
         std::ranges::stable_sort(trials, by_score);
         sharpen();
@@ -321,6 +331,15 @@ Diagnosis Diagnostician::diagnose() {
     diagnosis.best_score = std::min(trials.front().hypothesis.score, diagnosis.unchanged.score);
     const bool is_seen = diagnosis.unchanged.score - trials.front().hypothesis.score > kTold;
     diagnosis.fit = is_seen ? judge_best() : Identifier(comparison_, null.unknowns, {}, jobs_).judge(null.x);
+    if (comparison_.has_histories()) {
+        const Trial& best = is_seen ? trials.front() : null;
+        Solution at;
+        const Identifier identifier(comparison_, best.unknowns, {}, jobs_);
+        if (best.unknowns.size() > 0) {
+            at = identifier.describe(best.x);
+            diagnosis.step = describe_step(identifier.find_step_bias(at), at, best.unknowns, comparison_.time_step());
+        }
+    }
     for (Trial& one : trials) {
         const bool is_candidate = is_seen && one.hypothesis.score - trials.front().hypothesis.score < kTold;
         if (is_candidate) add_intervals(one);

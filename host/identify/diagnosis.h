@@ -31,6 +31,7 @@ struct Diagnosis {
     Fit fit;                                     ///< of the best
     std::vector<std::vector<std::string>> ties;  ///< elements whose change the data show alike
     std::vector<std::string> unseen;             ///< elements whose change the data do not show at all
+    std::string step = {};                       ///< a sentence on what the time step does to the best; empty: nothing
     double least_seen = 0;                       ///< loss of stiffness that would be seen in any element but the unseen
 };
 

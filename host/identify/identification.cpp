@@ -10,6 +10,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "analysis/stop_signals.h"
 #include "identify/forked_map.h"
 #include "model/error.h"
 #include "model/index.h"
@@ -71,14 +72,22 @@ double chance_beyond(double chi2, Eigen::Index freedom) {
 
 bool Fit::is_explained() const {
     const bool is_small = chance > kUnlikely || (is_noise_assumed && noise_factor() < kAssumedWithin);
-    return (!is_noise_independent || is_small) && whiteness > kUnlikely;
+    return (!is_noise_independent || is_small) && whiteness > kUnlikely && offsets.empty();
 }
 
 std::vector<Prior> read_priors(const std::vector<std::string>& texts, const Unknowns& unknowns,
                                const std::vector<Parameter>& parameters) {
     std::vector<Prior> priors;
     for (const std::string& text : texts) {
-        const Variation variation = parse_variation(text, parameters);
+        const Variation variation = [&] {
+            try {
+                return parse_variation(text, parameters);
+            } catch (const Error& error) {
+                std::string why = error.what();
+                if (const size_t at = why.find("--vary"); at != why.npos) why.replace(at, 6, "--prior");
+                throw Error(error.code(), why);
+            }
+        }();
         const Distribution& own = variation.distribution;
         if (own.kind != Distribution::Kind::normal && own.kind != Distribution::Kind::lognormal)
             throw Error(ExitCode::usage,
@@ -257,7 +266,10 @@ Solution Identifier::make_solution(const Minimum& minimum) const {
     solution.at_bound = minimum.at_bound;
     solution.predicted = comparison_.predict(unknowns_, minimum.x);
     solution.chi2 = comparison_.residual(solution.predicted, false).squaredNorm();
-    solution.judged = judge_identifiability(jacobian(minimum.x, false, jobs_), unknowns_, minimum.at_bound);
+    const Eigen::MatrixXd slopes = jacobian(minimum.x, false, jobs_);
+    // A direction that the data leave open may have ended at a bound: what is held there is not known by that
+    solution.judged = judge_identifiability(slopes, unknowns_, std::vector<bool>(unknowns_.size(), false));
+    if (solution.judged.flat.empty()) solution.judged = judge_identifiability(slopes, unknowns_, minimum.at_bound);
     solution.low.resize(unknowns_.size());
     solution.high.resize(unknowns_.size());
     return solution;
@@ -269,12 +281,64 @@ Solution Identifier::polish(const Eigen::VectorXd& start) const {
     return solution;
 }
 
-Fit Identifier::judge(const Eigen::VectorXd& x) const {
+/// The direction of the unknowns that the data fix least: derivatives by differences may hide that it is open.
+Eigen::VectorXd Identifier::weakest_direction(const Solution& solution, double& share) const {
+    const Eigen::MatrixXd slopes = jacobian(solution.x, false, jobs_);
+    std::vector<Eigen::Index> live;
+    for (size_t i = 0; i < unknowns_.size(); ++i)
+        if (!solution.judged.is_dead[i]) live.push_back(as_row(i));
+    Eigen::VectorXd direction = Eigen::VectorXd::Zero(slopes.cols());
+    share = 1;
+    if (live.empty()) return direction;
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(slopes(Eigen::all, live), Eigen::ComputeThinV);
+    const auto last = svd.singularValues().size() - 1;
+    share = svd.singularValues()(last) / svd.singularValues()(0);
+    direction(live) = svd.matrixV().col(last);
+    return direction;
+}
+
+bool Identifier::is_nearly_flat(const Solution& solution) const {
+    constexpr double kWeak = 0.02;  // of the largest singular value
+    double share = 0;
+    weakest_direction(solution, share);
+    return solution.judged.flat.empty() && share < kWeak;
+}
+
+/// Goes some way along the weakest direction and down again: whoever does not come back, and fits as well, is in a valley
+/// without end. Returns the way from the solution, of norm 1.
+std::optional<Eigen::VectorXd> Identifier::find_valley(const Solution& solution) const {
+    constexpr double kAway = 0.3, kBack = 0.1;  // of coordinates: gone, and still away afterwards
+    double share = 0;
+    const Eigen::VectorXd direction = weakest_direction(solution, share);
+    for (const double sign : {1.0, -1.0}) {
+        Eigen::VectorXd start = solution.x + sign * kAway * direction;
+        start = start.cwiseMax(unknowns_.low()).cwiseMin(unknowns_.high());
+        if ((start - solution.x).norm() < kBack) continue;
+        try {
+            const Minimum there = minimise(problem(false, jobs_), start);
+            const Eigen::VectorXd way = there.x - solution.x;
+            const double here = residual(solution.x, false).squaredNorm();
+            if (way.norm() > kBack && there.chi2() < here + 1) {
+                // Half way it must be as good: else there are two minima
+                const Minimum middle = minimise(problem(false, jobs_), solution.x + 0.5 * way);
+                const double gone = (middle.x - solution.x).norm() / way.norm();
+                if (middle.chi2() < here + 1 && gone > 0.25 && gone < 0.75) return way.normalized();
+            }
+        } catch (const Error&) {
+            if (StopSignals::requested()) throw;
+        }
+    }
+    return std::nullopt;
+}
+
+Solution Identifier::describe(const Eigen::VectorXd& x) const {
     Minimum minimum;
     minimum.x = x;
     minimum.at_bound.assign(unknowns_.size(), false);
-    return judge_fit(make_solution(minimum));
+    return make_solution(minimum);
 }
+
+Fit Identifier::judge(const Eigen::VectorXd& x) const { return judge_fit(describe(x)); }
 
 Identification Identifier::identify(int starts, int seed) {
     const int count = as_int(unknowns_.size());
@@ -338,6 +402,16 @@ Identification Identifier::identify(int starts, int seed) {
         // Where the best is regular, a singular minimum is a fold beside solutions, none of them
         if (found.solutions.empty() || solution.judged.flat.empty()) found.solutions.push_back(std::move(solution));
     }
+    if (found.solutions.size() > 1 || (count > 1 && is_nearly_flat(found.solutions.front()))) {
+        if (const auto open = find_valley(found.solutions.front())) {
+            Solution& best = found.solutions.front();
+            best.judged.flat.push_back(*open);
+            constexpr double kTakesPart = 0.1;
+            for (Eigen::Index i = 0; i < open->size(); ++i)
+                if (std::abs((*open)(i)) > kTakesPart) best.judged.deviations(i) = std::numeric_limits<double>::infinity();
+            found.solutions.resize(1);
+        }
+    }
     found.fit = judge_fit(found.solutions.front());
     found.is_underdetermined = found.is_underdetermined || is_underdetermined(found.solutions.front().judged);
     for (Solution& solution : found.solutions)
@@ -375,7 +449,7 @@ Fit Identifier::judge_fit(const Solution& solution) const {
     int looked_at = 0;
     for (const DataGroup& group : comparison_.groups()) {
         const bool is_curve = group.kind == DataGroup::Kind::history || group.kind == DataGroup::Kind::response;
-        constexpr Eigen::Index kFewest = 50, kMostLags = 20;  // samples; lags
+        constexpr Eigen::Index kFewest = 20, kMostLags = 20;  // samples; lags
         if (!is_curve || group.count < kFewest || group.noise <= kLeastNoise * group.largest) continue;
         const Eigen::Index stride = group.kind == DataGroup::Kind::response ? 2 : 1;
         const Eigen::Index count = group.count / stride;
@@ -392,10 +466,17 @@ Fit Identifier::judge_fit(const Solution& solution) const {
             if (is_open) memory += 2 * rho[k];
         }
         if (!rho.empty()) fit.whiteness = std::min(fit.whiteness, chance_beyond(Q, as_row(rho.size())));
+        // A mean that noise does not explain is an offset of the sensor
+        constexpr double kOffset = 5;  // standard deviations of the mean
+        if (group.kind == DataGroup::Kind::history &&
+            std::abs(own.mean()) * std::sqrt(static_cast<double>(count)) >
+                kOffset * std::sqrt(own.squaredNorm() / static_cast<double>(count)))
+            fit.offsets.push_back(group.name);
         sum += memory;
         ++looked_at;
     }
     fit.whiteness = std::min(1.0, fit.whiteness * std::max(1, looked_at));
+    fit.can_be_judged = fit.is_noise_independent || looked_at > 0;
     if (looked_at > 0 && fit.whiteness < kUnlikely) fit.inflation = std::sqrt(sum / looked_at);
     if (fit.is_noise_assumed && fit.chance < kUnlikely) fit.inflation = std::max(fit.inflation, fit.noise_factor());
     return fit;

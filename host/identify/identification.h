@@ -33,12 +33,16 @@ struct Fit {
     bool is_noise_independent = false;     ///< of the residuals: only then chi2 can tell a lack of fit
     double chance = 1;                     ///< of so large a chi2 with a true model
     double whiteness = 1;                  ///< chance that residuals as correlated as these are noise; 1: not looked at
-    double misfit = 0;              ///< largest RMS of what is left of a history or response, share of its largest value
-    double inflation = 1;           ///< of deviations: for correlated residuals, or for noise larger than assumed
-    bool is_noise_assumed = false;  ///< of some group: what is usual, nobody gave it
+    double misfit = 0;     ///< largest RMS of what is left of a history or response, share of its largest value
+    double inflation = 1;  ///< of deviations: for correlated residuals, or for noise larger than assumed
+    std::vector<std::string> offsets = {};  ///< channels whose residuals have a mean
+    bool can_be_judged = true;              ///< the noise is known, or there are samples enough to see a correlation
+    bool is_noise_assumed = false;          ///< of some group: what is usual, nobody gave it
     /// Noise that would make chi2 what it should be, per noise that counts.
     double noise_factor() const { return freedom > 0 ? std::sqrt(chi2 / static_cast<double>(freedom)) : 1; }
     bool is_explained() const;
+    /// Where nothing is left to judge by: chi2 is far beyond what as many data as there are would give.
+    bool is_hopeless() const { return freedom <= 0 && is_noise_independent && chi2 > 4 * static_cast<double>(points) + 20; }
 };
 
 struct Identification {
@@ -79,6 +83,10 @@ public:
     Minimum descend(const Eigen::VectorXd& start) const { return minimise(problem(false, jobs_), start); }
     /// Of residuals by coordinates, at a point.
     Eigen::MatrixXd differentiate(const Eigen::VectorXd& x) const { return jacobian(x, false, jobs_); }
+    /// What the data say of the unknowns at the values of a minimum, without intervals.
+    Solution describe(const Eigen::VectorXd& x) const;
+    /// By how much the time step shifts the coordinates of a minimum from what exact motion would give.
+    Eigen::VectorXd find_step_bias(const Solution& solution) const;
     /// How well the values of a minimum explain the data.
     Fit judge(const Eigen::VectorXd& x) const;
 
@@ -97,12 +105,14 @@ private:
     std::vector<Minimum> search(const std::vector<Start>& points, Identification& found);
     void estimate_noise(const Eigen::VectorXd& predicted);
     Solution make_solution(const Minimum& minimum) const;
+    Eigen::VectorXd weakest_direction(const Solution& solution, double& share) const;
+    bool is_nearly_flat(const Solution& solution) const;
+    std::optional<Eigen::VectorXd> find_valley(const Solution& solution) const;
     bool is_same(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
     Fit judge_fit(const Solution& solution) const;
     void find_intervals(Solution& solution, double inflation) const;
     double rise(const Solution& solution, size_t unknown, double distance, const Eigen::MatrixXd& jacobian,
                 double base) const;
-    Eigen::VectorXd find_step_bias(const Solution& solution) const;
 
     Comparison& comparison_;
     const Unknowns& unknowns_;

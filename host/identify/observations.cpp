@@ -27,8 +27,10 @@ namespace dttmm::host {
 
 namespace {
 
-constexpr double kSilent = 1e-9;      // share of the largest channel of its unit: rounding of a direction that rests
-constexpr size_t kFewestBefore = 20;  // samples before the start that show the noise
+constexpr double kSilent = 1e-9;       // share of the largest channel of its unit: rounding of a direction that rests
+constexpr double kImpossible = 1e100;  // SI: its square is no number any more
+constexpr double kLongRecord = 10;     // times the model's duration: most likely a wrong unit of time
+constexpr size_t kFewestBefore = 20;   // samples before the start that show the noise
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 [[noreturn]] void refuse(ExitCode code, const std::string& text) { throw Error(code, text); }
@@ -105,6 +107,7 @@ public:
                 refuse(ExitCode::usage, fmt::format("{}: there is no column {} in {}{}", one.place, quote(one.column),
                                                     listed(texts(files)), suggestion(one.column, columns_)));
         drop_silent();
+        warn_long_record();
         if (found_.is_empty())
             refuse(ExitCode::input_output,
                    fmt::format("{}: nothing of it is in the model; say with --map COLUMN=CHANNEL what its columns are{}",
@@ -240,8 +243,9 @@ private:
         for (size_t i = 0; i < signal.values.size(); ++i) {
             const double time = model_.measured.clock * (signal.abscissa[i] - (map ? map->delay : 0));
             const double value = per_number * signal.values[i];
-            if (!std::isfinite(value))
-                refuse(ExitCode::input_output, fmt::format("{}: value {} is no finite number", signal.place, i + 1));
+            if (!(std::abs(value) < kImpossible))
+                refuse(ExitCode::input_output,
+                       fmt::format("{}: value {} is no finite number of a measurement", signal.place, i + 1));
             if (time < 0) {
                 before.push_back(value);
                 continue;
@@ -298,8 +302,9 @@ private:
             const std::complex<double> value =
                 per_number * std::complex<double>(signal.values[i], response.is_real ? 0 : signal.imaginary[i]) *
                 std::polar(1.0, map ? 2 * std::numbers::pi * f * map->delay : 0.0);
-            if (!std::isfinite(std::abs(value)))
-                refuse(ExitCode::input_output, fmt::format("{}: value {} is no finite number", signal.place, i + 1));
+            if (!(std::abs(value) < kImpossible))
+                refuse(ExitCode::input_output,
+                       fmt::format("{}: value {} is no finite number of a measurement", signal.place, i + 1));
             if (f <= 0 || std::abs(value) == 0) continue;  // nothing is measured at 0 Hz; zero has no logarithm
             response.frequencies.push_back(f);
             response.values.push_back(value);
@@ -335,6 +340,16 @@ private:
             if (one.kind != MeasuredSignal::Kind::coherence || one.name != signal.name ||
                 one.reference != signal.reference || one.abscissa != signal.abscissa)
                 continue;
+            for (const double g2 : one.values)
+                if (!(g2 >= 0 && g2 <= 1 + 1e-6))
+                    refuse(ExitCode::input_output,
+                           fmt::format("{}: a coherence of {} lies outside of 0 to 1", one.place, number_text(g2)));
+            if (model_.measured.averages < 2) {
+                warnings_.note("coherence", fmt::format("{}: the coherence is not used: of one average it is always 1; say "
+                                                        "with `averages` in [measured] how many there were",
+                                                        one.place));
+                return;
+            }
             constexpr double kFloor = 1e-4;  // of the largest: rounding of a coherence near 1
             for (size_t i = 0, k = 0; i < one.values.size() && k < response.frequencies.size(); ++i) {
                 if (signal.abscissa[i] / model_.measured.clock != response.frequencies[k]) continue;
@@ -435,6 +450,16 @@ private:
             own.shape /= largest;
         else
             own.shape.resize(0);
+    }
+
+    /// Times in ms that are taken for seconds would be a run without end.
+    void warn_long_record() {
+        double last = 0;
+        for (const ObservedHistory& one : found_.histories) last = std::max(last, one.times.back());
+        if (model_.simulation.duration > 0 && last > kLongRecord * model_.simulation.duration)
+            warnings_.add("long-record",
+                          fmt::format("the measured data last {:.6g} s, the model {:.6g} s: is the unit of the times right?",
+                                      last, model_.simulation.duration));
     }
 
     /// Channels in which there is rounding only, as a run records them in directions without motion.

@@ -21,6 +21,7 @@
 #include "record/atomic_file.h"
 #include "record/csv_table.h"
 #include "record/results_folder.h"
+#include "record/tell.h"
 #include "study/design.h"
 #include "study/distribution.h"
 #include "study/text_list.h"
@@ -153,7 +154,8 @@ struct Optimum {
 };
 
 void report(const Request& request, const FigureFunction& function, const std::vector<Range>& ranges, const Column& figure,
-            double at_file, const std::vector<Optimum>& optima, size_t starts, size_t failed) {
+            double at_file, const std::vector<Optimum>& optima, size_t starts, size_t failed,
+            const std::vector<bool>& idle) {
     const ResultsFolder folder(results_path(request, "-optimise"));
     const Optimum& best = optima.front();
     std::vector<Column> columns = {{figure.name, figure.unit.empty() ? "1" : figure.unit}};
@@ -163,8 +165,20 @@ void report(const Request& request, const FigureFunction& function, const std::v
     write_atomically(folder.file("optimise.csv"), csv.text());
     Json parameters = Json::object();
     std::vector<std::string> lines;
+    constexpr double kSameFigure = 1e-4, kSameValues = 0.01;  // share; of logarithms
     size_t same = 0;
-    for (const Optimum& one : optima) same += std::abs(one.figure - best.figure) <= 1e-4 * std::abs(best.figure);
+    std::vector<const Optimum*> sets;  // of values, among the equally good
+    for (const Optimum& one : optima) {
+        if (std::abs(one.figure - best.figure) > kSameFigure * std::abs(best.figure)) continue;
+        ++same;
+        const bool is_known = std::ranges::any_of(
+            sets, [&](const Optimum* other) { return (other->x - one.x).cwiseAbs().maxCoeff() < kSameValues; });
+        if (!is_known) sets.push_back(&one);
+    }
+    const Goal goal = parse_goal(request.goal);
+    const double wanted = goal.kind == Goal::Kind::value ? parse_quantity(goal.value, figure.unit) : best.figure;
+    const bool is_reached =
+        std::abs(best.figure - wanted) <= kSameFigure * std::max(std::abs(wanted), std::abs(best.figure));
     for (size_t i = 0; i < ranges.size(); ++i) {
         const double x = best.x(as_row(i)), low = std::log(ranges[i].low), high = std::log(ranges[i].high);
         const bool is_low = x - low < kAtRange * (high - low), is_high = high - x < kAtRange * (high - low);
@@ -185,11 +199,17 @@ void report(const Request& request, const FigureFunction& function, const std::v
                                                   {"parameters", parameters},
                                                   {"starts", starts},
                                                   {"failed", failed},
+                                                  {"reached", is_reached},
                                                   {"ended_there", same},
+                                                  {"sets_of_values", sets.size()},
                                                   {"command_line", request.command_line}});
+    if (!is_reached) tell(fmt::format("warning: the goal {} is not reached within these ranges", quote(request.goal)));
     if (request.quiet) return;
     fmt::print("{} = {:.7g} {}; with the file's values {:.7g}\n", figure.name, best.figure, figure.unit, at_file);
     for (const std::string& line : lines) fmt::print("{}\n", line);
+    if (sets.size() > 1) fmt::print("{} different sets of values are as good: optimise.csv has them\n", sets.size());
+    for (size_t i = 0; i < ranges.size(); ++i)
+        if (idle[i]) fmt::print("{} changes nothing of it\n", ranges[i].name);
     fmt::print("{} of {} ended there{}; results in {}\n", same, counted(starts, "starting point", "starting points"),
                failed > 0 ? fmt::format(", {} failed", failed) : "", folder.describe("optimise.json"));
 }
@@ -261,7 +281,20 @@ ExitCode optimise(const Request& request) {
     std::ranges::stable_sort(optima, [](const Optimum& a, const Optimum& b) { return a.objective < b.objective; });
     std::string ignored;
     const double at_file = function.evaluate(function.nominal().transpose(), 1, ignored)(0, 0);
-    report(request, function, ranges, function.figures().front(), at_file, optima, starts, starts - optima.size());
+    // A parameter that the figure does not notice at the file's values nor at the best
+    std::vector<bool> idle;
+    for (size_t i = 0; i < ranges.size(); ++i) {
+        Eigen::MatrixXd rows(2, count);
+        rows.row(0) = optima.front().x.array().exp();
+        rows.row(1) = rows.row(0);
+        rows(1, as_row(i)) =
+            std::exp(std::abs(optima.front().x(as_row(i)) - low(as_row(i))) > 0.5 * (high(as_row(i)) - low(as_row(i)))
+                         ? low(as_row(i))
+                         : high(as_row(i)));
+        const Eigen::MatrixXd figures = function.evaluate(rows, request.jobs, ignored);
+        idle.push_back(figures(0, 0) == figures(1, 0));
+    }
+    report(request, function, ranges, function.figures().front(), at_file, optima, starts, starts - optima.size(), idle);
     return ExitCode::ok;
 }
 

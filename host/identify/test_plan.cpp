@@ -2,6 +2,7 @@
 #include "identify/test_plan.h"
 
 #include <fmt/format.h>
+#include <fnmatch.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -50,11 +51,14 @@ public:
         ModalMachine machine = make_machine(model, plugins, silent);
         for (const ModalPlace& place : machine.places())
             for (int d = 0; d < 3; ++d)
-                if (!place.is_held(d) && model.modes.directions[as_size(d)])
+                if (!place.is_held(d) && model.modes.directions[as_size(d)] &&
+                    is_chosen(fmt::format("{}.{}", place.name, "xyz"[d])))
                     freedoms_.push_back({fmt::format("{}.{}", place.name, "xyz"[d]), place.name, d});
         if (freedoms_.size() > kMostFreedoms)
-            throw Error(ExitCode::usage, fmt::format("--plan: {} places and directions are too many to compare; at most {}",
-                                                     freedoms_.size(), kMostFreedoms));
+            throw Error(ExitCode::resource_limit,
+                        fmt::format("--plan: {} places and directions are too many to compare, at most {}; choose some with "
+                                    "--channels, as --channels \"plate1*\"",
+                                    freedoms_.size(), kMostFreedoms));
         const std::vector<ModalInstance::Mode> modes = machine.find_modes();
         double first = 0, last = 0;
         for (const ModalInstance::Mode& mode : modes) {
@@ -103,6 +107,11 @@ public:
     }
 
 private:
+    bool is_chosen(const std::string& freedom) const {
+        return request_.channels.empty() || std::ranges::any_of(request_.channels, [&](const std::string& pattern) {
+                   return fnmatch(pattern.c_str(), freedom.c_str(), 0) == 0;
+               });
+    }
     Model read(const Eigen::VectorXd& logarithms) const {
         ModelOverrides overrides = request_.overrides;
         overrides.purpose = Purpose::modes;

@@ -95,6 +95,43 @@ Json describe_fit(const Fit& fit) {
             {"explained", fit.is_explained()}};
 }
 
+std::vector<std::string> describe_limits(const Fit& fit) {
+    std::vector<std::string> limits;
+    if (fit.is_noise_assumed && fit.freedom > 0 && fit.is_explained() && fit.chance < 1e-3)
+        limits.push_back(
+            fmt::format("That holds if the noise is {:.2g} times what is usual ({}); the intervals are as much wider",
+                        fit.noise_factor(), describe_chi2(fit)));
+    if (!fit.offsets.empty())
+        limits.push_back(fmt::format("What is left of {} has a mean that is no noise: an offset of the sensor, or a drift",
+                                     listed(fit.offsets)));
+    if (!fit.can_be_judged)
+        limits.emplace_back(
+            "The noise was estimated from the residuals, of which there are too few to see a correlation: a lack of fit "
+            "would not show; give --noise");
+    else if (!fit.is_noise_independent)
+        limits.emplace_back(
+            "The noise was estimated from the residuals: so chi2 cannot show a lack of fit, their correlation can");
+    if (fit.inflation > 1 && fit.whiteness < 1e-3)
+        limits.push_back(
+            fmt::format("The intervals are {:.2g} times wider for the correlation of the residuals", fit.inflation));
+    return limits;
+}
+
+std::string describe_step(const Eigen::VectorXd& bias, const Solution& solution, const Unknowns& unknowns, double step) {
+    std::vector<std::string> shifted;
+    for (Eigen::Index i = 0; i < bias.size(); ++i) {
+        const double deviation = solution.judged.deviations(i);
+        if (!std::isfinite(deviation) || !(std::abs(bias(i)) > kStepMatters * deviation)) continue;
+        const Unknown& one = unknowns[as_size(i)];
+        shifted.push_back(one.is_logarithmic() ? fmt::format("{} by {:.2g} %", one.name, 100 * bias(i))
+                                               : fmt::format("{} by {:.2g} {}", one.name, one.slope(0) * bias(i), one.unit));
+    }
+    if (shifted.empty()) return {};
+    return fmt::format(
+        "The time step of {:.4g} s shifts {} from what exact motion would give: measured data want a smaller --step", step,
+        listed(shifted));
+}
+
 std::vector<std::string> make_verdict(const Identification& found, const Comparison& comparison, const Unknowns& unknowns) {
     const Solution& best = found.solutions.front();
     const Fit& fit = found.fit;
@@ -102,9 +139,12 @@ std::vector<std::string> make_verdict(const Identification& found, const Compari
     const auto say = [&](std::string text) { verdict.push_back(std::move(text)); };
     std::vector<std::string> open;
     for (size_t i = 0; i < unknowns.size(); ++i)
-        if (!best.judged.is_dead[i] && !best.low[i] && !best.high[i] && !best.at_bound[i]) open.push_back(unknowns[i].name);
+        if (!best.judged.is_dead[i] && !best.low[i] && !best.high[i]) open.push_back(unknowns[i].name);
 
-    if (found.is_underdetermined)
+    if (found.is_underdetermined && fit.is_hopeless())
+        say(fmt::format("No set of values that was found explains the data ({}), though there are as many unknowns as data",
+                        describe_chi2(fit)));
+    else if (found.is_underdetermined)
         say(fmt::format(
             "Under-determined: {} data for {} unknowns, and many sets of values explain them: no value is known. Free "
             "fewer, say with --prior what is known before, or measure more",
@@ -119,11 +159,10 @@ std::vector<std::string> make_verdict(const Identification& found, const Compari
             found.solutions.size()));
     else if (!best.judged.flat.empty() || !open.empty())
         say(fmt::format("The data do not fix all that is sought: {} of {} are not known", open.size(), unknowns.size()));
+    else if (!fit.can_be_judged)
+        say(fmt::format("How well the model explains the data cannot be judged ({})", describe_chi2(fit)));
     else
         say(fmt::format("The model explains the data ({})", describe_chi2(fit)));
-    if (fit.is_noise_assumed && fit.freedom > 0 && fit.is_explained() && fit.chance < 1e-3)
-        say(fmt::format("That holds if the noise is {:.2g} times what is usual ({}); the intervals are as much wider",
-                        fit.noise_factor(), describe_chi2(fit)));
     if (fit.freedom > 0 && !fit.is_explained() && found.solutions.size() > 1)
         say(fmt::format("{} sets of values come equally near to the data", found.solutions.size()));
     if (fit.freedom <= 0 && !found.is_underdetermined)
@@ -151,23 +190,9 @@ std::vector<std::string> make_verdict(const Identification& found, const Compari
                 describe_combination(found.flat_in_file[k], unknowns)));
     if (const auto held = names_where(unknowns, best.at_bound); !held.empty())
         say(fmt::format("{} {} at a bound: the data want it beyond", listed(held), are(held.size())));
-    if (!fit.is_noise_independent)
-        say("The noise was estimated from the residuals: so chi2 cannot show a lack of fit, their correlation can");
-    if (fit.inflation > 1 && fit.whiteness < 1e-3)
-        say(fmt::format("The intervals are {:.2g} times wider for the correlation of the residuals", fit.inflation));
-    std::vector<std::string> shifted;
-    for (Eigen::Index i = 0; i < found.step_bias.size(); ++i) {
-        const double deviation = best.judged.deviations(i), bias = found.step_bias(i);
-        if (!std::isfinite(deviation) || !(std::abs(bias) > kStepMatters * deviation)) continue;
-        const Unknown& one = unknowns[as_size(i)];
-        shifted.push_back(one.is_logarithmic() ? fmt::format("{} by {:.2g} %", one.name, 100 * bias)
-                                               : fmt::format("{} by {:.2g} {}", one.name, one.slope(0) * bias, one.unit));
-    }
-    if (!shifted.empty())
-        say(fmt::format(
-            "The time step of {:.4g} s shifts {} from what exact motion would give: measured data want a smaller "
-            "--step",
-            comparison.time_step(), listed(shifted)));
+    for (const std::string& sentence : describe_limits(fit)) say(sentence);
+    if (const std::string shift = describe_step(found.step_bias, best, unknowns, comparison.time_step()); !shift.empty())
+        say(shift);
     if (found.failed > 0)
         say(fmt::format("From {} of the starting points the model had no answer, as: {}", found.failed,
                         found.first_failure));

@@ -21,6 +21,10 @@ std::string describe_noise(const Comparison& comparison);
 Json describe_groups(const Comparison& comparison);
 /// chi2, points and what they say.
 Json describe_fit(const Fit& fit);
+/// Sentences on what limits a fit: noise that was assumed or estimated, offsets, correlation. They stand behind a verdict.
+std::vector<std::string> describe_limits(const Fit& fit);
+/// That the time step shifts unknowns by more than their intervals allow; empty: it does not.
+std::string describe_step(const Eigen::VectorXd& bias, const Solution& solution, const Unknowns& unknowns, double step);
 /// "chi2 5189 for 4004 points, 1.3 % of the largest value left".
 std::string describe_chi2(const Fit& fit);
 

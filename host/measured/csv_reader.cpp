@@ -391,6 +391,10 @@ void read_own_modes(const MeasuredTable& table, size_t frequency, size_t place, 
         }
     }
     for (MeasuredMode& mode : found.modes) mode.shape.resize(found.shape_names.size(), {kNone, 0});
+    // Directions in which nothing moves are no data
+    for (size_t i = 0; i < found.shape_names.size(); ++i)
+        if (std::ranges::all_of(found.modes, [&](const MeasuredMode& mode) { return mode.shape[i] == 0.0; }))
+            for (MeasuredMode& mode : found.modes) mode.shape[i] = {kNone, 0};
 }
 
 void read_modes(const MeasuredTable& table, size_t frequency, Measurement& found) {

@@ -107,6 +107,21 @@ TEST_F(Diagnose, AFaultThatNoSuspectExplainsIsTold) {
     EXPECT_THAT(ended.out, HasSubstr("explains the data"));
 }
 
+// Of modes the noise is only assumed: one suspect that fits within it is not taken for the truth before pairs were tried.
+TEST_F(Diagnose, PairsAreTriedWhereTheNoiseIsAssumed) {
+    write_text(folder_ / "model.toml", shear_frame({2, 3, 2.5, 2}, {5000, 7000, 6000, 4000}));
+    ASSERT_EQ(run_dttmm(folder_.path(),
+                        {"modes", "model.toml", "-q", "-o", "secret", "--set", "k1=3500 N/m", "--set", "k3=5150 N/m"})
+                  .code,
+              0);
+    const Ended ended = run_dttmm(
+        folder_.path(), {"diagnose", "model.toml", "-o", "out", "--measured", "secret/modes.csv", "--suspects", "storey*"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    const nlohmann::json found = read_json(folder_ / "out/diagnose.json");
+    EXPECT_EQ(found["candidates"][0]["elements"], nlohmann::json({"storey1", "storey3"})) << ended.out;
+    EXPECT_NEAR(found["candidates"][0]["factor"][0].get<double>(), 0.7, 1e-3);
+}
+
 TEST_F(Diagnose, APlanSaysWhichSensorsTell) {
     const Ended ended = run_dttmm(folder_.path(), {"diagnose", "model.toml", "-o", "out", "--suspects", "bolt*", "--plan"});
     ASSERT_EQ(ended.code, 0) << ended.err;

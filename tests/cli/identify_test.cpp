@@ -339,6 +339,63 @@ TEST_F(Identify, WhatTheModelCannotExplainIsTold) {
     EXPECT_FALSE(found()["fit"]["explained"].get<bool>());
 }
 
+// Masses and stiffnesses by one factor leave all frequencies as they are: no value is known, also where one ends at a bound.
+TEST_F(Identify, AScaleThatTheDataCannotShowIsNoValue) {
+    std::string model = shear_frame({2, 3}, {5000, 7000});
+    model.replace(model.find("mass = 2"), 8, "mass = \"=m\"");
+    model.replace(model.find("mass = 3"), 8, "mass = \"=1.5*m\"");
+    model.replace(model.find("[parameters]\n"), 13, "[parameters]\nm = \"2 kg\"\n");
+    write_text(folder_ / "model.toml", model);
+    ASSERT_EQ(run_dttmm(folder_.path(),
+                        {"modes", "model.toml", "-q", "-o", "secret", "--set", "k1=3000 N/m", "--set", "k2=8000 N/m"})
+                  .code,
+              0);
+    const Ended ended = identify({"--measured", "secret/modes.csv", "--free", "k1,k2,m", "--starts", "12"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    const nlohmann::json json = found();
+    EXPECT_GE(json["flat"].size(), 1u) << ended.out;
+    EXPECT_EQ(json["solutions"].size(), 1u) << "a continuum is no list of solutions";
+    for (const auto& [name, own] : json["solutions"][0]["parameters"].items())
+        EXPECT_TRUE(own["low"].is_null() && own["high"].is_null()) << name;
+}
+
+// A sensor with an offset, and a record too short to judge the model by what is left.
+TEST_F(Identify, OffsetsAndRecordsTooShortAreTold) {
+    write_text(folder_ / "model.toml", struck_plate());
+    measure({"k1=450 N/mm"}, 0.01, 9);
+    std::string shifted = "time,plate.corner1.acceleration.z,plate.corner2.acceleration.z\n", cut = shifted;
+    for (const auto& row : read_history(folder_ / "data.csv")) {
+        shifted += fmt::format("{:.17g},{:.17g},{:.17g}\n", row[0], row[1] + 1.5, row[2]);
+        if (row[0] < 0.0155) cut += fmt::format("{:.17g},{:.17g},{:.17g}\n", row[0], row[1], row[2]);
+    }
+    write_text(folder_ / "shifted.csv", shifted);
+    EXPECT_THAT(identify({"--measured", "shifted.csv", "--free", "k1,k2", "--starts", "1"}).out,
+                AllOf(testing::StartsWith("No set of values explains"),
+                      HasSubstr("What is left of plate.corner1.acceleration.z has a mean")));
+    write_text(folder_ / "cut.csv", cut);
+    EXPECT_THAT(identify({"--measured", "cut.csv", "--free", "k1", "--starts", "1"}).out,
+                AllOf(HasSubstr("cannot be judged"), HasSubstr("give --noise")));
+}
+
+// Of one average a coherence is 1 whatever the noise: it would make the data exact. One above 1 is none.
+TEST_F(Identify, ACoherenceWantsAverages) {
+    write_text(folder_ / "model.toml", shear_frame({2}, {5000}));
+    const auto file = [&](double coherence) {
+        std::string text = "frequency,floor1.position.x.re,floor1.position.x.im,floor1.position.x.coherence\n";
+        for (int i = 1; i <= 40; ++i) {
+            const double f = 0.15 * i, h = 1 / (4500 - 2 * std::pow(2 * std::numbers::pi * f, 2));
+            text += fmt::format("{},{:.17g},{:.17g},{}\n", f, h * (1 + 0.002 * ((i * 7) % 5 - 2)),
+                                h * 0.002 * ((i * 3) % 5 - 2), coherence);
+        }
+        write_text(folder_ / "data.csv", text);
+        return identify({"--measured", "data.csv", "--in", "floor1.x", "--free", "k1"});
+    };
+    const Ended one = file(1);
+    EXPECT_THAT(one.err, HasSubstr("of one average it is always 1"));
+    EXPECT_TRUE(covers(found(), "k1", 4500)) << one.out;
+    EXPECT_EQ(file(1.2).code, 5);
+}
+
 TEST_F(Identify, RefusesWrongInputWithItsCure) {
     write_text(folder_ / "model.toml", struck_plate());
     measure({}, 0);

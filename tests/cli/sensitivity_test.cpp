@@ -172,6 +172,17 @@ TEST_F(LocalSensitivities, AFrequencyIsPlaced) {
     EXPECT_NEAR(json["parameters"]["k1"]["value"].get<double>() / (2 * std::pow(2 * std::numbers::pi * 9.5, 2)), 1, 1e-5);
 }
 
+TEST_F(LocalSensitivities, AGoalOutOfReachAndAnIdleParameterAreTold) {
+    const nlohmann::json json =
+        run("optimise", {"--goal", "mode1.frequency = 500 Hz", "--by", "k1,c in 0.5..2", "--starts", "3"});
+    EXPECT_FALSE(json["reached"].get<bool>());
+    EXPECT_THAT(said_, HasSubstr("c changes nothing of it"));
+    const nlohmann::json met =
+        run("optimise", {"--goal", "mode1.frequency = 70 Hz", "--by", "k1..k4 in 0.5..2", "--starts", "6"});
+    EXPECT_TRUE(met["reached"].get<bool>());
+    EXPECT_GT(met["sets_of_values"].get<int>(), 1) << "one number does not fix four";
+}
+
 // Oracle: an absorber of a tenth of the mass on an undamped machine: the peak of the response is least for Den Hartog's
 // stiffness ratio 1/(1 + mu)^2 and damping sqrt(3 mu/(8 (1 + mu)^3)), to the few per cent by which his fixed points are not
 // the exact optimum.

@@ -88,7 +88,7 @@ struct Server {
                 result.reason.assign(body, head.count);
             } else {
                 result.numbers.resize(head.count);
-                std::memcpy(result.numbers.data(), body, size);
+                if (size > 0) std::memcpy(result.numbers.data(), body, size);
             }
             at += sizeof head + size;
         }

@@ -201,8 +201,9 @@ void measure_times(const fs::path& folder) {
         fmt::format("diagnose {0}/eight.toml --measured {0}/run/history.csv --suspects 'bolt*' -o {0}/four", at));
     measure_command("a run of the stack of examples/stack",
                     fmt::format("run {} -o {}/stack --channels 'plate*.acceleration.z'", stack, at));
-    measure_command("diagnosis among its forty bolts",
-                    fmt::format("diagnose {} --measured {}/stack/history.csv --suspects 'bolt*' -o {}/forty", stack, at, at));
+    measure_command(
+        "diagnosis among its forty bolts",
+        fmt::format("diagnose {} --measured {}/stack/history.csv --suspects 'bolt*' -o {}/forty", stack, at, at));
 }
 
 }  // namespace

@@ -476,7 +476,8 @@ Fit Identifier::judge_fit(const Solution& solution) const {
         ++looked_at;
     }
     fit.whiteness = std::min(1.0, fit.whiteness * std::max(1, looked_at));
-    fit.can_be_judged = fit.is_noise_independent || looked_at > 0;
+    constexpr double kExact = 1e-7;  // share of the largest value: data that the model made itself leave rounding
+    fit.can_be_judged = fit.is_noise_independent || looked_at > 0 || fit.misfit < kExact;
     if (looked_at > 0 && fit.whiteness < kUnlikely) fit.inflation = std::sqrt(sum / looked_at);
     if (fit.is_noise_assumed && fit.chance < kUnlikely) fit.inflation = std::max(fit.inflation, fit.noise_factor());
     return fit;

@@ -149,7 +149,7 @@ void measure_scatter(PlateTest& test) {
 
 void measure_faults(PlateTest& test, double factor) {
     test.set_truth(factor);
-    int right = 0, unseen = 0;
+    int first = 0, alone = 0, unseen = 0;
     const Unknowns none;
     for (unsigned draw = 0; draw < kFaults; ++draw) {
         const Observations data = test.draw(1000 + draw);
@@ -157,10 +157,12 @@ void measure_faults(PlateTest& test, double factor) {
         const Diagnosis found =
             Diagnostician(comparison, none, {"bolt1", "bolt2", "bolt3", "bolt4"}, {true, true, true, true}, 0).diagnose();
         unseen += found.candidates.empty();
-        right += found.candidates.size() == 1 && found.candidates[0].elements == std::vector<std::string>{"bolt1"};
+        const bool is_first = !found.candidates.empty() && found.candidates[0].elements == std::vector<std::string>{"bolt1"};
+        first += is_first;
+        alone += is_first && found.candidates.size() == 1;
     }
-    fmt::print("bolt 1 {:.4g} % softer: it alone in {} of {}, no change seen in {}\n", 100 * (1 - factor), right, kFaults,
-               unseen);
+    fmt::print("bolt 1 {:.4g} % softer: it first in {} of {}, alone in {}, no change seen in {}\n", 100 * (1 - factor),
+               first, kFaults, alone, unseen);
 }
 
 /// Wall time of a command [s], the median of several.

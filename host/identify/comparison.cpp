@@ -143,6 +143,16 @@ Eigen::VectorXd Comparison::deviations() const {
     return deviations;
 }
 
+void Comparison::estimate_noise(const Eigen::VectorXd& predicted, size_t unknowns) {
+    const double freedom_per_row = 1 - static_cast<double>(unknowns) / static_cast<double>(rows());
+    for (DataGroup& group : groups_) {
+        if (group.noise_from != DataGroup::NoiseFrom::residuals) continue;
+        const double squares = (predicted - data_).segment(group.first, group.count).squaredNorm();
+        const double freedom = std::max(1.0, freedom_per_row * static_cast<double>(group.count));
+        group.noise = std::max(std::sqrt(squares / freedom), kLeastNoise * group.largest);
+    }
+}
+
 Eigen::VectorXd Comparison::predict(const Unknowns& unknowns, const Eigen::VectorXd& x, int finer) const {
     Eigen::VectorXd predicted = data_;
     const MeasurementFactors factors = unknowns.factors(x);

@@ -29,6 +29,8 @@ struct DataGroup {
 /// Distance of the two points of a central difference from their middle, in a coordinate: noise of an iterated step ruins
 /// smaller ones.
 inline constexpr double kDifference = 0.01;
+/// Least standard deviation of data, share of their largest value: of data that the model made itself rounding is left.
+inline constexpr double kLeastNoise = 1e-9;
 
 /// Measured data beside what a model with given unknowns predicts of them. Rows of data: samples of histories, real and
 /// imaginary parts of responses (real parts alone where the file has no other), logarithms of frequencies, components of
@@ -46,6 +48,8 @@ public:
     const std::vector<DataGroup>& groups() const { return groups_; }
     /// Of every row: the noise of its group, times what a coherence says.
     Eigen::VectorXd deviations() const;
+    /// Of groups whose noise nobody gave: from what is left of their data. unknowns: numbers that were fitted.
+    void estimate_noise(const Eigen::VectorXd& predicted, size_t unknowns);
     /// Rows that count: of histories those up to this share of their duration.
     void set_window(double share) { window_ = share; }
     double window() const { return window_; }

@@ -117,8 +117,7 @@ std::vector<std::string> make_verdict(const Diagnosis& found) {
         for (const Hypothesis& one : found.candidates) say(describe_hypothesis(one));
     }
     for (const auto& alike : found.ties)
-        say(fmt::format("Small changes of {} do the same to these data: they can be told apart by none of them",
-                        listed(alike)));
+        say(fmt::format("Small changes of {} do the same to these data: these data cannot distinguish them", listed(alike)));
     if (!found.unseen.empty()) say(fmt::format("A change of {} does nothing to these data", listed(found.unseen)));
     for (const std::string& sentence : describe_limits(found.fit)) say(sentence);
     if (!found.step.empty()) say(found.step);
@@ -184,11 +183,9 @@ ExitCode diagnose(const Request& request) {
     Json candidates = Json::array(), others = Json::array();
     for (const Hypothesis& one : found.candidates) candidates.push_back(describe(one, found.best_score));
     for (const Hypothesis& one : found.others) others.push_back(describe(one, found.best_score));
-    std::string text;
-    for (const std::string& sentence : verdict) text += (text.empty() ? "" : " ") + sentence + ".";
     const Json json = {
         {"format", "dttmm-diagnose/1"},
-        {"verdict", text},
+        {"verdict", join_sentences(verdict)},
         {"candidates", candidates},
         {"others", others},
         {"no_change", {{"chi2", found.unchanged.chi2}, {"delta_bic", found.unchanged.score - found.best_score}}},

@@ -20,12 +20,10 @@ namespace {
 constexpr double kLowestFactor = 0.01, kHighestFactor = 100;  // of a suspect
 constexpr size_t kFewestFitted = 3;                           // suspects that promise most
 constexpr double kPromising = 0.5;                            // share of the best promise: nearer ones are fitted too
-constexpr double kDoubtful = 0.05;     // chance of a chi2 as large with the noise that was assumed: pairs are tried below it
-constexpr double kSlopeStep = 0.01;    // of the logarithm of a factor
-constexpr size_t kMostPaired = 8;      // suspects that pairs are made of
-constexpr size_t kMostPairs = 6;       // pairs that are fitted
-constexpr double kTiedFaults = 0.999;  // cosine of what two faults do to the data
-constexpr double kUnseen = 1e-6;       // share of the strongest fault's effect
+constexpr double kDoubtful = 0.05;  // chance of a chi2 as large with the noise that was assumed: pairs are tried below it
+constexpr size_t kMostPaired = 8;   // suspects that pairs are made of
+constexpr size_t kMostPairs = 6;    // pairs that are fitted
+constexpr double kUnseen = 1e-6;    // share of the strongest fault's effect
 
 Unknown factor_of(Unknown::Of of, const std::string& element) {
     Unknown unknown{
@@ -88,17 +86,6 @@ double Diagnostician::score(const Eigen::VectorXd& predicted, size_t unknowns) c
     return score;
 }
 
-void Diagnostician::estimate_noise(const Eigen::VectorXd& predicted, size_t unknowns) {
-    constexpr double kLeastNoise = 1e-9;  // share of the largest value
-    for (DataGroup& group : comparison_.groups()) {
-        if (group.noise_from != DataGroup::NoiseFrom::residuals) continue;
-        const double squares = (predicted - comparison_.data()).segment(group.first, group.count).squaredNorm();
-        const double share = 1 - static_cast<double>(unknowns) / static_cast<double>(comparison_.rows());
-        group.noise = std::max(std::sqrt(squares / (static_cast<double>(group.count) * std::max(share, 0.1))),
-                               kLeastNoise * group.largest);
-    }
-}
-
 /// From the coordinates and predictions of a trial what its hypothesis is, and how good.
 void Diagnostician::take_factors(Trial& trial) const {
     trial.hypothesis.chi2 = comparison_.residual(trial.predicted, false).squaredNorm();
@@ -159,7 +146,7 @@ void Diagnostician::find_slopes(const Trial& null) {
     x.head(null.x.size()) = null.x;
     const std::vector<TaskResult> results = map_in_processes(unknowns.size(), jobs_, [&](size_t task) {
         Eigen::VectorXd at = x;
-        at(as_row(task)) += kSlopeStep;
+        at(as_row(task)) += kDifference;
         const Eigen::VectorXd predicted = comparison_.predict(unknowns, at);
         return std::vector<double>(predicted.begin(), predicted.end());
     });
@@ -169,7 +156,7 @@ void Diagnostician::find_slopes(const Trial& null) {
             throw Error(ExitCode::numerical_failure,
                         fmt::format("with {} changed by 1 %: {}", unknowns[i].name, results[i].reason));
         const Eigen::Map<const Eigen::VectorXd> predicted(results[i].numbers.data(), comparison_.rows());
-        changes_.col(as_row(i)) = (predicted - null.predicted) / kSlopeStep;
+        changes_.col(as_row(i)) = (predicted - null.predicted) / kDifference;
     }
 }
 
@@ -241,7 +228,7 @@ void Diagnostician::find_limits(Diagnosis& diagnosis) const {
     const auto count = as_row(suspects_.size());
     double strongest = 0;
     for (Eigen::Index s = 0; s < count; ++s) strongest = std::max(strongest, slopes_.col(s).norm());
-    const double needed = kTold + std::log(static_cast<double>(comparison_.rows()));
+    const double needed = kDistinct + std::log(static_cast<double>(comparison_.rows()));
     std::vector<bool> is_done(suspects_.size(), false);
     for (Eigen::Index s = 0; s < count; ++s) {
         const double norm = slopes_.col(s).norm();
@@ -255,7 +242,7 @@ void Diagnostician::find_limits(Diagnosis& diagnosis) const {
         for (Eigen::Index t = s + 1; t < count; ++t) {
             const double other = slopes_.col(t).norm();
             if (!(other > kUnseen * strongest) || is_done[as_size(t)]) continue;
-            if (std::abs(slopes_.col(s).dot(slopes_.col(t))) < kTiedFaults * norm * other) continue;
+            if (std::abs(slopes_.col(s).dot(slopes_.col(t))) < kTied * norm * other) continue;
             is_done[as_size(t)] = true;
             alike.push_back(suspects_[as_size(t)]);
         }
@@ -292,7 +279,7 @@ Diagnosis Diagnostician::diagnose() {
     Diagnosis diagnosis;
     const auto by_score = [](const Trial& a, const Trial& b) { return a.hypothesis.score < b.hypothesis.score; };
     Trial null = fit({}, false, common_.start());
-    estimate_noise(null.predicted, common_.size());
+    comparison_.estimate_noise(null.predicted, common_.size());
     find_slopes(null);
     scale_slopes();
     const auto residual_of_null = [&] { return Eigen::VectorXd(-comparison_.residual(null.predicted, false)); };
@@ -304,7 +291,7 @@ Diagnosis Diagnostician::diagnose() {
     // With the noise that the best explanation leaves, those near it are fitted again
     const auto sharpen = [&] {
         const Trial& best = trials.front().hypothesis.score < null.hypothesis.score ? trials.front() : null;
-        estimate_noise(best.predicted, best.unknowns.size());
+        comparison_.estimate_noise(best.predicted, best.unknowns.size());
         refit(null);
         for (size_t i = 0; i < std::min(kFewestFitted, trials.size()); ++i) refit(trials[i]);
         for (Trial& one : trials) one.hypothesis.score = score(one.predicted, one.unknowns.size());
@@ -329,7 +316,7 @@ Diagnosis Diagnostician::diagnose() {
     std::ranges::stable_sort(trials, by_score);
     find_limits(diagnosis);
     diagnosis.best_score = std::min(trials.front().hypothesis.score, diagnosis.unchanged.score);
-    const bool is_seen = diagnosis.unchanged.score - trials.front().hypothesis.score > kTold;
+    const bool is_seen = diagnosis.unchanged.score - trials.front().hypothesis.score > kDistinct;
     diagnosis.fit = is_seen ? judge_best() : Identifier(comparison_, null.unknowns, {}, jobs_).judge(null.x);
     if (comparison_.has_histories()) {
         const Trial& best = is_seen ? trials.front() : null;
@@ -341,7 +328,7 @@ Diagnosis Diagnostician::diagnose() {
         }
     }
     for (Trial& one : trials) {
-        const bool is_candidate = is_seen && one.hypothesis.score - trials.front().hypothesis.score < kTold;
+        const bool is_candidate = is_seen && one.hypothesis.score - trials.front().hypothesis.score < kDistinct;
         if (is_candidate) add_intervals(one);
         (is_candidate ? diagnosis.candidates : diagnosis.others).push_back(one.hypothesis);
     }

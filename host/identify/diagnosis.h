@@ -24,7 +24,7 @@ struct Hypothesis {
 };
 
 struct Diagnosis {
-    std::vector<Hypothesis> candidates;  ///< within kTold of the best, best first; none: no change is seen
+    std::vector<Hypothesis> candidates;  ///< within kDistinct of the best, best first; none: no change is seen
     std::vector<Hypothesis> others;      ///< that were fitted
     Hypothesis unchanged;
     double best_score = 0;
@@ -35,9 +35,9 @@ struct Diagnosis {
     double least_seen = 0;                       ///< loss of stiffness that would be seen in any element but the unseen
 };
 
-/// Difference of the criterion from which on one explanation is told from another. Source: Kass and Raftery (1995), Journal
+/// Difference of the criterion from which on two explanations count as distinct. Source: Kass and Raftery (1995), Journal
 /// of the American Statistical Association 90, 773-795: very strong evidence.
-inline constexpr double kTold = 10;
+inline constexpr double kDistinct = 10;
 
 /// Fits each of the suspects alone, all alike, and pairs where no single one explains the data. common: unknowns that every
 /// hypothesis has. All must outlive it.
@@ -58,7 +58,6 @@ private:
     void take_factors(Trial& trial) const;
     std::vector<Trial> fit_all(const std::vector<Hypothesis>& hypotheses, const Eigen::VectorXd& common) const;
     double score(const Eigen::VectorXd& predicted, size_t unknowns) const;
-    void estimate_noise(const Eigen::VectorXd& predicted, size_t unknowns);
     void find_slopes(const Trial& null);
     void scale_slopes();
     void refit(Trial& trial) const;

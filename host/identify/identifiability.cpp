@@ -17,7 +17,6 @@ constexpr double kDead = 1e-7;      // share of the strongest unknown: below it 
 constexpr double kSingular = 1e-6;  // share of the largest singular value: derivatives are not known better
 constexpr double kFlat = 1e-3;      // the same, of a direction that the noise hides
 constexpr double kHidden = 0.1;     // standard deviation in such a direction, 10 % of a value
-constexpr double kTied = 0.999;     // cosine between two columns
 constexpr double kShown = 0.1;      // share of a combination's largest part
 
 }  // namespace

@@ -9,6 +9,9 @@
 
 namespace dttmm::host {
 
+/// Cosine between the derivatives by two unknowns from which on the data change alike with both.
+inline constexpr double kTied = 0.999;
+
 /// What the data say of the unknowns near a minimum, and what they do not.
 struct Identifiability {
     std::vector<bool> is_dead;              ///< nothing that was measured changes with it

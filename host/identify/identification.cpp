@@ -30,7 +30,6 @@ constexpr double kFarWorse = 4;        // times the least chi2 of a short window
 constexpr double kFirstWindow = 0.25;  // share of a history: a short one has fewer side minima
 constexpr int kDescended = 4;          // of the starting points of histories and responses: those with the least residual
 constexpr int kNoiseRounds = 2;        // estimates of noise from residuals, each followed by a fit
-constexpr double kLeastNoise = 1e-9;   // share of the largest value: data that the model made itself
 constexpr double kUnlikely = 1e-3;     // chance below which a statement is rejected
 constexpr double kAssumedWithin = 3;   // usual noise may be this many times larger or smaller in a given test
 
@@ -160,8 +159,8 @@ LeastSquares Identifier::problem(bool are_logarithmic, int jobs) const {
 
 Minimum Identifier::search_from(const Eigen::VectorXd& start, int jobs) const {
     if (!comparison_.has_responses()) return minimise(problem(false, jobs), start, most_evaluations_);
-    const Minimum rough = minimise(problem(true, jobs), start);
-    return minimise(problem(false, jobs), rough.x);
+    const Minimum by_logarithms = minimise(problem(true, jobs), start);
+    return minimise(problem(false, jobs), by_logarithms.x);
 }
 
 bool Identifier::is_underdetermined(const Identifiability& judged) const {
@@ -234,18 +233,6 @@ std::vector<Minimum> Identifier::search(const std::vector<Start>& points, Identi
     return minima;
 }
 
-/// Of groups whose noise nobody gave.
-void Identifier::estimate_noise(const Eigen::VectorXd& predicted) {
-    for (DataGroup& group : comparison_.groups()) {
-        if (group.noise_from != DataGroup::NoiseFrom::residuals) continue;
-        const double squares = (predicted - comparison_.data()).segment(group.first, group.count).squaredNorm();
-        const double freedom =
-            std::max(1.0, static_cast<double>(group.count) - static_cast<double>(unknowns_.size() * as_size(group.count)) /
-                                                                 static_cast<double>(comparison_.rows()));
-        group.noise = std::max(std::sqrt(squares / freedom), kLeastNoise * group.largest);
-    }
-}
-
 /// Near each other, or joined by a straight valley.
 bool Identifier::is_same(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
     if ((a - b).cwiseAbs().maxCoeff() < kSame) return true;
@@ -267,7 +254,7 @@ Solution Identifier::make_solution(const Minimum& minimum) const {
     solution.predicted = comparison_.predict(unknowns_, minimum.x);
     solution.chi2 = comparison_.residual(solution.predicted, false).squaredNorm();
     const Eigen::MatrixXd slopes = jacobian(minimum.x, false, jobs_);
-    // A direction that the data leave open may have ended at a bound: what is held there is not known by that
+    // A combination that the data do not fix may have ended at a bound, which makes none of its unknowns known
     solution.judged = judge_identifiability(slopes, unknowns_, std::vector<bool>(unknowns_.size(), false));
     if (solution.judged.flat.empty()) solution.judged = judge_identifiability(slopes, unknowns_, minimum.at_bound);
     solution.low.resize(unknowns_.size());
@@ -305,7 +292,7 @@ bool Identifier::is_nearly_flat(const Solution& solution) const {
 }
 
 /// Goes some way along the weakest direction and down again: whoever does not come back, and fits as well, is in a valley
-/// without end. Returns the way from the solution, of norm 1.
+/// without end. Returns the direction from the solution, of norm 1.
 std::optional<Eigen::VectorXd> Identifier::find_valley(const Solution& solution) const {
     constexpr double kAway = 0.3, kBack = 0.1;  // of coordinates: gone, and still away afterwards
     double share = 0;
@@ -384,7 +371,7 @@ Identification Identifier::identify(int starts, int seed) {
             return group.noise_from == DataGroup::NoiseFrom::residuals;
         });
         if (is_known) break;
-        estimate_noise(comparison_.predict(unknowns_, minima.front().x));
+        comparison_.estimate_noise(comparison_.predict(unknowns_, minima.front().x), unknowns_.size());
         minima.front() = minimise(problem(false, jobs_), minima.front().x);
         for (size_t m = 1; m < minima.size(); ++m) minima[m].residual = residual(minima[m].x, false);
     }

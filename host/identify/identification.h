@@ -103,7 +103,6 @@ private:
     std::vector<Start> starting_points(int starts, int seed) const;
     bool is_underdetermined(const Identifiability& judged) const;
     std::vector<Minimum> search(const std::vector<Start>& points, Identification& found);
-    void estimate_noise(const Eigen::VectorXd& predicted);
     Solution make_solution(const Minimum& minimum) const;
     Eigen::VectorXd weakest_direction(const Solution& solution, double& share) const;
     bool is_nearly_flat(const Solution& solution) const;

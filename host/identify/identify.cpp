@@ -58,10 +58,8 @@ Json describe(const Identification& found, const Comparison& comparison, const U
         for (const size_t i : alike) names.push_back(unknowns[i].name);
         tied.push_back(names);
     }
-    std::string text;
-    for (const std::string& sentence : verdict) text += (text.empty() ? "" : " ") + sentence + ".";
     return {{"format", "dttmm-identify/1"},
-            {"verdict", text},
+            {"verdict", join_sentences(verdict)},
             {"solutions", solutions},
             {"dead", names_of(unknowns, best.judged.is_dead)},
             {"flat", flat},

@@ -30,7 +30,7 @@ constexpr int kLevels = 3;               // of extrapolation: the error is of si
 constexpr double kFarthestPoint = 0.02;  // of the logarithm of a parameter; halved from level to level
 constexpr double kOneMode = 1e-6;        // share: frequencies this near are one multiple frequency
 constexpr int kCheckCases = 200;         // that check a linear estimate of scatter
-constexpr double kRough = 0.01;          // error of a slope, share of the largest of its figure: worth a word
+constexpr double kUncertain = 0.01;      // error of a slope, share of the largest of its figure: worth a word
 
 bool is_frequency(const Column& column) { return column.name.starts_with("mode") && column.name.ends_with(".frequency"); }
 
@@ -269,22 +269,23 @@ void print(const FigureFunction& function, const LocalSensitivity& local, const 
     std::string head = fmt::format("{:<{}} {:>14} {:<8}", "% per %", width, "value", "");
     for (const Column& one : function.parameters()) head += fmt::format(" {:>11}", one.name);
     fmt::print("{}\n", head);
-    std::vector<std::string> rough;
+    std::vector<std::string> uncertain;
     for (Eigen::Index f = 0; f < local.figures.size(); ++f) {
         const Column& one = function.figures()[as_size(f)];
         std::string line = fmt::format("{:<{}} {:>14.7g} {:<8}", one.name, width, local.figures(f), one.unit);
         const double largest = local.slopes.row(f).cwiseAbs().maxCoeff();
-        bool is_rough = false;
+        bool is_uncertain = false;
         for (Eigen::Index p = 0; p < local.slopes.cols(); ++p) {
             const double value = per_cent(local, f, p);
             line += std::isnan(value) ? fmt::format(" {:>11}", "-") : fmt::format(" {:>+11.4f}", value);
-            is_rough = is_rough || local.errors(f, p) > kRough * largest;
+            is_uncertain = is_uncertain || local.errors(f, p) > kUncertain * largest;
         }
-        if (is_rough && largest > 0) rough.push_back(one.name);
+        if (is_uncertain && largest > 0) uncertain.push_back(one.name);
         fmt::print("{}\n", line);
     }
-    if (!rough.empty())
-        fmt::print("known to worse than 1 % only, as where a peak moves from one instant to another: {}\n", listed(rough));
+    if (!uncertain.empty())
+        fmt::print("known to worse than 1 % only, as where a peak moves from one instant to another: {}\n",
+                   listed(uncertain));
     if (!scatter) return;
     fmt::print("\n{:<{}} {:>14} {:>14} {:>14}\n", "scatter", width, "deviation", "by cases", "not linear");
     for (Eigen::Index f = 0; f < local.figures.size(); ++f)

@@ -16,7 +16,7 @@ struct LocalSensitivity {
     Eigen::MatrixXd errors;   ///< of the slopes, by the last extrapolation
 };
 
-/// A multiple natural frequency has a derivative for each of its branches: they are told apart by their slopes. Throws
+/// A multiple natural frequency has a derivative for each of its branches: their slopes distinguish them. Throws
 /// Error(numerical_failure) where the model has no answer at one of the points. Source: Ridders (1982), Advances in
 /// Engineering Software 4, 75-76.
 LocalSensitivity differentiate_figures(const FigureFunction& function, int jobs);

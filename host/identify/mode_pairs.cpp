@@ -13,7 +13,7 @@ namespace dttmm::host {
 namespace {
 
 constexpr double kOneFrequency = 1e-6;  // share: modes this near in frequency mix freely
-constexpr double kTie = 0.01;           // of MAC: shapes nearer than this are told apart by their frequencies
+constexpr double kTie = 0.01;           // of MAC: of shapes nearer than this the frequencies decide
 
 /// A shape is a shape from two components on: one alone is like every other.
 bool has_shape(const ObservedMode& mode) {

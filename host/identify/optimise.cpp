@@ -136,7 +136,8 @@ std::vector<double> descend_from(Eigen::VectorXd x, const Eigen::VectorXd& low, 
     nlopt_set_maxeval(solver.get(), kMostSteps);
     double least = before;
     nlopt_optimize(solver.get(), x.data(), &least);
-    if (objective.has_failed()) throw Error(ExitCode::numerical_failure, "the model has no answer on the way");
+    if (objective.has_failed())
+        throw Error(ExitCode::numerical_failure, "the model has no answer between the start and the optimum");
     double figure = figure_before;
     if (objective.evaluate(x, nullptr) <= before)
         figure = objective.last();

@@ -54,6 +54,12 @@ std::string describe_value(const Solution& solution, const Unknowns& unknowns, s
                        text(low, "no lower limit"), text(high, "no upper limit"));
 }
 
+std::string join_sentences(const std::vector<std::string>& sentences) {
+    std::string text;
+    for (const std::string& sentence : sentences) text += (text.empty() ? "" : " ") + sentence + ".";
+    return text;
+}
+
 std::string describe_chi2(const Fit& fit) {
     return fmt::format("chi2 {:.5g} for {} points{}", fit.chi2, fit.points,
                        fit.misfit > 0 ? fmt::format(", {:.2g} % of the largest value left", 100 * fit.misfit) : "");
@@ -167,7 +173,7 @@ std::vector<std::string> make_verdict(const Identification& found, const Compari
         say(fmt::format("{} sets of values come equally near to the data", found.solutions.size()));
     if (fit.freedom <= 0 && !found.is_underdetermined)
         say(fmt::format(
-            "There are no more data ({} points) than numbers sought: how well the model explains them cannot be told",
+            "There are no more data ({} points) than numbers sought: the fit cannot show whether the model is right",
             fit.points));
     if (const auto dead = names_where(unknowns, best.judged.is_dead); !dead.empty())
         say(fmt::format("Nothing that was measured changes with {}", listed(dead)));
@@ -186,7 +192,7 @@ std::vector<std::string> make_verdict(const Identification& found, const Compari
         for (size_t k = 0; k < std::min(kSpelt, found.flat_in_file.size()); ++k)
             say(fmt::format(
                 "At the file's values the data do not fix the combination {}: away from them it shows at second order only, "
-                "and its intervals are rough",
+                "and its intervals are approximate",
                 describe_combination(found.flat_in_file[k], unknowns)));
     if (const auto held = names_where(unknowns, best.at_bound); !held.empty())
         say(fmt::format("{} {} at a bound: the data want it beyond", listed(held), are(held.size())));

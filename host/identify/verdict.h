@@ -12,6 +12,9 @@ namespace dttmm::host {
 /// What an identification says, in sentences; the first is the answer.
 std::vector<std::string> make_verdict(const Identification& found, const Comparison& comparison, const Unknowns& unknowns);
 
+/// One text of them, each with its full stop.
+std::string join_sentences(const std::vector<std::string>& sentences);
+
 /// "k1 = 412300 N/m (409000 to 415500)"; "k1 is not fixed by the data".
 std::string describe_value(const Solution& solution, const Unknowns& unknowns, size_t i);
 

@@ -220,7 +220,7 @@ void Mat73Reader::take_dataset(hid_t dataset, const std::string& name, const std
 std::vector<MatArray> Mat73Reader::read() {
     std::error_code fault;
     size_ = std::filesystem::file_size(file_, fault);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // faults are told in our own words
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // this reader reports faults itself
     const Hdf5Id id(H5Fopen(file_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), &H5Fclose);
     if (id < 0)
         throw Error(ExitCode::input_output,

@@ -49,6 +49,12 @@ Json describe_solution(const Solution& solution, const Unknowns& unknowns, const
 Json describe(const Identification& found, const Comparison& comparison, const Unknowns& unknowns,
               const std::vector<std::string>& verdict) {
     const Solution& best = found.solutions.front();
+    // What the time step does to each unknown of the best solution, as share of a logarithmic one, else in its unit
+    Json shifts = Json::object();
+    for (Eigen::Index i = 0; i < found.step_bias.size(); ++i) {
+        const Unknown& one = unknowns[as_size(i)];
+        shifts[one.name] = one.is_logarithmic() ? found.step_bias(i) : one.slope(0) * found.step_bias(i);
+    }
     Json solutions = Json::array(), flat = Json::array(), tied = Json::array(), flat_in_file = Json::array();
     for (const Eigen::VectorXd& one : found.flat_in_file) flat_in_file.push_back(describe_combination(one, unknowns));
     for (const Solution& one : found.solutions) solutions.push_back(describe_solution(one, unknowns, found.fit));
@@ -69,6 +75,7 @@ Json describe(const Identification& found, const Comparison& comparison, const U
             {"fit", describe_fit(found.fit)},
             {"data", describe_groups(comparison)},
             {"underdetermined", found.is_underdetermined},
+            {"shift_by_time_step", shifts},
             {"starting_points", found.starts},
             {"descents", found.descents},
             {"descents_failed", found.failed}};

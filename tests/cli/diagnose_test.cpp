@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <set>
+
 #include "cli/measured_models.h"
 #include "cli/process.h"
 
@@ -61,6 +64,21 @@ TEST_F(Diagnose, ALossBelowTheNoiseIsNotSeen) {
     const double least = found["least_loss_seen"].get<double>();
     EXPECT_GT(least, 0.002);
     EXPECT_LT(least, 0.02);
+}
+
+// Oracle: Schwarz' criterion by hand, chi2 + k ln N where the noise is given: k is 1 for a stiffness, 2 with its damping.
+TEST_F(Diagnose, TheCriterionCountsChi2AndUnknowns) {
+    const nlohmann::json found = diagnose({"k3=450 N/mm"}, 8, "plate.corner*.acceleration.z", {"--noise", "1 m/s^2"});
+    const double points = 4 * 501;
+    const auto criterion = [&](const nlohmann::json& one, int unknowns) {
+        return one["chi2"].get<double>() + unknowns * std::log(points);
+    };
+    const nlohmann::json& best = found["candidates"][0];
+    const double least = criterion(best, best["damping_factor"].is_null() ? 1 : 2);
+    EXPECT_NEAR(found["no_change"]["delta_bic"].get<double>(), criterion(found["no_change"], 0) - least, 1e-3);
+    for (const auto& one : found["others"])
+        EXPECT_NEAR(one["delta_bic"].get<double>(), criterion(one, one["damping_factor"].is_null() ? 1 : 2) - least, 1e-3)
+            << one;
 }
 
 // A stiffer bolt, and one whose damping has changed too.

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <complex>
 #include <numbers>
 
 #include "cli/measured_models.h"
@@ -167,6 +168,37 @@ TEST_F(Identify, ATimeStepThatShiftsTheAnswerIsTold) {
     const Ended fine = identify({"--measured", "data.csv", "--free", "k1", "--step", "0.0625 ms"});
     EXPECT_THAT(fine.out, Not(HasSubstr("smaller --step")));
     EXPECT_TRUE(covers(found(), "k1", 4e5));
+}
+
+// Oracle: data of a step so small that they are exact: what is wrong with the answer is the shift that is printed.
+TEST_F(Identify, TheShiftByTheTimeStepIsThatOfTheAnswer) {
+    write_text(folder_ / "model.toml", struck_plate());
+    measure({"k1=400 N/mm"}, 0, 1, "0.01 ms");
+    ASSERT_EQ(identify({"--measured", "data.csv", "--free", "k1..k4,c", "--step", "0.25 ms", "--starts", "1"}).code, 0);
+    const nlohmann::json json = found();
+    const std::pair<const char*, double> truth[] = {{"k1", 4e5}, {"k2", 5e5}, {"k3", 5e5}};
+    for (const auto& [name, secret] : truth) {
+        const double wrong = std::log(value(json, name) / secret);
+        ASSERT_GT(std::abs(wrong), 1e-4) << name;
+        EXPECT_NEAR(json["shift_by_time_step"][name].get<double>() / wrong, 1, 0.1) << name;
+    }
+}
+
+// Oracle: a delay d turns a response by exp(-i w d); gain and clock as they are defined.
+TEST_F(Identify, GainAndDelayOfResponsesAreFound) {
+    write_text(folder_ / "model.toml", shear_frame({2}, {5000}));
+    const double k = 4500, delay = 8e-4, gain = 1.07;
+    std::string text = "frequency,floor1.position.x.re,floor1.position.x.im\n";
+    for (int i = 1; i <= 60; ++i) {
+        const double f = 0.2 * i, omega = 2 * std::numbers::pi * f;
+        const std::complex<double> H = gain * std::polar(1 / (k - 2 * omega * omega), -omega * delay);
+        text += fmt::format("{},{:.17g},{:.17g}\n", f, H.real(), H.imag());
+    }
+    write_text(folder_ / "data.csv", text);
+    ASSERT_EQ(identify({"--measured", "data.csv", "--in", "floor1.x", "--free", "k1", "--nuisance", "gain,delay"}).code, 0);
+    EXPECT_NEAR(value(found(), "k1"), k, 1e-4 * k);
+    EXPECT_NEAR(value(found(), "delay"), delay, 1e-7);
+    EXPECT_NEAR(value(found(), "gain"), gain, 1e-5);
 }
 
 // Oracle: planted gain, delay and clock.

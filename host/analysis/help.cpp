@@ -87,7 +87,8 @@ std::string describe_value(const Key& key) {
         case Key::Kind::tables:
             return key.name == std::string_view("sections") ? "list of { } of section" : fmt::format("[[{}]]", key.name);
         case Key::Kind::named:
-            return *key.table ? fmt::format("name = {{ }} of {}", key.table) : "name = number";
+            if (*key.table) return fmt::format("name = {{ }} of {}", key.table);
+            return *key.unit == 'm' ? "name = [x, y, z]" : "name = number";
     }
     return {};
 }

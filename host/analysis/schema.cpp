@@ -35,6 +35,11 @@ Json any_of(std::vector<Json> forms) {
     return {{"anyOf", std::move(forms)}};
 }
 
+/// "=front": the coordinates of a station.
+Json station() { return {{"type", "string"}, {"pattern", "^="}}; }
+
+bool is_position(const Key& key) { return key.count == 3 && key.unit == std::string_view("m"); }
+
 /// "[N/m] of the bolt. Default 0."
 std::string describe(std::string_view unit, const std::string& help, const std::string& fallback) {
     std::string text = unit.empty() || unit == "1" ? std::string() : fmt::format("[{}] ", unit);
@@ -54,6 +59,7 @@ Json value_of(const Key& key) {
         case Key::Kind::numbers:
             forms.push_back(list_of(quantity(key.bounds), key.count));
             if (key.count == 1) forms.push_back(quantity(key.bounds));
+            if (is_position(key)) forms.push_back(station());
             break;
         case Key::Kind::point:
             forms.push_back(list_of(quantity(), key.count));
@@ -87,8 +93,11 @@ Json value_of(const Key& key) {
         case Key::Kind::tables:
             return list_of(reference(key.table), 0);
         case Key::Kind::named: {
-            std::vector<Json> named = {*key.table ? list_of(quantity(), 3) : quantity()};
-            if (*key.table) named.push_back(reference(key.table));
+            std::vector<Json> named = {is_position(key) ? list_of(quantity(), 3) : quantity()};
+            if (*key.table) {
+                named.push_back(station());
+                named.push_back(reference(key.table));
+            }
             return {{"type", "object"}, {"additionalProperties", any_of(std::move(named))}};
         }
     }

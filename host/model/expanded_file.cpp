@@ -44,8 +44,11 @@ ExpandedFile::ExpandedFile(std::string_view text, const std::filesystem::path& f
     inputs.folders = {file.parent_path()};
     include_files(document, file, diagnostics, inputs);
     expand_parameters(document);
-    const TomlMember* table = document.find("parameters");
-    parameters.emplace(table ? &table->value : nullptr, overrides.parameters, diagnostics);
+    const auto table = [&](const char* key) {
+        const TomlMember* member = document.find(key);
+        return member ? &member->value : nullptr;
+    };
+    parameters.emplace(table("parameters"), table("stations"), overrides.parameters, diagnostics);
     const ReadContext reading = context();
     expand_patterns(document, reading, catalogue,
                     [&](TomlValue& repeated) { apply_defaults(repeated, reading, catalogue); });
@@ -57,9 +60,18 @@ std::string write_expanded(const std::filesystem::path& file, const ElementCatal
                            const ModelOverrides& overrides) {
     ExpandedFile expanded(read_text_file(file), file, catalogue, overrides);
     expanded.diagnostics.throw_if_errors();
-    for (const auto& [name, text] : overrides.parameters)
-        for (TomlMember& member : member_of(expanded.document, "parameters", TomlValue::Kind::table).members)
+    const auto members = [&](const char* key) -> std::vector<TomlMember>& {
+        return member_of(expanded.document, key, TomlValue::Kind::table).members;
+    };
+    for (const auto& [name, text] : overrides.parameters) {
+        for (TomlMember& member : members("parameters"))
             if (normalise_name(member.key) == normalise_name(name)) member.value = text_value(text, member.place);
+        if (!expanded.document.find("stations")) continue;
+        for (TomlMember& member : members("stations"))
+            for (std::size_t d = 0; d < 3; ++d)
+                if (normalise_name(member.key) + "." + "xyz"[d] == normalise_name(name))
+                    member.value.items[d] = text_value(text, member.place);
+    }
     return write_toml(expanded.document);
 }
 

@@ -31,6 +31,15 @@ struct Name {
     bool is_function;  ///< followed by an opening bracket
 };
 
+/// End of the name that starts at `at`. A point is part of it before a letter: "front.x".
+std::size_t skip_name(std::string_view text, std::size_t at) {
+    const auto is_inner_point = [&](std::size_t i) {
+        return text[i] == '.' && i + 1 < text.size() && is_name_start(text[i + 1]);
+    };
+    while (at < text.size() && (is_name_part(text[at]) || is_inner_point(at))) ++at;
+    return at;
+}
+
 /// End of the number that starts at `at`: its exponent is no name.
 std::size_t skip_number(std::string_view text, std::size_t at) {
     while (at < text.size() && (is_digit(text[at]) || text[at] == '.')) ++at;
@@ -48,8 +57,7 @@ std::vector<Name> find_names(std::string_view text) {
         if (is_digit(text[at]) || text[at] == '.') {
             at = skip_number(text, at);
         } else if (is_name_start(text[at])) {
-            std::size_t end = at;
-            while (end < text.size() && is_name_part(text[end])) ++end;
+            const std::size_t end = skip_name(text, at);
             std::size_t next = end;
             while (next < text.size() && is_blank(text[next])) ++next;
             names.push_back({std::string(text.substr(at, end - at)), next < text.size() && text[next] == '('});
@@ -105,6 +113,9 @@ void check_function(const std::string& name, std::string_view text, const mu::Pa
                 "parameter {} cannot be used in {}: '-' is minus there; a name in an expression is made of letters, "
                 "digits and '_'",
                 quote(constant), quote(text)));
+    if (constants.contains(name + ".x"))
+        fail(fmt::format("{} in {} is a place, not a number: write {}.x, {}.y or {}.z", quote(name), quote(text), name, name,
+                         name));
     std::vector<std::string> known = keys(constants);
     known.emplace_back("pi");
     if (!variable.empty()) known.push_back(variable);
@@ -151,7 +162,7 @@ void Expression::compile(std::string_view text, const Constants& constants, cons
     mu::Parser& parser = compiled_->parser;
     try {
         parser.ClearConst();
-        std::string name_characters = parser.ValidNameChars();
+        std::string name_characters = std::string(parser.ValidNameChars()) + '.';
         for (int byte = 0x80; byte <= 0xff; ++byte) name_characters += static_cast<char>(byte);
         parser.DefineNameChars(name_characters.c_str());
         for (const Name& name : find_names(compiled_->text)) compiled_->define_name(name, constants, variable, variables);
@@ -201,7 +212,7 @@ std::string replace_names(std::string_view given, const std::function<std::strin
         if (is_digit(text[at]) || text[at] == '.') {
             end = skip_number(text, at);
         } else if (is_name_start(text[at])) {
-            while (end < text.size() && is_name_part(text[end])) ++end;
+            end = skip_name(text, at);
             result += replacement(text.substr(at, end - at));
             at = end;
             continue;
@@ -215,7 +226,7 @@ std::string replace_names(std::string_view given, const std::function<std::strin
 std::string bare_name(std::string_view text) {
     while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
     while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-    const bool is_name = !text.empty() && is_name_start(text.front()) && std::all_of(text.begin(), text.end(), is_name_part);
+    const bool is_name = !text.empty() && is_name_start(text.front()) && skip_name(text, 0) == text.size();
     return is_name ? normalise_name(text) : std::string();
 }
 

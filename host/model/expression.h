@@ -17,7 +17,7 @@ using Constants = std::map<std::string, double, std::less<>>;
 /// ^, comparisons,
 /// && || and a ? b : c; functions sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh log (natural) ln log2
 /// log10 exp sqrt sign rint abs sum avg min max. At most 1000 bytes and 30 brackets within each other.
-/// A name in it is letters of any script, digits and '_': '-' is always minus.
+/// A name in it is letters of any script, digits and '_': '-' is always minus. A station's coordinate has a point: front.x.
 class Expression {
 public:
     /// `text` is what follows the "=". Throws Error(model_invalid), quoting it, if it is no formula or uses an unknown name.

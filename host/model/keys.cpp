@@ -23,6 +23,10 @@ constexpr Key kFile[] = {
     {"parameters", Kind::named,
      "numbers by name, for expressions: k = \"500 N/mm\", then stiffness = \"=2*k\"; --set and "
      "--sweep change them"},
+    {"stations", Kind::named,
+     "places by name, front = [0.12, 0, \"=h\"], for expressions: \"=front.x + 0.02\", and for positions: \"=front\"; "
+     "--set front.x=... moves them",
+     "", "m"},
     {"simulation", Kind::table, "duration, step and method of a run", "", "", 0, {}, "", "simulation"},
     {"output", Kind::table, "which rows and channels a run records", "", "", 0, {}, "", "output"},
     {"modes", Kind::table, "which natural frequencies `dttmm modes` finds", "", "", 0, {}, "", "modes"},

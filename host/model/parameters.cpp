@@ -16,10 +16,13 @@ std::optional<std::string> find_missing_unit(const Parameter& in_file, const std
     if (in_file.unit.empty() || in_file.unit == "1" || text.starts_with("=")) return std::nullopt;
     const Quantity quantity = parse_quantity(text);
     if (quantity.unit != "1" || quantity.value == 0) return std::nullopt;
+    if (!in_file.text.starts_with("=") && parse_quantity(in_file.text).unit == "1")
+        return std::nullopt;  // a plain coordinate
     return in_file.text.starts_with("=") ? in_file.unit : unit_text(in_file.text);
 }
 
-Parameters::Parameters(const TomlValue* table, const Overrides& overrides, Diagnostics& diagnostics)
+Parameters::Parameters(const TomlValue* table, const TomlValue* stations, const Overrides& overrides,
+                       Diagnostics& diagnostics)
     : diagnostics_(diagnostics) {
     if (table && !table->is_table()) {
         diagnostics.error(table->place, "parameters must be a table: [parameters]");
@@ -27,6 +30,10 @@ Parameters::Parameters(const TomlValue* table, const Overrides& overrides, Diagn
     }
     if (table)
         for (const TomlMember& member : table->members) read_entry(member);
+    if (stations && !stations->is_table())
+        diagnostics.error(stations->place, "stations must be a table of name = [x, y, z]: [stations]");
+    else if (stations)
+        for (const TomlMember& member : stations->members) read_station(member);
     for (const auto& [name, text] : overrides) override_entry(name, text);
     const Constants known = stand_ins();
     for (Entry& entry : entries_) find_needs(entry, known);
@@ -57,6 +64,33 @@ void Parameters::read_entry(const TomlMember& member) {
     entries_.push_back(std::move(entry));
 }
 
+void Parameters::read_station(const TomlMember& member) {
+    const std::string name = normalise_name(member.key);
+    const auto refuse = [&](Place place, const std::string& text) {
+        diagnostics_.error(place, fmt::format("station {} {}", quote(name), text));
+    };
+    if (const auto fault = find_name_fault(name)) return refuse(member.place, *fault);
+    if (name.find('-') != name.npos) return refuse(member.place, "cannot be used: '-' is minus in an expression; use '_'");
+    if (const Entry* other = find(name))
+        return refuse(member.place, fmt::format("has the name of a parameter, {}", diagnostics_.line_text(other->place)));
+    if (const Entry* other = find(name + ".x"))
+        return refuse(member.place, "exists already, " + diagnostics_.line_text(other->place));
+    const TomlValue& value = member.value;
+    if (!value.is_array() || value.items.size() != 3)
+        return refuse(value.place,
+                      fmt::format("wants three lengths, [x, y, z], got {}",
+                                  value.is_array() ? std::to_string(value.items.size()) : kind_text(value.kind)));
+    for (std::size_t d = 0; d < 3; ++d) {
+        Entry entry;
+        entry.parameter.name = name + "." + "xyz"[d];
+        entry.place = value.items[d].place;
+        entry.is_coordinate = true;
+        read_value(entry, value.items[d]);
+        index_[entry.parameter.name] = entries_.size();
+        entries_.push_back(std::move(entry));
+    }
+}
+
 void Parameters::override_entry(const std::string& given_name, const std::string& text) {
     const std::string name = normalise_name(given_name);
     const auto found = index_.find(name);
@@ -80,7 +114,7 @@ void Parameters::override_entry(const std::string& given_name, const std::string
 void Parameters::read_value(Entry& entry, const TomlValue& value) {
     if (value.is_text()) return read_text(entry, value.string);
     entry.parameter.text = number_text(value.number);
-    entry.parameter.unit = "1";
+    entry.parameter.unit = entry.is_coordinate ? "m" : "1";
     entry.parameter.value = value.number;
     if (!value.is_number())
         return fail(entry, fmt::format("must be a number, a quantity or an expression, not {}", kind_text(value.kind)));
@@ -98,6 +132,10 @@ void Parameters::read_text(Entry& entry, const std::string& text) {
         const Quantity quantity = parse_quantity(text);
         entry.parameter.value = quantity.value;
         entry.parameter.unit = quantity.unit;
+        if (!entry.is_coordinate) return;
+        if (quantity.unit != "1" && !measures(quantity.unit, "m"))
+            fail(entry, fmt::format("expected a length, got {}", quote(text)));
+        entry.parameter.unit = "m";
     } catch (const Error& error) {
         if (error.code() != ExitCode::model_invalid) throw;
         fail(entry, error.what());
@@ -153,6 +191,13 @@ void Parameters::resolve(Entry& entry) {
         }
         const Entry* same = find(bare_name(entry.expression));
         entry.parameter.unit = same ? same->parameter.unit : std::string();
+        if (entry.is_coordinate) {
+            const std::string& unit = entry.parameter.unit;
+            if (!unit.empty() && unit != "1" && !measures(unit, "m"))
+                return fail(entry, fmt::format("expected a length, got {}, which is {}", quote("=" + entry.expression),
+                                               quote(same->parameter.text)));
+            entry.parameter.unit = "m";
+        }
     }
     constants_[entry.parameter.name] = entry.parameter.value;
 }
@@ -182,7 +227,8 @@ void Parameters::report_circles() {
 
 void Parameters::fail(Entry& entry, const std::string& text) {
     entry.is_faulty = true;
-    diagnostics_.error(entry.place, fmt::format("parameter {}: {}", quote(entry.parameter.name), text));
+    diagnostics_.error(entry.place, fmt::format("{} {}: {}", entry.is_coordinate ? "station" : "parameter",
+                                                quote(entry.parameter.name), text));
 }
 
 std::optional<double> Parameters::evaluate(std::string_view expression, std::string_view wanted) const {
@@ -239,6 +285,11 @@ bool Parameters::rests_on_fault(std::string_view expression) const {
         const Entry* entry = find(name);
         return entry && entry->is_faulty;
     });
+}
+
+bool Parameters::is_station(std::string_view expression) const {
+    const std::string name = bare_name(expression);
+    return !name.empty() && find(name + ".x");
 }
 
 std::vector<Parameter> Parameters::all() const {

@@ -22,14 +22,15 @@ namespace dttmm::host {
 std::optional<std::string> find_missing_unit(const Parameter& in_file, const std::string& text);
 
 /// The [parameters] of a model file after --set: each a number, a quantity or an expression over others, resolved in the
-/// order of their dependence.
+/// order of their dependence. The three coordinates [m] of a place in [stations] are parameters too: "front.x", "front.y",
+/// "front.z".
 class Parameters {
 public:
     using Overrides = std::vector<std::pair<std::string, std::string>>;
 
-    /// `table` may be null. Faults of the file go to `diagnostics`; an override without value, without the unit that the
-    /// file gives, or of an unknown name throws Error(usage).
-    Parameters(const TomlValue* table, const Overrides& overrides, Diagnostics& diagnostics);
+    /// `table` and `stations` may be null. Faults of the file go to `diagnostics`; an override without value, without the
+    /// unit that the file gives, or of an unknown name throws Error(usage).
+    Parameters(const TomlValue* table, const TomlValue* stations, const Overrides& overrides, Diagnostics& diagnostics);
 
     /// The SI value of an expression (without its "=") that must measure what the SI unit `wanted` measures. The name of a
     /// parameter alone keeps that parameter's unit; anything more is a plain SI number. Nothing if it rests on a parameter
@@ -49,6 +50,9 @@ public:
     /// Whether an expression rests on a parameter whose fault has been told.
     bool rests_on_fault(std::string_view expression) const;
 
+    /// Whether an expression is the name of a place in [stations] and nothing else.
+    bool is_station(std::string_view expression) const;
+
     /// The values of all that resolved.
     const Constants& constants() const { return constants_; }
 
@@ -59,6 +63,7 @@ private:
     struct Entry {
         Parameter parameter;
         Place place;
+        bool is_coordinate = false;      ///< of a station: a length
         std::string expression;          ///< without "="; empty for a number or quantity
         std::vector<std::size_t> needs;  ///< indices of the parameters in the expression
         bool is_resolved = false;
@@ -66,6 +71,7 @@ private:
     };
 
     void read_entry(const TomlMember& member);
+    void read_station(const TomlMember& member);
     void override_entry(const std::string& name, const std::string& text);
     void read_text(Entry& entry, const std::string& text);
     void read_value(Entry& entry, const TomlValue& value);

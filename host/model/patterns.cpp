@@ -58,7 +58,7 @@ void join(TomlValue& table, TomlMember member) {
 /// What stands for nothing in the expressions of a repeat that makes parameters.
 struct WithoutParameters {
     explicit WithoutParameters(Diagnostics& diagnostics)
-        : parameters(nullptr, {}, diagnostics), context{parameters, diagnostics, inputs} {}
+        : parameters(nullptr, nullptr, {}, diagnostics), context{parameters, diagnostics, inputs} {}
     Parameters parameters;
     InputFiles inputs;
     ReadContext context;

@@ -76,7 +76,7 @@ std::optional<JointEnds> read_ends(const TableReader& table, const Attachments& 
 /// The point `anchor` gives: three lengths, or the name of a place.
 std::optional<Eigen::Vector3d> read_point(const TableReader& table, const TomlMember& member,
                                           const Attachments& attachments) {
-    if (!member.value.is_text()) return table.vector(member.key);
+    if (!member.value.is_text() || member.value.string.starts_with("=")) return table.vector(member.key);
     const auto at = attachments.read(table, member.value, member.key);
     if (!at) return std::nullopt;
     if (at->body >= 0) return attachments.position(*at);

@@ -36,6 +36,18 @@ std::optional<double> evaluate(const ReadContext& context, const TomlValue& valu
     return context.parameters.evaluate(std::string_view(value.string).substr(1), unit);
 }
 
+/// "=front" for the three coordinates of a station.
+TomlValue coordinates_of(const TomlValue& station) {
+    TomlValue list;
+    list.kind = TomlValue::Kind::array;
+    list.place = station.place;
+    for (const char* coordinate : {".x", ".y", ".z"}) {
+        TomlValue& item = list.items.emplace_back(station);
+        item.string = "=" + bare_name(std::string_view(station.string).substr(1)) + coordinate;
+    }
+    return list;
+}
+
 }  // namespace
 
 std::string broken_bound(double number, const Bounds& bounds, std::string_view unit) {
@@ -68,6 +80,10 @@ std::optional<double> read_number(const ReadContext& context, const TomlValue& v
 std::optional<std::vector<double>> read_numbers(const ReadContext& context, const TomlValue& value, const std::string& what,
                                                 std::string_view unit, std::size_t count, bool spreads,
                                                 const Bounds& bounds) {
+    const bool is_expression = value.is_text() && value.string.starts_with("=");
+    const std::string_view expression = is_expression ? std::string_view(value.string).substr(1) : std::string_view();
+    if (is_expression && count == 3 && context.parameters.is_station(expression))
+        return read_numbers(context, coordinates_of(value), what, unit, count, spreads, bounds);
     if (!value.is_array() && (count == 1 || spreads)) {
         const auto number = read_number(context, value, what, unit, bounds);
         return number ? std::optional(std::vector<double>(count, *number)) : std::nullopt;
@@ -75,9 +91,18 @@ std::optional<std::vector<double>> read_numbers(const ReadContext& context, cons
     if (!value.is_array() || value.items.size() != count) {
         const std::string got = value.is_array() ? std::to_string(value.items.size()) : std::string(kind_text(value.kind));
         const bool has_more = value.is_array() && value.items.size() > count;
-        context.diagnostics.error(value.place,
-                                  fmt::format("{} wants {} number{}, got {}{}", what, count, count == 1 ? "" : "s", got,
-                                              has_more ? " (a number has a decimal point, 0.8)" : ""));
+        const auto names = expression_names(expression);
+        const auto station =
+            std::ranges::find_if(names, [&](const auto& name) { return context.parameters.is_station(name); });
+        const std::string cure = has_more ? " (a number has a decimal point, 0.8)"
+                                 : station != names.end()
+                                     ? fmt::format(
+                                           "; a station stands alone, \"={0}\", or by its coordinates, [\"={0}.x\", "
+                                           "\"={0}.y\", \"={0}.z\"]",
+                                           *station)
+                                     : "";
+        context.diagnostics.error(
+            value.place, fmt::format("{} wants {} number{}, got {}{}", what, count, count == 1 ? "" : "s", got, cure));
         return std::nullopt;
     }
     std::vector<double> numbers;

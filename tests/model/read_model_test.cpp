@@ -90,7 +90,7 @@ TEST(ReadModel, UnknownTopKeysGetTheNearest) {
     EXPECT_THAT(errors_of("paramters = {}\n" + model_with("")),
                 HasSubstr("m.toml:1:1: unknown key \"paramters\"; did you mean \"parameters\"?"));
     EXPECT_THAT(errors_of("solvr = 1\n" + model_with("")),
-                HasSubstr("unknown key \"solvr\"; known here: format, title, parameters, simulation"));
+                HasSubstr("unknown key \"solvr\"; known here: format, title, parameters, stations, simulation"));
 }
 
 TEST(ReadModel, WhatIsForModesIsReadOrRefusedByName) {

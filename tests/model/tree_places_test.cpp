@@ -23,7 +23,7 @@ faulty = 3
     Diagnostics diagnostics("m.toml");
     const auto document = parse_toml(text, diagnostics);
     ASSERT_TRUE(document);
-    const Parameters parameters(&document->find("parameters")->value, {}, diagnostics);
+    const Parameters parameters(&document->find("parameters")->value, nullptr, {}, diagnostics);
     InputFiles inputs;
     const ReadContext context{parameters, diagnostics, inputs};
     const auto place = [&](const char* name) { return find_tree_place(context, *document, name); };

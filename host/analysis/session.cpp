@@ -51,7 +51,7 @@ void warn_jumps(const Model& model, const ElementCatalogue& catalogue, Warnings&
     }
 }
 
-/// Whether pictures of the machine need it: where a body or node is, the force of an element.
+/// Whether pictures of the machine need it: where a body, a node or a point of a beam is, the force of an element.
 bool shows_motion(const Channel& channel) {
     const std::string& quantity = channel.quantity();
     switch (channel.of()) {
@@ -60,7 +60,7 @@ bool shows_motion(const Channel& channel) {
         case Channel::Of::node:
             return quantity == "position" || quantity == "rotation";
         case Channel::Of::element:
-            return quantity == "force";
+            return quantity == "force" || (quantity.starts_with("station") && quantity.ends_with(".position"));
         default:
             return false;
     }
@@ -116,6 +116,7 @@ Session::Session(const Request& request)
 
 Model Session::prepare(const Request& request) {
     Model read = read_model(request.model, plugins.catalogue(), request.overrides);
+    read.output.has_lines = request.records_motion;
     has_chosen_step = read.simulation.step == 0;
     read = choose_step(std::move(read), plugins);
     if (read.simulation.tolerance && !request.force) read = start_stable(std::move(read), plugins, warnings);

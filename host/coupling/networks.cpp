@@ -435,6 +435,33 @@ void Networks::stand_at(const std::vector<BodyState>& at, const double* accelera
         });
 }
 
+void Networks::watch_lines(uint32_t stations) {
+    stations_ = stations;
+    positions_.clear();
+    for (const NetworkInstance& instance : instances_) positions_.emplace_back(3 * stations * instance.lines().size());
+}
+
+double* Networks::positions(double* values) const {
+    for (size_t n = 0; n < instances_.size(); ++n) {
+        const NetworkInstance& instance = instances_[n];
+        if (instance.lines().empty()) continue;
+        GuardedArray& own = positions_[n];
+        tell_time(time_, [&] {
+            instance.positions(stations_, own.data());
+            check_guards(n, own, "position");
+        });
+        for (size_t i = 0; i < own.size(); ++i) {
+            if (!std::isfinite(own[i])) [[unlikely]]
+                throw Error(ExitCode::plugin_failure,
+                            fmt::format("element \"{}\" at t = {:.9g} s: plugin {} says that a point of it is at {}",
+                                        instance.element_name(instance.lines()[i / (3 * stations_)]), time_,
+                                        instance.plugin_name(), own[i]));
+            *values++ = own[i];
+        }
+    }
+    return values;
+}
+
 void Networks::outputs(double* values) const {
     for (size_t n = 0; n < instances_.size(); ++n) {
         const NetworkInstance& instance = instances_[n];

@@ -91,6 +91,11 @@ public:
     /// for one that is not finite, and as refuse_changed_arithmetic() does.
     void outputs(double* values) const;
     size_t output_count() const;
+    /// From now on positions() tells of `stations` points of every element that bends.
+    void watch_lines(uint32_t stations);
+    /// Where they are, at the same instant [m, world]: 3 numbers per point, instance after instance, in the order of lines()
+    /// of each. Returns the end. Throws as outputs() does.
+    double* positions(double* values) const;
 
 private:
     /// What the host keeps of an instance.
@@ -131,9 +136,11 @@ private:
     double time_ = 0, step_size_ = 0;
     std::vector<dttmm_motion> motions_;  ///< of every body, as last gathered
     // Written by plugins:
-    GuardedArray wrenches_;                      ///< of every body
-    GuardedArray stiffness_;                     ///< blocks of the instance at hand
-    mutable std::vector<GuardedArray> outputs_;  ///< of every instance
+    GuardedArray wrenches_;                        ///< of every body
+    GuardedArray stiffness_;                       ///< blocks of the instance at hand
+    mutable std::vector<GuardedArray> outputs_;    ///< of every instance
+    mutable std::vector<GuardedArray> positions_;  ///< of every instance, where lines are watched
+    uint32_t stations_ = 0;
     std::vector<double> loads_;
     std::vector<dttmm_support_motion> supports_;
 };

@@ -70,6 +70,7 @@ NetworkInstance::NetworkInstance(const PluginLibrary& plugin, const dttmm_networ
     read_blocks(network);
     read_channels(network);
     read_parts();
+    read_lines();
 }
 
 void NetworkInstance::load_weights(double weights[3]) const {
@@ -156,6 +157,19 @@ void NetworkInstance::read_parts() {
         fail(DTTMM_ERROR_INTERNAL, -1, fmt::format("it has {} parts that iterate; at most {} are taken", count, kMostParts));
     progress_.resize(count);
     own_progress_.resize(count * sizeof(dttmm_progress) / sizeof(double));
+}
+
+void NetworkInstance::read_lines() {
+    if (!plugin_.shapes()) return;
+    uint32_t count = 0;
+    const uint32_t* lines = call([&] { return plugin_.shapes()->lines(instance_.get(), &count); });
+    if (count == 0) return;
+    if (!lines || count > element_names_.size()) blame(fmt::format("it says that {} elements bend", count));
+    lines_.assign(lines, lines + count);
+    std::vector<uint32_t> sorted = lines_;
+    std::ranges::sort(sorted);
+    if (sorted.back() >= element_names_.size() || std::ranges::adjacent_find(sorted) != sorted.end())
+        blame("it says of an element that is not there, or twice of one, that it bends");
 }
 
 std::span<const dttmm_progress> NetworkInstance::iterate(const dttmm_motion* trial) {

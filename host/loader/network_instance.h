@@ -91,6 +91,12 @@ public:
         ask([&](dttmm_error* error) { return table_->take_up(instance_.get(), motion, elastic, damped, error); });
     }
 
+    /// Elements that bend, by their indices; none: the plugin tells nothing of them. See dttmm_shape.h.
+    std::span<const uint32_t> lines() const { return lines_; }
+    void positions(uint32_t stations, double* positions) const {
+        ask([&](dttmm_error* error) { return plugin_.shapes()->positions(instance_.get(), stations, positions, error); });
+    }
+
     /// See dttmm_support.h; only if has_supports().
     bool has_supports() const { return plugin_.supports() != nullptr; }
     void move_supports(const dttmm_support_motion* motions) {
@@ -193,6 +199,7 @@ private:
     void read_blocks(const dttmm_network& network);
     void read_channels(const dttmm_network& network);
     void read_parts();
+    void read_lines();
     bool is_declared(const dttmm_channel& channel, const dttmm_network& network) const;
 
     PluginLibrary plugin_;
@@ -205,6 +212,7 @@ private:
     std::vector<dttmm_block> blocks_;
     std::vector<Channel> channels_;
     std::vector<uint8_t> roles_;
+    std::vector<uint32_t> lines_;
 };
 
 }  // namespace dttmm::host

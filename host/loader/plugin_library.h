@@ -10,6 +10,7 @@
 #include "dttmm_modal.h"
 #include "dttmm_plugin.h"
 #include "dttmm_response.h"
+#include "dttmm_shape.h"
 #include "dttmm_static.h"
 #include "dttmm_support.h"
 #include "loader/shared_library.h"
@@ -37,6 +38,7 @@ public:
     const dttmm_laws_table* laws() const { return laws_; }
     const dttmm_static_table* statics() const { return statics_; }
     const dttmm_support_table* supports() const { return supports_; }
+    const dttmm_shape_table* shapes() const { return shapes_; }
     /// Gives its elements one more law; false: they take none. Throws Error(plugin_failure) with what it says of the law.
     bool add_law(const dttmm_law& law) const;
     /// The Maxwell series of a direction of an element; no terms: it has none. Throws Error(plugin_failure).
@@ -53,6 +55,7 @@ private:
     const dttmm_laws_table* laws_ = nullptr;
     const dttmm_static_table* statics_ = nullptr;
     const dttmm_support_table* supports_ = nullptr;
+    const dttmm_shape_table* shapes_ = nullptr;
     std::shared_ptr<void> handle_;
 };
 

@@ -141,6 +141,7 @@ struct OutputSettings {
     int every = 1;                      ///< one row per so many steps; without a time step not known yet
     std::vector<std::string> channels;  ///< glob patterns; empty: the default channels
     std::string channels_place;         ///< "file:line:column" of the list
+    bool has_lines = false;             ///< where points along beams are may be recorded too, for pictures
 };
 
 /// The state that small vibrations are about.

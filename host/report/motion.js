@@ -177,6 +177,8 @@ class RunMotion {
             this.tracks.set(name, {u, theta: from.quaternion ? this.rotations(decodeFloats(from.quaternion), turn) : from.rotation ? decodeFloats(from.rotation) : new Float32Array(u.length)});
         }
         this.forces = new Map(entriesOf(motion.forces).map(([name, text]) => [name, decodeFloats(text)]));
+        this.lines = new Map(entriesOf(motion.lines).map(([name, text]) => [name, decodeFloats(text)]));
+        this.ends = new Map(structure.elements.map(({name, from, to}) => [name, [structure.startOf(from), structure.startOf(to)]]));
         this.most = Math.max(0, ...[...this.forces.values()].map(list => list.reduce((most, value) => Math.max(most, value), 0)));
         this.at(this.times[0]);
     }
@@ -206,7 +208,6 @@ class RunMotion {
         }
         this.low = low;
         this.high = high;
-        this.high = high;
         this.between = Math.min(1, Math.max(0, (time - this.times[low]) / (this.times[high] - this.times[low] || 1)));
     }
 
@@ -232,7 +233,19 @@ class RunMotion {
         return {shift, angle};
     }
 
-    line() { return null; }
+    /** Points along a beam as recorded; null where they are not. Their way from the straight line at the start is scaled. */
+    line(name, scale) {
+        const list = this.lines.get(name);
+        if (!list) return null;
+        const [from, to] = this.ends.get(name);
+        const width = list.length / this.times.length, points = [];
+        for (let i = 0; i < width; i += 3) {
+            const start = from.clone().lerp(to, i / (width - 3));
+            const now = new THREE.Vector3(...[0, 1, 2].map(k => this.mix(list, i + k, width)));
+            points.push(start.addScaledVector(now.sub(start), scale));
+        }
+        return points;
+    }
 }
 
 /** A natural vibration: shapes times the sine of the phase. One period lasts 2 s. */

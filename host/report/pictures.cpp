@@ -23,7 +23,9 @@ Json describe_motion(const HistoryFile& history, const Json& model) {
     if (!motion.moves()) return nullptr;
     Json json = {{"times", base64_of_doubles(motion.times())}, {"every", motion.every()}};
     for (const Track& track : motion.tracks()) {
-        if (track.of != Track::Of::element) {
+        if (track.of == Track::Of::line) {
+            json["lines"][track.name] = base64_of_floats(track.values);
+        } else if (track.of != Track::Of::element) {
             const char* group = track.of == Track::Of::body ? "bodies" : "nodes";
             json[group][track.name][track.quantity] = base64_of_floats(track.values);
         } else {

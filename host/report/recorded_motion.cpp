@@ -34,6 +34,7 @@ public:
                 tracks_.push_back({Track::Of::element, name, "force", {c}, {}});
             else
                 find(Track::Of::element, name, "force", kAxes);
+            find_line(name);
         });
     }
 
@@ -65,6 +66,17 @@ private:
     void find(Track::Of of, const std::string& name, const std::string& quantity, const std::vector<std::string>& axes) {
         std::vector<int> found = columns_of(name + "." + quantity, axes);
         if (!found.empty()) tracks_.push_back({of, name, quantity, std::move(found), {}});
+    }
+
+    /// Stations are numbered from 0 on.
+    void find_line(const std::string& name) {
+        Track line{Track::Of::line, name, "position", {}, {}};
+        for (int station = 0;; ++station) {
+            const std::vector<int> found = columns_of(fmt::format("{}.station{}.position", name, station), kAxes);
+            if (found.empty()) break;
+            line.columns.insert(line.columns.end(), found.begin(), found.end());
+        }
+        if (line.columns.size() > 3) tracks_.push_back(std::move(line));
     }
 
     std::unordered_map<std::string, int> columns_;

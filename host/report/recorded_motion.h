@@ -13,11 +13,11 @@ namespace dttmm::host {
 
 /// A quantity of one part over all rows. World axes.
 struct Track {
-    enum class Of : unsigned char { body, node, element };
+    enum class Of : unsigned char { body, node, element, line };
     Of of;
     std::string name;  ///< of the part
     /// "position" [m], "quaternion" (w x y z) of a body; "position", "rotation" (vector [rad] from the start) of a node;
-    /// "force" [N] of an element.
+    /// "force" [N] of an element; "position" of the stations of a beam, end to end.
     std::string quantity;
     std::vector<int> columns;    ///< in the table
     std::vector<double> values;  ///< columns.size() per row

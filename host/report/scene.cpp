@@ -48,6 +48,17 @@ Instant scaled(Instant instant, double part) {
     return instant;
 }
 
+/// Stations of a beam in a row, from where they are along the straight line between its ends at the start.
+BentLine line_of(const Track& track, std::size_t row, const Vector3d& from, const Vector3d& to) {
+    const std::size_t stations = track.columns.size() / 3;
+    BentLine line;
+    for (std::size_t s = 0; s < stations; ++s) {
+        line.start.push_back(from + (to - from) * (static_cast<double>(s) / static_cast<double>(stations - 1)));
+        line.shift.push_back(vector_at(track.values, 3 * (row * stations + s)) - line.start.back());
+    }
+    return line;
+}
+
 /// Cubic between two ends whose tangents have turned, as a beam without load has it.
 std::vector<Vector3d> cubic(const Vector3d& from, const Vector3d& to, const Vector3d& from_tangent,
                             const Vector3d& to_tangent) {
@@ -109,6 +120,9 @@ Instant Scene::recorded(const RecordedMotion& motion, std::size_t row) const {
         const ElementLine& element = structure_.elements()[e];
         if (const Track* force = motion.find(Track::Of::element, element.name, "force"))
             instant.forces[e] = magnitude(*force, row);
+        if (const Track* track = motion.find(Track::Of::line, element.name, "position"))
+            instant.lines[e] = line_of(*track, row, structure_.at_start(element.points.front()),
+                                       structure_.at_start(element.points.back()));
     }
     return instant;
 }

@@ -52,8 +52,8 @@ struct Film {
 };
 
 /// What an animation of results shows: the structure and its motions. The motion of a run is that of history.csv; a mode
-/// is a period of its shape times a sine; an equilibrium is approached in proportion. Beams bend as a mode has them; else as
-/// a cubic through their ends. Ideal joints are not drawn.
+/// is a period of its shape times a sine; an equilibrium is approached in proportion. Beams bend as a mode has them, or as a
+/// run has recorded their stations; else as a cubic through their ends. Ideal joints are not drawn.
 class Scene {
 public:
     /// Throws Error(usage) for results without a motion, Error(input_output) for damaged ones.

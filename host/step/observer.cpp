@@ -66,7 +66,7 @@ void refuse_shared_channels(const Model& model, const std::vector<Channel>& chan
 
 }  // namespace
 
-Observer::Observer(const Model& model, const Networks& networks, const JointSystem& joints)
+Observer::Observer(const Model& model, Networks& networks, const JointSystem& joints)
     : bodies_(model.bodies), joints_(joints.joints()), gravity_(model.simulation.gravity) {
     size_t markers = 0;
     for (const Body& body : bodies_) markers += body.markers.size();
@@ -77,6 +77,10 @@ Observer::Observer(const Model& model, const Networks& networks, const JointSyst
     declare_joints(model);
     declare_bodies(model);
     declare_energies();
+    if (model.output.has_lines) {
+        networks.watch_lines(kStations);
+        declare_lines(networks);
+    }
     row_.resize(std::max(channels_.size(), 1 + networks.output_count()));
 }
 
@@ -137,6 +141,16 @@ void Observer::declare_energies() {
         channels_.push_back(Channel(Of::energy, "energy", part, "", "J"));
 }
 
+void Observer::declare_lines(const Networks& networks) {
+    for (const NetworkInstance& instance : networks.instances())
+        for (const uint32_t element : instance.lines()) {
+            shows_lines_ = true;
+            for (uint32_t s = 0; s < kStations; ++s)
+                add_vector(Of::element, instance.element_name(element), fmt::format("station{}.position", s).c_str(), "m",
+                           false);
+        }
+}
+
 void Observer::advance(const Loads& loads, const StepEquations& step, const std::vector<BodyState>& before,
                        const std::vector<BodyState>& after, double h) {
     const double stop_loss = -step.stop_work(before, after);
@@ -162,6 +176,7 @@ std::span<const double> Observer::row(double time, const Networks& networks, con
     if (!ledger_.opened) ledger_.initial = balance;
     ledger_.opened = true;
     for (double value : {kinetic, strain, dissipated, work, balance - ledger_.initial}) *out++ = value;
+    if (shows_lines_) networks.positions(out);
     return std::span(row_).first(channels_.size());
 }
 

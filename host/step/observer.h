@@ -29,8 +29,11 @@ struct Limit {
 /// under Newmark's rule the ledger of a linear machine closes to rounding.
 class Observer {
 public:
-    /// The model must outlive it.
-    Observer(const Model& model, const Networks& networks, const JointSystem& joints);
+    /// Points of a beam whose positions are recorded where the model asks for lines, ends included.
+    static constexpr uint32_t kStations = 11;
+
+    /// The model must outlive it. networks: watches lines where the model asks for them.
+    Observer(const Model& model, Networks& networks, const JointSystem& joints);
 
     /// One per number of a row; the first is "time".
     const std::vector<Channel>& channels() const { return channels_; }
@@ -71,6 +74,7 @@ private:
     void declare_joints(const Model& model);
     void declare_bodies(const Model& model);
     void declare_energies();
+    void declare_lines(const Networks& networks);
     double* write_networks(double* out, const Networks& networks, Energies& energies);
     double* write_joints(double* out, const Instant& instant) const;
     double* write_bodies(double* out, const Instant& instant) const;
@@ -85,6 +89,7 @@ private:
     std::vector<double> row_;  ///< with room for all outputs of the networks behind the time
 
     std::vector<Limit> limits_;
+    bool shows_lines_ = false;
     std::vector<uint8_t> roles_;  ///< of the outputs of the networks: a number of the row, or part of an energy
     Ledger ledger_;
 };

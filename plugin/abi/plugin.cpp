@@ -14,6 +14,7 @@
 #include "dttmm_modal.h"
 #include "dttmm_plugin.h"
 #include "dttmm_response.h"
+#include "dttmm_shape.h"
 #include "dttmm_state.h"
 #include "dttmm_static.h"
 #include "dttmm_support.h"
@@ -297,6 +298,15 @@ dttmm_status move_supports(dttmm_instance* instance, const dttmm_support_motion*
     return guard(error, [&] { instance->machine.move_supports(motions); });
 }
 
+const uint32_t* lines(const dttmm_instance* instance, uint32_t* count) {
+    *count = static_cast<uint32_t>(instance->machine.lines().size());
+    return instance->machine.lines().data();
+}
+
+dttmm_status positions(const dttmm_instance* instance, uint32_t stations, double* positions, dttmm_error* error) {
+    return guard(error, [&] { instance->machine.positions(stations, positions); });
+}
+
 double force_at_start(const dttmm_modal* modal, uint32_t element) { return modal->analysis.force_at_start(element); }
 
 double bent_at_rest(const dttmm_modal* modal, uint32_t element, int32_t* is_lumped) {
@@ -363,12 +373,14 @@ const void* extension(const char* name) {
                                                    move_static,
                                                    start_static};
     static constexpr dttmm_support_table kSupport = {sizeof(dttmm_support_table), move_supports};
+    static constexpr dttmm_shape_table kShape = {sizeof(dttmm_shape_table), lines, positions};
     const std::string_view wanted = name;
     if (wanted == DTTMM_MODAL) return &kModal;
     if (wanted == DTTMM_RESPONSE) return &kResponse;
     if (wanted == DTTMM_STATE) return &kState;
     if (wanted == DTTMM_STATIC) return &kStatic;
     if (wanted == DTTMM_SUPPORT) return &kSupport;
+    if (wanted == DTTMM_SHAPE) return &kShape;
     if (wanted == DTTMM_LAWS) return &kLaws;
     return nullptr;
 }

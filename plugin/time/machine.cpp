@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -235,6 +236,7 @@ void Machine::place_channels(std::span<const std::vector<uint32_t>> units) {
     }
     if (!supports_.empty()) channels_.push_back({"work_of_supports", "J", DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_WORK});
     for (Part& part : networks_) part.network.forget_channels();
+    for (const Part& part : networks_) std::ranges::copy(part.network.lines(), std::back_inserter(lines_));
 }
 
 // ---- Phases -------------------------------------------------------------------------------------------------------------
@@ -513,6 +515,11 @@ void Machine::restore_state(const void* buffer, size_t size) {
         if (!piece.empty()) std::memcpy(static_cast<void*>(piece.data()), in, piece.size_bytes());
         in += piece.size_bytes();
     });
+}
+
+void Machine::positions(uint32_t stations, double* positions) const {
+    if (stations < 2) throw Error(DTTMM_ERROR_ARGUMENT, "positions: a line has two stations at least");
+    for_each(*this, [&](const Part& part) { positions = part.network.write_lines(stations, positions); });
 }
 
 void Machine::outputs(double* values) const {

@@ -56,6 +56,9 @@ public:
 
     const std::vector<dttmm_channel>& channels() const { return channels_; }
     void outputs(double* values) const;
+    /// Elements that bend; where points of them are: see dttmm_shape.h.
+    const std::vector<uint32_t>& lines() const { return lines_; }
+    void positions(uint32_t stations, double* positions) const;
 
 private:
     struct Part {
@@ -85,6 +88,7 @@ private:
     std::vector<dttmm_block> blocks_;
     size_t seen_blocks_ = 0;  ///< by the host; those of supports stand behind
     std::vector<dttmm_channel> channels_;
+    std::vector<uint32_t> lines_;
     Supports supports_;
     /// Of all bodies, those of the supports behind: where the host's numbers and theirs come together.
     struct Joined {

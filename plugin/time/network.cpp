@@ -748,6 +748,48 @@ double* Network::write_chain(double* out, size_t element, const ChainView& chain
     return out;
 }
 
+std::vector<uint32_t> Network::lines() const {
+    const std::vector<int>& first_joint = mechanism_.assembly.first_joint;
+    std::vector<uint32_t> lines;
+    for (size_t e = 0; e + 1 < first_joint.size(); ++e)
+        if (first_joint[e + 1] - first_joint[e] > 1) lines.push_back(places_.elements[e]);
+    return lines;
+}
+
+/// Of a section of a beam or rod: its joint's, in the middle between what it joins; at the ends the node's [m, world].
+Vector3 Network::section_position(size_t element, const ChainView& chain, int section) const {
+    const Assembly& assembly = mechanism_.assembly;
+    const int first = assembly.first_joint[element], last = assembly.first_joint[element + 1] - 1;
+    if (section == 0 || first + section == last) {
+        const NodeSpec& node = assembly.nodes[as_size(section == 0 ? chain.from_node : chain.to_node)];
+        const FrameView at = mechanism_.frame_before(node.frame);
+        return at.origin() + at.axes() * node.offset;
+    }
+    const auto j = as_size(first + section);
+    const Joint& joint = mechanism_.joints[j];
+    const FrameView from = mechanism_.frame_before(joint.from()), to = mechanism_.frame_before(joint.to());
+    return to.origin() + joint.seat().lever(to) - 0.5 * (joint.seat().axes(from) * mechanism_.states[j].d_before);
+}
+
+double* Network::write_lines(uint32_t stations, double* positions) const {
+    if (mechanism_.steps == 0) throw Error(DTTMM_ERROR_PHASE, "positions: no step has been committed");
+    const std::vector<int>& first_joint = mechanism_.assembly.first_joint;
+    auto chain = results_.chains.begin();
+    for (size_t e = 0; e + 1 < first_joint.size(); ++e) {
+        const int sections = first_joint[e + 1] - first_joint[e];
+        if (sections == 1) continue;
+        const ChainView& view = *chain++;
+        for (uint32_t s = 0; s < stations; ++s, positions += 3) {
+            const double place = static_cast<double>(s) * (sections - 1) / (stations - 1);
+            const int before = std::min(static_cast<int>(place), sections - 2);
+            const double share = place - before;
+            Map3{positions} =
+                (1 - share) * section_position(e, view, before) + share * section_position(e, view, before + 1);
+        }
+    }
+    return positions;
+}
+
 double* Network::write_node(double* out, size_t node) const {
     const NodeSpec& spec = mechanism_.assembly.nodes[node];
     const FrameView before = mechanism_.frame_before(spec.frame);

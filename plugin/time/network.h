@@ -97,6 +97,11 @@ public:
     /// Where another has them; their names stay.
     void forget_channels() { std::vector<dttmm_channel>().swap(results_.channels); }
     void outputs(double* values) const;
+    /// Its elements of several joints, which bend between their ends.
+    std::vector<uint32_t> lines() const;
+    /// Where `stations` equally spaced points of each are, ends included, at the instant of outputs() [m, world]. Returns
+    /// the end of the positions.
+    double* write_lines(uint32_t stations, double* positions) const;
 
     /// What moves inside; null where everything is joints between bodies and ground.
     const Interior* interior() const { return interior_.get(); }
@@ -154,6 +159,7 @@ private:
     double* write_joint(double* out, size_t joint) const;
     double* write_chain(double* out, size_t element, const ChainView& chain) const;
     double* write_node(double* out, size_t node) const;
+    Vector3 section_position(size_t element, const ChainView& chain, int section) const;
     double* write_energies(double* out, int first, int last) const;
 
     template <class Self, class Visit>

@@ -5,6 +5,7 @@
  */
 #include "dttmm_laws.h"
 #include "dttmm_response.h"
+#include "dttmm_shape.h"
 #include "dttmm_state.h"
 #include "dttmm_support.h"
 
@@ -13,5 +14,5 @@ const size_t dttmm_layout_in_c[] = {
     sizeof(dttmm_element), sizeof(dttmm_network),   sizeof(dttmm_motion),            sizeof(dttmm_step),
     sizeof(dttmm_channel), sizeof(dttmm_plugin),    offsetof(dttmm_plugin, outputs), offsetof(dttmm_network, gravity),
     sizeof(dttmm_body),    sizeof(dttmm_modal_model), sizeof(dttmm_modal_table),     sizeof(dttmm_response_table),
-    sizeof(dttmm_state_table), sizeof(dttmm_laws_table),
+    sizeof(dttmm_state_table), sizeof(dttmm_laws_table),  sizeof(dttmm_shape_table),
 };

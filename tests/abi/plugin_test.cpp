@@ -3,6 +3,7 @@
 
 #include "dttmm_laws.h"
 #include "dttmm_response.h"
+#include "dttmm_shape.h"
 #include "dttmm_state.h"
 //
 #include <gmock/gmock.h>
@@ -15,7 +16,7 @@
 #include "support/paths.h"
 #include "support/spring_values.h"
 
-extern "C" const size_t dttmm_layout_in_c[18];
+extern "C" const size_t dttmm_layout_in_c[19];
 
 namespace dttmm::test {
 namespace {
@@ -49,6 +50,7 @@ TEST(Plugin, TheInterfaceHasOneLayoutInCAndCpp) {
         sizeof(dttmm_response_table),
         sizeof(dttmm_state_table),
         sizeof(dttmm_laws_table),
+        sizeof(dttmm_shape_table),
     };
     EXPECT_THAT(layout, testing::ElementsAreArray(dttmm_layout_in_c));
     EXPECT_EQ(sizeof(dttmm_error), 512u);

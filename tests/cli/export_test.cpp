@@ -8,8 +8,10 @@
 
 #include "cli/process.h"
 #include "cli/small_model.h"
+#include "record/history_file.h"
 #include "report/glb_reader.h"
 #include "report/uff_reader.h"
+#include "report/vtu_reader.h"
 
 namespace dttmm::host {
 namespace {
@@ -270,6 +272,45 @@ TEST(Export, ForReportRecordsWhatMoves) {
         "time,one.force.x,one.force.y,one.force.z,two.force.x,two.force.y,two.force.z,plate.position.x,"
         "plate.position.y,plate.position.z,plate.quaternion.w,plate.quaternion.x,plate.quaternion.y,plate.quaternion.z");
     EXPECT_EQ(run_dttmm(folder.path(), {"export", "all", "--gltf"}).code, 0);
+}
+
+// A clamped beam under its own weight moves in its middle, where no node is.
+TEST(Export, ForReportRecordsBeamsBetweenTheirEnds) {
+    const TemporaryFolder folder;
+    write_text(folder / "beam.toml", R"(format = "dttmm/1"
+[simulation]
+duration = "20 ms"
+step = "1 ms"
+gravity = [0, -3, -9]
+[nodes]
+left = { position = [0.1, 0.2, 0.3], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+right = { position = [0.7, 0.5, 0.9], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+[[element]]
+name = "arm"
+type = "beam"
+from = "left"
+to = "right"
+segments = 20
+section = { tube = ["12 mm", "8 mm"] }
+material = { E = "70 GPa", poisson = 0.33, density = 2700 }
+)");
+    ASSERT_EQ(run_dttmm(folder.path(), {"run", "beam.toml", "-q", "-o", "bent", "--for-report"}).code, 0);
+    const Ended ended = run_dttmm(folder.path(), {"export", "bent", "--vtu"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    const HistoryFile history(folder / "bent/history.csv");
+    const auto column = [&](const std::string& name) {
+        const auto found = std::ranges::find(history.columns(), name, &Column::name);
+        return history.read({static_cast<int>(found - history.columns().begin())}).front();
+    };
+    const std::vector<double> middle = column("arm.station5.position.z");
+    EXPECT_NEAR(middle.front(), 0.6, 1e-12);
+    EXPECT_LT(middle.back(), 0.6 - 1e-5);
+    std::vector<fs::path> frames(fs::directory_iterator(folder / "bent.frames"), {});
+    const VtuReader last(read_text(std::ranges::max(frames)));
+    const std::vector<double> points = last.doubles("Points");
+    double nearest = 1;
+    for (std::size_t i = 2; i < points.size(); i += 3) nearest = std::min(nearest, std::abs(points[i] - middle.back()));
+    EXPECT_LT(nearest, 1e-7) << "the middle of the beam is where the run had it";
 }
 
 }  // namespace

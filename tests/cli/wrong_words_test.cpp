@@ -183,6 +183,25 @@ TEST(Plugin, ThatBreaksTheHouseIsRefused) {
     }
 }
 
+// Only who draws the machine asks a plugin where its elements are.
+TEST(Plugin, ThatLosesItsElementsIsRefused) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", faulty_model());
+    for (const auto& [fault, says] :
+         {std::pair{"nan_position", "element \"one\" at t = 0 s: plugin "},
+          {"nan_position", "says that a point of it is at nan"},
+          {"position_overrun", "wrote past the end of the position array"},
+          {"bends_twice", "or twice of one, that it bends"},
+          {"bends_elsewhere", "it says of an element that is not there, or twice of one, that it bends"}}) {
+        const Ended ended =
+            run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--for-report", "--plugin", faulty_plugin(fault)});
+        EXPECT_EQ(ended.code, 7) << fault << ended.err;
+        EXPECT_THAT(ended.err, HasSubstr(says));
+    }
+    EXPECT_EQ(run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--plugin", faulty_plugin("nan_position")}).code,
+              0);
+}
+
 // ---- Plugins that end the process ---------------------------------------------------------------------------------------
 
 class CrashingPlugin : public testing::TestWithParam<std::pair<const char*, const char*>> {};

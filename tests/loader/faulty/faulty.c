@@ -18,7 +18,7 @@
 #include <xmmintrin.h>
 #endif
 
-#include "dttmm_plugin.h"
+#include "dttmm_shape.h"
 
 enum fault {
     none,
@@ -60,6 +60,10 @@ enum fault {
     too_many_parts,
     half_an_iteration,
     small_extension,
+    nan_position,
+    position_overrun,
+    bends_twice,
+    bends_elsewhere,
     throw_entry,
     throw_create,
     throw_linearise,
@@ -94,6 +98,8 @@ enum fault {
 };
 
 enum { FAILING_STEP = 1000 };
+
+#define BENDS (FAULT == nan_position || FAULT == position_overrun || FAULT == bends_twice || FAULT == bends_elsewhere)
 
 #define ITERATES                                                                                                         \
     (FAULT == rough || FAULT == always_rough || FAULT == nan_progress || FAULT == progress_overrun || FAULT == too_many_parts)
@@ -348,10 +354,27 @@ static const dttmm_element_type types[] = {
     {FAULT == builtin_name ? "spring_damper" : "faulty", FAULT == bad_ends ? DTTMM_ENDS_LINE + 1 : DTTMM_ENDS_FROM_TO, 1, parameters, "an element with a fault"},
 };
 
+static const uint32_t *lines(const dttmm_instance *instance, uint32_t *count) {
+    static const uint32_t elements[] = {FAULT == bends_elsewhere ? 1000 : 0, 0};
+    (void)instance;
+    *count = FAULT == bends_twice ? 2 : 1;
+    return elements;
+}
+
+static dttmm_status positions(const dttmm_instance *instance, uint32_t stations, double *at, dttmm_error *error) {
+    (void)instance;
+    (void)error;
+    for (uint32_t i = 0; i < 3 * stations; ++i) at[i] = 0;
+    if (FAULT == nan_position) at[7] = NAN;
+    if (FAULT == position_overrun) at[3 * stations] = 0;
+    return DTTMM_OK;
+}
+
 static const void *extension(const char *name) {
     static const uint32_t small = 8; /* of a table that has nothing but its size */
-    (void)name;
-    return &small;
+    static const dttmm_shape_table shape = {sizeof(dttmm_shape_table), lines, positions};
+    if (!BENDS) return &small;
+    return strcmp(name, DTTMM_SHAPE) == 0 ? &shape : NULL;
 }
 
 static const dttmm_plugin table = {
@@ -376,7 +399,7 @@ static const dttmm_plugin table = {
     channel_count,
     channels,
     outputs,
-    FAULT == small_extension ? extension : NULL,
+    FAULT == small_extension || BENDS ? extension : NULL,
     ITERATES || FAULT == half_an_iteration ? part_count : NULL,
     ITERATES ? iterate : NULL,
     NULL, /* rows by the means over two steps */

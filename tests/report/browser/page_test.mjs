@@ -38,6 +38,25 @@ before(async () => {
     const model = readFileSync(join(examples, 'four_bolt_plate', 'model.toml'), 'utf8').replace(/^title\s*=.*$/m, `title = '''${kHostile}'''`);
     writeFileSync(join(folder, 'hostile.toml'), model);
     dttmm('run', 'hostile.toml', '-o', 'hostile', '--duration', '0.05 s');
+    writeFileSync(join(folder, 'beam.toml'), `format = "dttmm/1"
+[simulation]
+duration = "20 ms"
+step = "0.5 ms"
+gravity = [0, -3, -9]
+[nodes]
+left = { position = [0.1, 0.2, 0.3], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+right = { position = [0.7, 0.5, 0.9], fixed = ["x", "y", "z"] }
+[[element]]
+name = "arm"
+type = "beam"
+from = "left"
+to = "right"
+segments = 20
+section = { tube = ["12 mm", "8 mm"] }
+material = { E = "70 GPa", poisson = 0.33, density = 2700 }
+`);
+    dttmm('run', 'beam.toml', '-o', 'beam', '--for-report');
+    dttmm('run', 'beam.toml', '-o', 'straight');
     browser = await chromium.launch({executablePath: process.env.CHROMIUM, args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader']});
 });
 
@@ -332,6 +351,25 @@ test('a run moves the machine as it was recorded', async () => {
         found.forEach((x, i) => assert.ok(Math.abs(x - position[i] - arm[i]) < 2e-5, `${body} row ${row}: ${x} is not ${position[i] + arm[i]}`));
     }
     await close();
+});
+
+test('a beam bends as the run recorded it; where it was not recorded the page says how it is bent', async () => {
+    const {page, close} = await open(['beam']);
+    const history = columnsOf('beam/history.csv'), row = 31;
+    const found = await page.evaluate(time => {
+        const {view} = document.getElementById('machine');
+        view.motion.at(time);
+        return {points: view.motion.line('arm', 1).map(point => point.toArray()), remark: view.remark.textContent};
+    }, history.time[row]);
+    assert.equal(found.points.length, 11);
+    found.points.forEach((point, station) => ['x', 'y', 'z'].forEach((axis, i) =>
+        assert.ok(Math.abs(point[i] - history[`arm.station${station}.position.${axis}`][row]) < 2e-7)));
+    assert.ok(Math.abs(history['arm.station5.position.z'][row] - 0.6) > 1e-5, 'it bends');
+    assert.ok(!found.remark.includes('as their ends have it'));
+    await close();
+    const other = await open(['straight']);
+    assert.ok((await other.page.evaluate(() => document.getElementById('machine').view.remark.textContent)).includes('as their ends have it'));
+    await other.close();
 });
 
 test('an equilibrium is drawn where static.csv has it', async () => {

@@ -33,6 +33,8 @@ bool is_visible(utf8proc_int32_t character) {
 
 /// `most`: characters.
 std::string make_visible(std::string_view text, std::size_t most) {
+    const auto is_plain = [](char c) { return c >= ' ' && c <= '~'; };
+    if (text.size() <= most && std::ranges::all_of(text, is_plain)) return std::string(text);
     std::string result;
     std::size_t characters = 0;
     while (!text.empty()) {

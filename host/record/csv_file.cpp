@@ -19,6 +19,8 @@ namespace dttmm::host {
 std::string read_whole_file(const std::filesystem::path& path) {
     std::error_code fault;
     if (std::filesystem::is_directory(path, fault)) throw file_error(path, "cannot read", EISDIR);
+    if (std::filesystem::is_character_file(path, fault) || std::filesystem::is_block_file(path, fault))
+        throw Error(ExitCode::input_output, fmt::format("{}: cannot read: it is a device, not a file", path.string()));
     errno = 0;
     std::ifstream file(path, std::ios::binary);
     if (!file) throw file_error(path, "cannot read", errno ? errno : ENOENT);

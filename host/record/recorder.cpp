@@ -138,20 +138,23 @@ void Recorder::count_force(Force& force, double value) const {
 void Recorder::count(std::size_t first, std::span<const double> row, double time) {
     for (Force& force : forces(as_int(first), as_int(first + row.size())))
         count_force(force, row[as_size(force.channel) - first]);
-    const auto size = as_row(row.size());
-    const Eigen::Map<const Eigen::ArrayXd> value(row.data(), size);
-    const auto of = [&](auto& numbers) { return numbers.segment(as_row(first), size); };
-    auto peak_time = of(statistics_.peak_time), minimum = of(statistics_.minimum), maximum = of(statistics_.maximum);
+    const auto of = [&](Eigen::ArrayXd& numbers) { return numbers.data() + first; };
+    double *__restrict peak_time = of(statistics_.peak_time), *__restrict minimum = of(statistics_.minimum),
+           *__restrict maximum = of(statistics_.maximum);
+    const double* __restrict value = row.data();
+    const std::size_t size = row.size();
     if (rows_ == 0) {
-        peak_time = time;
-        minimum = maximum = value;
+        std::fill_n(peak_time, size, time);
+        std::copy_n(value, size, minimum);
+        std::copy_n(value, size, maximum);
     }
-    const auto peak = (-minimum).max(maximum);  // up to the row before
-    for (Eigen::Index i = 0; i < size; ++i)
-        if (std::abs(value[i]) > peak[i]) peak_time[i] = time;
-    minimum = minimum.min(value);
-    maximum = maximum.max(value);
-    of(statistics_.final) = value;
+    for (std::size_t i = 0; i < size; ++i) {                    // without a branch: several at a time
+        const double peak = std::max(-minimum[i], maximum[i]);  // up to the row before
+        peak_time[i] = std::abs(value[i]) > peak ? time : peak_time[i];
+        minimum[i] = value[i] < minimum[i] ? value[i] : minimum[i];
+        maximum[i] = value[i] > maximum[i] ? value[i] : maximum[i];
+    }
+    std::copy_n(value, size, of(statistics_.final));
 }
 
 void Recorder::finish() {

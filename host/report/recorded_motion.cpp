@@ -129,6 +129,12 @@ bool RecordedMotion::moves() const {
     return rows() >= 2 && std::ranges::any_of(tracks_, [](const Track& track) { return track.of != Track::Of::element; });
 }
 
+bool is_station(const std::string& channel, const Json& model) {
+    const std::size_t dot = channel.find(".station");
+    if (dot == channel.npos || channel.find(".position.", dot) == channel.npos) return false;
+    return model.contains("elements") && model["elements"].is_object() && model["elements"].contains(channel.substr(0, dot));
+}
+
 double magnitude(const Track& force, std::size_t row) {
     const std::size_t width = force.columns.size();
     double square = 0;

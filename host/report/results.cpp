@@ -22,6 +22,7 @@
 #include "report/base64.h"
 #include "report/curve_set.h"
 #include "report/pictures.h"
+#include "report/recorded_motion.h"
 
 namespace dttmm::host {
 
@@ -150,6 +151,8 @@ public:
 
     /// The last call.
     Json take() {
+        for (CurveSet& set : sets_)
+            std::erase_if(set.curves, [&](const auto& curve) { return is_station(curve.head.name, json_["model"]); });
         for (const CurveSet& set : sets_) json_["curve_sets"].push_back(describe(set, choice_.most_points));
         if (is_there(folder_ / "history.csv"))
             json_["motion"] = describe_motion(HistoryFile(folder_ / "history.csv"), json_["model"]);

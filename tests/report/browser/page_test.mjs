@@ -366,6 +366,8 @@ test('a beam bends as the run recorded it; where it was not recorded the page sa
         assert.ok(Math.abs(point[i] - history[`arm.station${station}.position.${axis}`][row]) < 2e-7)));
     assert.ok(Math.abs(history['arm.station5.position.z'][row] - 0.6) > 1e-5, 'it bends');
     assert.ok(!found.remark.includes('as their ends have it'));
+    const text = await page.locator('body').innerText();
+    assert.ok(text.includes('arm.force.z') && !text.includes('arm.station5'), 'stations are in the picture, not among the curves');
     await close();
     const other = await open(['straight']);
     assert.ok((await other.page.evaluate(() => document.getElementById('machine').view.remark.textContent)).includes('as their ends have it'));

@@ -777,7 +777,7 @@ double* Network::write_lines(uint32_t stations, double* positions) const {
     auto chain = results_.chains.begin();
     for (size_t e = 0; e + 1 < first_joint.size(); ++e) {
         const int sections = first_joint[e + 1] - first_joint[e];
-        if (sections == 1) continue;
+        if (sections <= 1) continue;  // a joint, or what stands at nodes
         const ChainView& view = *chain++;
         for (uint32_t s = 0; s < stations; ++s, positions += 3) {
             const double place = static_cast<double>(s) * (sections - 1) / (stations - 1);

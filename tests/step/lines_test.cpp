@@ -100,6 +100,20 @@ TEST(Lines, AreStraightBetweenSections) {
     EXPECT_LT(largest_distance(way, like), 0.05 * largest_distance(like, Path(like.size(), like.front())));
 }
 
+// Elements that stand at nodes have no line; those before, between and behind them keep theirs.
+TEST(Lines, LeaveOutWhatStandsAtNodes) {
+    const auto mass = [](const char* name, const char* node) {
+        return fmt::format("[[element]]\nname = \"{}\"\ntype = \"point_mass\"\nat = \"{}\"\nmass = 0.3\n", name, node);
+    };
+    std::string text = beam(true, 20);
+    text.insert(text.find("[[element]]"), mass("first", "tip"));
+    text.insert(text.find("[[element]]\nname = \"hand\""), mass("second", "middle"));
+    text += mass("third", "tip");
+    EXPECT_EQ(largest_distance(path(text, "hand", "station10.position"), path(text, "tip", "position")), 0);
+    EXPECT_EQ(largest_distance(path(text, "arm", "station10.position"), path(text, "middle", "position")), 0);
+    EXPECT_GT(largest_distance(path(text, "arm", "station10.position"), path(beam(true, 20), "middle", "position")), 1e-6);
+}
+
 TEST(Lines, AreNoChannelsUnlessAskedFor) {
     const Plugins plugins;
     const Simulation simulation(parse_model(beam(false, 5), "beam.toml", plugins.catalogue(), {}), plugins);

@@ -8,6 +8,7 @@
 
 #include "model/error.h"
 #include "model/index.h"
+#include "model/names.h"
 #include "model/parameters.h"
 #include "model/units.h"
 #include "model/wording.h"
@@ -72,7 +73,7 @@ SweepAxis parse_sweep_axis(const std::string& text) {
     if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
         throw Error(ExitCode::usage, fmt::format("--sweep {}: write name=from..to:count or name=value,value", quote(text)));
     const std::string name = text.substr(0, equals), rest = text.substr(equals + 1);
-    return {name, rest.find("..") != std::string::npos ? range_values(text, rest) : list_values(text, rest)};
+    return {normalise_name(name), rest.find("..") != std::string::npos ? range_values(text, rest) : list_values(text, rest)};
 }
 
 void check_axes(const std::vector<SweepAxis>& axes, const std::vector<Parameter>& parameters) {

@@ -213,7 +213,11 @@ std::string replace_names(std::string_view given, const std::function<std::strin
             end = skip_number(text, at);
         } else if (is_name_start(text[at])) {
             end = skip_name(text, at);
-            result += replacement(text.substr(at, end - at));
+            const std::string name = text.substr(at, end - at), other = replacement(name);
+            // A digit or a point beside the name stays apart: "2i" is no number, whatever i is
+            const bool is_glued =
+                (at > 0 && (is_digit(text[at - 1]) || text[at - 1] == '.')) || (end < text.size() && text[end] == '.');
+            result += is_glued && other != name ? " " + other + " " : other;
             at = end;
             continue;
         }

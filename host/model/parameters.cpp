@@ -70,7 +70,11 @@ void Parameters::read_station(const TomlMember& member) {
         diagnostics_.error(place, fmt::format("station {} {}", quote(name), text));
     };
     if (const auto fault = find_name_fault(name)) return refuse(member.place, *fault);
-    if (name.find('-') != name.npos) return refuse(member.place, "cannot be used: '-' is minus in an expression; use '_'");
+    if (bare_name(name) != name || name == "t" || name == "pi")
+        return refuse(
+            member.place,
+            "cannot be used in expressions: it must begin with a letter, hold letters, digits and '_' only, and be "
+            "neither t nor pi");
     if (const Entry* other = find(name))
         return refuse(member.place, fmt::format("has the name of a parameter, {}", diagnostics_.line_text(other->place)));
     if (const Entry* other = find(name + ".x"))
@@ -78,13 +82,17 @@ void Parameters::read_station(const TomlMember& member) {
     const TomlValue& value = member.value;
     if (!value.is_array() || value.items.size() != 3)
         return refuse(value.place,
-                      fmt::format("wants three lengths, [x, y, z], got {}",
-                                  value.is_array() ? std::to_string(value.items.size()) : kind_text(value.kind)));
+                      fmt::format("wants three lengths, [x, y, z], got {}{}",
+                                  value.is_array() ? std::to_string(value.items.size()) : kind_text(value.kind),
+                                  value.is_text() ? "; another station is named by its coordinates: [\"=front.x\", "
+                                                    "\"=front.y\", \"=front.z\"]"
+                                                  : ""));
     for (std::size_t d = 0; d < 3; ++d) {
         Entry entry;
         entry.parameter.name = name + "." + "xyz"[d];
         entry.place = value.items[d].place;
         entry.is_coordinate = true;
+        entry.parameter.unit = "m";
         read_value(entry, value.items[d]);
         index_[entry.parameter.name] = entries_.size();
         entries_.push_back(std::move(entry));
@@ -235,6 +243,11 @@ std::optional<double> Parameters::evaluate(std::string_view expression, std::str
     if (rests_on_fault(expression)) return std::nullopt;
     const double value = evaluate_expression(expression, constants_);
     for (const std::string& name : expression_names(expression)) used_.insert(name);
+    check_unit(expression, wanted);
+    return value;
+}
+
+void Parameters::check_unit(std::string_view expression, std::string_view wanted) const {
     const Entry* same = find(bare_name(expression));
     const bool has_unit = same && !same->parameter.unit.empty() && same->parameter.unit != "1";
     if (has_unit && !measures(same->parameter.unit, wanted))
@@ -242,7 +255,6 @@ std::optional<double> Parameters::evaluate(std::string_view expression, std::str
                     fmt::format("expected a value in {}, got {}, which is {} ({}); accepted here: {}", wanted,
                                 quote("=" + std::string(expression)), quote(same->parameter.text),
                                 diagnostics_.line_text(same->place), listed(accepted_units(wanted))));
-    return value;
 }
 
 bool Parameters::rests_on(std::string_view expression, const std::string& name) const {
@@ -290,6 +302,14 @@ bool Parameters::rests_on_fault(std::string_view expression) const {
 bool Parameters::is_station(std::string_view expression) const {
     const std::string name = bare_name(expression);
     return !name.empty() && find(name + ".x");
+}
+
+std::vector<std::string> Parameters::stations() const {
+    std::vector<std::string> stations;
+    for (const Entry& entry : entries_)
+        if (entry.is_coordinate && entry.parameter.name.ends_with(".x"))
+            stations.push_back(entry.parameter.name.substr(0, entry.parameter.name.size() - 2));
+    return stations;
 }
 
 std::vector<Parameter> Parameters::all() const {

@@ -37,6 +37,10 @@ public:
     /// whose fault has been told; throws Error(model_invalid) for a fault of its own.
     std::optional<double> evaluate(std::string_view expression, std::string_view wanted) const;
 
+    /// Throws Error(model_invalid) for an expression that is the name of a parameter alone, of a unit that `wanted` does not
+    /// measure.
+    void check_unit(std::string_view expression, std::string_view wanted) const;
+
     /// Whether the value of an expression changes with the parameter `name`, or with a name of that kind that is none.
     bool rests_on(std::string_view expression, const std::string& name) const;
 
@@ -52,6 +56,9 @@ public:
 
     /// Whether an expression is the name of a place in [stations] and nothing else.
     bool is_station(std::string_view expression) const;
+
+    /// The names of all places in [stations].
+    std::vector<std::string> stations() const;
 
     /// The values of all that resolved.
     const Constants& constants() const { return constants_; }

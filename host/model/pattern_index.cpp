@@ -52,6 +52,7 @@ std::optional<std::string> find_index_fault(const std::string& name, const Patte
         return "has another meaning in expressions; choose another name";
     if (find_index(outer, name)) return "is the index of the pattern around it already; choose another name";
     if (constants.contains(name)) return "is the name of a parameter already; choose another name";
+    if (constants.contains(name + ".x")) return "is the name of a station already; choose another name";
     return std::nullopt;
 }
 

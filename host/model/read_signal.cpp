@@ -137,6 +137,7 @@ bool read_amplitude(const TableReader& table, HarmonicSignal::Numbers& numbers) 
     }
     if (context.parameters.rests_on_fault(text)) return false;
     try {
+        context.parameters.check_unit(text, unit_of_derivative(table, numbers.derivative));
         numbers.formula = std::make_shared<const Expression>(context.parameters.written_out(text, kSpeed),
                                                              context.parameters.constants(), kSpeed);
         return true;

@@ -48,6 +48,19 @@ TomlValue coordinates_of(const TomlValue& station) {
     return list;
 }
 
+/// Where an expression stands for three lengths.
+std::string cure_for(const ReadContext& context, std::string_view expression) {
+    for (const std::string& name : expression_names(expression))
+        if (context.parameters.is_station(name))
+            return fmt::format(
+                "; a station stands alone, \"={0}\", or by its coordinates, [\"={0}.x\", \"={0}.y\", "
+                "\"={0}.z\"]",
+                name);
+    const std::vector<std::string> stations = context.parameters.stations();
+    const std::string name = bare_name(expression);
+    return name.empty() || stations.empty() ? "" : "; no station has this name" + suggestion(name, stations);
+}
+
 }  // namespace
 
 std::string broken_bound(double number, const Bounds& bounds, std::string_view unit) {
@@ -91,16 +104,10 @@ std::optional<std::vector<double>> read_numbers(const ReadContext& context, cons
     if (!value.is_array() || value.items.size() != count) {
         const std::string got = value.is_array() ? std::to_string(value.items.size()) : std::string(kind_text(value.kind));
         const bool has_more = value.is_array() && value.items.size() > count;
-        const auto names = expression_names(expression);
-        const auto station =
-            std::ranges::find_if(names, [&](const auto& name) { return context.parameters.is_station(name); });
-        const std::string cure = has_more ? " (a number has a decimal point, 0.8)"
-                                 : station != names.end()
-                                     ? fmt::format(
-                                           "; a station stands alone, \"={0}\", or by its coordinates, [\"={0}.x\", "
-                                           "\"={0}.y\", \"={0}.z\"]",
-                                           *station)
-                                     : "";
+        const bool is_place = is_expression && count == 3 && unit == "m";
+        const std::string cure = has_more   ? " (a number has a decimal point, 0.8)"
+                                 : is_place ? cure_for(context, expression)
+                                            : "";
         context.diagnostics.error(
             value.place, fmt::format("{} wants {} number{}, got {}{}", what, count, count == 1 ? "" : "s", got, cure));
         return std::nullopt;

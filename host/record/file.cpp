@@ -31,6 +31,8 @@ std::string_view cure_for(int error_number) {
             return "run fewer cases at once or raise the limit on open files (ulimit -n)";
         case ELOOP:
             return "remove the symbolic link or choose another folder with -o";
+        case ENOENT:
+            return "check the path, or choose another folder with -o";
         default:
             return "check the disk or choose another folder with -o";
     }

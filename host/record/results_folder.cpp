@@ -86,6 +86,11 @@ bool is_case_folder(const fs::path& path) {
     return path.filename().string().starts_with(kCasePrefix) && type_of(path) == fs::file_type::directory;
 }
 
+/// A report or export of a case, which stands beside its folder: case-000001.frames.
+bool is_beside_case(const fs::path& path) {
+    return path.filename().string().starts_with(kCasePrefix) && path.has_extension();
+}
+
 /// Throws Error(input_output) that names the first entry no run has written.
 void check_ours(const fs::path& folder) {
     const std::vector<fs::path> entries = read_entries(folder);
@@ -94,6 +99,7 @@ void check_ours(const fs::path& folder) {
         throw refusal(folder, fmt::format("holds \"{}\" and no results of dttmm", entries.front().filename().string()));
     for (const fs::path& entry : entries) {
         const std::string name = entry.filename().string();
+        if (is_beside_case(entry)) continue;
         if (is_case_folder(entry)) {
             check_ours(entry);
         } else if (!is_file_or_link(entry) || (name != kMarker && !is_result_name(name))) {
@@ -145,7 +151,7 @@ void remove_entry(const fs::path& path) {
 void clear(const fs::path& folder) {
     for (const fs::path& entry : read_entries(folder)) {
         const std::string name = entry.filename().string();
-        const bool of_sweep = name == kSweepTable || is_case_folder(entry);
+        const bool of_sweep = name == kSweepTable || is_case_folder(entry) || is_beside_case(entry);
         if (name != kMarker && !of_sweep) remove_entry(entry);
     }
 }

@@ -10,6 +10,7 @@
 
 #include "model/error.h"
 #include "model/index.h"
+#include "model/names.h"
 #include "model/parameters.h"
 #include "model/units.h"
 #include "model/wording.h"
@@ -79,7 +80,8 @@ public:
     }
 
 private:
-    void read_head(const std::vector<std::string>& names) {
+    void read_head(std::vector<std::string> names) {
+        for (std::string& name : names) name = normalise_name(name);
         std::vector<std::string> known;
         for (const Parameter& parameter : parameters_) known.push_back(parameter.name);
         for (size_t c = 0; c < names.size(); ++c) {

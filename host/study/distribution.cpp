@@ -12,6 +12,7 @@
 
 #include "model/error.h"
 #include "model/index.h"
+#include "model/names.h"
 #include "model/parameters.h"
 #include "model/units.h"
 #include "model/wording.h"
@@ -143,8 +144,9 @@ private:
     std::vector<std::string> arguments_;
 };
 
-const Parameter& find_parameter(const std::string& name, const std::vector<Parameter>& parameters,
+const Parameter& find_parameter(const std::string& given, const std::vector<Parameter>& parameters,
                                 const std::string& option) {
+    const std::string name = normalise_name(given);
     const auto found = std::ranges::find(parameters, name, &Parameter::name);
     if (found != parameters.end()) return *found;
     std::vector<std::string> known;

@@ -157,11 +157,13 @@ void Network::declare_reactions(const dttmm_network& description) {
         if (fixed == 0 || (description.nodes[n].kind != DTTMM_NODE_INNER && !is_supported)) continue;
         const bool is_driven = assembly.nodes[n].frame < assembly.driven_count;
         const int frame = is_driven ? assembly.nodes[n].frame : mechanism_.joints[holding++].from();
-        results_.reactions.push_back({as_int(n), frame, (fixed & 7) != 0, (fixed & 0x38) != 0});
+        results_.reactions.push_back({as_int(n), frame, (fixed & 7) != 0, (fixed & 0x38) != 0, is_driven && is_supported});
         if (results_.reactions.back().has_force)
             declare_vectors("", {{"reaction", "N"}}, DTTMM_OF_NODE, n, DTTMM_ROLE_RESULT);
         if (results_.reactions.back().has_moment)
             declare_vectors("", {{"reaction_moment", "N*m"}}, DTTMM_OF_NODE, n, DTTMM_ROLE_RESULT);
+        if (results_.reactions.back().has_place)
+            declare_vectors("", {{"position", "m"}, {"rotation", "rad"}}, DTTMM_OF_NODE, n, DTTMM_ROLE_ON_REQUEST);
     }
 }
 
@@ -818,6 +820,12 @@ double* Network::write_reaction(double* out, const ReactionView& reaction) const
     if (reaction.has_moment) {
         Map3{out} = arm.cross(force) - wrench.tail<3>();
         out += 3;
+    }
+    if (reaction.has_place) {
+        const Matrix3& start = mechanism_.assembly.frames[as_size(spec.frame)].pose.rotation;
+        Map3{out} = own.origin() + own.axes() * spec.offset;
+        Map3{out + 3} = rotation_vector(own.axes() * start.transpose());
+        out += 6;
     }
     return out;
 }

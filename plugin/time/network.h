@@ -218,6 +218,7 @@ private:
     struct ReactionView {
         int node, frame;  ///< frame: of what holds it
         bool has_force, has_moment;
+        bool has_place;  ///< nothing but its support moves it
     };
     struct Results {
         std::vector<ReactionView> reactions;

@@ -94,6 +94,23 @@ values = ["left", "right"]
 }
 
 // Oracle: the six pairs with j <= i of i = 1..3, in order.
+// As a parameter is refused there: "=2i" is not 27 where i is 7.
+TEST(Patterns, ANumberBesideAnIndexDoesNotJoinIt) {
+    for (const char* glued : {"=2i", "=2.i", "=i.5", "=1.5i", "=.i"})
+        EXPECT_NE(
+            errors_of(model_with(fmt::format("[[repeat]]\nindex = \"i\"\nvalues = [7]\n[[repeat.body]]\nname = \"b{{i}}\"\n"
+                                             "mass = \"{}\"\ninertia = [2, 3, 4]\n",
+                                             glued))),
+            "")
+            << glued;
+    EXPECT_EQ(
+        parse(model_with("[[repeat]]\nindex = \"i\"\nvalues = [7]\n[[repeat.body]]\nname = \"b{i}\"\nmass = \"=2*i - .5\"\n"
+                         "inertia = [2, 3, 4]\n"))
+            .bodies.back()
+            .mass,
+        13.5);
+}
+
 TEST(Patterns, PatternsStandWithinPatterns) {
     const std::string out = expanded(model_with(R"toml([[repeat]]
 index = "i"

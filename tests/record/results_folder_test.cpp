@@ -65,6 +65,18 @@ TEST(ResultsFolder, OldResultsAreRemovedButNotASweep) {
     EXPECT_EQ(read_text(temporary / "case-001/history.csv"), "old");
 }
 
+// What `export` and `report` write beside the folder of a case is not in the way of the next sweep.
+TEST(ResultsFolder, FilesBesideTheFolderOfACaseStay) {
+    const TemporaryFolder folder;
+    { const ResultsFolder sweep(folder / "sweep"); }
+    fs::create_directories(folder / "sweep/case-000001.frames");
+    std::ofstream(folder / "sweep/case-000001.frames/f000000.vtu") << "x";
+    std::ofstream(folder / "sweep/case-000001.html") << "x";
+    const ResultsFolder again(folder / "sweep");
+    EXPECT_TRUE(fs::exists(folder / "sweep/case-000001.frames/f000000.vtu"));
+    EXPECT_TRUE(fs::exists(folder / "sweep/case-000001.html"));
+}
+
 TEST(ResultsFolder, OldResultsAreKeptOnRequest) {
     const TemporaryFolder temporary;
     make_old_results(temporary.path());

@@ -114,6 +114,19 @@ TEST(Lines, LeaveOutWhatStandsAtNodes) {
     EXPECT_GT(largest_distance(path(text, "arm", "station10.position"), path(beam(true, 20), "middle", "position")), 1e-6);
 }
 
+// A wall that moves has a place of its own, where the beam begins.
+TEST(Lines, BeginWhereTheirSupportIs) {
+    std::string text = beam(false, 20);
+    const std::string fixed = "\"rx\", \"ry\", \"rz\"]";
+    text.insert(text.find(fixed) + fixed.size(),
+                ", motion = { z = \"=0.05*(1 - cos(300*t))\", ry = \"=0.2*(1 - cos(200*t))\" }");
+    const Path wall = path(text, "wall", "position"), turned = path(text, "wall", "rotation");
+    EXPECT_LT(largest_distance(wall, path(text, "arm", "station0.position")), 1e-14);
+    ASSERT_EQ(wall.size(), 151u);
+    EXPECT_NEAR(wall[100].z(), 0.3 + 0.05 * (1 - std::cos(300 * 0.02)), 1e-12);
+    EXPECT_NEAR(turned[100].y(), 0.2 * (1 - std::cos(200 * 0.02)), 1e-12);
+}
+
 TEST(Lines, AreNoChannelsUnlessAskedFor) {
     const Plugins plugins;
     const Simulation simulation(parse_model(beam(false, 5), "beam.toml", plugins.catalogue(), {}), plugins);

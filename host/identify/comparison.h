@@ -48,6 +48,10 @@ public:
     const std::vector<DataGroup>& groups() const { return groups_; }
     /// Of every row: the noise of its group, times what a coherence says.
     Eigen::VectorXd deviations() const;
+    /// What the model predicts where residuals (not logarithmic) are those.
+    Eigen::VectorXd predicted_of(const Eigen::VectorXd& residual) const {
+        return data_ + residual.cwiseProduct(deviations());
+    }
     /// Of groups whose noise nobody gave: from what is left of their data. unknowns: numbers that were fitted.
     void estimate_noise(const Eigen::VectorXd& predicted, size_t unknowns);
     /// Rows that count: of histories those up to this share of their duration.

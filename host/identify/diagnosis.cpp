@@ -77,11 +77,12 @@ double Diagnostician::score(const Eigen::VectorXd& predicted, size_t unknowns) c
     for (const DataGroup& group : comparison_.groups()) {
         const double squares = residual.segment(group.first, group.count).squaredNorm();
         const auto count = static_cast<double>(group.count);
-        constexpr double kLeast = 1e-18;  // of squares per noise: data that the model made itself
-        if (group.noise_from == DataGroup::NoiseFrom::residuals)
-            score += count * std::log(std::max(squares / count, kLeast) * group.noise * group.noise);
-        else
+        if (group.noise_from == DataGroup::NoiseFrom::residuals) {
+            const double floor = kLeastNoise * group.largest;  // what is left below it is rounding
+            score += count * std::log(std::max(squares / count * group.noise * group.noise, floor * floor));
+        } else {
             score += squares;
+        }
     }
     return score;
 }
@@ -99,43 +100,84 @@ void Diagnostician::take_factors(Trial& trial) const {
     }
 }
 
-Diagnostician::Trial Diagnostician::fit(Hypothesis hypothesis, bool with_damping, const Eigen::VectorXd& common) const {
-    Trial trial{std::move(hypothesis), {}, {}, {}};
-    trial.unknowns = unknowns_of(trial.hypothesis, with_damping);
-    Eigen::VectorXd start = trial.unknowns.start();
-    start.head(common.size()) = common;
-    const Identifier identifier(comparison_, trial.unknowns, {}, 1);
-    trial.x = trial.unknowns.size() > 0 ? identifier.descend(start).x : start;
-    trial.predicted = comparison_.predict(trial.unknowns, trial.x);
-    take_factors(trial);
+/// From a start for the first unknowns; the others begin as the file has them.
+Diagnostician::Trial Diagnostician::fit(Hypothesis hypothesis, bool with_damping, const Eigen::VectorXd& from) const {
+    Unknowns unknowns = unknowns_of(hypothesis, with_damping);
+    Trial trial{std::move(hypothesis), std::move(unknowns), {}, {}};
+    trial.x = trial.unknowns.start();
+    trial.x.head(from.size()) = from;
+    descend(trial, 1);
     return trial;
 }
 
-/// Each with its stiffness alone, and with its damping too: the better one counts.
-std::vector<Diagnostician::Trial> Diagnostician::fit_all(const std::vector<Hypothesis>& hypotheses,
-                                                         const Eigen::VectorXd& common) const {
-    const auto make = [&](size_t task) { return fit(hypotheses[task / 2], task % 2 == 1, common); };
-    const std::vector<TaskResult> results = map_in_processes(2 * hypotheses.size(), jobs_, [&](size_t task) {
-        const Trial trial = make(task);
-        std::vector<double> numbers = {trial.hypothesis.score};
-        numbers.insert(numbers.end(), trial.x.begin(), trial.x.end());
+void Diagnostician::descend(Trial& trial, int jobs) const {
+    if (trial.unknowns.size() > 0) {
+        const Minimum minimum = Identifier(comparison_, trial.unknowns, {}, jobs).descend(trial.x);
+        trial.x = minimum.x;
+        trial.predicted = comparison_.predicted_of(minimum.residual);
+    } else if (trial.predicted.size() == 0) {
+        trial.predicted = comparison_.predict(trial.unknowns, trial.x);
+    }
+    trial.hypothesis.factors.clear();
+    take_factors(trial);
+}
+
+/// Each with its stiffness alone, then with its damping too: the better one counts.
+std::vector<Diagnostician::Trial> Diagnostician::fit_all(const std::vector<Start>& starts) const {
+    const std::vector<TaskResult> results = map_in_processes(starts.size(), jobs_, [&](size_t task) {
+        const auto& [hypothesis, from] = starts[task];
+        Trial best = fit(hypothesis, false, from);
+        if (unknowns_of(hypothesis, true).size() > best.unknowns.size()) {
+            // The common unknowns and the stiffness come first in both
+            Trial damped = fit(hypothesis, true, best.x);
+            if (damped.hypothesis.score < best.hypothesis.score) best = std::move(damped);
+        }
+        std::vector<double> numbers(best.x.begin(), best.x.end());
+        numbers.insert(numbers.end(), best.predicted.begin(), best.predicted.end());
         return numbers;
     });
     std::vector<Trial> trials;
-    for (size_t h = 0; h < hypotheses.size(); ++h) {
-        const TaskResult &plain = results[2 * h], &damped = results[2 * h + 1];
-        if (plain.numbers.empty() && damped.numbers.empty()) continue;
-        const bool is_damped = plain.numbers.empty() || (!damped.numbers.empty() && damped.numbers[0] < plain.numbers[0]);
-        const std::vector<double>& numbers = is_damped ? damped.numbers : plain.numbers;
-        Trial trial{hypotheses[h], unknowns_of(hypotheses[h], is_damped), {}, {}};
-        trial.x = Eigen::Map<const Eigen::VectorXd>(numbers.data() + 1, as_row(numbers.size() - 1));
-        trial.predicted = comparison_.predict(trial.unknowns, trial.x);
+    for (size_t h = 0; h < starts.size(); ++h) {
+        if (!results[h].reason.empty()) continue;
+        const Eigen::Map<const Eigen::VectorXd> all(results[h].numbers.data(), as_row(results[h].numbers.size()));
+        const Eigen::Index size = all.size() - comparison_.rows();
+        const Hypothesis& hypothesis = starts[h].hypothesis;
+        Unknowns plain = unknowns_of(hypothesis, false);
+        Trial trial{hypothesis, as_row(plain.size()) == size ? std::move(plain) : unknowns_of(hypothesis, true),
+                    all.head(size), all.tail(comparison_.rows())};
         take_factors(trial);
         trials.push_back(std::move(trial));
     }
     std::ranges::stable_sort(trials, [](const Trial& a, const Trial& b) { return a.hypothesis.score < b.hypothesis.score; });
     return trials;
 }
+
+/// One suspect of every tie, and of the best of them all that are tied to it: the data nearly show them alike.
+std::vector<Diagnostician::Trial> Diagnostician::fit_singles(const Trial& null, const Eigen::VectorXd& residual) const {
+    const std::vector<std::vector<size_t>> classes = tied_suspects();
+    std::vector<Start> starts;
+    for (Hypothesis& one : promising(classes, residual)) starts.push_back({std::move(one), null.x});
+    std::vector<Trial> trials = fit_all(starts);
+    if (trials.empty()) return trials;
+    starts.clear();
+    const double least = trials.front().hypothesis.score;
+    for (const Trial& one : trials) {
+        if (one.hypothesis.elements.size() > 1) continue;
+        // A tie holds to a share of what the fault explains
+        const double explained = std::max(0.0, null.hypothesis.chi2 - one.hypothesis.chi2);
+        if (one.hypothesis.score > least + kDistinct + 2 * (1 - kTied * kTied) * explained) continue;
+        for (const std::vector<size_t>& tied : classes) {
+            if (suspects_[tied.front()] != one.hypothesis.elements.front()) continue;
+            for (size_t t = 1; t < tied.size(); ++t) starts.push_back({{{suspects_[tied[t]]}}, start_of(one)});
+        }
+    }
+    for (Trial& one : fit_all(starts)) trials.push_back(std::move(one));
+    std::ranges::stable_sort(trials, [](const Trial& a, const Trial& b) { return a.hypothesis.score < b.hypothesis.score; });
+    return trials;
+}
+
+/// The common unknowns and the stiffness.
+Eigen::VectorXd Diagnostician::start_of(const Trial& trial) const { return trial.x.head(as_row(common_.size() + 1)); }
 
 /// What each fault does to the data where nothing has changed, by one-sided differences: as many runs as numbers.
 void Diagnostician::find_slopes(const Trial& null) {
@@ -183,15 +225,36 @@ double Diagnostician::gain(const std::vector<size_t>& suspects, const Eigen::Vec
     return residual.squaredNorm() - (residual - own * qr.solve(residual)).squaredNorm();
 }
 
-std::vector<Hypothesis> Diagnostician::promising_singles(const Eigen::VectorXd& residual) const {
-    std::vector<size_t> order(suspects_.size());
-    std::iota(order.begin(), order.end(), size_t{0});
-    std::vector<double> gains;
-    for (size_t s = 0; s < suspects_.size(); ++s) gains.push_back(gain({s}, residual));
-    std::ranges::stable_sort(order, [&](size_t a, size_t b) { return gains[a] > gains[b]; });
+/// Suspects in classes whose faults the data show alike to first order.
+std::vector<std::vector<size_t>> Diagnostician::tied_suspects() const {
+    const double strongest = slopes_.leftCols(as_row(suspects_.size())).colwise().norm().maxCoeff();
+    std::vector<std::vector<size_t>> classes;
+    for (size_t s = 0; s < suspects_.size(); ++s) {
+        const auto own = slopes_.col(as_row(s));
+        const double norm = own.norm();
+        const auto is_like = [&](const std::vector<size_t>& one) {
+            const auto first = slopes_.col(as_row(one.front()));
+            return first.norm() > kUnseen * strongest && std::abs(own.dot(first)) >= kTied * norm * first.norm();
+        };
+        const auto found = norm > kUnseen * strongest ? std::ranges::find_if(classes, is_like) : classes.end();
+        if (found != classes.end())
+            found->push_back(s);
+        else
+            classes.push_back({s});
+    }
+    return classes;
+}
+
+/// The first of the classes that promise most, and all alike.
+std::vector<Hypothesis> Diagnostician::promising(const std::vector<std::vector<size_t>>& classes,
+                                                 const Eigen::VectorXd& residual) const {
+    std::vector<std::pair<double, size_t>> order;
+    for (const std::vector<size_t>& tied : classes) order.emplace_back(gain({tied.front()}, residual), tied.front());
+    std::ranges::stable_sort(order, std::ranges::greater(), &std::pair<double, size_t>::first);
     std::vector<Hypothesis> chosen;
     for (size_t i = 0; i < order.size(); ++i)
-        if (i < kFewestFitted || gains[order[i]] > kPromising * gains[order[0]]) chosen.push_back({{suspects_[order[i]]}});
+        if (i < kFewestFitted || order[i].first > kPromising * order[0].first)
+            chosen.push_back({{suspects_[order[i].second]}});
     if (suspects_.size() > 1) {
         Hypothesis alike;
         alike.elements = suspects_;
@@ -267,14 +330,6 @@ void Diagnostician::add_intervals(Trial& trial) const {
     }
 }
 
-/// Again, where the noise is known better now.
-void Diagnostician::refit(Trial& trial) const {
-    if (trial.unknowns.size() > 0) trial.x = Identifier(comparison_, trial.unknowns, {}, jobs_).descend(trial.x).x;
-    trial.predicted = comparison_.predict(trial.unknowns, trial.x);
-    trial.hypothesis.factors.clear();
-    take_factors(trial);
-}
-
 Diagnosis Diagnostician::diagnose() {
     Diagnosis diagnosis;
     const auto by_score = [](const Trial& a, const Trial& b) { return a.hypothesis.score < b.hypothesis.score; };
@@ -283,7 +338,7 @@ Diagnosis Diagnostician::diagnose() {
     find_slopes(null);
     scale_slopes();
     const auto residual_of_null = [&] { return Eigen::VectorXd(-comparison_.residual(null.predicted, false)); };
-    std::vector<Trial> trials = fit_all(promising_singles(residual_of_null()), null.x);
+    std::vector<Trial> trials = fit_singles(null, residual_of_null());
     if (trials.empty()) throw Error(ExitCode::numerical_failure, "the model has no answer with any of the suspects changed");
     const auto judge_best = [&] {
         return Identifier(comparison_, trials.front().unknowns, {}, jobs_).judge(trials.front().x);
@@ -292,8 +347,8 @@ Diagnosis Diagnostician::diagnose() {
     const auto sharpen = [&] {
         const Trial& best = trials.front().hypothesis.score < null.hypothesis.score ? trials.front() : null;
         comparison_.estimate_noise(best.predicted, best.unknowns.size());
-        refit(null);
-        for (size_t i = 0; i < std::min(kFewestFitted, trials.size()); ++i) refit(trials[i]);
+        descend(null, jobs_);
+        for (size_t i = 0; i < std::min(kFewestFitted, trials.size()); ++i) descend(trials[i], jobs_);
         for (Trial& one : trials) one.hypothesis.score = score(one.predicted, one.unknowns.size());
         std::ranges::stable_sort(trials, by_score);
         scale_slopes();
@@ -302,7 +357,9 @@ Diagnosis Diagnostician::diagnose() {
     const Fit single = judge_best();
     const bool is_doubtful = !single.is_explained() || (single.is_noise_assumed && single.chance < kDoubtful);
     if (suspects_.size() > 1 && (is_doubtful || suspects_.size() == 2)) {
-        for (Trial& pair : fit_all(promising_pairs(residual_of_null()), null.x)) trials.push_back(std::move(pair));
+        std::vector<Start> starts;
+        for (Hypothesis& one : promising_pairs(residual_of_null())) starts.push_back({std::move(one), null.x});
+        for (Trial& pair : fit_all(starts)) trials.push_back(std::move(pair));
         std::ranges::stable_sort(trials, by_score);
         sharpen();
     }

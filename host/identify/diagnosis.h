@@ -54,15 +54,24 @@ private:
         Eigen::VectorXd x, predicted;
     };
     Unknowns unknowns_of(const Hypothesis& hypothesis, bool with_damping) const;
-    Trial fit(Hypothesis hypothesis, bool with_damping, const Eigen::VectorXd& common) const;
+    /// What is fitted, from where: the first of its unknowns.
+    struct Start {
+        Hypothesis hypothesis;
+        Eigen::VectorXd from;
+    };
+    Trial fit(Hypothesis hypothesis, bool with_damping, const Eigen::VectorXd& from) const;
+    void descend(Trial& trial, int jobs) const;
     void take_factors(Trial& trial) const;
-    std::vector<Trial> fit_all(const std::vector<Hypothesis>& hypotheses, const Eigen::VectorXd& common) const;
+    std::vector<Trial> fit_all(const std::vector<Start>& starts) const;
+    std::vector<Trial> fit_singles(const Trial& null, const Eigen::VectorXd& residual) const;
+    Eigen::VectorXd start_of(const Trial& trial) const;
     double score(const Eigen::VectorXd& predicted, size_t unknowns) const;
     void find_slopes(const Trial& null);
     void scale_slopes();
-    void refit(Trial& trial) const;
     double gain(const std::vector<size_t>& suspects, const Eigen::VectorXd& residual) const;
-    std::vector<Hypothesis> promising_singles(const Eigen::VectorXd& residual) const;
+    std::vector<std::vector<size_t>> tied_suspects() const;
+    std::vector<Hypothesis> promising(const std::vector<std::vector<size_t>>& classes,
+                                      const Eigen::VectorXd& residual) const;
     std::vector<Hypothesis> promising_pairs(const Eigen::VectorXd& residual) const;
     void find_limits(Diagnosis& diagnosis) const;
     void add_intervals(Trial& trial) const;

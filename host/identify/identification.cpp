@@ -49,6 +49,13 @@ Eigen::VectorXd solve_others(const Eigen::MatrixXd& jacobian, const Eigen::Vecto
     return d;
 }
 
+/// The residuals of a task that changed an unknown.
+Eigen::VectorXd column_of(const TaskResult& result, const Unknown& unknown, Eigen::Index rows) {
+    if (!result.reason.empty())
+        throw Error(ExitCode::numerical_failure, fmt::format("with {} changed by 1 %: {}", unknown.name, result.reason));
+    return Eigen::Map<const Eigen::VectorXd>(result.numbers.data(), rows);
+}
+
 /// Autocorrelations at lags 1 … count.
 std::vector<double> correlations(const Eigen::VectorXd& values, Eigen::Index count) {
     const Eigen::VectorXd own = values.array() - values.mean();
@@ -137,15 +144,10 @@ Eigen::MatrixXd Identifier::jacobian(const Eigen::VectorXd& x, bool are_logarith
     });
     const auto rows = comparison_.rows() + as_row(priors_.size());
     Eigen::MatrixXd jacobian(rows, x.size());
-    for (size_t i = 0; i < unknowns_.size(); ++i) {
-        for (size_t side : {2 * i, 2 * i + 1})
-            if (!results[side].reason.empty())
-                throw Error(ExitCode::numerical_failure,
-                            fmt::format("with {} changed by 1 %: {}", unknowns_[i].name, results[side].reason));
-        jacobian.col(as_row(i)) = (Eigen::Map<const Eigen::VectorXd>(results[2 * i].numbers.data(), rows) -
-                                   Eigen::Map<const Eigen::VectorXd>(results[2 * i + 1].numbers.data(), rows)) /
-                                  (2 * kDifference);
-    }
+    for (size_t i = 0; i < unknowns_.size(); ++i)
+        jacobian.col(as_row(i)) =
+            (column_of(results[2 * i], unknowns_[i], rows) - column_of(results[2 * i + 1], unknowns_[i], rows)) /
+            (2 * kDifference);
     return jacobian;
 }
 
@@ -157,8 +159,26 @@ LeastSquares Identifier::problem(bool are_logarithmic, int jobs) const {
             unknowns_.low(), unknowns_.high()};
 }
 
+Minimum Identifier::descend(const Eigen::VectorXd& start) const {
+    constexpr double kEnough = 1e-7;  // of chi2
+    LeastSquares quick = problem(false, jobs_);
+    quick.jacobian = [this](const Eigen::VectorXd& x, const Eigen::VectorXd& here) {
+        const std::vector<TaskResult> results = map_in_processes(unknowns_.size(), jobs_, [&](size_t task) {
+            Eigen::VectorXd at = x;
+            at(as_row(task)) += kDifference;
+            const Eigen::VectorXd own = residual(at, false);
+            return std::vector<double>(own.begin(), own.end());
+        });
+        Eigen::MatrixXd jacobian(here.size(), x.size());
+        for (size_t i = 0; i < unknowns_.size(); ++i)
+            jacobian.col(as_row(i)) = (column_of(results[i], unknowns_[i], here.size()) - here) / kDifference;
+        return jacobian;
+    };
+    return minimise(quick, start, {kMostEvaluations, kEnough});
+}
+
 Minimum Identifier::search_from(const Eigen::VectorXd& start, int jobs) const {
-    if (!comparison_.has_responses()) return minimise(problem(false, jobs), start, most_evaluations_);
+    if (!comparison_.has_responses()) return minimise(problem(false, jobs), start, {most_evaluations_});
     const Minimum by_logarithms = minimise(problem(true, jobs), start);
     return minimise(problem(false, jobs), by_logarithms.x);
 }

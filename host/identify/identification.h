@@ -80,7 +80,8 @@ public:
     /// From one point, near the minimum; noise as the comparison has it. For bootstraps and tests.
     Solution polish(const Eigen::VectorXd& start) const;
     /// From one point down to the minimum, without intervals.
-    Minimum descend(const Eigen::VectorXd& start) const { return minimise(problem(false, jobs_), start); }
+    /// Quickly, to what a comparison of explanations needs: with one-sided differences.
+    Minimum descend(const Eigen::VectorXd& start) const;
     /// Of residuals by coordinates, at a point.
     Eigen::MatrixXd differentiate(const Eigen::VectorXd& x) const { return jacobian(x, false, jobs_); }
     /// What the data say of the unknowns at the values of a minimum, without intervals.

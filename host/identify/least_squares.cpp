@@ -2,6 +2,7 @@
 #include "identify/least_squares.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <unsupported/Eigen/LevenbergMarquardt>
 
 #include "analysis/stop_signals.h"
@@ -28,18 +29,26 @@ public:
         if (StopSignals::requested()) return -1;
         ++evaluations;
         try {
-            residual = problem_.residual(whole(part));
+            last_x_ = whole(part);
+            last_ = problem_.residual(last_x_);
+            residual = last_;
             if (residual.allFinite()) return 0;
         } catch (const Error&) {
             if (StopSignals::requested()) return -1;
         }
+        last_.resize(0);
         residual.setConstant(values(), refused_);
         return 0;
     }
 
+    /// The residual there: that of the last call, where it was of the same point.
+    Eigen::VectorXd residual_at(const Eigen::VectorXd& x) const {
+        return last_.size() > 0 && last_x_ == x ? last_ : problem_.residual(x);
+    }
+
     int df(const Eigen::VectorXd& part, Eigen::MatrixXd& jacobian) {
         const Eigen::VectorXd x = whole(part);
-        const Eigen::MatrixXd all = problem_.jacobian(x, problem_.residual(x));
+        const Eigen::MatrixXd all = problem_.jacobian(x, residual_at(x));
         for (size_t i = 0; i < free_.size(); ++i) jacobian.col(as_row(i)) = all.col(free_[i]);
         return 0;
     }
@@ -59,10 +68,11 @@ private:
     Eigen::VectorXd x_;
     double refused_;
     std::vector<Eigen::Index> free_;
+    Eigen::VectorXd last_x_, last_;  ///< of the last call; none: the model had no answer
 };
 
 /// Goes down from minimum.x in the unknowns that are not at a bound.
-void descend(const LeastSquares& problem, Minimum& minimum, int most_evaluations) {
+void descend(const LeastSquares& problem, Minimum& minimum, const SearchEnd& end) {
     std::vector<Eigen::Index> free;
     for (size_t i = 0; i < minimum.at_bound.size(); ++i)
         if (!minimum.at_bound[i]) free.push_back(as_row(i));
@@ -70,11 +80,10 @@ void descend(const LeastSquares& problem, Minimum& minimum, int most_evaluations
     if (free.empty() || minimum.residual.size() < as_row(free.size())) return;
     FreeProblem own(problem, minimum.x, minimum.residual, free);
     Eigen::LevenbergMarquardt<FreeProblem> solver(own);
-    constexpr double kEnough = 1e-10;  // share of the sum, and of the distance gone
-    solver.setFtol(kEnough);
-    solver.setXtol(kEnough);
+    solver.setFtol(end.enough);
+    solver.setXtol(end.enough);
     solver.setGtol(0);
-    solver.setMaxfev(most_evaluations);
+    solver.setMaxfev(end.most_evaluations);
     Eigen::VectorXd part(as_row(free.size()));
     for (size_t i = 0; i < free.size(); ++i) part(as_row(i)) = minimum.x(free[i]);
     const auto status = solver.minimize(part);
@@ -83,19 +92,26 @@ void descend(const LeastSquares& problem, Minimum& minimum, int most_evaluations
     minimum.is_converged = status != Eigen::LevenbergMarquardtSpace::TooManyFunctionEvaluation &&
                            status != Eigen::LevenbergMarquardtSpace::ImproperInputParameters;
     minimum.x = own.whole(part);
-    minimum.residual = problem.residual(minimum.x);
+    minimum.residual = own.residual_at(minimum.x);
+}
+
+/// Whether an unknown stands at a bound, or is held there.
+bool is_bounded(const LeastSquares& problem, const Minimum& minimum) {
+    return (minimum.x.array() <= problem.low.array()).any() || (minimum.x.array() >= problem.high.array()).any() ||
+           std::ranges::count(minimum.at_bound, true) > 0;
 }
 
 }  // namespace
 
-Minimum minimise(const LeastSquares& problem, const Eigen::VectorXd& start, int most_evaluations) {
+Minimum minimise(const LeastSquares& problem, const Eigen::VectorXd& start, const SearchEnd& end) {
     Minimum minimum;
     minimum.x = start.cwiseMax(problem.low).cwiseMin(problem.high);
     minimum.residual = problem.residual(minimum.x);
     minimum.at_bound.assign(as_size(start.size()), false);
     constexpr int kMostRounds = 6;  // in which unknowns are taken to bounds and from them
     for (int round = 0; round < kMostRounds; ++round) {
-        descend(problem, minimum, most_evaluations);
+        descend(problem, minimum, end);
+        if (!is_bounded(problem, minimum)) break;
         // Beyond a bound the sum falls where its slope says so
         const Eigen::VectorXd slope = problem.jacobian(minimum.x, minimum.residual).transpose() * minimum.residual;
         bool has_changed = false;

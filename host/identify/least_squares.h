@@ -31,10 +31,16 @@ struct Minimum {
     double chi2() const { return residual.squaredNorm(); }
 };
 
+inline constexpr int kMostEvaluations = 200;
+/// When a search ends.
+struct SearchEnd {
+    int most_evaluations = kMostEvaluations;
+    double enough = 1e-10;  ///< change of the sum, and of the distance gone, as a share
+};
+
 /// From `start` by the method of Levenberg and Marquardt (Eigen's, after MINPACK's lmder). An unknown that leaves its range
 /// stays at the bound as long as the sum falls beyond it. Where the model has no answer the step is made shorter. Throws
 /// what residual(start) throws.
-inline constexpr int kMostEvaluations = 200;
-Minimum minimise(const LeastSquares& problem, const Eigen::VectorXd& start, int most_evaluations = kMostEvaluations);
+Minimum minimise(const LeastSquares& problem, const Eigen::VectorXd& start, const SearchEnd& end = {});
 
 }  // namespace dttmm::host

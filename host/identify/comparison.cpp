@@ -182,6 +182,7 @@ void Comparison::predict_histories(Model model, const MeasurementFactors& factor
             throw Error(ExitCode::model_invalid, fmt::format("the model has no channel {} any more", one.channel));
         columns.push_back(as_int(channel - simulation.channels().begin()));
     }
+    simulation.want(columns);
     std::vector<double> rows;
     rows.reserve((simulation.step_count() + 1) * columns.size());
     simulation.record_to([&](std::span<const double> row) {

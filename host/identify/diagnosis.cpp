@@ -23,6 +23,8 @@ constexpr double kPromising = 0.5;                            // share of the be
 constexpr double kDoubtful = 0.05;  // chance of a chi2 as large with the noise that was assumed: pairs are tried below it
 constexpr size_t kMostPaired = 8;   // suspects that pairs are made of
 constexpr size_t kMostPairs = 6;    // pairs that are fitted
+constexpr double kScreened = 0.25;  // share of a history by which suspects are chosen
+constexpr double kStillToFall = 4;  // of the noise's share of chi2: how far a fit by that may be from its end
 constexpr double kUnseen = 1e-6;    // share of the strongest fault's effect
 
 Unknown factor_of(Unknown::Of of, const std::string& element) {
@@ -101,18 +103,19 @@ void Diagnostician::take_factors(Trial& trial) const {
 }
 
 /// From a start for the first unknowns; the others begin as the file has them.
-Diagnostician::Trial Diagnostician::fit(Hypothesis hypothesis, bool with_damping, const Eigen::VectorXd& from) const {
+Diagnostician::Trial Diagnostician::fit(Hypothesis hypothesis, bool with_damping, const Eigen::VectorXd& from,
+                                        double enough) const {
     Unknowns unknowns = unknowns_of(hypothesis, with_damping);
     Trial trial{std::move(hypothesis), std::move(unknowns), {}, {}};
     trial.x = trial.unknowns.start();
     trial.x.head(from.size()) = from;
-    descend(trial, 1);
+    descend(trial, 1, enough);
     return trial;
 }
 
-void Diagnostician::descend(Trial& trial, int jobs) const {
+void Diagnostician::descend(Trial& trial, int jobs, double enough) const {
     if (trial.unknowns.size() > 0) {
-        const Minimum minimum = Identifier(comparison_, trial.unknowns, {}, jobs).descend(trial.x);
+        const Minimum minimum = Identifier(comparison_, trial.unknowns, {}, jobs).descend(trial.x, enough);
         trial.x = minimum.x;
         trial.predicted = comparison_.predicted_of(minimum.residual);
     } else if (trial.predicted.size() == 0) {
@@ -123,13 +126,13 @@ void Diagnostician::descend(Trial& trial, int jobs) const {
 }
 
 /// Each with its stiffness alone, then with its damping too: the better one counts.
-std::vector<Diagnostician::Trial> Diagnostician::fit_all(const std::vector<Start>& starts) const {
+std::vector<Diagnostician::Trial> Diagnostician::fit_all(const std::vector<Start>& starts, double enough) const {
     const std::vector<TaskResult> results = map_in_processes(starts.size(), jobs_, [&](size_t task) {
         const auto& [hypothesis, from] = starts[task];
-        Trial best = fit(hypothesis, false, from);
+        Trial best = fit(hypothesis, false, from, enough);
         if (unknowns_of(hypothesis, true).size() > best.unknowns.size()) {
             // The common unknowns and the stiffness come first in both
-            Trial damped = fit(hypothesis, true, best.x);
+            Trial damped = fit(hypothesis, true, best.x, enough);
             if (damped.hypothesis.score < best.hypothesis.score) best = std::move(damped);
         }
         std::vector<double> numbers(best.x.begin(), best.x.end());
@@ -152,20 +155,32 @@ std::vector<Diagnostician::Trial> Diagnostician::fit_all(const std::vector<Start
     return trials;
 }
 
-/// One suspect of every tie, and of the best of them all that are tied to it: the data nearly show them alike.
-std::vector<Diagnostician::Trial> Diagnostician::fit_singles(const Trial& null, const Eigen::VectorXd& residual) const {
-    const std::vector<std::vector<size_t>> classes = tied_suspects();
+/// One suspect of every tie, roughly, by the first part of histories; what is near the best of them exactly; then what is
+/// tied to that: the data nearly show them alike.
+std::vector<Diagnostician::Trial> Diagnostician::fit_singles(const Trial& null,
+                                                             const std::vector<std::vector<size_t>>& classes,
+                                                             const Eigen::VectorXd& residual) const {
     std::vector<Start> starts;
     for (Hypothesis& one : promising(classes, residual)) starts.push_back({std::move(one), null.x});
-    std::vector<Trial> trials = fit_all(starts);
-    if (trials.empty()) return trials;
+    const auto rows = static_cast<double>(comparison_.rows());
+    comparison_.set_window(kScreened);
+    const std::vector<Trial> screened = fit_all(starts, 1 / rows);
+    comparison_.set_window(1);
     starts.clear();
-    const double least = trials.front().hypothesis.score;
+    for (const Trial& one : screened) {
+        const double margin = kDistinct + kStillToFall * std::max(1.0, screened.front().hypothesis.chi2 / rows);
+        if (starts.size() < kFewestFitted || one.hypothesis.score < screened.front().hypothesis.score + margin)
+            starts.push_back({{one.hypothesis.elements, one.hypothesis.are_alike}, start_of(one)});
+    }
+    std::vector<Trial> trials = fit_all(starts);
+    if (trials.empty() || trials.front().hypothesis.score > null.hypothesis.score) return trials;  // no change is seen
+    starts.clear();
     for (const Trial& one : trials) {
         if (one.hypothesis.elements.size() > 1) continue;
         // A tie holds to a share of what the fault explains
         const double explained = std::max(0.0, null.hypothesis.chi2 - one.hypothesis.chi2);
-        if (one.hypothesis.score > least + kDistinct + 2 * (1 - kTied * kTied) * explained) continue;
+        const double margin = kDistinct + 2 * (1 - kTied * kTied) * explained;
+        if (one.hypothesis.score > trials.front().hypothesis.score + margin) continue;
         for (const std::vector<size_t>& tied : classes) {
             if (suspects_[tied.front()] != one.hypothesis.elements.front()) continue;
             for (size_t t = 1; t < tied.size(); ++t) starts.push_back({{{suspects_[tied[t]]}}, start_of(one)});
@@ -179,27 +194,47 @@ std::vector<Diagnostician::Trial> Diagnostician::fit_singles(const Trial& null, 
 /// The common unknowns and the stiffness.
 Eigen::VectorXd Diagnostician::start_of(const Trial& trial) const { return trial.x.head(as_row(common_.size() + 1)); }
 
-/// What each fault does to the data where nothing has changed, by one-sided differences: as many runs as numbers.
-void Diagnostician::find_slopes(const Trial& null) {
+/// What faults do to the data where nothing has changed, by one-sided differences: as many runs as columns that are not
+/// known yet. columns: the common unknowns, the stiffness of every suspect, the damping of those that have one.
+void Diagnostician::find_slopes(const Trial& null, std::vector<size_t> columns) {
     Hypothesis all;
     all.elements = suspects_;
     const Unknowns unknowns = unknowns_of(all, true);
+    if (is_found_.empty()) {
+        is_found_.assign(unknowns.size(), false);
+        changes_.setZero(comparison_.rows(), as_row(unknowns.size()));
+    }
+    std::erase_if(columns, [&](size_t column) { return is_found_[column]; });
     Eigen::VectorXd x = unknowns.start();
     x.head(null.x.size()) = null.x;
-    const std::vector<TaskResult> results = map_in_processes(unknowns.size(), jobs_, [&](size_t task) {
+    const std::vector<TaskResult> results = map_in_processes(columns.size(), jobs_, [&](size_t task) {
         Eigen::VectorXd at = x;
-        at(as_row(task)) += kDifference;
+        at(as_row(columns[task])) += kDifference;
         const Eigen::VectorXd predicted = comparison_.predict(unknowns, at);
         return std::vector<double>(predicted.begin(), predicted.end());
     });
-    changes_.resize(comparison_.rows(), as_row(unknowns.size()));
     for (size_t i = 0; i < results.size(); ++i) {
         if (!results[i].reason.empty())
             throw Error(ExitCode::numerical_failure,
-                        fmt::format("with {} changed by 1 %: {}", unknowns[i].name, results[i].reason));
+                        fmt::format("with {} changed by 1 %: {}", unknowns[columns[i]].name, results[i].reason));
         const Eigen::Map<const Eigen::VectorXd> predicted(results[i].numbers.data(), comparison_.rows());
-        changes_.col(as_row(i)) = (predicted - null.predicted) / kDifference;
+        changes_.col(as_row(columns[i])) = (predicted - null.predicted) / kDifference;
+        is_found_[columns[i]] = true;
     }
+    scale_slopes();
+}
+
+/// Of its damping among slopes_.
+std::optional<size_t> Diagnostician::damping_column(size_t suspect) const {
+    if (!are_damped_[suspect]) return std::nullopt;
+    return suspects_.size() + as_size(std::count(are_damped_.begin(), are_damped_.begin() + as_row(suspect), true));
+}
+
+void Diagnostician::find_damping_slopes(const Trial& null, const std::vector<size_t>& suspects) {
+    std::vector<size_t> columns;
+    for (const size_t suspect : suspects)
+        if (const auto column = damping_column(suspect)) columns.push_back(common_.size() + *column);
+    find_slopes(null, columns);
 }
 
 /// The same per standard deviation of the data, without what the common unknowns do.
@@ -214,8 +249,8 @@ double Diagnostician::gain(const std::vector<size_t>& suspects, const Eigen::Vec
     std::vector<Eigen::Index> columns;
     for (const size_t s : suspects) {
         columns.push_back(as_row(s));
-        if (!are_damped_[s]) continue;
-        columns.push_back(as_row(suspects_.size()) + std::count(are_damped_.begin(), are_damped_.begin() + as_row(s), true));
+        const auto damping = damping_column(s);
+        if (damping && is_found_[common_.size() + *damping]) columns.push_back(as_row(*damping));
     }
     Eigen::MatrixXd own(slopes_.rows(), as_row(columns.size()));
     for (size_t c = 0; c < columns.size(); ++c) own.col(as_row(c)) = slopes_.col(columns[c]);
@@ -251,9 +286,10 @@ std::vector<Hypothesis> Diagnostician::promising(const std::vector<std::vector<s
     std::vector<std::pair<double, size_t>> order;
     for (const std::vector<size_t>& tied : classes) order.emplace_back(gain({tied.front()}, residual), tied.front());
     std::ranges::stable_sort(order, std::ranges::greater(), &std::pair<double, size_t>::first);
+    const double pays = std::log(static_cast<double>(comparison_.rows()));  // for one unknown, by the criterion
     std::vector<Hypothesis> chosen;
     for (size_t i = 0; i < order.size(); ++i)
-        if (i < kFewestFitted || order[i].first > kPromising * order[0].first)
+        if (i < kFewestFitted || order[i].first > std::max(kPromising * order[0].first, pays))
             chosen.push_back({{suspects_[order[i].second]}});
     if (suspects_.size() > 1) {
         Hypothesis alike;
@@ -264,13 +300,19 @@ std::vector<Hypothesis> Diagnostician::promising(const std::vector<std::vector<s
     return chosen;
 }
 
-std::vector<Hypothesis> Diagnostician::promising_pairs(const Eigen::VectorXd& residual) const {
+/// Those that promise most.
+std::vector<size_t> Diagnostician::strongest(const Eigen::VectorXd& residual) const {
     std::vector<size_t> order(suspects_.size());
     std::iota(order.begin(), order.end(), size_t{0});
     std::vector<double> gains;
     for (size_t s = 0; s < suspects_.size(); ++s) gains.push_back(gain({s}, residual));
     std::ranges::stable_sort(order, [&](size_t a, size_t b) { return gains[a] > gains[b]; });
     order.resize(std::min(order.size(), kMostPaired));
+    return order;
+}
+
+std::vector<Hypothesis> Diagnostician::promising_pairs(const std::vector<size_t>& order,
+                                                       const Eigen::VectorXd& residual) const {
     struct Pair {
         size_t a, b;
         double gain;
@@ -315,7 +357,7 @@ void Diagnostician::find_limits(Diagnosis& diagnosis) const {
 
 void Diagnostician::add_intervals(Trial& trial) const {
     const Identifier identifier(comparison_, trial.unknowns, {}, jobs_);
-    const Solution solution = identifier.polish(trial.x);
+    const Solution solution = identifier.estimate(trial.x);
     Hypothesis& own = trial.hypothesis;
     own.factors.clear();
     for (size_t i = common_.size(); i < trial.unknowns.size(); ++i) {
@@ -333,12 +375,18 @@ void Diagnostician::add_intervals(Trial& trial) const {
 Diagnosis Diagnostician::diagnose() {
     Diagnosis diagnosis;
     const auto by_score = [](const Trial& a, const Trial& b) { return a.hypothesis.score < b.hypothesis.score; };
-    Trial null = fit({}, false, common_.start());
+    Trial null = fit({}, false, common_.start(), kEnough);
     comparison_.estimate_noise(null.predicted, common_.size());
-    find_slopes(null);
-    scale_slopes();
+    take_factors(null);
+    std::vector<size_t> columns(common_.size() + suspects_.size());
+    std::iota(columns.begin(), columns.end(), size_t{0});
+    find_slopes(null, columns);
+    const std::vector<std::vector<size_t>> classes = tied_suspects();
+    std::vector<size_t> firsts;
+    for (const std::vector<size_t>& tied : classes) firsts.push_back(tied.front());
+    find_damping_slopes(null, firsts);
     const auto residual_of_null = [&] { return Eigen::VectorXd(-comparison_.residual(null.predicted, false)); };
-    std::vector<Trial> trials = fit_singles(null, residual_of_null());
+    std::vector<Trial> trials = fit_singles(null, classes, residual_of_null());
     if (trials.empty()) throw Error(ExitCode::numerical_failure, "the model has no answer with any of the suspects changed");
     const auto judge_best = [&] {
         return Identifier(comparison_, trials.front().unknowns, {}, jobs_).judge(trials.front().x);
@@ -358,7 +406,9 @@ Diagnosis Diagnostician::diagnose() {
     const bool is_doubtful = !single.is_explained() || (single.is_noise_assumed && single.chance < kDoubtful);
     if (suspects_.size() > 1 && (is_doubtful || suspects_.size() == 2)) {
         std::vector<Start> starts;
-        for (Hypothesis& one : promising_pairs(residual_of_null())) starts.push_back({std::move(one), null.x});
+        const std::vector<size_t> order = strongest(residual_of_null());
+        find_damping_slopes(null, order);
+        for (Hypothesis& one : promising_pairs(order, residual_of_null())) starts.push_back({std::move(one), null.x});
         for (Trial& pair : fit_all(starts)) trials.push_back(std::move(pair));
         std::ranges::stable_sort(trials, by_score);
         sharpen();

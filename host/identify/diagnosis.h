@@ -48,6 +48,7 @@ public:
     Diagnosis diagnose();
 
 private:
+    static constexpr double kEnough = 1e-6;  ///< change of chi2 at which a fit ends
     struct Trial {
         Hypothesis hypothesis;
         Unknowns unknowns;
@@ -59,20 +60,24 @@ private:
         Hypothesis hypothesis;
         Eigen::VectorXd from;
     };
-    Trial fit(Hypothesis hypothesis, bool with_damping, const Eigen::VectorXd& from) const;
-    void descend(Trial& trial, int jobs) const;
+    Trial fit(Hypothesis hypothesis, bool with_damping, const Eigen::VectorXd& from, double enough) const;
+    void descend(Trial& trial, int jobs, double enough = kEnough) const;
     void take_factors(Trial& trial) const;
-    std::vector<Trial> fit_all(const std::vector<Start>& starts) const;
-    std::vector<Trial> fit_singles(const Trial& null, const Eigen::VectorXd& residual) const;
+    std::vector<Trial> fit_all(const std::vector<Start>& starts, double enough = kEnough) const;
+    std::vector<Trial> fit_singles(const Trial& null, const std::vector<std::vector<size_t>>& classes,
+                                   const Eigen::VectorXd& residual) const;
     Eigen::VectorXd start_of(const Trial& trial) const;
     double score(const Eigen::VectorXd& predicted, size_t unknowns) const;
-    void find_slopes(const Trial& null);
+    void find_slopes(const Trial& null, std::vector<size_t> columns);
+    void find_damping_slopes(const Trial& null, const std::vector<size_t>& suspects);
+    std::optional<size_t> damping_column(size_t suspect) const;
+    std::vector<size_t> strongest(const Eigen::VectorXd& residual) const;
     void scale_slopes();
     double gain(const std::vector<size_t>& suspects, const Eigen::VectorXd& residual) const;
     std::vector<std::vector<size_t>> tied_suspects() const;
     std::vector<Hypothesis> promising(const std::vector<std::vector<size_t>>& classes,
                                       const Eigen::VectorXd& residual) const;
-    std::vector<Hypothesis> promising_pairs(const Eigen::VectorXd& residual) const;
+    std::vector<Hypothesis> promising_pairs(const std::vector<size_t>& order, const Eigen::VectorXd& residual) const;
     void find_limits(Diagnosis& diagnosis) const;
     void add_intervals(Trial& trial) const;
 
@@ -83,7 +88,8 @@ private:
     int jobs_;
     Eigen::MatrixXd
         changes_;  ///< of predictions by the common unknowns, the logarithms of the suspects' stiffness, of damping
-    Eigen::MatrixXd slopes_;  ///< the suspects' columns per standard deviation, without what the common unknowns do
+    std::vector<bool> is_found_;  ///< of the columns of changes_
+    Eigen::MatrixXd slopes_;      ///< the suspects' columns per standard deviation, without what the common unknowns do
 };
 
 }  // namespace dttmm::host

@@ -159,8 +159,7 @@ LeastSquares Identifier::problem(bool are_logarithmic, int jobs) const {
             unknowns_.low(), unknowns_.high()};
 }
 
-Minimum Identifier::descend(const Eigen::VectorXd& start) const {
-    constexpr double kEnough = 1e-7;  // of chi2
+Minimum Identifier::descend(const Eigen::VectorXd& start, double enough) const {
     LeastSquares quick = problem(false, jobs_);
     quick.jacobian = [this](const Eigen::VectorXd& x, const Eigen::VectorXd& here) {
         const std::vector<TaskResult> results = map_in_processes(unknowns_.size(), jobs_, [&](size_t task) {
@@ -174,7 +173,7 @@ Minimum Identifier::descend(const Eigen::VectorXd& start) const {
             jacobian.col(as_row(i)) = (column_of(results[i], unknowns_[i], here.size()) - here) / kDifference;
         return jacobian;
     };
-    return minimise(quick, start, {kMostEvaluations, kEnough});
+    return minimise(quick, start, {kMostEvaluations, enough});
 }
 
 Minimum Identifier::search_from(const Eigen::VectorXd& start, int jobs) const {
@@ -341,8 +340,15 @@ std::optional<Eigen::VectorXd> Identifier::find_valley(const Solution& solution)
 Solution Identifier::describe(const Eigen::VectorXd& x) const {
     Minimum minimum;
     minimum.x = x;
-    minimum.at_bound.assign(unknowns_.size(), false);
+    const Eigen::VectorXd low = unknowns_.low(), high = unknowns_.high();
+    for (Eigen::Index i = 0; i < x.size(); ++i) minimum.at_bound.push_back(x(i) <= low(i) || x(i) >= high(i));
     return make_solution(minimum);
+}
+
+Solution Identifier::estimate(const Eigen::VectorXd& x) const {
+    Solution solution = describe(x);
+    find_intervals(solution, 1);
+    return solution;
 }
 
 Fit Identifier::judge(const Eigen::VectorXd& x) const { return judge_fit(describe(x)); }

@@ -79,13 +79,14 @@ public:
     Identification identify(int starts, int seed);
     /// From one point, near the minimum; noise as the comparison has it. For bootstraps and tests.
     Solution polish(const Eigen::VectorXd& start) const;
-    /// From one point down to the minimum, without intervals.
-    /// Quickly, to what a comparison of explanations needs: with one-sided differences.
-    Minimum descend(const Eigen::VectorXd& start) const;
+    /// From one point down to the minimum, quickly, to what a comparison of explanations needs: with one-sided differences.
+    Minimum descend(const Eigen::VectorXd& start, double enough) const;
     /// Of residuals by coordinates, at a point.
     Eigen::MatrixXd differentiate(const Eigen::VectorXd& x) const { return jacobian(x, false, jobs_); }
     /// What the data say of the unknowns at the values of a minimum, without intervals.
     Solution describe(const Eigen::VectorXd& x) const;
+    /// The same with intervals.
+    Solution estimate(const Eigen::VectorXd& x) const;
     /// By how much the time step shifts the coordinates of a minimum from what exact motion would give.
     Eigen::VectorXd find_step_bias(const Solution& solution) const;
     /// How well the values of a minimum explain the data.

@@ -99,6 +99,7 @@ void Observer::declare_networks(const Model& model, const Networks& networks) {
             if (role == DTTMM_ROLE_LIMIT) limits_.push_back({channels_.size(), channel.owner()});
             channels_.push_back(channel);
         }
+    network_channels_ = channels_.size() - 1;
     refuse_shared_channels(model, channels_);
 }
 
@@ -151,6 +152,12 @@ void Observer::declare_lines(const Networks& networks) {
         }
 }
 
+void Observer::want(std::span<const int> channels) {
+    wants_networks_ = std::ranges::any_of(channels, [&](int c) {
+        return (c > 0 && as_size(c) <= network_channels_) || channels_[as_size(c)].of() == Of::energy;
+    });
+}
+
 void Observer::advance(const Loads& loads, const StepEquations& step, const std::vector<BodyState>& before,
                        const std::vector<BodyState>& after, double h) {
     const double stop_loss = -step.stop_work(before, after);
@@ -165,7 +172,11 @@ void Observer::advance(const Loads& loads, const StepEquations& step, const std:
 std::span<const double> Observer::row(double time, const Networks& networks, const Instant& instant) {
     Energies energies{kinetic_energy(instant.at), 0, ledger_.stop_loss, ledger_.load_work + gravity_work(instant.at)};
     row_.front() = time;
-    double* out = write_networks(row_.data() + 1, networks, energies);
+    double* out = row_.data() + 1;
+    if (wants_networks_)
+        out = write_networks(out, networks, energies);
+    else
+        out = std::fill_n(out, network_channels_, 0.0);
     for (Limit& limit : limits_)
         if (row_[limit.channel] > limit.most) limit.most = row_[limit.channel], limit.time = time;
     out = write_joints(out, instant);

@@ -39,6 +39,9 @@ public:
     const std::vector<Channel>& channels() const { return channels_; }
     const std::vector<Limit>& limits() const { return limits_; }
 
+    /// Only these channels of the rows count from now on; others may be 0, energies and limits too.
+    void want(std::span<const int> channels);
+
     /// Adds the work of loads over the step from t_n, which counts from the row at its end on, and that of stops; every
     /// step. `before`: poses at t_n, velocities over the step before; `after`: one step later.
     void advance(const Loads& loads, const StepEquations& step, const std::vector<BodyState>& before,
@@ -90,6 +93,8 @@ private:
 
     std::vector<Limit> limits_;
     bool shows_lines_ = false;
+    bool wants_networks_ = true;  ///< a channel of theirs, or an energy
+    size_t network_channels_ = 0;
     std::vector<uint8_t> roles_;  ///< of the outputs of the networks: a number of the row, or part of an energy
     Ledger ledger_;
 };

@@ -41,6 +41,8 @@ public:
     using RowSink = std::function<void(std::span<const double>)>;
     /// Where rows go; without one nothing is observed.
     void record_to(RowSink sink) { sink_ = std::move(sink); }
+    /// Only these channels of the rows count from now on, by their indices; others may be 0.
+    void want(std::span<const int> channels) { observer_.want(channels); }
     /// Takes the report of a step: after it, or when it has failed.
     using TraceSink = std::function<void(const StepReport& report)>;
     void trace_to(TraceSink sink) { trace_ = std::move(sink); }

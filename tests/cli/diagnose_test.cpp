@@ -109,6 +109,26 @@ TEST_F(Diagnose, WhatSensorsCannotTellApartIsASet) {
     EXPECT_EQ(found["ties"], nlohmann::json({{"bolt1", "bolt2", "bolt3", "bolt4"}}));
 }
 
+// Of data without noise rounding alone is left to prefer one of them: it is no evidence.
+TEST_F(Diagnose, ATieOfExactDataIsNotDecidedByRounding) {
+    write_text(folder_ / "model.toml", struck_plate("plate"));
+    ASSERT_EQ(run_dttmm(folder_.path(), {"run", "model.toml", "-q", "-o", "secret", "--set", "k3=400 N/mm", "--channels",
+                                         "plate.acceleration.z"})
+                  .code,
+              0);
+    const Ended ended = run_dttmm(
+        folder_.path(), {"diagnose", "model.toml", "-o", "out", "--measured", "secret/history.csv", "--suspects", "bolt*"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    const nlohmann::json found = read_json(folder_ / "out/diagnose.json");
+    std::set<nlohmann::json> sets;
+    for (const auto& one : found["candidates"]) {
+        sets.insert(one["elements"]);
+        EXPECT_NEAR(one["factor"].get<double>(), 0.8, 1e-6);
+    }
+    for (int bolt = 1; bolt <= 4; ++bolt)
+        EXPECT_TRUE(sets.contains(nlohmann::json({fmt::format("bolt{}", bolt)}))) << bolt << ended.out;
+}
+
 // What is wrong is no bolt: the mass.
 TEST_F(Diagnose, AFaultThatNoSuspectExplainsIsTold) {
     std::string heavy = struck_plate();

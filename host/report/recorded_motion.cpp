@@ -129,10 +129,11 @@ bool RecordedMotion::moves() const {
     return rows() >= 2 && std::ranges::any_of(tracks_, [](const Track& track) { return track.of != Track::Of::element; });
 }
 
-bool is_station(const std::string& channel, const Json& model) {
-    const std::size_t dot = channel.find(".station");
-    if (dot == channel.npos || channel.find(".position.", dot) == channel.npos) return false;
-    return model.contains("elements") && model["elements"].is_object() && model["elements"].contains(channel.substr(0, dot));
+bool is_station(std::string_view channel) {
+    constexpr std::string_view kStation = ".station";
+    const std::size_t at = channel.find(kStation), end = channel.find(".position.", at);
+    return at != channel.npos && end != channel.npos && end > at + kStation.size() &&
+           channel.substr(at + kStation.size(), end - at - kStation.size()).find_first_not_of("0123456789") == channel.npos;
 }
 
 double magnitude(const Track& force, std::size_t row) {

@@ -53,8 +53,8 @@ private:
     std::size_t every_ = 1;
 };
 
-/// Whether a channel is the position of a station of a beam of the model, which is recorded for pictures.
-bool is_station(const std::string& channel, const Json& model);
+/// Whether a channel is the position of a station of a beam, which is recorded for pictures.
+bool is_station(std::string_view channel);
 
 /// Magnitude of a force in a row [N].
 double magnitude(const Track& force, std::size_t row);

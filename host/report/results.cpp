@@ -152,7 +152,7 @@ public:
     /// The last call.
     Json take() {
         for (CurveSet& set : sets_)
-            std::erase_if(set.curves, [&](const auto& curve) { return is_station(curve.head.name, json_["model"]); });
+            std::erase_if(set.curves, [&](const auto& curve) { return is_station(curve.head.name); });
         for (const CurveSet& set : sets_) json_["curve_sets"].push_back(describe(set, choice_.most_points));
         if (is_there(folder_ / "history.csv"))
             json_["motion"] = describe_motion(HistoryFile(folder_ / "history.csv"), json_["model"]);

@@ -57,5 +57,21 @@ TEST(RecordedMotion, OfEquilibriaEveryRowIsOne) {
     EXPECT_THAT(motion.find(Track::Of::body, "b", "position")->values, ElementsAre(1, 2, 3, 5, 6, 7));
 }
 
+TEST(RecordedMotion, StationsOfABeamAreOneLine) {
+    const TemporaryFolder folder;
+    write_text(
+        folder / "static.csv",
+        "s.station0.position.x,s.station0.position.y,s.station0.position.z,s.station1.position.x,s.station1.position.y,"
+        "s.station1.position.z,s.station3.position.x\nm,m,m,m,m,m,m\n1,2,3,4,5,6,7\n");
+    const RecordedMotion motion(CsvFile(folder / "static.csv"), Json::parse(kMotionModel));
+    const Track* line = motion.find(Track::Of::line, "s", "position");
+    ASSERT_NE(line, nullptr);
+    EXPECT_THAT(line->values, ElementsAre(1, 2, 3, 4, 5, 6)) << "from end to end, as far as none is missing";
+    for (const char* name : {"s.station0.position.x", "a-b.station10.position.z"}) EXPECT_TRUE(is_station(name)) << name;
+    for (const char* name :
+         {"s.station.position.x", "s.stations1.position.x", "station1.position.x", "s.station1.force.x", "s.force.x"})
+        EXPECT_FALSE(is_station(name)) << name;
+}
+
 }  // namespace
 }  // namespace dttmm::host

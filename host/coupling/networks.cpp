@@ -452,13 +452,15 @@ double* Networks::positions(double* values) const {
         });
         for (size_t i = 0; i < own.size(); ++i) {
             if (!std::isfinite(own[i])) [[unlikely]]
-                throw Error(ExitCode::plugin_failure,
-                            fmt::format("element \"{}\" at t = {:.9g} s: plugin {} says that a point of it is at {}",
-                                        instance.element_name(instance.lines()[i / (3 * stations_)]), time_,
-                                        instance.plugin_name(), own[i]));
+                throw Error(
+                    ExitCode::plugin_failure,
+                    fmt::format("element \"{}\" at t = {:.9g} s: plugin {} gives {} as a coordinate of one of its points",
+                                instance.element_name(instance.lines()[i / (3 * stations_)]), time_, instance.plugin_name(),
+                                own[i]));
             *values++ = own[i];
         }
     }
+    refuse_changed_arithmetic();
     return values;
 }
 

@@ -137,6 +137,16 @@ Model Comparison::read(const Unknowns& unknowns, const Eigen::VectorXd& x, Purpo
     return read_model(request_.model, plugins_.catalogue(), overrides);
 }
 
+ShortWindow::ShortWindow(Comparison& comparison, double share) : comparison_(comparison) { comparison.set_window(share); }
+
+ShortWindow::~ShortWindow() { comparison_.set_window(1); }
+
+Eigen::Index Comparison::counted(const DataGroup& group) const {
+    if (group.kind != DataGroup::Kind::history) return group.count;
+    const std::vector<double>& times = observations_.histories[as_size(&group - groups_.data())].times;
+    return std::ranges::upper_bound(times, window_ * duration_) - times.begin();
+}
+
 Eigen::VectorXd Comparison::deviations() const {
     Eigen::VectorXd deviations = weights_;
     for (const DataGroup& group : groups_) deviations.segment(group.first, group.count) *= group.noise;

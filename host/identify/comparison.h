@@ -32,6 +32,20 @@ inline constexpr double kDifference = 0.01;
 /// Least standard deviation of data, share of their largest value: of data that the model made itself rounding is left.
 inline constexpr double kLeastNoise = 1e-9;
 
+class Comparison;
+
+/// A short window as long as it lives.
+class ShortWindow {
+public:
+    ShortWindow(Comparison& comparison, double share);
+    ~ShortWindow();
+    ShortWindow(const ShortWindow&) = delete;
+    ShortWindow& operator=(const ShortWindow&) = delete;
+
+private:
+    Comparison& comparison_;
+};
+
 /// Measured data beside what a model with given unknowns predicts of them. Rows of data: samples of histories, real and
 /// imaginary parts of responses (real parts alone where the file has no other), logarithms of frequencies, components of
 /// shapes.
@@ -57,6 +71,8 @@ public:
     /// Rows that count: of histories those up to this share of their duration.
     void set_window(double share) { window_ = share; }
     double window() const { return window_; }
+    /// Of the rows of a group, those within the window, which stand first.
+    Eigen::Index counted(const DataGroup& group) const;
 
     /// What the model predicts; rows beyond the window are the data. Throws Error where the model has no answer.
     Eigen::VectorXd predict(const Unknowns& unknowns, const Eigen::VectorXd& x) const { return predict(unknowns, x, 1); }

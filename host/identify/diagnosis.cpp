@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "analysis/stop_signals.h"
 #include "identify/forked_map.h"
 #include "identify/verdict.h"
 #include "model/error.h"
@@ -24,7 +25,7 @@ constexpr double kDoubtful = 0.05;  // chance of a chi2 as large with the noise 
 constexpr size_t kMostPaired = 8;   // suspects that pairs are made of
 constexpr size_t kMostPairs = 6;    // pairs that are fitted
 constexpr double kScreened = 0.25;  // share of a history by which suspects are chosen
-constexpr double kStillToFall = 4;  // of the noise's share of chi2: how far a fit by that may be from its end
+constexpr double kStillToFall = 4;  // times chi2 per row: how far chi2 of a rough fit may fall yet
 constexpr double kUnseen = 1e-6;    // share of the strongest fault's effect
 
 Unknown factor_of(Unknown::Of of, const std::string& element) {
@@ -77,11 +78,12 @@ double Diagnostician::score(const Eigen::VectorXd& predicted, size_t unknowns) c
     double score = static_cast<double>(unknowns) * std::log(static_cast<double>(comparison_.rows()));
     const Eigen::VectorXd residual = comparison_.residual(predicted, false);
     for (const DataGroup& group : comparison_.groups()) {
-        const double squares = residual.segment(group.first, group.count).squaredNorm();
-        const auto count = static_cast<double>(group.count);
+        const Eigen::Index counted = comparison_.counted(group);
+        const double squares = residual.segment(group.first, counted).squaredNorm();
+        const auto count = static_cast<double>(counted);
         if (group.noise_from == DataGroup::NoiseFrom::residuals) {
             const double floor = kLeastNoise * group.largest;  // what is left below it is rounding
-            score += count * std::log(std::max(squares / count * group.noise * group.noise, floor * floor));
+            if (counted > 0) score += count * std::log(std::max(squares / count * group.noise * group.noise, floor * floor));
         } else {
             score += squares;
         }
@@ -125,15 +127,22 @@ void Diagnostician::descend(Trial& trial, int jobs, double enough) const {
     take_factors(trial);
 }
 
+void Diagnostician::sort_by_score(std::vector<Trial>& trials) {
+    std::ranges::stable_sort(trials, {}, [](const Trial& one) { return one.hypothesis.score; });
+}
+
 /// Each with its stiffness alone, then with its damping too: the better one counts.
 std::vector<Diagnostician::Trial> Diagnostician::fit_all(const std::vector<Start>& starts, double enough) const {
     const std::vector<TaskResult> results = map_in_processes(starts.size(), jobs_, [&](size_t task) {
         const auto& [hypothesis, from] = starts[task];
         Trial best = fit(hypothesis, false, from, enough);
         if (unknowns_of(hypothesis, true).size() > best.unknowns.size()) {
-            // The common unknowns and the stiffness come first in both
-            Trial damped = fit(hypothesis, true, best.x, enough);
-            if (damped.hypothesis.score < best.hypothesis.score) best = std::move(damped);
+            try {  // the common unknowns and the stiffness come first in both
+                Trial damped = fit(hypothesis, true, best.x, enough);
+                if (damped.hypothesis.score < best.hypothesis.score) best = std::move(damped);
+            } catch (const Error&) {  // the model has no answer with the damping: the stiffness alone counts
+                if (StopSignals::requested()) throw;
+            }
         }
         std::vector<double> numbers(best.x.begin(), best.x.end());
         numbers.insert(numbers.end(), best.predicted.begin(), best.predicted.end());
@@ -151,44 +160,53 @@ std::vector<Diagnostician::Trial> Diagnostician::fit_all(const std::vector<Start
         take_factors(trial);
         trials.push_back(std::move(trial));
     }
-    std::ranges::stable_sort(trials, [](const Trial& a, const Trial& b) { return a.hypothesis.score < b.hypothesis.score; });
+    sort_by_score(trials);
     return trials;
 }
 
-/// One suspect of every tie, roughly, by the first part of histories; what is near the best of them exactly; then what is
-/// tied to that: the data nearly show them alike.
+/// First, one suspect of every tie is fitted roughly to the first part of the histories. Those near the best are then fitted
+/// to all data. Last come the suspects tied to the best of these.
 std::vector<Diagnostician::Trial> Diagnostician::fit_singles(const Trial& null,
                                                              const std::vector<std::vector<size_t>>& classes,
                                                              const Eigen::VectorXd& residual) const {
     std::vector<Start> starts;
     for (Hypothesis& one : promising(classes, residual)) starts.push_back({std::move(one), null.x});
-    const auto rows = static_cast<double>(comparison_.rows());
-    comparison_.set_window(kScreened);
-    const std::vector<Trial> screened = fit_all(starts, 1 / rows);
-    comparison_.set_window(1);
-    starts.clear();
-    for (const Trial& one : screened) {
-        const double margin = kDistinct + kStillToFall * std::max(1.0, screened.front().hypothesis.chi2 / rows);
-        if (starts.size() < kFewestFitted || one.hypothesis.score < screened.front().hypothesis.score + margin)
-            starts.push_back({{one.hypothesis.elements, one.hypothesis.are_alike}, start_of(one)});
-    }
+    starts = screen(null, std::move(starts));
     std::vector<Trial> trials = fit_all(starts);
     if (trials.empty() || trials.front().hypothesis.score > null.hypothesis.score) return trials;  // no change is seen
     starts.clear();
     for (const Trial& one : trials) {
         if (one.hypothesis.elements.size() > 1) continue;
-        // A tie holds to a share of what the fault explains
+        // A tied suspect may fit better by 1 - kTied² of what this one explains
         const double explained = std::max(0.0, null.hypothesis.chi2 - one.hypothesis.chi2);
         const double margin = kDistinct + 2 * (1 - kTied * kTied) * explained;
-        if (one.hypothesis.score > trials.front().hypothesis.score + margin) continue;
+        if (one.hypothesis.chi2 > trials.front().hypothesis.chi2 + margin) continue;
         for (const std::vector<size_t>& tied : classes) {
             if (suspects_[tied.front()] != one.hypothesis.elements.front()) continue;
             for (size_t t = 1; t < tied.size(); ++t) starts.push_back({{{suspects_[tied[t]]}}, start_of(one)});
         }
     }
     for (Trial& one : fit_all(starts)) trials.push_back(std::move(one));
-    std::ranges::stable_sort(trials, [](const Trial& a, const Trial& b) { return a.hypothesis.score < b.hypothesis.score; });
+    sort_by_score(trials);
     return trials;
+}
+
+/// Those of the starts that are near the best of them in the first part of histories, from where they fit that. All of them,
+/// as they are, where none fits it.
+std::vector<Diagnostician::Start> Diagnostician::screen(const Trial& null, std::vector<Start> starts) const {
+    const auto rows = static_cast<double>(comparison_.rows());
+    const ShortWindow window(comparison_, kScreened);
+    const std::vector<Trial> screened = fit_all(starts, 1 / rows);
+    if (screened.empty()) return starts;
+    const double unchanged = score(null.predicted, common_.size()), least = screened.front().hypothesis.score;
+    const double margin = kDistinct + kStillToFall * std::max(1.0, screened.front().hypothesis.chi2 / rows);
+    std::vector<Start> near;
+    for (const Trial& one : screened)
+        if (near.size() < kFewestFitted || one.hypothesis.score < least + margin)
+            // What shows nothing in the first part says nothing of a start either
+            near.push_back({{one.hypothesis.elements, one.hypothesis.are_alike},
+                            one.hypothesis.score < unchanged ? start_of(one) : null.x});
+    return near;
 }
 
 /// The common unknowns and the stiffness.
@@ -334,24 +352,17 @@ void Diagnostician::find_limits(Diagnosis& diagnosis) const {
     double strongest = 0;
     for (Eigen::Index s = 0; s < count; ++s) strongest = std::max(strongest, slopes_.col(s).norm());
     const double needed = kDistinct + std::log(static_cast<double>(comparison_.rows()));
-    std::vector<bool> is_done(suspects_.size(), false);
     for (Eigen::Index s = 0; s < count; ++s) {
         const double norm = slopes_.col(s).norm();
-        if (!(norm > kUnseen * strongest)) {
+        if (norm > kUnseen * strongest)
+            diagnosis.least_seen = std::max(diagnosis.least_seen, 1 - std::exp(-std::sqrt(needed) / norm));
+        else
             diagnosis.unseen.push_back(suspects_[as_size(s)]);
-            continue;
-        }
-        diagnosis.least_seen = std::max(diagnosis.least_seen, 1 - std::exp(-std::sqrt(needed) / norm));
-        if (is_done[as_size(s)]) continue;
-        std::vector<std::string> alike = {suspects_[as_size(s)]};
-        for (Eigen::Index t = s + 1; t < count; ++t) {
-            const double other = slopes_.col(t).norm();
-            if (!(other > kUnseen * strongest) || is_done[as_size(t)]) continue;
-            if (std::abs(slopes_.col(s).dot(slopes_.col(t))) < kTied * norm * other) continue;
-            is_done[as_size(t)] = true;
-            alike.push_back(suspects_[as_size(t)]);
-        }
-        if (alike.size() > 1) diagnosis.ties.push_back(alike);
+    }
+    for (const std::vector<size_t>& tied : tied_suspects()) {
+        if (tied.size() < 2) continue;
+        std::vector<std::string>& names = diagnosis.ties.emplace_back();
+        for (const size_t suspect : tied) names.push_back(suspects_[suspect]);
     }
 }
 
@@ -374,7 +385,6 @@ void Diagnostician::add_intervals(Trial& trial) const {
 
 Diagnosis Diagnostician::diagnose() {
     Diagnosis diagnosis;
-    const auto by_score = [](const Trial& a, const Trial& b) { return a.hypothesis.score < b.hypothesis.score; };
     Trial null = fit({}, false, common_.start(), kEnough);
     comparison_.estimate_noise(null.predicted, common_.size());
     take_factors(null);
@@ -387,7 +397,8 @@ Diagnosis Diagnostician::diagnose() {
     find_damping_slopes(null, firsts);
     const auto residual_of_null = [&] { return Eigen::VectorXd(-comparison_.residual(null.predicted, false)); };
     std::vector<Trial> trials = fit_singles(null, classes, residual_of_null());
-    if (trials.empty()) throw Error(ExitCode::numerical_failure, "the model has no answer with any of the suspects changed");
+    if (trials.empty())
+        throw Error(ExitCode::numerical_failure, "the model has no answer with any of the most likely suspects changed");
     const auto judge_best = [&] {
         return Identifier(comparison_, trials.front().unknowns, {}, jobs_).judge(trials.front().x);
     };
@@ -398,7 +409,7 @@ Diagnosis Diagnostician::diagnose() {
         descend(null, jobs_);
         for (size_t i = 0; i < std::min(kFewestFitted, trials.size()); ++i) descend(trials[i], jobs_);
         for (Trial& one : trials) one.hypothesis.score = score(one.predicted, one.unknowns.size());
-        std::ranges::stable_sort(trials, by_score);
+        sort_by_score(trials);
         scale_slopes();
     };
     sharpen();
@@ -406,11 +417,13 @@ Diagnosis Diagnostician::diagnose() {
     const bool is_doubtful = !single.is_explained() || (single.is_noise_assumed && single.chance < kDoubtful);
     if (suspects_.size() > 1 && (is_doubtful || suspects_.size() == 2)) {
         std::vector<Start> starts;
+        std::vector<size_t> all(suspects_.size());
+        std::iota(all.begin(), all.end(), size_t{0});
+        find_damping_slopes(null, all);
         const std::vector<size_t> order = strongest(residual_of_null());
-        find_damping_slopes(null, order);
         for (Hypothesis& one : promising_pairs(order, residual_of_null())) starts.push_back({std::move(one), null.x});
         for (Trial& pair : fit_all(starts)) trials.push_back(std::move(pair));
-        std::ranges::stable_sort(trials, by_score);
+        sort_by_score(trials);
         sharpen();
     }
     const auto rejudge = [&](Trial& one) {
@@ -420,7 +433,7 @@ Diagnosis Diagnostician::diagnose() {
     rejudge(null);
     std::ranges::for_each(trials, rejudge);
     diagnosis.unchanged = null.hypothesis;
-    std::ranges::stable_sort(trials, by_score);
+    sort_by_score(trials);
     find_limits(diagnosis);
     diagnosis.best_score = std::min(trials.front().hypothesis.score, diagnosis.unchanged.score);
     const bool is_seen = diagnosis.unchanged.score - trials.front().hypothesis.score > kDistinct;

@@ -39,8 +39,9 @@ struct Diagnosis {
 /// of the American Statistical Association 90, 773-795: very strong evidence.
 inline constexpr double kDistinct = 10;
 
-/// Fits each of the suspects alone, all alike, and pairs where no single one explains the data. common: unknowns that every
-/// hypothesis has. All must outlive it.
+/// Fits the most promising suspects alone, all suspects with one factor, and pairs where no single one explains the data.
+/// Suspects whose effects are proportional are represented by the first; the others are fitted where it is near the best.
+/// common: unknowns that every hypothesis has. All must outlive it.
 class Diagnostician {
 public:
     Diagnostician(Comparison& comparison, const Unknowns& common, std::vector<std::string> suspects,
@@ -48,7 +49,7 @@ public:
     Diagnosis diagnose();
 
 private:
-    static constexpr double kEnough = 1e-6;  ///< change of chi2 at which a fit ends
+    static constexpr double kEnough = 1e-6;  ///< relative change of chi2 and of the coordinates at which a fit ends
     struct Trial {
         Hypothesis hypothesis;
         Unknowns unknowns;
@@ -66,7 +67,9 @@ private:
     std::vector<Trial> fit_all(const std::vector<Start>& starts, double enough = kEnough) const;
     std::vector<Trial> fit_singles(const Trial& null, const std::vector<std::vector<size_t>>& classes,
                                    const Eigen::VectorXd& residual) const;
+    std::vector<Start> screen(const Trial& null, std::vector<Start> starts) const;
     Eigen::VectorXd start_of(const Trial& trial) const;
+    static void sort_by_score(std::vector<Trial>& trials);
     double score(const Eigen::VectorXd& predicted, size_t unknowns) const;
     void find_slopes(const Trial& null, std::vector<size_t> columns);
     void find_damping_slopes(const Trial& null, const std::vector<size_t>& suspects);

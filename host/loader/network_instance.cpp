@@ -164,12 +164,13 @@ void NetworkInstance::read_lines() {
     uint32_t count = 0;
     const uint32_t* lines = call([&] { return plugin_.shapes()->lines(instance_.get(), &count); });
     if (count == 0) return;
-    if (!lines || count > element_names_.size()) blame(fmt::format("it says that {} elements bend", count));
+    if (!lines || count > element_names_.size())
+        blame(fmt::format("lines() returns {} of its {} elements", count, element_names_.size()));
     lines_.assign(lines, lines + count);
     std::vector<uint32_t> sorted = lines_;
     std::ranges::sort(sorted);
     if (sorted.back() >= element_names_.size() || std::ranges::adjacent_find(sorted) != sorted.end())
-        blame("it says of an element that is not there, or twice of one, that it bends");
+        blame("lines() names an element that does not exist, or one element twice");
 }
 
 std::span<const dttmm_progress> NetworkInstance::iterate(const dttmm_motion* trial) {

@@ -109,10 +109,11 @@ void Parameters::override_entry(const std::string& given_name, const std::string
     Entry& entry = entries_[found->second];
     entry.place = diagnostics_.option_place("--set " + name);
     const Parameter in_file = named_by(entry).parameter;
+    const bool was_faulty = named_by(entry).is_faulty;
     entry.expression.clear();
     entry.is_faulty = false;
     read_text(entry, text);
-    if (entry.is_faulty) return;
+    if (entry.is_faulty || was_faulty) return;
     if (const auto unit = find_missing_unit(in_file, text))
         throw Error(
             ExitCode::usage,

@@ -326,7 +326,7 @@ class MachineView {
             if (this.motion.every > 1) parts.push(`The motion shows one row in ${this.motion.every}: vibrations faster than that are not seen.`);
             if (still.length > 0) parts.push(`No position is recorded of ${still.slice(0, 6).join(', ')}${still.length > 6 ? ` and ${still.length - 6} more` : ''}: drawn at the start.`);
             const bent = structure.elements.filter(one => one.isBeam && !this.motion.lines?.has(one.name)).map(one => one.name);
-            if (bent.length > 0) parts.push(`Beams are bent as their ends have it, without loads between${bent.length < structure.elements.filter(one => one.isBeam).length ? `: ${bent.slice(0, 6).join(', ')}` : ''}. A run with --for-report records them.`);
+            if (bent.length > 0) parts.push(`Beams are bent as their ends have it, without loads between: ${bent.slice(0, 6).join(', ')}${bent.length > 6 ? ` and ${bent.length - 6} more` : ''}. A run with --for-report records their shape.`);
         } else if (this.isStatic) parts.push('Shown are the displacements from the start to the equilibrium, growing in proportion.' + (structure.elements.some(one => one.isBeam) ? ' Beams are bent as their ends have it, without loads between.' : ''));
         else if (!this.mode) parts.push('These results have no motion: the machine is drawn as it starts.');
         this.remark.textContent = parts.join(' ');

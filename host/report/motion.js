@@ -230,6 +230,13 @@ class RunMotion {
         const most = list => { let found = 0; for (let i = 0; i < list.length; i += 3) found = Math.max(found, Math.hypot(list[i], list[i + 1], list[i + 2])); return found; };
         let [shift, angle] = [0, 0];
         for (const {u, theta} of this.tracks.values()) { shift = Math.max(shift, most(u)); angle = Math.max(angle, most(theta)); }
+        for (const [name, list] of this.lines) {
+            const [from, to] = this.ends.get(name), width = list.length / this.times.length;
+            for (let i = 0; i < list.length; i += 3) {
+                const start = from.clone().lerp(to, (i % width) / (width - 3));
+                shift = Math.max(shift, start.distanceTo(new THREE.Vector3(list[i], list[i + 1], list[i + 2])));
+            }
+        }
         return {shift, angle};
     }
 

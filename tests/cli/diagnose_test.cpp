@@ -109,6 +109,21 @@ TEST_F(Diagnose, WhatSensorsCannotTellApartIsASet) {
     EXPECT_EQ(found["ties"], nlohmann::json({{"bolt1", "bolt2", "bolt3", "bolt4"}}));
 }
 
+// The first part of the record, by which suspects are chosen, shows nothing yet.
+TEST_F(Diagnose, ABlowLateInTheRecordTellsAsWell) {
+    std::string late = struck_plate();
+    const size_t start = late.find("start = 0, width");
+    ASSERT_NE(start, late.npos);
+    late.replace(start, 9, "start = 0.3");
+    write_text(folder_ / "model.toml", late);
+    for (const int bolt : {2, 3}) {
+        const nlohmann::json found = diagnose({fmt::format("k{}=450 N/mm", bolt)}, static_cast<unsigned>(bolt));
+        ASSERT_EQ(found["candidates"].size(), 1u) << said_;
+        EXPECT_EQ(found["candidates"][0]["elements"], nlohmann::json({fmt::format("bolt{}", bolt)}));
+        EXPECT_NEAR(found["candidates"][0]["factor"].get<double>(), 0.9, 0.01);
+    }
+}
+
 // Of data without noise rounding alone is left to prefer one of them: it is no evidence.
 TEST_F(Diagnose, ATieOfExactDataIsNotDecidedByRounding) {
     write_text(folder_ / "model.toml", struck_plate("plate"));

@@ -187,12 +187,11 @@ TEST(Plugin, ThatBreaksTheHouseIsRefused) {
 TEST(Plugin, ThatLosesItsElementsIsRefused) {
     const TemporaryFolder folder;
     write_text(folder / "model.toml", faulty_model());
-    for (const auto& [fault, says] :
-         {std::pair{"nan_position", "element \"one\" at t = 0 s: plugin "},
-          {"nan_position", "says that a point of it is at nan"},
-          {"position_overrun", "wrote past the end of the position array"},
-          {"bends_twice", "or twice of one, that it bends"},
-          {"bends_elsewhere", "it says of an element that is not there, or twice of one, that it bends"}}) {
+    for (const auto& [fault, says] : {std::pair{"nan_position", "element \"one\" at t = 0 s: plugin "},
+                                      {"nan_position", "gives nan as a coordinate of one of its points"},
+                                      {"position_overrun", "wrote past the end of the position array"},
+                                      {"bends_twice", "lines() names an element that does not exist, or one element twice"},
+                                      {"bends_elsewhere", "lines() names an element that does not exist"}}) {
         const Ended ended =
             run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--for-report", "--plugin", faulty_plugin(fault)});
         EXPECT_EQ(ended.code, 7) << fault << ended.err;

@@ -64,6 +64,9 @@ TEST(Stations, AreParametersThatMove) {
     EXPECT_THAT(values, ElementsAre(0.04, 0.5, 0.01, 0.007, 0.5 + 0.2, -0.01, 0.014));
     moved.parameters = {{"front.x", "0.5"}};  // a length in mm becomes one in m? The file says mm
     EXPECT_THAT(errors_of(text, moved, ExitCode::usage), HasSubstr("--set front.x=0.5: of which unit? the file gives mm"));
+    moved.parameters = {{"front.x", "0.5"}};  // what the file has there is a fault still, and no unit
+    EXPECT_EQ(errors_of(with_stations("front = [\"2 kg\", 0, 0]\n"), moved),
+              "m.toml:13:10: station \"front.x\": expected a length, got \"2 kg\"");
     moved.parameters = {{"front.w", "1"}};
     EXPECT_THAT(errors_of(text, moved, ExitCode::usage), HasSubstr("--set front.w: the model has no such parameter"));
 }

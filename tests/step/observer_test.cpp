@@ -49,6 +49,39 @@ Model thrown_body() {
     return model;
 }
 
+// Whoever wants some channels gets the same numbers in them: of an element, a body, an energy.
+TEST(Observer, WantedChannelsAreThoseOfAllChannels) {
+    const Plugins plugins;
+    const Model model = test::plate_stack(plugins, 2, 5e5, 100, 1e-3, Coupling::implicit);
+    const auto rows_of = [&](const std::vector<int>& wanted) {
+        Simulation simulation(model, plugins);
+        if (!wanted.empty()) simulation.want(wanted);
+        std::vector<std::vector<double>> rows;
+        simulation.record_to([&](std::span<const double> row) { rows.emplace_back(row.begin(), row.end()); });
+        for (int i = 0; i < 20; ++i) simulation.step();
+        return rows;
+    };
+    const std::vector<Channel> channels = Simulation(model, plugins).channels();
+    const auto all = rows_of({});
+    for (const auto of : {Channel::Of::element, Channel::Of::body, Channel::Of::energy}) {
+        for (int c = 0; c < static_cast<int>(channels.size()); ++c) {
+            const auto column = static_cast<size_t>(c);
+            if (channels[column].of() != of || all.back()[column] == 0) continue;
+            const auto some = rows_of({c});
+            for (size_t row = 0; row < all.size(); ++row)
+                EXPECT_EQ(some[row][column], all[row][column]) << channels[column].name();
+            break;
+        }
+    }
+    // The last channel of the networks, and the first behind them
+    const auto last =
+        std::ranges::find_if(channels, [](const Channel& one) { return one.of() == Channel::Of::body; }) - channels.begin();
+    for (const auto c : {last - 1, last}) {
+        const auto column = static_cast<size_t>(c);
+        EXPECT_EQ(rows_of({static_cast<int>(c)}).back()[column], all.back()[column]) << channels[column].name();
+    }
+}
+
 // Oracle: free fall and steady spin in closed form, read at the body's origin and at a marker: x, v and a of both. The
 // scheme is exact for the fall; the spin's centred differences are second order, (ωh)²/6 = 7e-6 of ω² r.
 TEST(Observer, PositionVelocityAndAccelerationOfAThrownBody) {

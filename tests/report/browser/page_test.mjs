@@ -359,9 +359,10 @@ test('a beam bends as the run recorded it; where it was not recorded the page sa
     const found = await page.evaluate(time => {
         const {view} = document.getElementById('machine');
         view.motion.at(time);
-        return {points: view.motion.line('arm', 1).map(point => point.toArray()), remark: view.remark.textContent};
+        return {reach: view.motion.largest().shift, factor: Number(view.factor.value), points: view.motion.line('arm', 1).map(point => point.toArray()), remark: view.remark.textContent};
     }, history.time[row]);
     assert.equal(found.points.length, 11);
+    assert.ok(found.reach > 1e-5 && found.factor > 0, 'a motion too small to be seen is enlarged, also where only a beam moves');
     found.points.forEach((point, station) => ['x', 'y', 'z'].forEach((axis, i) =>
         assert.ok(Math.abs(point[i] - history[`arm.station${station}.position.${axis}`][row]) < 2e-7)));
     assert.ok(Math.abs(history['arm.station5.position.z'][row] - 0.6) > 1e-5, 'it bends');

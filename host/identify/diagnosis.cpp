@@ -25,7 +25,7 @@ constexpr double kDoubtful = 0.05;  // chance of a chi2 as large with the noise 
 constexpr size_t kMostPaired = 8;   // suspects that pairs are made of
 constexpr size_t kMostPairs = 6;    // pairs that are fitted
 constexpr double kScreened = 0.25;  // share of a history by which suspects are chosen
-constexpr double kStillToFall = 4;  // times chi2 per row: how far chi2 of a rough fit may fall yet
+constexpr double kStillToFall = 4;  // times chi2 per row: how far chi2 may fall yet after a fit to that tolerance
 constexpr double kUnseen = 1e-6;    // share of the strongest fault's effect
 
 Unknown factor_of(Unknown::Of of, const std::string& element) {
@@ -164,8 +164,8 @@ std::vector<Diagnostician::Trial> Diagnostician::fit_all(const std::vector<Start
     return trials;
 }
 
-/// First, one suspect of every tie is fitted roughly to the first part of the histories. Those near the best are then fitted
-/// to all data. Last come the suspects tied to the best of these.
+/// First, one suspect of every tie is fitted to the first part of the histories, with a coarse tolerance. Those near the
+/// best are then fitted to all data. Last come the suspects tied to the best of these.
 std::vector<Diagnostician::Trial> Diagnostician::fit_singles(const Trial& null,
                                                              const std::vector<std::vector<size_t>>& classes,
                                                              const Eigen::VectorXd& residual) const {

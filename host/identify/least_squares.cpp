@@ -95,7 +95,7 @@ void descend(const LeastSquares& problem, Minimum& minimum, const SearchEnd& end
     minimum.residual = own.residual_at(minimum.x);
 }
 
-/// Whether an unknown stands at a bound, or is held there.
+/// Whether an unknown is at a bound, or is fixed at one.
 bool is_bounded(const LeastSquares& problem, const Minimum& minimum) {
     return (minimum.x.array() <= problem.low.array()).any() || (minimum.x.array() >= problem.high.array()).any() ||
            std::ranges::count(minimum.at_bound, true) > 0;

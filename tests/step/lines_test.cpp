@@ -90,14 +90,18 @@ TEST(Lines, TendToTheNodesOfFinerBeamsWithTheSquareOfTheSegment) {
     EXPECT_NEAR(coarse / fine, 9, 0.5);
 }
 
-// Segments that no station divides: the points lie on the straight lines between sections.
+// Of five segments every second station is a section; those between are the middles of the straight lines. Of ten they are
+// sections themselves.
 TEST(Lines, AreStraightBetweenSections) {
-    const std::string odd = beam(false, 7);
-    const Path at = path(odd, "arm", "station1.position"), from = path(odd, "arm", "station0.position");
-    const Eigen::Vector3d whole = Eigen::Vector3d(0.4, 0.2, 0.2);
-    EXPECT_LT((at.front() - from.front() - 0.1 * whole).norm(), 1e-12);
-    const Path way = path(odd, "arm", "station5.position"), like = path(beam(false, 70), "arm", "station5.position");
-    EXPECT_LT(largest_distance(way, like), 0.05 * largest_distance(like, Path(like.size(), like.front())));
+    const auto bend = [](int segments) {
+        const std::string text = beam(false, segments);
+        const Path left = path(text, "arm", "station4.position"), right = path(text, "arm", "station6.position");
+        Path middle;
+        for (size_t row = 0; row < left.size(); ++row) middle.push_back(0.5 * (left[row] + right[row]));
+        return largest_distance(path(text, "arm", "station5.position"), middle);
+    };
+    EXPECT_LT(bend(5), 1e-15);
+    EXPECT_GT(bend(10), 1e-5);
 }
 
 // Elements that stand at nodes have no line; those before, between and behind them keep theirs.

@@ -52,7 +52,9 @@ Model thrown_body() {
 // Whoever wants some channels gets the same numbers in them: of an element, a body, an energy.
 TEST(Observer, WantedChannelsAreThoseOfAllChannels) {
     const Plugins plugins;
-    const Model model = test::plate_stack(plugins, 2, 5e5, 100, 1e-3, Coupling::implicit);
+    Model model = test::plate_stack(plugins, 2, 5e5, 100, 1e-3, Coupling::implicit);
+    model.bodies[1].velocity = {0.1, -0.2, 0.3};
+    model.bodies[1].angular_velocity = {0.3, -0.2, 0.5};  // so that no channel is zero
     const auto rows_of = [&](const std::vector<int>& wanted) {
         Simulation simulation(model, plugins);
         if (!wanted.empty()) simulation.want(wanted);
@@ -78,6 +80,7 @@ TEST(Observer, WantedChannelsAreThoseOfAllChannels) {
         std::ranges::find_if(channels, [](const Channel& one) { return one.of() == Channel::Of::body; }) - channels.begin();
     for (const auto c : {last - 1, last}) {
         const auto column = static_cast<size_t>(c);
+        EXPECT_NE(all.back()[column], 0) << channels[column].name();
         EXPECT_EQ(rows_of({static_cast<int>(c)}).back()[column], all.back()[column]) << channels[column].name();
     }
 }

@@ -25,7 +25,6 @@ constexpr double kDoubtful = 0.05;  // chance of a chi2 as large with the noise 
 constexpr size_t kMostPaired = 8;   // suspects that pairs are made of
 constexpr size_t kMostPairs = 6;    // pairs that are fitted
 constexpr double kScreened = 0.25;  // share of a history by which suspects are chosen
-constexpr double kStillToFall = 4;  // times chi2 per row: how far chi2 may fall yet after a fit to that tolerance
 constexpr double kUnseen = 1e-6;    // share of the strongest fault's effect
 
 Unknown factor_of(Unknown::Of of, const std::string& element) {
@@ -199,7 +198,8 @@ std::vector<Diagnostician::Start> Diagnostician::screen(const Trial& null, std::
     const std::vector<Trial> screened = fit_all(starts, 1 / rows);
     if (screened.empty()) return starts;
     const double unchanged = score(null.predicted, common_.size()), least = screened.front().hypothesis.score;
-    const double margin = kDistinct + kStillToFall * std::max(1.0, screened.front().hypothesis.chi2 / rows);
+    // By the misfit of the best, where the noise that is known does not explain it
+    const double margin = kDistinct * std::max(1.0, screened.front().hypothesis.chi2 / rows);
     std::vector<Start> near;
     for (const Trial& one : screened)
         if (near.size() < kFewestFitted || one.hypothesis.score < least + margin)

@@ -13,6 +13,7 @@
 #include "analysis/places.h"
 #include "analysis/response_channels.h"
 #include "analysis/response_curves.h"
+#include "identify/mains_hum.h"
 #include "model/error.h"
 #include "model/index.h"
 #include "step/simulation.h"
@@ -74,6 +75,7 @@ Comparison::Comparison(const Request& request, const Observations& observations,
         if (one.noise > 0) group.noise_from = one.is_noise_of_user ? DataGroup::NoiseFrom::user : DataGroup::NoiseFrom::data;
         group.noise_samples = one.noise_samples;
         duration_ = std::max(duration_, one.times.back());
+        if (one.hum > 0) scales_ += 2;
         close(group);
     }
     for (const ObservedResponse& one : observations.responses) {
@@ -213,6 +215,10 @@ void Comparison::predict_histories(Model model, const MeasurementFactors& factor
             for (Eigen::Index k = 0; k < at.count; ++k) value += at.weights[k] * table(at.first + k, as_row(c));
             out(groups_[c].first + as_row(i)) = gain * value;
         }
+        if (one.hum == 0) continue;
+        // The hum that brings the history nearest to the data: least squares without the unknowns
+        const Eigen::Index first = groups_[c].first, within = counted(groups_[c]);
+        out.segment(first, within) += fit_sine(one.times, (data_ - out).segment(first, within), one.hum);
     }
 }
 
@@ -272,7 +278,7 @@ std::vector<ModePair> Comparison::predict_modes(const Model& asked, const Measur
     Model model = asked;
     int highest = 0;
     for (const ObservedMode& mode : observations_.modes) highest = std::max(highest, mode.number);
-    model.modes.count = highest + (scales_ > 0 ? kBeyond : 0);
+    model.modes.count = highest + (observations_.freedoms.empty() ? 0 : kBeyond);
     model.modes.below.reset();
     Warnings silent(Warnings::Silent::yes);
     ModalMachine machine = make_machine(model, plugins_, silent);

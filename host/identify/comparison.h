@@ -55,7 +55,7 @@ public:
     Comparison(const Request& request, const Observations& observations, const Plugins& plugins);
 
     Eigen::Index rows() const { return data_.size(); }
-    /// Numbers among the rows that are fitted beside the unknowns: the scale of every shape.
+    /// Numbers that are fitted beside the unknowns: the scale of every shape, sine and cosine of the hum of every channel.
     Eigen::Index scales() const { return scales_; }
     const Eigen::VectorXd& data() const { return data_; }
     std::vector<DataGroup>& groups() { return groups_; }

@@ -128,6 +128,7 @@ ExitCode identify(const Request& request) {
     json["modes"] = describe_pairs(observations, pairs);
     write_fit_curves(folder, observations, comparison, found.solutions.front().predicted);
     json["measured"] = observations.files;
+    json["clock"] = observations.clock;
     json["warnings"] = describe_warnings(warnings);
     json["command_line"] = request.command_line;
     write_json(folder.file("identify.json"), json);

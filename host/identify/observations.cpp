@@ -14,6 +14,8 @@
 #include "analysis/modal_session.h"
 #include "analysis/places.h"
 #include "analysis/response_channels.h"
+#include "identify/mains_hum.h"
+#include "identify/repeats.h"
 #include "measured/read_measurement.h"
 #include "model/error.h"
 #include "model/index.h"
@@ -101,11 +103,18 @@ public:
         if (files.empty())
             refuse(ExitCode::usage,
                    "no measured data: give a file with --measured, or as `file` in [measured] of the model");
-        for (const std::filesystem::path& file : files) read_file(file);
+        std::vector<Measurement> measurements;
+        for (const std::filesystem::path& file : files) measurements.push_back(read_measurement(file));
+        set_clock(measurements);
+        for (size_t i = 0; i < files.size(); ++i) take_file(files[i].string(), measurements[i]);
         for (const MeasuredChannel& one : channels_)
             if (!used_.contains(one.column))
                 refuse(ExitCode::usage, fmt::format("{}: there is no column {} in {}{}", one.place, quote(one.column),
                                                     listed(texts(files)), suggestion(one.column, columns_)));
+        for (ObservedMode& mode : found_.modes)
+            if (mode.shape.size() > 0)
+                mode.shape.conservativeResizeLike(Eigen::VectorXd::Constant(as_row(found_.freedoms.size()), kNaN));
+        join_repeats(found_, warnings_);
         drop_silent();
         warn_long_record();
         if (found_.is_empty())
@@ -146,11 +155,25 @@ private:
         return own == channels_.end() ? nullptr : &*own;
     }
 
-    void read_file(const std::filesystem::path& file) {
-        const Measurement measurement = read_measurement(file);
-        found_.files.push_back(file.string());
-        for (const std::string& note : measurement.notes)
-            warnings_.note("measured", fmt::format("{}: {}", file.string(), note));
+    /// One recorder took all files.
+    void set_clock(const std::vector<Measurement>& measurements) {
+        found_.clock = model_.measured.clock;
+        if (model_.measured.hum == 0) return;
+        std::vector<const MeasuredSignal*> histories;
+        for (const Measurement& one : measurements)
+            for (const MeasuredSignal& signal : one.signals)
+                if (signal.kind == MeasuredSignal::Kind::history) histories.push_back(&signal);
+        const double hum = find_mains_hum(histories, model_.measured.hum);
+        found_.clock = hum / model_.measured.hum;
+        warnings_.note("hum", fmt::format("the mains hum of {:.6g} Hz stands at {:.6g} Hz of the file: clock {:.6g}. Mains "
+                                          "themselves are off by up to 0.1 %, usually",
+                                          model_.measured.hum, hum, found_.clock));
+    }
+
+    void take_file(const std::string& file, const Measurement& measurement) {
+        found_.files.push_back(file);
+        claimed_.clear();
+        for (const std::string& note : measurement.notes) warnings_.note("measured", fmt::format("{}: {}", file, note));
         size_t unknown = 0;
         std::string example;
         for (const MeasuredSignal& signal : measurement.signals) {
@@ -161,7 +184,7 @@ private:
             if (unknown++ == 0) example = signal.name;
         }
         if (unknown > 0)
-            warnings_.note("unmapped", fmt::format("{}: {}, as {}: not used; --map says what a column is", file.string(),
+            warnings_.note("unmapped", fmt::format("{}: {}, as {}: not used; --map says what a column is", file,
                                                    counted(unknown, "column is no channel of the model",
                                                            "columns are no channels of the model"),
                                                    quote(example)));
@@ -238,16 +261,17 @@ private:
         const double per_number = factor(signal, map, channel->unit()) / (map ? map->gain : 1) *
                                   ((map && map->is_reversed) != signal.is_reversed ? -1 : 1);
         ObservedHistory history{name, channel->unit(), {}, {}};
-        std::vector<double> before;
+        std::vector<double> before, times_before;
         double largest = 0;
         for (size_t i = 0; i < signal.values.size(); ++i) {
-            const double time = model_.measured.clock * (signal.abscissa[i] - (map ? map->delay : 0));
+            const double time = found_.clock * (signal.abscissa[i] - (map ? map->delay : 0));
             const double value = per_number * signal.values[i];
             if (!(std::abs(value) < kImpossible))
                 refuse(ExitCode::input_output,
                        fmt::format("{}: value {} is no finite number of a measurement", signal.place, i + 1));
             if (time < 0) {
                 before.push_back(value);
+                times_before.push_back(time);
                 continue;
             }
             history.times.push_back(time);
@@ -262,18 +286,21 @@ private:
         }
         history.noise = noise_of(map, history.unit, largest, history.is_noise_of_user);
         if (history.noise == 0 && before.size() >= kFewestBefore) {
-            history.noise = deviation(before);
+            history.noise = deviation(times_before, before, model_.measured.hum);
             history.noise_samples = before.size();
         }
+        history.hum = model_.measured.hum;
+        history.place = signal.place;
         found_.histories.push_back(std::move(history));
         return true;
     }
 
-    static double deviation(const std::vector<double>& values) {
-        double mean = 0, squares = 0;
-        for (const double value : values) mean += value / static_cast<double>(values.size());
-        for (const double value : values) squares += (value - mean) * (value - mean);
-        return std::sqrt(squares / static_cast<double>(values.size() - 1));
+    /// Of the noise, beside a mean and the hum.
+    static double deviation(const std::vector<double>& times, const std::vector<double>& values, double hum) {
+        Eigen::VectorXd left = Eigen::Map<const Eigen::VectorXd>(values.data(), as_row(values.size()));
+        left.array() -= left.mean();
+        if (hum > 0) left -= fit_sine(times, left, hum);
+        return std::sqrt(left.squaredNorm() / static_cast<double>(left.size() - (hum > 0 ? 3 : 1)));
     }
 
     bool take_response(const MeasuredSignal& signal, const Measurement& all) {
@@ -296,9 +323,10 @@ private:
             factor(own, map, unit) / (map ? map->gain : 1) * ((map && map->is_reversed) != signal.is_reversed ? -1 : 1);
         ObservedResponse response{name, input, unit, {}, {}, {}};
         response.is_real = signal.imaginary.empty();
+        response.place = signal.place;
         double largest = 0;
         for (size_t i = 0; i < signal.abscissa.size(); ++i) {
-            const double f = signal.abscissa[i] / model_.measured.clock;
+            const double f = signal.abscissa[i] / found_.clock;
             const std::complex<double> value =
                 per_number * std::complex<double>(signal.values[i], response.is_real ? 0 : signal.imaginary[i]) *
                 std::polar(1.0, map ? 2 * std::numbers::pi * f * map->delay : 0.0);
@@ -352,7 +380,7 @@ private:
             }
             constexpr double kFloor = 1e-4;  // of the largest: rounding of a coherence near 1
             for (size_t i = 0, k = 0; i < one.values.size() && k < response.frequencies.size(); ++i) {
-                if (signal.abscissa[i] / model_.measured.clock != response.frequencies[k]) continue;
+                if (signal.abscissa[i] / found_.clock != response.frequencies[k]) continue;
                 const double g2 = std::clamp(one.values[i], 1e-6, 1.0);
                 const double share = std::sqrt((1 - g2) / (2 * model_.measured.averages * g2));
                 response.deviations.push_back(std::hypot(share * std::abs(response.values[k]), kFloor * largest));
@@ -387,8 +415,7 @@ private:
     }
 
     void take_modes(const Measurement& measurement) {
-        std::vector<size_t> rows;
-        std::vector<double> signs;
+        std::vector<ShapeColumn> columns;
         size_t unknown = 0;
         std::string example;
         for (size_t i = 0; i < measurement.shape_names.size(); ++i) {
@@ -403,9 +430,12 @@ private:
                 continue;
             }
             claim(fmt::format("{}.{}", freedom->place, direction_names()[as_size(freedom->direction)]), quote(column));
-            rows.push_back(i);
-            signs.push_back((map && map->is_reversed ? -1 : 1) / (map ? map->gain : 1));
-            found_.freedoms.push_back(*freedom);
+            const auto known = std::ranges::find_if(found_.freedoms, [&](const ObservedFreedom& one) {
+                return one.place == freedom->place && one.direction == freedom->direction;
+            });
+            columns.push_back(
+                {i, known - found_.freedoms.begin(), (map && map->is_reversed ? -1 : 1) / (map ? map->gain : 1)});
+            if (known == found_.freedoms.end()) found_.freedoms.push_back(*freedom);
         }
         if (unknown > 0)
             warnings_.note("unmapped",
@@ -415,36 +445,48 @@ private:
                                        quote(example)));
         const NoiseLevel level =
             read_noise(request_.noise.empty() ? model_.measured.noise : request_.noise, "Hz", "--noise");
-        found_.are_frequencies_known = level.is_known();
-        for (const MeasuredMode& mode : measurement.modes) {
+        found_.are_frequencies_known = found_.are_frequencies_known || level.is_known();
+        std::map<int, int> rows_of_number;
+        for (size_t i = 0; i < measurement.modes.size(); ++i) {
+            const MeasuredMode& mode = measurement.modes[i];
             ObservedMode own;
-            own.frequency = mode.frequency / model_.measured.clock;
+            own.place = mode.place;
+            own.frequency = mode.frequency / found_.clock;
             own.damping = mode.damping;
-            own.number = mode.number > 0 ? mode.number : as_int(found_.modes.size() + 1);
+            own.number = mode.number > 0 ? mode.number : as_int(i + 1);
+            own.row_of_number = rows_of_number[own.number]++;
             own.deviation = level.absolute > 0 ? level.absolute / own.frequency : level.share;
             if (mode.frequency_deviation > 0) {
                 own.deviation = mode.frequency_deviation / mode.frequency;
                 found_.are_frequencies_known = true;
             }
-            take_shape(mode, rows, signs, own);
+            take_shape(mode, columns, own);
             found_.modes.push_back(std::move(own));
         }
     }
 
+    /// Column of a file, row among the freedoms, and what makes it the model's.
+    struct ShapeColumn {
+        size_t column;
+        std::ptrdiff_t row;
+        double factor;
+    };
+
     /// A complex shape is turned so that it is as real as it can be.
-    static void take_shape(const MeasuredMode& mode, const std::vector<size_t>& rows, const std::vector<double>& signs,
-                           ObservedMode& own) {
-        if (rows.empty()) return;
+    void take_shape(const MeasuredMode& mode, const std::vector<ShapeColumn>& columns, ObservedMode& own) const {
         std::complex<double> squares = 0;
-        for (const size_t row : rows)
-            if (std::isfinite(std::abs(mode.shape[row]))) squares += mode.shape[row] * mode.shape[row];
+        for (const ShapeColumn& one : columns) {
+            const std::complex<double>& value = mode.shape[one.column];
+            if (std::isfinite(std::abs(value))) squares += value * value;
+        }
         const std::complex<double> turn = std::polar(1.0, -0.5 * std::arg(squares));
-        own.shape.resize(as_row(rows.size()));
+        own.shape.setConstant(as_row(found_.freedoms.size()), kNaN);
         double largest = 0;
-        for (size_t r = 0; r < rows.size(); ++r) {
-            const std::complex<double>& value = mode.shape[rows[r]];
-            own.shape(as_row(r)) = std::isfinite(std::abs(value)) ? signs[r] * (turn * value).real() : kNaN;
-            if (std::isfinite(std::abs(value))) largest = std::max(largest, std::abs(own.shape(as_row(r))));
+        for (const ShapeColumn& one : columns) {
+            const std::complex<double>& value = mode.shape[one.column];
+            if (!std::isfinite(std::abs(value))) continue;
+            own.shape(one.row) = one.factor * (turn * value).real();
+            largest = std::max(largest, std::abs(own.shape(one.row)));
         }
         if (largest > 0)
             own.shape /= largest;

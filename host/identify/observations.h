@@ -32,6 +32,8 @@ struct ObservedHistory {
     double noise = 0;  ///< standard deviation; 0: not known
     bool is_noise_of_user = false;
     size_t noise_samples = 0;  ///< that a noise of the data was estimated from
+    double hum = 0;            ///< of the mains, by the clock of the model; 0: none is sought [Hz]
+    std::string place = {};    ///< "blow.csv: column 3", for messages
 };
 
 /// The response of a channel to one input.
@@ -43,6 +45,7 @@ struct ObservedResponse {
     std::vector<double> deviations;  ///< standard deviation of real and imaginary part from the coherence; empty: not known
     double noise = 0;                ///< the same of all; 0: not known
     bool is_real = false;            ///< the file gives no imaginary part: it is not compared
+    std::string place = {};          ///< "blow.uff: record 3", for messages
 };
 
 /// A place and direction of a shape.
@@ -52,11 +55,13 @@ struct ObservedFreedom {
 };
 
 struct ObservedMode {
-    double frequency = 0;   ///< [Hz]
-    double deviation = 0;   ///< of the logarithm of the frequency; 0: not known
-    double damping = 0;     ///< NaN: not known
-    int number = 0;         ///< among the model's modes where no shape tells it; 0: not known
-    Eigen::VectorXd shape;  ///< at Observations::freedoms, largest 1; NaN: not measured; empty: none
+    double frequency = 0;    ///< [Hz]
+    double deviation = 0;    ///< of the logarithm of the frequency; 0: not known
+    double damping = 0;      ///< NaN: not known
+    int number = 0;          ///< among the model's modes where no shape tells it; 0: not known
+    int row_of_number = 0;   ///< how many modes of its file before it have this number
+    Eigen::VectorXd shape;   ///< at Observations::freedoms, largest 1; NaN: not measured; empty: none
+    std::string place = {};  ///< "modes.csv:3", for messages
 };
 
 /// Measured data as a model has them.
@@ -66,6 +71,7 @@ struct Observations {
     std::vector<ObservedMode> modes;
     std::vector<ObservedFreedom> freedoms;
     std::vector<std::string> files;
+    double clock = 1;                    ///< true time per time of the files
     bool are_frequencies_known = false;  ///< the noise of frequencies comes from the file or the user
 
     /// Channels and responses, for gains.
@@ -74,9 +80,10 @@ struct Observations {
 };
 
 /// Reads the files that the request or the model names, and finds out what each column is in the model: a channel of the
-/// same name, or what --map or [measured] says. Throws Error: usage for a map that names no column, two columns for one
-/// channel, a channel that the model does not have; input_output for units that measure something else, data that are
-/// constant. Columns that are nothing in the model are left out, with a note.
+/// same name, or what --map or [measured] says. Data of one channel from several files are repeats: see join_repeats. Throws
+/// Error: usage for a map that names no column, two columns for one channel, a channel that the model does not have;
+/// input_output for units that measure something else, data that are constant. Columns that are nothing in the model are
+/// left out, with a note.
 Observations read_observations(const Request& request, const Model& model, const Plugins& plugins, Warnings& warnings);
 
 /// "1 %" or "0.05 m/s^2" in the SI unit `unit`. Throws Error(usage), with `option` before it.

@@ -234,6 +234,13 @@ constexpr Key kMeasured[] = {
      "from the data"},
     {"averages", Kind::number, "behind responses with a coherence; whole", "1", "1", 1, {1, 1e6}},
     {"clock", Kind::number, "true time per time of the file", "1", "1", 1, {0.5, 2}},
+    {"hum",
+     Kind::number,
+     "of the mains in measured histories, \"50 Hz\": it tells the clock, and is taken off",
+     "none",
+     "Hz",
+     1,
+     {1, 1e4}},
     {"channel", Kind::tables, "what a column of the file is", "", "", 0, {}, "", "measured.channel"},
 };
 

@@ -193,6 +193,7 @@ struct MeasuredSettings {
     std::string noise;           ///< "1 %", "0.5 m/s^2"; empty: from the data
     int averages = 1;            ///< behind responses with a coherence
     double clock = 1;            ///< true time per time of the file
+    double hum = 0;              ///< of the mains, which tells the clock [Hz]; 0: none is sought
     std::vector<MeasuredChannel> channels = {};
 };
 

@@ -55,6 +55,9 @@ MeasuredSettings read_measured(const TableReader& file) {
     measured.input = table.text("input", "").value_or("");
     measured.noise = table.text("noise", "").value_or("");
     measured.clock = table.number("clock", 1).value_or(1);
+    measured.hum = table.number("hum", 0).value_or(0);
+    if (const TomlMember* hum = table.find("hum"); hum && table.find("clock"))
+        table.error(hum->value.place, "hum tells the clock: leave out hum or clock");
     const double averages = table.number("averages", 1).value_or(1);
     if (averages != std::floor(averages))
         table.error(table.find("averages")->value.place, "averages must be a whole number");

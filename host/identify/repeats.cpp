@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "identify/repeats.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+
+#include "model/error.h"
+#include "model/index.h"
+#include "model/wording.h"
+
+namespace dttmm::host {
+
+namespace {
+
+constexpr double kSameInstant = 1e-3;  // of an interval: at half the sampling frequency that moves a value by 0.3 %
+constexpr double kCopy = 1e-12;        // share of the largest value: no two measurements agree so
+constexpr double kSeen = 4;            // standard deviations: one set in 16 000 differs as much in size by noise alone
+// Differences behind the scatter of one line of a response. A sum of squares over an estimated variance is too large by
+// n/(n - 2) in the mean, which is corrected; its own scatter grows by a tenth.
+constexpr size_t kFewestDifferences = 20;
+
+[[noreturn]] void refuse(const std::string& text) { throw Error(ExitCode::input_output, text); }
+
+/// Sets of equal keys, each in the order of `all`, the sets in the order of their first.
+template <class Observed, class Key>
+std::vector<std::vector<const Observed*>> sets_of(const std::vector<Observed>& all, Key key) {
+    std::vector<std::vector<const Observed*>> sets;
+    for (const Observed& one : all) {
+        const auto own = std::ranges::find_if(sets, [&](const auto& set) { return key(*set.front()) == key(one); });
+        if (own == sets.end())
+            sets.push_back({&one});
+        else
+            own->push_back(&one);
+    }
+    return sets;
+}
+
+template <class Observed>
+std::vector<std::string> places_of(const std::vector<const Observed*>& set) {
+    std::vector<std::string> places;
+    for (const Observed* one : set) places.push_back(one->place);
+    return places;
+}
+
+void check_same_points(const std::vector<double>& a, const std::vector<double>& b, const std::vector<std::string>& places,
+                       const char* points) {
+    bool are_same = a.size() == b.size();
+    const double interval = (a.back() - a.front()) / static_cast<double>(a.size() - 1);
+    for (size_t i = 0; are_same && i < a.size(); ++i) are_same = std::abs(a[i] - b[i]) <= kSameInstant * interval;
+    if (!are_same)
+        refuse(fmt::format("{}: repeats of one channel must have the same {}: resample them, or give one of them",
+                           listed(places), points));
+}
+
+/// Repeats of numbers, a column each.
+class Scatter {
+public:
+    Scatter(const Eigen::MatrixXd& repeats, const std::vector<std::string>& places, Warnings& warnings)
+        : mean_(repeats.rowwise().mean()), differences_(repeats.colwise() - mean_) {
+        const double largest = mean_.cwiseAbs().maxCoeff();
+        for (Eigen::Index a = 0; a < repeats.cols(); ++a)
+            for (Eigen::Index b = 0; b < a; ++b)
+                if ((repeats.col(a) - repeats.col(b)).cwiseAbs().maxCoeff() <= kCopy * largest)
+                    refuse(
+                        fmt::format("{} and {} are the same: a copy is no repeat", places[as_size(b)], places[as_size(a)]));
+        warn_of_size(places, warnings);
+    }
+
+    const Eigen::VectorXd& mean() const { return mean_; }
+    size_t differences() const { return as_size(differences_.size() - differences_.rows()); }
+    /// Standard deviation of the mean of rows first to end, as far as the differences tell.
+    double deviation_of_mean(Eigen::Index first, Eigen::Index end) const {
+        const auto repeats = static_cast<double>(differences_.cols());
+        const double freedom = static_cast<double>(end - first) * (repeats - 1);
+        return std::sqrt(differences_.middleRows(first, end - first).squaredNorm() / freedom / repeats);
+    }
+
+private:
+    /// A harder blow is no noise: its differences are the signal itself.
+    void warn_of_size(const std::vector<std::string>& places, Warnings& warnings) const {
+        const double square = mean_.squaredNorm();
+        const auto repeats = static_cast<double>(differences_.cols());
+        if (mean_.size() < 2 || square == 0) return;
+        for (Eigen::Index r = 0; r < differences_.cols(); ++r) {
+            const double size = mean_.dot(differences_.col(r)) / square;
+            const double left = differences_.squaredNorm() - size * size * square;
+            const double deviation =
+                std::sqrt(std::max(left, 0.0) / static_cast<double>(differences_.size()) / square * (repeats - 1) / repeats);
+            if (std::abs(size) > kSeen * deviation)
+                warnings.add(
+                    "unequal-repeats",
+                    fmt::format("{}: {:.2g} % {} than the mean of its {} repeats: another blow, no noise; fit responses "
+                                "per force, or repeats of one size",
+                                places[as_size(r)], 100 * std::abs(size), size > 0 ? "larger" : "smaller",
+                                differences_.cols()));
+        }
+    }
+
+    Eigen::VectorXd mean_;
+    Eigen::MatrixXd differences_;
+};
+
+template <class Observed>
+void note_mean(const std::vector<const Observed*>& set, const std::string& name, bool is_noise_known, Warnings& warnings) {
+    warnings.note("repeats", fmt::format("{}: the mean of {} repeats is used; {}", name, set.size(),
+                                         is_noise_known ? "its noise is that of one, divided by the root of their number"
+                                                        : "their scatter is the noise"));
+}
+
+ObservedHistory join(const std::vector<const ObservedHistory*>& set, Warnings& warnings) {
+    const std::vector<std::string> places = places_of(set);
+    ObservedHistory joined = *set.front();
+    Eigen::MatrixXd repeats(as_row(joined.values.size()), as_row(set.size()));
+    for (size_t r = 0; r < set.size(); ++r) {
+        check_same_points(joined.times, set[r]->times, places, "times");
+        repeats.col(as_row(r)) = Eigen::Map<const Eigen::VectorXd>(set[r]->values.data(), repeats.rows());
+    }
+    const Scatter scatter(repeats, places, warnings);
+    joined.values.assign(scatter.mean().begin(), scatter.mean().end());
+    note_mean(set, joined.channel, joined.is_noise_of_user, warnings);
+    if (joined.is_noise_of_user) {
+        joined.noise /= std::sqrt(static_cast<double>(set.size()));
+        return joined;
+    }
+    joined.noise = scatter.deviation_of_mean(0, repeats.rows());
+    joined.noise_samples = scatter.differences();
+    return joined;
+}
+
+ObservedResponse join(const std::vector<const ObservedResponse*>& set, Warnings& warnings) {
+    const std::vector<std::string> places = places_of(set);
+    ObservedResponse joined = *set.front();
+    const Eigen::Index parts = joined.is_real ? 1 : 2, lines = as_row(joined.values.size());
+    Eigen::MatrixXd repeats(parts * lines, as_row(set.size()));
+    for (size_t r = 0; r < set.size(); ++r) {
+        check_same_points(joined.frequencies, set[r]->frequencies, places, "frequencies");
+        if (set[r]->is_real != joined.is_real)
+            refuse(fmt::format("{}: some repeats are real, some complex", listed(places)));
+        for (Eigen::Index i = 0; i < lines; ++i) {
+            repeats(parts * i, as_row(r)) = set[r]->values[as_size(i)].real();
+            if (parts == 2) repeats(2 * i + 1, as_row(r)) = set[r]->values[as_size(i)].imag();
+        }
+    }
+    const Scatter scatter(repeats, places, warnings);
+    const Eigen::VectorXd& mean = scatter.mean();
+    for (Eigen::Index i = 0; i < lines; ++i) joined.values[as_size(i)] = {mean(parts * i), parts == 2 ? mean(2 * i + 1) : 0};
+    note_mean(set, joined.channel + "/" + joined.input, joined.noise > 0, warnings);
+    if (joined.noise > 0) {
+        joined.noise /= std::sqrt(static_cast<double>(set.size()));
+        return joined;
+    }
+    const size_t per_line = as_size(parts) * (set.size() - 1);
+    const Eigen::Index beside = as_row((kFewestDifferences / per_line + 1) / 2);
+    joined.deviations.resize(as_size(lines));
+    for (Eigen::Index i = 0; i < lines; ++i) {
+        const Eigen::Index first = std::max(i - beside, Eigen::Index{0}), end = std::min(i + beside + 1, lines);
+        const double freedom = static_cast<double>(as_size(end - first) * per_line);
+        const double correction = freedom > 2 ? std::sqrt(freedom / (freedom - 2)) : 1;
+        joined.deviations[as_size(i)] = correction * scatter.deviation_of_mean(parts * first, parts * end);
+    }
+    return joined;
+}
+
+/// Components of a shape that was measured again, with the sign of the first.
+Eigen::VectorXd add_shapes(const std::vector<const ObservedMode*>& set, const std::vector<std::string>& places) {
+    const Eigen::VectorXd& first = set.front()->shape;
+    Eigen::VectorXd sum = first;
+    for (size_t r = 1; r < set.size(); ++r) {
+        const Eigen::VectorXd& own = set[r]->shape;
+        bool are_same = own.size() == first.size();
+        double product = 0;
+        for (Eigen::Index i = 0; are_same && i < first.size(); ++i) {
+            are_same = std::isnan(own(i)) == std::isnan(first(i));
+            if (!std::isnan(own(i))) product += own(i) * first(i);
+        }
+        if (!are_same)
+            refuse(
+                fmt::format("{}: repeats of a shape must have the same places and directions; what was measured in parts "
+                            "belongs into one file",
+                            listed(places)));
+        sum += product < 0 ? -own : own;
+    }
+    return sum / static_cast<double>(set.size());
+}
+
+void join_modes(Observations& observations, Warnings& warnings) {
+    const auto sets =
+        sets_of(observations.modes, [](const ObservedMode& one) { return std::pair(one.number, one.row_of_number); });
+    std::vector<ObservedMode> joined;
+    double squares = 0;
+    size_t differences = 0;
+    for (const auto& set : sets) {
+        joined.push_back(*set.front());
+        if (set.size() == 1) continue;
+        const std::vector<std::string> places = places_of(set);
+        const auto count = static_cast<double>(set.size());
+        double sum = 0, damping = 0;
+        for (const ObservedMode* one : set) {
+            sum += std::log(one->frequency);
+            damping += one->damping / count;
+        }
+        const double mean = sum / count;
+        for (const ObservedMode* one : set) squares += std::pow(std::log(one->frequency) - mean, 2);
+        differences += set.size() - 1;
+        joined.back().frequency = std::exp(mean);
+        joined.back().damping = damping;
+        joined.back().shape = add_shapes(set, places);
+    }
+    if (differences == 0) return;
+    if (squares <= kCopy * kCopy) refuse("the natural frequencies of the repeats are all the same: a copy is no repeat");
+    // Few differences give a vague deviation: the intervals of 95 % are then those of Student's distribution
+    const boost::math::students_t student(static_cast<double>(differences));
+    const boost::math::normal normal;
+    const double wider = quantile(student, 0.975) / quantile(normal, 0.975);
+    const double scatter = wider * std::sqrt(squares / static_cast<double>(differences));
+    for (size_t i = 0; i < joined.size(); ++i) {
+        const double root = std::sqrt(static_cast<double>(sets[i].size()));
+        joined[i].deviation = (observations.are_frequencies_known ? joined[i].deviation : scatter) / root;
+    }
+    warnings.note(
+        "repeats",
+        observations.are_frequencies_known
+            ? "natural frequencies: the means of repeats are used; their noise is that of one, divided by the root "
+              "of their number"
+            : fmt::format("natural frequencies: the means of repeats are used; they scatter by {:.2g} %",
+                          100 * scatter / wider));
+    observations.are_frequencies_known = true;
+    observations.modes = std::move(joined);
+}
+
+template <class Observed, class Key>
+void join_all(std::vector<Observed>& all, Key key, Warnings& warnings) {
+    std::vector<Observed> joined;
+    for (const auto& set : sets_of(all, key)) joined.push_back(set.size() == 1 ? *set.front() : join(set, warnings));
+    all = std::move(joined);
+}
+
+}  // namespace
+
+void join_repeats(Observations& observations, Warnings& warnings) {
+    join_all(
+        observations.histories, [](const ObservedHistory& one) { return one.channel; }, warnings);
+    join_all(
+        observations.responses, [](const ObservedResponse& one) { return std::pair(one.channel, one.input); }, warnings);
+    join_modes(observations, warnings);
+}
+
+}  // namespace dttmm::host

@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "analysis/stop_signals.h"
@@ -25,6 +26,7 @@ constexpr double kDoubtful = 0.05;  // chance of a chi2 as large with the noise 
 constexpr size_t kMostPaired = 8;   // suspects that pairs are made of
 constexpr size_t kMostPairs = 6;    // pairs that are fitted
 constexpr double kScreened = 0.25;  // share of a history by which suspects are chosen
+constexpr double kReach = 2;        // times the gain that the slopes of a damping promise
 constexpr double kUnseen = 1e-6;    // share of the strongest fault's effect
 
 Unknown factor_of(Unknown::Of of, const std::string& element) {
@@ -94,6 +96,7 @@ double Diagnostician::score(const Eigen::VectorXd& predicted, size_t unknowns) c
 void Diagnostician::take_factors(Trial& trial) const {
     trial.hypothesis.chi2 = comparison_.residual(trial.predicted, false).squaredNorm();
     trial.hypothesis.score = score(trial.predicted, trial.unknowns.size());
+    trial.hypothesis.factors.clear();
     for (size_t i = common_.size(); i < trial.unknowns.size(); ++i) {
         const double value = trial.unknowns[i].value(trial.x(as_row(i)));
         if (trial.unknowns[i].of == Unknown::Of::stiffness)
@@ -104,13 +107,11 @@ void Diagnostician::take_factors(Trial& trial) const {
 }
 
 /// From a start for the first unknowns; the others begin as the file has them.
-Diagnostician::Trial Diagnostician::fit(Hypothesis hypothesis, bool with_damping, const Eigen::VectorXd& from,
-                                        double enough) const {
-    Unknowns unknowns = unknowns_of(hypothesis, with_damping);
-    Trial trial{std::move(hypothesis), std::move(unknowns), {}, {}};
+Diagnostician::Trial Diagnostician::start_trial(const Hypothesis& hypothesis, bool with_damping,
+                                                const Eigen::VectorXd& from) const {
+    Trial trial{hypothesis, unknowns_of(hypothesis, with_damping), {}, {}};
     trial.x = trial.unknowns.start();
     trial.x.head(from.size()) = from;
-    descend(trial, 1, enough);
     return trial;
 }
 
@@ -122,7 +123,6 @@ void Diagnostician::descend(Trial& trial, int jobs, double enough) const {
     } else if (trial.predicted.size() == 0) {
         trial.predicted = comparison_.predict(trial.unknowns, trial.x);
     }
-    trial.hypothesis.factors.clear();
     take_factors(trial);
 }
 
@@ -130,37 +130,87 @@ void Diagnostician::sort_by_score(std::vector<Trial>& trials) {
     std::ranges::stable_sort(trials, {}, [](const Trial& one) { return one.hypothesis.score; });
 }
 
-/// Each with its stiffness alone, then with its damping too: the better one counts.
-std::vector<Diagnostician::Trial> Diagnostician::fit_all(const std::vector<Start>& starts, double enough) const {
-    const std::vector<TaskResult> results = map_in_processes(starts.size(), jobs_, [&](size_t task) {
-        const auto& [hypothesis, from] = starts[task];
-        Trial best = fit(hypothesis, false, from, enough);
-        if (unknowns_of(hypothesis, true).size() > best.unknowns.size()) {
-            try {  // the common unknowns and the stiffness come first in both
-                Trial damped = fit(hypothesis, true, best.x, enough);
-                if (damped.hypothesis.score < best.hypothesis.score) best = std::move(damped);
-            } catch (const Error&) {  // the model has no answer with the damping: the stiffness alone counts
-                if (StopSignals::requested()) throw;
-            }
-        }
-        std::vector<double> numbers(best.x.begin(), best.x.end());
-        numbers.insert(numbers.end(), best.predicted.begin(), best.predicted.end());
+/// A process each. Says which have an answer; the others stay as they are.
+std::vector<bool> Diagnostician::descend_each(std::span<Trial> trials, double enough) const {
+    const std::vector<TaskResult> results = map_in_processes(trials.size(), jobs_, [&](size_t task) {
+        Trial own = trials[task];
+        descend(own, 1, enough);
+        std::vector<double> numbers(own.x.begin(), own.x.end());
+        numbers.insert(numbers.end(), own.predicted.begin(), own.predicted.end());
         return numbers;
     });
+    if (StopSignals::requested()) throw Error(StopSignals::exit_code(), StopSignals::reason());
+    std::vector<bool> have_answer;
+    for (size_t t = 0; t < trials.size(); ++t) {
+        have_answer.push_back(results[t].reason.empty());
+        if (!have_answer.back()) continue;
+        const Eigen::Map<const Eigen::VectorXd> all(results[t].numbers.data(), as_row(results[t].numbers.size()));
+        trials[t].x = all.head(all.size() - comparison_.rows());
+        trials[t].predicted = all.tail(comparison_.rows());
+        take_factors(trials[t]);
+    }
+    return have_answer;
+}
+
+/// Those that have an answer, in the order of the starts.
+std::vector<Diagnostician::Trial> Diagnostician::fit_each(const std::vector<Start>& starts, bool with_damping,
+                                                          double enough) const {
     std::vector<Trial> trials;
-    for (size_t h = 0; h < starts.size(); ++h) {
-        if (!results[h].reason.empty()) continue;
-        const Eigen::Map<const Eigen::VectorXd> all(results[h].numbers.data(), as_row(results[h].numbers.size()));
-        const Eigen::Index size = all.size() - comparison_.rows();
-        const Hypothesis& hypothesis = starts[h].hypothesis;
-        Unknowns plain = unknowns_of(hypothesis, false);
-        Trial trial{hypothesis, as_row(plain.size()) == size ? std::move(plain) : unknowns_of(hypothesis, true),
-                    all.head(size), all.tail(comparison_.rows())};
-        take_factors(trial);
-        trials.push_back(std::move(trial));
+    for (const auto& [hypothesis, from] : starts) trials.push_back(start_trial(hypothesis, with_damping, from));
+    const std::vector<bool> have_answer = descend_each(trials, enough);
+    std::vector<Trial> found;
+    for (size_t t = 0; t < trials.size(); ++t)
+        if (have_answer[t]) found.push_back(std::move(trials[t]));
+    return found;
+}
+
+/// Each with its stiffness alone, then with its damping too where that may bring it near the best: the better one counts.
+std::vector<Diagnostician::Trial> Diagnostician::fit_all(const std::vector<Start>& starts, double enough) const {
+    std::vector<Trial> trials = fit_each(starts, false, enough);
+    if (trials.empty()) return trials;
+    std::vector<size_t> with_damping;
+    for (size_t t = 0; t < trials.size(); ++t)
+        if (unknowns_of(trials[t].hypothesis, true).size() > trials[t].unknowns.size()) with_damping.push_back(t);
+    const std::vector<TaskResult> reaches = map_in_processes(with_damping.size(), jobs_, [&](size_t task) {
+        return std::vector<double>{reach_by_damping(trials[with_damping[task]])};
+    });
+    const Trial& best = *std::ranges::min_element(trials, {}, [](const Trial& one) { return one.hypothesis.score; });
+    const double near = best.hypothesis.score + margin_of(best);
+    std::vector<Start> damped;
+    for (size_t i = 0; i < with_damping.size(); ++i) {
+        const Trial& plain = trials[with_damping[i]];
+        if (reaches[i].reason.empty() && reaches[i].numbers.front() < std::min(near, plain.hypothesis.score))
+            damped.push_back({{plain.hypothesis.elements, plain.hypothesis.are_alike}, plain.x});
+    }
+    for (Trial& one : fit_each(damped, true, enough)) {
+        const auto plain = std::ranges::find_if(trials, [&](const Trial& other) {
+            return other.hypothesis.elements == one.hypothesis.elements &&
+                   other.hypothesis.are_alike == one.hypothesis.are_alike;
+        });
+        if (one.hypothesis.score < plain->hypothesis.score) *plain = std::move(one);
     }
     sort_by_score(trials);
     return trials;
+}
+
+/// The score that a trial may come to if its damping is free too: kReach times as far as a first step would lead.
+double Diagnostician::reach_by_damping(const Trial& plain) const {
+    const Unknowns damped = unknowns_of(plain.hypothesis, true);
+    Eigen::VectorXd x = damped.start();
+    x.head(plain.x.size()) = plain.x;
+    std::vector<size_t> all(damped.size());
+    std::iota(all.begin(), all.end(), size_t{0});
+    const Eigen::VectorXd residual = comparison_.residual(plain.predicted, false);
+    const Eigen::MatrixXd slopes = Identifier(comparison_, damped, {}, 1).differentiate_quickly(x, residual, all);
+    const double here = score(plain.predicted, damped.size());
+    const double there = score(comparison_.predicted_of(without(residual, slopes)), damped.size());
+    return here - kReach * (here - there);
+}
+
+/// How far from the best trial another one is near: by the misfit of the best, where noise that is known does not explain
+/// it.
+double Diagnostician::margin_of(const Trial& best) const {
+    return kDistinct * std::max(1.0, best.hypothesis.chi2 / static_cast<double>(comparison_.rows()));
 }
 
 /// First, one suspect of every tie is fitted to the first part of the histories, with a coarse tolerance. Those near the
@@ -197,12 +247,11 @@ std::vector<Diagnostician::Start> Diagnostician::screen(const Trial& null, std::
     const ShortWindow window(comparison_, kScreened);
     const std::vector<Trial> screened = fit_all(starts, 1 / rows);
     if (screened.empty()) return starts;
-    const double unchanged = score(null.predicted, common_.size()), least = screened.front().hypothesis.score;
-    // By the misfit of the best, where the noise that is known does not explain it
-    const double margin = kDistinct * std::max(1.0, screened.front().hypothesis.chi2 / rows);
+    const double unchanged = score(null.predicted, common_.size());
+    const double nearest = screened.front().hypothesis.score + margin_of(screened.front());
     std::vector<Start> near;
     for (const Trial& one : screened)
-        if (near.size() < kFewestFitted || one.hypothesis.score < least + margin)
+        if (near.size() < kFewestFitted || one.hypothesis.score < nearest)
             // What shows nothing in the first part says nothing of a start either
             near.push_back({{one.hypothesis.elements, one.hypothesis.are_alike},
                             one.hypothesis.score < unchanged ? start_of(one) : null.x});
@@ -225,18 +274,10 @@ void Diagnostician::find_slopes(const Trial& null, std::vector<size_t> columns) 
     std::erase_if(columns, [&](size_t column) { return is_found_[column]; });
     Eigen::VectorXd x = unknowns.start();
     x.head(null.x.size()) = null.x;
-    const std::vector<TaskResult> results = map_in_processes(columns.size(), jobs_, [&](size_t task) {
-        Eigen::VectorXd at = x;
-        at(as_row(columns[task])) += kDifference;
-        const Eigen::VectorXd predicted = comparison_.predict(unknowns, at);
-        return std::vector<double>(predicted.begin(), predicted.end());
-    });
-    for (size_t i = 0; i < results.size(); ++i) {
-        if (!results[i].reason.empty())
-            throw Error(ExitCode::numerical_failure,
-                        fmt::format("with {} changed by 1 %: {}", unknowns[columns[i]].name, results[i].reason));
-        const Eigen::Map<const Eigen::VectorXd> predicted(results[i].numbers.data(), comparison_.rows());
-        changes_.col(as_row(columns[i])) = (predicted - null.predicted) / kDifference;
+    const Eigen::MatrixXd slopes = Identifier(comparison_, unknowns, {}, jobs_)
+                                       .differentiate_quickly(x, comparison_.residual(null.predicted, false), columns);
+    for (size_t i = 0; i < columns.size(); ++i) {
+        changes_.col(as_row(columns[i])) = slopes.col(as_row(i)).cwiseProduct(comparison_.deviations());
         is_found_[columns[i]] = true;
     }
     scale_slopes();
@@ -366,26 +407,39 @@ void Diagnostician::find_limits(Diagnosis& diagnosis) const {
     }
 }
 
-void Diagnostician::add_intervals(Trial& trial) const {
-    const Identifier identifier(comparison_, trial.unknowns, {}, jobs_);
-    const Solution solution = identifier.estimate(trial.x);
-    Hypothesis& own = trial.hypothesis;
-    own.factors.clear();
-    for (size_t i = common_.size(); i < trial.unknowns.size(); ++i) {
-        const Unknown& one = trial.unknowns[i];
-        if (one.of != Unknown::Of::stiffness) continue;
-        own.factors.push_back(one.value(solution.x(as_row(i))));
-        const auto limit = [&](const std::optional<double>& at) {
-            return at ? std::optional(one.value(*at)) : std::nullopt;
-        };
-        own.low.push_back(limit(solution.low[i]));
-        own.high.push_back(limit(solution.high[i]));
+/// Factors of stiffness and their limits, a process for each trial.
+void Diagnostician::add_intervals(std::span<Trial> trials) const {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    const std::vector<TaskResult> results = map_in_processes(trials.size(), jobs_, [&](size_t task) {
+        const Trial& trial = trials[task];
+        const Solution solution =
+            Identifier(comparison_, trial.unknowns, {}, trials.size() > 1 ? 1 : jobs_).estimate(trial.x);
+        std::vector<double> numbers;
+        for (size_t i = common_.size(); i < trial.unknowns.size(); ++i) {
+            const Unknown& one = trial.unknowns[i];
+            if (one.of != Unknown::Of::stiffness) continue;
+            for (const std::optional<double>& at : {std::optional(solution.x(as_row(i))), solution.low[i], solution.high[i]})
+                numbers.push_back(at ? one.value(*at) : kNone);
+        }
+        return numbers;
+    });
+    for (size_t t = 0; t < trials.size(); ++t) {
+        if (!results[t].reason.empty()) throw Error(ExitCode::numerical_failure, results[t].reason);
+        Hypothesis& own = trials[t].hypothesis;
+        own.factors.clear();
+        const auto limit = [&](double number) { return std::isnan(number) ? std::nullopt : std::optional(number); };
+        for (size_t i = 0; i < results[t].numbers.size(); i += 3) {
+            own.factors.push_back(results[t].numbers[i]);
+            own.low.push_back(limit(results[t].numbers[i + 1]));
+            own.high.push_back(limit(results[t].numbers[i + 2]));
+        }
     }
 }
 
 Diagnosis Diagnostician::diagnose() {
     Diagnosis diagnosis;
-    Trial null = fit({}, false, common_.start(), kEnough);
+    Trial null = start_trial({}, false, common_.start());
+    descend(null, jobs_);
     comparison_.estimate_noise(null.predicted, common_.size());
     take_factors(null);
     std::vector<size_t> columns(common_.size() + suspects_.size());
@@ -407,7 +461,7 @@ Diagnosis Diagnostician::diagnose() {
         const Trial& best = trials.front().hypothesis.score < null.hypothesis.score ? trials.front() : null;
         comparison_.estimate_noise(best.predicted, best.unknowns.size());
         descend(null, jobs_);
-        for (size_t i = 0; i < std::min(kFewestFitted, trials.size()); ++i) descend(trials[i], jobs_);
+        descend_each(std::span(trials).first(std::min(kFewestFitted, trials.size())));
         for (Trial& one : trials) one.hypothesis.score = score(one.predicted, one.unknowns.size());
         sort_by_score(trials);
         scale_slopes();
@@ -447,11 +501,13 @@ Diagnosis Diagnostician::diagnose() {
             diagnosis.step = describe_step(identifier.find_step_bias(at), at, best.unknowns, comparison_.time_step());
         }
     }
-    for (Trial& one : trials) {
-        const bool is_candidate = is_seen && one.hypothesis.score - trials.front().hypothesis.score < kDistinct;
-        if (is_candidate) add_intervals(one);
-        (is_candidate ? diagnosis.candidates : diagnosis.others).push_back(one.hypothesis);
-    }
+    const double least = trials.front().hypothesis.score;
+    const auto end = std::ranges::find_if(
+        trials, [&](const Trial& one) { return !is_seen || one.hypothesis.score - least >= kDistinct; });
+    const auto candidates = std::span(trials).first(as_size(end - trials.begin()));
+    add_intervals(candidates);
+    for (size_t t = 0; t < trials.size(); ++t)
+        (t < candidates.size() ? diagnosis.candidates : diagnosis.others).push_back(trials[t].hypothesis);
     return diagnosis;
 }
 

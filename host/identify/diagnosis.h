@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -61,10 +62,14 @@ private:
         Hypothesis hypothesis;
         Eigen::VectorXd from;
     };
-    Trial fit(Hypothesis hypothesis, bool with_damping, const Eigen::VectorXd& from, double enough) const;
+    Trial start_trial(const Hypothesis& hypothesis, bool with_damping, const Eigen::VectorXd& from) const;
     void descend(Trial& trial, int jobs, double enough = kEnough) const;
+    std::vector<bool> descend_each(std::span<Trial> trials, double enough = kEnough) const;
     void take_factors(Trial& trial) const;
+    std::vector<Trial> fit_each(const std::vector<Start>& starts, bool with_damping, double enough) const;
     std::vector<Trial> fit_all(const std::vector<Start>& starts, double enough = kEnough) const;
+    double reach_by_damping(const Trial& plain) const;
+    double margin_of(const Trial& best) const;
     std::vector<Trial> fit_singles(const Trial& null, const std::vector<std::vector<size_t>>& classes,
                                    const Eigen::VectorXd& residual) const;
     std::vector<Start> screen(const Trial& null, std::vector<Start> starts) const;
@@ -82,7 +87,7 @@ private:
                                       const Eigen::VectorXd& residual) const;
     std::vector<Hypothesis> promising_pairs(const std::vector<size_t>& order, const Eigen::VectorXd& residual) const;
     void find_limits(Diagnosis& diagnosis) const;
-    void add_intervals(Trial& trial) const;
+    void add_intervals(std::span<Trial> trials) const;
 
     Comparison& comparison_;
     const Unknowns& common_;

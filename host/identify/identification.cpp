@@ -159,19 +159,26 @@ LeastSquares Identifier::problem(bool are_logarithmic, int jobs) const {
             unknowns_.low(), unknowns_.high()};
 }
 
+Eigen::MatrixXd Identifier::differentiate_quickly(const Eigen::VectorXd& x, const Eigen::VectorXd& here,
+                                                  const std::vector<size_t>& coordinates) const {
+    const std::vector<TaskResult> results = map_in_processes(coordinates.size(), jobs_, [&](size_t task) {
+        Eigen::VectorXd at = x;
+        at(as_row(coordinates[task])) += kDifference;
+        const Eigen::VectorXd own = residual(at, false);
+        return std::vector<double>(own.begin(), own.end());
+    });
+    Eigen::MatrixXd jacobian(here.size(), as_row(coordinates.size()));
+    for (size_t i = 0; i < coordinates.size(); ++i)
+        jacobian.col(as_row(i)) = (column_of(results[i], unknowns_[coordinates[i]], here.size()) - here) / kDifference;
+    return jacobian;
+}
+
 Minimum Identifier::descend(const Eigen::VectorXd& start, double enough) const {
     LeastSquares quick = problem(false, jobs_);
-    quick.jacobian = [this](const Eigen::VectorXd& x, const Eigen::VectorXd& here) {
-        const std::vector<TaskResult> results = map_in_processes(unknowns_.size(), jobs_, [&](size_t task) {
-            Eigen::VectorXd at = x;
-            at(as_row(task)) += kDifference;
-            const Eigen::VectorXd own = residual(at, false);
-            return std::vector<double>(own.begin(), own.end());
-        });
-        Eigen::MatrixXd jacobian(here.size(), x.size());
-        for (size_t i = 0; i < unknowns_.size(); ++i)
-            jacobian.col(as_row(i)) = (column_of(results[i], unknowns_[i], here.size()) - here) / kDifference;
-        return jacobian;
+    std::vector<size_t> all(unknowns_.size());
+    std::iota(all.begin(), all.end(), size_t{0});
+    quick.jacobian = [this, all](const Eigen::VectorXd& x, const Eigen::VectorXd& here) {
+        return differentiate_quickly(x, here, all);
     };
     return minimise(quick, start, {kMostEvaluations, enough});
 }

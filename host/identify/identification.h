@@ -81,6 +81,9 @@ public:
     Solution polish(const Eigen::VectorXd& start) const;
     /// From one point down to the minimum, quickly, to what a comparison of explanations needs: with one-sided differences.
     Minimum descend(const Eigen::VectorXd& start, double enough) const;
+    /// Of residuals by some coordinates, at a point where they are known: one-sided differences, a run per coordinate.
+    Eigen::MatrixXd differentiate_quickly(const Eigen::VectorXd& x, const Eigen::VectorXd& here,
+                                          const std::vector<size_t>& coordinates) const;
     /// Of residuals by coordinates, at a point.
     Eigen::MatrixXd differentiate(const Eigen::VectorXd& x) const { return jacobian(x, false, jobs_); }
     /// What the data say of the unknowns at the values of a minimum, without intervals.

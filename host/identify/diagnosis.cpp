@@ -21,12 +21,11 @@ namespace {
 
 constexpr double kLowestFactor = 0.01, kHighestFactor = 100;  // of a suspect
 constexpr size_t kFewestFitted = 3;                           // suspects that promise most
-constexpr double kPromising = 0.5;                            // share of the best promise: nearer ones are fitted too
 constexpr double kDoubtful = 0.05;  // chance of a chi2 as large with the noise that was assumed: pairs are tried below it
 constexpr size_t kMostPaired = 8;   // suspects that pairs are made of
 constexpr size_t kMostPairs = 6;    // pairs that are fitted
 constexpr double kScreened = 0.25;  // share of a history by which suspects are chosen
-constexpr double kReach = 2;        // times the gain that the slopes of a damping promise
+constexpr double kReach = 2;        // times the gain that slopes promise: no descent comes further
 constexpr double kUnseen = 1e-6;    // share of the strongest fault's effect
 
 Unknown factor_of(Unknown::Of of, const std::string& element) {
@@ -115,10 +114,14 @@ Diagnostician::Trial Diagnostician::start_trial(const Hypothesis& hypothesis, bo
     return trial;
 }
 
-void Diagnostician::descend(Trial& trial, int jobs, double enough) const {
+void Diagnostician::descend(Trial& trial, int jobs, double enough, double limit) const {
     if (trial.unknowns.size() > 0) {
-        const Minimum minimum = Identifier(comparison_, trial.unknowns, {}, jobs).descend(trial.x, enough);
+        const auto is_hopeless = [&](const Eigen::VectorXd& residual, const Eigen::MatrixXd& slopes) {
+            return reach(residual, slopes) > limit;
+        };
+        const Minimum minimum = Identifier(comparison_, trial.unknowns, {}, jobs).descend(trial.x, enough, is_hopeless);
         trial.x = minimum.x;
+        trial.is_given_up = minimum.is_given_up;
         trial.predicted = comparison_.predicted_of(minimum.residual);
     } else if (trial.predicted.size() == 0) {
         trial.predicted = comparison_.predict(trial.unknowns, trial.x);
@@ -126,16 +129,25 @@ void Diagnostician::descend(Trial& trial, int jobs, double enough) const {
     take_factors(trial);
 }
 
+/// The score that a descent may still come to: kReach times as far as the slopes promise.
+double Diagnostician::reach(const Eigen::VectorXd& residual, const Eigen::MatrixXd& slopes) const {
+    const auto unknowns = as_size(slopes.cols());
+    const double here = score(comparison_.predicted_of(residual), unknowns);
+    const double promised = score(comparison_.predicted_of(without(residual, slopes)), unknowns);
+    return here - kReach * (here - promised);
+}
+
 void Diagnostician::sort_by_score(std::vector<Trial>& trials) {
     std::ranges::stable_sort(trials, {}, [](const Trial& one) { return one.hypothesis.score; });
 }
 
 /// A process each. Says which have an answer; the others stay as they are.
-std::vector<bool> Diagnostician::descend_each(std::span<Trial> trials, double enough) const {
+std::vector<bool> Diagnostician::descend_each(std::span<Trial> trials, double enough, double limit) const {
     const std::vector<TaskResult> results = map_in_processes(trials.size(), jobs_, [&](size_t task) {
         Trial own = trials[task];
-        descend(own, 1, enough);
-        std::vector<double> numbers(own.x.begin(), own.x.end());
+        descend(own, 1, enough, limit);
+        std::vector<double> numbers = {own.is_given_up ? 1.0 : 0.0};
+        numbers.insert(numbers.end(), own.x.begin(), own.x.end());
         numbers.insert(numbers.end(), own.predicted.begin(), own.predicted.end());
         return numbers;
     });
@@ -145,7 +157,8 @@ std::vector<bool> Diagnostician::descend_each(std::span<Trial> trials, double en
         have_answer.push_back(results[t].reason.empty());
         if (!have_answer.back()) continue;
         const Eigen::Map<const Eigen::VectorXd> all(results[t].numbers.data(), as_row(results[t].numbers.size()));
-        trials[t].x = all.head(all.size() - comparison_.rows());
+        trials[t].is_given_up = all(0) > 0.5;
+        trials[t].x = all.segment(1, all.size() - 1 - comparison_.rows());
         trials[t].predicted = all.tail(comparison_.rows());
         take_factors(trials[t]);
     }
@@ -153,11 +166,11 @@ std::vector<bool> Diagnostician::descend_each(std::span<Trial> trials, double en
 }
 
 /// Those that have an answer, in the order of the starts.
-std::vector<Diagnostician::Trial> Diagnostician::fit_each(const std::vector<Start>& starts, bool with_damping,
-                                                          double enough) const {
+std::vector<Diagnostician::Trial> Diagnostician::fit_each(std::span<const Start> starts, bool with_damping, double enough,
+                                                          double limit) const {
     std::vector<Trial> trials;
     for (const auto& [hypothesis, from] : starts) trials.push_back(start_trial(hypothesis, with_damping, from));
-    const std::vector<bool> have_answer = descend_each(trials, enough);
+    const std::vector<bool> have_answer = descend_each(trials, enough, limit);
     std::vector<Trial> found;
     for (size_t t = 0; t < trials.size(); ++t)
         if (have_answer[t]) found.push_back(std::move(trials[t]));
@@ -165,35 +178,38 @@ std::vector<Diagnostician::Trial> Diagnostician::fit_each(const std::vector<Star
 }
 
 /// Each with its stiffness alone, then with its damping too where that may bring it near the best: the better one counts.
+/// The first ones are fitted to the end; of the others those that cannot come near the best of these are left out.
 std::vector<Diagnostician::Trial> Diagnostician::fit_all(const std::vector<Start>& starts, double enough) const {
-    std::vector<Trial> trials = fit_each(starts, false, enough);
-    if (trials.empty()) return trials;
+    const std::span<const Start> all(starts), first = all.first(std::min(kFewestFitted, all.size()));
+    std::vector<Trial> trials = fit_each(first, false, enough, kNoLimit);
+    for (Trial& one : fit_each(all.subspan(first.size()), false, enough, limit_near_best(trials)))
+        trials.push_back(std::move(one));
     std::vector<size_t> with_damping;
     for (size_t t = 0; t < trials.size(); ++t)
         if (unknowns_of(trials[t].hypothesis, true).size() > trials[t].unknowns.size()) with_damping.push_back(t);
     const std::vector<TaskResult> reaches = map_in_processes(with_damping.size(), jobs_, [&](size_t task) {
         return std::vector<double>{reach_by_damping(trials[with_damping[task]])};
     });
-    const Trial& best = *std::ranges::min_element(trials, {}, [](const Trial& one) { return one.hypothesis.score; });
-    const double near = best.hypothesis.score + margin_of(best);
+    const double limit = limit_near_best(trials);
     std::vector<Start> damped;
     for (size_t i = 0; i < with_damping.size(); ++i) {
         const Trial& plain = trials[with_damping[i]];
-        if (reaches[i].reason.empty() && reaches[i].numbers.front() < std::min(near, plain.hypothesis.score))
+        if (reaches[i].reason.empty() && reaches[i].numbers.front() < std::min(limit, plain.hypothesis.score))
             damped.push_back({{plain.hypothesis.elements, plain.hypothesis.are_alike}, plain.x});
     }
-    for (Trial& one : fit_each(damped, true, enough)) {
+    for (Trial& one : fit_each(damped, true, enough, limit)) {
         const auto plain = std::ranges::find_if(trials, [&](const Trial& other) {
             return other.hypothesis.elements == one.hypothesis.elements &&
                    other.hypothesis.are_alike == one.hypothesis.are_alike;
         });
         if (one.hypothesis.score < plain->hypothesis.score) *plain = std::move(one);
     }
+    std::erase_if(trials, [](const Trial& one) { return one.is_given_up; });
     sort_by_score(trials);
     return trials;
 }
 
-/// The score that a trial may come to if its damping is free too: kReach times as far as a first step would lead.
+/// With its damping free beside its stiffness.
 double Diagnostician::reach_by_damping(const Trial& plain) const {
     const Unknowns damped = unknowns_of(plain.hypothesis, true);
     Eigen::VectorXd x = damped.start();
@@ -201,16 +217,16 @@ double Diagnostician::reach_by_damping(const Trial& plain) const {
     std::vector<size_t> all(damped.size());
     std::iota(all.begin(), all.end(), size_t{0});
     const Eigen::VectorXd residual = comparison_.residual(plain.predicted, false);
-    const Eigen::MatrixXd slopes = Identifier(comparison_, damped, {}, 1).differentiate_quickly(x, residual, all);
-    const double here = score(plain.predicted, damped.size());
-    const double there = score(comparison_.predicted_of(without(residual, slopes)), damped.size());
-    return here - kReach * (here - there);
+    return reach(residual, Identifier(comparison_, damped, {}, 1).differentiate_quickly(x, residual, all));
 }
 
-/// How far from the best trial another one is near: by the misfit of the best, where noise that is known does not explain
+/// Of the score: trials below it are near the best. By the misfit of the best, where noise that is known does not explain
 /// it.
-double Diagnostician::margin_of(const Trial& best) const {
-    return kDistinct * std::max(1.0, best.hypothesis.chi2 / static_cast<double>(comparison_.rows()));
+double Diagnostician::limit_near_best(const std::vector<Trial>& trials) const {
+    if (trials.empty()) return kNoLimit;
+    const Hypothesis& best =
+        std::ranges::min_element(trials, {}, [](const Trial& one) { return one.hypothesis.score; })->hypothesis;
+    return best.score + kDistinct * std::max(1.0, best.chi2 / static_cast<double>(comparison_.rows()));
 }
 
 /// First, one suspect of every tie is fitted to the first part of the histories, with a coarse tolerance. Those near the
@@ -219,7 +235,7 @@ std::vector<Diagnostician::Trial> Diagnostician::fit_singles(const Trial& null,
                                                              const std::vector<std::vector<size_t>>& classes,
                                                              const Eigen::VectorXd& residual) const {
     std::vector<Start> starts;
-    for (Hypothesis& one : promising(classes, residual)) starts.push_back({std::move(one), null.x});
+    for (Hypothesis& one : singles(classes, residual)) starts.push_back({std::move(one), null.x});
     starts = screen(null, std::move(starts));
     std::vector<Trial> trials = fit_all(starts);
     if (trials.empty() || trials.front().hypothesis.score > null.hypothesis.score) return trials;  // no change is seen
@@ -248,10 +264,10 @@ std::vector<Diagnostician::Start> Diagnostician::screen(const Trial& null, std::
     const std::vector<Trial> screened = fit_all(starts, 1 / rows);
     if (screened.empty()) return starts;
     const double unchanged = score(null.predicted, common_.size());
-    const double nearest = screened.front().hypothesis.score + margin_of(screened.front());
+    const double limit = limit_near_best(screened);
     std::vector<Start> near;
     for (const Trial& one : screened)
-        if (near.size() < kFewestFitted || one.hypothesis.score < nearest)
+        if (near.size() < kFewestFitted || one.hypothesis.score < limit)
             // What shows nothing in the first part says nothing of a start either
             near.push_back({{one.hypothesis.elements, one.hypothesis.are_alike},
                             one.hypothesis.score < unchanged ? start_of(one) : null.x});
@@ -287,13 +303,6 @@ void Diagnostician::find_slopes(const Trial& null, std::vector<size_t> columns) 
 std::optional<size_t> Diagnostician::damping_column(size_t suspect) const {
     if (!are_damped_[suspect]) return std::nullopt;
     return suspects_.size() + as_size(std::count(are_damped_.begin(), are_damped_.begin() + as_row(suspect), true));
-}
-
-void Diagnostician::find_damping_slopes(const Trial& null, const std::vector<size_t>& suspects) {
-    std::vector<size_t> columns;
-    for (const size_t suspect : suspects)
-        if (const auto column = damping_column(suspect)) columns.push_back(common_.size() + *column);
-    find_slopes(null, columns);
 }
 
 /// The same per standard deviation of the data, without what the common unknowns do.
@@ -339,24 +348,18 @@ std::vector<std::vector<size_t>> Diagnostician::tied_suspects() const {
     return classes;
 }
 
-/// The first of the classes that promise most, and all alike.
-std::vector<Hypothesis> Diagnostician::promising(const std::vector<std::vector<size_t>>& classes,
-                                                 const Eigen::VectorXd& residual) const {
+/// The first of the classes that promise as much as an unknown costs, in the order of what they promise, and all alike.
+std::vector<Hypothesis> Diagnostician::singles(const std::vector<std::vector<size_t>>& classes,
+                                               const Eigen::VectorXd& residual) const {
     std::vector<std::pair<double, size_t>> order;
     for (const std::vector<size_t>& tied : classes) order.emplace_back(gain({tied.front()}, residual), tied.front());
     std::ranges::stable_sort(order, std::ranges::greater(), &std::pair<double, size_t>::first);
-    const double pays = std::log(static_cast<double>(comparison_.rows()));  // for one unknown, by the criterion
-    std::vector<Hypothesis> chosen;
-    for (size_t i = 0; i < order.size(); ++i)
-        if (i < kFewestFitted || order[i].first > std::max(kPromising * order[0].first, pays))
-            chosen.push_back({{suspects_[order[i].second]}});
-    if (suspects_.size() > 1) {
-        Hypothesis alike;
-        alike.elements = suspects_;
-        alike.are_alike = true;
-        chosen.push_back(alike);
-    }
-    return chosen;
+    const double cost = std::log(static_cast<double>(comparison_.rows()));  // of one unknown, by the criterion
+    std::vector<Hypothesis> all;
+    for (const auto& [gain, suspect] : order)
+        if (all.size() < kFewestFitted || gain > cost) all.push_back({{suspects_[suspect]}});
+    if (suspects_.size() > 1) all.push_back({suspects_, true});
+    return all;
 }
 
 /// Those that promise most.
@@ -446,9 +449,6 @@ Diagnosis Diagnostician::diagnose() {
     std::iota(columns.begin(), columns.end(), size_t{0});
     find_slopes(null, columns);
     const std::vector<std::vector<size_t>> classes = tied_suspects();
-    std::vector<size_t> firsts;
-    for (const std::vector<size_t>& tied : classes) firsts.push_back(tied.front());
-    find_damping_slopes(null, firsts);
     const auto residual_of_null = [&] { return Eigen::VectorXd(-comparison_.residual(null.predicted, false)); };
     std::vector<Trial> trials = fit_singles(null, classes, residual_of_null());
     if (trials.empty())
@@ -471,9 +471,9 @@ Diagnosis Diagnostician::diagnose() {
     const bool is_doubtful = !single.is_explained() || (single.is_noise_assumed && single.chance < kDoubtful);
     if (suspects_.size() > 1 && (is_doubtful || suspects_.size() == 2)) {
         std::vector<Start> starts;
-        std::vector<size_t> all(suspects_.size());
-        std::iota(all.begin(), all.end(), size_t{0});
-        find_damping_slopes(null, all);
+        std::vector<size_t> dampings(as_size(std::ranges::count(are_damped_, true)));
+        std::iota(dampings.begin(), dampings.end(), common_.size() + suspects_.size());
+        find_slopes(null, dampings);
         const std::vector<size_t> order = strongest(residual_of_null());
         for (Hypothesis& one : promising_pairs(order, residual_of_null())) starts.push_back({std::move(one), null.x});
         for (Trial& pair : fit_all(starts)) trials.push_back(std::move(pair));

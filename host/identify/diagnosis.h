@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -40,7 +41,7 @@ struct Diagnosis {
 /// of the American Statistical Association 90, 773-795: very strong evidence.
 inline constexpr double kDistinct = 10;
 
-/// Fits the most promising suspects alone, all suspects with one factor, and pairs where no single one explains the data.
+/// Fits the suspects alone, all suspects with one factor, and pairs where no single one explains the data.
 /// Suspects whose effects are proportional are represented by the first; the others are fitted where it is near the best.
 /// common: unknowns that every hypothesis has. All must outlive it.
 class Diagnostician {
@@ -51,10 +52,12 @@ public:
 
 private:
     static constexpr double kEnough = 1e-6;  ///< relative change of chi2 and of the coordinates at which a fit ends
+    static constexpr double kNoLimit = std::numeric_limits<double>::infinity();
     struct Trial {
         Hypothesis hypothesis;
         Unknowns unknowns;
         Eigen::VectorXd x, predicted;
+        bool is_given_up = false;  ///< it cannot come near the best: x is on the way to its minimum
     };
     Unknowns unknowns_of(const Hypothesis& hypothesis, bool with_damping) const;
     /// What is fitted, from where: the first of its unknowns.
@@ -63,13 +66,15 @@ private:
         Eigen::VectorXd from;
     };
     Trial start_trial(const Hypothesis& hypothesis, bool with_damping, const Eigen::VectorXd& from) const;
-    void descend(Trial& trial, int jobs, double enough = kEnough) const;
-    std::vector<bool> descend_each(std::span<Trial> trials, double enough = kEnough) const;
+    /// limit: a score; a descent that cannot come below it is given up.
+    void descend(Trial& trial, int jobs, double enough = kEnough, double limit = kNoLimit) const;
+    std::vector<bool> descend_each(std::span<Trial> trials, double enough = kEnough, double limit = kNoLimit) const;
     void take_factors(Trial& trial) const;
-    std::vector<Trial> fit_each(const std::vector<Start>& starts, bool with_damping, double enough) const;
+    std::vector<Trial> fit_each(std::span<const Start> starts, bool with_damping, double enough, double limit) const;
     std::vector<Trial> fit_all(const std::vector<Start>& starts, double enough = kEnough) const;
+    double reach(const Eigen::VectorXd& residual, const Eigen::MatrixXd& slopes) const;
     double reach_by_damping(const Trial& plain) const;
-    double margin_of(const Trial& best) const;
+    double limit_near_best(const std::vector<Trial>& trials) const;
     std::vector<Trial> fit_singles(const Trial& null, const std::vector<std::vector<size_t>>& classes,
                                    const Eigen::VectorXd& residual) const;
     std::vector<Start> screen(const Trial& null, std::vector<Start> starts) const;
@@ -77,14 +82,12 @@ private:
     static void sort_by_score(std::vector<Trial>& trials);
     double score(const Eigen::VectorXd& predicted, size_t unknowns) const;
     void find_slopes(const Trial& null, std::vector<size_t> columns);
-    void find_damping_slopes(const Trial& null, const std::vector<size_t>& suspects);
     std::optional<size_t> damping_column(size_t suspect) const;
     std::vector<size_t> strongest(const Eigen::VectorXd& residual) const;
     void scale_slopes();
     double gain(const std::vector<size_t>& suspects, const Eigen::VectorXd& residual) const;
     std::vector<std::vector<size_t>> tied_suspects() const;
-    std::vector<Hypothesis> promising(const std::vector<std::vector<size_t>>& classes,
-                                      const Eigen::VectorXd& residual) const;
+    std::vector<Hypothesis> singles(const std::vector<std::vector<size_t>>& classes, const Eigen::VectorXd& residual) const;
     std::vector<Hypothesis> promising_pairs(const std::vector<size_t>& order, const Eigen::VectorXd& residual) const;
     void find_limits(Diagnosis& diagnosis) const;
     void add_intervals(std::span<Trial> trials) const;

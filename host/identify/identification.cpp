@@ -173,8 +173,10 @@ Eigen::MatrixXd Identifier::differentiate_quickly(const Eigen::VectorXd& x, cons
     return jacobian;
 }
 
-Minimum Identifier::descend(const Eigen::VectorXd& start, double enough) const {
+Minimum Identifier::descend(const Eigen::VectorXd& start, double enough,
+                            decltype(LeastSquares::is_hopeless) is_hopeless) const {
     LeastSquares quick = problem(false, jobs_);
+    quick.is_hopeless = std::move(is_hopeless);
     std::vector<size_t> all(unknowns_.size());
     std::iota(all.begin(), all.end(), size_t{0});
     quick.jacobian = [this, all](const Eigen::VectorXd& x, const Eigen::VectorXd& here) {
@@ -518,7 +520,9 @@ double Identifier::rise(const Solution& solution, size_t unknown, double distanc
         x = x.cwiseMax(unknowns_.low()).cwiseMin(unknowns_.high());
         const Eigen::VectorXd own = residual(x, false);
         least = std::min(least, own.squaredNorm());
+        const Eigen::VectorXd before = x;
         if (round + 1 < kRounds) x -= solve_others(jacobian, own, fixed);
+        if (x == before) break;  // there are no others
     }
     return std::max(0.0, least - base);
 }

@@ -80,7 +80,8 @@ public:
     /// From one point, near the minimum; noise as the comparison has it. For bootstraps and tests.
     Solution polish(const Eigen::VectorXd& start) const;
     /// From one point down to the minimum, quickly, to what a comparison of explanations needs: with one-sided differences.
-    Minimum descend(const Eigen::VectorXd& start, double enough) const;
+    /// is_hopeless: as in LeastSquares.
+    Minimum descend(const Eigen::VectorXd& start, double enough, decltype(LeastSquares::is_hopeless) is_hopeless) const;
     /// Of residuals by some coordinates, at a point where they are known: one-sided differences, a run per coordinate.
     Eigen::MatrixXd differentiate_quickly(const Eigen::VectorXd& x, const Eigen::VectorXd& here,
                                           const std::vector<size_t>& coordinates) const;

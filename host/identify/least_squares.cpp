@@ -48,7 +48,10 @@ public:
 
     int df(const Eigen::VectorXd& part, Eigen::MatrixXd& jacobian) {
         const Eigen::VectorXd x = whole(part);
-        const Eigen::MatrixXd all = problem_.jacobian(x, residual_at(x));
+        const Eigen::VectorXd here = residual_at(x);
+        const Eigen::MatrixXd all = problem_.jacobian(x, here);
+        is_given_up = problem_.is_hopeless && problem_.is_hopeless(here, all);
+        if (is_given_up) return -1;
         for (size_t i = 0; i < free_.size(); ++i) jacobian.col(as_row(i)) = all.col(free_[i]);
         return 0;
     }
@@ -62,6 +65,7 @@ public:
     }
 
     int evaluations = 0;
+    bool is_given_up = false;
 
 private:
     const LeastSquares& problem_;
@@ -89,7 +93,8 @@ void descend(const LeastSquares& problem, Minimum& minimum, const SearchEnd& end
     const auto status = solver.minimize(part);
     if (StopSignals::requested()) throw Error(StopSignals::exit_code(), StopSignals::reason());
     minimum.evaluations += own.evaluations;
-    minimum.is_converged = status != Eigen::LevenbergMarquardtSpace::TooManyFunctionEvaluation &&
+    minimum.is_given_up = own.is_given_up;
+    minimum.is_converged = !own.is_given_up && status != Eigen::LevenbergMarquardtSpace::TooManyFunctionEvaluation &&
                            status != Eigen::LevenbergMarquardtSpace::ImproperInputParameters;
     minimum.x = own.whole(part);
     minimum.residual = own.residual_at(minimum.x);
@@ -111,7 +116,7 @@ Minimum minimise(const LeastSquares& problem, const Eigen::VectorXd& start, cons
     constexpr int kMostRounds = 6;  // in which unknowns are taken to bounds and from them
     for (int round = 0; round < kMostRounds; ++round) {
         descend(problem, minimum, end);
-        if (!is_bounded(problem, minimum)) break;
+        if (minimum.is_given_up || !is_bounded(problem, minimum)) break;
         // Beyond a bound the sum falls where its slope says so
         const Eigen::VectorXd slope = problem.jacobian(minimum.x, minimum.residual).transpose() * minimum.residual;
         bool has_changed = false;

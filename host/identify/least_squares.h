@@ -18,6 +18,8 @@ struct LeastSquares {
     ResidualFunction residual;
     JacobianFunction jacobian;
     Eigen::VectorXd low, high;
+    /// Whether the search is given up where residual and derivatives are these; none: it never is.
+    std::function<bool(const Eigen::VectorXd& residual, const Eigen::MatrixXd& jacobian)> is_hopeless = {};
 };
 
 struct Minimum {
@@ -25,6 +27,7 @@ struct Minimum {
     Eigen::VectorXd residual;
     std::vector<bool> at_bound;  ///< the sum would fall beyond it
     bool is_converged = false;
+    bool is_given_up = false;
     int evaluations = 0;
     size_t starts = 1;  ///< points that led here
 

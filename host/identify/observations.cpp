@@ -6,23 +6,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <set>
 
-#include "analysis/modal_session.h"
 #include "analysis/places.h"
-#include "analysis/response_channels.h"
+#include "identify/column_maps.h"
 #include "identify/mains_hum.h"
+#include "identify/model_names.h"
+#include "identify/observed_modes.h"
 #include "identify/repeats.h"
 #include "measured/read_measurement.h"
 #include "model/error.h"
 #include "model/index.h"
-#include "model/read_measured.h"
 #include "model/units.h"
 #include "model/wording.h"
-#include "step/simulation.h"
 #include "study/text_list.h"
 
 namespace dttmm::host {
@@ -33,7 +31,6 @@ constexpr double kSilent = 1e-9;       // share of the largest channel of its un
 constexpr double kImpossible = 1e100;  // SI: its square is no number any more
 constexpr double kLongRecord = 10;     // times the model's duration: most likely a wrong unit of time
 constexpr size_t kFewestBefore = 20;   // samples before the start that show the noise
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 [[noreturn]] void refuse(ExitCode code, const std::string& text) { throw Error(code, text); }
 
@@ -42,60 +39,14 @@ std::string unit_of_sensor(const std::string& unit, const std::string& wanted) {
     return (unit == "g" || unit == "gn" || unit == "G") && wanted == "m/s^2" ? "gravity" : unit;
 }
 
-/// All names that the model knows, for each kind of data.
-class Names {
-public:
-    Names(const Request& request, const Model& model, const Plugins& plugins)
-        : request_(request), model_(model), plugins_(plugins) {}
-
-    const std::vector<Channel>& histories() {
-        if (!histories_) {
-            Model own = model_;
-            if (own.simulation.step == 0) own.simulation.step = kShortestStep;
-            histories_ = Simulation(own, plugins_).channels();
-        }
-        return *histories_;
-    }
-    const ModalMachine& machine() {
-        make_machine_once();
-        return *machine_;
-    }
-    const std::vector<Channel>& responses() {
-        make_machine_once();
-        return responses_;
-    }
-    const Model& modal_model() {
-        make_machine_once();
-        return *modal_model_;
-    }
-
-private:
-    void make_machine_once() {
-        if (machine_) return;
-        ModelOverrides overrides = request_.overrides;
-        overrides.purpose = Purpose::modes;
-        modal_model_ = read_model(request_.model, plugins_.catalogue(), overrides);
-        Warnings silent(Warnings::Silent::yes);
-        machine_.emplace(make_machine(*modal_model_, plugins_, silent));
-        responses_ = ResponseChannels(*modal_model_, *machine_).all();
-    }
-
-    const Request& request_;
-    const Model& model_;
-    const Plugins& plugins_;
-    std::optional<std::vector<Channel>> histories_;
-    std::optional<Model> modal_model_;
-    std::optional<ModalMachine> machine_;
-    std::vector<Channel> responses_;
-};
-
 class Reader {
 public:
     Reader(const Request& request, const Model& model, const Plugins& plugins, Warnings& warnings)
-        : request_(request), model_(model), warnings_(warnings), names_(request, model, plugins) {
-        channels_ = model.measured.channels;
-        for (const std::string& text : request.maps) add_map(text);
-    }
+        : request_(request),
+          model_(model),
+          warnings_(warnings),
+          names_(request, model, plugins),
+          maps_(request, model.measured) {}
 
     Observations read() {
         std::vector<std::filesystem::path> files = request_.measured;
@@ -107,20 +58,15 @@ public:
         for (const std::filesystem::path& file : files) measurements.push_back(read_measurement(file));
         set_clock(measurements);
         for (size_t i = 0; i < files.size(); ++i) take_file(files[i].string(), measurements[i]);
-        for (const MeasuredChannel& one : channels_)
-            if (!used_.contains(one.column))
-                refuse(ExitCode::usage, fmt::format("{}: there is no column {} in {}{}", one.place, quote(one.column),
-                                                    listed(texts(files)), suggestion(one.column, columns_)));
-        for (ObservedMode& mode : found_.modes)
-            if (mode.shape.size() > 0)
-                mode.shape.conservativeResizeLike(Eigen::VectorXd::Constant(as_row(found_.freedoms.size()), kNaN));
+        maps_.check_all_found(texts(files));
+        complete_shapes(found_);
         join_repeats(found_, warnings_);
         drop_silent();
         warn_long_record();
         if (found_.is_empty())
             refuse(ExitCode::input_output,
                    fmt::format("{}: nothing of it is in the model; say with --map COLUMN=CHANNEL what its columns are{}",
-                               listed(texts(files)), columns_.empty() ? "" : ": " + listed(columns_)));
+                               listed(texts(files)), maps_.columns().empty() ? "" : ": " + listed(maps_.columns())));
         return std::move(found_);
     }
 
@@ -129,30 +75,6 @@ private:
         std::vector<std::string> names;
         for (const auto& file : files) names.push_back(file.string());
         return names;
-    }
-
-    void add_map(const std::string& text) {
-        const size_t equals = text.find('=');
-        if (equals == text.npos) refuse(ExitCode::usage, fmt::format("--map {}: write COLUMN=CHANNEL", quote(text)));
-        MeasuredChannel channel;
-        channel.column = without_blanks_around(text.substr(0, equals));
-        channel.place = "--map";
-        std::string is = without_blanks_around(text.substr(equals + 1));
-        if (const size_t open = is.rfind('['); is.ends_with(']') && open != is.npos) {
-            channel.unit = without_blanks_around(is.substr(open + 1, is.size() - open - 2));
-            is.resize(open);
-        }
-        set_channel(channel, is);
-        std::erase_if(channels_, [&](const MeasuredChannel& one) { return one.column == channel.column; });
-        channels_.push_back(channel);
-    }
-
-    /// What the column called so is; none: nothing says it.
-    const MeasuredChannel* find_map(const std::string& column) {
-        used_.insert(column);
-        columns_.push_back(column);
-        const auto own = std::ranges::find(channels_, column, &MeasuredChannel::column);
-        return own == channels_.end() ? nullptr : &*own;
     }
 
     /// One recorder took all files.
@@ -172,7 +94,7 @@ private:
 
     void take_file(const std::string& file, const Measurement& measurement) {
         found_.files.push_back(file);
-        claimed_.clear();
+        maps_.begin_file();
         for (const std::string& note : measurement.notes) warnings_.note("measured", fmt::format("{}: {}", file, note));
         size_t unknown = 0;
         std::string example;
@@ -188,7 +110,10 @@ private:
                                                    counted(unknown, "column is no channel of the model",
                                                            "columns are no channels of the model"),
                                                    quote(example)));
-        if (!measurement.modes.empty()) take_modes(measurement);
+        if (!measurement.modes.empty())
+            add_modes(measurement,
+                      read_noise(request_.noise.empty() ? model_.measured.noise : request_.noise, "Hz", "--noise"), names_,
+                      maps_, found_, warnings_);
     }
 
     /// The channel that a signal is called after: as a map says, else by its name, else by its title.
@@ -221,12 +146,6 @@ private:
                                             suggestion(name, known)));
     }
 
-    void claim(const std::string& channel, const std::string& place) {
-        if (!claimed_.emplace(channel, place).second)
-            refuse(ExitCode::usage, fmt::format("{}: the channel {} has its data from {} already: map one of the two only",
-                                                place, quote(channel), claimed_[channel]));
-    }
-
     /// SI per number of the file.
     double factor(const MeasuredSignal& signal, const MeasuredChannel* map, const std::string& unit) {
         std::string own = map && !map->unit.empty() ? map->unit : signal.unit;
@@ -251,13 +170,13 @@ private:
     }
 
     bool take_history(const MeasuredSignal& signal) {
-        const MeasuredChannel* map = find_map(signal.name);
+        const MeasuredChannel* map = maps_.find(signal.name);
         const std::string name = channel_of(signal, map, names_.histories());
         if (name.starts_with("energy") && !map) return true;  // of our own runs: made of the other channels
         const Channel* channel = find_channel(names_.histories(), name, map, signal.place);
         if (!channel) return false;
         if (!is_chosen(name)) return true;
-        claim(name, signal.place);
+        maps_.claim(name, signal.place);
         const double per_number = factor(signal, map, channel->unit()) / (map ? map->gain : 1) *
                                   ((map && map->is_reversed) != signal.is_reversed ? -1 : 1);
         ObservedHistory history{name, channel->unit(), {}, {}};
@@ -304,14 +223,14 @@ private:
     }
 
     bool take_response(const MeasuredSignal& signal, const Measurement& all) {
-        const MeasuredChannel* map = find_map(signal.name);
+        const MeasuredChannel* map = maps_.find(signal.name);
         const std::string name = channel_of(signal, map, names_.responses());
         const Channel* channel = find_channel(names_.responses(), name, map, signal.place);
         if (!channel) return false;
         if (!is_chosen(name)) return true;
         const std::string input = input_of(signal);
         const auto [place, direction] = place_and_direction(names_.modal_model(), names_.machine(), signal.place, input);
-        claim(name + "/" + input, signal.place);
+        maps_.claim(name + "/" + input, signal.place);
         const bool is_motion = place->is_held(direction), turns = direction >= 3;
         const std::string per = is_motion ? (turns ? "rad" : "m") : turns ? "N*m" : "N";
         const std::string unit =
@@ -350,10 +269,8 @@ private:
     /// What drove a response: the file says it, or the user.
     std::string input_of(const MeasuredSignal& signal) {
         if (!signal.reference.empty()) {
-            const auto map = std::ranges::find(channels_, signal.reference, &MeasuredChannel::column);
-            if (map == channels_.end()) return signal.reference;
-            used_.insert(signal.reference);
-            return map->channel;
+            const MeasuredChannel* map = maps_.find_reference(signal.reference);
+            return map ? map->channel : signal.reference;
         }
         if (!request_.inputs.empty()) return request_.inputs.front();
         if (!model_.measured.input.empty()) return model_.measured.input;
@@ -391,109 +308,6 @@ private:
         }
     }
 
-    /// "floor1.x", "plate.corner1.acceleration.z"; where all moves in one direction "floor1" is enough.
-    std::optional<ObservedFreedom> find_freedom(const std::string& name) {
-        const auto place_of = [&](const std::string& text) { return names_.machine().find(text); };
-        const auto& directions = direction_names();
-        const size_t dot = name.rfind('.');
-        if (dot == name.npos) {
-            const auto free = names_.modal_model().modes.directions;
-            if (!place_of(name) || free.count() != 1) return std::nullopt;
-            for (int d = 0; d < 6; ++d)
-                if (free[as_size(d)]) return ObservedFreedom{name, d};
-        }
-        std::string owner = name.substr(0, dot), axis = name.substr(dot + 1);
-        const size_t second = owner.rfind('.');
-        if (second != owner.npos && !place_of(owner)) {
-            const std::string quantity = owner.substr(second + 1);
-            if (quantity == "rotation" || quantity == "angular_velocity") axis = "r" + axis;
-            owner.resize(second);
-        }
-        const auto direction = std::ranges::find(directions, axis);
-        if (!place_of(owner) || direction == directions.end()) return std::nullopt;
-        return ObservedFreedom{owner, as_int(direction - directions.begin())};
-    }
-
-    void take_modes(const Measurement& measurement) {
-        std::vector<ShapeColumn> columns;
-        size_t unknown = 0;
-        std::string example;
-        for (size_t i = 0; i < measurement.shape_names.size(); ++i) {
-            const std::string& column = measurement.shape_names[i];
-            const MeasuredChannel* map = find_map(column);
-            const std::optional<ObservedFreedom> freedom = find_freedom(map ? map->channel : column);
-            if (!freedom && map)
-                refuse(ExitCode::usage, fmt::format("{}: {} is no place and direction of the model, as plate.z", map->place,
-                                                    quote(map->channel)));
-            if (!freedom) {
-                if (unknown++ == 0) example = column;
-                continue;
-            }
-            claim(fmt::format("{}.{}", freedom->place, direction_names()[as_size(freedom->direction)]), quote(column));
-            const auto known = std::ranges::find_if(found_.freedoms, [&](const ObservedFreedom& one) {
-                return one.place == freedom->place && one.direction == freedom->direction;
-            });
-            columns.push_back(
-                {i, known - found_.freedoms.begin(), (map && map->is_reversed ? -1 : 1) / (map ? map->gain : 1)});
-            if (known == found_.freedoms.end()) found_.freedoms.push_back(*freedom);
-        }
-        if (unknown > 0)
-            warnings_.note("unmapped",
-                           fmt::format("{} of the shapes, as {}: not used; --map COLUMN=PLACE.DIRECTION says what it is",
-                                       counted(unknown, "column is no place and direction of the model",
-                                               "columns are no places and directions of the model"),
-                                       quote(example)));
-        const NoiseLevel level =
-            read_noise(request_.noise.empty() ? model_.measured.noise : request_.noise, "Hz", "--noise");
-        found_.are_frequencies_known = found_.are_frequencies_known || level.is_known();
-        std::map<int, int> rows_of_number;
-        for (size_t i = 0; i < measurement.modes.size(); ++i) {
-            const MeasuredMode& mode = measurement.modes[i];
-            ObservedMode own;
-            own.place = mode.place;
-            own.frequency = mode.frequency / found_.clock;
-            own.damping = mode.damping;
-            own.number = mode.number > 0 ? mode.number : as_int(i + 1);
-            own.row_of_number = rows_of_number[own.number]++;
-            own.deviation = level.absolute > 0 ? level.absolute / own.frequency : level.share;
-            if (mode.frequency_deviation > 0) {
-                own.deviation = mode.frequency_deviation / mode.frequency;
-                found_.are_frequencies_known = true;
-            }
-            take_shape(mode, columns, own);
-            found_.modes.push_back(std::move(own));
-        }
-    }
-
-    /// Column of a file, row among the freedoms, and what makes it the model's.
-    struct ShapeColumn {
-        size_t column;
-        std::ptrdiff_t row;
-        double factor;
-    };
-
-    /// A complex shape is turned so that it is as real as it can be.
-    void take_shape(const MeasuredMode& mode, const std::vector<ShapeColumn>& columns, ObservedMode& own) const {
-        std::complex<double> squares = 0;
-        for (const ShapeColumn& one : columns) {
-            const std::complex<double>& value = mode.shape[one.column];
-            if (std::isfinite(std::abs(value))) squares += value * value;
-        }
-        const std::complex<double> turn = std::polar(1.0, -0.5 * std::arg(squares));
-        own.shape.setConstant(as_row(found_.freedoms.size()), kNaN);
-        double largest = 0;
-        for (const ShapeColumn& one : columns) {
-            const std::complex<double>& value = mode.shape[one.column];
-            if (!std::isfinite(std::abs(value))) continue;
-            own.shape(one.row) = one.factor * (turn * value).real();
-            largest = std::max(largest, std::abs(own.shape(one.row)));
-        }
-        if (largest > 0)
-            own.shape /= largest;
-        else
-            own.shape.resize(0);
-    }
-
     /// Times in ms that are taken for seconds would be a run without end.
     void warn_long_record() {
         double last = 0;
@@ -526,11 +340,9 @@ private:
     const Request& request_;
     const Model& model_;
     Warnings& warnings_;
-    Names names_;
-    std::vector<MeasuredChannel> channels_;
-    std::set<std::string> used_, no_unit_;
-    std::vector<std::string> columns_;
-    std::map<std::string, std::string> claimed_;  ///< channel → place of its data
+    ModelNames names_;
+    ColumnMaps maps_;
+    std::set<std::string> no_unit_;
     Observations found_;
 };
 

@@ -391,6 +391,16 @@ std::vector<Hypothesis> Diagnostician::promising_pairs(const std::vector<size_t>
     return chosen;
 }
 
+/// Those of the strongest suspects that promise most.
+std::vector<Diagnostician::Trial> Diagnostician::fit_pairs(const Trial& null, const Eigen::VectorXd& residual) {
+    std::vector<size_t> dampings(as_size(std::ranges::count(are_damped_, true)));
+    std::iota(dampings.begin(), dampings.end(), common_.size() + suspects_.size());
+    find_slopes(null, dampings);
+    std::vector<Start> starts;
+    for (Hypothesis& one : promising_pairs(strongest(residual), residual)) starts.push_back({std::move(one), null.x});
+    return fit_all(starts);
+}
+
 void Diagnostician::find_limits(Diagnosis& diagnosis) const {
     const auto count = as_row(suspects_.size());
     double strongest = 0;
@@ -439,6 +449,14 @@ void Diagnostician::add_intervals(std::span<Trial> trials) const {
     }
 }
 
+/// What the time step does to the unknowns of a trial; empty: nothing that shows.
+std::string Diagnostician::describe_shift(const Trial& trial) const {
+    if (!comparison_.has_histories() || trial.unknowns.size() == 0) return {};
+    const Identifier identifier(comparison_, trial.unknowns, {}, jobs_);
+    const Solution at = identifier.describe(trial.x);
+    return describe_step(identifier.find_step_bias(at), at, trial.unknowns, comparison_.time_step());
+}
+
 Diagnosis Diagnostician::diagnose() {
     Diagnosis diagnosis;
     Trial null = start_trial({}, false, common_.start());
@@ -470,13 +488,7 @@ Diagnosis Diagnostician::diagnose() {
     const Fit single = judge_best();
     const bool is_doubtful = !single.is_explained() || (single.is_noise_assumed && single.chance < kDoubtful);
     if (suspects_.size() > 1 && (is_doubtful || suspects_.size() == 2)) {
-        std::vector<Start> starts;
-        std::vector<size_t> dampings(as_size(std::ranges::count(are_damped_, true)));
-        std::iota(dampings.begin(), dampings.end(), common_.size() + suspects_.size());
-        find_slopes(null, dampings);
-        const std::vector<size_t> order = strongest(residual_of_null());
-        for (Hypothesis& one : promising_pairs(order, residual_of_null())) starts.push_back({std::move(one), null.x});
-        for (Trial& pair : fit_all(starts)) trials.push_back(std::move(pair));
+        for (Trial& pair : fit_pairs(null, residual_of_null())) trials.push_back(std::move(pair));
         sort_by_score(trials);
         sharpen();
     }
@@ -492,15 +504,7 @@ Diagnosis Diagnostician::diagnose() {
     diagnosis.best_score = std::min(trials.front().hypothesis.score, diagnosis.unchanged.score);
     const bool is_seen = diagnosis.unchanged.score - trials.front().hypothesis.score > kDistinct;
     diagnosis.fit = is_seen ? judge_best() : Identifier(comparison_, null.unknowns, {}, jobs_).judge(null.x);
-    if (comparison_.has_histories()) {
-        const Trial& best = is_seen ? trials.front() : null;
-        Solution at;
-        const Identifier identifier(comparison_, best.unknowns, {}, jobs_);
-        if (best.unknowns.size() > 0) {
-            at = identifier.describe(best.x);
-            diagnosis.step = describe_step(identifier.find_step_bias(at), at, best.unknowns, comparison_.time_step());
-        }
-    }
+    diagnosis.step = describe_shift(is_seen ? trials.front() : null);
     const double least = trials.front().hypothesis.score;
     const auto end = std::ranges::find_if(
         trials, [&](const Trial& one) { return !is_seen || one.hypothesis.score - least >= kDistinct; });

@@ -89,6 +89,8 @@ private:
     std::vector<std::vector<size_t>> tied_suspects() const;
     std::vector<Hypothesis> singles(const std::vector<std::vector<size_t>>& classes, const Eigen::VectorXd& residual) const;
     std::vector<Hypothesis> promising_pairs(const std::vector<size_t>& order, const Eigen::VectorXd& residual) const;
+    std::vector<Trial> fit_pairs(const Trial& null, const Eigen::VectorXd& residual);
+    std::string describe_shift(const Trial& trial) const;
     void find_limits(Diagnosis& diagnosis) const;
     void add_intervals(std::span<Trial> trials) const;
 

@@ -362,6 +362,60 @@ Solution Identifier::estimate(const Eigen::VectorXd& x) const {
 
 Fit Identifier::judge(const Eigen::VectorXd& x) const { return judge_fit(describe(x)); }
 
+/// Histories are fitted over the first part of their duration, then from the minima found there over all of it.
+std::vector<Minimum> Identifier::search_in_stages(std::vector<Start> points, Identification& found) {
+    if (!comparison_.has_histories() || comparison_.has_modes() || points.size() < 2) return search(points, found);
+    std::vector<Minimum> minima;
+    {
+        const ShortWindow window(comparison_, kFirstWindow);
+        minima = search(points, found);
+    }
+    points.clear();
+    for (const Minimum& one : minima) {
+        if (one.chi2() > kFarWorse * minima.front().chi2() + 1) continue;
+        const auto known = std::ranges::find_if(
+            points, [&](const Start& start) { return (start.x - one.x).cwiseAbs().maxCoeff() < kNear; });
+        if (known == points.end())
+            points.push_back({one.x});
+        else
+            ++known->count;
+    }
+    return search(points, found);
+}
+
+/// Where nobody gives the noise: from what the best minimum leaves, which moves with it.
+void Identifier::settle_noise(std::vector<Minimum>& minima) const {
+    for (int round = 0; round < kNoiseRounds; ++round) {
+        const bool is_known = std::ranges::none_of(comparison_.groups(), [](const DataGroup& group) {
+            return group.noise_from == DataGroup::NoiseFrom::residuals;
+        });
+        if (is_known) break;
+        comparison_.estimate_noise(comparison_.predict(unknowns_, minima.front().x), unknowns_.size());
+        minima.front() = minimise(problem(false, jobs_), minima.front().x);
+        for (size_t m = 1; m < minima.size(); ++m) minima[m].residual = residual(minima[m].x, false);
+    }
+    std::ranges::stable_sort(minima, [](const Minimum& a, const Minimum& b) { return a.chi2() < b.chi2(); });
+}
+
+/// Those within kAsGood of the best, each once.
+std::vector<Solution> Identifier::solutions_of(const std::vector<Minimum>& minima) const {
+    std::vector<Solution> solutions;
+    for (const Minimum& one : minima) {
+        if (one.chi2() > minima.front().chi2() + kAsGood) break;
+        const auto known = std::ranges::find_if(solutions, [&](const Solution& s) { return is_same(s.x, one.x); });
+        const bool is_valley = !solutions.empty() && !solutions.front().judged.flat.empty();
+        if (known != solutions.end() || is_valley) {
+            (known != solutions.end() ? *known : solutions.front()).starts += one.starts;
+            continue;
+        }
+        Solution solution = make_solution(one);
+        solution.starts = one.starts;
+        // Where the best is regular, a singular minimum is a fold beside solutions, none of them
+        if (solutions.empty() || solution.judged.flat.empty()) solutions.push_back(std::move(solution));
+    }
+    return solutions;
+}
+
 Identification Identifier::identify(int starts, int seed) {
     const int count = as_int(unknowns_.size());
     if (starts == 0) starts = count == 0 ? 1 : comparison_.has_modes() ? std::min(400, 20 * count) : std::min(64, 8 * count);
@@ -379,51 +433,13 @@ Identification Identifier::identify(int starts, int seed) {
         most_evaluations_ = kFew;
     }
     found.starts = as_size(starts);
-    std::vector<Start> points = starting_points(starts, seed);
-    const bool has_stages = comparison_.has_histories() && !comparison_.has_modes() && starts > 1;
-    if (has_stages) comparison_.set_window(kFirstWindow);
-    std::vector<Minimum> minima = search(points, found);
-    if (has_stages) {
-        comparison_.set_window(1);
-        points.clear();
-        for (const Minimum& one : minima) {
-            if (one.chi2() > kFarWorse * minima.front().chi2() + 1) continue;
-            const auto known = std::ranges::find_if(
-                points, [&](const Start& start) { return (start.x - one.x).cwiseAbs().maxCoeff() < kNear; });
-            if (known == points.end())
-                points.push_back({one.x});
-            else
-                ++known->count;
-        }
-        minima = search(points, found);
-    }
+    std::vector<Minimum> minima = search_in_stages(starting_points(starts, seed), found);
     if (minima.empty())
         throw Error(ExitCode::numerical_failure,
                     fmt::format("the model has no answer from any of {}: {}",
                                 counted(found.starts, "starting point", "starting points"), found.first_failure));
-    for (int round = 0; round < kNoiseRounds; ++round) {
-        const bool is_known = std::ranges::none_of(comparison_.groups(), [](const DataGroup& group) {
-            return group.noise_from == DataGroup::NoiseFrom::residuals;
-        });
-        if (is_known) break;
-        comparison_.estimate_noise(comparison_.predict(unknowns_, minima.front().x), unknowns_.size());
-        minima.front() = minimise(problem(false, jobs_), minima.front().x);
-        for (size_t m = 1; m < minima.size(); ++m) minima[m].residual = residual(minima[m].x, false);
-    }
-    std::ranges::stable_sort(minima, [](const Minimum& a, const Minimum& b) { return a.chi2() < b.chi2(); });
-    for (const Minimum& one : minima) {
-        if (one.chi2() > minima.front().chi2() + kAsGood) break;
-        const auto known = std::ranges::find_if(found.solutions, [&](const Solution& s) { return is_same(s.x, one.x); });
-        const bool is_valley = !found.solutions.empty() && !found.solutions.front().judged.flat.empty();
-        if (known != found.solutions.end() || is_valley) {
-            (known != found.solutions.end() ? *known : found.solutions.front()).starts += one.starts;
-            continue;
-        }
-        Solution solution = make_solution(one);
-        solution.starts = one.starts;
-        // Where the best is regular, a singular minimum is a fold beside solutions, none of them
-        if (found.solutions.empty() || solution.judged.flat.empty()) found.solutions.push_back(std::move(solution));
-    }
+    settle_noise(minima);
+    found.solutions = solutions_of(minima);
     if (found.solutions.size() > 1 || (count > 1 && is_nearly_flat(found.solutions.front()))) {
         if (const auto open = find_valley(found.solutions.front())) {
             Solution& best = found.solutions.front();
@@ -441,6 +457,34 @@ Identification Identifier::identify(int starts, int seed) {
     if (comparison_.has_histories()) found.step_bias = find_step_bias(found.solutions.front());
     return found;
 }
+
+namespace {
+
+constexpr Eigen::Index kFewestCorrelated = 20, kMostLags = 20;  // samples; lags
+
+/// Of residuals.
+struct Correlation {
+    double chance = 1;  ///< that noise has as much
+    double memory = 1;  ///< samples that tell no more than one
+};
+
+/// Source: Ljung and Box (1978), Biometrika 65, 297-303.
+Correlation judge_correlation(const Eigen::VectorXd& residual) {
+    const std::vector<double> rho = correlations(residual, std::min(kMostLags, residual.size() / 5));
+    const auto n = static_cast<double>(residual.size());
+    Correlation found;
+    double Q = 0;
+    bool is_open = true;
+    for (size_t k = 0; k < rho.size(); ++k) {
+        Q += n * (n + 2) * rho[k] * rho[k] / (n - static_cast<double>(k + 1));
+        is_open = is_open && rho[k] > 2 / std::sqrt(n);
+        if (is_open) found.memory += 2 * rho[k];
+    }
+    if (!rho.empty()) found.chance = chance_beyond(Q, as_row(rho.size()));
+    return found;
+}
+
+}  // namespace
 
 Fit Identifier::judge_fit(const Solution& solution) const {
     Fit fit;
@@ -471,30 +515,17 @@ Fit Identifier::judge_fit(const Solution& solution) const {
     int looked_at = 0;
     for (const DataGroup& group : comparison_.groups()) {
         const bool is_curve = group.kind == DataGroup::Kind::history || group.kind == DataGroup::Kind::response;
-        constexpr Eigen::Index kFewest = 20, kMostLags = 20;  // samples; lags
-        if (!is_curve || group.count < kFewest || group.noise <= kLeastNoise * group.largest) continue;
+        if (!is_curve || group.count < kFewestCorrelated || group.noise <= kLeastNoise * group.largest) continue;
         const Eigen::Index stride = group.kind == DataGroup::Kind::response ? 2 : 1;
-        const Eigen::Index count = group.count / stride;
         const Eigen::VectorXd own = Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<>>(
-            residual.data() + group.first, count, Eigen::InnerStride<>(stride));
-        const std::vector<double> rho = correlations(own, std::min(kMostLags, count / 5));
-        // Ljung and Box (1978), Biometrika 65, 297-303
-        double Q = 0, memory = 1;
-        bool is_open = true;
-        for (size_t k = 0; k < rho.size(); ++k) {
-            const auto n = static_cast<double>(count);
-            Q += n * (n + 2) * rho[k] * rho[k] / (n - static_cast<double>(k + 1));
-            is_open = is_open && rho[k] > 2 / std::sqrt(n);
-            if (is_open) memory += 2 * rho[k];
-        }
-        if (!rho.empty()) fit.whiteness = std::min(fit.whiteness, chance_beyond(Q, as_row(rho.size())));
+            residual.data() + group.first, group.count / stride, Eigen::InnerStride<>(stride));
+        const Correlation found = judge_correlation(own);
+        fit.whiteness = std::min(fit.whiteness, found.chance);
         // A mean that noise does not explain is an offset of the sensor
         constexpr double kOffset = 5;  // standard deviations of the mean
-        if (group.kind == DataGroup::Kind::history &&
-            std::abs(own.mean()) * std::sqrt(static_cast<double>(count)) >
-                kOffset * std::sqrt(own.squaredNorm() / static_cast<double>(count)))
+        if (group.kind == DataGroup::Kind::history && std::abs(own.sum()) > kOffset * own.norm())
             fit.offsets.push_back(group.name);
-        sum += memory;
+        sum += found.memory;
         ++looked_at;
     }
     fit.whiteness = std::min(1.0, fit.whiteness * std::max(1, looked_at));

@@ -109,6 +109,9 @@ private:
     std::vector<Start> starting_points(int starts, int seed) const;
     bool is_underdetermined(const Identifiability& judged) const;
     std::vector<Minimum> search(const std::vector<Start>& points, Identification& found);
+    std::vector<Minimum> search_in_stages(std::vector<Start> points, Identification& found);
+    void settle_noise(std::vector<Minimum>& minima) const;
+    std::vector<Solution> solutions_of(const std::vector<Minimum>& minima) const;
     Solution make_solution(const Minimum& minimum) const;
     Eigen::VectorXd weakest_direction(const Solution& solution, double& share) const;
     bool is_nearly_flat(const Solution& solution) const;

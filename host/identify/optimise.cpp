@@ -215,6 +215,22 @@ void report(const Request& request, const FigureFunction& function, const std::v
                failed > 0 ? fmt::format(", {} failed", failed) : "", folder.describe("optimise.json"));
 }
 
+/// Parameters that the figure does not notice when they go from the best to their farther bound.
+std::vector<bool> find_idle(const FigureFunction& function, const Eigen::VectorXd& best, const Eigen::VectorXd& low,
+                            const Eigen::VectorXd& high, int jobs) {
+    std::vector<bool> idle;
+    std::string ignored;
+    for (Eigen::Index i = 0; i < best.size(); ++i) {
+        Eigen::MatrixXd rows(2, best.size());
+        rows.row(0) = best.array().exp();
+        rows.row(1) = rows.row(0);
+        rows(1, i) = std::exp(std::abs(best(i) - low(i)) > 0.5 * (high(i) - low(i)) ? low(i) : high(i));
+        const Eigen::MatrixXd figures = function.evaluate(rows, jobs, ignored);
+        idle.push_back(figures(0, 0) == figures(1, 0));
+    }
+    return idle;
+}
+
 }  // namespace
 
 Goal parse_goal(const std::string& text) {
@@ -282,19 +298,7 @@ ExitCode optimise(const Request& request) {
     std::ranges::stable_sort(optima, [](const Optimum& a, const Optimum& b) { return a.objective < b.objective; });
     std::string ignored;
     const double at_file = function.evaluate(function.nominal().transpose(), 1, ignored)(0, 0);
-    // A parameter that the figure does not notice at the file's values nor at the best
-    std::vector<bool> idle;
-    for (size_t i = 0; i < ranges.size(); ++i) {
-        Eigen::MatrixXd rows(2, count);
-        rows.row(0) = optima.front().x.array().exp();
-        rows.row(1) = rows.row(0);
-        rows(1, as_row(i)) =
-            std::exp(std::abs(optima.front().x(as_row(i)) - low(as_row(i))) > 0.5 * (high(as_row(i)) - low(as_row(i)))
-                         ? low(as_row(i))
-                         : high(as_row(i)));
-        const Eigen::MatrixXd figures = function.evaluate(rows, request.jobs, ignored);
-        idle.push_back(figures(0, 0) == figures(1, 0));
-    }
+    const std::vector<bool> idle = find_idle(function, optima.front().x, low, high, request.jobs);
     report(request, function, ranges, function.figures().front(), at_file, optima, starts, starts - optima.size(), idle);
     return ExitCode::ok;
 }

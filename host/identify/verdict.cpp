@@ -138,37 +138,46 @@ std::string describe_step(const Eigen::VectorXd& bias, const Solution& solution,
         listed(shifted));
 }
 
+namespace {
+
+/// Whether the data are explained, and by how much of what is sought.
+std::string describe_answer(const Identification& found, const Comparison& comparison, const Unknowns& unknowns) {
+    const Solution& best = found.solutions.front();
+    const Fit& fit = found.fit;
+    size_t open = 0;
+    for (size_t i = 0; i < unknowns.size(); ++i) open += !best.judged.is_dead[i] && !best.low[i] && !best.high[i];
+    if (found.is_underdetermined && fit.is_hopeless())
+        return fmt::format(
+            "No set of values that was found explains the data ({}), though there are as many unknowns as data",
+            describe_chi2(fit));
+    if (found.is_underdetermined)
+        return fmt::format(
+            "Under-determined: {} data for {} unknowns, and many sets of values explain them: no value is known. Free "
+            "fewer, say with --prior what is known before, or measure more",
+            fit.points - comparison.scales(), unknowns.size());
+    if (fit.freedom > 0 && !fit.is_explained())
+        return fmt::format(
+            "No set of values explains the data ({}{}): the values below are the best guess of a model that is wrong",
+            describe_chi2(fit), fit.whiteness < 1e-3 ? "; the residuals are correlated: a model error, not noise" : "");
+    if (found.solutions.size() > 1)
+        return fmt::format(
+            "{} sets of values explain the data about equally well (chi2 within 10): the data cannot tell which is true",
+            found.solutions.size());
+    if (!best.judged.flat.empty() || open > 0)
+        return fmt::format("The data do not fix all that is sought: {} of {} are not known", open, unknowns.size());
+    if (!fit.can_be_judged)
+        return fmt::format("How well the model explains the data cannot be judged ({})", describe_chi2(fit));
+    return fmt::format("The model explains the data ({})", describe_chi2(fit));
+}
+
+}  // namespace
+
 std::vector<std::string> make_verdict(const Identification& found, const Comparison& comparison, const Unknowns& unknowns) {
     const Solution& best = found.solutions.front();
     const Fit& fit = found.fit;
     std::vector<std::string> verdict;
     const auto say = [&](std::string text) { verdict.push_back(std::move(text)); };
-    std::vector<std::string> open;
-    for (size_t i = 0; i < unknowns.size(); ++i)
-        if (!best.judged.is_dead[i] && !best.low[i] && !best.high[i]) open.push_back(unknowns[i].name);
-
-    if (found.is_underdetermined && fit.is_hopeless())
-        say(fmt::format("No set of values that was found explains the data ({}), though there are as many unknowns as data",
-                        describe_chi2(fit)));
-    else if (found.is_underdetermined)
-        say(fmt::format(
-            "Under-determined: {} data for {} unknowns, and many sets of values explain them: no value is known. Free "
-            "fewer, say with --prior what is known before, or measure more",
-            fit.points - comparison.scales(), unknowns.size()));
-    else if (fit.freedom > 0 && !fit.is_explained())
-        say(fmt::format(
-            "No set of values explains the data ({}{}): the values below are the best guess of a model that is wrong",
-            describe_chi2(fit), fit.whiteness < 1e-3 ? "; the residuals are correlated: a model error, not noise" : ""));
-    else if (found.solutions.size() > 1)
-        say(fmt::format(
-            "{} sets of values explain the data about equally well (chi2 within 10): the data cannot tell which is true",
-            found.solutions.size()));
-    else if (!best.judged.flat.empty() || !open.empty())
-        say(fmt::format("The data do not fix all that is sought: {} of {} are not known", open.size(), unknowns.size()));
-    else if (!fit.can_be_judged)
-        say(fmt::format("How well the model explains the data cannot be judged ({})", describe_chi2(fit)));
-    else
-        say(fmt::format("The model explains the data ({})", describe_chi2(fit)));
+    say(describe_answer(found, comparison, unknowns));
     if (fit.freedom > 0 && !fit.is_explained() && found.solutions.size() > 1)
         say(fmt::format("{} sets of values come equally near to the data", found.solutions.size()));
     if (fit.freedom <= 0 && !found.is_underdetermined)

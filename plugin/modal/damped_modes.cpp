@@ -27,6 +27,8 @@ constexpr double kSolved = 1e-8;
 constexpr double kSameRate = 1e-6;
 /// Share of the bound: what is slower is a rigid-body mode. Of a double eigenvalue 0 rounding leaves its root, 1e-8.
 constexpr double kSlowest = 1e-6;
+/// µ in units of 1/shift: what is smaller has no mass, and s no bound.
+constexpr double kNoMass = 1e-12;
 
 }  // namespace
 
@@ -116,17 +118,15 @@ void DampedModes::find_all(double below) {
     const Dense M = ((A + B) / 2 - K) / (shift * shift), C = (A - B) / (2 * shift);
     // s = shift + 1/µ: µ² A + µ A' + M = 0 with A' = C + 2 shift M. Where there is no mass µ is 0, and s without bound
     const Eigen::PartialPivLU<Dense> lu(A);
-    const Dense first = lu.solve(C + 2 * shift * M), second = lu.solve(M);
     const Eigen::Index n = K.rows();
     Dense companion = Dense::Zero(2 * n, 2 * n);
-    companion.topLeftCorner(n, n) = -shift * first;  // µ in units of 1/shift
-    companion.topRightCorner(n, n) = -shift * shift * second;
+    companion.topLeftCorner(n, n) = -shift * lu.solve(C + 2 * shift * M);  // µ in units of 1/shift
+    companion.topRightCorner(n, n) = -shift * shift * lu.solve(M);
     companion.bottomLeftCorner(n, n).setIdentity();
     const Solver found(companion);
     if (found.info() != Eigen::Success)
         throw Error(DTTMM_ERROR_NUMERIC, "the damped modes are not found: the eigenvalues do not converge");
     const Eigen::MatrixXcd vectors = found.eigenvectors();
-    constexpr double kNoMass = 1e-12;
     for (Eigen::Index k = 0; k < 2 * n; ++k) {
         const Complex mu = found.eigenvalues()(k) / shift;
         if (std::abs(mu) * shift < kNoMass) continue;
@@ -136,19 +136,21 @@ void DampedModes::find_all(double below) {
         const Eigen::VectorXcd y = vectors.col(k).head(n);
         const bool relaxes =
             std::abs(s.imag()) < kSameRate * std::abs(s) && 2 * lost_inside(y.tail(terms)) > std::abs(y.dot(C * y));
-        if (piles_up(s) || relaxes) {
+        if (piles_up(s) || relaxes)
             has_left_out_ = true;
-            continue;
-        }
-        DampedMode mode{std::abs(s) < kSlowest * below ? 0 : s, 0, {}};
-        Eigen::VectorXcd x = Z.cast<Complex>() * y.head(Z.cols());
-        if (mode.s == 0.0 && !is_new_rigid(x)) continue;
-        improve(mode, x);
-        modes_.push_back(std::move(mode));
+        else
+            take(std::abs(s) < kSlowest * below ? 0 : s, Z.cast<Complex>() * y.head(Z.cols()));
     }
     is_proved_ = std::ranges::all_of(modes_, [](const DampedMode& mode) { return mode.correction < kSolved; });
     std::erase_if(modes_, [&](const DampedMode& mode) { return std::abs(mode.s) > below; });
     std::ranges::sort(modes_, {}, [](const DampedMode& mode) { return std::pair(std::abs(mode.s), mode.s.imag()); });
+}
+
+void DampedModes::take(Complex s, Eigen::VectorXcd x) {
+    if (s == 0.0 && !is_new_rigid(x)) return;
+    DampedMode mode{s, 0, {}};
+    improve(mode, x);
+    modes_.push_back(std::move(mode));
 }
 
 /// Whether a motion with s = 0 is another than those found; takes these out of it. A free direction without damping has the

@@ -53,6 +53,7 @@ private:
     bool has_loss_factor() const;
     template <class Scalar>
     void find_all(double below);
+    void take(Complex s, Eigen::VectorXcd x);
     void improve(DampedMode& mode, Eigen::VectorXcd& x);
 
     const DynamicStiffness& D_;

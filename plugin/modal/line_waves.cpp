@@ -177,6 +177,12 @@ LineWaves::LineWaves(const Line& line, double length, Directions active, double 
     G(4, 4) = axial * by_y;
     G(5, 5) = axial * by_z;
     const Matrix6 M = mass_per_length(s);
+    group_directions(s, moving, A, G, M, C);
+}
+
+/// Directions that the equations of the line couple, in groups: each is solved by itself.
+void LineWaves::group_directions(const Section& s, Directions moving, const Matrix6& A, const Matrix6& G, const Matrix6& M,
+                                 const Vector6& C) {
     std::array<int, 6> group_of{};
     group_of.fill(-1);
     for (size_t first = 0; first < 6; ++first) {

@@ -76,6 +76,8 @@ private:
     template <class Scalar>
     Waves<Scalar> waves(const Group& group, double s, Scalar lambda, Scalar stiffening, bool with_derivative) const;
     double lowest_held(const Group& group, int count) const;
+    void group_directions(const Section& s, Directions moving, const Matrix6& A, const Matrix6& G, const Matrix6& M,
+                          const Vector6& C);
     static bool is_mirror(const Group& one, const Group& other);
 
     double length_;

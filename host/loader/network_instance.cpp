@@ -34,10 +34,11 @@ Channel channel_of(const dttmm_channel& declared, const dttmm_network& network) 
                    declared.role == DTTMM_ROLE_RESULT);
 }
 
-/// What no two channels have alike.
+/// What no two channels have alike. Equal owners and quantities stand at one address: see Channel.
 auto identity(const Channel* channel) {
-    using Text = const std::string&;
-    return std::tuple<Channel::Of, Text, Text, Text>(channel->of(), channel->owner(), channel->quantity(), channel->axis());
+    using Text = const std::string*;
+    return std::tuple<Channel::Of, Text, Text, const std::string&>(channel->of(), &channel->owner(), &channel->quantity(),
+                                                                   channel->axis());
 }
 
 }  // namespace

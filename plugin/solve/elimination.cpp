@@ -63,6 +63,8 @@ Elimination::Elimination(int frame_count, const std::vector<Link>& links, double
         open.rows.reserve(kMostRows);
         open.by.resize(frames);
     };
+    for (const Pivot& pivot : order_->pivots())
+        if (pivot.is_elastic && met_.size() < pivot.neighbours.size()) met_.resize(pivot.neighbours.size());
     size_t most_neighbours = 0;
     for (size_t neighbours : order_->general()) {
         General& general = general_.emplace_back();
@@ -105,7 +107,7 @@ std::optional<Elimination::Fault> Elimination::factor() {
     for (size_t f = 0; f < diagonal_.size(); ++f) own_size_[f] = (diagonal_[f].diagonal() - acting_[f]).cwiseAbs();
     Fault fault;
     for (const Pivot& pivot : order_->pivots())
-        if (!(pivot.is_plain ? factor_plain(pivot, fault) : factor_general(pivot, fault))) return fault;
+        if (!(pivot.is_elastic ? factor_elastic(pivot, fault) : factor_general(pivot, fault))) return fault;
     return std::nullopt;
 }
 
@@ -208,7 +210,7 @@ bool Elimination::decompose(const Pivot& pivot, const Square& block, std::span<c
     result.lu.setThreshold(0);
     result.lu.compute(scaled);
     if (counts_ && smallest <= kFarFromSingular && is_clearly_positive(scaled)) {
-        result.scaled_inverse = result.lu.inverse();
+        result.scaled_inverse = result.substitute(Square(Square::Identity(n, n)));
         return true;
     }
     if (counts_ && scaled.allFinite()) {
@@ -216,12 +218,12 @@ bool Elimination::decompose(const Pivot& pivot, const Square& block, std::span<c
         const auto sizes = eigenvalues.cwiseAbs().eval();
         if (sizes.minCoeff() > smallest * sizes.maxCoeff()) {
             negatives_ += as_int((eigenvalues.array() < 0).count());
-            result.scaled_inverse = result.lu.inverse();
+            result.scaled_inverse = result.substitute(Square(Square::Identity(n, n)));
             return true;
         }
     } else if (scaled.allFinite() && result.lu.matrixLU()(n - 1, n - 1) != 0) {
         // The condition from the inverse, which is wanted anyway: the library's estimate allocates
-        result.scaled_inverse = result.lu.inverse();
+        result.scaled_inverse = result.substitute(Square(Square::Identity(n, n)));
         const auto norm = [](const Square& matrix) { return matrix.cwiseAbs().colwise().sum().maxCoeff(); };
         if (norm(scaled) * norm(result.scaled_inverse) < 1 / kSmallestCondition) return true;
     }
@@ -238,18 +240,32 @@ bool Elimination::decompose(const Pivot& pivot, const Square& block, std::span<c
     return false;
 }
 
-bool Elimination::factor_plain(const Pivot& pivot, Fault& fault) {
+bool Elimination::factor_elastic(const Pivot& pivot, Fault& fault) {
     Matrix6& own = diagonal_[as_size(pivot.frame)];
     Decomposed<Matrix6> block{motion_scale(pivot), {}, {}};
     if (!decompose(pivot, own, {}, smallest_ratio_, block, fault)) return false;
     own = block.inverse();
-    if (pivot.neighbours.empty()) return true;
-    const auto [neighbour, index] = pivot.neighbours.front();
-    Matrix6& coupling = couplings_[as_size(index)];
-    const Matrix6 gain = block.solve(coupling);
-    diagonal_[as_size(neighbour)] -= coupling.transpose() * gain;
-    coupling = gain;
+    for (size_t i = 0; i < pivot.neighbours.size(); ++i) {
+        const auto [neighbour, index] = pivot.neighbours[i];
+        Matrix6& coupling = couplings_[as_size(index)];
+        met_[i] = coupling;
+        coupling = block.solve(met_[i]);
+        diagonal_[as_size(neighbour)] -= met_[i].transpose() * coupling;
+    }
+    size_t fill = 0;
+    for (size_t i = 0; i < pivot.neighbours.size(); ++i)
+        for (size_t j = i + 1; j < pivot.neighbours.size(); ++j)
+            fill_in(pivot, pivot.fills[fill++], i, met_[i].transpose() * couplings_[as_size(pivot.neighbours[j].coupling)]);
     return true;
+}
+
+/// Takes an update off the coupling of neighbour number i with another one.
+void Elimination::fill_in(const Pivot& pivot, int coupling, size_t i, const Matrix6& update) {
+    Matrix6& block = couplings_[as_size(coupling)];
+    if (order_->couplings()[as_size(coupling)].row == pivot.neighbours[i].frame)
+        block -= update;
+    else
+        block -= update.transpose();
 }
 
 /// Its own block with rows that are independent of each other by this frame's motion; all of them where there is no other
@@ -359,15 +375,8 @@ void Elimination::update_neighbours(const Pivot& pivot) {
     size_t fill = 0;
     for (size_t i = 0; i < pivot.neighbours.size(); ++i) {
         const Rows B = coupling_rows(i);
-        for (size_t j = i + 1; j < pivot.neighbours.size(); ++j) {
-            const auto between = as_size(pivot.fills[fill++]);
-            const Matrix6 update = B.transpose() * general.gains[j];
-            Matrix6& block = couplings_[between];
-            if (order_->couplings()[between].row == pivot.neighbours[i].frame)
-                block -= update;
-            else
-                block -= update.transpose();
-        }
+        for (size_t j = i + 1; j < pivot.neighbours.size(); ++j)
+            fill_in(pivot, pivot.fills[fill++], i, B.transpose() * general.gains[j]);
     }
 }
 
@@ -403,7 +412,23 @@ DTTMM_WIDE void Elimination::solve(std::span<Vector6> r, std::span<double> g) co
     }
 }
 
+DTTMM_WIDE void Elimination::eliminate_elastic(const Pivot& pivot, std::span<Vector6> r) const {
+    const double* const own = r[as_size(pivot.frame)].data();
+    for (const auto& [neighbour, coupling] : pivot.neighbours) {
+        double* const next = r[as_size(neighbour)].data();
+        (Six(next) - transposed_product(couplings_[as_size(coupling)].data(), own)).store(next);
+    }
+}
+
+DTTMM_WIDE void Elimination::substitute_elastic(const Pivot& pivot, std::span<Vector6> r) const {
+    double* const own = r[as_size(pivot.frame)].data();
+    product(diagonal_[as_size(pivot.frame)].data(), own).store(own);
+    for (const auto& [neighbour, coupling] : pivot.neighbours)
+        (Six(own) - product(couplings_[as_size(coupling)].data(), r[as_size(neighbour)].data())).store(own);
+}
+
 void Elimination::eliminate(const Pivot& pivot, std::span<Vector6> r, std::span<double> g) const {
+    if (pivot.is_elastic) return eliminate_elastic(pivot, r);
     const General& general = general_[as_size(pivot.index)];
     Column& z = columns_[as_size(pivot.index)];
     z.resize(general.inverse.rows());
@@ -419,6 +444,7 @@ void Elimination::eliminate(const Pivot& pivot, std::span<Vector6> r, std::span<
 }
 
 void Elimination::substitute(const Pivot& pivot, std::span<Vector6> r, std::span<double> g) const {
+    if (pivot.is_elastic) return substitute_elastic(pivot, r);
     const General& general = general_[as_size(pivot.index)];
     Column& z = columns_[as_size(pivot.index)];
     for (size_t i = 0; i < pivot.neighbours.size(); ++i) z -= general.gains[i] * r[as_size(pivot.neighbours[i].frame)];

@@ -94,8 +94,8 @@ private:
         std::vector<Rows> gains;  ///< of each neighbour
         std::vector<int> kept;    ///< rows of J eliminated here, below the frame in the block
     };
-    /// The block of a pivot after full-pivot elimination, in units that balance it. A plain one has its own size at compile
-    /// time: there are many.
+    /// The block of a pivot after full-pivot elimination, in units that balance it. An elastic one has its own size at
+    /// compile time: there are many.
     template <class Square>
     struct Decomposed {
         static constexpr int kSize = Square::RowsAtCompileTime, kMost = Square::MaxRowsAtCompileTime;
@@ -110,8 +110,28 @@ private:
         /// soft one would swamp what is handed on of the stiff one.
         template <class Columns>
         Columns solve(const Columns& B) const {
-            const Columns scaled = scale.asDiagonal() * B;
-            return scale.asDiagonal() * Columns(lu.solve(scaled));
+            return scale.asDiagonal() * substitute(Columns(scale.asDiagonal() * B));
+        }
+        /// By the factor in its units. Rows of the right-hand sides stand in columns, which the machine adds at one go: the
+        /// library's own way is for large matrices.
+        template <class Columns>
+        Columns substitute(const Columns& B) const {
+            const auto& LU = lu.matrixLU();
+            const auto& from = lu.permutationP().indices();
+            const auto& to = lu.permutationQ().indices();
+            const Eigen::Index n = B.rows();
+            Eigen::Matrix<double, Columns::ColsAtCompileTime, kSize, 0, Columns::MaxColsAtCompileTime, kMost> rows(B.cols(),
+                                                                                                                   n);
+            for (Eigen::Index i = 0; i < n; ++i) rows.col(from(i)) = B.row(i).transpose();
+            for (Eigen::Index i = 1; i < n; ++i)
+                for (Eigen::Index k = 0; k < i; ++k) rows.col(i) -= LU(i, k) * rows.col(k);
+            for (Eigen::Index i = n; i-- > 0;) {
+                for (Eigen::Index k = i + 1; k < n; ++k) rows.col(i) -= LU(i, k) * rows.col(k);
+                rows.col(i) /= LU(i, i);
+            }
+            Columns x(n, B.cols());
+            for (Eigen::Index i = 0; i < n; ++i) x.row(to(i)) = rows.col(i).transpose();
+            return x;
         }
     };
     /// What a pivot passes on to the next: rows by the motion of its neighbours, and their gains, one column each.
@@ -126,7 +146,8 @@ private:
     template <class Square>
     bool decompose(const Pivot& pivot, const Square& block, std::span<const int> rows, double smallest,
                    Decomposed<Square>& result, Fault& fault);
-    bool factor_plain(const Pivot& pivot, Fault& fault);
+    bool factor_elastic(const Pivot& pivot, Fault& fault);
+    void fill_in(const Pivot& pivot, int coupling, size_t i, const Matrix6& update);
     bool factor_general(const Pivot& pivot, Fault& fault);
     bool decompose_with_rows(const Pivot& pivot, const Vector6& motions, const Column& row_scale, double smallest,
                              Fault& fault);
@@ -135,6 +156,8 @@ private:
     /// Of a pivot that is not plain, on the way in and on the way back.
     [[gnu::noinline]] void eliminate(const Pivot& pivot, std::span<Vector6> r, std::span<double> g) const;
     [[gnu::noinline]] void substitute(const Pivot& pivot, std::span<Vector6> r, std::span<double> g) const;
+    void eliminate_elastic(const Pivot& pivot, std::span<Vector6> r) const;
+    void substitute_elastic(const Pivot& pivot, std::span<Vector6> r) const;
 
     struct Derivatives {
         Vector6 by[2];
@@ -143,8 +166,8 @@ private:
     std::shared_ptr<const EliminationOrder> order_;
     double least_turning_;  ///< share of the translations' largest below which a rotation's entry is rounding [m²]
     bool is_factored_ = false;
-    // As added, then as far as the elimination has come; of plain pivots in the end their inverse, and that times the
-    // coupling
+    // As added, then as far as the elimination has come; of elastic pivots in the end their inverse, and that times the
+    // couplings
     std::vector<Matrix6> diagonal_, couplings_;
     std::vector<Vector6> acting_;    ///< part of the diagonals by add_acting
     std::vector<Vector6> own_size_;  ///< entries of the diagonals as added, less those
@@ -155,6 +178,7 @@ private:
     double smallest_ratio_ = 0;
     int negatives_ = 0;
     // Of the pivot at hand
+    std::vector<Matrix6> met_;  ///< couplings with its neighbours before their gains take their place
     Decomposed<Block> block_;
     OpenRows open_;
     std::vector<int> choice_, rest_;

@@ -140,9 +140,9 @@ void EliminationOrder::add_pivots(const std::vector<int>& order, const Later& la
 void EliminationOrder::sort_pivots() {
     for (size_t k = 0; k < pivots_.size(); ++k) {
         Pivot& pivot = pivots_[k];
-        pivot.is_plain = pivot.rigid.empty() && pivot.children.empty() && pivot.neighbours.size() <= 1;
-        pivot.index = as_int(pivot.is_plain ? plain_.size() : general_.size());
-        plain_index_.push_back(pivot.is_plain ? pivot.index : -1);
+        pivot.is_elastic = pivot.rigid.empty() && pivot.children.empty();
+        pivot.is_plain = pivot.is_elastic && pivot.neighbours.size() <= 1;
+        plain_index_.push_back(pivot.is_plain ? as_int(plain_.size()) : -1);
         // The rigid directions of one joint are independent of each other: nothing to pass on
         const auto link_of = [&](int row) { return rows_[as_size(row)].link; };
         const bool of_one_joint = pivot.rigid.empty() || link_of(pivot.rigid.front()) == link_of(pivot.rigid.back());
@@ -157,8 +157,9 @@ void EliminationOrder::sort_pivots() {
             plain_.push_back(pivot.neighbours.empty()
                                  ? Plain{pivot.frame, -1, -1}
                                  : Plain{pivot.frame, pivot.neighbours.front().frame, pivot.neighbours.front().coupling});
-        else
-            general_.push_back(pivot.neighbours.size());
+        if (pivot.is_elastic) continue;
+        pivot.index = as_int(general_.size());
+        general_.push_back(pivot.neighbours.size());
     }
 }
 

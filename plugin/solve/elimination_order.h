@@ -30,10 +30,11 @@ public:
         std::vector<int> rigid;     ///< rows of J first met here
         std::vector<int> children;  ///< pivots that may pass rows on to this one
         std::vector<Neighbour> neighbours;
-        std::vector<int> fills;  ///< couplings between two neighbours, as pairs i < j run
-        bool is_plain = false;   ///< one neighbour at most and nothing rigid
-        int index = -1;          ///< among the plain pivots, or among the general ones
-        int passed = -1;         ///< among those that may pass rows on; −1: there never are any
+        std::vector<int> fills;   ///< couplings between two neighbours, as pairs i < j run
+        bool is_elastic = false;  ///< nothing rigid meets here
+        bool is_plain = false;    ///< nor more than one neighbour
+        int index = -1;           ///< of one that is not elastic: among the general ones
+        int passed = -1;          ///< among those that may pass rows on; −1: there never are any
     };
     /// All that a solution wants to know of a plain pivot, close together; neighbour: −1: none.
     struct Plain {
@@ -61,7 +62,7 @@ public:
     const std::vector<Coupling>& couplings() const { return couplings_; }
     const std::vector<OfLink>& links() const { return links_; }
     const std::vector<Row>& rows() const { return rows_; }
-    /// Numbers of neighbours: of every general pivot, of every one that may pass rows on.
+    /// Numbers of neighbours: of every pivot that is not elastic, of every one that may pass rows on.
     const std::vector<std::size_t>& general() const { return general_; }
     const std::vector<std::size_t>& passing() const { return passing_; }
 

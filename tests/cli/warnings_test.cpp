@@ -398,6 +398,7 @@ TEST(WarningsOf, ABendThatSegmentsAreTooLongForIsTold) {
 [simulation]
 duration = 3
 step = 2e-3
+spectral_radius = 0.9
 [output]
 channels = ["bar.turn_to_limit"]
 [nodes]

@@ -87,6 +87,7 @@ Comparison::Comparison(const Request& request, const Observations& observations,
             weights.insert(weights.end(), {weight, weight});
         }
         group.noise = one.deviations.empty() ? one.noise : 1;
+        group.noise_samples = one.noise_samples;
         if (group.noise > 0)
             group.noise_from = one.deviations.empty() ? DataGroup::NoiseFrom::user : DataGroup::NoiseFrom::data;
         close(group);

@@ -44,6 +44,7 @@ struct ObservedResponse {
     std::vector<std::complex<double>> values;
     std::vector<double> deviations;  ///< standard deviation of real and imaginary part from the coherence; empty: not known
     double noise = 0;                ///< the same of all; 0: not known
+    size_t noise_samples = 0;        ///< differences that deviations were estimated from; 0: they are known
     bool is_real = false;            ///< the file gives no imaginary part: it is not compared
     std::string place = {};          ///< "blow.uff: record 3", for messages
 };

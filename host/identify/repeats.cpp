@@ -154,6 +154,7 @@ ObservedResponse join(const std::vector<const ObservedResponse*>& set, Warnings&
     }
     const size_t per_line = as_size(parts) * (set.size() - 1);
     const Eigen::Index beside = as_row((kFewestDifferences / per_line + 1) / 2);
+    joined.noise_samples = scatter.differences();
     joined.deviations.resize(as_size(lines));
     for (Eigen::Index i = 0; i < lines; ++i) {
         const Eigen::Index first = std::max(i - beside, Eigen::Index{0}), end = std::min(i + beside + 1, lines);

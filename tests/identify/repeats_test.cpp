@@ -102,6 +102,7 @@ TEST_F(Repeats, OfResponsesGiveTheNoiseOfEveryLine) {
             join_repeats(all, warnings_);
             ASSERT_EQ(all.responses.size(), 1u);
             const ObservedResponse& mean = all.responses[0];
+            EXPECT_EQ(mean.noise_samples, kLines * static_cast<size_t>(repeats - 1) * (is_real ? 1 : 2));
             for (const size_t first : {size_t{0}, kLines / 2}) {
                 double squares = 0;
                 for (size_t i = first; i < first + kLines / 2; ++i)

@@ -99,8 +99,10 @@ Comparison::Comparison(const Request& request, const Observations& observations,
             weights.push_back(mode.deviation > 0 ? mode.deviation : kFrequencyNoise);
         }
         frequencies.noise = 1;
-        frequencies.noise_from =
-            observations.are_frequencies_known ? DataGroup::NoiseFrom::user : DataGroup::NoiseFrom::assumed;
+        frequencies.noise_samples = observations.frequency_samples;
+        frequencies.noise_from = observations.frequency_samples > 0   ? DataGroup::NoiseFrom::data
+                                 : observations.are_frequencies_known ? DataGroup::NoiseFrom::user
+                                                                      : DataGroup::NoiseFrom::assumed;
         close(frequencies);
         DataGroup shapes = open(DataGroup::Kind::shape, "shapes");
         for (const ObservedMode& mode : observations.modes) {

@@ -60,7 +60,7 @@ public:
     const Eigen::VectorXd& data() const { return data_; }
     std::vector<DataGroup>& groups() { return groups_; }
     const std::vector<DataGroup>& groups() const { return groups_; }
-    /// Of every row: the noise of its group, times what a coherence says.
+    /// Of every row: the noise of its group, times what coherence or repeats say.
     Eigen::VectorXd deviations() const;
     /// What the model predicts where residuals (not logarithmic) are those.
     Eigen::VectorXd predicted_of(const Eigen::VectorXd& residual) const {
@@ -91,7 +91,6 @@ public:
 
 private:
     Model read(const Unknowns& unknowns, const Eigen::VectorXd& x, Purpose purpose) const;
-    void add_group(DataGroup group, const Eigen::VectorXd& data);
     void predict_histories(Model model, const MeasurementFactors& factors, int finer, Eigen::VectorXd& out) const;
     void predict_responses(const Model& model, const MeasurementFactors& factors, Eigen::VectorXd& out) const;
     std::vector<ModePair> predict_modes(const Model& model, const MeasurementFactors& factors, Eigen::VectorXd& out) const;

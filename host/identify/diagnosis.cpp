@@ -9,7 +9,6 @@
 #include <limits>
 #include <numeric>
 
-#include "analysis/stop_signals.h"
 #include "identify/forked_map.h"
 #include "identify/verdict.h"
 #include "model/error.h"
@@ -151,7 +150,6 @@ std::vector<bool> Diagnostician::descend_each(std::span<Trial> trials, double en
         numbers.insert(numbers.end(), own.predicted.begin(), own.predicted.end());
         return numbers;
     });
-    if (StopSignals::requested()) throw Error(StopSignals::exit_code(), StopSignals::reason());
     std::vector<bool> have_answer;
     for (size_t t = 0; t < trials.size(); ++t) {
         have_answer.push_back(results[t].reason.empty());
@@ -202,7 +200,7 @@ std::vector<Diagnostician::Trial> Diagnostician::fit_all(const std::vector<Start
             return other.hypothesis.elements == one.hypothesis.elements &&
                    other.hypothesis.are_alike == one.hypothesis.are_alike;
         });
-        if (one.hypothesis.score < plain->hypothesis.score) *plain = std::move(one);
+        if (!one.is_given_up && one.hypothesis.score < plain->hypothesis.score) *plain = std::move(one);
     }
     std::erase_if(trials, [](const Trial& one) { return one.is_given_up; });
     sort_by_score(trials);
@@ -220,8 +218,7 @@ double Diagnostician::reach_by_damping(const Trial& plain) const {
     return reach(residual, Identifier(comparison_, damped, {}, 1).differentiate_quickly(x, residual, all));
 }
 
-/// Of the score: trials below it are near the best. By the misfit of the best, where noise that is known does not explain
-/// it.
+/// Of the score: trials below it are near the best. The margin grows with chi2 per row of the best, where that exceeds 1.
 double Diagnostician::limit_near_best(const std::vector<Trial>& trials) const {
     if (trials.empty()) return kNoLimit;
     const Hypothesis& best =
@@ -357,7 +354,7 @@ std::vector<Hypothesis> Diagnostician::singles(const std::vector<std::vector<siz
     const double cost = std::log(static_cast<double>(comparison_.rows()));  // of one unknown, by the criterion
     std::vector<Hypothesis> all;
     for (const auto& [gain, suspect] : order)
-        if (all.size() < kFewestFitted || gain > cost) all.push_back({{suspects_[suspect]}});
+        if (all.size() < kFewestFitted || kReach * gain > cost) all.push_back({{suspects_[suspect]}});
     if (suspects_.size() > 1) all.push_back({suspects_, true});
     return all;
 }
@@ -420,13 +417,11 @@ void Diagnostician::find_limits(Diagnosis& diagnosis) const {
     }
 }
 
-/// Factors of stiffness and their limits, a process for each trial.
+/// Factors of stiffness and their limits, a process for each trial; of one trial its runs have processes of their own.
 void Diagnostician::add_intervals(std::span<Trial> trials) const {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    const std::vector<TaskResult> results = map_in_processes(trials.size(), jobs_, [&](size_t task) {
-        const Trial& trial = trials[task];
-        const Solution solution =
-            Identifier(comparison_, trial.unknowns, {}, trials.size() > 1 ? 1 : jobs_).estimate(trial.x);
+    const auto find = [&](const Trial& trial, int jobs) {
+        const Solution solution = Identifier(comparison_, trial.unknowns, {}, jobs).estimate(trial.x);
         std::vector<double> numbers;
         for (size_t i = common_.size(); i < trial.unknowns.size(); ++i) {
             const Unknown& one = trial.unknowns[i];
@@ -435,7 +430,12 @@ void Diagnostician::add_intervals(std::span<Trial> trials) const {
                 numbers.push_back(at ? one.value(*at) : kNone);
         }
         return numbers;
-    });
+    };
+    std::vector<TaskResult> results;
+    if (trials.size() == 1)
+        results.push_back({find(trials.front(), jobs_)});
+    else
+        results = map_in_processes(trials.size(), jobs_, [&](size_t task) { return find(trials[task], 1); });
     for (size_t t = 0; t < trials.size(); ++t) {
         if (!results[t].reason.empty()) throw Error(ExitCode::numerical_failure, results[t].reason);
         Hypothesis& own = trials[t].hypothesis;

@@ -558,15 +558,22 @@ double Identifier::rise(const Solution& solution, size_t unknown, double distanc
     return std::max(0.0, least - base);
 }
 
+/// Of chi2, at the ends of an interval of 95 %. Where the noise is an estimate, by the fewest differences behind it.
+double Identifier::allowed_rise() const {
+    Eigen::Index freedom = std::numeric_limits<Eigen::Index>::max();
+    for (const DataGroup& group : comparison_.groups()) {
+        if (group.noise_from == DataGroup::NoiseFrom::residuals)
+            freedom = std::min(freedom, comparison_.rows() - comparison_.scales() - as_row(unknowns_.size()));
+        if (group.noise_samples > 0) freedom = std::min(freedom, as_row(group.noise_samples));
+    }
+    if (freedom <= 0 || freedom == std::numeric_limits<Eigen::Index>::max())
+        return boost::math::quantile(boost::math::chi_squared(1), 0.95);
+    return boost::math::quantile(boost::math::fisher_f(1, static_cast<double>(freedom)), 0.95);
+}
+
 /// Where chi2 has risen by what 95 % allow: from the curvature first, then by the profile of chi2 itself.
 void Identifier::find_intervals(Solution& solution, double inflation) const {
-    Eigen::Index freedom = comparison_.rows() - comparison_.scales() - as_row(unknowns_.size());
-    const bool is_estimated = std::ranges::any_of(
-        comparison_.groups(), [](const DataGroup& group) { return group.noise_from == DataGroup::NoiseFrom::residuals; });
-    const double allowed =
-        inflation * inflation *
-        (is_estimated && freedom > 0 ? boost::math::quantile(boost::math::fisher_f(1, static_cast<double>(freedom)), 0.95)
-                                     : boost::math::quantile(boost::math::chi_squared(1), 0.95));
+    const double allowed = inflation * inflation * allowed_rise();
     const Eigen::MatrixXd J = jacobian(solution.x, false, jobs_);
     const double base = residual(solution.x, false).squaredNorm();
     const auto limit = [&](size_t unknown, double sign) -> std::optional<double> {

@@ -118,6 +118,7 @@ private:
     std::optional<Eigen::VectorXd> find_valley(const Solution& solution) const;
     bool is_same(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
     Fit judge_fit(const Solution& solution) const;
+    double allowed_rise() const;
     void find_intervals(Solution& solution, double inflation) const;
     double rise(const Solution& solution, size_t unknown, double distance, const Eigen::MatrixXd& jacobian,
                 double base) const;

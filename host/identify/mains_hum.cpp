@@ -8,6 +8,7 @@
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 
 #include "analysis/fourier.h"
@@ -19,11 +20,12 @@ namespace dttmm::host {
 namespace {
 
 constexpr double kBand = 0.05;          // share: no recorder's clock is further off
-constexpr double kFloorBand = 0.2;      // share: around the band, what the floor is taken from
-constexpr double kPeriods = 25;         // fewest: the band is then wider than a line
-constexpr double kByChance = 1e-6;      // that noise alone has such a line
+constexpr double kFloorBand = 0.5;      // share: around the band, what the floor is taken from
+constexpr double kPeriods = 50;         // fewest: 50 bins for the floor
+constexpr double kByChance = 1e-6;      // that noise above an exact floor has such a line; the floor's own scatter adds
 constexpr double kSameInterval = 0.01;  // of an interval
-constexpr double kSteady = 2;           // ratio of amplitudes of the halves: mains keep theirs, a vibration decays
+constexpr double kSteady = 4;           // standard deviations by which the halves may differ, beside
+constexpr double kMainsVary = 0.05;     // share of the amplitude: what mains themselves vary by
 
 [[noreturn]] void refuse(const std::string& text) { throw Error(ExitCode::input_output, text); }
 
@@ -73,6 +75,10 @@ struct Line {
     double chance = 1;  ///< that noise alone has it
 };
 
+double share_of(double value, double whole) {
+    return whole > 0 ? value / whole : value > 0 ? std::numeric_limits<double>::infinity() : 0;
+}
+
 /// The highest line near `expected`, a bin. Noise has an exponential distribution of power, whose median is ln 2 of its
 /// mean.
 Line find_line(const std::vector<double>& power, double expected) {
@@ -80,49 +86,62 @@ Line find_line(const std::vector<double>& power, double expected) {
         return std::clamp(static_cast<size_t>(std::lround(share * expected)), size_t{1}, power.size() - 1);
     };
     Line line;
-    for (size_t i = bin(1 - kBand); i <= bin(1 + kBand); ++i)
-        if (line.bin == 0 || power[i] > power[line.bin]) line.bin = i;
+    for (size_t i = bin(1 - kBand); i <= bin(1 + kBand) && i + 1 < power.size(); ++i) {
+        const bool is_top = power[i] >= power[i - 1] && power[i] >= power[i + 1];  // no flank of a line outside
+        if (is_top && (line.bin == 0 || power[i] > power[line.bin])) line.bin = i;
+    }
+    if (line.bin == 0) return line;
     std::vector<double> around;
     for (size_t i = bin(1 - kFloorBand); i <= bin(1 + kFloorBand); ++i) around.push_back(power[i]);
     const auto middle = around.begin() + as_row(around.size() / 2);
     std::ranges::nth_element(around, middle);
     const double floor = *middle / std::numbers::ln2;
-    line.height = floor > 0 ? power[line.bin] / floor : power[line.bin] > 0 ? std::numeric_limits<double>::infinity() : 0;
+    line.height = share_of(power[line.bin], floor);
     line.chance = static_cast<double>(bin(1 + kBand) - bin(1 - kBand) + 1) * std::exp(-line.height);
     return line;
+}
+
+/// Why hum cannot be found in a record; empty: it can.
+std::string describe_unfit(const MeasuredSignal& record, double step, double nominal) {
+    const std::vector<double>& times = record.abscissa;
+    for (size_t i = 0; i < times.size(); ++i)
+        if (!(std::abs(times[i] - times.front() - static_cast<double>(i) * step) <= kSameInterval * step))
+            return fmt::format("{}: hum is sought in samples of equal intervals", record.place);
+    const double expected = nominal * step * static_cast<double>(times.size());
+    if (expected < kPeriods)
+        return fmt::format("{}: {:.3g} periods of hum are too few, {} are wanted", record.place, expected, kPeriods);
+    if (2 * nominal * (1 + kFloorBand) * step > 1)
+        return fmt::format("{}: hum at {:.6g} Hz is not resolved by intervals of {:.4g} s", record.place, nominal, step);
+    if (!std::ranges::all_of(record.values, [](double value) { return std::isfinite(value); }))
+        return fmt::format("{}: not all values are numbers", record.place);
+    return {};
 }
 
 }  // namespace
 
 double find_mains_hum(const std::vector<const MeasuredSignal*>& histories, double nominal) {
+    constexpr const char* kCure = "give `clock` in [measured]";
     const MeasuredSignal* best = nullptr;
     double interval = 0;
     Line highest;
+    std::string unfit = "hum is sought in histories, and there are none";
     for (const MeasuredSignal* one : histories) {
-        const std::vector<double>& times = one->abscissa;
-        if (times.size() < 2) continue;
-        const double step = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
-        for (size_t i = 0; i < times.size(); ++i)
-            if (!(std::abs(times[i] - times.front() - static_cast<double>(i) * step) <= kSameInterval * step))
-                refuse(
-                    fmt::format("{}: hum is sought in samples of equal intervals; give `clock` in [measured]", one->place));
-        const double expected = nominal * step * static_cast<double>(times.size());
-        if (expected < kPeriods)
-            refuse(fmt::format("{}: {:.3g} periods of hum are too few, {} are wanted; give `clock` in [measured]",
-                               one->place, expected, kPeriods));
-        if (2 * nominal * (1 + kFloorBand) * step > 1)
-            refuse(fmt::format("{}: hum at {:.6g} Hz is not resolved by intervals of {:.4g} s; give `clock` in [measured]",
-                               one->place, nominal, step));
-        const Line line = find_line(Record(one->values).power(), expected);
-        if (line.height <= highest.height) continue;
+        if (one->abscissa.size() < 2) continue;
+        const double step = (one->abscissa.back() - one->abscissa.front()) / static_cast<double>(one->abscissa.size() - 1);
+        if (const std::string reason = describe_unfit(*one, step, nominal); !reason.empty()) {
+            unfit = reason;
+            continue;
+        }
+        const Line line = find_line(Record(one->values).power(), nominal * step * static_cast<double>(one->values.size()));
+        if (best && line.height <= highest.height) continue;
         highest = line;
         best = one;
         interval = step;
     }
-    if (!best) refuse("hum is sought in histories, and there are none: give `clock` in [measured]");
-    if (highest.chance > kByChance)
-        refuse(
-            fmt::format("no hum stands out within {:.0f} % of {:.6g} Hz: give `clock` in [measured]", 100 * kBand, nominal));
+    if (!best) refuse(fmt::format("{}: {}", unfit, kCure));
+    const std::string not_seen =
+        fmt::format("no hum stands out within {:.0f} % of {:.6g} Hz: {}", 100 * kBand, nominal, kCure);
+    if (highest.chance > kByChance) refuse(not_seen);
     const Record record(best->values);
     const auto size = static_cast<double>(record.size());
     const double at = static_cast<double>(highest.bin) / size;
@@ -130,13 +149,15 @@ double find_mains_hum(const std::vector<const MeasuredSignal*>& histories, doubl
         boost::math::tools::brent_find_minima([&](double f) { return -record.amplitude(f); }, at - 1 / size, at + 1 / size,
                                               std::numeric_limits<double>::digits / 2)
             .first;
+    if (std::abs(frequency / interval - nominal) > kBand * nominal) refuse(not_seen);
     const size_t half = record.size() / 2;
     const double early = record.amplitude(frequency, 0, half), late = record.amplitude(frequency, half, record.size());
-    if (!(early <= kSteady * late && late <= kSteady * early))
+    // Amplitudes of the halves scatter by 1/sqrt(height) each
+    if (!(std::abs(std::log(early / late)) <= kSteady * std::sqrt(2 / highest.height) + kMainsVary))
         refuse(
             fmt::format("{}: the line at {:.6g} Hz changes from {:.3g} to {:.3g}: a vibration, or hum in a part of the "
-                        "record; give `clock` in [measured]",
-                        best->place, frequency / interval, early, late));
+                        "record; {}",
+                        best->place, frequency / interval, early, late, kCure));
     return frequency / interval;
 }
 

@@ -10,9 +10,9 @@
 namespace dttmm::host {
 
 /// The frequency by the clock of the file [Hz] of the mains hum in histories that one recorder took, within 5 % of
-/// `nominal`: of the record in which its line stands out most. Throws Error(input_output): no history; no line that noise
-/// alone would not show (one chance in a million); a line that grows or dies away, as a vibration does; a record of unequal
-/// intervals, or shorter than 25 periods.
+/// `nominal`: of the record in which its line stands out most. Records of unequal intervals, shorter than 50 periods, that
+/// do not resolve it or hold NaN are passed over. Throws Error(input_output): no record is left; no line stands out (white
+/// noise alone passes about one time in ten thousand); the line grows or dies away, as a vibration does.
 double find_mains_hum(const std::vector<const MeasuredSignal*>& histories, double nominal);
 
 /// The sine of this frequency [Hz] that is nearest to values at these times, in the sense of least squares.

@@ -87,8 +87,8 @@ private:
                 if (signal.kind == MeasuredSignal::Kind::history) histories.push_back(&signal);
         const double hum = find_mains_hum(histories, model_.measured.hum);
         found_.clock = hum / model_.measured.hum;
-        warnings_.note("hum", fmt::format("the mains hum of {:.6g} Hz stands at {:.6g} Hz of the file: clock {:.6g}. Mains "
-                                          "themselves are off by up to 0.1 %, usually",
+        warnings_.note("hum", fmt::format("the mains hum of {:.6g} Hz is at {:.6g} Hz of the file: clock {:.6g}. The mains "
+                                          "frequency is usually within 0.1 %",
                                           model_.measured.hum, hum, found_.clock));
     }
 

@@ -42,7 +42,7 @@ struct ObservedResponse {
     std::string unit;            ///< of the channel per unit of the input
     std::vector<double> frequencies;
     std::vector<std::complex<double>> values;
-    std::vector<double> deviations;  ///< standard deviation of real and imaginary part from the coherence; empty: not known
+    std::vector<double> deviations;  ///< of real and imaginary part, from coherence or repeats; empty: not known
     double noise = 0;                ///< the same of all; 0: not known
     size_t noise_samples = 0;        ///< differences that deviations were estimated from; 0: they are known
     bool is_real = false;            ///< the file gives no imaginary part: it is not compared
@@ -73,6 +73,7 @@ struct Observations {
     std::vector<ObservedFreedom> freedoms;
     std::vector<std::string> files;
     double clock = 1;                    ///< true time per time of the files
+    size_t frequency_samples = 0;        ///< differences that the noise of frequencies was estimated from
     bool are_frequencies_known = false;  ///< the noise of frequencies comes from the file or the user
 
     /// Channels and responses, for gains.

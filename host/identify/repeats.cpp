@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
+#include <cassert>
 #include <cmath>
+#include <span>
 
+#include "identify/mains_hum.h"
 #include "model/error.h"
 #include "model/index.h"
 #include "model/wording.h"
@@ -17,7 +19,9 @@ namespace {
 
 constexpr double kSameInstant = 1e-3;  // of an interval: at half the sampling frequency that moves a value by 0.3 %
 constexpr double kCopy = 1e-12;        // share of the largest value: no two measurements agree so
-constexpr double kSeen = 4;            // standard deviations: one set in 16 000 differs as much in size by noise alone
+constexpr double kSeen = 4;            // standard deviations: one in 16 000 differs as much in size by noise alone
+constexpr double kOneMode = 0.1;       // share of a frequency: two that differ by more are not one mode
+constexpr double kOneShape = 0.5;      // of MAC: nor are two shapes that differ by more
 // Differences behind the scatter of one line of a response. A sum of squares over an estimated variance is too large by
 // n/(n - 2) in the mean, which is corrected; its own scatter grows by a tenth.
 constexpr size_t kFewestDifferences = 20;
@@ -47,6 +51,7 @@ std::vector<std::string> places_of(const std::vector<const Observed*>& set) {
 
 void check_same_points(const std::vector<double>& a, const std::vector<double>& b, const std::vector<std::string>& places,
                        const char* points) {
+    assert(a.size() > 1);
     bool are_same = a.size() == b.size();
     const double interval = (a.back() - a.front()) / static_cast<double>(a.size() - 1);
     for (size_t i = 0; are_same && i < a.size(); ++i) are_same = std::abs(a[i] - b[i]) <= kSameInstant * interval;
@@ -58,49 +63,57 @@ void check_same_points(const std::vector<double>& a, const std::vector<double>& 
 /// Repeats of numbers, a column each.
 class Scatter {
 public:
-    Scatter(const Eigen::MatrixXd& repeats, const std::vector<std::string>& places, Warnings& warnings)
-        : mean_(repeats.rowwise().mean()), differences_(repeats.colwise() - mean_) {
+    Scatter(const Eigen::MatrixXd& repeats, const std::vector<std::string>& places)
+        : mean_(repeats.rowwise().mean()), differences_(repeats.colwise() - mean_), rows_(repeats.rows()) {
         const double largest = mean_.cwiseAbs().maxCoeff();
         for (Eigen::Index a = 0; a < repeats.cols(); ++a)
             for (Eigen::Index b = 0; b < a; ++b)
                 if ((repeats.col(a) - repeats.col(b)).cwiseAbs().maxCoeff() <= kCopy * largest)
                     refuse(
                         fmt::format("{} and {} are the same: a copy is no repeat", places[as_size(b)], places[as_size(a)]));
-        warn_of_size(places, warnings);
+    }
+
+    /// Hum has another phase in every repeat; the fit takes it off.
+    void take_off_hum(std::span<const double> times, double hum) {
+        for (auto column : differences_.colwise()) column -= fit_sine(times, column, hum);
+        rows_ -= 2;
     }
 
     const Eigen::VectorXd& mean() const { return mean_; }
-    size_t differences() const { return as_size(differences_.size() - differences_.rows()); }
-    /// Standard deviation of the mean of rows first to end, as far as the differences tell.
-    double deviation_of_mean(Eigen::Index first, Eigen::Index end) const {
-        const auto repeats = static_cast<double>(differences_.cols());
-        const double freedom = static_cast<double>(end - first) * (repeats - 1);
-        return std::sqrt(differences_.middleRows(first, end - first).squaredNorm() / freedom / repeats);
+    size_t freedom() const { return as_size(rows_ * (differences_.cols() - 1)); }
+    /// Standard deviation of the mean, as far as all differences tell.
+    double deviation_of_mean() const {
+        return std::sqrt(differences_.squaredNorm() / static_cast<double>(freedom()) / repeats());
     }
-
-private:
-    /// A harder blow is no noise: its differences are the signal itself.
+    /// Of rows `first` to `end`.
+    double deviation_of_mean(Eigen::Index first, Eigen::Index end) const {
+        const double freedom = static_cast<double>(end - first) * (repeats() - 1);
+        return std::sqrt(differences_.middleRows(first, end - first).squaredNorm() / freedom / repeats());
+    }
+    /// Of a harder blow the difference is the signal itself.
     void warn_of_size(const std::vector<std::string>& places, Warnings& warnings) const {
         const double square = mean_.squaredNorm();
-        const auto repeats = static_cast<double>(differences_.cols());
-        if (mean_.size() < 2 || square == 0) return;
+        if (square == 0) return;
         for (Eigen::Index r = 0; r < differences_.cols(); ++r) {
             const double size = mean_.dot(differences_.col(r)) / square;
-            const double left = differences_.squaredNorm() - size * size * square;
-            const double deviation =
-                std::sqrt(std::max(left, 0.0) / static_cast<double>(differences_.size()) / square * (repeats - 1) / repeats);
+            const double left = std::max(0.0, differences_.squaredNorm() - size * size * square);
+            const double deviation = std::sqrt(left / static_cast<double>(freedom()) / square * (repeats() - 1) / repeats());
             if (std::abs(size) > kSeen * deviation)
                 warnings.add(
                     "unequal-repeats",
-                    fmt::format("{}: {:.2g} % {} than the mean of its {} repeats: another blow, no noise; fit responses "
-                                "per force, or repeats of one size",
+                    fmt::format("{}: {:.2g} % {} than the mean of its {} repeats. Their scatter is not noise alone; "
+                                "fit responses per force, or repeats of one size",
                                 places[as_size(r)], 100 * std::abs(size), size > 0 ? "larger" : "smaller",
                                 differences_.cols()));
         }
     }
 
+private:
+    double repeats() const { return static_cast<double>(differences_.cols()); }
+
     Eigen::VectorXd mean_;
     Eigen::MatrixXd differences_;
+    Eigen::Index rows_;  ///< less what was fitted to each repeat
 };
 
 template <class Observed>
@@ -118,15 +131,17 @@ ObservedHistory join(const std::vector<const ObservedHistory*>& set, Warnings& w
         check_same_points(joined.times, set[r]->times, places, "times");
         repeats.col(as_row(r)) = Eigen::Map<const Eigen::VectorXd>(set[r]->values.data(), repeats.rows());
     }
-    const Scatter scatter(repeats, places, warnings);
+    Scatter scatter(repeats, places);
+    if (joined.hum > 0) scatter.take_off_hum(joined.times, joined.hum);
+    scatter.warn_of_size(places, warnings);
     joined.values.assign(scatter.mean().begin(), scatter.mean().end());
     note_mean(set, joined.channel, joined.is_noise_of_user, warnings);
     if (joined.is_noise_of_user) {
         joined.noise /= std::sqrt(static_cast<double>(set.size()));
         return joined;
     }
-    joined.noise = scatter.deviation_of_mean(0, repeats.rows());
-    joined.noise_samples = scatter.differences();
+    joined.noise = scatter.deviation_of_mean();
+    joined.noise_samples = scatter.freedom();
     return joined;
 }
 
@@ -144,7 +159,7 @@ ObservedResponse join(const std::vector<const ObservedResponse*>& set, Warnings&
             if (parts == 2) repeats(2 * i + 1, as_row(r)) = set[r]->values[as_size(i)].imag();
         }
     }
-    const Scatter scatter(repeats, places, warnings);
+    const Scatter scatter(repeats, places);
     const Eigen::VectorXd& mean = scatter.mean();
     for (Eigen::Index i = 0; i < lines; ++i) joined.values[as_size(i)] = {mean(parts * i), parts == 2 ? mean(2 * i + 1) : 0};
     note_mean(set, joined.channel + "/" + joined.input, joined.noise > 0, warnings);
@@ -153,82 +168,98 @@ ObservedResponse join(const std::vector<const ObservedResponse*>& set, Warnings&
         return joined;
     }
     const size_t per_line = as_size(parts) * (set.size() - 1);
-    const Eigen::Index beside = as_row((kFewestDifferences / per_line + 1) / 2);
-    joined.noise_samples = scatter.differences();
+    const Eigen::Index wide = std::min(lines, as_row((kFewestDifferences + per_line - 1) / per_line));
+    const auto freedom = static_cast<double>(as_size(wide) * per_line);
+    const double correction = freedom > 2 ? std::sqrt(freedom / (freedom - 2)) : 1;
+    joined.noise_samples = scatter.freedom();
     joined.deviations.resize(as_size(lines));
     for (Eigen::Index i = 0; i < lines; ++i) {
-        const Eigen::Index first = std::max(i - beside, Eigen::Index{0}), end = std::min(i + beside + 1, lines);
-        const double freedom = static_cast<double>(as_size(end - first) * per_line);
-        const double correction = freedom > 2 ? std::sqrt(freedom / (freedom - 2)) : 1;
-        joined.deviations[as_size(i)] = correction * scatter.deviation_of_mean(parts * first, parts * end);
+        const Eigen::Index first = std::clamp(i - wide / 2, Eigen::Index{0}, lines - wide);
+        joined.deviations[as_size(i)] = correction * scatter.deviation_of_mean(parts * first, parts * (first + wide));
     }
     return joined;
 }
 
-/// Components of a shape that was measured again, with the sign of the first.
-Eigen::VectorXd add_shapes(const std::vector<const ObservedMode*>& set, const std::vector<std::string>& places) {
+/// The mean of a shape's repeats, with the sign of the first, largest 1.
+Eigen::VectorXd mean_shape(const std::vector<const ObservedMode*>& set, const std::vector<std::string>& places) {
     const Eigen::VectorXd& first = set.front()->shape;
     Eigen::VectorXd sum = first;
     for (size_t r = 1; r < set.size(); ++r) {
         const Eigen::VectorXd& own = set[r]->shape;
         bool are_same = own.size() == first.size();
-        double product = 0;
-        for (Eigen::Index i = 0; are_same && i < first.size(); ++i) {
-            are_same = std::isnan(own(i)) == std::isnan(first(i));
-            if (!std::isnan(own(i))) product += own(i) * first(i);
-        }
+        for (Eigen::Index i = 0; are_same && i < first.size(); ++i) are_same = std::isnan(own(i)) == std::isnan(first(i));
         if (!are_same)
             refuse(
                 fmt::format("{}: repeats of a shape must have the same places and directions; what was measured in parts "
                             "belongs into one file",
                             listed(places)));
+        const auto without_gaps = [](const Eigen::VectorXd& shape) {
+            return Eigen::VectorXd(shape.unaryExpr([](double value) { return std::isnan(value) ? 0 : value; }));
+        };
+        const Eigen::VectorXd a = without_gaps(first), b = without_gaps(own);
+        const double product = a.dot(b);
+        if (product * product < kOneShape * a.squaredNorm() * b.squaredNorm())
+            refuse(fmt::format("{}: the shapes differ, MAC {:.2g}: not one mode. Number the modes alike", listed(places),
+                               product * product / (a.squaredNorm() * b.squaredNorm())));
         sum += product < 0 ? -own : own;
     }
-    return sum / static_cast<double>(set.size());
+    double largest = 0;
+    for (const double value : sum)
+        if (!std::isnan(value)) largest = std::max(largest, std::abs(value));
+    return sum.size() > 0 ? Eigen::VectorXd(sum / largest) : sum;
+}
+
+/// The mean of a mode's repeats; its deviation where the files or the user give that of each, else 0. squares: of the
+/// differences of the logarithms of its frequencies.
+ObservedMode mean_mode(const std::vector<const ObservedMode*>& set, double& squares) {
+    const std::vector<std::string> places = places_of(set);
+    const auto count = static_cast<double>(set.size());
+    double sum = 0, damping = 0, variance = 0;
+    bool is_known = true;
+    for (const ObservedMode* one : set) {
+        if (std::abs(one->frequency - set.front()->frequency) > kOneMode * set.front()->frequency)
+            refuse(
+                fmt::format("{}: mode {} has {:.6g} Hz in one file and {:.6g} Hz in another: not one mode. Number the "
+                            "modes alike",
+                            listed(places), one->number, set.front()->frequency, one->frequency));
+        sum += std::log(one->frequency);
+        damping += one->damping / count;
+        variance += one->deviation * one->deviation;
+        is_known = is_known && one->deviation > 0;
+    }
+    for (const ObservedMode* one : set) squares += std::pow(std::log(one->frequency) - sum / count, 2);
+    ObservedMode joined = *set.front();
+    joined.frequency = std::exp(sum / count);
+    joined.damping = damping;
+    joined.deviation = is_known ? std::sqrt(variance) / count : 0;
+    joined.shape = mean_shape(set, places);
+    return joined;
 }
 
 void join_modes(Observations& observations, Warnings& warnings) {
     const auto sets =
         sets_of(observations.modes, [](const ObservedMode& one) { return std::pair(one.number, one.row_of_number); });
+    if (sets.size() == observations.modes.size()) return;
     std::vector<ObservedMode> joined;
     double squares = 0;
-    size_t differences = 0;
+    bool are_known = true;
     for (const auto& set : sets) {
-        joined.push_back(*set.front());
-        if (set.size() == 1) continue;
-        const std::vector<std::string> places = places_of(set);
-        const auto count = static_cast<double>(set.size());
-        double sum = 0, damping = 0;
-        for (const ObservedMode* one : set) {
-            sum += std::log(one->frequency);
-            damping += one->damping / count;
-        }
-        const double mean = sum / count;
-        for (const ObservedMode* one : set) squares += std::pow(std::log(one->frequency) - mean, 2);
-        differences += set.size() - 1;
-        joined.back().frequency = std::exp(mean);
-        joined.back().damping = damping;
-        joined.back().shape = add_shapes(set, places);
+        joined.push_back(set.size() == 1 ? *set.front() : mean_mode(set, squares));
+        are_known = are_known && joined.back().deviation > 0;
     }
-    if (differences == 0) return;
-    if (squares <= kCopy * kCopy) refuse("the natural frequencies of the repeats are all the same: a copy is no repeat");
-    // Few differences give a vague deviation: the intervals of 95 % are then those of Student's distribution
-    const boost::math::students_t student(static_cast<double>(differences));
-    const boost::math::normal normal;
-    const double wider = quantile(student, 0.975) / quantile(normal, 0.975);
-    const double scatter = wider * std::sqrt(squares / static_cast<double>(differences));
-    for (size_t i = 0; i < joined.size(); ++i) {
-        const double root = std::sqrt(static_cast<double>(sets[i].size()));
-        joined[i].deviation = (observations.are_frequencies_known ? joined[i].deviation : scatter) / root;
+    std::string noise = "their noise is that of one, divided by the root of their number";
+    if (!are_known) {
+        observations.frequency_samples = observations.modes.size() - sets.size();
+        const double scatter = std::sqrt(squares / static_cast<double>(observations.frequency_samples));
+        if (scatter <= kCopy)
+            refuse("the natural frequencies of the repeats do not differ: their scatter is no noise; give --noise");
+        for (size_t i = 0; i < joined.size(); ++i)
+            joined[i].deviation = scatter / std::sqrt(static_cast<double>(sets[i].size()));
+        noise = fmt::format("they scatter by {:.2g} %, which is their noise", 100 * scatter);
     }
-    warnings.note(
-        "repeats",
-        observations.are_frequencies_known
-            ? "natural frequencies: the means of repeats are used; their noise is that of one, divided by the root "
-              "of their number"
-            : fmt::format("natural frequencies: the means of repeats are used; they scatter by {:.2g} %",
-                          100 * scatter / wider));
-    observations.are_frequencies_known = true;
+    warnings.note("repeats", fmt::format("natural frequencies: the means of repeats are used; {}. The noise of shapes stays "
+                                         "what is usual",
+                                         noise));
     observations.modes = std::move(joined);
 }
 

@@ -112,8 +112,8 @@ private:
         Columns solve(const Columns& B) const {
             return scale.asDiagonal() * substitute(Columns(scale.asDiagonal() * B));
         }
-        /// By the factor in its units. Rows of the right-hand sides stand in columns, which the machine adds at one go: the
-        /// library's own way is for large matrices.
+        /// By the factor in its units. Rows of the right-hand sides stand in columns, so each operation is one vector
+        /// instruction or two. Eigen's own solver is made for large matrices.
         template <class Columns>
         Columns substitute(const Columns& B) const {
             const auto& LU = lu.matrixLU();

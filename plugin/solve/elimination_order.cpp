@@ -136,7 +136,7 @@ void EliminationOrder::add_pivots(const std::vector<int>& order, const Later& la
     }
 }
 
-/// Which are plain, and which may pass rows on to whom.
+/// Which are elastic, which of these plain, and which may pass rows on to whom.
 void EliminationOrder::sort_pivots() {
     for (size_t k = 0; k < pivots_.size(); ++k) {
         Pivot& pivot = pivots_[k];

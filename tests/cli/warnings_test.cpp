@@ -390,6 +390,7 @@ element = [{{ name = "spring", type = "spring_damper", from = "ground", to = "ba
 }
 
 // Oracle: an arc of a circle, 1.9 rad of it; half links at the ends. So a whole link turns by 1.9 rad over the segments.
+// Without the spectral radius rounding keeps its stiff, damped bar alternating by 9 to 11 % of the force: another warning.
 TEST(WarningsOf, ABendThatSegmentsAreTooLongForIsTold) {
     const TemporaryFolder folder;
     const double EI = 71e9 * M_PI / 64 * std::pow(0.012, 4), length = 0.83, angle = 1.9;

@@ -53,6 +53,26 @@ TEST(LeastSquaresFit, AtABoundTheOthersAreBest) {
     EXPECT_TRUE(has_bound) << "the problem was made to have one";
 }
 
+// A search that is given up ends where it was then, and says so.
+TEST(LeastSquaresFit, IsGivenUpWhereItIsHopeless) {
+    LeastSquares problem = linear_problem(ugly_matrix(), kRight, -100, 100);
+    const Eigen::Vector3d start(5, -7, 9);
+    int asked = 0;
+    problem.is_hopeless = [&](const Eigen::VectorXd& residual, const Eigen::MatrixXd& jacobian) {
+        EXPECT_EQ(jacobian, ugly_matrix());
+        EXPECT_TRUE(asked > 0 || residual == ugly_matrix() * start - kRight);
+        return ++asked == 2;
+    };
+    const Minimum once = minimise(problem, start);
+    EXPECT_TRUE(once.is_given_up);
+    EXPECT_FALSE(once.is_converged);
+    EXPECT_LT(once.chi2(), (ugly_matrix() * start - kRight).squaredNorm());
+    problem.is_hopeless = [](const Eigen::VectorXd&, const Eigen::MatrixXd&) { return true; };
+    EXPECT_EQ(minimise(problem, start).x, start);
+    problem.is_hopeless = [](const Eigen::VectorXd&, const Eigen::MatrixXd&) { return false; };
+    EXPECT_FALSE(minimise(problem, start).is_given_up);
+}
+
 // Rosenbrock's valley, from the usual start; its minimum is (1, 1) exactly.
 TEST(LeastSquaresFit, FollowsACurvedValley) {
     const LeastSquares valley{

@@ -18,15 +18,16 @@ using testing::HasSubstr;
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
-MeasuredSignal record(double step, size_t rows, double noise, const std::function<double(double)>& value) {
+MeasuredSignal record(double step, size_t rows, double noise, const std::function<double(double)>& value,
+                      unsigned seed = 11) {
     MeasuredSignal one;
     one.kind = MeasuredSignal::Kind::history;
     one.place = "blow.csv: column 2";
-    std::mt19937_64 engine(11);
-    std::normal_distribution<double> normal(0, noise);
+    std::mt19937_64 engine(seed);
+    std::normal_distribution<double> normal(0, noise > 0 ? noise : 1);
     for (size_t i = 0; i < rows; ++i) {
         one.abscissa.push_back(step * static_cast<double>(i) - 0.3);
-        one.values.push_back(value(one.abscissa.back()) + normal(engine));
+        one.values.push_back(value(one.abscissa.back()) + (noise > 0 ? normal(engine) : 0));
     }
     return one;
 }
@@ -56,7 +57,7 @@ TEST(MainsHum, IsFoundBesideADecayingVibration) {
     EXPECT_NEAR(find(one), 50.953, 4 * 1.5 * bound);
 }
 
-// Without noise nothing but the shape of the window is in the way.
+// Without noise nothing but the window's side lobes at the negative frequency are in the way: 1/(2 f T)^3 of a bin.
 TEST(MainsHum, IsExactWithoutNoise) {
     const MeasuredSignal one = record(1e-3, 5000, 0, [](double t) { return std::cos(kTwoPi * 58.777 * t); });
     EXPECT_NEAR(find(one, 60), 58.777, 1e-4);
@@ -68,22 +69,48 @@ TEST(MainsHum, OfTheRecordWhereItStandsOut) {
     EXPECT_NEAR(find_mains_hum({&noisy, &clear}, 50), 49.5, 1e-3);
 }
 
-// Noise alone passes one time in a million.
+// Noise alone passes about one time in ten thousand, where the record is shortest. A line outside the band is another one,
+// also where the band ends on its flank.
 TEST(MainsHum, IsNotSeenInNoise) {
-    EXPECT_THAT(fault(record(1e-3, 30000, 1, [](double) { return 0; })), HasSubstr("no hum stands out"));
-    EXPECT_THAT(fault(record(1e-3, 30000, 1, [](double t) { return 0.5 * std::cos(kTwoPi * 55 * t); })),
-                HasSubstr("no hum stands out"))
-        << "ten percent off: another line";
+    int seen = 0;
+    for (unsigned seed = 1; seed <= 2000; ++seed)
+        seen += fault(record(
+                          5e-3, 210, 1, [](double) { return 0; }, seed))
+                    .empty();
+    EXPECT_LE(seen, 3);
+    for (const auto& [line, rows] : {std::pair(55.0, 30000), {54.0, 1100}, {53.6, 1100}, {53.2, 2000}, {46.5, 1500}})
+        EXPECT_THAT(fault(record(1e-3, static_cast<size_t>(rows), 0.1,
+                                 [line = line](double t) { return 5 * std::cos(kTwoPi * line * t); })),
+                    HasSubstr("no hum stands out"))
+            << line;
+}
+
+// Records that cannot show it are passed over where others can.
+TEST(MainsHum, UnfitRecordsArePassedOver) {
+    const auto hum = [](double t) { return std::cos(kTwoPi * 50.3 * t); };
+    const MeasuredSignal fit = record(1e-3, 4000, 0.1, hum), brief = record(1e-3, 400, 0.1, hum);
+    MeasuredSignal broken = fit;
+    broken.values[7] = std::nan("");
+    EXPECT_NEAR(find_mains_hum({&brief, &broken, &fit}, 50), 50.3, 1e-3);
+    EXPECT_THAT(fault(broken), HasSubstr("not all values are numbers"));
+    const MeasuredSignal still = record(1e-3, 4000, 0, [](double) { return 2; });
+    EXPECT_THAT(fault(still), HasSubstr("no hum stands out"));
 }
 
 TEST(MainsHum, AVibrationIsNoHum) {
     EXPECT_THAT(fault(record(1e-3, 6000, 0.01, [](double t) { return std::exp(-t) * std::cos(kTwoPi * 50.4 * t); })),
                 HasSubstr("a vibration, or hum in a part"));
+    // A damping ratio of 0.2 % over 100 and 400 periods
+    for (const size_t rows : {2000, 8000})
+        EXPECT_THAT(
+            fault(record(1e-3, rows, 0.01,
+                         [](double t) { return std::exp(-0.002 * kTwoPi * 48.5 * t) * std::cos(kTwoPi * 48.5 * t); })),
+            HasSubstr("a vibration, or hum in a part"));
 }
 
 TEST(MainsHum, WantsARecordThatCanShowIt) {
     const auto hum = [](double t) { return std::cos(kTwoPi * 50 * t); };
-    EXPECT_THAT(fault(record(1e-3, 480, 0.1, hum)), HasSubstr("24 periods of hum are too few"));
+    EXPECT_THAT(fault(record(1e-3, 980, 0.1, hum)), HasSubstr("49 periods of hum are too few"));
     EXPECT_THAT(fault(record(9e-3, 4000, 0.1, hum)), HasSubstr("not resolved"));
     MeasuredSignal uneven = record(1e-3, 4000, 0.1, hum);
     uneven.abscissa[2000] += 1e-4;

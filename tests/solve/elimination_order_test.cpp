@@ -41,7 +41,10 @@ TEST(EliminationOrder, ALoopFillsIn) {
     ASSERT_EQ(order.pivots()[0].fills.size(), 1u);
     const EliminationOrder::Coupling& fill = order.couplings()[static_cast<size_t>(order.pivots()[0].fills[0])];
     EXPECT_THAT((std::set{fill.row, fill.column}), ElementsAre(1, 3));
+    EXPECT_TRUE(order.pivots()[0].is_elastic);
     EXPECT_FALSE(order.pivots()[0].is_plain);
+    EXPECT_TRUE(order.general().empty());
+    EXPECT_FALSE(EliminationOrder(2, {{0, 1, 1}, {1, -1, 0}}).pivots()[0].is_elastic) << "a rigid direction meets there";
     EXPECT_EQ(order.pivots()[1].fills.size(), 1u) << "one of the ring by the second frame";
 }
 

@@ -80,7 +80,9 @@ std::string describe_hypothesis(const Hypothesis& one) {
             text += fmt::format("{}{}, {}", i > 0 ? " and " : "", one.elements[i],
                                 describe_factor(one.factors[i], one.low[i], one.high[i]));
     }
-    if (one.damping) text += fmt::format(", damping {:.3g} times", *one.damping);
+    for (size_t i = 0; i < one.dampings.size(); ++i)
+        text += fmt::format("{} {:.3g}", i == 0 ? ", damping" : " and", one.dampings[i]);
+    if (!one.dampings.empty()) text += " times";
     return text;
 }
 
@@ -137,7 +139,9 @@ Json describe(const Hypothesis& one, double best) {
         json["low"] = is_one ? low[0] : low;
         json["high"] = is_one ? high[0] : high;
     }
-    json["damping_factor"] = number(one.damping);
+    json["damping_factor"] = one.dampings.empty()       ? Json()
+                             : one.dampings.size() == 1 ? Json(one.dampings[0])
+                                                        : Json(one.dampings);
     json["chi2"] = one.chi2;
     json["delta_bic"] = one.score - best;
     return json;

@@ -20,7 +20,8 @@ struct Hypothesis {
     bool are_alike = false;                                  ///< all by one factor
     std::vector<double> factors = {};                        ///< of stiffness: of each element; one if they are alike
     std::vector<std::optional<double>> low = {}, high = {};  ///< of the factors at 95 %; none: no limit
-    std::optional<double> damping = {};                      ///< factor of the damping, where it is another
+    std::vector<double> dampings = {};                       ///< factors of damping, in the order of those that have any;
+                                                             ///< one if they are alike; none: it is the file's
     double chi2 = 0;
     double score = 0;  ///< Bayesian information criterion: less is better; only differences mean something
 };
@@ -72,12 +73,14 @@ private:
     void take_factors(Trial& trial) const;
     std::vector<Trial> fit_each(std::span<const Start> starts, bool with_damping, double enough, double limit) const;
     std::vector<Trial> fit_all(const std::vector<Start>& starts, double enough = kEnough) const;
-    double reach(const Eigen::VectorXd& residual, const Eigen::MatrixXd& slopes) const;
+    double reach(const Eigen::VectorXd& residual, const Eigen::MatrixXd& slopes, double times) const;
     double reach_by_damping(const Trial& plain) const;
     double limit_near_best(const std::vector<Trial>& trials) const;
     std::vector<Trial> fit_singles(const Trial& null, const std::vector<std::vector<size_t>>& classes,
                                    const Eigen::VectorXd& residual) const;
     std::vector<Start> screen(const Trial& null, std::vector<Start> starts) const;
+    void choose_factors(const Trial& null, std::vector<Start>& starts) const;
+    std::vector<Trial> fit_members(const std::vector<Trial>& pairs) const;
     Eigen::VectorXd start_of(const Trial& trial) const;
     static void sort_by_score(std::vector<Trial>& trials);
     double score(const Eigen::VectorXd& predicted, size_t unknowns) const;
@@ -87,7 +90,8 @@ private:
     void scale_slopes();
     double gain(const std::vector<size_t>& suspects, const Eigen::VectorXd& residual) const;
     std::vector<std::vector<size_t>> tied_suspects() const;
-    std::vector<Hypothesis> singles(const std::vector<std::vector<size_t>>& classes, const Eigen::VectorXd& residual) const;
+    std::vector<Hypothesis> singles(const Trial& null, const std::vector<std::vector<size_t>>& classes,
+                                    const Eigen::VectorXd& residual) const;
     std::vector<Hypothesis> promising_pairs(const std::vector<size_t>& order, const Eigen::VectorXd& residual) const;
     std::vector<Trial> fit_pairs(const Trial& null, const Eigen::VectorXd& residual);
     std::string describe_shift(const Trial& trial) const;

@@ -18,7 +18,8 @@ namespace dttmm::host {
 namespace {
 
 constexpr double kSameInstant = 1e-3;  // of an interval: at half the sampling frequency that moves a value by 0.3 %
-constexpr double kCopy = 1e-12;        // share of the largest value: no two measurements agree so
+constexpr double kCopy = 1e-4;         // share of the largest value: no two measurements agree so, copies rounded may
+constexpr double kNoScatter = 1e-12;   // of logarithms of frequencies
 constexpr double kSeen = 4;            // standard deviations: one in 16 000 differs as much in size by noise alone
 constexpr double kOneMode = 0.1;       // share of a frequency: two that differ by more are not one mode
 constexpr double kOneShape = 0.5;      // of MAC: nor are two shapes that differ by more
@@ -65,6 +66,9 @@ class Scatter {
 public:
     Scatter(const Eigen::MatrixXd& repeats, const std::vector<std::string>& places)
         : mean_(repeats.rowwise().mean()), differences_(repeats.colwise() - mean_), rows_(repeats.rows()) {
+        for (Eigen::Index r = 1; r < repeats.cols(); ++r)
+            for (const double step : (repeats.col(r) - repeats.col(0)).cwiseAbs())
+                if (step > 0 && (quantum_ == 0 || step < quantum_)) quantum_ = step;
         const double largest = mean_.cwiseAbs().maxCoeff();
         for (Eigen::Index a = 0; a < repeats.cols(); ++a)
             for (Eigen::Index b = 0; b < a; ++b)
@@ -90,6 +94,8 @@ public:
         const double freedom = static_cast<double>(end - first) * (repeats() - 1);
         return std::sqrt(differences_.middleRows(first, end - first).squaredNorm() / freedom / repeats());
     }
+    /// Standard deviation of the mean by the last digit of the numbers: no two differ by less.
+    double rounding() const { return quantum_ / std::sqrt(12 * repeats()); }
     /// Of a harder blow the difference is the signal itself.
     void warn_of_size(const std::vector<std::string>& places, Warnings& warnings) const {
         const double square = mean_.squaredNorm();
@@ -108,12 +114,26 @@ public:
         }
     }
 
+    /// Sensors' noise has no memory from sample to sample; a trigger, a sign or a blow that differs has.
+    void warn_of_memory(const std::string& channel, Warnings& warnings) const {
+        const Eigen::Index last = differences_.rows() - 1;
+        const double now = differences_.squaredNorm(),
+                     next = differences_.topRows(last).cwiseProduct(differences_.bottomRows(last)).sum();
+        if (next / now * std::sqrt(static_cast<double>(freedom())) > kSeen)
+            warnings.add("unlike-repeats",
+                         fmt::format("{}: what its repeats differ by is correlated from sample to sample ({:.2g}): "
+                                     "a trigger, sign or blow that differs, or filtered noise. Intervals "
+                                     "that rest on it are too narrow",
+                                     channel, next / now));
+    }
+
 private:
     double repeats() const { return static_cast<double>(differences_.cols()); }
 
     Eigen::VectorXd mean_;
     Eigen::MatrixXd differences_;
-    Eigen::Index rows_;  ///< less what was fitted to each repeat
+    Eigen::Index rows_;   ///< less what was fitted to each repeat
+    double quantum_ = 0;  ///< least difference of two numbers
 };
 
 template <class Observed>
@@ -134,6 +154,7 @@ ObservedHistory join(const std::vector<const ObservedHistory*>& set, Warnings& w
     Scatter scatter(repeats, places);
     if (joined.hum > 0) scatter.take_off_hum(joined.times, joined.hum);
     scatter.warn_of_size(places, warnings);
+    scatter.warn_of_memory(joined.channel, warnings);
     joined.values.assign(scatter.mean().begin(), scatter.mean().end());
     note_mean(set, joined.channel, joined.is_noise_of_user, warnings);
     if (joined.is_noise_of_user) {
@@ -175,18 +196,23 @@ ObservedResponse join(const std::vector<const ObservedResponse*>& set, Warnings&
     joined.deviations.resize(as_size(lines));
     for (Eigen::Index i = 0; i < lines; ++i) {
         const Eigen::Index first = std::clamp(i - wide / 2, Eigen::Index{0}, lines - wide);
-        joined.deviations[as_size(i)] = correction * scatter.deviation_of_mean(parts * first, parts * (first + wide));
+        joined.deviations[as_size(i)] =
+            std::hypot(correction * scatter.deviation_of_mean(parts * first, parts * (first + wide)), scatter.rounding());
     }
     return joined;
 }
 
-/// The mean of a shape's repeats, with the sign of the first, largest 1.
+/// The mean of the shapes that a mode has in the files, with the sign of the first, largest 1; none: none has one.
 Eigen::VectorXd mean_shape(const std::vector<const ObservedMode*>& set, const std::vector<std::string>& places) {
-    const Eigen::VectorXd& first = set.front()->shape;
-    Eigen::VectorXd sum = first;
-    for (size_t r = 1; r < set.size(); ++r) {
-        const Eigen::VectorXd& own = set[r]->shape;
-        bool are_same = own.size() == first.size();
+    Eigen::VectorXd first, sum;
+    for (const ObservedMode* one : set) {
+        const Eigen::VectorXd& own = one->shape;
+        if (own.size() == 0) continue;
+        if (first.size() == 0) {
+            first = sum = own;
+            continue;
+        }
+        bool are_same = true;
         for (Eigen::Index i = 0; are_same && i < first.size(); ++i) are_same = std::isnan(own(i)) == std::isnan(first(i));
         if (!are_same)
             refuse(
@@ -251,7 +277,7 @@ void join_modes(Observations& observations, Warnings& warnings) {
     if (!are_known) {
         observations.frequency_samples = observations.modes.size() - sets.size();
         const double scatter = std::sqrt(squares / static_cast<double>(observations.frequency_samples));
-        if (scatter <= kCopy)
+        if (scatter <= kNoScatter)
             refuse("the natural frequencies of the repeats do not differ: their scatter is no noise; give --noise");
         for (size_t i = 0; i < joined.size(); ++i)
             joined[i].deviation = scatter / std::sqrt(static_cast<double>(sets[i].size()));

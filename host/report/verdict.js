@@ -53,7 +53,7 @@ const joined = value => (Array.isArray(value) ? value.map(one => formatNumber(on
 
 function makeCandidates(summary, name) {
     const listed = [...listOf(summary.candidates), ...listOf(summary.others)];
-    const rows = listed.map((one, i) => [one.alike ? 'all alike' : listOf(one.elements).join(' with '), i < listOf(summary.candidates).length ? 'yes' : '', joined(one.factor), joined(one.low), joined(one.high), one.damping_factor, one.chi2, one.delta_bic]);
+    const rows = listed.map((one, i) => [one.alike ? 'all alike' : listOf(one.elements).join(' with '), i < listOf(summary.candidates).length ? 'yes' : '', joined(one.factor), joined(one.low), joined(one.high), joined(one.damping_factor), one.chi2, one.delta_bic]);
     if (summary.no_change) rows.push(['no change', listOf(summary.candidates).length === 0 ? 'yes' : '', '', '', '', null, summary.no_change.chi2, summary.no_change.delta_bic]);
     return makeTable({caption: `Explanations, ${name}`,
                       columns: [{name: 'changed', isText: true}, {name: 'in the answer', isText: true}, {name: 'factor', isText: true}, {name: 'from', isText: true}, {name: 'to', isText: true}, {name: 'damping'}, {name: 'chi2'}, {name: 'BIC more'}], rows});

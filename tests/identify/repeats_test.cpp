@@ -60,6 +60,25 @@ TEST_F(Repeats, OfAHistoryGiveTheNoiseOfTheirMean) {
     for (size_t i = 0; i < 1000; ++i) squares += std::pow((mean.values[i] - truth(mean.times[i])) / mean.noise, 2);
     EXPECT_NEAR(squares / 1000, 1, 4 * std::sqrt(2.0 / 1000));
     EXPECT_FALSE(warnings_.has("unequal-repeats"));
+    EXPECT_FALSE(warnings_.has("unlike-repeats"));
+}
+
+// A trigger that comes half a sample late, or a sign, is no noise.
+TEST_F(Repeats, OfAnotherTriggerOrSignAreTold) {
+    for (const bool is_reversed : {false, true}) {
+        Observations all;
+        Warnings own{Warnings::Silent::yes};
+        for (int r = 0; r < 2; ++r) all.histories.push_back(history(r, 1000, 0.02));
+        for (size_t i = 0; i < 1000; ++i) {
+            const double t = all.histories[1].times[i];
+            if (is_reversed)
+                all.histories[1].values[i] *= -1;
+            else
+                all.histories[1].values[i] += truth(t + 5e-4) - truth(t);
+        }
+        join_repeats(all, own);
+        EXPECT_TRUE(own.has("unlike-repeats")) << is_reversed;
+    }
 }
 
 // What a user says is the noise of one; the mean has less.
@@ -175,6 +194,22 @@ TEST_F(Repeats, OfOneSizeAreNotWarnedOf) {
     EXPECT_LE(warned, 1u);
 }
 
+// Lines that rounding made equal in all files have no deviation of 0.
+TEST_F(Repeats, OfRoundedResponsesKeepADeviation) {
+    Observations all;
+    for (const double last : {5.0, 5.1}) {
+        ObservedResponse one{"plate.position.z", "plate.z", "m/N", {}, {}, {}};
+        for (int i = 1; i <= 60; ++i) {
+            one.frequencies.push_back(i);
+            one.values.emplace_back(i < 60 ? 1 : last, 0.5);
+        }
+        all.responses.push_back(one);
+    }
+    join_repeats(all, warnings_);
+    EXPECT_NEAR(all.responses[0].deviations[10], 0.1 / std::sqrt(24), 1e-9) << "by the last digit";
+    EXPECT_GT(all.responses[0].deviations[59], 0.01);
+}
+
 TEST_F(Repeats, OfAnotherSizeAreTold) {
     Observations all;
     for (int r = 0; r < 3; ++r) all.histories.push_back(history(r, 1000, 0.05, r == 1 ? 1.08 : 1));
@@ -189,6 +224,8 @@ TEST_F(Repeats, ThatCannotBeAreRefused) {
     copied.histories = {history(0, 100, 0.1)};
     copied.histories.push_back(copied.histories[0]);
     EXPECT_THAT(fault(copied), HasSubstr("a copy is no repeat"));
+    for (double& value : copied.histories[1].values) value = std::round(1e5 * value) / 1e5;
+    EXPECT_THAT(fault(copied), HasSubstr("a copy is no repeat")) << "rounded";
     Observations shorter;
     shorter.histories = {history(0, 100, 0.1), history(1, 99, 0.1)};
     EXPECT_THAT(fault(shorter), HasSubstr("blow0, blow1: repeats of one channel must have the same times"));

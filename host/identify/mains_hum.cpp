@@ -25,6 +25,7 @@ constexpr double kPeriods = 50;         // fewest: 50 bins for the floor
 constexpr double kByChance = 1e-6;      // that noise above an exact floor has such a line; the floor's own scatter adds
 constexpr double kSameInterval = 0.01;  // of an interval
 constexpr double kSteady = 4;           // standard deviations by which the halves may differ, beside
+constexpr double kMainsDrift = 2e-3;    // share of the frequency: twice what mains differ by from hour to hour
 constexpr double kMainsVary = 0.05;     // share of the amplitude: what mains themselves vary by
 
 [[noreturn]] void refuse(const std::string& text) { throw Error(ExitCode::input_output, text); }
@@ -50,8 +51,14 @@ public:
         }
         return 2 * std::abs(sum) / weights;
     }
-    double amplitude(double frequency) const { return amplitude(frequency, 0, size()); }
     size_t size() const { return values_.size(); }
+    /// Where the amplitude is largest, within a bin of a bin.
+    double refine(size_t bin) const {
+        const double width = 1 / static_cast<double>(size()), at = static_cast<double>(bin) * width;
+        return boost::math::tools::brent_find_minima([&](double f) { return -amplitude(f, 0, size()); }, at - width,
+                                                     at + width, std::numeric_limits<double>::digits / 2)
+            .first;
+    }
 
     /// Squares of the transform's bins from 0 on, each 1/size wide.
     std::vector<double> power() const {
@@ -121,44 +128,44 @@ std::string describe_unfit(const MeasuredSignal& record, double step, double nom
 
 double find_mains_hum(const std::vector<const MeasuredSignal*>& histories, double nominal) {
     constexpr const char* kCure = "give `clock` in [measured]";
-    const MeasuredSignal* best = nullptr;
-    double interval = 0;
-    Line highest;
-    std::string unfit = "hum is sought in histories, and there are none";
+    struct Seen {
+        const MeasuredSignal* signal;
+        Line line;
+        double frequency, bin;  ///< of the line; width of a bin [Hz]
+    };
+    std::vector<Seen> seen;
+    std::string reason = "hum is sought in histories, and there are none";
     for (const MeasuredSignal* one : histories) {
         if (one->abscissa.size() < 2) continue;
         const double step = (one->abscissa.back() - one->abscissa.front()) / static_cast<double>(one->abscissa.size() - 1);
-        if (const std::string reason = describe_unfit(*one, step, nominal); !reason.empty()) {
-            unfit = reason;
+        if (const std::string unfit = describe_unfit(*one, step, nominal); !unfit.empty()) {
+            if (seen.empty()) reason = unfit;
             continue;
         }
-        const Line line = find_line(Record(one->values).power(), nominal * step * static_cast<double>(one->values.size()));
-        if (best && line.height <= highest.height) continue;
-        highest = line;
-        best = one;
-        interval = step;
+        const Record record(one->values);
+        const double bin = 1 / (step * static_cast<double>(record.size()));
+        const Line line = find_line(record.power(), nominal / bin);
+        const double frequency = line.chance <= kByChance ? record.refine(line.bin) / step : 0;
+        if (std::abs(frequency - nominal) <= kBand * nominal) seen.push_back({one, line, frequency, bin});
+        reason = fmt::format("no hum stands out within {:.0f} % of {:.6g} Hz", 100 * kBand, nominal);
     }
-    if (!best) refuse(fmt::format("{}: {}", unfit, kCure));
-    const std::string not_seen =
-        fmt::format("no hum stands out within {:.0f} % of {:.6g} Hz: {}", 100 * kBand, nominal, kCure);
-    if (highest.chance > kByChance) refuse(not_seen);
-    const Record record(best->values);
-    const auto size = static_cast<double>(record.size());
-    const double at = static_cast<double>(highest.bin) / size;
-    const double frequency =
-        boost::math::tools::brent_find_minima([&](double f) { return -record.amplitude(f); }, at - 1 / size, at + 1 / size,
-                                              std::numeric_limits<double>::digits / 2)
-            .first;
-    if (std::abs(frequency / interval - nominal) > kBand * nominal) refuse(not_seen);
+    if (seen.empty()) refuse(fmt::format("{}: {}", reason, kCure));
+    const Seen& best = *std::ranges::max_element(seen, {}, [](const Seen& one) { return one.line.height; });
+    for (const Seen& one : seen)
+        if (std::abs(one.frequency - best.frequency) > std::max(kMainsDrift * nominal, std::max(one.bin, best.bin)))
+            refuse(fmt::format("hum is at {:.6g} Hz in {}, at {:.6g} Hz in {}: two recorders, or a vibration; {}",
+                               one.frequency, one.signal->place, best.frequency, best.signal->place, kCure));
+    const Record record(best.signal->values);
+    const double at = best.frequency / (best.bin * static_cast<double>(record.size()));
     const size_t half = record.size() / 2;
-    const double early = record.amplitude(frequency, 0, half), late = record.amplitude(frequency, half, record.size());
+    const double early = record.amplitude(at, 0, half), late = record.amplitude(at, half, record.size());
     // Amplitudes of the halves scatter by 1/sqrt(height) each
-    if (!(std::abs(std::log(early / late)) <= kSteady * std::sqrt(2 / highest.height) + kMainsVary))
+    if (!(std::abs(std::log(early / late)) <= kSteady * std::sqrt(2 / best.line.height) + kMainsVary))
         refuse(
             fmt::format("{}: the line at {:.6g} Hz changes from {:.3g} to {:.3g}: a vibration, or hum in a part of the "
                         "record; {}",
-                        best->place, frequency / interval, early, late, kCure));
-    return frequency / interval;
+                        best.signal->place, best.frequency, early, late, kCure));
+    return best.frequency;
 }
 
 Eigen::VectorXd fit_sine(std::span<const double> times, const Eigen::Ref<const Eigen::VectorXd>& values, double frequency) {

@@ -69,6 +69,20 @@ TEST(MainsHum, OfTheRecordWhereItStandsOut) {
     EXPECT_NEAR(find_mains_hum({&noisy, &clear}, 50), 49.5, 1e-3);
 }
 
+TEST(MainsHum, OfTwoRecordersIsRefused) {
+    std::vector<MeasuredSignal> both;
+    for (const double line : {48.5, 51.5}) {
+        both.push_back(record(1e-3, 4000, 0.1, [line](double t) { return std::cos(kTwoPi * line * t); }));
+        both.back().place = line < 50 ? "a.csv" : "b.csv";
+    }
+    try {
+        find_mains_hum({&both[0], &both[1]}, 50);
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_THAT(error.what(), HasSubstr("two recorders"));
+    }
+}
+
 // Noise alone passes about one time in ten thousand, where the record is shortest. A line outside the band is another one,
 // also where the band ends on its flank.
 TEST(MainsHum, IsNotSeenInNoise) {

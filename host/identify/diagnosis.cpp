@@ -382,7 +382,7 @@ std::vector<std::vector<size_t>> Diagnostician::tied_suspects() const {
 /// those that promise as much as an unknown costs: where none does, slopes say little of what is far away.
 std::vector<Hypothesis> Diagnostician::singles(const Trial& null, const std::vector<std::vector<size_t>>& classes,
                                                const Eigen::VectorXd& residual) const {
-    const bool is_explained = Identifier(comparison_, null.unknowns, {}, jobs_).judge(null.x).is_explained();
+    const bool is_explained = judge(null).is_explained();
     std::vector<std::pair<double, size_t>> order;
     for (const std::vector<size_t>& tied : classes) order.emplace_back(gain({tied.front()}, residual), tied.front());
     std::ranges::stable_sort(order, std::ranges::greater(), &std::pair<double, size_t>::first);
@@ -500,12 +500,18 @@ void Diagnostician::add_intervals(std::span<Trial> trials) const {
     }
 }
 
-/// What the time step does to the unknowns of a trial; empty: nothing that shows.
-std::string Diagnostician::describe_shift(const Trial& trial) const {
-    if (!comparison_.has_histories() || trial.unknowns.size() == 0) return {};
+Fit Diagnostician::judge(const Trial& trial) const {
     const Identifier identifier(comparison_, trial.unknowns, {}, jobs_);
-    const Solution at = identifier.describe(trial.x);
-    return describe_step(identifier.find_step_bias(at), at, trial.unknowns, comparison_.time_step());
+    return identifier.judge(identifier.describe(trial.x));
+}
+
+/// How well it explains the data, and what the time step does to it.
+void Diagnostician::judge_best(const Trial& best, Diagnosis& diagnosis) const {
+    const Identifier identifier(comparison_, best.unknowns, {}, jobs_);
+    const Solution at = identifier.describe(best.x);
+    diagnosis.fit = identifier.judge(at);
+    if (!comparison_.has_histories() || best.unknowns.size() == 0) return;
+    diagnosis.step = describe_step(identifier.find_step_bias(at), at, best.unknowns, comparison_.time_step());
 }
 
 Diagnosis Diagnostician::diagnose() {
@@ -522,9 +528,6 @@ Diagnosis Diagnostician::diagnose() {
     std::vector<Trial> trials = fit_singles(null, classes, residual_of_null());
     if (trials.empty())
         throw Error(ExitCode::numerical_failure, "the model has no answer with any of the most likely suspects changed");
-    const auto judge_best = [&] {
-        return Identifier(comparison_, trials.front().unknowns, {}, jobs_).judge(trials.front().x);
-    };
     // With the noise that the best explanation leaves, those near it are fitted again
     const auto sharpen = [&] {
         const Trial& best = trials.front().hypothesis.score < null.hypothesis.score ? trials.front() : null;
@@ -536,7 +539,7 @@ Diagnosis Diagnostician::diagnose() {
         scale_slopes();
     };
     sharpen();
-    const Fit single = judge_best();
+    const Fit single = judge(trials.front());
     const bool is_doubtful = !single.is_explained() || (single.is_noise_assumed && single.chance < kDoubtful);
     if (suspects_.size() > 1 && (is_doubtful || suspects_.size() == 2)) {
         std::vector<Trial> pairs = fit_pairs(null, residual_of_null());
@@ -563,8 +566,7 @@ Diagnosis Diagnostician::diagnose() {
     find_limits(diagnosis);
     diagnosis.best_score = std::min(trials.front().hypothesis.score, diagnosis.unchanged.score);
     const bool is_seen = diagnosis.unchanged.score - trials.front().hypothesis.score > kDistinct;
-    diagnosis.fit = is_seen ? judge_best() : Identifier(comparison_, null.unknowns, {}, jobs_).judge(null.x);
-    diagnosis.step = describe_shift(is_seen ? trials.front() : null);
+    judge_best(is_seen ? trials.front() : null, diagnosis);
     const double least = trials.front().hypothesis.score;
     const auto end = std::ranges::find_if(
         trials, [&](const Trial& one) { return !is_seen || one.hypothesis.score - least >= kDistinct; });

@@ -94,7 +94,8 @@ private:
                                     const Eigen::VectorXd& residual) const;
     std::vector<Hypothesis> promising_pairs(const std::vector<size_t>& order, const Eigen::VectorXd& residual) const;
     std::vector<Trial> fit_pairs(const Trial& null, const Eigen::VectorXd& residual);
-    std::string describe_shift(const Trial& trial) const;
+    Fit judge(const Trial& trial) const;
+    void judge_best(const Trial& best, Diagnosis& diagnosis) const;
     void find_limits(Diagnosis& diagnosis) const;
     void add_intervals(std::span<Trial> trials) const;
 

@@ -121,8 +121,13 @@ Identifier::Identifier(Comparison& comparison, const Unknowns& unknowns, std::ve
     : comparison_(comparison), unknowns_(unknowns), priors_(std::move(priors)), jobs_(jobs) {}
 
 Eigen::VectorXd Identifier::residual(const Eigen::VectorXd& x, bool are_logarithmic) const {
+    return residual_of(comparison_.predict(unknowns_, x), x, are_logarithmic);
+}
+
+Eigen::VectorXd Identifier::residual_of(const Eigen::VectorXd& predicted, const Eigen::VectorXd& x,
+                                        bool are_logarithmic) const {
     Eigen::VectorXd residual(comparison_.rows() + as_row(priors_.size()));
-    residual.head(comparison_.rows()) = comparison_.residual(comparison_.predict(unknowns_, x), are_logarithmic);
+    residual.head(comparison_.rows()) = comparison_.residual(predicted, are_logarithmic);
     for (size_t i = 0; i < priors_.size(); ++i) {
         const double value = unknowns_[priors_[i].unknown].value(x(as_row(priors_[i].unknown)));
         residual(comparison_.rows() + as_row(i)) =
@@ -281,7 +286,8 @@ Solution Identifier::make_solution(const Minimum& minimum) const {
     solution.at_bound = minimum.at_bound;
     solution.predicted = comparison_.predict(unknowns_, minimum.x);
     solution.chi2 = comparison_.residual(solution.predicted, false).squaredNorm();
-    const Eigen::MatrixXd slopes = jacobian(minimum.x, false, jobs_);
+    solution.slopes = jacobian(minimum.x, false, jobs_);
+    const Eigen::MatrixXd& slopes = solution.slopes;
     // A combination that the data do not fix may have ended at a bound, which makes none of its unknowns known
     solution.judged = judge_identifiability(slopes, unknowns_, std::vector<bool>(unknowns_.size(), false));
     if (solution.judged.flat.empty()) solution.judged = judge_identifiability(slopes, unknowns_, minimum.at_bound);
@@ -359,8 +365,6 @@ Solution Identifier::estimate(const Eigen::VectorXd& x) const {
     find_intervals(solution, 1);
     return solution;
 }
-
-Fit Identifier::judge(const Eigen::VectorXd& x) const { return judge_fit(describe(x)); }
 
 /// Histories are fitted over the first part of their duration, then from the minima found there over all of it.
 std::vector<Minimum> Identifier::search_in_stages(std::vector<Start> points, Identification& found) {
@@ -537,8 +541,8 @@ Fit Identifier::judge_fit(const Solution& solution) const {
 }
 
 /// How far chi2 rises when one unknown is moved and the others follow.
-double Identifier::rise(const Solution& solution, size_t unknown, double distance, const Eigen::MatrixXd& jacobian,
-                        double base) const {
+double Identifier::rise(const Solution& solution, size_t unknown, double distance, double base) const {
+    const Eigen::MatrixXd& jacobian = solution.slopes;
     constexpr int kRounds = 2;  // the first is exact for a linear model
     std::vector<bool> fixed = solution.at_bound;
     for (size_t i = 0; i < fixed.size(); ++i) fixed[i] = fixed[i] || solution.judged.is_dead[i] || i == unknown;
@@ -574,8 +578,7 @@ double Identifier::allowed_rise() const {
 /// Where chi2 has risen by what 95 % allow: from the curvature first, then by the profile of chi2 itself.
 void Identifier::find_intervals(Solution& solution, double inflation) const {
     const double allowed = inflation * inflation * allowed_rise();
-    const Eigen::MatrixXd J = jacobian(solution.x, false, jobs_);
-    const double base = residual(solution.x, false).squaredNorm();
+    const double base = residual_of(solution.predicted, solution.x, false).squaredNorm();
     const auto limit = [&](size_t unknown, double sign) -> std::optional<double> {
         const Unknown& one = unknowns_[unknown];
         const double deviation = solution.judged.deviations(as_row(unknown)), x = solution.x(as_row(unknown));
@@ -587,7 +590,7 @@ void Identifier::find_intervals(Solution& solution, double inflation) const {
             distance = std::min(distance, reach);
             double risen = 0;
             try {
-                risen = rise(solution, unknown, sign * distance, J, base);
+                risen = rise(solution, unknown, sign * distance, base);
             } catch (const Error&) {
                 return std::nullopt;
             }
@@ -620,7 +623,7 @@ Eigen::VectorXd Identifier::find_step_bias(const Solution& solution) const {
     error.head(comparison_.rows()) = 4.0 / 3 * (finer - solution.predicted).cwiseQuotient(comparison_.deviations());
     std::vector<bool> fixed = solution.at_bound;
     for (size_t i = 0; i < fixed.size(); ++i) fixed[i] = fixed[i] || solution.judged.is_dead[i];
-    return solve_others(jacobian(solution.x, false, jobs_), error, fixed);
+    return solve_others(solution.slopes, error, fixed);
 }
 
 }  // namespace dttmm::host

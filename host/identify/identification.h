@@ -21,6 +21,7 @@ struct Solution {
     Eigen::VectorXd predicted;  ///< rows of the comparison
     double chi2 = 0;            ///< of the data, without priors
     std::vector<bool> at_bound;
+    Eigen::MatrixXd slopes;  ///< of the residuals by the coordinates
     Identifiability judged;
     std::vector<std::optional<double>> low, high;  ///< coordinates at 95 %; none: the data give no limit
     size_t starts = 0;                             ///< descents that led here
@@ -94,10 +95,11 @@ public:
     /// By how much the time step shifts the coordinates of a minimum from what exact motion would give.
     Eigen::VectorXd find_step_bias(const Solution& solution) const;
     /// How well the values of a minimum explain the data.
-    Fit judge(const Eigen::VectorXd& x) const;
+    Fit judge(const Solution& solution) const { return judge_fit(solution); }
 
 private:
     Eigen::VectorXd residual(const Eigen::VectorXd& x, bool are_logarithmic) const;
+    Eigen::VectorXd residual_of(const Eigen::VectorXd& predicted, const Eigen::VectorXd& x, bool are_logarithmic) const;
     Eigen::MatrixXd jacobian(const Eigen::VectorXd& x, bool are_logarithmic, int jobs) const;
     LeastSquares problem(bool are_logarithmic, int jobs) const;
     Minimum search_from(const Eigen::VectorXd& start, int jobs) const;
@@ -120,8 +122,7 @@ private:
     Fit judge_fit(const Solution& solution) const;
     double allowed_rise() const;
     void find_intervals(Solution& solution, double inflation) const;
-    double rise(const Solution& solution, size_t unknown, double distance, const Eigen::MatrixXd& jacobian,
-                double base) const;
+    double rise(const Solution& solution, size_t unknown, double distance, double base) const;
 
     Comparison& comparison_;
     const Unknowns& unknowns_;

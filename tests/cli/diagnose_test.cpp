@@ -123,6 +123,31 @@ TEST_F(Diagnose, TwoLooseBoltsAreAPair) {
     EXPECT_NEAR(found["candidates"][0]["factor"][1].get<double>(), 1.1, 0.01);
 }
 
+// Each member of a pair has a damping of its own. Oracle: the secret ones.
+TEST_F(Diagnose, BothDampingsOfAPairAreTold) {
+    const std::string file = struck_plate();
+    std::string secret = file;
+    for (const auto& [bolt, damping] : {std::pair("bolt1", "300"), std::pair("bolt3", "30")}) {
+        const size_t at = secret.find("damping = \"=c\"", secret.find(fmt::format("name = \"{}\"", bolt)));
+        secret.replace(at, 14, std::string("damping = ") + damping);
+    }
+    write_text(folder_ / "model.toml", secret);
+    ASSERT_EQ(run_dttmm(folder_.path(), {"run", "model.toml", "-q", "-o", "secret", "--channels",
+                                         "plate.corner*.acceleration.z", "--set", "k1=400 N/mm", "--set", "k3=550 N/mm"})
+                  .code,
+              0);
+    write_text(folder_ / "model.toml", file);
+    write_text(folder_ / "data.csv", with_noise(read_text(folder_ / "secret/history.csv"), 0.002, 8));
+    const Ended ended =
+        run_dttmm(folder_.path(), {"diagnose", "model.toml", "-o", "out", "--measured", "data.csv", "--suspects", "bolt*"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    const nlohmann::json one = read_json(folder_ / "out/diagnose.json")["candidates"][0];
+    EXPECT_EQ(one["elements"], nlohmann::json({"bolt1", "bolt3"})) << ended.out;
+    ASSERT_TRUE(one["damping_factor"].is_array()) << ended.out;
+    EXPECT_NEAR(one["damping_factor"][0].get<double>(), 3, 0.3);
+    EXPECT_NEAR(one["damping_factor"][1].get<double>(), 0.3, 0.1);
+}
+
 // A blow at the centre moves the centre alike whichever bolt is loose: the answer is all four.
 TEST_F(Diagnose, WhatSensorsCannotTellApartIsASet) {
     write_text(folder_ / "model.toml", struck_plate("plate"));

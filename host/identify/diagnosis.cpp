@@ -433,22 +433,6 @@ std::vector<Diagnostician::Trial> Diagnostician::fit_pairs(const Trial& null, co
     return fit_all(starts);
 }
 
-/// Each member of the best pairs alone, from the pair's values: what a descent of its own may have missed.
-std::vector<Diagnostician::Trial> Diagnostician::fit_members(const std::vector<Trial>& pairs) const {
-    const double limit = limit_near_best(pairs);
-    std::vector<Start> starts;
-    for (const Trial& pair : pairs)
-        for (size_t member = 0; member < pair.hypothesis.elements.size() && pair.hypothesis.score < limit; ++member) {
-            const std::vector<std::string> alone = {pair.hypothesis.elements[member]};
-            const auto is_same = [&](const Start& start) { return start.hypothesis.elements == alone; };
-            if (std::ranges::any_of(starts, is_same)) continue;  // of a better pair
-            Eigen::VectorXd from(as_row(common_.size() + 1));
-            from << pair.x.head(as_row(common_.size())), pair.x(as_row(common_.size() + member));
-            starts.push_back({{alone}, from});
-        }
-    return fit_all(starts);
-}
-
 void Diagnostician::find_limits(Diagnosis& diagnosis) const {
     const auto count = as_row(suspects_.size());
     double strongest = 0;
@@ -542,16 +526,7 @@ Diagnosis Diagnostician::diagnose() {
     const Fit single = judge(trials.front());
     const bool is_doubtful = !single.is_explained() || (single.is_noise_assumed && single.chance < kDoubtful);
     if (suspects_.size() > 1 && (is_doubtful || suspects_.size() == 2)) {
-        std::vector<Trial> pairs = fit_pairs(null, residual_of_null());
-        for (Trial& one : fit_members(pairs)) {
-            const auto known = std::ranges::find_if(
-                trials, [&](const Trial& trial) { return trial.hypothesis.elements == one.hypothesis.elements; });
-            if (known == trials.end())
-                trials.push_back(std::move(one));
-            else if (one.hypothesis.score < known->hypothesis.score)
-                *known = std::move(one);
-        }
-        for (Trial& pair : pairs) trials.push_back(std::move(pair));
+        for (Trial& pair : fit_pairs(null, residual_of_null())) trials.push_back(std::move(pair));
         sort_by_score(trials);
         sharpen();
     }

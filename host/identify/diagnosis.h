@@ -80,7 +80,6 @@ private:
                                    const Eigen::VectorXd& residual) const;
     std::vector<Start> screen(const Trial& null, std::vector<Start> starts) const;
     void choose_factors(const Trial& null, std::vector<Start>& starts) const;
-    std::vector<Trial> fit_members(const std::vector<Trial>& pairs) const;
     Eigen::VectorXd start_of(const Trial& trial) const;
     static void sort_by_score(std::vector<Trial>& trials);
     double score(const Eigen::VectorXd& predicted, size_t unknowns) const;

@@ -84,7 +84,7 @@ Square exponential_alone(Square X) {
         return sum;
     };
     Square E = four(12);
-    for (const size_t k : {8, 4, 0}) E = (four(k) + X4 * E).eval();
+    for (const size_t k : {size_t{8}, size_t{4}, size_t{0}}) E = (four(k) + X4 * E).eval();
     for (int k = 0; k < squarings; ++k) E = (E * E).eval();
     return E;
 }

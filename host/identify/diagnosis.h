@@ -58,7 +58,7 @@ private:
         Hypothesis hypothesis;
         Unknowns unknowns;
         Eigen::VectorXd x, predicted;
-        bool is_given_up = false;  ///< it cannot come near the best: x is on the way to its minimum
+        bool is_given_up = false;  ///< it cannot come near the best: x is no minimum
     };
     Unknowns unknowns_of(const Hypothesis& hypothesis, bool with_damping) const;
     /// What is fitted, from where: the first of its unknowns.

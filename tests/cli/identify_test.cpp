@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <numbers>
 
 #include "cli/measured_models.h"
@@ -43,6 +44,17 @@ protected:
         const Ended ended = run_dttmm(folder_.path(), words);
         ASSERT_EQ(ended.code, 0) << ended.err;
         write_text(folder_ / "data.csv", with_noise(read_text(folder_ / "secret/history.csv"), noise, seed));
+    }
+    /// The history of the run in secret/, each row (time first) as `change` makes it.
+    std::string changed_history(const std::function<void(std::vector<double>& row)>& change) const {
+        const std::string history = read_text(folder_ / "secret/history.csv");
+        std::string text = history.substr(0, history.find('\n', history.find('\n') + 1) + 1);
+        for (std::vector<double> row : read_history(folder_ / "secret/history.csv")) {
+            change(row);
+            for (size_t c = 0; c < row.size(); ++c) text += fmt::format("{}{:.17g}", c > 0 ? "," : "", row[c]);
+            text += "\n";
+        }
+        return text;
     }
     const TemporaryFolder folder_;
 };
@@ -209,19 +221,10 @@ TEST_F(Identify, GainDelayAndClockOfTheMeasurementAreFound) {
                   .code,
               0);
     const double gain = 0.93, delay = 7e-4, clock = 1.019;  // true time = clock (time of the file - delay)
-    std::string text;
-    std::istringstream lines(read_text(folder_ / "secret/history.csv"));
-    for (std::string line; std::getline(lines, line);) {
-        const size_t comma = line.find(',');
-        if (line.starts_with("time") || line.starts_with("s,")) {
-            text += line + "\n";
-            continue;
-        }
-        text += fmt::format("{:.17g}", std::stod(line.substr(0, comma)) / clock + delay);
-        std::istringstream cells(line.substr(comma + 1));
-        for (std::string cell; std::getline(cells, cell, ',');) text += fmt::format(",{:.17g}", gain * std::stod(cell));
-        text += "\n";
-    }
+    const std::string text = changed_history([&](std::vector<double>& row) {
+        for (double& value : row) value *= gain;
+        row[0] = row[0] / gain / clock + delay;
+    });
     write_text(folder_ / "data.csv", text);
     const Ended ended =
         identify({"--measured", "data.csv", "--free", "k1", "--nuisance", "gain,delay,clock", "--step", "0.1 ms"});
@@ -306,22 +309,11 @@ TEST_F(Identify, TheClockIsFoundFromMainsHum) {
                   .code,
               0);
     const double clock = 1.019;  // true time = clock times that of the file
-    std::string text;
-    std::istringstream lines(read_text(folder_ / "secret/history.csv"));
-    for (std::string line; std::getline(lines, line);) {
-        const size_t comma = line.find(',');
-        if (line.starts_with("time") || line.starts_with("s,")) {
-            text += line + "\n";
-            continue;
-        }
-        const double t = std::stod(line.substr(0, comma));
-        text += fmt::format("{:.17g}", t / clock);
-        std::istringstream cells(line.substr(comma + 1));
-        double phase = 0.3;
-        for (std::string cell; std::getline(cells, cell, ','); phase += 1.1)
-            text += fmt::format(",{:.17g}", std::stod(cell) + 0.8 * std::sin(2 * std::numbers::pi * 50 * t + phase));
-        text += "\n";
-    }
+    const std::string text = changed_history([&](std::vector<double>& row) {
+        for (size_t c = 1; c < row.size(); ++c)
+            row[c] += 0.8 * std::sin(2 * std::numbers::pi * 50 * row[0] + 0.3 + 1.1 * static_cast<double>(c - 1));
+        row[0] /= clock;
+    });
     write_text(folder_ / "data.csv", with_noise(text, 1e-3, 4));
     const std::vector<std::string> words = {"--measured", "data.csv", "--free", "k1,k2",
                                             "--starts",   "1",        "--step", "0.2 ms"};

@@ -57,7 +57,7 @@ TEST(MainsHum, IsFoundBesideADecayingVibration) {
     EXPECT_NEAR(find(one), 50.953, 4 * 1.5 * bound);
 }
 
-// Without noise nothing but the window's side lobes at the negative frequency are in the way: 1/(2 f T)^3 of a bin.
+// Without noise only the window's side lobes at the negative frequency disturb: by 1/(2 f T)^3 of a bin.
 TEST(MainsHum, IsExactWithoutNoise) {
     const MeasuredSignal one = record(1e-3, 5000, 0, [](double t) { return std::cos(kTwoPi * 58.777 * t); });
     EXPECT_NEAR(find(one, 60), 58.777, 1e-4);

@@ -49,6 +49,10 @@ public:
 
     /// The bodies at the end of the step last solved.
     const std::vector<BodyState>& predicted() const { return trial_; }
+    /// The same with the last correction, which predicted() has where there are joints only.
+    void write_end(const std::vector<BodyState>& now, std::vector<BodyState>& end) const {
+        equations_.move(now, equations_.h(), end);
+    }
     /// The equations of the step last solved, at its end.
     const StepEquations& equations() const { return equations_; }
     /// Which equations of joints that step does without.

@@ -316,6 +316,15 @@ void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches, c
     }
 }
 
+void Networks::centre(Networks& above, Networks& below) const {
+    for (size_t n = 0; n < instances_.size(); ++n) {
+        if (!instances_[n].has_derivative())
+            throw Error(ExitCode::plugin_failure, fmt::format("{}: its plugin {} is without the extension " DTTMM_DERIVATIVE,
+                                                              instances_[n].name(), instances_[n].plugin_name()));
+        tell_place(n, [&] { instances_[n].centre(above.instances_[n], below.instances_[n]); });
+    }
+}
+
 std::string Networks::whose_part(size_t part) const {
     const auto instance = std::ranges::upper_bound(first_part_, part) - first_part_.begin() - 1;
     return instances_[as_size(instance)].whose(progress_[part].element);

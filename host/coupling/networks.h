@@ -78,6 +78,11 @@ public:
     StaticMeasure move_static(const std::vector<BodyState>& at, double share, double* wrenches);
     void start_at_rest(const dttmm_step& step, const std::vector<BodyState>& at, const double* node_loads);
 
+    /// Moves the states of two that differ from this one in numbers only to equal distances from its own: see
+    /// dttmm_derivative.h. Between steps. Throws Error(plugin_failure) with the place where a plugin or an element knows no
+    /// such state.
+    void centre(Networks& above, Networks& below) const;
+
     /// Whether all plugins tell what stands at an instant.
     bool stand() const { return stand_; }
     /// Adds the mean wrenches over the step last committed. Only if stand().

@@ -25,6 +25,8 @@ public:
     const std::vector<Column>& figures() const { return plan_.columns; }
     const std::vector<Column>& parameters() const { return plan_.cases.parameters; }
     const std::string& command() const { return plan_.command; }
+    /// As a study of them would have it, without cases.
+    const StudyPlan& plan() const { return plan_; }
     /// The file's values [SI].
     const Eigen::VectorXd& nominal() const { return nominal_; }
 

@@ -13,6 +13,7 @@
 #include "analysis/json.h"
 #include "analysis/modal_session.h"
 #include "analysis/stop_signals.h"
+#include "identify/run_derivatives.h"
 #include "model/index.h"
 #include "model/wording.h"
 #include "record/atomic_file.h"
@@ -31,6 +32,7 @@ constexpr double kFarthestPoint = 0.02;  // of the logarithm of a parameter; hal
 constexpr double kOneMode = 1e-6;        // share: frequencies this near are one multiple frequency
 constexpr int kCheckCases = 200;         // that check a linear estimate of scatter
 constexpr double kUncertain = 0.01;      // error of a slope, share of the largest of its figure: worth a word
+constexpr double kRival = 0.01;          // change of a logarithm that makes another extreme the largest: worth a word
 
 bool is_frequency(const Column& column) { return column.name.starts_with("mode") && column.name.ends_with(".frequency"); }
 
@@ -221,8 +223,21 @@ double per_cent(const LocalSensitivity& local, Eigen::Index f, Eigen::Index p) {
     return local.figures(f) != 0 ? local.slopes(f, p) / local.figures(f) : std::nan("");
 }
 
+/// Whether another extreme, with another slope, is the largest after a small change of the parameter.
+bool has_rival(const LocalSensitivity& local, Eigen::Index f, Eigen::Index p) {
+    if (local.rivals.size() == 0 || local.reach(f, p) > kRival) return false;
+    return std::abs(local.rivals(f, p) - local.slopes(f, p)) > kUncertain * local.slopes.row(f).cwiseAbs().maxCoeff();
+}
+
+/// How the derivatives were found; why not directly, where that was wanted.
+struct Method {
+    bool is_direct = false;
+    std::string reason;
+    std::string name() const { return is_direct ? "direct differentiation" : "differences"; }
+};
+
 void write_tables(const ResultsFolder& folder, const Request& request, const FigureFunction& function,
-                  const LocalSensitivity& local, const std::optional<Scatter>& scatter) {
+                  const LocalSensitivity& local, const std::optional<Scatter>& scatter, const Method& method) {
     CsvTable csv({{"figure", ""},
                   {"unit", ""},
                   {"parameter", ""},
@@ -248,6 +263,10 @@ void write_tables(const ResultsFolder& folder, const Request& request, const Fig
             by[name] = {{"percent_per_percent", number(per_cent(local, f, p))},
                         {"per_logarithm", number(local.slopes(f, p))},
                         {"error", number(local.errors(f, p))}};
+            if (has_rival(local, f, p))
+                by[name]["other_extreme"] = {{"time", local.rival_times(f)},
+                                             {"change_of_logarithm", local.reach(f, p)},
+                                             {"per_logarithm", number(local.rivals(f, p))}};
         }
         Json one = {{"figure", figure.name}, {"unit", figure.unit}, {"value", number(local.figures(f))}, {"by", by}};
         if (scatter)
@@ -259,17 +278,20 @@ void write_tables(const ResultsFolder& folder, const Request& request, const Fig
     write_atomically(folder.file("sensitivity.csv"), csv.text());
     write_json(folder.file("sensitivity.json"), Json{{"format", "dttmm-sensitivity/1"},
                                                      {"command", function.command()},
+                                                     {"method", method.name()},
+                                                     {"reason", method.reason.empty() ? Json() : Json(method.reason)},
                                                      {"figures", list},
                                                      {"command_line", request.command_line}});
 }
 
-void print(const FigureFunction& function, const LocalSensitivity& local, const std::optional<Scatter>& scatter) {
+void print(const FigureFunction& function, const LocalSensitivity& local, const std::optional<Scatter>& scatter,
+           const Method& method) {
     size_t width = 8;
     for (const Column& one : function.figures()) width = std::max(width, one.name.size());
     std::string head = fmt::format("{:<{}} {:>14} {:<8}", "% per %", width, "value", "");
     for (const Column& one : function.parameters()) head += fmt::format(" {:>11}", one.name);
     fmt::print("{}\n", head);
-    std::vector<std::string> uncertain;
+    std::vector<std::string> uncertain, doubtful;
     for (Eigen::Index f = 0; f < local.figures.size(); ++f) {
         const Column& one = function.figures()[as_size(f)];
         std::string line = fmt::format("{:<{}} {:>14.7g} {:<8}", one.name, width, local.figures(f), one.unit);
@@ -280,12 +302,21 @@ void print(const FigureFunction& function, const LocalSensitivity& local, const 
             line += std::isnan(value) ? fmt::format(" {:>11}", "-") : fmt::format(" {:>+11.4f}", value);
             is_uncertain = is_uncertain || local.errors(f, p) > kUncertain * largest;
         }
-        if (is_uncertain && largest > 0) uncertain.push_back(one.name);
+        if (is_uncertain && local.figures(f) != 0) uncertain.push_back(one.name);
+        bool is_rivalled = false;
+        for (Eigen::Index p = 0; p < local.slopes.cols(); ++p) is_rivalled = is_rivalled || has_rival(local, f, p);
+        if (is_rivalled) doubtful.push_back(fmt::format("{} (at {:.6g} s)", one.name, local.rival_times(f)));
         fmt::print("{}\n", line);
     }
     if (!uncertain.empty())
-        fmt::print("known to worse than 1 % only, as where a peak moves from one instant to another: {}\n",
-                   listed(uncertain));
+        fmt::print("known to worse than 1 % only{}: {}\n",
+                   method.is_direct ? "" : ", as where a peak moves from one instant to another", listed(uncertain));
+    if (!doubtful.empty())
+        fmt::print(
+            "after a change of a parameter by less than 1 % another extreme is the largest, and other slopes hold: "
+            "{}\n",
+            listed(doubtful));
+    if (!method.reason.empty()) fmt::print("by differences of whole runs: {}\n", method.reason);
     if (!scatter) return;
     fmt::print("\n{:<{}} {:>14} {:>14} {:>14}\n", "scatter", width, "deviation", "by cases", "not linear");
     for (Eigen::Index f = 0; f < local.figures.size(); ++f)
@@ -305,13 +336,16 @@ ExitCode find_sensitivities(const Request& request) {
     overrides.purpose = Purpose::modes;
     const Model model = read_model(request.model, plugins.catalogue(), overrides);
     const FigureFunction function(request, model, plugins, parameters_of(request, model), request.figures);
-    const LocalSensitivity local = differentiate_figures(function, request.jobs);
+    LocalSensitivity local;
+    Method method;
+    method.is_direct = function.command() == "run" && differentiate_run(function, request.jobs, local, method.reason);
+    if (!method.is_direct) local = differentiate_figures(function, request.jobs);
     std::optional<Scatter> scatter;
     if (!request.variations.empty()) scatter = find_scatter(request, model, function, local);
     const ResultsFolder folder(results_path(request, "-sensitivity"));
-    write_tables(folder, request, function, local, scatter);
+    write_tables(folder, request, function, local, scatter, method);
     if (!request.quiet) {
-        print(function, local, scatter);
+        print(function, local, scatter, method);
         fmt::print("results in {}\n", folder.describe("sensitivity.csv"));
     }
     return ExitCode::ok;

@@ -9,14 +9,19 @@
 
 namespace dttmm::host {
 
-/// Derivatives of figures by the logarithms of parameters: central differences at three distances, extrapolated to none.
+/// Derivatives of figures by the logarithms of parameters.
 struct LocalSensitivity {
     Eigen::VectorXd figures;  ///< at the file's values
     Eigen::MatrixXd slopes;   ///< d figure/d ln p: a row per figure, a column per parameter
-    Eigen::MatrixXd errors;   ///< of the slopes, by the last extrapolation
+    Eigen::MatrixXd errors;   ///< of the slopes
+    /// Of direct differentiation, see FigureSlopes: instants of second extremes, their slopes, and the changes of ln p that
+    /// make them the largest. Empty of differences.
+    Eigen::VectorXd rival_times;
+    Eigen::MatrixXd rivals, reach;
 };
 
-/// A multiple natural frequency has a derivative for each of its branches: their slopes distinguish them. Throws
+/// By central differences at three distances, extrapolated to none; their errors are those of the last extrapolation. A
+/// multiple natural frequency has a derivative for each of its branches: their slopes distinguish them. Throws
 /// Error(numerical_failure) where the model has no answer at one of the points. Source: Ridders (1982), Advances in
 /// Engineering Software 4, 75-76.
 LocalSensitivity differentiate_figures(const FigureFunction& function, int jobs);

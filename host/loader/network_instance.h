@@ -103,6 +103,14 @@ public:
         ask([&](dttmm_error* error) { return plugin_.supports()->move(instance_.get(), motions, error); });
     }
 
+    /// See dttmm_derivative.h; only if has_derivative().
+    bool has_derivative() const { return plugin_.derivative() != nullptr; }
+    void centre(NetworkInstance& above, NetworkInstance& below) const {
+        ask([&](dttmm_error* error) {
+            return plugin_.derivative()->centre(above.instance_.get(), below.instance_.get(), instance_.get(), error);
+        });
+    }
+
     // At rest, see dttmm_static.h; only if has_statics().
     const dttmm_instance* at_rest() const { return instance_.get(); }
     bool has_statics() const { return plugin_.statics() != nullptr; }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "dttmm_derivative.h"
 #include "dttmm_laws.h"
 #include "dttmm_modal.h"
 #include "dttmm_plugin.h"
@@ -39,6 +40,7 @@ public:
     const dttmm_static_table* statics() const { return statics_; }
     const dttmm_support_table* supports() const { return supports_; }
     const dttmm_shape_table* shapes() const { return shapes_; }
+    const dttmm_derivative_table* derivative() const { return derivative_; }
     /// Gives its elements one more law; false: they take none. Throws Error(plugin_failure) with what it says of the law.
     bool add_law(const dttmm_law& law) const;
     /// The Maxwell series of a direction of an element; no terms: it has none. Throws Error(plugin_failure).
@@ -56,6 +58,7 @@ private:
     const dttmm_static_table* statics_ = nullptr;
     const dttmm_support_table* supports_ = nullptr;
     const dttmm_shape_table* shapes_ = nullptr;
+    const dttmm_derivative_table* derivative_ = nullptr;
     std::shared_ptr<void> handle_;
 };
 

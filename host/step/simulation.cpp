@@ -9,6 +9,7 @@
 #include "model/error.h"
 #include "model/index.h"
 #include "model/read_modes.h"
+#include "world/rotation_step.h"
 
 namespace dttmm::host {
 
@@ -23,6 +24,19 @@ std::vector<BodyState> read_states(const World& world, size_t count) {
     std::vector<BodyState> states(count);
     world.read_states(states);
     return states;
+}
+
+/// Moves two states to equal distances from a third.
+void centre_body(BodyState& above, BodyState& below, const BodyState& middle) {
+    for (Eigen::Vector3d BodyState::*vector : {&BodyState::position, &BodyState::velocity, &BodyState::angular_velocity}) {
+        const Eigen::Vector3d half = 0.5 * (above.*vector - below.*vector);
+        above.*vector = middle.*vector + half;
+        below.*vector = middle.*vector - half;
+    }
+    const Eigen::AngleAxisd turn(Eigen::Matrix3d(above.rotation * below.rotation.transpose()));
+    const Eigen::Vector3d half = 0.5 * turn.angle() * turn.axis();
+    above.rotation = RotationStep(half).apply(middle.rotation);
+    below.rotation = RotationStep(-half).apply(middle.rotation);
 }
 
 }  // namespace
@@ -158,9 +172,20 @@ void Simulation::step() {
     ++index_;
 }
 
+void Simulation::centre(Simulation& above, Simulation& below, const Simulation& middle) {
+    middle.networks_.centre(above.networks_, below.networks_);
+    for (size_t b = 0; b < middle.now_.size(); ++b) centre_body(above.now_[b], below.now_[b], middle.now_[b]);
+    for (Simulation* one : {&above, &below})
+        if (one->asks_ode_) one->world_.set_states(one->now_);
+}
+
 /// Finds the end of the step and has ODE move the bodies there. ODE decides which stops act: where it differs, the step is
 /// done again with its choice.
 void Simulation::move_bodies() {
+    if (!asks_ode_) {
+        end_of_step_.solve(now_, networks_, stops_);
+        return end_of_step_.write_end(now_, after_);
+    }
     world_.find_stops(step_size_, stops_);
     if (has_stops_) world_.save(saved_);
     for (int attempt = 0; attempt < kMostAttempts; ++attempt) {

@@ -53,6 +53,13 @@ public:
     /// One time step. Throws Error(numerical_failure) when the motion diverges, naming time, body and ω h.
     void step();
 
+    /// From now on bodies move as predicted and ODE is not asked, unless joints have stops, on which it has the last word:
+    /// for a run whose difference from another counts.
+    void leave_ode() { asks_ode_ = has_stops_; }
+    /// Moves the states of two runs, of models that differ from that of `middle` in numbers only, to equal distances from
+    /// its own. All three are at the start of the same step. Throws as Networks::centre() does.
+    static void centre(Simulation& above, Simulation& below, const Simulation& middle);
+
     /// Instead of steps, once: hands on the row of a machine that starts at rest. Nothing moves and ODE is not asked, whose
     /// work grows with the cube of the number of joints in a chain.
     void observe_rest();
@@ -114,7 +121,7 @@ private:
     TraceSink trace_;
     World::Saved saved_;       ///< now_ as ODE has it
     std::vector<Stop> stops_;  ///< that are thought to act over the step
-    bool has_stops_ = false;
+    bool has_stops_ = false, asks_ode_ = true;
     uint64_t engine_steps_ = 0;
     std::vector<BodyState>
         first_after_;  ///< velocities half a step after the start that have the initial ones as their mean

@@ -40,13 +40,6 @@ struct Found {
     }
 };
 
-Request request_of(const StudyPlan& plan, size_t index) {
-    Request request = plan.request;
-    request.quiet = true;
-    for (const auto& [name, value] : plan.cases.settings(index)) give(request, option("--set"), name + "=" + value);
-    return request;
-}
-
 Found run_history(const Request& request, const StudyPlan& plan, const std::optional<std::filesystem::path>& kept) {
     Session session(request);
     session.refuse_unstable(request.force);
@@ -149,6 +142,13 @@ std::vector<double> pick(const Found& found, const std::vector<Column>& columns)
 }
 
 }  // namespace
+
+Request request_of(const StudyPlan& plan, size_t index) {
+    Request request = plan.request;
+    request.quiet = true;
+    for (const auto& [name, value] : plan.cases.settings(index)) give(request, option("--set"), name + "=" + value);
+    return request;
+}
 
 std::vector<Column> find_figures(const StudyPlan& plan, const Plugins& plugins) {
     if (plan.command == "run") {

@@ -178,10 +178,24 @@ void HistoryFigures::add(size_t watched, Statistic statistic) {
     columns_.push_back({name, statistic == Statistic::time ? "s" : of.unit});
 }
 
+std::vector<int> HistoryFigures::places() const {
+    std::vector<int> places;
+    for (const Watched& one : watched_)
+        if (one.formula)
+            for (const size_t place : one.formula->places) places.push_back(as_int(place));
+        else
+            places.push_back(as_int(one.place));
+    return places;
+}
+
+void HistoryFigures::read(std::span<const double> row, std::span<double> values) {
+    for (size_t w = 0; w < watched_.size(); ++w) values[w] = watched_[w].value(row);
+}
+
 void HistoryFigures::take_row(std::span<const double> row) {
     const bool is_first = rows_++ == 0;
     for (Watched& one : watched_) {
-        const double value = one.formula ? one.formula->value(row) : row[one.place];
+        const double value = one.value(row);
         if (!std::isfinite(value)) one.is_broken = true;
         if (is_first || std::abs(value) > one.peak) {
             one.peak = std::abs(value);

@@ -28,17 +28,24 @@ public:
                    const std::optional<std::vector<int>>& selection);
 
     const std::vector<Column>& columns() const { return columns_; }
+    enum class Statistic : unsigned char { peak, time, minimum, maximum, final, mean, rms };
+    struct Figure {
+        size_t watched;  ///< a channel or a formula, by its number
+        Statistic statistic;
+    };
+    /// In the order of columns().
+    const std::vector<Figure>& figures() const { return figures_; }
+    /// Values of all channels and formulas that are watched, of one row.
+    size_t watched_count() const { return watched_.size(); }
+    void read(std::span<const double> row, std::span<double> values);
+    /// Of the rows, the numbers that they are made of; with repetitions.
+    std::vector<int> places() const;
     /// The first number is the time.
     void take_row(std::span<const double> row);
     /// In the order of columns().
     std::vector<double> values() const;
 
 private:
-    enum class Statistic : unsigned char { peak, time, minimum, maximum, final, mean, rms };
-    struct Figure {
-        size_t watched;
-        Statistic statistic;
-    };
     /// A formula over numbers of a row.
     struct Formula {
         Formula(const std::string& text, std::span<const Channel> channels,
@@ -54,6 +61,7 @@ private:
         std::string name, unit;
         size_t place = 0;  ///< in a row, of a channel
         std::unique_ptr<Formula> formula = nullptr;
+        double value(std::span<const double> row) { return formula ? formula->value(row) : row[place]; }
         double peak = 0, time = 0, minimum = 0, maximum = 0, final = 0;
         double sum = 0, squares = 0;  ///< the first row counted half
         bool is_broken = false;       ///< a row had no finite number: then none of its figures has

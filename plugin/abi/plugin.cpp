@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/index.h"
+#include "dttmm_derivative.h"
 #include "dttmm_laws.h"
 #include "dttmm_modal.h"
 #include "dttmm_plugin.h"
@@ -122,6 +123,10 @@ size_t state_size(const dttmm_instance* instance) { return instance->machine.sta
 
 dttmm_status save_state(const dttmm_instance* instance, void* buffer, size_t size, dttmm_error* error) {
     return guard(error, [&] { instance->machine.save_state(buffer, size); });
+}
+
+dttmm_status centre(dttmm_instance* above, dttmm_instance* below, const dttmm_instance* middle, dttmm_error* error) {
+    return guard(error, [&] { dttmm::plugin::Machine::centre(above->machine, below->machine, middle->machine); });
 }
 
 dttmm_status restore_state(dttmm_instance* instance, const void* buffer, size_t size, dttmm_error* error) {
@@ -362,6 +367,7 @@ const void* extension(const char* name) {
     static constexpr dttmm_response_table kResponse = {
         sizeof(dttmm_response_table), respond, is_axial, find_damped, damped_mode, set_damping};
     static constexpr dttmm_state_table kState = {sizeof(dttmm_state_table), state_size, save_state, restore_state};
+    static constexpr dttmm_derivative_table kDerivative = {sizeof(dttmm_derivative_table), centre};
     static constexpr dttmm_laws_table kLaws = {sizeof(dttmm_laws_table), add_law, fit};
     static constexpr dttmm_static_table kStatic = {sizeof(dttmm_static_table),
                                                    begin_static,
@@ -378,6 +384,7 @@ const void* extension(const char* name) {
     if (wanted == DTTMM_MODAL) return &kModal;
     if (wanted == DTTMM_RESPONSE) return &kResponse;
     if (wanted == DTTMM_STATE) return &kState;
+    if (wanted == DTTMM_DERIVATIVE) return &kDerivative;
     if (wanted == DTTMM_STATIC) return &kStatic;
     if (wanted == DTTMM_SUPPORT) return &kSupport;
     if (wanted == DTTMM_SHAPE) return &kShape;

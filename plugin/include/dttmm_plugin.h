@@ -3,7 +3,8 @@
  *
  * The C interface between the dttmm host, which owns the rigid bodies, and a plugin, which solves the elastic network
  * between them. Both halves include this header, those of its extensions (dttmm_modal.h, dttmm_response.h, dttmm_shape.h,
- * dttmm_state.h, dttmm_static.h, dttmm_support.h, dttmm_laws.h) and nothing else of each other. Plain C11.
+ * dttmm_state.h, dttmm_derivative.h, dttmm_static.h, dttmm_support.h, dttmm_laws.h) and nothing else of each other. Plain
+ * C11.
  *
  * Conventions, valid for every declaration below
  * ----------------------------------------------

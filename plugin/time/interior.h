@@ -178,9 +178,8 @@ public:
     long passes() const { return work_.passes; }
     long factorisations() const { return work_.factorisations; }
 
-    /// Everything that changes from step to step, as pieces of memory; the factor goes with them by refactor(), for the step
-    /// to come.
-    /// Shows the memory of what changes from step to step, piece by piece, as spans; self: an Interior, constant or not.
+    /// Shows the memory of what changes from step to step, piece by piece, as spans; self: an Interior, constant or not. The
+    /// factor goes with it by refactor(), for the step to come.
     template <class Self, class Visit>
     static void for_each_state(Self& self, const Visit& visit) {
         visit(std::span(self.past_.u));
@@ -196,6 +195,10 @@ public:
         visit(std::span(&self.record_, 1));
     }
     void refactor(const Mechanism& mechanism);
+    /// After its state has been moved a little between two steps: the factor still serves.
+    void take_moved_state(const Mechanism& mechanism) {
+        if (!matrix_.is_stale) look_at_joints(mechanism);
+    }
 
 private:
     void find_accelerations(const Mechanism& mechanism, std::span<const Vector6> wrenches);
@@ -218,6 +221,7 @@ private:
         }
     };
     struct Record {
+        static constexpr bool kStaysOwn = true;  ///< see centring.h
         double port_turn = 0;  ///< of joints at ports in the last step, since the matrix was formed, as share of their arms
         double scale = 0;      ///< size of the motion, slowly forgetting [m/s]
         double load_work = 0;  ///< of the loads up to t_{n−1} [J]

@@ -517,6 +517,23 @@ void Machine::restore_state(const void* buffer, size_t size) {
     });
 }
 
+void Machine::centre(Machine& above, Machine& below, const Machine& middle) {
+    const size_t count = middle.networks_.size();
+    const auto show = [](auto& machine) {
+        return [&](const auto& visit) { Supports::for_each_state(machine.supports_, visit); };
+    };
+    Centring supports(show(above), show(below), show(middle));
+    if (above.networks_.size() != count || below.networks_.size() != count || !supports.is_possible())
+        throw Error(DTTMM_ERROR_ARGUMENT, "centre: the machines differ in more than numbers");
+    const auto for_each_network = [&](const auto& action) {
+        for (size_t n = 0; n < count; ++n)
+            action(above.networks_[n].network, below.networks_[n].network, middle.networks_[n].network);
+    };
+    for_each_network(Network::refuse_centre);
+    for_each_network(Network::centre);
+    supports.centre();
+}
+
 void Machine::positions(uint32_t stations, double* positions) const {
     if (stations < 2) throw Error(DTTMM_ERROR_ARGUMENT, "positions: a line has two stations at least");
     for_each(*this, [&](const Part& part) { positions = part.network.write_lines(stations, positions); });

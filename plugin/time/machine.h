@@ -53,6 +53,7 @@ public:
     size_t state_size() const;
     void save_state(void* buffer, size_t size) const;
     void restore_state(const void* buffer, size_t size);
+    static void centre(Machine& above, Machine& below, const Machine& middle);
 
     const std::vector<dttmm_channel>& channels() const { return channels_; }
     void outputs(double* values) const;

@@ -688,6 +688,36 @@ void Network::restore_state(const void* buffer, size_t size) {
     instant_.is_known = false;
 }
 
+Centring Network::centring(Network& above, Network& below, const Network& middle) {
+    const auto show = [](auto& network) { return [&](const auto& visit) { for_each_state(network, visit); }; };
+    return {show(above), show(below), show(middle)};
+}
+
+void Network::refuse_rough_memory() const {
+    for (const Joint& joint : mechanism_.joints)
+        for (const auto& law : joint.law().laws)
+            if (law && !law->remembers_smoothly())
+                throw Error(DTTMM_ERROR_MODEL,
+                            "its law remembers numbers of its own: how they change with a parameter is not known",
+                            joint.element());
+}
+
+void Network::refuse_centre(Network& above, Network& below, const Network& middle) {
+    for (const Network* one : std::initializer_list<const Network*>{&above, &below, &middle})
+        if (!one->started_ || one->is_open_) throw Error(DTTMM_ERROR_PHASE, "centre: only between steps, after start");
+    if (!centring(above, below, middle).is_possible())
+        throw Error(DTTMM_ERROR_ARGUMENT, "centre: the networks differ in more than numbers");
+    middle.refuse_rough_memory();
+}
+
+void Network::centre(Network& above, Network& below, const Network& middle) {
+    centring(above, below, middle).centre();
+    for (Network* one : {&above, &below}) {
+        if (one->interior_) one->interior_->take_moved_state(one->mechanism_);
+        one->instant_.is_known = false;
+    }
+}
+
 // ---- Results ------------------------------------------------------------------------------------------------------------
 
 double* Network::write_joint(double* out, size_t j) const {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/centring.h"
 #include "core/index.h"
 #include "dttmm_plugin.h"
 #include "mechanism/mechanism.h"
@@ -84,6 +85,9 @@ public:
     size_t state_size() const;
     void save_state(void* buffer, size_t size) const;
     void restore_state(const void* buffer, size_t size);
+    /// See dttmm_derivative.h. Throws where centre() cannot be done.
+    static void refuse_centre(Network& above, Network& below, const Network& middle);
+    static void centre(Network& above, Network& below, const Network& middle);
 
     const std::vector<dttmm_channel>& channels() const { return results_.channels; }
     /// Its channels in pieces: of each element, then all others; and where each begins among the outputs, at first one after
@@ -164,6 +168,8 @@ private:
 
     template <class Self, class Visit>
     static void for_each_state(Self& self, const Visit& visit);
+    static Centring centring(Network& above, Network& below, const Network& middle);
+    void refuse_rough_memory() const;
 
     Places places_;
     Mechanism mechanism_;

@@ -86,8 +86,9 @@ private:
     std::vector<dttmm_support_motion> first_;  ///< as they move at the start
     std::vector<Vector6> rigid_;               ///< wrenches of rigid directions at the start of the last step
     struct Record {
-        double work = 0, last_work = 0;  ///< up to the start of the last step, and over it [J]
-        double step_size = 0;            ///< [s]
+        static constexpr bool kStaysOwn = true;  ///< see centring.h
+        double work = 0, last_work = 0;          ///< up to the start of the last step, and over it [J]
+        double step_size = 0;                    ///< [s]
         double steps = 0;
     };
     Record record_;

@@ -3,6 +3,7 @@
  * The interface's headers are C11 that stands alone: that this file compiles is the first half of the test. The second half
  * compares these sizes and places with those that C++ sees.
  */
+#include "dttmm_derivative.h"
 #include "dttmm_laws.h"
 #include "dttmm_response.h"
 #include "dttmm_shape.h"
@@ -15,4 +16,5 @@ const size_t dttmm_layout_in_c[] = {
     sizeof(dttmm_channel), sizeof(dttmm_plugin),    offsetof(dttmm_plugin, outputs), offsetof(dttmm_network, gravity),
     sizeof(dttmm_body),    sizeof(dttmm_modal_model), sizeof(dttmm_modal_table),     sizeof(dttmm_response_table),
     sizeof(dttmm_state_table), sizeof(dttmm_laws_table),  sizeof(dttmm_shape_table),
+    sizeof(dttmm_derivative_table),
 };

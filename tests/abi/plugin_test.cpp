@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "dttmm_plugin.h"  // first, so that it must stand alone
 
+#include "dttmm_derivative.h"
 #include "dttmm_laws.h"
 #include "dttmm_response.h"
 #include "dttmm_shape.h"
@@ -16,7 +17,7 @@
 #include "support/paths.h"
 #include "support/spring_values.h"
 
-extern "C" const size_t dttmm_layout_in_c[19];
+extern "C" const size_t dttmm_layout_in_c[20];
 
 namespace dttmm::test {
 namespace {
@@ -51,6 +52,7 @@ TEST(Plugin, TheInterfaceHasOneLayoutInCAndCpp) {
         sizeof(dttmm_state_table),
         sizeof(dttmm_laws_table),
         sizeof(dttmm_shape_table),
+        sizeof(dttmm_derivative_table),
     };
     EXPECT_THAT(layout, testing::ElementsAreArray(dttmm_layout_in_c));
     EXPECT_EQ(sizeof(dttmm_error), 512u);
@@ -210,6 +212,61 @@ TEST(Plugin, AStateOfAnotherSizeIsRefusedAndChangesNothing) {
     EXPECT_EQ(saver().restore(joint.instance(), foreign.data(), foreign.size(), &error), DTTMM_ERROR_ARGUMENT);
     EXPECT_EQ(saver().restore(joint.instance(), state.data(), size, &error), DTTMM_ERROR_ARGUMENT) << "bytes of no run";
     EXPECT_EQ(joint.step(0), twin.step(0));
+}
+
+// ---- Derivatives --------------------------------------------------------------------------------------------------------
+
+const dttmm_derivative_table& derivative() {
+    return *static_cast<const dttmm_derivative_table*>(table().extension(DTTMM_DERIVATIVE));
+}
+
+std::vector<double> state_of(const dttmm_instance* instance) {
+    dttmm_error error{};
+    std::vector<double> state(saver().state_size(instance) / sizeof(double));
+    EXPECT_EQ(saver().save(instance, state.data(), state.size() * sizeof(double), &error), DTTMM_OK) << error.text;
+    return state;
+}
+
+// Oracle: equal distances from the middle, and the difference of the two as it was, number by number.
+TEST(Plugin, StatesAreCentredAboutAnother) {
+    std::vector<double> more = kUgly, less = kUgly;
+    more[0] *= 1.01;
+    less[0] *= 0.99;
+    JointRun above(table(), 0, more, DTTMM_SCHEME_CENTRED, {true, true}),
+        below(table(), 0, less, DTTMM_SCHEME_CENTRED, {true, true}),
+        middle(table(), 0, kUgly, DTTMM_SCHEME_CENTRED, {true, true});
+    for (JointRun* run : {&above, &below, &middle})
+        for (uint64_t n = 0; n < 5; ++n) run->step(n);
+    const std::vector<double> up = state_of(above.instance()), down = state_of(below.instance());
+    const std::vector<double> at = state_of(middle.instance());
+    dttmm_error error{};
+    ASSERT_EQ(derivative().centre(above.instance(), below.instance(), middle.instance(), &error), DTTMM_OK) << error.text;
+    const std::vector<double> new_up = state_of(above.instance()), new_down = state_of(below.instance());
+    EXPECT_EQ(state_of(middle.instance()), at);
+    int moved = 0;
+    for (size_t i = 0; i < at.size(); ++i) {
+        const double size = 1e-14 * (std::abs(at[i]) + std::abs(up[i] - down[i]));
+        EXPECT_NEAR(new_up[i] + new_down[i], 2 * at[i], 4 * size) << i;
+        EXPECT_NEAR(new_up[i] - new_down[i], up[i] - down[i], 4 * size) << i;
+        moved += up[i] != down[i];
+    }
+    EXPECT_GT(moved, 5) << "forces and what has been dissipated";
+}
+
+TEST(Plugin, StatesOfOtherNetworksAreNotCentred) {
+    JointRun joint(table(), 0, kUgly, DTTMM_SCHEME_CENTRED, {true, true}),
+        twin(table(), 0, kUgly, DTTMM_SCHEME_CENTRED, {true, true}),
+        other(table(), 0, kUgly, DTTMM_SCHEME_CENTRED, {true, false});
+    dttmm_error error{};
+    for (JointRun* run : {&joint, &twin, &other}) run->step(0);
+    const std::vector<double> before = state_of(joint.instance());
+    EXPECT_EQ(derivative().centre(joint.instance(), twin.instance(), other.instance(), &error), DTTMM_ERROR_ARGUMENT);
+    EXPECT_EQ(derivative().centre(joint.instance(), other.instance(), twin.instance(), &error), DTTMM_ERROR_ARGUMENT);
+    EXPECT_THAT(error.text, HasSubstr("numbers"));
+    const dttmm_step step{1, kStep, kStep};
+    ASSERT_EQ(table().begin_step(twin.instance(), &step, nullptr, &error), DTTMM_OK);
+    EXPECT_EQ(derivative().centre(joint.instance(), twin.instance(), joint.instance(), &error), DTTMM_ERROR_PHASE);
+    EXPECT_EQ(state_of(joint.instance()), before) << "nothing was moved";
 }
 
 // ---- Instances ----------------------------------------------------------------------------------------------------------

@@ -10,6 +10,7 @@
 
 #include "cli/measured_models.h"
 #include "cli/process.h"
+#include "support/paths.h"
 
 namespace dttmm::host {
 namespace {
@@ -141,6 +142,73 @@ damping = {}
     };
     const double exact = (4 * central(d / 2) - central(d)) / 3 / position(k);
     EXPECT_NEAR(slope(json, "b.position.z.final", "k") / exact, 1, 1e-6);
+}
+
+// Oracle: Duffing's vibration, whose start has the amplitude a: the peak force is k a + k3 a^3, wherever it lies between
+// rows.
+TEST_F(LocalSensitivities, PeaksBetweenRows) {
+    std::filesystem::copy_file(std::filesystem::path(test::paths::source_dir()) / "examples/hardening_mount/model.toml",
+                               folder_ / "model.toml", std::filesystem::copy_options::overwrite_existing);
+    const nlohmann::json json = run("sensitivity", {"--of", "mount.force.z:peak", "--by", "a,k,k3"});
+    EXPECT_EQ(json["method"], "direct differentiation");
+    EXPECT_TRUE(json["reason"].is_null());
+    EXPECT_NEAR(slope(json, "mount.force.z.peak", "a"), 32.0 / 12, 5e-4);
+    EXPECT_NEAR(slope(json, "mount.force.z.peak", "k"), 2.0 / 12, 5e-4);
+    EXPECT_NEAR(slope(json, "mount.force.z.peak", "k3"), 10.0 / 12, 5e-4);
+}
+
+// Oracle: the force in an overdamped mount follows the load, two pulses of a and b: after a loss of 0.5 % of a the second is
+// the largest.
+TEST_F(LocalSensitivities, AnotherExtremeNearlyAsLargeIsTold) {
+    const auto model = [](double b) {
+        return fmt::format(R"(format = "dttmm/1"
+[parameters]
+a = "200 N"
+b = "{} N"
+[simulation]
+duration = "0.4 s"
+step = "1 ms"
+[[body]]
+name = "b"
+mass = 0.01
+inertia = [1, 1, 1]
+[[load]]
+on = "b"
+direction = [0, 0, 1]
+force = {{ type = "haversine", peak = "=a", start = 0, width = "0.1 s" }}
+[[load]]
+on = "b"
+direction = [0, 0, 1]
+force = {{ type = "haversine", peak = "=b", start = "0.2 s", width = "0.1 s" }}
+[[element]]
+name = "s"
+type = "spring_damper"
+from = "ground"
+to = "b"
+stiffness = [1e6, 1e6, 1e6]
+damping = [200, 200, 200]
+)",
+                           b);
+    };
+    write_text(folder_ / "model.toml", model(199));
+    nlohmann::json json = run("sensitivity", {"--of", "s.force.z:peak", "--by", "a,b"});
+    EXPECT_THAT(said_, HasSubstr("another extreme is the largest, and other slopes hold: s.force.z.peak (at 0.25 s)"));
+    const nlohmann::json& other = json["figures"][0]["by"]["a"]["other_extreme"];
+    EXPECT_NEAR(other["change_of_logarithm"].get<double>(), 0.005, 1e-5);
+    EXPECT_NEAR(other["per_logarithm"].get<double>(), 0, 1e-3);
+    EXPECT_NEAR(json["figures"][0]["by"]["b"]["other_extreme"]["per_logarithm"].get<double>(), 199, 0.1);
+    write_text(folder_ / "model.toml", model(190));
+    json = run("sensitivity", {"--of", "s.force.z:peak", "--by", "a,b"});
+    EXPECT_FALSE(json["figures"][0]["by"]["a"].contains("other_extreme"));
+    EXPECT_THAT(said_, testing::Not(HasSubstr("another extreme")));
+}
+
+TEST_F(LocalSensitivities, WhyHistoriesAreDifferencesIsTold) {
+    const nlohmann::json json =
+        run("sensitivity", {"--of", "bolt1.force.z:peak", "--by", "k1", "--tolerance", "1 %", "--duration", "20 ms"});
+    EXPECT_EQ(json["method"], "differences");
+    EXPECT_THAT(said_, HasSubstr("by differences of whole runs: a run to a tolerance is of several time steps"));
+    EXPECT_THAT(json["reason"].get<std::string>(), HasSubstr("tolerance"));
 }
 
 // Oracle: of a linear figure the deviation is the slope times the scatter; the check by cases agrees.

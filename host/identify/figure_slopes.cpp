@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "identify/figure_slopes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "model/index.h"
+
+namespace dttmm::host {
+
+namespace {
+
+/// Third difference over the second at an extreme: 1 at a kink, as where a stop is hit, which no parabola follows; at most
+/// 0.4 of a vibration with a dozen rows a period. The row's own derivative is then the answer, and a doubtful one.
+constexpr double kKink = 0.6;
+
+}  // namespace
+
+FigureSlopes::FigureSlopes(const HistoryFigures& figures, Eigen::Index directions)
+    : figures_(figures), directions_(directions), watched_(figures.watched_count()) {
+    for (Watched& one : watched_) one.sum = one.product = Eigen::RowVectorXd::Zero(directions);
+}
+
+FigureSlopes::Extreme::Found FigureSlopes::Extreme::find() const {
+    const Eigen::RowVectorXd none = Eigen::RowVectorXd::Zero(rows[2].slope.size());
+    if (!is_between()) return {rows[2].slope, none, none};
+    // The parabola about the row: y(x) = y + x rise + x²/2 bend, x in rows
+    const double x = -0.5 * (rows[3].value - rows[1].value) / bend(), row_step = rows[3].time - rows[2].time;
+    const Eigen::RowVectorXd rise = 0.5 * (rows[3].slope - rows[1].slope),
+                             slope_bend = rows[3].slope - 2 * rows[2].slope + rows[1].slope,
+                             way = rise + x * slope_bend;  // ∂(slope)/∂x there
+    // The cubic adds x (x² − 1)/6 of the third difference, which moves the extreme
+    const double bent = std::abs(bend()), turn = std::sqrt(bent / std::max(bent, std::abs(rows[2].value)));  // ω row_step
+    const double cube = x * (x * x - 1) / 6, moves = -(3 * x * x - 1) / (6 * bend());
+    Eigen::RowVectorXd correction = none;
+    const double third = rows[3].value - 3 * rows[2].value + 3 * rows[1].value - rows[0].value;
+    if (before > 1) {
+        const Eigen::RowVectorXd of_slope = rows[3].slope - 3 * rows[2].slope + 3 * rows[1].slope - rows[0].slope;
+        correction = cube * of_slope + moves * third * way;
+    }
+    // The next terms: of the cubic another factor of `turn`, of the fourth difference, which is turn² of the second
+    Eigen::RowVectorXd lack = turn * turn * (way.cwiseAbs() / 12 + slope_bend.cwiseAbs() / 24);
+    if (before > 1)
+        lack += turn * correction.cwiseAbs();
+    else
+        lack += turn * (std::abs(cube) * slope_bend.cwiseAbs() + way.cwiseAbs() / 6);
+    const Eigen::RowVectorXd slope = rows[2].slope + x * rise + 0.5 * x * x * slope_bend + correction;
+    if (before > 1 && std::abs(third) > kKink * bent) return {rows[2].slope, none, (slope - rows[2].slope).cwiseAbs()};
+    return {slope, -row_step / bend() * way, lack};
+}
+
+void FigureSlopes::Two::take(const Extreme& extreme) {
+    if (extreme.size > largest.size)
+        second = std::exchange(largest, extreme);
+    else if (extreme.size > second.size)
+        second = extreme;
+}
+
+double FigureSlopes::size_of(Kind kind, double value) {
+    return kind == kPeak ? std::abs(value) : kind == kMinimum ? -value : value;
+}
+
+void FigureSlopes::take_row(double time, std::span<const double> values, const Eigen::MatrixXd& slopes) {
+    const double weight = rows_ == 0 ? 0.5 : 1;
+    for (size_t w = 0; w < watched_.size(); ++w) {
+        Watched& one = watched_[w];
+        const Point row{values[w], time, slopes.row(as_row(w))};
+        for (const Kind kind : {kPeak, kMinimum, kMaximum}) {
+            const double size = size_of(kind, one.last.value);
+            const bool is_beyond_next = size > size_of(kind, row.value),
+                       is_beyond_before = rows_ == 1 || size >= size_of(kind, one.before.value);
+            if (rows_ > 0 && is_beyond_next && is_beyond_before)
+                one.extremes[kind].take(
+                    {{one.second_last, one.before, one.last, row}, static_cast<int>(std::min(rows_ - 1, 2L)), true, size});
+        }
+        one.sum += weight * row.slope;
+        one.product += weight * row.value * row.slope;
+        one.squares += weight * row.value * row.value;
+        one.second_last = std::exchange(one.before, std::exchange(one.last, row));
+    }
+    ++rows_;
+}
+
+/// With the last row, if that is one.
+FigureSlopes::Two FigureSlopes::extremes(const Watched& of, Kind kind) const {
+    Two two = of.extremes[kind];
+    const double size = size_of(kind, of.last.value);
+    if (rows_ == 1 || size >= size_of(kind, of.before.value))
+        two.take({{Point{}, Point{}, of.last, Point{}}, 0, false, size});
+    return two;
+}
+
+/// Over the rows, from a sum to which the last row has come whole.
+Eigen::RowVectorXd FigureSlopes::mean(const Eigen::RowVectorXd& sum, const Eigen::RowVectorXd& last) const {
+    if (rows_ < 2) return 2 * sum;
+    return (sum - 0.5 * last) / static_cast<double>(rows_ - 1);
+}
+
+FigureSlopes::Found FigureSlopes::find(size_t figure) const {
+    using Statistic = HistoryFigures::Statistic;
+    const auto& [watched, statistic] = figures_.figures()[figure];
+    const Watched& one = watched_[watched];
+    Found found;
+    found.lack = found.rival = Eigen::RowVectorXd::Zero(directions_);
+    found.reach = Eigen::RowVectorXd::Constant(directions_, std::numeric_limits<double>::infinity());
+    if (statistic == Statistic::final) {
+        found.slope = one.last.slope;
+    } else if (statistic == Statistic::mean) {
+        found.slope = mean(one.sum, one.last.slope);
+    } else if (statistic == Statistic::rms) {
+        const double last = one.last.value, square = mean(Eigen::RowVectorXd::Constant(1, one.squares),
+                                                          Eigen::RowVectorXd::Constant(1, last * last))(0);
+        found.slope = mean(one.product, last * one.last.slope);
+        if (square > 0) found.slope /= std::sqrt(square);
+    } else {
+        const Kind kind = statistic == Statistic::minimum ? kMinimum : statistic == Statistic::maximum ? kMaximum : kPeak;
+        const auto [largest, second] = extremes(one, kind);
+        const bool is_time = statistic == Statistic::time;
+        const double sign = kind == kPeak && largest.rows[2].value < 0 ? -1 : 1,
+                     other_sign = kind == kPeak && second.rows[2].value < 0 ? -1 : 1;
+        const Extreme::Found own = largest.find();
+        found.slope = is_time ? own.of_time : Eigen::RowVectorXd(sign * own.slope);
+        if (!is_time) found.lack = own.lack;
+        if (std::isfinite(second.size)) {
+            const Extreme::Found other = second.find();
+            found.rival_time = second.rows[2].time;
+            found.rival = is_time ? other.of_time : Eigen::RowVectorXd(other_sign * other.slope);
+            const Eigen::RowVectorXd nearer = (other_sign * other.slope - sign * own.slope).cwiseAbs();
+            for (Eigen::Index d = 0; d < directions_; ++d)
+                if (nearer(d) > 0) found.reach(d) = (largest.size - second.size) / nearer(d);
+        }
+    }
+    return found;
+}
+
+}  // namespace dttmm::host

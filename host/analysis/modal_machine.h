@@ -42,6 +42,10 @@ public:
     std::vector<ModalInstance::Damped> find_damped(double below, int32_t& is_proved);
     Complex6 motion(const ModalPlace& place, const ModalInstance::Damped& mode) const;
     std::vector<Vector6> strain_directions(uint32_t mode) { return instance_.strain_directions(mode); }
+    /// Of mode `first`, the first of its frequency: see dttmm_derivative.h.
+    std::vector<double> frequency_changes(uint32_t first, uint32_t multiplicity, ModalMachine& above, ModalMachine& below) {
+        return instance_.frequency_changes(first, multiplicity, above.instance_, below.instance_);
+    }
     /// Of a body at rest, or where the file places it: its axes, as columns in world.
     Eigen::Matrix3d axes_of_body(size_t body) const {
         return rest() ? rest()->at[body].rotation : model_.bodies[body].rotation;

@@ -25,6 +25,7 @@ public:
     const std::vector<Column>& figures() const { return plan_.columns; }
     const std::vector<Column>& parameters() const { return plan_.cases.parameters; }
     const std::string& command() const { return plan_.command; }
+    const Plugins& plugins() const { return plugins_; }
     /// As a study of them would have it, without cases.
     const StudyPlan& plan() const { return plan_; }
     /// The file's values [SI].

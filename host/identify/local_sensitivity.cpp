@@ -13,6 +13,7 @@
 #include "analysis/json.h"
 #include "analysis/modal_session.h"
 #include "analysis/stop_signals.h"
+#include "identify/mode_derivatives.h"
 #include "identify/run_derivatives.h"
 #include "model/index.h"
 #include "model/wording.h"
@@ -29,10 +30,13 @@ namespace {
 
 constexpr int kLevels = 3;               // of extrapolation: the error is of sixth order
 constexpr double kFarthestPoint = 0.02;  // of the logarithm of a parameter; halved from level to level
-constexpr double kOneMode = 1e-6;        // share: frequencies this near are one multiple frequency
-constexpr int kCheckCases = 200;         // that check a linear estimate of scatter
-constexpr double kUncertain = 0.01;      // error of a slope, share of the largest of its figure: worth a word
-constexpr double kRival = 0.01;          // change of a logarithm that makes another extreme the largest: worth a word
+constexpr double kFiner = 0.1;           // times the distances, where errors say that figures bend more than that
+constexpr int kMostFiner = 3;
+constexpr double kBent = 1e-4;       // error that says so, share of the largest slope of the figure
+constexpr double kOneMode = 1e-6;    // share: frequencies this near are one multiple frequency
+constexpr int kCheckCases = 200;     // that check a linear estimate of scatter
+constexpr double kUncertain = 0.01;  // error of a slope, share of the largest of its figure: worth a word
+constexpr double kRival = 0.01;      // change of a logarithm that makes another extreme the largest: worth a word
 
 bool is_frequency(const Column& column) { return column.name.starts_with("mode") && column.name.ends_with(".frequency"); }
 
@@ -93,7 +97,9 @@ void join_branches(const std::vector<Column>& figures, const Eigen::VectorXd& no
 
 }  // namespace
 
-LocalSensitivity differentiate_figures(const FigureFunction& function, int jobs) {
+namespace {
+
+LocalSensitivity differentiate_from(double farthest, const FigureFunction& function, int jobs) {
     const Eigen::VectorXd& nominal = function.nominal();
     const auto count = nominal.size();
     Eigen::MatrixXd points(1 + 2 * kLevels * count, count);
@@ -102,7 +108,7 @@ LocalSensitivity differentiate_figures(const FigureFunction& function, int jobs)
     for (Eigen::Index p = 0; p < count; ++p)
         for (int level = 0; level < kLevels; ++level)
             for (int side = 0; side < 2; ++side)
-                points(row_of(p, level, side), p) *= std::exp((side == 0 ? 1 : -1) * kFarthestPoint / (1 << level));
+                points(row_of(p, level, side), p) *= std::exp((side == 0 ? 1 : -1) * farthest / (1 << level));
     std::string failure;
     const Eigen::MatrixXd figures = function.evaluate(points, jobs, failure);
     if (!failure.empty())
@@ -120,7 +126,7 @@ LocalSensitivity differentiate_figures(const FigureFunction& function, int jobs)
         }
         join_branches(function.figures(), found.figures, above, below);
         for (int l = 0; l < kLevels; ++l)
-            level[as_size(l)] = (above.row(l) - below.row(l)).transpose() / (2 * kFarthestPoint / (1 << l));
+            level[as_size(l)] = (above.row(l) - below.row(l)).transpose() / (2 * farthest / (1 << l));
         // Of Neville's table each entry with the least change from the one before it counts
         found.slopes.col(p) = level[2];
         found.errors.col(p) = (level[2] - level[1]).cwiseAbs();
@@ -132,6 +138,33 @@ LocalSensitivity differentiate_figures(const FigureFunction& function, int jobs)
                     found.slopes(f, p) = better;
                     found.errors(f, p) = std::abs(better - worse);
                 }
+    }
+    return found;
+}
+
+bool is_bent(const LocalSensitivity& local) {
+    constexpr double kRounding = 1e-9;  // of the figure: what nothing depends on has no slope but that of rounding
+    for (Eigen::Index f = 0; f < local.slopes.rows(); ++f) {
+        const double error = local.errors.row(f).maxCoeff();
+        if (error > kBent * local.slopes.row(f).cwiseAbs().maxCoeff() && error > kRounding * std::abs(local.figures(f)))
+            return true;
+    }
+    return false;
+}
+
+}  // namespace
+
+LocalSensitivity differentiate_figures(const FigureFunction& function, int jobs) {
+    LocalSensitivity found = differentiate_from(kFarthestPoint, function, jobs);
+    // A history has its peaks at rows: near by, that is another figure than the one between them
+    const int finer = function.command() == "run" ? 0 : kMostFiner;
+    double farthest = kFarthestPoint;
+    for (int n = 0; n < finer && is_bent(found); ++n) {
+        farthest *= kFiner;
+        const LocalSensitivity next = differentiate_from(farthest, function, jobs);
+        const auto is_better = next.errors.array() < found.errors.array();
+        found.slopes = is_better.select(next.slopes, found.slopes).eval();
+        found.errors = is_better.select(next.errors, found.errors).eval();
     }
     return found;
 }
@@ -264,9 +297,9 @@ void write_tables(const ResultsFolder& folder, const Request& request, const Fig
                         {"per_logarithm", number(local.slopes(f, p))},
                         {"error", number(local.errors(f, p))}};
             if (has_rival(local, f, p))
-                by[name]["other_extreme"] = {{"time", local.rival_times(f)},
-                                             {"change_of_logarithm", local.reach(f, p)},
-                                             {"per_logarithm", number(local.rivals(f, p))}};
+                by[name]["rival"] = {{"time", local.rival_times.size() > 0 ? number(local.rival_times(f)) : Json()},
+                                     {"change_of_logarithm", local.reach(f, p)},
+                                     {"per_logarithm", number(local.rivals(f, p))}};
         }
         Json one = {{"figure", figure.name}, {"unit", figure.unit}, {"value", number(local.figures(f))}, {"by", by}};
         if (scatter)
@@ -305,17 +338,18 @@ void print(const FigureFunction& function, const LocalSensitivity& local, const 
         if (is_uncertain && local.figures(f) != 0) uncertain.push_back(one.name);
         bool is_rivalled = false;
         for (Eigen::Index p = 0; p < local.slopes.cols(); ++p) is_rivalled = is_rivalled || has_rival(local, f, p);
-        if (is_rivalled) doubtful.push_back(fmt::format("{} (at {:.6g} s)", one.name, local.rival_times(f)));
+        const bool has_time = local.rival_times.size() > 0;
+        if (is_rivalled)
+            doubtful.push_back(has_time ? fmt::format("{} (at {:.6g} s)", one.name, local.rival_times(f)) : one.name);
         fmt::print("{}\n", line);
     }
     if (!uncertain.empty())
         fmt::print("known to worse than 1 % only{}: {}\n",
                    method.is_direct ? "" : ", as where a peak moves from one instant to another", listed(uncertain));
     if (!doubtful.empty())
-        fmt::print(
-            "after a change of a parameter by less than 1 % another extreme is the largest, and other slopes hold: "
-            "{}\n",
-            listed(doubtful));
+        fmt::print("after a change of a parameter by less than 1 % {}, and other slopes hold: {}\n",
+                   function.command() == "run" ? "another extreme is the largest" : "two frequencies would meet",
+                   listed(doubtful));
     if (!method.reason.empty()) fmt::print("by differences of whole runs: {}\n", method.reason);
     if (!scatter) return;
     fmt::print("\n{:<{}} {:>14} {:>14} {:>14}\n", "scatter", width, "deviation", "by cases", "not linear");
@@ -338,7 +372,14 @@ ExitCode find_sensitivities(const Request& request) {
     const FigureFunction function(request, model, plugins, parameters_of(request, model), request.figures);
     LocalSensitivity local;
     Method method;
-    method.is_direct = function.command() == "run" && differentiate_run(function, request.jobs, local, method.reason);
+    if (function.command() == "run") {
+        method.is_direct = differentiate_run(function, request.jobs, local, method.reason);
+    } else if (are_frequencies(function)) {
+        const auto figures = as_row(function.figures().size()), count = function.nominal().size();
+        local.figures.setZero(figures);
+        local.slopes = local.errors = Eigen::MatrixXd::Zero(figures, count);
+        method.is_direct = differentiate_modes(function, request.jobs, local, method.reason);
+    }
     if (!method.is_direct) local = differentiate_figures(function, request.jobs);
     std::optional<Scatter> scatter;
     if (!request.variations.empty()) scatter = find_scatter(request, model, function, local);

@@ -14,8 +14,8 @@ struct LocalSensitivity {
     Eigen::VectorXd figures;  ///< at the file's values
     Eigen::MatrixXd slopes;   ///< d figure/d ln p: a row per figure, a column per parameter
     Eigen::MatrixXd errors;   ///< of the slopes
-    /// Of direct differentiation, see FigureSlopes: instants of second extremes, their slopes, and the changes of ln p that
-    /// make them the largest. Empty of differences.
+    /// Of direct differentiation: slopes of the extreme that comes next (see FigureSlopes), or of the next frequency, and
+    /// the changes of ln p by which they come to be the same; of extremes their instants. Empty of differences.
     Eigen::VectorXd rival_times;
     Eigen::MatrixXd rivals, reach;
 };

@@ -110,6 +110,22 @@ ModalInstance::Mode ModalInstance::mode(uint32_t index) {
     return mode;
 }
 
+std::vector<double> ModalInstance::frequency_changes(uint32_t first, uint32_t multiplicity, ModalInstance& above,
+                                                     ModalInstance& below) {
+    const dttmm_derivative_table* derivative = plugin_.derivative();
+    if (!derivative || !derivative->frequency_changes)
+        throw Error(ExitCode::plugin_failure, fmt::format("plugin {} is without the derivatives of frequencies, extension "
+                                                          "{}",
+                                                          plugin_.name(), DTTMM_DERIVATIVE));
+    GuardedArray changes(multiplicity);
+    ask([&](dttmm_error* error) {
+        return derivative->frequency_changes(modal_.get(), first, above.modal_.get(), below.modal_.get(), changes.data(),
+                                             error);
+    });
+    check(changes, "changes of a frequency");
+    return {changes.data(), changes.data() + multiplicity};
+}
+
 std::vector<ModalInstance::Vector6> ModalInstance::along(uint32_t index, uint32_t element, uint32_t count, double& length) {
     GuardedArray own(6 * size_t{count});
     ask([&](dttmm_error* error) {

@@ -55,6 +55,9 @@ public:
     std::vector<Damped> find_damped(double below, int32_t& is_proved);
     /// Shares of its strain energy by direction of the axes of every element; none: the plugin does not tell.
     std::vector<Vector6> strain_directions(uint32_t index);
+    /// See dttmm_derivative.h: of the mode `first` and those equal to it. Throws Error(plugin_failure) if the plugin does
+    /// not tell.
+    std::vector<double> frequency_changes(uint32_t first, uint32_t multiplicity, ModalInstance& above, ModalInstance& below);
     /// Displacements at `count` stations of an element, ends included; none if it is no line. length: of it [m].
     std::vector<Vector6> along(uint32_t index, uint32_t element, uint32_t count, double& length);
     /// How the overall transfer equation is laid out, and what it is at a frequency.

@@ -129,6 +129,11 @@ dttmm_status centre(dttmm_instance* above, dttmm_instance* below, const dttmm_in
     return guard(error, [&] { dttmm::plugin::Machine::centre(above->machine, below->machine, middle->machine); });
 }
 
+dttmm_status frequency_changes(dttmm_modal* middle, uint32_t index, dttmm_modal* above, dttmm_modal* below, double* changes,
+                               dttmm_error* error) {
+    return guard(error, [&] { middle->analysis.frequency_changes(index, above->analysis, below->analysis, changes); });
+}
+
 dttmm_status restore_state(dttmm_instance* instance, const void* buffer, size_t size, dttmm_error* error) {
     return guard(error, [&] { instance->machine.restore_state(buffer, size); });
 }
@@ -367,7 +372,7 @@ const void* extension(const char* name) {
     static constexpr dttmm_response_table kResponse = {
         sizeof(dttmm_response_table), respond, is_axial, find_damped, damped_mode, set_damping};
     static constexpr dttmm_state_table kState = {sizeof(dttmm_state_table), state_size, save_state, restore_state};
-    static constexpr dttmm_derivative_table kDerivative = {sizeof(dttmm_derivative_table), centre};
+    static constexpr dttmm_derivative_table kDerivative = {sizeof(dttmm_derivative_table), centre, frequency_changes};
     static constexpr dttmm_laws_table kLaws = {sizeof(dttmm_laws_table), add_law, fit};
     static constexpr dttmm_static_table kStatic = {sizeof(dttmm_static_table),
                                                    begin_static,

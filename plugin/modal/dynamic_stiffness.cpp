@@ -39,9 +39,28 @@ void DynamicStiffness::cut(double omega) {
     std::vector<int> counts;
     for (const auto& kind : model_.kinds) counts.push_back(kind->pieces(omega, kMostPieces));
     if (is_cut_ && counts == counts_) return;
+    cut_for_ = omega;
+    cut_into(counts);
+}
+
+void DynamicStiffness::cut_like(const DynamicStiffness& other) {
+    std::vector<int> counts(model_.kinds.size(), 0);
+    bool is_possible = model_.lines.size() == other.model_.lines.size();
+    for (size_t l = 0; is_possible && l < model_.lines.size(); ++l) {
+        int& own = counts[model_.lines[l].kind];
+        const int wanted = other.count(other.model_.lines[l]);
+        is_possible = own == 0 || own == wanted;
+        own = wanted;
+    }
+    if (!is_possible) throw Error(DTTMM_ERROR_ARGUMENT, "the machines differ in more than numbers");
+    if (is_cut_ && counts == counts_) return;
+    cut_for_ = other.cut_for_;
+    cut_into(counts);
+}
+
+void DynamicStiffness::cut_into(const std::vector<int>& counts) {
     is_cut_ = false;  // until it is
     ++cuts_;
-    cut_for_ = omega;
     counts_ = counts;
     points_.clear();
     pieces_.clear();
@@ -52,7 +71,7 @@ void DynamicStiffness::cut(double omega) {
             throw Error(DTTMM_ERROR_MEMORY,
                         fmt::format("up to {:.4g} Hz it has too many waves to count: more than {} pieces; ask for lower "
                                     "frequencies",
-                                    omega / (2 * M_PI), kMostPieces),
+                                    cut_for_ / (2 * M_PI), kMostPieces),
                         line.element);
         cut_line(l);
     }
@@ -105,17 +124,27 @@ Vector3 DynamicStiffness::origin(int frame) const {
 
 // ---- Elimination --------------------------------------------------------------------------------------------------------
 
+/// Bonds, then pieces, then pins: the links of the elimination.
+template <class Self>
+auto& DynamicStiffness::joined(Self& self, int link) {
+    using Part = std::conditional_t<std::is_const_v<Self>, const Joined, Joined>;
+    const size_t l = as_size(link), bonds = self.model_.bonds.size(), before = bonds + self.pieces_.size();
+    if (l < bonds) return static_cast<Part&>(self.model_.bonds[l]);
+    if (l < before) return static_cast<Part&>(self.pieces_[l - bonds]);
+    return static_cast<Part&>(self.model_.pins[l - before]);
+}
+
 /// Fixes the order of elimination, and strikes out what rigid directions say twice.
 void DynamicStiffness::build() {
     for (;;) {
         std::vector<Link> links;
         for (int l = 0; l < link_count(); ++l)
-            links.push_back({joined(l).from, joined(l).to, as_int(joined(l).rigid.size())});
+            links.push_back({joined(*this, l).from, joined(*this, l).to, as_int(joined(*this, l).rigid.size())});
         elimination_.emplace(frame_count(), links);
         elimination_->count_negatives(kSingular);
         for (int l = 0; l < link_count(); ++l)
-            for (size_t i = 0; i < joined(l).rigid.size(); ++i)
-                elimination_->set_rigid(l, as_int(i), joined(l).rigid[i].by_from, joined(l).rigid[i].by_to);
+            for (size_t i = 0; i < joined(*this, l).rigid.size(); ++i)
+                elimination_->set_rigid(l, as_int(i), joined(*this, l).rigid[i].by_from, joined(*this, l).rigid[i].by_to);
 
         // With λ < 0 all that moves is held: what is singular then is so at every frequency
         const double stiff = stiffest();
@@ -140,17 +169,9 @@ void DynamicStiffness::build() {
         if (!is_redundant(fault->link, fault->rigid))
             refuse(DTTMM_ERROR_NUMERIC, fault->frame,
                    "the rigid directions that meet there cannot be told apart from rounding; give some of them a stiffness");
-        std::vector<Rigid>& rows = joined(fault->link).rigid;
+        std::vector<Rigid>& rows = joined(*this, fault->link).rigid;
         rows.erase(rows.begin() + fault->rigid);
     }
-}
-
-/// Bonds, then pieces, then pins: the links of the elimination.
-Joined& DynamicStiffness::joined(int link) {
-    const size_t l = as_size(link), bonds = model_.bonds.size(), before = bonds + pieces_.size();
-    if (l < bonds) return model_.bonds[l];
-    if (l < before) return pieces_[l - bonds];
-    return model_.pins[l - before];
 }
 
 /// Whether rigid direction number i of a link says what the others, of all links together, say.
@@ -160,7 +181,7 @@ bool DynamicStiffness::is_redundant(int link, int i) {
     Eigen::VectorXd own = Eigen::VectorXd::Zero(6 * frames);
     Eigen::Index count = 0;
     for (int l = 0; l < link_count(); ++l) {
-        const Joined& at = joined(l);
+        const Joined& at = joined(*this, l);
         for (size_t k = 0; k < at.rigid.size(); ++k) {
             const bool is_own = l == link && as_int(k) == i;
             for (const auto& [frame, by] : {std::pair(at.from, &at.rigid[k].by_from), {at.to, &at.rigid[k].by_to}})
@@ -291,6 +312,17 @@ FrameVector DynamicStiffness::stiffness_times(const FrameVector& u, const Vector
     }
     for (const Piece& piece : pieces_) piece.add(waves(piece).stiffness * piece.ends(u, ground), out);
     return out;
+}
+
+std::vector<double> DynamicStiffness::openings(const FrameVector& u) const {
+    std::vector<double> all;
+    for (int l = 0; l < link_count(); ++l) {
+        const Joined& at = joined(*this, l);
+        for (const Rigid& row : at.rigid)
+            all.push_back((at.from < 0 ? 0 : row.by_from.dot(u[as_size(at.from)])) +
+                          (at.to < 0 ? 0 : row.by_to.dot(u[as_size(at.to)])));
+    }
+    return all;
 }
 
 DynamicStiffness::Whole DynamicStiffness::move_whole(int direction) const {

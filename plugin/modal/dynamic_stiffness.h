@@ -36,6 +36,9 @@ public:
     /// Cuts the lines so that frequencies below ω [rad/s] can be counted; comes before all that follows. Throws Error naming
     /// the element that would take too many pieces, or what nothing holds and has no mass.
     void cut(double omega);
+    /// Cuts them as those of another machine, which has as many; throws the same, and Error(DTTMM_ERROR_ARGUMENT) where that
+    /// cannot be.
+    void cut_like(const DynamicStiffness& other);
     /// So often they were cut otherwise than before: motions of one count are of the same frames.
     int cuts() const { return cuts_; }
     double cut_for() const { return cut_for_; }  ///< ω of the last such cut [rad/s]
@@ -56,6 +59,8 @@ public:
     FrameVector mass_times(const FrameVector& u, const Vector6& ground = Vector6::Zero(),
                            Vector6* on_ground = nullptr) const;
     FrameVector stiffness_times(const FrameVector& u, const Vector6& ground = Vector6::Zero()) const;
+    /// J u, in the order of solve().
+    std::vector<double> openings(const FrameVector& u) const;
     /// All moves as a whole in direction d about the world's origin, the ground too: the motion of the frames, the forces D
     /// r and the momenta −∂D/∂λ r on them, and twice the kinetic energy, that of clamped lines included. See dttmm_mode.
     struct Whole {
@@ -91,6 +96,7 @@ private:
         size_t line;
     };
 
+    void cut_into(const std::vector<int>& counts);
     void cut_line(size_t l);
     void add_piece(Piece piece, const Vector3& start, const Vector3& finish);
     void build();
@@ -98,7 +104,8 @@ private:
     void assemble();
     void hold_idle();
     int link_count() const { return as_int(model_.bonds.size() + pieces_.size() + model_.pins.size()); }
-    Joined& joined(int link);
+    template <class Self>
+    static auto& joined(Self& self, int link);
     Vector3 origin(int frame) const;
     bool is_redundant(int link, int i);
     [[noreturn]] void refuse(dttmm_status status, int frame, const std::string& why) const;

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/index.h"
+#include "modal/frequency_slope.h"
 #include "modal/geometric_stiffness.h"
 
 namespace dttmm::plugin {
@@ -151,6 +152,18 @@ double ModalAnalysis::along(uint32_t index, uint32_t element, uint32_t count, do
         at_ = static_cast<long>(index);
     }
     return dttmm::plugin::along(stiffness_, element, mode.shape, count, shape);
+}
+
+void ModalAnalysis::frequency_changes(uint32_t index, ModalAnalysis& above, ModalAnalysis& below, double* changes) {
+    const Mode& mode = mode_at(index);
+    const auto equal = std::span<const Mode>(modes_).subspan(index);
+    if (equal.size() < as_size(mode.multiplicity) || (index > 0 && modes_[index - 1].omega == mode.omega))
+        throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("mode {} is not the first of its frequency", index));
+    for (ModalAnalysis* one : {this, &above, &below}) one->at_ = -1;
+    std::vector<double> found(as_size(mode.multiplicity), 0.0);
+    if (mode.omega != 0)
+        found = dttmm::plugin::frequency_changes(stiffness_, equal.first(found.size()), above.stiffness_, below.stiffness_);
+    for (double& one : found) *changes++ = one / (2 * M_PI);
 }
 
 /// A place and direction that a rigid-body mode moves, as the model file calls it.

@@ -33,6 +33,8 @@ public:
     void damped_mode(uint32_t index, dttmm_damped_mode* mode, double* bodies, double* nodes) const;
     /// Throws the same.
     void strain_directions(uint32_t index, double* shares);
+    /// See dttmm_derivative.h.
+    void frequency_changes(uint32_t index, ModalAnalysis& above, ModalAnalysis& below, double* changes);
     double along(uint32_t index, uint32_t element, uint32_t count, double* shape);
     /// See dttmm_plugin.overall. Throws Error(DTTMM_ERROR_NUMERIC) where the paths are too long for it.
     OverallTransfer::Check overall(double frequency);

@@ -17,54 +17,22 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A model of the examples or a text, some of its parameters and figures.
-class Derivatives {
+/// Figures with their derivatives, or the reason why there are none.
+class Derivatives : public FiguresOf {
 public:
     Derivatives(const std::filesystem::path& file, const std::vector<std::string>& parameters,
                 const std::vector<std::string>& figures,
-                const std::vector<std::pair<std::string, std::string>>& options = {}) {
-        request_.model = file;
-        for (const auto& [name, value] : options) give(request_, option(name, kSensitivity), value);
-        plugins_.emplace(request_.plugins);
-        ModelOverrides overrides = request_.overrides;
-        overrides.purpose = Purpose::modes;
-        const Model model = read_model(request_.model, plugins_->catalogue(), overrides);
-        function_.emplace(request_, model, *plugins_, parameters, figures);
-        is_direct_ = differentiate_run(*function_, 2, found_, reason_);
-    }
+                const std::vector<std::pair<std::string, std::string>>& options = {})
+        : FiguresOf(file, parameters, figures, options), is_direct_(differentiate_run(function(), 2, found_, reason_)) {}
     bool is_direct() const { return is_direct_; }
     const std::string& reason() const { return reason_; }
     const LocalSensitivity& found() const { return found_; }
-    const std::vector<Column>& figures() const { return function_->figures(); }
-
-    /// Of whole runs, at parameters changed by d and 2 d, extrapolated to none.
-    Eigen::MatrixXd differences(double d) const {
-        const Eigen::VectorXd& nominal = function_->nominal();
-        Eigen::MatrixXd slopes(as_row(figures().size()), nominal.size());
-        for (Eigen::Index p = 0; p < nominal.size(); ++p) {
-            Eigen::MatrixXd points = nominal.transpose().replicate(4, 1);
-            const double changes[] = {d, -d, 2 * d, -2 * d};
-            for (Eigen::Index i = 0; i < 4; ++i) points(i, p) *= 1 + changes[i];
-            std::string failure;
-            const Eigen::MatrixXd at = function_->evaluate(points, 2, failure);
-            EXPECT_EQ(failure, "");
-            slopes.col(p) = (8 * (at.row(0) - at.row(1)) - (at.row(2) - at.row(3))).transpose() / (12 * d);
-        }
-        return slopes;
-    }
 
 private:
-    Request request_;
-    std::optional<Plugins> plugins_;
-    std::optional<FigureFunction> function_;
     LocalSensitivity found_;
     std::string reason_;
-    bool is_direct_ = false;
+    bool is_direct_;
 };
-
-std::filesystem::path example(const std::string& name) {
-    return std::filesystem::path(test::paths::source_dir()) / "examples" / name / "model.toml";
-}
 
 struct Example {
     std::string name;

@@ -58,6 +58,8 @@ public:
     static dttmm_harmonic motion_at(const ModalPlace& node, const Complex6& motion);
     std::vector<ModalInstance::Response> respond(double frequency, const std::vector<ModalInstance::Loads>& cases,
                                                  bool with_forces = false);
+    /// From now on respond() is linear about another machine, which must live on: see dttmm_derivative.h.
+    void respond_beside(ModalMachine& middle) { instance_.respond_beside(middle.instance_); }
     /// An element that carries a force along the line through its ends, and nothing else.
     bool is_axial(size_t element) const { return instance_.is_axial(static_cast<uint32_t>(element)); }
     /// Force and moment of a joint as a run records them, in its axes [N, N m].

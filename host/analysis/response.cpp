@@ -7,13 +7,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "analysis/excitation.h"
 #include "analysis/modal_session.h"
-#include "analysis/places.h"
 #include "analysis/random_response.h"
-#include "analysis/response_channels.h"
-#include "analysis/response_choice.h"
 #include "analysis/response_curves.h"
+#include "analysis/response_machine.h"
 #include "analysis/response_plan.h"
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
@@ -42,14 +39,10 @@ public:
         : request_(request),
           plugins_(plugins),
           warnings_(warnings),
-          session_(request, plugins, warnings),
-          channels_(session_.model, session_.machine),
-          excitation_(make_excitation()),
-          curves_(session_.machine, channels_, excitation_, choose_response_channels(request, channels_.all(), excitation_),
-                  warnings),
-          plan_(request, session_.model, excitation_, session_.machine, warnings) {
-        session_.machine.damp(plan_.highest());
-        note_damping(session_.model, warnings);
+          machine_(request, plugins, warnings),
+          plan_(request, machine_.session.model, machine_.excitation, machine_.session.machine, warnings) {
+        machine_.session.machine.damp(plan_.highest());
+        note_damping(machine_.session.model, warnings);
     }
 
     ExitCode run(ResponseFindings* findings);
@@ -61,7 +54,6 @@ private:
         OperatingPoint at;
     };
 
-    Excitation make_excitation();
     bool write_rows(const ResultsFolder& folder, size_t& rows);
     void write_random(const ResultsFolder& folder);
     std::vector<Column> columns() const;
@@ -74,33 +66,11 @@ private:
     const Request& request_;
     const Plugins& plugins_;
     Warnings& warnings_;
-    ModalSession session_;
-    ResponseChannels channels_;
-    Excitation excitation_;
-    ResponseCurves curves_;
+    ResponseMachine machine_;
     ResponsePlan plan_;
     std::vector<Largest> largest_;
     std::vector<double> rms_;  ///< of the chosen channels
 };
-
-Excitation SteadyResponse::make_excitation() {
-    if (request_.inputs.empty()) {
-        Excitation loads(session_.model, session_.machine);
-        if (!loads.has_harmonics() && loads.random_count() == 0)
-            throw Error(
-                ExitCode::model_invalid,
-                fmt::format("{}: nothing vibrates: the model has no harmonic, psd or unbalance load; give one, or ask "
-                            "for the response to a unit force with --in PLACE.DIRECTION",
-                            session_.model.path));
-        return loads;
-    }
-    std::vector<Excitation::Input> inputs;
-    for (const std::string& text : request_.inputs) {
-        const auto [place, direction] = place_and_direction(session_.model, session_.machine, "--in", text);
-        inputs.push_back({text, place, direction});
-    }
-    return Excitation(std::move(inputs));
-}
 
 void SteadyResponse::keep_largest(const OperatingPoint& at, const Values& values) {
     for (size_t c = 0; c < largest_.size(); ++c)
@@ -114,25 +84,26 @@ std::vector<Column> SteadyResponse::columns() const {
         columns.push_back({"rpm", "rpm"});
         columns.push_back({"order", "1"});
     }
-    for (size_t c = 0; c < curves_.size(); ++c)
-        for (const char* part : {".re", ".im"}) columns.push_back({curves_.name(c) + part, curves_.unit(c)});
+    for (size_t c = 0; c < machine_.curves.size(); ++c)
+        for (const char* part : {".re", ".im"}) columns.push_back({machine_.curves.name(c) + part, machine_.curves.unit(c)});
     return columns;
 }
 
 /// psd.csv and rms.csv.
 void SteadyResponse::write_random(const ResultsFolder& folder) {
-    const size_t count = curves_.chosen().size(), skipped = excitation_.has_harmonics() ? count : 0;
+    const size_t count = machine_.curves.chosen().size(), skipped = machine_.excitation.has_harmonics() ? count : 0;
     const auto amplitudes = [&](double f) {
-        Values values = curves_.evaluate_near(ResponseSweep(), f);
+        Values values = machine_.curves.evaluate_near(ResponseSweep(), f);
         values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(skipped));
         return values;
     };
-    const RandomResponse random = find_random_response(
-        excitation_, plan_.random_from, plan_.random_to, natural_frequencies(session_.machine, plan_.random_to, warnings_),
-        amplitudes, curves_.kinds(1), ResponseCurves::kMostAdaptive, StopSignals::requested);
+    const RandomResponse random =
+        find_random_response(machine_.excitation, plan_.random_from, plan_.random_to,
+                             natural_frequencies(machine_.session.machine, plan_.random_to, warnings_), amplitudes,
+                             machine_.curves.kinds(1), ResponseCurves::kMostAdaptive, StopSignals::requested);
     if (StopSignals::requested()) return;
     if (!random.is_done) {
-        curves_.warn_too_many();
+        machine_.curves.warn_too_many();
         warnings_.add("no-rms", "RMS values are not found, there is no psd.csv");
         return;
     }
@@ -141,7 +112,7 @@ void SteadyResponse::write_random(const ResultsFolder& folder) {
     std::vector<Column> columns = {{"frequency", "Hz"}};
     CsvTable table({{"channel", ""}, {"unit", ""}, {"rms", ""}, {"three_sigma", ""}, {"zero_crossings", "1/s"}});
     for (size_t c = 0; c < count; ++c) {
-        const Channel& channel = curves_.channel(c);
+        const Channel& channel = machine_.curves.channel(c);
         columns.push_back({channel.name(), fmt::format("({})^2/Hz", channel.unit())});
         const double rms = random.rms[c], crossings = random.zero_crossings[c];
         table.add(channel.name()).add(channel.unit()).add(rms).add(3 * rms).add(crossings).end_row();
@@ -166,7 +137,7 @@ void SteadyResponse::write_random(const ResultsFolder& folder) {
 void SteadyResponse::tell_still() {
     std::vector<std::string> still;
     for (size_t c = 0; c < largest_.size(); ++c)
-        if (largest_[c].size == 0) still.push_back(curves_.name(c));
+        if (largest_[c].size == 0) still.push_back(machine_.curves.name(c));
     if (still.empty()) return;
     warnings_.add(
         "no-response",
@@ -178,14 +149,14 @@ void SteadyResponse::tell_still() {
 void SteadyResponse::print(const ResultsFolder& folder, size_t rows) const {
     if (request_.quiet) return;
     size_t width = 10;
-    for (size_t c = 0; c < std::min(kShown, largest_.size()); ++c) width = std::max(width, curves_.name(c).size());
+    for (size_t c = 0; c < std::min(kShown, largest_.size()); ++c) width = std::max(width, machine_.curves.name(c).size());
     if (!largest_.empty())
         fmt::print("{:<{}}  {:>12}  {:<12} {:>12} {}{:>9}\n", "largest of", width, "magnitude", "unit", "at [Hz]",
                    plan_.has_speeds ? fmt::format("{:>9} {:>6} ", "rpm", "order") : "", "phase [deg]");
     for (size_t c = 0; c < std::min(kShown, largest_.size()); ++c) {
         const Largest& one = largest_[c];
-        fmt::print("{:<{}}  {:>12.6g}  {:<12} {:>12.6g} {}{:>9.1f}\n", curves_.name(c), width, one.size, curves_.unit(c),
-                   one.at.frequency,
+        fmt::print("{:<{}}  {:>12.6g}  {:<12} {:>12.6g} {}{:>9.1f}\n", machine_.curves.name(c), width, one.size,
+                   machine_.curves.unit(c), one.at.frequency,
                    plan_.has_speeds ? fmt::format("{:>9.1f} {:>6g} ", one.at.speed.value_or(0) / kPerRpm, one.at.order) : "",
                    one.phase);
     }
@@ -198,15 +169,15 @@ void SteadyResponse::write_summary(const ResultsFolder& folder, size_t rows, boo
     write_json(folder.file("summary.json"), [&](JsonWriter& json) {
         json.member("format", "dttmm-response/1");
         json.member("warnings", describe_warnings(warnings_));
-        json.member("title", session_.model.title);
+        json.member("title", machine_.session.model.title);
         if (!request_.kind.empty()) json.member("kind", request_.kind);
         json.member("status", is_stopped ? "stopped" : "completed");
         json.member("rows", rows);
         json.object("largest", [&] {
             for (size_t c = 0; c < largest_.size(); ++c)
-                json.object(curves_.name(c), [&] {
+                json.object(machine_.curves.name(c), [&] {
                     json.member("magnitude", largest_[c].size);
-                    json.member("unit", curves_.unit(c));
+                    json.member("unit", machine_.curves.unit(c));
                     json.member("phase_deg", largest_[c].phase);
                     json.member("frequency_hz", largest_[c].at.frequency);
                     if (!plan_.has_speeds) return;
@@ -215,8 +186,8 @@ void SteadyResponse::write_summary(const ResultsFolder& folder, size_t rows, boo
                 });
         });
         json.member("command_line", request_.command_line);
-        json.member("inputs", describe_inputs(session_.model, request_));
-        write_model(json, session_.model, plugins_.catalogue());
+        json.member("inputs", describe_inputs(machine_.session.model, request_));
+        write_model(json, machine_.session.model, plugins_.catalogue());
     });
 }
 
@@ -226,33 +197,34 @@ bool SteadyResponse::write_rows(const ResultsFolder& folder, size_t& rows) {
     std::vector<double> row;
     bool is_done = true;
     for (size_t s = 0; s < plan_.sweeps.size() && is_done; ++s)
-        is_done = curves_.find_rows(plan_.sweeps[s], !request_.quiet, [&](const OperatingPoint& at, const Values& values) {
-            row.assign(1, at.frequency);
-            if (plan_.has_speeds) row.insert(row.end(), {at.speed.value_or(0) / kPerRpm, at.order});
-            for (size_t c = 0; c < largest_.size(); ++c) row.insert(row.end(), {values[c].real(), values[c].imag()});
-            table.write_row(row);
-            keep_largest(at, values);
-            ++rows;
-        });
+        is_done =
+            machine_.curves.find_rows(plan_.sweeps[s], !request_.quiet, [&](const OperatingPoint& at, const Values& values) {
+                row.assign(1, at.frequency);
+                if (plan_.has_speeds) row.insert(row.end(), {at.speed.value_or(0) / kPerRpm, at.order});
+                for (size_t c = 0; c < largest_.size(); ++c) row.insert(row.end(), {values[c].real(), values[c].imag()});
+                table.write_row(row);
+                keep_largest(at, values);
+                ++rows;
+            });
     table.finish();
     return is_done;
 }
 
 ResponseFindings SteadyResponse::findings() const {
-    ResponseFindings found{session_.model.parameters, {}, {}};
+    ResponseFindings found{machine_.session.model.parameters, {}, {}, plan_.highest()};
     for (size_t c = 0; c < largest_.size(); ++c) {
         const OperatingPoint& at = largest_[c].at;
-        found.largest.push_back({curves_.name(c), curves_.unit(c), largest_[c].size, at.frequency});
+        found.largest.push_back({machine_.curves.name(c), machine_.curves.unit(c), largest_[c].size, at.frequency, at});
         if (plan_.has_speeds) found.largest.back().rpm = at.speed.value_or(0) / kPerRpm;
     }
     for (size_t c = 0; c < rms_.size(); ++c)
-        found.levels.push_back({curves_.channel(c).name(), curves_.channel(c).unit(), rms_[c]});
+        found.levels.push_back({machine_.curves.channel(c).name(), machine_.curves.channel(c).unit(), rms_[c]});
     return found;
 }
 
 ExitCode SteadyResponse::run(ResponseFindings* found) {
-    largest_.resize(curves_.size());
-    if (!plan_.sweeps.empty()) curves_.try_first(plan_.sweeps.front());  // it may be refused: before the folder
+    largest_.resize(machine_.curves.size());
+    if (!plan_.sweeps.empty()) machine_.curves.try_first(plan_.sweeps.front());  // it may be refused: before the folder
     const ResultsFolder folder(results_path(request_, "-response"));
     size_t rows = 0;
     bool is_stopped = !plan_.sweeps.empty() && !write_rows(folder, rows);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/excitation.h"
 #include "analysis/request.h"
 #include "loader/plugins.h"
 #include "model/error.h"
@@ -17,6 +18,7 @@ struct ResponseFindings {
     struct Largest {
         std::string name, unit;
         double size = 0, frequency = 0;  ///< [unit, Hz]
+        OperatingPoint at = {};
         std::optional<double> rpm = {};  ///< of a response over speed
     };
     struct Level {
@@ -26,6 +28,7 @@ struct ResponseFindings {
     std::vector<Parameter> parameters;
     std::vector<Largest> largest;  ///< of every curve
     std::vector<Level> levels;     ///< of every channel, under random loads
+    double highest = 0;            ///< frequency that was asked for [Hz]
 };
 
 /// Steady vibration over frequency or speed, under unit inputs or the harmonic and random loads of the model: complex

@@ -49,7 +49,7 @@ public:
 
     /// The bodies at the end of the step last solved.
     const std::vector<BodyState>& predicted() const { return trial_; }
-    /// The same with the last correction, which predicted() has where there are joints only.
+    /// The same. Also without joints it includes the last correction, which predicted() lacks there.
     void write_end(const std::vector<BodyState>& now, std::vector<BodyState>& end) const {
         equations_.move(now, equations_.h(), end);
     }

@@ -51,6 +51,12 @@ FigureFunction::FigureFunction(const Request& request, const Model& model, const
     if (plan_.columns.empty()) throw Error(ExitCode::usage, "the model has no such figures");
 }
 
+Request FigureFunction::request_at(const Eigen::VectorXd& values) const {
+    StudyPlan plan = plan_;
+    plan.cases.values = values.transpose();
+    return request_of(plan, 0);
+}
+
 Eigen::MatrixXd FigureFunction::evaluate(const Eigen::MatrixXd& rows, int jobs, std::string& first_failure) const {
     StudyPlan plan = plan_;
     plan.cases.values = rows;

@@ -26,6 +26,13 @@ public:
     const std::vector<Column>& parameters() const { return plan_.cases.parameters; }
     const std::string& command() const { return plan_.command; }
     const Plugins& plugins() const { return plugins_; }
+    /// What is asked of the model with one parameter times a factor.
+    Request request_with(Eigen::Index parameter, double factor) const {
+        return request_at(nominal_.cwiseProduct(Eigen::VectorXd::Ones(nominal_.size()) +
+                                                (factor - 1) * Eigen::VectorXd::Unit(nominal_.size(), parameter)));
+    }
+    /// The same with these values [SI].
+    Request request_at(const Eigen::VectorXd& values) const;
     /// As a study of them would have it, without cases.
     const StudyPlan& plan() const { return plan_; }
     /// The file's values [SI].

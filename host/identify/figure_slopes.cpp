@@ -23,32 +23,43 @@ FigureSlopes::FigureSlopes(const HistoryFigures& figures, Eigen::Index direction
     for (Watched& one : watched_) one.sum = one.product = Eigen::RowVectorXd::Zero(directions);
 }
 
-FigureSlopes::Extreme::Found FigureSlopes::Extreme::find() const {
+double FigureSlopes::Extreme::place() const { return -0.5 * (rows[3].value - rows[1].value) / bend(); }
+
+FigureSlopes::Extreme::Found FigureSlopes::Extreme::find(double swing) const {
     const Eigen::RowVectorXd none = Eigen::RowVectorXd::Zero(rows[2].slope.size());
-    if (!is_between()) return {rows[2].slope, none, none};
+    if (!is_between()) return {rows[2].slope, none, none, none};
     // The parabola about the row: y(x) = y + x rise + x²/2 bend, x in rows
-    const double x = -0.5 * (rows[3].value - rows[1].value) / bend(), row_step = rows[3].time - rows[2].time;
+    const double x = place(), row_step = rows[3].time - rows[2].time;
     const Eigen::RowVectorXd rise = 0.5 * (rows[3].slope - rows[1].slope),
                              slope_bend = rows[3].slope - 2 * rows[2].slope + rows[1].slope,
                              way = rise + x * slope_bend;  // ∂(slope)/∂x there
     // The cubic adds x (x² − 1)/6 of the third difference, which moves the extreme
-    const double bent = std::abs(bend()), turn = std::sqrt(bent / std::max(bent, std::abs(rows[2].value)));  // ω row_step
+    const double bent = std::abs(bend()), turn = std::sqrt(bent / std::max(bent, swing));  // ω row_step
     const double cube = x * (x * x - 1) / 6, moves = -(3 * x * x - 1) / (6 * bend());
     Eigen::RowVectorXd correction = none;
-    const double third = rows[3].value - 3 * rows[2].value + 3 * rows[1].value - rows[0].value;
+    const double third = before > 1 ? rows[3].value - 3 * rows[2].value + 3 * rows[1].value - rows[0].value : turn * bent;
     if (before > 1) {
         const Eigen::RowVectorXd of_slope = rows[3].slope - 3 * rows[2].slope + 3 * rows[1].slope - rows[0].slope;
         correction = cube * of_slope + moves * third * way;
     }
-    // The next terms: of the cubic another factor of `turn`, of the fourth difference, which is turn² of the second
-    Eigen::RowVectorXd lack = turn * turn * (way.cwiseAbs() / 12 + slope_bend.cwiseAbs() / 24);
-    if (before > 1)
-        lack += turn * correction.cwiseAbs();
-    else
-        lack += turn * (std::abs(cube) * slope_bend.cwiseAbs() + way.cwiseAbs() / 6);
+    // As large as the cubic's part, where there is one, and the fourth difference, which is turn² of the second
+    Eigen::RowVectorXd error = turn * turn * (way.cwiseAbs() / 12 + slope_bend.cwiseAbs() / 24);
+    error += before > 1 ? Eigen::RowVectorXd(correction.cwiseAbs())
+                        : Eigen::RowVectorXd(turn * (std::abs(cube) * slope_bend.cwiseAbs() + way.cwiseAbs() / 6));
     const Eigen::RowVectorXd slope = rows[2].slope + x * rise + 0.5 * x * x * slope_bend + correction;
-    if (before > 1 && std::abs(third) > kKink * bent) return {rows[2].slope, none, (slope - rows[2].slope).cwiseAbs()};
-    return {slope, -row_step / bend() * way, lack};
+    const Eigen::RowVectorXd of_time = -row_step / bend() * way;
+    if (before > 1 && std::abs(third) > kKink * bent)
+        return {rows[2].slope, none, (slope - rows[2].slope).cwiseAbs(), of_time.cwiseAbs()};
+    return {slope, of_time, error, (turn * turn + std::abs(third) / bent) * of_time.cwiseAbs()};
+}
+
+/// Of three rows at an end of the history, whose outer row is the largest: with the middle one where the parabola has its
+/// extreme between the two, else with the outer one, which stays where it is.
+FigureSlopes::Extreme FigureSlopes::at_end(const Point& outer, const std::array<Point, 3>& rows, double size) {
+    Extreme extreme{{Point{}, rows[0], rows[1], rows[2]}, 1, true, size};
+    const double x = extreme.is_between() ? extreme.place() : 1;
+    if (x * (outer.time - rows[1].time) > 0 && std::abs(x) < 1) return extreme;
+    return {{Point{}, Point{}, outer, Point{}}, 0, false, size};
 }
 
 void FigureSlopes::Two::take(const Extreme& extreme) {
@@ -68,10 +79,10 @@ void FigureSlopes::take_row(double time, std::span<const double> values, const E
         Watched& one = watched_[w];
         const Point row{values[w], time, slopes.row(as_row(w))};
         for (const Kind kind : {kPeak, kMinimum, kMaximum}) {
-            const double size = size_of(kind, one.last.value);
-            const bool is_beyond_next = size > size_of(kind, row.value),
-                       is_beyond_before = rows_ == 1 || size >= size_of(kind, one.before.value);
-            if (rows_ > 0 && is_beyond_next && is_beyond_before)
+            const double before = size_of(kind, one.before.value), size = size_of(kind, one.last.value);
+            if (rows_ == 2 && before > size)
+                one.extremes[kind].take(at_end(one.before, {one.before, one.last, row}, before));
+            if (rows_ > 1 && size > size_of(kind, row.value) && size >= before)
                 one.extremes[kind].take(
                     {{one.second_last, one.before, one.last, row}, static_cast<int>(std::min(rows_ - 1, 2L)), true, size});
         }
@@ -83,12 +94,16 @@ void FigureSlopes::take_row(double time, std::span<const double> values, const E
     ++rows_;
 }
 
-/// With the last row, if that is one.
+/// With the last row, if that is one; of a history of one or two rows with all of them.
 FigureSlopes::Two FigureSlopes::extremes(const Watched& of, Kind kind) const {
     Two two = of.extremes[kind];
-    const double size = size_of(kind, of.last.value);
-    if (rows_ == 1 || size >= size_of(kind, of.before.value))
-        two.take({{Point{}, Point{}, of.last, Point{}}, 0, false, size});
+    const double size = size_of(kind, of.last.value), before = size_of(kind, of.before.value);
+    const auto alone = [](const Point& row, double of_row) {
+        return Extreme{{Point{}, Point{}, row, Point{}}, 0, false, of_row};
+    };
+    if (rows_ > 2 && size >= before) two.take(at_end(of.last, {of.second_last, of.before, of.last}, size));
+    if (rows_ == 2 && before > size) two.take(alone(of.before, before));
+    if (rows_ == 1 || (rows_ == 2 && size >= before)) two.take(alone(of.last, size));
     return two;
 }
 
@@ -103,7 +118,7 @@ FigureSlopes::Found FigureSlopes::find(size_t figure) const {
     const auto& [watched, statistic] = figures_.figures()[figure];
     const Watched& one = watched_[watched];
     Found found;
-    found.lack = found.rival = Eigen::RowVectorXd::Zero(directions_);
+    found.error = found.competing = Eigen::RowVectorXd::Zero(directions_);
     found.reach = Eigen::RowVectorXd::Constant(directions_, std::numeric_limits<double>::infinity());
     if (statistic == Statistic::final) {
         found.slope = one.last.slope;
@@ -113,20 +128,22 @@ FigureSlopes::Found FigureSlopes::find(size_t figure) const {
         const double last = one.last.value, square = mean(Eigen::RowVectorXd::Constant(1, one.squares),
                                                           Eigen::RowVectorXd::Constant(1, last * last))(0);
         found.slope = mean(one.product, last * one.last.slope);
-        if (square > 0) found.slope /= std::sqrt(square);
+        found.slope /= std::sqrt(square);  // of nothing at all there is none: not a number
     } else {
         const Kind kind = statistic == Statistic::minimum ? kMinimum : statistic == Statistic::maximum ? kMaximum : kPeak;
         const auto [largest, second] = extremes(one, kind);
         const bool is_time = statistic == Statistic::time;
         const double sign = kind == kPeak && largest.rows[2].value < 0 ? -1 : 1,
                      other_sign = kind == kPeak && second.rows[2].value < 0 ? -1 : 1;
-        const Extreme::Found own = largest.find();
+        const double swing = 0.5 * (extremes(one, kMaximum).largest.size + extremes(one, kMinimum).largest.size);
+        const Extreme::Found own = largest.find(swing);
         found.slope = is_time ? own.of_time : Eigen::RowVectorXd(sign * own.slope);
-        if (!is_time) found.lack = own.lack;
+        if (kind == kPeak && largest.size == 0) found.slope.setConstant(std::numeric_limits<double>::quiet_NaN());
+        found.error = is_time ? own.error_of_time : own.error;
         if (std::isfinite(second.size)) {
-            const Extreme::Found other = second.find();
-            found.rival_time = second.rows[2].time;
-            found.rival = is_time ? other.of_time : Eigen::RowVectorXd(other_sign * other.slope);
+            const Extreme::Found other = second.find(swing);
+            found.competing_time = second.rows[2].time;
+            found.competing = is_time ? other.of_time : Eigen::RowVectorXd(other_sign * other.slope);
             const Eigen::RowVectorXd nearer = (other_sign * other.slope - sign * own.slope).cwiseAbs();
             for (Eigen::Index d = 0; d < directions_; ++d)
                 if (nearer(d) > 0) found.reach(d) = (largest.size - second.size) / nearer(d);

@@ -27,11 +27,11 @@ public:
     /// Of a figure, a number per direction.
     struct Found {
         Eigen::RowVectorXd slope;
-        Eigen::RowVectorXd lack;  ///< what the interpolation between rows may lack, by the next term of its series
+        Eigen::RowVectorXd error;  ///< error of the interpolation between rows, by the next term of its series
         /// Of the second largest extreme: its instant [s], its slope, and how far one has to go in a direction until it is
         /// the largest; infinite where there is none.
-        double rival_time = 0;
-        Eigen::RowVectorXd rival, reach;
+        double competing_time = 0;
+        Eigen::RowVectorXd competing, reach;
     };
     Found find(size_t figure) const;
 
@@ -50,11 +50,14 @@ private:
 
         bool is_between() const { return before > 0 && has_after && bend() != 0; }
         double bend() const { return rows[3].value - 2 * rows[2].value + rows[1].value; }
+        double place() const;  ///< by the parabola, from its own row, in rows
         struct Found {
-            Eigen::RowVectorXd slope, of_time, lack;
+            Eigen::RowVectorXd slope, of_time, error, error_of_time;
         };
-        Found find() const;
+        /// swing: half of what the history goes from its minimum to its maximum.
+        Found find(double swing) const;
     };
+    static Extreme at_end(const Point& outer, const std::array<Point, 3>& rows, double size);
     struct Two {
         Extreme largest, second;
         void take(const Extreme& extreme);

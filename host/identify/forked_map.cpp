@@ -161,6 +161,12 @@ private:
 
 }  // namespace
 
+std::string first_reason(const std::vector<TaskResult>& results) {
+    for (const TaskResult& result : results)
+        if (!result.reason.empty()) return result.reason;
+    return "";
+}
+
 std::vector<TaskResult> map_in_processes(size_t count, int jobs, const std::function<std::vector<double>(size_t)>& work) {
     std::vector<TaskResult> results(count, {{}, "its process crashed"});
     const size_t cores = std::max(1u, std::thread::hardware_concurrency());

@@ -14,6 +14,7 @@
 #include "analysis/modal_session.h"
 #include "analysis/stop_signals.h"
 #include "identify/mode_derivatives.h"
+#include "identify/response_derivatives.h"
 #include "identify/run_derivatives.h"
 #include "model/index.h"
 #include "model/wording.h"
@@ -36,7 +37,8 @@ constexpr double kBent = 1e-4;       // error that says so, share of the largest
 constexpr double kOneMode = 1e-6;    // share: frequencies this near are one multiple frequency
 constexpr int kCheckCases = 200;     // that check a linear estimate of scatter
 constexpr double kUncertain = 0.01;  // error of a slope, share of the largest of its figure: worth a word
-constexpr double kRival = 0.01;      // change of a logarithm that makes another extreme the largest: worth a word
+constexpr double kNothing = 1e-9;    // of the figure: what nothing depends on has no slope but that of rounding
+constexpr double kNear = 0.01;       // change of a logarithm that makes another extreme the largest: worth a word
 
 bool is_frequency(const Column& column) { return column.name.starts_with("mode") && column.name.ends_with(".frequency"); }
 
@@ -95,10 +97,6 @@ void join_branches(const std::vector<Column>& figures, const Eigen::VectorXd& no
     }
 }
 
-}  // namespace
-
-namespace {
-
 LocalSensitivity differentiate_from(double farthest, const FigureFunction& function, int jobs) {
     const Eigen::VectorXd& nominal = function.nominal();
     const auto count = nominal.size();
@@ -143,28 +141,37 @@ LocalSensitivity differentiate_from(double farthest, const FigureFunction& funct
 }
 
 bool is_bent(const LocalSensitivity& local) {
-    constexpr double kRounding = 1e-9;  // of the figure: what nothing depends on has no slope but that of rounding
     for (Eigen::Index f = 0; f < local.slopes.rows(); ++f) {
         const double error = local.errors.row(f).maxCoeff();
-        if (error > kBent * local.slopes.row(f).cwiseAbs().maxCoeff() && error > kRounding * std::abs(local.figures(f)))
+        if (error > kBent * local.slopes.row(f).cwiseAbs().maxCoeff() && error > kNothing * std::abs(local.figures(f)))
             return true;
     }
     return false;
+}
+
+/// An extreme of a history: it has its peaks at rows, and near by that is another figure than the one between them.
+bool is_extreme(const FigureFunction& function, Eigen::Index figure) {
+    const std::string& name = function.figures()[as_size(figure)].name;
+    return function.command() == "run" && std::ranges::any_of(std::array{".peak", ".time", ".minimum", ".maximum"},
+                                                              [&](const char* end) { return name.ends_with(end); });
 }
 
 }  // namespace
 
 LocalSensitivity differentiate_figures(const FigureFunction& function, int jobs) {
     LocalSensitivity found = differentiate_from(kFarthestPoint, function, jobs);
-    // A history has its peaks at rows: near by, that is another figure than the one between them
-    const int finer = function.command() == "run" ? 0 : kMostFiner;
     double farthest = kFarthestPoint;
-    for (int n = 0; n < finer && is_bent(found); ++n) {
+    for (int n = 0; n < kMostFiner && is_bent(found); ++n) {
         farthest *= kFiner;
         const LocalSensitivity next = differentiate_from(farthest, function, jobs);
-        const auto is_better = next.errors.array() < found.errors.array();
-        found.slopes = is_better.select(next.slopes, found.slopes).eval();
-        found.errors = is_better.select(next.errors, found.errors).eval();
+        bool is_better = false;  // a figure has all of its slopes from one of the distances
+        for (Eigen::Index f = 0; f < found.slopes.rows(); ++f) {
+            if (is_extreme(function, f) || !(next.errors.row(f).maxCoeff() < found.errors.row(f).maxCoeff())) continue;
+            found.slopes.row(f) = next.slopes.row(f);
+            found.errors.row(f) = next.errors.row(f);
+            is_better = true;
+        }
+        if (!is_better) break;
     }
     return found;
 }
@@ -257,17 +264,46 @@ double per_cent(const LocalSensitivity& local, Eigen::Index f, Eigen::Index p) {
 }
 
 /// Whether another extreme, with another slope, is the largest after a small change of the parameter.
-bool has_rival(const LocalSensitivity& local, Eigen::Index f, Eigen::Index p) {
-    if (local.rivals.size() == 0 || local.reach(f, p) > kRival) return false;
-    return std::abs(local.rivals(f, p) - local.slopes(f, p)) > kUncertain * local.slopes.row(f).cwiseAbs().maxCoeff();
+bool has_competing(const LocalSensitivity& local, Eigen::Index f, Eigen::Index p) {
+    if (local.competing.size() == 0 || local.reach(f, p) > kNear) return false;
+    return std::abs(local.competing(f, p) - local.slopes(f, p)) > kUncertain * local.slopes.row(f).cwiseAbs().maxCoeff();
 }
 
 /// How the derivatives were found; why not directly, where that was wanted.
 struct Method {
-    bool is_direct = false;
-    std::string reason;
-    std::string name() const { return is_direct ? "direct differentiation" : "differences"; }
+    std::string name = "differences", reason = {};
 };
+
+/// Whether figures of a command are differentiated directly.
+bool is_direct(const FigureFunction& function, const Column& figure) {
+    if (function.command() == "run") return true;
+    return function.command() == "modes" ? is_natural_frequency(figure) : is_largest(figure);
+}
+
+/// Directly where that can be done, else by differences.
+LocalSensitivity differentiate(const FigureFunction& function, int jobs, Method& method) {
+    const auto& figures = function.figures();
+    const auto direct = [&](const Column& figure) { return is_direct(function, figure); };
+    LocalSensitivity found;
+    found.figures.setZero(as_row(figures.size()));
+    found.slopes = found.errors = found.competing = Eigen::MatrixXd::Zero(found.figures.size(), function.nominal().size());
+    found.reach.setConstant(found.slopes.rows(), found.slopes.cols(), std::numeric_limits<double>::infinity());
+    const auto way = function.command() == "run"     ? differentiate_run
+                     : function.command() == "modes" ? differentiate_modes
+                                                     : differentiate_responses;
+    const bool is_found = std::ranges::any_of(figures, direct) && way(function, jobs, found, method.reason);
+    const bool are_all = std::ranges::all_of(figures, direct);
+    if (is_found) method.name = are_all ? "direct differentiation" : "direct differentiation and differences";
+    if (is_found && are_all) return found;
+    const LocalSensitivity others = differentiate_figures(function, jobs);
+    for (Eigen::Index f = 0; f < found.slopes.rows(); ++f) {
+        if (is_found && direct(figures[as_size(f)])) continue;
+        found.figures(f) = others.figures(f);
+        found.slopes.row(f) = others.slopes.row(f);
+        found.errors.row(f) = others.errors.row(f);
+    }
+    return found;
+}
 
 void write_tables(const ResultsFolder& folder, const Request& request, const FigureFunction& function,
                   const LocalSensitivity& local, const std::optional<Scatter>& scatter, const Method& method) {
@@ -296,10 +332,11 @@ void write_tables(const ResultsFolder& folder, const Request& request, const Fig
             by[name] = {{"percent_per_percent", number(per_cent(local, f, p))},
                         {"per_logarithm", number(local.slopes(f, p))},
                         {"error", number(local.errors(f, p))}};
-            if (has_rival(local, f, p))
-                by[name]["rival"] = {{"time", local.rival_times.size() > 0 ? number(local.rival_times(f)) : Json()},
-                                     {"change_of_logarithm", local.reach(f, p)},
-                                     {"per_logarithm", number(local.rivals(f, p))}};
+            if (has_competing(local, f, p))
+                by[name]["competing"] = {
+                    {"time", local.competing_times.size() > 0 ? number(local.competing_times(f)) : Json()},
+                    {"change_of_logarithm", local.reach(f, p)},
+                    {"per_logarithm", number(local.competing(f, p))}};
         }
         Json one = {{"figure", figure.name}, {"unit", figure.unit}, {"value", number(local.figures(f))}, {"by", by}};
         if (scatter)
@@ -311,7 +348,7 @@ void write_tables(const ResultsFolder& folder, const Request& request, const Fig
     write_atomically(folder.file("sensitivity.csv"), csv.text());
     write_json(folder.file("sensitivity.json"), Json{{"format", "dttmm-sensitivity/1"},
                                                      {"command", function.command()},
-                                                     {"method", method.name()},
+                                                     {"method", method.name},
                                                      {"reason", method.reason.empty() ? Json() : Json(method.reason)},
                                                      {"figures", list},
                                                      {"command_line", request.command_line}});
@@ -333,24 +370,31 @@ void print(const FigureFunction& function, const LocalSensitivity& local, const 
         for (Eigen::Index p = 0; p < local.slopes.cols(); ++p) {
             const double value = per_cent(local, f, p);
             line += std::isnan(value) ? fmt::format(" {:>11}", "-") : fmt::format(" {:>+11.4f}", value);
-            is_uncertain = is_uncertain || local.errors(f, p) > kUncertain * largest;
+            is_uncertain = is_uncertain || (local.errors(f, p) > kUncertain * largest &&
+                                            local.errors(f, p) > kNothing * std::abs(local.figures(f)));
         }
-        if (is_uncertain && local.figures(f) != 0) uncertain.push_back(one.name);
-        bool is_rivalled = false;
-        for (Eigen::Index p = 0; p < local.slopes.cols(); ++p) is_rivalled = is_rivalled || has_rival(local, f, p);
-        const bool has_time = local.rival_times.size() > 0;
-        if (is_rivalled)
-            doubtful.push_back(has_time ? fmt::format("{} (at {:.6g} s)", one.name, local.rival_times(f)) : one.name);
+        if (is_uncertain) uncertain.push_back(one.name);
+        bool is_doubtful = false;
+        for (Eigen::Index p = 0; p < local.slopes.cols(); ++p) is_doubtful = is_doubtful || has_competing(local, f, p);
+        const bool has_time = local.competing_times.size() > 0;
+        if (is_doubtful)
+            doubtful.push_back(has_time ? fmt::format("{} (at {:.6g} s)", one.name, local.competing_times(f)) : one.name);
         fmt::print("{}\n", line);
     }
+    const bool is_run = function.command() == "run";
     if (!uncertain.empty())
         fmt::print("known to worse than 1 % only{}: {}\n",
-                   method.is_direct ? "" : ", as where a peak moves from one instant to another", listed(uncertain));
+                   is_run && !method.reason.empty() ? ", as where a peak moves from one instant to another" : "",
+                   listed(uncertain));
     if (!doubtful.empty())
         fmt::print("after a change of a parameter by less than 1 % {}, and other slopes hold: {}\n",
-                   function.command() == "run" ? "another extreme is the largest" : "two frequencies would meet",
-                   listed(doubtful));
-    if (!method.reason.empty()) fmt::print("by differences of whole runs: {}\n", method.reason);
+                   is_run ? "another extreme is the largest" : "two frequencies come together", listed(doubtful));
+    if (!method.reason.empty())
+        fmt::print("by differences of {}: {}\n",
+                   is_run                          ? "whole runs"
+                   : function.command() == "modes" ? "frequencies"
+                                                   : "responses",
+                   method.reason);
     if (!scatter) return;
     fmt::print("\n{:<{}} {:>14} {:>14} {:>14}\n", "scatter", width, "deviation", "by cases", "not linear");
     for (Eigen::Index f = 0; f < local.figures.size(); ++f)
@@ -370,17 +414,8 @@ ExitCode find_sensitivities(const Request& request) {
     overrides.purpose = Purpose::modes;
     const Model model = read_model(request.model, plugins.catalogue(), overrides);
     const FigureFunction function(request, model, plugins, parameters_of(request, model), request.figures);
-    LocalSensitivity local;
     Method method;
-    if (function.command() == "run") {
-        method.is_direct = differentiate_run(function, request.jobs, local, method.reason);
-    } else if (are_frequencies(function)) {
-        const auto figures = as_row(function.figures().size()), count = function.nominal().size();
-        local.figures.setZero(figures);
-        local.slopes = local.errors = Eigen::MatrixXd::Zero(figures, count);
-        method.is_direct = differentiate_modes(function, request.jobs, local, method.reason);
-    }
-    if (!method.is_direct) local = differentiate_figures(function, request.jobs);
+    const LocalSensitivity local = differentiate(function, request.jobs, method);
     std::optional<Scatter> scatter;
     if (!request.variations.empty()) scatter = find_scatter(request, model, function, local);
     const ResultsFolder folder(results_path(request, "-sensitivity"));

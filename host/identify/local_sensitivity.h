@@ -16,8 +16,8 @@ struct LocalSensitivity {
     Eigen::MatrixXd errors;   ///< of the slopes
     /// Of direct differentiation: slopes of the extreme that comes next (see FigureSlopes), or of the next frequency, and
     /// the changes of ln p by which they come to be the same; of extremes their instants. Empty of differences.
-    Eigen::VectorXd rival_times;
-    Eigen::MatrixXd rivals, reach;
+    Eigen::VectorXd competing_times;
+    Eigen::MatrixXd competing, reach;
 };
 
 /// By central differences at three distances, extrapolated to none; their errors are those of the last extrapolation. A

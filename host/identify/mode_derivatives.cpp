@@ -11,20 +11,13 @@
 
 #include "analysis/modal_session.h"
 #include "identify/forked_map.h"
+#include "identify/small_changes.h"
 #include "model/error.h"
 #include "model/index.h"
-#include "study/case_runner.h"
 
 namespace dttmm::host {
 
 namespace {
-
-/// Changes of a parameter, as shares: each twice the one before. Of a beam's length the stiffness changes by the cube: what
-/// three of them leave is 1e-14 of the derivative, and rounding of the smallest 1e-13 of the stiffness over it.
-constexpr int kChanges = 3;
-constexpr double kSmallest = 5e-4;
-
-constexpr double kEqual = 1e-9;  // share: frequencies this near are one, whose branches have their own slopes
 
 /// The mode of a figure "mode<n>.frequency", from 0; nothing: it is another figure.
 std::optional<size_t> mode_of(const Column& figure) {
@@ -33,91 +26,79 @@ std::optional<size_t> mode_of(const Column& figure) {
     return as_size(length) == figure.name.size() ? std::optional(as_size(number) - 1) : std::nullopt;
 }
 
-/// By one parameter: of every mode, of every change, slope by the logarithm [Hz].
+/// Slopes of the modes by ln of one parameter [Hz].
 std::vector<double> find_slopes(const FigureFunction& function, ModalMachine& machine,
                                 const std::vector<ModalInstance::Mode>& modes, Eigen::Index parameter) {
     Warnings silent(Warnings::Silent::yes);
-    std::vector<double> slopes(modes.size() * kChanges);
-    for (size_t c = 0; c < kChanges; ++c) {
-        const double change = kSmallest * std::exp2(c);
-        StudyPlan plan = function.plan();
-        plan.cases.values = function.nominal().transpose().replicate(2, 1);
-        plan.cases.values(0, parameter) *= 1 + change;
-        plan.cases.values(1, parameter) *= 1 - change;
-        ModalSession above(request_of(plan, 0), function.plugins(), silent),
-            below(request_of(plan, 1), function.plugins(), silent);
-        for (size_t m = 0; m < modes.size();) {
+    std::vector<double> slopes;
+    for (const double change : SmallChanges::kShares) {
+        ModalSession above(function.request_with(parameter, 1 + change), function.plugins(), silent),
+            below(function.request_with(parameter, 1 - change), function.plugins(), silent);
+        for (size_t m = 0; m < modes.size(); m += modes[m].numbers.multiplicity) {
             const uint32_t multiplicity = modes[m].numbers.multiplicity;
+            if (multiplicity == 0 || m + multiplicity > modes.size())
+                throw Error(ExitCode::plugin_failure, fmt::format("the multiplicity of mode {} is {}", m + 1, multiplicity));
             for (const double one :
                  machine.frequency_changes(static_cast<uint32_t>(m), multiplicity, above.machine, below.machine))
-                slopes[kChanges * m++ + c] = one / change;
+                slopes.push_back(one / change);
         }
     }
     return slopes;
 }
 
-/// Of every figure the frequency next to it that a change of the parameter meets first, those equal to it left out.
-void find_rivals(const std::vector<ModalInstance::Mode>& modes, const std::vector<std::optional<size_t>>& mode_of_figure,
-                 const Eigen::MatrixXd& slopes, LocalSensitivity& found) {
-    found.rivals.setZero(found.slopes.rows(), found.slopes.cols());
-    found.reach.setConstant(found.slopes.rows(), found.slopes.cols(), std::numeric_limits<double>::infinity());
-    for (Eigen::Index f = 0; f < found.slopes.rows(); ++f)
-        for (size_t other = 0; mode_of_figure[as_size(f)] && other < modes.size(); ++other) {
-            const double gap = std::abs(modes[other].numbers.frequency - found.figures(f));
-            if (gap <= kEqual * std::abs(found.figures(f))) continue;
-            for (Eigen::Index p = 0; p < slopes.cols(); ++p) {
-                const double nearer = std::abs(slopes(as_row(other), p) - found.slopes(f, p));
-                if (gap >= found.reach(f, p) * nearer) continue;
-                found.reach(f, p) = gap / nearer;
-                found.rivals(f, p) = slopes(as_row(other), p);
-            }
+/// A frequency found, with those equal to it: which of the modes they are.
+struct Cluster {
+    size_t first, end;
+    bool has(size_t mode) const { return mode >= first && mode < end; }
+};
+Cluster cluster_of(const std::vector<ModalInstance::Mode>& modes, size_t mode) {
+    size_t first = 0;
+    while (first + modes[first].numbers.multiplicity <= mode) first += modes[first].numbers.multiplicity;
+    return {first, first + modes[first].numbers.multiplicity};
+}
+
+/// Of a figure the frequency, among those found, that a change of each parameter meets first. Where it is near, what a shape
+/// has of the other one changes the slope by as much.
+void look_beside(const std::vector<ModalInstance::Mode>& modes, size_t mode, const Eigen::MatrixXd& slopes, Eigen::Index f,
+                 LocalSensitivity& found) {
+    const Cluster own = cluster_of(modes, mode);
+    const double frequency = modes[mode].numbers.frequency;
+    for (size_t other = 0; other < modes.size(); ++other) {
+        if (own.has(other)) continue;
+        const double gap = std::abs(modes[other].numbers.frequency - frequency);
+        for (Eigen::Index p = 0; p < slopes.cols(); ++p) {
+            const double nearer = std::abs(slopes(as_row(other), p) - found.slopes(f, p));
+            found.errors(f, p) =
+                std::max(found.errors(f, p), modes[mode].numbers.bracket * std::abs(frequency) / gap * nearer);
+            if (gap >= found.reach(f, p) * nearer) continue;
+            found.reach(f, p) = gap / nearer;
+            found.competing(f, p) = slopes(as_row(other), p);
         }
+    }
 }
 
 }  // namespace
 
-bool are_frequencies(const FigureFunction& function) {
-    return function.command() == "modes" &&
-           std::ranges::all_of(function.figures(), [](const Column& one) { return mode_of(one).has_value(); });
-}
+bool is_natural_frequency(const Column& figure) { return mode_of(figure).has_value(); }
 
 bool differentiate_modes(const FigureFunction& function, int jobs, LocalSensitivity& found, std::string& reason) {
     Warnings silent(Warnings::Silent::yes);
     ModalSession session(function.plan().request, function.plugins(), silent);
     const std::vector<ModalInstance::Mode> modes = session.find_modes();
-    if (modes.empty()) return true;
-    try {  // with neighbours that are the machine itself
-        session.machine.frequency_changes(0, modes.front().numbers.multiplicity, session.machine, session.machine);
-    } catch (const Error& error) {
-        reason = error.what();
-        return false;
-    }
     const auto parameters = as_size(function.nominal().size());
     const std::vector<TaskResult> results = map_in_processes(
         parameters, jobs, [&](size_t p) { return find_slopes(function, session.machine, modes, as_row(p)); });
-    Eigen::MatrixXd slopes(as_row(modes.size()), as_row(parameters)), errors = slopes;
-    for (size_t p = 0; p < parameters; ++p) {
-        if (!results[p].reason.empty())
-            throw Error(ExitCode::numerical_failure,
-                        fmt::format("near the file's values the model has no answer: {}", results[p].reason));
-        for (size_t m = 0; m < modes.size(); ++m) {
-            // Neville's table of even errors
-            const double* at = &results[p].numbers[kChanges * m];
-            const double first = at[0] + (at[0] - at[1]) / 3, second = at[1] + (at[1] - at[2]) / 3;
-            slopes(as_row(m), as_row(p)) = first + (first - second) / 15;
-            errors(as_row(m), as_row(p)) = std::abs(first - second);
-        }
-    }
-    std::vector<std::optional<size_t>> mode_of_figure;
+    reason = first_reason(results);
+    if (!reason.empty()) return false;
+    const auto [slopes, errors] = SmallChanges(results, modes.size());
     for (Eigen::Index f = 0; f < found.slopes.rows(); ++f) {
         const std::optional<size_t> mode = mode_of(function.figures()[as_size(f)]);
-        mode_of_figure.push_back(mode && *mode < modes.size() ? mode : std::nullopt);
-        if (!mode_of_figure.back()) continue;
+        if (!mode || *mode >= modes.size()) continue;
         found.figures(f) = modes[*mode].numbers.frequency;
         found.slopes.row(f) = slopes.row(as_row(*mode));
         found.errors.row(f) = errors.row(as_row(*mode));
+        look_beside(modes, *mode, slopes, f, found);
     }
-    find_rivals(modes, mode_of_figure, slopes, found);
     return true;
 }
 

@@ -9,14 +9,14 @@
 namespace dttmm::host {
 
 /// Derivatives of natural frequencies by the change of the dynamic stiffness at their shapes: see dttmm_derivative.h. Near
-/// frequencies, which a small change makes repel each other, do not disturb them. Central differences of the stiffness at
-/// two distances are extrapolated; errors are what that changes. found: has a row for every figure; those of
-/// mode<n>.frequency are written.
+/// frequencies, which a small change makes repel each other, do not disturb them. The rows of mode<n>.frequency in `found`
+/// are written.
 ///
-/// Returns false with the reason where the plugin does not tell. Throws Error as FigureFunction::evaluate does.
+/// Returns false with the reason where they are not found, as of a plugin without the extension or a machine whose structure
+/// changes with a parameter.
 bool differentiate_modes(const FigureFunction& function, int jobs, LocalSensitivity& found, std::string& reason);
 
-/// Whether all figures are of that kind.
-bool are_frequencies(const FigureFunction& function);
+/// Whether it is of that kind.
+bool is_natural_frequency(const Column& figure);
 
 }  // namespace dttmm::host

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <random>
 #include <span>
 #include <thread>
@@ -19,7 +20,6 @@
 #include "identify/forked_map.h"
 #include "model/error.h"
 #include "model/index.h"
-#include "study/case_runner.h"
 #include "study/figures.h"
 
 namespace dttmm::host {
@@ -84,8 +84,8 @@ public:
             Simulation::centre(pair.above->simulation(), pair.below->simulation(), session_.simulation);
     }
 
-    /// Figures of the run, their slopes by every direction, what these lack, and of rivals slope, reach and instant, each
-    /// figure after figure.
+    /// Figures of the run, their slopes by every direction, their errors, and of competing extremes slope, reach and
+    /// instant, each figure after figure.
     std::vector<double> differentiate() {
         centre();
         const uint64_t count = session_.simulation.step_count();
@@ -102,8 +102,8 @@ public:
         for (size_t f = 0; f < values.size(); ++f) {
             const FigureSlopes::Found found = slopes_.find(f);
             numbers.push_back(values[f]);
-            numbers.push_back(found.rival_time);
-            for (const Eigen::RowVectorXd* list : {&found.slope, &found.lack, &found.rival, &found.reach})
+            numbers.push_back(found.competing_time);
+            for (const Eigen::RowVectorXd* list : {&found.slope, &found.error, &found.competing, &found.reach})
                 numbers.insert(numbers.end(), list->begin(), list->end());
         }
         return numbers;
@@ -115,9 +115,8 @@ private:
         double distance;
     };
     std::unique_ptr<Neighbour> make(const Eigen::VectorXd& change) const {
-        StudyPlan plan = function_.plan();
-        plan.cases.values = function_.nominal().cwiseProduct(Eigen::VectorXd::Ones(change.size()) + change).transpose();
-        const Request request = request_of(plan, 0);
+        const Request request =
+            function_.request_at(function_.nominal().cwiseProduct(Eigen::VectorXd::Ones(change.size()) + change));
         Model model = read_model(request.model, session_.plugins.catalogue(), request.overrides);
         const SimulationSettings& wanted = session_.model.simulation;
         const bool has_step = model.simulation.step > 0;  // else it is chosen, of each model another one
@@ -125,7 +124,26 @@ private:
             throw Error(ExitCode::usage, "the time step or the duration changes with a parameter");
         model.simulation.step = wanted.step;
         model.output.every = session_.model.output.every;
-        return std::make_unique<Neighbour>(std::move(model), session_.plugins, plan.figures);
+        auto neighbour = std::make_unique<Neighbour>(std::move(model), session_.plugins, function_.plan().figures);
+        refuse_other_equilibrium(neighbour->simulation());
+        return neighbour;
+    }
+    /// A machine may come to rest in several positions: of another one the run beside it says nothing.
+    void refuse_other_equilibrium(const Simulation& other) const {
+        constexpr double kOther = 1e-2;  // of the size of the machine, and rad: a thousandth of a parameter leads less far
+        if (!session_.model.simulation.starts_at_rest) return;
+        const std::vector<BodyState>&own = session_.simulation.bodies(), &its = other.bodies();
+        double size = 0, shift = 0, turn = 0;
+        for (size_t b = 0; b < own.size(); ++b) {
+            const Body& body = session_.model.bodies[b];
+            size = std::max(size, (own[b].position - own[0].position).norm());
+            for (const Marker& marker : body.markers) size = std::max(size, (marker.position - body.center_of_mass).norm());
+            shift = std::max(shift, (its[b].position - own[b].position).norm());
+            turn = std::max(turn, (its[b].rotation - own[b].rotation).norm());
+        }
+        if ((size > 0 && shift > kOther * size) || turn > kOther)
+            throw Error(ExitCode::numerical_failure,
+                        "after a small change of a parameter it starts from another equilibrium");
     }
     void take_row() {
         for (size_t p = 0; p < pairs_.size(); ++p)
@@ -151,11 +169,13 @@ private:
 
 /// Figures of a run and how they change in some directions, a column each.
 struct Slopes {
-    Eigen::VectorXd figures, rival_times;
-    Eigen::MatrixXd slopes, lack, rivals, reach;
+    Eigen::VectorXd figures, competing_times;
+    Eigen::MatrixXd slopes, error, competing, reach;
 };
 
-Slopes differentiate(const FigureFunction& function, std::span<const Direction> directions, int jobs) {
+/// Nothing where a neighbour fails, with the reason.
+std::optional<Slopes> differentiate(const FigureFunction& function, std::span<const Direction> directions, int jobs,
+                                    std::string& reason) {
     const auto divided = [](size_t whole, size_t by) { return (whole + by - 1) / by; };
     const size_t workers = jobs > 0 ? as_size(jobs) : std::max(1u, std::thread::hardware_concurrency());
     const size_t at_once = std::min(kPairsAtOnce, divided(directions.size(), workers));
@@ -164,22 +184,21 @@ Slopes differentiate(const FigureFunction& function, std::span<const Direction> 
         const auto own = directions.subspan(first, std::min(at_once, directions.size() - first));
         return RunWithPairs(function, own).differentiate();
     });
+    reason = first_reason(results);
+    if (!reason.empty()) return std::nullopt;
     const auto count = as_row(function.figures().size());
     Slopes all;
-    for (Eigen::MatrixXd* list : {&all.slopes, &all.lack, &all.rivals, &all.reach})
+    for (Eigen::MatrixXd* list : {&all.slopes, &all.error, &all.competing, &all.reach})
         list->resize(count, as_row(directions.size()));
     Eigen::Index column = 0;
     for (const TaskResult& result : results) {
-        if (!result.reason.empty())
-            throw Error(ExitCode::numerical_failure,
-                        fmt::format("near the file's values the model has no answer: {}", result.reason));
         const Eigen::Index numbers = as_row(result.numbers.size()) / count, own = (numbers - 2) / 4;
         const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> table(
             result.numbers.data(), count, numbers);
         all.figures = table.col(0);
-        all.rival_times = table.col(1);
+        all.competing_times = table.col(1);
         Eigen::Index from = 2;
-        for (Eigen::MatrixXd* list : {&all.slopes, &all.lack, &all.rivals, &all.reach}) {
+        for (Eigen::MatrixXd* list : {&all.slopes, &all.error, &all.competing, &all.reach}) {
             list->middleCols(column, own) = table.middleCols(from, own);
             from += own;
         }
@@ -189,15 +208,16 @@ Slopes differentiate(const FigureFunction& function, std::span<const Direction> 
 }
 
 /// By slopes at all distances, a column each: the two next to each other whose slopes differ least, the first of them. A
-/// figure that is nothing but rounding differs wholly at all of them.
+/// figure that is nothing but rounding, or not a number, differs wholly at all of them.
 Eigen::Index find_best(const Eigen::MatrixXd& slopes) {
     Eigen::Index best = 0;
     double least = std::numeric_limits<double>::infinity();
     for (Eigen::Index k = 0; k + 1 < slopes.cols(); ++k) {
         double sum = 0;
         for (Eigen::Index f = 0; f < slopes.rows(); ++f) {
-            const double size = std::abs(slopes(f, k)), difference = std::abs(slopes(f, k) - slopes(f, k + 1));
-            sum += size > 0 ? std::min(1.0, difference / size) : 0;
+            const double size = std::max(std::abs(slopes(f, k)), std::abs(slopes(f, k + 1)));
+            const double difference = std::abs(slopes(f, k) - slopes(f, k + 1));
+            if (!(difference == 0)) sum += difference <= size ? difference / size : 1;
         }
         if (sum >= least) continue;
         least = sum;
@@ -221,22 +241,24 @@ bool differentiate_run(const FigureFunction& function, int jobs, LocalSensitivit
     const Eigen::VectorXd signs = choose_signs(count);
     std::vector<Direction> directions;
     for (const double distance : kDistances) directions.push_back({signs, distance});
-    try {
+    try {  // what the networks refuse shows before the first step
         RunWithPairs(function, std::span(directions).first(1)).centre();
     } catch (const Error& error) {
         reason = error.what();
         return false;
     }
-    const Slopes together = differentiate(function, directions, jobs);
-    const Eigen::Index best = find_best(together.slopes);
+    const std::optional<Slopes> together = differentiate(function, directions, jobs, reason);
+    if (!together) return false;
+    const Eigen::Index best = find_best(together->slopes);
     const double distance = std::sqrt(kDistances[as_size(best)] * kDistances[as_size(best) + 1]);
     directions.clear();
     for (Eigen::Index p = 0; p < count; ++p) directions.push_back({Eigen::VectorXd::Unit(count, p), distance});
-    const Slopes own = differentiate(function, directions, jobs);
-    found = {own.figures, own.slopes, own.lack, own.rival_times, own.rivals, own.reach};
-    const Eigen::VectorXd sum = own.slopes * signs;
-    const Eigen::VectorXd missed = (together.slopes.middleCols(best, 2).colwise() - sum).cwiseAbs().rowwise().maxCoeff();
-    found.errors.colwise() += missed;
+    const std::optional<Slopes> own = differentiate(function, directions, jobs, reason);
+    if (!own) return false;
+    const Eigen::VectorXd sum = own->slopes * signs;
+    const Eigen::VectorXd mismatch = (together->slopes.middleCols(best, 2).colwise() - sum).cwiseAbs().rowwise().maxCoeff();
+    found = {own->figures,         own->slopes,    own->error + mismatch.replicate(1, count),
+             own->competing_times, own->competing, own->reach};
     return true;
 }
 

@@ -16,8 +16,9 @@ namespace dttmm::host {
 ///
 /// Pairs that differ in all parameters together choose the distance, and give the errors: their derivative must be the sum.
 ///
-/// Returns false with the reason where there is no such derivative: a run to a tolerance, a plugin without the extension
-/// DTTMM_DERIVATIVE, a law that remembers numbers of its own. Throws Error(numerical_failure) where a neighbour fails.
+/// Returns false with the reason where there is no such derivative: a run to a tolerance, a time step or a duration that
+/// changes with a parameter, a plugin without the extension DTTMM_DERIVATIVE, a law that remembers numbers of its own, a
+/// neighbour that fails.
 bool differentiate_run(const FigureFunction& function, int jobs, LocalSensitivity& found, std::string& reason);
 
 }  // namespace dttmm::host

@@ -215,8 +215,11 @@ std::vector<ModalInstance::Response> ModalInstance::respond(double frequency, co
     const dttmm_harmonic_result result = {bodies.data(), nodes.data(), with_forces ? elements.data() : nullptr,
                                           with_forces ? constraints.data() : nullptr};
     ask([&](dttmm_error* error) {
-        return plugin_.response()->respond(modal_.get(), frequency, static_cast<uint32_t>(cases.size()), ends.data(),
-                                           loads.data(), &result, error);
+        const auto count = static_cast<uint32_t>(cases.size());
+        if (middle_)
+            return plugin_.derivative()->respond_beside(modal_.get(), middle_->modal_.get(), frequency, count, ends.data(),
+                                                        loads.data(), &result, error);
+        return plugin_.response()->respond(modal_.get(), frequency, count, ends.data(), loads.data(), &result, error);
     });
     check(bodies, "response of bodies");
     check(nodes, "response of nodes");
@@ -237,6 +240,14 @@ std::vector<ModalInstance::Response> ModalInstance::respond(double frequency, co
                         list(elements, element_count, 1, 2), list(constraints, constraint_count)};
     }
     return responses;
+}
+
+void ModalInstance::respond_beside(ModalInstance& middle) {
+    const dttmm_derivative_table* derivative = plugin_.derivative();
+    if (!derivative || !derivative->respond_beside)
+        throw Error(ExitCode::plugin_failure, fmt::format("plugin {} is without the derivatives of responses, extension {}",
+                                                          plugin_.name(), DTTMM_DERIVATIVE));
+    middle_ = &middle;
 }
 
 bool ModalInstance::is_axial(uint32_t element) const {

@@ -73,6 +73,9 @@ public:
     OverallMatrix overall_matrix(double frequency);
     /// Under several cases of loads, each alone. Throws Error(plugin_failure) if the plugin knows no response.
     std::vector<Response> respond(double frequency, const std::vector<Loads>& cases, bool with_forces = false);
+    /// From now on respond() is linear about another, which must live on: see dttmm_derivative.h. Throws
+    /// Error(plugin_failure) if the plugin cannot do that.
+    void respond_beside(ModalInstance& middle);
 
     /// Of an element at the start, where its stiffness counts [N]; 0: none.
     double force_at_start(uint32_t element) const;
@@ -95,6 +98,7 @@ private:
     std::vector<std::string> element_names_;
     mutable volatile int32_t at_work_ = -1;  ///< the element that the plugin works on
     size_t body_count_, node_count_, constraint_count_;
+    ModalInstance* middle_ = nullptr;  ///< that responses are linear about; null: none
 };
 
 }  // namespace dttmm::host

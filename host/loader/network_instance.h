@@ -104,7 +104,7 @@ public:
     }
 
     /// See dttmm_derivative.h; only if has_derivative().
-    bool has_derivative() const { return plugin_.derivative() != nullptr; }
+    bool has_derivative() const { return plugin_.derivative() && plugin_.derivative()->centre; }
     void centre(NetworkInstance& above, NetworkInstance& below) const {
         ask([&](dttmm_error* error) {
             return plugin_.derivative()->centre(above.instance_.get(), below.instance_.get(), instance_.get(), error);

@@ -142,12 +142,14 @@ PluginLibrary::PluginLibrary(std::string name, const dttmm_plugin* table, std::s
       shapes_(extension<dttmm_shape_table>(name_, *table, DTTMM_SHAPE)),
       derivative_(extension<dttmm_derivative_table>(name_, *table, DTTMM_DERIVATIVE)),
       handle_(std::move(handle)) {
-    const bool whole = (!modal_ || (modal_->create && modal_->destroy && modal_->find_modes && modal_->mode &&
-                                    modal_->mode_along && modal_->overall)) &&
-                       (!response_ || (response_->respond && modal_)) && (!laws_ || laws_->add_law) &&
-                       (!statics_ || (statics_->begin && statics_->keep && statics_->recall && statics_->set_loads &&
-                                      statics_->form && statics_->correct && statics_->move && statics_->start)) &&
-                       (!shapes_ || (shapes_->lines && shapes_->positions)) && (!derivative_ || derivative_->centre);
+    const bool whole =
+        (!modal_ || (modal_->create && modal_->destroy && modal_->find_modes && modal_->mode && modal_->mode_along &&
+                     modal_->overall)) &&
+        (!response_ || (response_->respond && modal_)) && (!laws_ || laws_->add_law) &&
+        (!statics_ || (statics_->begin && statics_->keep && statics_->recall && statics_->set_loads && statics_->form &&
+                       statics_->correct && statics_->move && statics_->start)) &&
+        (!shapes_ || (shapes_->lines && shapes_->positions)) &&
+        (!derivative_ || ((!derivative_->frequency_changes || modal_) && (!derivative_->respond_beside || response_)));
     if (!whole) fail(name_, "an extension of it has a null entry, or is without the one that it stands on");
 }
 

@@ -258,13 +258,22 @@ dttmm_status overall(dttmm_modal* modal, double frequency, dttmm_overall* overal
     });
 }
 
+std::vector<std::span<const dttmm_harmonic>> cases_of(uint32_t count, const uint32_t* ends, const dttmm_harmonic* loads) {
+    std::vector<std::span<const dttmm_harmonic>> cases;
+    for (uint32_t c = 0, begin = 0; c < count; begin = ends[c++]) cases.emplace_back(loads + begin, ends[c] - begin);
+    return cases;
+}
+
 dttmm_status respond(dttmm_modal* modal, double frequency, uint32_t case_count, const uint32_t* ends,
                      const dttmm_harmonic* loads, const dttmm_harmonic_result* result, dttmm_error* error) {
+    return guard(error, [&] { modal->analysis.respond(frequency, cases_of(case_count, ends, loads), *result); });
+}
+
+dttmm_status respond_beside(dttmm_modal* modal, dttmm_modal* middle, double frequency, uint32_t case_count,
+                            const uint32_t* ends, const dttmm_harmonic* loads, const dttmm_harmonic_result* result,
+                            dttmm_error* error) {
     return guard(error, [&] {
-        std::vector<std::span<const dttmm_harmonic>> cases;
-        for (uint32_t c = 0, begin = 0; c < case_count; begin = ends[c++])
-            cases.emplace_back(loads + begin, ends[c] - begin);
-        modal->analysis.respond(frequency, cases, *result);
+        modal->analysis.respond_beside(middle->analysis, frequency, cases_of(case_count, ends, loads), *result);
     });
 }
 
@@ -372,7 +381,8 @@ const void* extension(const char* name) {
     static constexpr dttmm_response_table kResponse = {
         sizeof(dttmm_response_table), respond, is_axial, find_damped, damped_mode, set_damping};
     static constexpr dttmm_state_table kState = {sizeof(dttmm_state_table), state_size, save_state, restore_state};
-    static constexpr dttmm_derivative_table kDerivative = {sizeof(dttmm_derivative_table), centre, frequency_changes};
+    static constexpr dttmm_derivative_table kDerivative = {sizeof(dttmm_derivative_table), centre, frequency_changes,
+                                                           respond_beside};
     static constexpr dttmm_laws_table kLaws = {sizeof(dttmm_laws_table), add_law, fit};
     static constexpr dttmm_static_table kStatic = {sizeof(dttmm_static_table),
                                                    begin_static,

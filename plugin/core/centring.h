@@ -54,7 +54,7 @@ private:
             for (size_t p = 0; are_alike && p < count; ++p) are_alike = pieces[p].size() == other.pieces[p].size();
             return are_alike;
         }
-        static constexpr size_t kMost = 32;  // of a Network 21
+        static constexpr size_t kMost = 32;  // of a Network 22
         std::array<std::span<Number>, kMost> pieces;
         size_t count = 0;
     };

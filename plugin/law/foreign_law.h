@@ -18,7 +18,6 @@ public:
     /// or it throws.
     LawOnPath along(const LawPath& path) const override;
     size_t memory_size() const override { return law_.memory_count; }
-    bool remembers_smoothly() const override { return law_.memory_count == 0; }  // of others nothing is known
 
 private:
     const dttmm_law& law_;

@@ -33,7 +33,7 @@ public:
     /// Numbers that it remembers; 0: it is elastic.
     virtual size_t memory_size() const { return 0; }
     /// Whether these numbers follow the deformation smoothly: half of two memories is then the memory half way.
-    virtual bool remembers_smoothly() const { return true; }
+    virtual bool remembers_smoothly() const { return memory_size() == 0; }
     /// Whether the force is the tangent at rest times the deformation: joints are then worked out four at a time.
     virtual bool is_linear() const { return false; }
 

@@ -21,6 +21,7 @@ public:
 
     LawOnPath along(const LawPath& path) const override;
     size_t memory_size() const override { return series_.terms.size(); }
+    bool remembers_smoothly() const override { return true; }
 
     /// By its rows, straight lines of magnitude and angle between them. Below the first row the stiffness is that of the
     /// first, and the angle falls in proportion to the frequency; omega: up to highest() [rad/s].

@@ -325,6 +325,13 @@ std::vector<double> DynamicStiffness::openings(const FrameVector& u) const {
     return all;
 }
 
+std::vector<std::pair<int, int>> DynamicStiffness::rigid_rows() const {
+    std::vector<std::pair<int, int>> all;
+    for (int l = 0; l < link_count(); ++l)
+        for (const Rigid& row : joined(*this, l).rigid) all.emplace_back(l, row.number);
+    return all;
+}
+
 DynamicStiffness::Whole DynamicStiffness::move_whole(int direction) const {
     const Vector6 ground = model_.mask.col(direction);
     Vector6 on_ground = Vector6::Zero();

@@ -61,6 +61,8 @@ public:
     FrameVector stiffness_times(const FrameVector& u, const Vector6& ground = Vector6::Zero()) const;
     /// J u, in the order of solve().
     std::vector<double> openings(const FrameVector& u) const;
+    /// Which rows J has: of what joins two frames, and its number there.
+    std::vector<std::pair<int, int>> rigid_rows() const;
     /// All moves as a whole in direction d about the world's origin, the ground too: the motion of the frames, the forces D
     /// r and the momenta −∂D/∂λ r on them, and twice the kinetic energy, that of clamped lines included. See dttmm_mode.
     struct Whole {

@@ -77,7 +77,7 @@ void Joined::hold(Vector6 row_from, Vector6 row_to) {
         basis.push_back(next.normalized());
     }
     for (const Vector12& b : basis) rest -= b.dot(rest) * b;
-    if (rest.norm() > kAligned * size) rigid.push_back({row_from, row_to, row_ground});
+    if (rest.norm() > kAligned * size) rigid.push_back({row_from, row_to, row_ground, as_int(rigid.size())});
 }
 
 void Bond::add_turning(const FrameVector& u, FrameVector& on_frames) const {

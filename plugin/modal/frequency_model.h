@@ -32,6 +32,7 @@ Matrix6 both(const Matrix3& R);
 /// world's origin.
 struct Rigid {
     Vector6 by_from, by_to, by_ground = Vector6::Zero();
+    int number = 0;  ///< among those of what it joins, before any is struck out
 };
 
 /// What joins two frames (−1: the ground), by the displacements of its two ends.

@@ -16,6 +16,7 @@ namespace {
 std::vector<double> rigid_forces(DynamicStiffness& D, const Mode& mode, double lambda) {
     constexpr double kShifts[] = {0.7, 1.3, 0.5, 1.7};  // μ over λ: one of them is no other frequency's
     constexpr double kSame = 1e-6;                      // share of the shape
+    if (D.rigid_rows().empty()) return {};
     D.set(lambda);
     const FrameVector here = D.stiffness_times(mode.shape);
     for (const double shift : kShifts) {
@@ -69,12 +70,14 @@ std::vector<double> frequency_changes(DynamicStiffness& at, std::span<const Mode
     }
     for (DynamicStiffness* other : {&above, &below}) {
         other->cut_like(at);
-        if (other->frame_count() != at.frame_count() || other->openings(modes.front().shape).size() != forces.front().size())
+        if (other->frame_count() != at.frame_count() || other->rigid_rows() != at.rigid_rows())
             throw Error(DTTMM_ERROR_ARGUMENT, "the machines differ in more than numbers");
     }
     const Eigen::MatrixXd change =
         0.5 * (lagrangian(above, lambda, modes, forces) - lagrangian(below, lambda, modes, forces));
     const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> branches(change, 0.5 * (mass + mass.transpose()));
+    if (branches.info() != Eigen::Success)
+        throw Error(DTTMM_ERROR_NUMERIC, "the branches of a multiple frequency were not found");
     std::vector<double> changes;
     for (const double of_lambda : branches.eigenvalues()) changes.push_back(of_lambda / (2 * std::abs(omega)));
     return changes;

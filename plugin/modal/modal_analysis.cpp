@@ -157,8 +157,11 @@ double ModalAnalysis::along(uint32_t index, uint32_t element, uint32_t count, do
 void ModalAnalysis::frequency_changes(uint32_t index, ModalAnalysis& above, ModalAnalysis& below, double* changes) {
     const Mode& mode = mode_at(index);
     const auto equal = std::span<const Mode>(modes_).subspan(index);
-    if (equal.size() < as_size(mode.multiplicity) || (index > 0 && modes_[index - 1].omega == mode.omega))
-        throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("mode {} is not the first of its frequency", index));
+    uint32_t first = 0;
+    while (first < index) first += static_cast<uint32_t>(modes_[first].multiplicity);
+    if (first != index || equal.size() < as_size(mode.multiplicity))
+        throw Error(DTTMM_ERROR_ARGUMENT,
+                    fmt::format("mode {} is not the first of its frequency, or others of that were not asked for", index));
     for (ModalAnalysis* one : {this, &above, &below}) one->at_ = -1;
     std::vector<double> found(as_size(mode.multiplicity), 0.0);
     if (mode.omega != 0)
@@ -263,9 +266,7 @@ SupportMotion ModalAnalysis::moved(const dttmm_harmonic& load) const {
     return support;
 }
 
-void ModalAnalysis::respond(double frequency, std::span<const std::span<const dttmm_harmonic>> cases,
-                            const dttmm_harmonic_result& result) {
-    if (!(frequency >= 0) || !std::isfinite(frequency)) throw Error(DTTMM_ERROR_ARGUMENT, "a frequency must be finite");
+std::vector<Drive> ModalAnalysis::drives(std::span<const std::span<const dttmm_harmonic>> cases) const {
     std::vector<Drive> loads(cases.size());
     for (size_t c = 0; c < cases.size(); ++c)
         for (const dttmm_harmonic& load : cases[c])
@@ -273,6 +274,32 @@ void ModalAnalysis::respond(double frequency, std::span<const std::span<const dt
                 loads[c].supports.push_back(moved(load));
             else
                 loads[c].loads.push_back(placed(load));
+    return loads;
+}
+
+void ModalAnalysis::respond_beside(ModalAnalysis& middle, double frequency,
+                                   std::span<const std::span<const dttmm_harmonic>> cases,
+                                   const dttmm_harmonic_result& result) {
+    if (!(frequency >= 0) || !std::isfinite(frequency)) throw Error(DTTMM_ERROR_ARGUMENT, "a frequency must be finite");
+    if (!ratios_.ratios.empty() || !middle.ratios_.ratios.empty())
+        throw Error(DTTMM_ERROR_ARGUMENT, "with damping of modes it is not known how a response changes");
+    if (frequency == 0 && ModeFinder(middle.stiffness_).count_rigid() > 0)
+        throw Error(DTTMM_ERROR_ARGUMENT,
+                    "0 Hz: of a machine that is free to move it is not known how its response changes");
+    middle.cut_and_damp(2 * M_PI * frequency, 0);
+    middle.harmonic_.factor(2 * M_PI * frequency);
+    stiffness_.cut_like(middle.stiffness_);
+    harmonic_.set_damping(mass_rate_, nullptr);
+    harmonic_.lean_on(middle.harmonic_);
+    at_ = middle.at_ = -1;
+    const std::vector<Drive> loads = drives(cases);
+    for (size_t c = 0; c < cases.size(); ++c) write(harmonic_.solve(loads[c]), c, result);
+}
+
+void ModalAnalysis::respond(double frequency, std::span<const std::span<const dttmm_harmonic>> cases,
+                            const dttmm_harmonic_result& result) {
+    if (!(frequency >= 0) || !std::isfinite(frequency)) throw Error(DTTMM_ERROR_ARGUMENT, "a frequency must be finite");
+    const std::vector<Drive> loads = drives(cases);
     const double omega = 2 * M_PI * frequency;
     const int free = frequency == 0 ? ModeFinder(stiffness_).count_rigid() : 0;
     const bool moves_supports = std::ranges::any_of(loads, [](const Drive& drive) { return !drive.supports.empty(); });

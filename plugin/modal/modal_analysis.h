@@ -46,6 +46,9 @@ public:
     /// frequencies, to 1e-9 of itself.
     void respond(double frequency, std::span<const std::span<const dttmm_harmonic>> cases,
                  const dttmm_harmonic_result& result);
+    /// See dttmm_derivative.h. Throws Error(DTTMM_ERROR_ARGUMENT) for damping of modes, and at 0 Hz where a machine is free.
+    void respond_beside(ModalAnalysis& middle, double frequency, std::span<const std::span<const dttmm_harmonic>> cases,
+                        const dttmm_harmonic_result& result);
 
     /// See dttmm_modal.h.
     int count_growing(bool is_held) { return ModeFinder(stiffness_).count_growing(is_held); }
@@ -58,6 +61,7 @@ private:
     bool has_overall() const { return topology_.is_short() && model_.pins.empty() && !model_.is_at_rest; }
     void cut_and_damp(double cut, double modes_below);
     std::vector<Response> respond_at_rest(int free, const std::vector<Drive>& cases);
+    std::vector<Drive> drives(std::span<const std::span<const dttmm_harmonic>> cases) const;
     PointWrench placed(const dttmm_harmonic& load) const;
     SupportMotion moved(const dttmm_harmonic& load) const;
     void follow_supports();

@@ -200,9 +200,20 @@ Eigen::Index HarmonicSolver::series_rows() const {
 
 void HarmonicSolver::factor(double omega) {
     omega_ = omega;
+    middle_ = nullptr;
     find_parts();
     refuse_beyond_rows();
     factor_matrix(assemble({0, omega}, Form::steady));
+}
+
+void HarmonicSolver::lean_on(const HarmonicSolver& middle) {
+    omega_ = middle.omega_;
+    middle_ = &middle;
+    find_parts();
+    refuse_beyond_rows();
+    leaning_ = assemble({0, omega_}, Form::steady);
+    if (of_modes_ || middle.of_modes_ || leaning_.rows() != middle.pattern_.rows() || rigid_rows() != middle.rigid_rows())
+        throw Error(DTTMM_ERROR_ARGUMENT, "the equations of the machines are not laid out alike");
 }
 
 void HarmonicSolver::follow_supports(ModalDamping& damping) {
@@ -311,7 +322,7 @@ void HarmonicSolver::add_supports(const Response& response, Eigen::VectorXcd& r)
 
 Response HarmonicSolver::solve(const Drive& drive) const {
     const FrequencyModel& model = D_.model();
-    Eigen::VectorXcd r = Eigen::VectorXcd::Zero(pattern_.rows());
+    Eigen::VectorXcd r = Eigen::VectorXcd::Zero(middle_ ? leaning_.rows() : pattern_.rows());
     Response response;
     if (!drive.supports.empty()) {
         response.supports.assign(model.nodes.size(), Complex6::Zero());
@@ -322,7 +333,8 @@ Response HarmonicSolver::solve(const Drive& drive) const {
         if (load.frame >= 0)
             r.segment<6>(6 * load.frame) +=
                 complex(model.masked_at(load.point, model.origin(load.frame)).transpose()) * load.wrench;
-    const Eigen::VectorXcd x = lu_.solve(r);
+    Eigen::VectorXcd x = middle_ ? middle_->lu_.solve(r) : lu_.solve(r);
+    if (middle_) x += middle_->lu_.solve(Eigen::VectorXcd(r - leaning_ * x));
     if (!x.allFinite())
         throw Error(DTTMM_ERROR_SINGULAR,
                     fmt::format("{:.6g} Hz is a natural frequency without damping: the response there has no bound",

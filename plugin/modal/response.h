@@ -77,6 +77,12 @@ public:
     /// Rows of the rigid directions, and of the terms of Maxwell series.
     Eigen::Index rigid_rows() const;
     Eigen::Index series_rows() const;
+    /// Instead of factor(): solutions are to be those of a machine whose numbers differ a little from those of `middle`,
+    /// linear about that, at the frequency which it has factored. With A of this machine and y = A_middle⁻¹ r
+    ///     x = y + A_middle⁻¹ (r − A y),
+    /// so that half the difference of two such machines is −A⁻¹ dA A⁻¹ r + A⁻¹ dr. `middle` must live on. Throws
+    /// Error(DTTMM_ERROR_ARGUMENT) where the equations are not laid out alike.
+    void lean_on(const HarmonicSolver& middle);
     /// At the frequency last factored, and so for what follows.
     Response solve(const Drive& drive) const;
     Carried carried(size_t element, const Response& response) const;
@@ -118,6 +124,8 @@ private:
     std::vector<Parts> parts_;
     Sparse pattern_;  ///< the matrix whose order of elimination lu_ knows
     Eigen::SparseLU<Sparse> lu_;
+    const HarmonicSolver* middle_ = nullptr;  ///< that this one leans on; null: none
+    Sparse leaning_;                          ///< then the matrix of this one
 };
 
 }  // namespace dttmm::plugin

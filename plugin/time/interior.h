@@ -198,6 +198,7 @@ public:
     /// After its state has been moved a little between two steps: the factor still serves.
     void take_moved_state(const Mechanism& mechanism) {
         if (!matrix_.is_stale) look_at_joints(mechanism);
+        if (first_balance_) form_first_balance(mechanism);
     }
 
 private:

@@ -705,8 +705,12 @@ void Network::refuse_rough_memory() const {
 void Network::refuse_centre(Network& above, Network& below, const Network& middle) {
     for (const Network* one : std::initializer_list<const Network*>{&above, &below, &middle})
         if (!one->started_ || one->is_open_) throw Error(DTTMM_ERROR_PHASE, "centre: only between steps, after start");
-    if (!centring(above, below, middle).is_possible())
-        throw Error(DTTMM_ERROR_ARGUMENT, "centre: the networks differ in more than numbers");
+    const auto is_beside = [&](const Network& one) {
+        return one.mechanism_.steps == middle.mechanism_.steps &&
+               one.mechanism_.scheme.step_size() == middle.mechanism_.scheme.step_size();
+    };
+    if (!centring(above, below, middle).is_possible() || !is_beside(above) || !is_beside(below))
+        throw Error(DTTMM_ERROR_ARGUMENT, "centre: the networks differ in more than numbers, or in their steps");
     middle.refuse_rough_memory();
 }
 

@@ -127,7 +127,7 @@ stiffness = ["=kc", 0, 0]
         EXPECT_NEAR(slope(json, name, "k2"), k2 * (1 - a) / lambda / 2, 1e-10);
         EXPECT_NEAR(slope(json, name, "kc"), kc * (1 - 2 * ab) / lambda / 2, 1e-10);
     }
-    EXPECT_THAT(said_, HasSubstr("two frequencies would meet, and other slopes hold: mode1.frequency, mode2.frequency"));
+    EXPECT_THAT(said_, HasSubstr("two frequencies come together, and other slopes hold: mode1.frequency, mode2.frequency"));
 }
 
 // Oracle: H = 1/(4k - m w^2 + 4 i c w) at the centre for four equal bolts: |H|'s derivative from dH = -H^2 dZ.
@@ -261,13 +261,13 @@ damping = [200, 200, 200]
     write_text(folder_ / "model.toml", model(199));
     nlohmann::json json = run("sensitivity", {"--of", "s.force.z:peak", "--by", "a,b"});
     EXPECT_THAT(said_, HasSubstr("another extreme is the largest, and other slopes hold: s.force.z.peak (at 0.25 s)"));
-    const nlohmann::json& other = json["figures"][0]["by"]["a"]["rival"];
+    const nlohmann::json& other = json["figures"][0]["by"]["a"]["competing"];
     EXPECT_NEAR(other["change_of_logarithm"].get<double>(), 0.005, 1e-5);
     EXPECT_NEAR(other["per_logarithm"].get<double>(), 0, 1e-3);
-    EXPECT_NEAR(json["figures"][0]["by"]["b"]["rival"]["per_logarithm"].get<double>(), 199, 0.1);
+    EXPECT_NEAR(json["figures"][0]["by"]["b"]["competing"]["per_logarithm"].get<double>(), 199, 0.1);
     write_text(folder_ / "model.toml", model(190));
     json = run("sensitivity", {"--of", "s.force.z:peak", "--by", "a,b"});
-    EXPECT_FALSE(json["figures"][0]["by"]["a"].contains("rival"));
+    EXPECT_FALSE(json["figures"][0]["by"]["a"].contains("competing"));
     EXPECT_THAT(said_, testing::Not(HasSubstr("another extreme")));
 }
 

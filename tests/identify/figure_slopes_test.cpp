@@ -56,7 +56,7 @@ TEST(FigureSlopesOf, APeakAreThoseAtItsInstantBetweenRows) {
         EXPECT_NEAR(found.slope(1), by_w(t), 0.07 * cube * kHeight * t);
         const double at_row = by_w(std::round(t / dt) * dt);
         EXPECT_GT(std::abs(at_row - by_w(t)), 20 * std::abs(found.slope(1) - by_w(t))) << "the row would be no answer";
-        EXPECT_LT(std::abs(found.slope(1) - by_w(t)), 3 * found.lack(1));
+        EXPECT_LT(std::abs(found.slope(1) - by_w(t)), found.error(1));
     }
 }
 
@@ -92,8 +92,8 @@ TEST(FigureSlopesOf, SumsOverRowsAreThoseOfTheFigures) {
         };
         EXPECT_NEAR(rows.found().slope(0), rows.value(), 1e-12) << statistic;
         EXPECT_NEAR(rows.found().slope(1), (at(kTurn + d) - at(kTurn - d)) / (2 * d), 1e-8) << statistic;
-        EXPECT_EQ(rows.found().lack.norm(), 0) << statistic;
-        EXPECT_FALSE((rows.found().reach.array() < 1e9).any()) << statistic << " has no rival";
+        EXPECT_EQ(rows.found().error.norm(), 0) << statistic;
+        EXPECT_FALSE((rows.found().reach.array() < 1e9).any()) << statistic << " has no competing extreme";
     }
 }
 
@@ -109,9 +109,38 @@ TEST(FigureSlopesOf, EndsOfAHistoryStayWhereTheyAre) {
         one("rms", rises, {slope}, 1e-3, 1);
     EXPECT_TRUE(std::isfinite(flat.found().slope(0)));
     EXPECT_NEAR(one.found().slope(0), 1, 1e-12);
-    const Rows nothing(
-        "rms", [](double) { return 0.0; }, {[](double) { return 0.0; }}, 1e-3, 100);
-    EXPECT_EQ(nothing.found().slope(0), 0);
+    for (const char* statistic : {"rms", "peak"}) {
+        const Rows nothing(
+            statistic, [](double) { return 0.0; }, {[](double) { return 0.0; }}, 1e-3, 100);
+        EXPECT_TRUE(std::isnan(nothing.found().slope(0))) << statistic << " of nothing has no derivative";
+    }
+}
+
+// The maximum lies before the last row, or after the first one, which are themselves the largest of the rows.
+TEST(FigureSlopesOf, AnExtremeInTheFirstOrTheLastRowStep) {
+    const double w = 3;
+    const auto by_turn = [&](double t) { return t * std::cos(w * t); };
+    const auto sine = [&](double t) { return std::sin(w * t); };
+    const double top = M_PI / 2 / w, dt = top / 10.6;  // rows 10 and 11 on either side, row 11 the higher one
+    const FigureSlopes::Found last = Rows("maximum", sine, {by_turn}, dt, 12).found();
+    EXPECT_NEAR(last.slope(0), 0, 2e-3);
+    EXPECT_LT(std::abs(last.slope(0)), last.error(0));
+    EXPECT_GT(std::abs(by_turn(11 * dt)), 20 * std::abs(last.slope(0))) << "the row would be no answer";
+    const auto falling = [&](double t) { return std::cos(w * (t - 0.4 * dt)); };
+    const auto by_w = [&](double t) { return -(t - 0.4 * dt) * std::sin(w * (t - 0.4 * dt)) + 1; };
+    const FigureSlopes::Found first = Rows("maximum", falling, {by_w}, dt, 12).found();
+    EXPECT_NEAR(first.slope(0), 1, 2e-3);
+    EXPECT_NEAR(Rows("time", sine, {by_turn}, dt, 12).found().slope(0), -top / w, 0.02 * top / w);
+}
+
+// An offset, as of a position, changes nothing of what the interpolation is worth.
+TEST(FigureSlopesOf, ErrorsDoNotKnowAnOffset) {
+    const auto shifted = [](double by) { return [by](double t) { return y(t) + by; }; };
+    const FigureSlopes::Found own = Rows("maximum", y, {by_w}, 4e-3, 200).found(),
+                              far = Rows("maximum", shifted(1000), {by_w}, 4e-3, 200).found();
+    EXPECT_NEAR(far.slope(0), own.slope(0), 1e-9);
+    EXPECT_NEAR(far.error(0), own.error(0), 1e-3 * own.error(0));
+    EXPECT_LT(std::abs(far.slope(0) - by_w(first_maximum())), far.error(0));
 }
 
 // Oracle: a roof whose ridge stays at a row while its slopes change.
@@ -120,7 +149,7 @@ TEST(FigureSlopesOf, AKinkIsNoParabola) {
     const auto slope = [](double t) { return t < 0.05 ? t - 0.05 : 0.8 * (t - 0.05); };
     const FigureSlopes::Found found = Rows("peak", roof, {slope}, 1e-3, 100).found();
     EXPECT_NEAR(found.slope(0), 0, 1e-12);
-    EXPECT_GT(found.lack(0), 1e-5) << "and is doubtful";
+    EXPECT_GT(found.error(0), 1e-5) << "and is doubtful";
 }
 
 // A dozen rows a period are a parabola still, wherever the peak lies between them.
@@ -134,7 +163,7 @@ TEST(FigureSlopesOf, CoarseRowsAreNoKinks) {
 }
 
 // Oracle: two pulses of sizes a and b = 0.98 a: the second is the larger when a loses 2 %, whose slope by ln a is then 0.
-TEST(FigureSlopesOf, ASecondExtremeIsARivalWithItsReach) {
+TEST(FigureSlopesOf, ASecondExtremeHasItsSlopeAndReach) {
     const auto pulse = [](double t, double at) { return std::exp(-std::pow((t - at) / 0.02, 2)); };
     const Rows rows(
         "peak", [&](double t) { return 5 * pulse(t, 0.1) + 4.9 * pulse(t, 0.3); },
@@ -142,9 +171,9 @@ TEST(FigureSlopesOf, ASecondExtremeIsARivalWithItsReach) {
         1e-3, 400);
     const FigureSlopes::Found found = rows.found();
     EXPECT_NEAR(found.slope(0), 5, 1e-6);
-    EXPECT_NEAR(found.rival(0), 0, 1e-6);
+    EXPECT_NEAR(found.competing(0), 0, 1e-6);
     EXPECT_NEAR(found.reach(0), 0.02, 1e-6);
-    EXPECT_NEAR(found.rival_time, 0.3, 1e-12);
+    EXPECT_NEAR(found.competing_time, 0.3, 1e-12);
     EXPECT_NEAR(found.reach(1), 1, 1e-6) << "both grow alike: it never comes to that";
 }
 

@@ -22,7 +22,8 @@ void PrintTo(const Machine& one, std::ostream* out) { *out << one.name; }
 LocalSensitivity differentiate(const FiguresOf& figures) {
     LocalSensitivity found;
     found.figures.setZero(as_row(figures.figures().size()));
-    found.slopes = found.errors = Eigen::MatrixXd::Zero(found.figures.size(), figures.function().nominal().size());
+    found.slopes = found.errors = found.competing = found.reach =
+        Eigen::MatrixXd::Zero(found.figures.size(), figures.function().nominal().size());
     std::string reason;
     EXPECT_TRUE(differentiate_modes(figures.function(), 2, found, reason)) << reason;
     return found;
@@ -35,7 +36,6 @@ class FrequencySlopes : public testing::TestWithParam<Machine> {};
 TEST_P(FrequencySlopes, AreThoseOfDifferences) {
     const Machine& given = GetParam();
     const FiguresOf figures(example(given.name), given.parameters, {"mode*.frequency"}, {{"--count", "6"}});
-    ASSERT_TRUE(are_frequencies(figures.function()));
     const LocalSensitivity found = differentiate(figures);
     const Eigen::MatrixXd slopes = figures.differences(1e-3);
     EXPECT_GT(found.slopes.cwiseAbs().maxCoeff(), 1e-3);

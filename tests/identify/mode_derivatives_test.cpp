@@ -57,5 +57,16 @@ INSTANTIATE_TEST_SUITE_P(
                     Machine{"stiff_bolts", {"k1"}, 1e-8}),
     [](const testing::TestParamInfo<Machine>& one) { return one.param.name; });
 
+// Oracle: an inverted pendulum on a spring that is too weak: f = -sqrt((m g l - k)/(J + m l^2))/(2 pi).
+TEST(FrequencySlopesOf, AMotionThatGrows) {
+    const double k = 80, m = 12, l = 0.85, J = 0.75, inertia = J + m * l * l;
+    const FiguresOf figures(example("inverted_pendulum"), {"k"}, {"mode1.frequency"}, {{"--set", "k=80 N*m/rad"}});
+    const LocalSensitivity found = differentiate(figures);
+    const double rate = 2 * M_PI * std::abs(found.figures(0));
+    ASSERT_LT(found.figures(0), 0);
+    EXPECT_NEAR(rate * rate * inertia / (m * 9.81 * l - k), 1, 1e-9);
+    EXPECT_NEAR(found.slopes(0, 0), k / (2 * rate * inertia) / (2 * M_PI), 1e-8);
+}
+
 }  // namespace
 }  // namespace dttmm::host

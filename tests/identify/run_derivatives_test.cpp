@@ -112,6 +112,7 @@ TEST(DerivativesOfRuns, DoNotLoseALongVibration) {
     EXPECT_NEAR(model.found().figures(0), x, 1e-8 * v / w);
     EXPECT_NEAR(model.found().slopes(0, 0), slope, 1e-6 * std::abs(slope));
     EXPECT_LT(model.found().errors(0, 0), 1e-6 * std::abs(slope));
+    EXPECT_LE(std::abs(model.found().slopes(0, 0) - slope), model.found().errors(0, 0)) << "what it is told to be";
     EXPECT_NEAR(model.found().slopes(0, 1), x, 1e-6 * std::abs(slope));
 }
 

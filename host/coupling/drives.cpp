@@ -38,7 +38,7 @@ const std::vector<Drive>& Drives::around(const dttmm_step& step) {
             drive.rate = (end - before) / (2 * h);
             drive.acceleration = (end - 2 * now + before) / (h * h);
         } else {
-            // A motor that begins at rest shows no more than a millionth of its speed over the step
+            // See kRateError
             const double soon = h / 1024;
             drive.rate = (-3 * now + 4 * value(joint, t + soon) - value(joint, t + 2 * soon)) / (2 * soon);
             const double second = value(joint, t + 2 * h), third = value(joint, t + 3 * h);

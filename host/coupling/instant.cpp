@@ -24,12 +24,11 @@ bool turns_or_drives(const Joint& joint) {
 void refuse_opening_joints(const std::vector<Joint>& descriptions, const JointSystem& joints,
                            const std::vector<BodyState>& at) {
     constexpr double kTolerated = 1e-9;
-    constexpr double kDifference = 1e-6;  // of Drive::rate, over the speed in the first step
     double scale = 0;
     for (const BodyState& body : at) scale = std::max({scale, body.velocity.norm(), body.angular_velocity.norm()});
     for (size_t j = 0; j < joints.joints().size(); ++j)
         if (const double speed = joints.opening_speed(j, at);
-            speed > kTolerated * scale + kDifference * std::abs(joints.drives()[j].speed))
+            speed > kTolerated * scale + Drives::kRateError * std::abs(joints.drives()[j].speed))
             throw ModelError(fmt::format(
                 "{}: joint \"{}\": the velocities of its bodies at the start would open it at {:.3g} m/s (or rad/s); "
                 "give both bodies velocities that the joint allows{}",

@@ -211,6 +211,15 @@ TEST_F(Motors, HoldAWeight) {
     }
 }
 
+// One whose angle grows as t^3 begins at rest; the differences of the first step leave 1.9e-6 of its speed.
+TEST_F(Motors, BeginAtRestAsACube) {
+    std::string rotor = eccentric(0.001);
+    const std::string angle = "\"=2.5*t^2 + 0.4*(1 - cos(9*t))\"";
+    rotor.replace(rotor.find(angle), angle.size(), "\"=2.5*t^2*sin(2*t)\"");
+    const Ended ended = ask(rotor, {"run", "-q"});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+}
+
 TEST_F(Motors, WhatIsWrongIsRefused) {
     const auto with = [](std::string text, const std::string& what, const std::string& instead) {
         return text.replace(text.find(what), what.size(), instead);

@@ -33,12 +33,12 @@ constexpr int kLevels = 3;               // of extrapolation: the error is of si
 constexpr double kFarthestPoint = 0.02;  // of the logarithm of a parameter; halved from level to level
 constexpr double kFiner = 0.1;           // times the distances, where errors say that figures bend more than that
 constexpr int kMostFiner = 3;
-constexpr double kBent = 1e-4;       // error that says so, share of the largest slope of the figure
-constexpr double kOneMode = 1e-6;    // share: frequencies this near are one multiple frequency
-constexpr int kCheckCases = 200;     // that check a linear estimate of scatter
-constexpr double kUncertain = 0.01;  // error of a slope, share of the largest of its figure: worth a word
-constexpr double kNothing = 1e-9;    // of the figure: what nothing depends on has no slope but that of rounding
-constexpr double kNear = 0.01;       // change of a logarithm that makes another extreme the largest: worth a word
+constexpr double kBent = 1e-4;         // error that says so, share of the largest slope of the figure
+constexpr double kOneMode = 1e-6;      // share: frequencies this near are one multiple frequency
+constexpr int kCheckCases = 200;       // that check a linear estimate of scatter
+constexpr double kUncertain = 0.01;    // error of a slope, share of the largest of its figure: worth a word
+constexpr double kNothing = 1e-9;      // of the figure: what nothing depends on has no slope but that of rounding
+constexpr double kSmallChange = 0.01;  // change of a logarithm that makes another extreme the largest: worth a word
 
 bool is_frequency(const Column& column) { return column.name.starts_with("mode") && column.name.ends_with(".frequency"); }
 
@@ -265,7 +265,7 @@ double per_cent(const LocalSensitivity& local, Eigen::Index f, Eigen::Index p) {
 
 /// Whether another extreme, with another slope, is the largest after a small change of the parameter.
 bool has_competing(const LocalSensitivity& local, Eigen::Index f, Eigen::Index p) {
-    if (local.competing.size() == 0 || local.reach(f, p) > kNear) return false;
+    if (local.competing.size() == 0 || local.reach(f, p) > kSmallChange) return false;
     return std::abs(local.competing(f, p) - local.slopes(f, p)) > kUncertain * local.slopes.row(f).cwiseAbs().maxCoeff();
 }
 

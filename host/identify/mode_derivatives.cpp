@@ -27,8 +27,8 @@ std::optional<size_t> mode_of(const Column& figure) {
 }
 
 /// Slopes of the modes by ln of one parameter [Hz].
-std::vector<double> find_slopes(const FigureFunction& function, ModalMachine& machine,
-                                const std::vector<ModalInstance::Mode>& modes, Eigen::Index parameter) {
+std::vector<double> slopes_of_modes(const FigureFunction& function, ModalMachine& machine,
+                                    const std::vector<ModalInstance::Mode>& modes, Eigen::Index parameter) {
     Warnings silent(Warnings::Silent::yes);
     std::vector<double> slopes;
     for (const double change : SmallChanges::kShares) {
@@ -87,7 +87,7 @@ bool differentiate_modes(const FigureFunction& function, int jobs, LocalSensitiv
     const std::vector<ModalInstance::Mode> modes = session.find_modes();
     const auto parameters = as_size(function.nominal().size());
     const std::vector<TaskResult> results = map_in_processes(
-        parameters, jobs, [&](size_t p) { return find_slopes(function, session.machine, modes, as_row(p)); });
+        parameters, jobs, [&](size_t p) { return slopes_of_modes(function, session.machine, modes, as_row(p)); });
     reason = first_reason(results);
     if (!reason.empty()) return false;
     const auto [slopes, errors] = SmallChanges(results, modes.size());

@@ -47,8 +47,8 @@ void refuse_moving_loads(const Excitation& middle, const Excitation& other, cons
 }
 
 /// Slopes of the magnitudes by ln of one parameter at a distance, and at twice that.
-std::vector<double> find_slopes(const FigureFunction& function, ResponseMachine& middle, double highest,
-                                const std::vector<CurveAt>& places, Eigen::Index parameter) {
+std::vector<double> slopes_of_amplitudes(const FigureFunction& function, ResponseMachine& middle, double highest,
+                                         const std::vector<CurveAt>& places, Eigen::Index parameter) {
     Warnings silent(Warnings::Silent::yes);
     const std::vector<Complex> H = amplitudes(middle, places);
     std::vector<double> slopes;
@@ -102,8 +102,9 @@ bool differentiate_responses(const FigureFunction& function, int jobs, LocalSens
     ResponseMachine middle(function.plan().request, function.plugins(), silent);
     middle.session.machine.damp(findings.highest);
     const auto parameters = as_size(function.nominal().size());
-    const std::vector<TaskResult> results = map_in_processes(
-        parameters, jobs, [&](size_t p) { return find_slopes(function, middle, findings.highest, places, as_row(p)); });
+    const std::vector<TaskResult> results = map_in_processes(parameters, jobs, [&](size_t p) {
+        return slopes_of_amplitudes(function, middle, findings.highest, places, as_row(p));
+    });
     reason = first_reason(results);
     if (!reason.empty()) return false;
     const auto [slopes, errors] = SmallChanges(results, places.size());

@@ -110,8 +110,8 @@ TEST(DerivativesOfRuns, DoNotLoseALongVibration) {
     const double q_by_ln_k = h / (1 + std::pow(w * h / 2, 2)) * w / 2;
     const double x = v / w * std::sin(steps * q), slope = -0.5 * x + v / w * std::cos(steps * q) * steps * q_by_ln_k;
     EXPECT_NEAR(model.found().figures(0), x, 1e-8 * v / w);
-    EXPECT_NEAR(model.found().slopes(0, 0), slope, 1e-6 * std::abs(slope));
-    EXPECT_LT(model.found().errors(0, 0), 1e-6 * std::abs(slope));
+    EXPECT_NEAR(model.found().slopes(0, 0), slope, 1e-10 * std::abs(slope));
+    EXPECT_LT(model.found().errors(0, 0), 1e-8 * std::abs(slope));
     EXPECT_LE(std::abs(model.found().slopes(0, 0) - slope), model.found().errors(0, 0)) << "what it is told to be";
     EXPECT_NEAR(model.found().slopes(0, 1), x, 1e-6 * std::abs(slope));
 }

@@ -39,7 +39,7 @@ const std::vector<Drive>& Drives::around(const dttmm_step& step) {
             drive.acceleration = (end - 2 * now + before) / (h * h);
         } else {
             // See kRateError
-            const double soon = h / 1024;
+            const double soon = h / kNearer;
             drive.rate = (-3 * now + 4 * value(joint, t + soon) - value(joint, t + 2 * soon)) / (2 * soon);
             const double second = value(joint, t + 2 * h), third = value(joint, t + 3 * h);
             drive.acceleration = (2 * now - 5 * end + 4 * second - third) / (h * h);

@@ -15,9 +15,11 @@ public:
     explicit Drives(const Model& model);
 
     bool empty() const { return is_empty_; }
-    /// What the first step's differences may leave of the rate of a motor that begins at rest, as share of its mean speed
-    /// over that step: 1.9e-6 of one that grows as t³, less of all others.
-    static constexpr double kRateError = 4e-6;
+    /// The first step takes the rate from points this many times nearer than its end.
+    static constexpr double kNearer = 1024;
+    /// What that leaves of the rate of a motor that begins at rest, as share of its mean speed over the step: 2/kNearer² of
+    /// one that grows as t³, less of higher powers, nothing of t²; 5 % more for rounding.
+    static constexpr double kRateError = 2.1 / (kNearer * kNearer);
     /// Of every joint around a step; zero where there is no motor. The first step has rate and acceleration by one-sided
     /// differences of second order, the others by central ones over the step size. Throws Error(numerical_failure)
     /// for an angle or a travel that is not finite or beyond 1e6.

@@ -107,12 +107,6 @@ FigureSlopes::Two FigureSlopes::extremes(const Watched& of, Kind kind) const {
     return two;
 }
 
-/// Over the rows, from a sum to which the last row has come whole.
-Eigen::RowVectorXd FigureSlopes::mean(const Eigen::RowVectorXd& sum, const Eigen::RowVectorXd& last) const {
-    if (rows_ < 2) return 2 * sum;
-    return (sum - 0.5 * last) / static_cast<double>(rows_ - 1);
-}
-
 FigureSlopes::Found FigureSlopes::find(size_t figure) const {
     using Statistic = HistoryFigures::Statistic;
     const auto& [watched, statistic] = figures_.figures()[figure];
@@ -123,11 +117,10 @@ FigureSlopes::Found FigureSlopes::find(size_t figure) const {
     if (statistic == Statistic::final) {
         found.slope = one.last.slope;
     } else if (statistic == Statistic::mean) {
-        found.slope = mean(one.sum, one.last.slope);
+        found.slope = HistoryFigures::mean(one.sum, one.last.slope, rows_);
     } else if (statistic == Statistic::rms) {
-        const double last = one.last.value, square = mean(Eigen::RowVectorXd::Constant(1, one.squares),
-                                                          Eigen::RowVectorXd::Constant(1, last * last))(0);
-        found.slope = mean(one.product, last * one.last.slope);
+        const double last = one.last.value, square = HistoryFigures::mean(one.squares, last * last, rows_);
+        found.slope = HistoryFigures::mean(one.product, Eigen::RowVectorXd(last * one.last.slope), rows_);
         found.slope /= std::sqrt(square);  // of nothing at all there is none: not a number
     } else {
         const Kind kind = statistic == Statistic::minimum ? kMinimum : statistic == Statistic::maximum ? kMaximum : kPeak;

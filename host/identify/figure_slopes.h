@@ -71,7 +71,6 @@ private:
         double squares = 0;               ///< of values
     };
     Two extremes(const Watched& of, Kind kind) const;
-    Eigen::RowVectorXd mean(const Eigen::RowVectorXd& sum, const Eigen::RowVectorXd& last) const;
 
     const HistoryFigures& figures_;
     Eigen::Index directions_;

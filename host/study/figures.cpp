@@ -212,10 +212,6 @@ void HistoryFigures::take_row(std::span<const double> row) {
 double HistoryFigures::value(const Figure& figure) const {
     const Watched& one = watched_[figure.watched];
     if (one.is_broken) return std::numeric_limits<double>::quiet_NaN();
-    // The last row counts half as the first does
-    const auto mean = [&](double sum, double last) {
-        return rows_ > 1 ? (sum - 0.5 * last) / static_cast<double>(rows_ - 1) : 2 * sum;
-    };
     switch (figure.statistic) {
         case Statistic::peak:
             return one.peak;
@@ -228,11 +224,11 @@ double HistoryFigures::value(const Figure& figure) const {
         case Statistic::final:
             return one.final;
         case Statistic::mean:
-            return mean(one.sum, one.final);
+            return mean(one.sum, one.final, rows_);
         case Statistic::rms:
             break;
     }
-    return std::sqrt(mean(one.squares, one.final * one.final));
+    return std::sqrt(mean(one.squares, one.final * one.final, rows_));
 }
 
 std::vector<double> HistoryFigures::values() const {

@@ -44,6 +44,12 @@ public:
     void take_row(std::span<const double> row);
     /// In the order of columns().
     std::vector<double> values() const;
+    /// The mean of so many rows, the first and the last counted half, from a sum to which the first has come half.
+    template <class Sum>
+    static Sum mean(const Sum& sum, const Sum& last, long rows) {
+        if (rows < 2) return 2 * sum;
+        return (sum - 0.5 * last) / static_cast<double>(rows - 1);
+    }
 
 private:
     /// A formula over numbers of a row.

@@ -218,6 +218,10 @@ TEST_F(Motors, BeginAtRestAsACube) {
     rotor.replace(rotor.find(angle), angle.size(), "\"=2.5*t^2*sin(2*t)\"");
     const Ended ended = ask(rotor, {"run", "-q"});
     EXPECT_EQ(ended.code, 0) << ended.err;
+    // A rate of 3e-6 of the speed over the first step of 1 ms is no rest
+    const std::string cube = "=2.5*t^2*sin(2*t)";
+    rotor.replace(rotor.find(cube), cube.size(), "=2.5*t^2 + 3e-6*2.5e-3*t");
+    EXPECT_EQ(ask(rotor, {"run", "-q"}).code, 3);
 }
 
 TEST_F(Motors, WhatIsWrongIsRefused) {

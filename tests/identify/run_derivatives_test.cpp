@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "identify/run_derivatives.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,6 +9,7 @@
 #include <numbers>
 #include <regex>
 
+#include "identify/figures_of.h"
 #include "model/index.h"
 #include "record/temporary_folder.h"
 #include "support/paths.h"

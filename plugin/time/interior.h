@@ -195,11 +195,6 @@ public:
         visit(std::span(&self.record_, 1));
     }
     void refactor(const Mechanism& mechanism);
-    /// After its state has been moved a little between two steps: the factor still serves.
-    void take_moved_state(const Mechanism& mechanism) {
-        if (!matrix_.is_stale) look_at_joints(mechanism);
-        if (first_balance_) form_first_balance(mechanism);
-    }
 
 private:
     void find_accelerations(const Mechanism& mechanism, std::span<const Vector6> wrenches);

@@ -270,7 +270,7 @@ private:
             svg_ += fmt::format("{}{:.1f} {:.1f}", std::exchange(letter, 'L'), corner.x(), corner.y());
         svg_ += "Z\"/>\n<path class=\"edges\" d=\"";
         for (std::size_t from = 0; from < 8; ++from)
-            for (const std::size_t bit : {1, 2, 4})
+            for (const std::size_t bit : {1u, 2u, 4u})
                 if (const std::size_t to = from | bit; to != from)
                     svg_ += fmt::format("M{:.1f} {:.1f}L{:.1f} {:.1f}", corners[from].x(), corners[from].y(),
                                         corners[to].x(), corners[to].y());

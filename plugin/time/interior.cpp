@@ -1,461 +1,365 @@
 // SPDX-License-Identifier: BSD-3-Clause
-//
-// What a network has inside, its matrix and its results; its start and its steps are in files of their own.
 #include "time/interior.h"
 
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "core/error.h"
-#include "core/index.h"
 #include "core/rotation.h"
-#include "core/state_vector.h"
-#include "statics/frame_links.h"
-#include "time/interior_parts.h"
+#include "time/inner_start.h"
+#include "time/inside_math.h"
+#include "time/slow_motion.h"
 
 namespace dttmm::plugin {
 
 namespace {
 
-/// Radius of gyration below which a mass is a point [m].
-constexpr double kSmallestGyration = 1e-7;
 /// At which a network is first looked at, to see that it can be solved [1/s]; 10 and 1e5 pass the same tests.
 constexpr double kTrialRate = 1e3;
-
-/// Translation and rotation of every inner frame: whether it has no mass, no inertia.
-std::vector<std::array<bool, 2>> massless_halves(const Mechanism& mechanism) {
-    std::vector<std::array<bool, 2>> halves;
-    for (auto f = as_size(mechanism.assembly.driven_count); f < mechanism.assembly.frames.size(); ++f) {
-        const FrameSpec& frame = mechanism.assembly.frames[f];
-        halves.push_back({frame.mass == 0, frame.inertia.trace() <= kSmallestGyration * kSmallestGyration * frame.mass});
-    }
-    return halves;
-}
+/// Slower than this, the matrix is formed anew within the step.
+constexpr double kTooSlow = 0.1;
+/// Of a frame's place, of which stiff joints make forces.
+constexpr double kRoundingOfPlace = 2 * std::numeric_limits<double>::epsilon();
+/// Axes lose their right angles by rounding only.
+constexpr uint64_t kStepsBetweenNormalisations = 64;
+/// Beyond these something has flown apart, by the host's measure of its bodies.
+constexpr double kFarthest = 1e6;  // m
+constexpr double kFastest = 1e8;   // m/s and rad/s
 
 }  // namespace
 
-// ---- Construction -------------------------------------------------------------------------------------------------------
-
-Interior::Interior(const Mechanism& mechanism, const dttmm_network& description, Loading loading)
-    : massless_(mechanism, massless_halves(mechanism)),
-      loading_(std::move(loading)),
-      layout_(mechanism, description, massless_, loading_),
-      matrix_(Elimination(layout_.count, links_of(mechanism), least_lever(mechanism))),
-      work_(LawRows(mechanism, layout_.driven)) {
+Interior::Interior(Mechanism& mechanism, const dttmm_network& description, Loading loading)
+    : mechanism_(mechanism),
+      inside_(mechanism, description, std::move(loading)),
+      matrix_(inside_),
+      forces_(inside_),
+      loads_(inside_),
+      motion_(inside_, matrix_),
+      instant_(inside_, matrix_.elimination()) {
     if (!mechanism.scheme.is_implicit())
         throw Error(DTTMM_ERROR_MODEL,
                     "it hangs on a node that is no body, or has a mass of its own: that wants the implicit coupling", 0);
-    choose_lanes(mechanism);
-    make_room();
-    form_dynamic_stiffness(mechanism, mechanism.frames, kTrialRate, matrix_.factor);
-    factor(mechanism, matrix_.factor, DTTMM_ERROR_MODEL);
+    form_dynamic_stiffness(inside_, mechanism.frames, kTrialRate, matrix_.elimination());
+    factor(mechanism, matrix_.elimination(), DTTMM_ERROR_MODEL);
 }
 
-/// The joints that go by four, and the others.
-void Interior::choose_lanes(const Mechanism& mechanism) {
-    std::vector<size_t> plain;
-    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
-        const bool is_plain = layout_.near_index[j] < 0 && layout_.rigid_index[j] < 0 && !massless_.is_settling(j) &&
-                              !mechanism.joints[j].has_laws();
-        (is_plain ? plain : others_).push_back(j);
+// ---- The start ----------------------------------------------------------------------------------------------------------
+
+void Interior::linearise(Ports ports, double* wrench, double* stiffness) const {
+    InnerStart start(inside_, matrix_.elimination(), ports);
+    start.balance(0);
+    const auto on = [&](int frame) { return frame < inside_.ports ? wrench + 6 * ports.bodies[frame] : nullptr; };
+    for (size_t j : inside_.port_joints) {
+        const Joint& joint = mechanism_.joints[j];
+        Joint::add_wrench(start.force(j), on(joint.from()), on(joint.to()));
     }
-    by_four_ = {mechanism, plain};
-    others_.insert(others_.end(), by_four_.others().begin(), by_four_.others().end());
-    std::sort(others_.begin(), others_.end());
+    if (stiffness) SlowMotion(inside_, matrix_.elimination(), start.frames()).write_stiffness(stiffness);
 }
 
-/// Of what is kept from step to step, and of what is small.
-void Interior::make_room() {
-    const size_t n = as_size(layout_.count), rigid = as_size(matrix_.factor.rigid_count()), ports = as_size(layout_.ports);
-    matrix_.near_blocks.resize(layout_.near_joints.size());
-    matrix_.near_columns.resize(layout_.near_joints.size());
-    matrix_.rigid_responses.setZero(as_row(rigid), 6 * layout_.ports);
-
-    for (auto* list : {&past_.u, &past_.u_before}) list->assign(n, Vector6::Zero());
-    for (auto* list : {&past_.velocity, &past_.velocity_before}) list->resize(n);
-    momenta_.assign(n, Vector6::Zero());
-    frame_loads_.resize(layout_.loaded.size());
-    rigid_.assign(rigid, 0);
-    for (auto* list : {&port_u_, &port_u_before_}) list->assign(ports, Vector6::Zero());
-
-    instant_.of_ports.resize(ports);
-    instant_.rigid = instant_.rigid_rates = rigid_;
-
-    open_.rigid_known.resize(layout_.rigid_joints.size());
-    open_.loads.assign(loading_.value_count(), 0);
-    open_.solution.q.assign(rigid, 0);
-    open_.solution.q_change.assign(rigid, 0);
-    open_.solution.near.resize(layout_.near_joints.size());
-    open_.solution.laws.assign(work_.laws.count(), 0);
-
-    work_.column_q.assign(rigid, 0);
-    work_.port_change.setZero(6 * layout_.ports);
-    work_.rigid_change.setZero(as_row(rigid));
-    for (auto* list : {&work_.end_wrench, &work_.damping_wrench}) list->assign(massless_.frames().size(), Vector6::Zero());
-    work_.massless_residuals.resize(massless_.frames().size());
-    work_.q = rigid_;
+void Interior::follow(std::span<Vector6> motion) const {
+    const std::vector<Frame> frames = described_frames(mechanism_);
+    const SlowMotion slow(inside_, matrix_.elimination(), frames);
+    for (size_t f = 0; f < motion.size(); ++f)
+        motion[f] = f < as_size(inside_.ports) ? in_axes(frames[f], motion[f]) : Vector6(Vector6::Zero());
+    std::vector<double> q(inside_.rigid.size());
+    slow.follow(motion, q);
+    for (size_t f = 0; f < motion.size(); ++f) motion[f] = in_world(frames[f], motion[f]);
 }
 
-/// Of all frames, for the steps to come: nothing is allocated later. Not before the start, as linearise() takes much memory
-/// for a while.
-void Interior::make_room_for_steps(const Mechanism& mechanism) {
-    const size_t n = as_size(layout_.count);
-    matrix_.responses.assign(36 * n * as_size(layout_.ports), 0);
-    for (auto* list : {&instant_.velocities, &instant_.accelerations}) list->resize(n);
-    if (massless_.has_balances()) {
-        instant_.corrections.resize(n);
-        instant_.wrench_rates.resize(n);
+void Interior::start(Ports ports, const double* accelerations, const double* loads, const std::vector<Frame>* at_rest) {
+    InnerStart start = at_rest ? InnerStart(inside_, *at_rest) : InnerStart(inside_, matrix_.elimination(), ports);
+    start.refuse_forbidden_velocities();
+    mechanism_.frames = start.frames();
+    std::ranges::fill(inside_.rigid, 0.0);
+    inside_.record = {};
+    loads_.read(loads);
+    loads_.start_loads();
+    start.balance(inside_.step_size());
+    balance_at_start(start, ports, accelerations);
+    for (size_t p = 0; p < inside_.port_u.size(); ++p) inside_.port_u[p] = joined(start.velocity(as_int(p)));
+    inside_.port_u_before = inside_.port_u;
+    instant_.form_first_balance();
+    inside_.make_room_for_steps();
+    matrix_.make_room_for_steps();
+    motion_.make_room_for_steps();
+    instant_.make_room_for_steps();
+    refactor();
+}
+
+/// By the forces of the start: the momentum half a step before it, the accelerations and the memory of the joints.
+void Interior::balance_at_start(const InnerStart& start, Ports ports, const double* accelerations) {
+    std::vector<Vector6> wrenches(mechanism_.frames.size(), Vector6::Zero());
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const Joint& joint = mechanism_.joints[j];
+        Joint::add_wrench(start.force(j), wrenches[as_size(joint.from())].data(), wrenches[as_size(joint.to())].data());
     }
-    open_.solution.ports.assign(mechanism.frames.begin(), mechanism.frames.begin() + layout_.ports);
-    for (auto* list : {&open_.solution.u, &open_.solution.change, &work_.motion}) list->assign(n, Vector6::Zero());
-    work_.wrench.assign(mechanism.frames.size(), Vector6::Zero());
-    work_.trial = mechanism.frames;
-}
-
-// ---- The matrix ---------------------------------------------------------------------------------------------------------
-
-Matrix6 local_columns(const Mechanism& mechanism, size_t j, int end) {
-    return local_columns(mechanism, j, mechanism.pose(j), end);
-}
-
-Matrix6 local_columns(const Mechanism& mechanism, size_t j, const JointPose& pose, int end) {
-    const Joint& joint = mechanism.joints[j];
-    return local_columns(joint, pose, end, mechanism.frame(joint.frame(end)));
-}
-
-Matrix6 local_columns(const Joint& joint, const JointPose& pose, int end, FrameView frame) {
-    Matrix6 G = end == 0 ? joint.by_from(pose) : joint.by_to(pose);
-    for (int c : {0, 3}) G.middleCols<3>(c) = (G.middleCols<3>(c) * frame.axes()).eval();
-    return G;
-}
-
-Matrix6 rigid_rows(const Mechanism& mechanism, size_t j, const Matrix6& columns) {
-    return rigid_rows(mechanism.theta(j), columns);
-}
-
-Matrix6 Interior::mass_matrix(size_t frame) const {
-    Matrix6 M = Matrix6::Zero();
-    M.topLeftCorner<3, 3>().diagonal().setConstant(layout_.inertias[frame].mass);
-    M.bottomRightCorner<3, 3>() = layout_.inertias[frame].moment;
-    return M;
-}
-
-/// h² times −∂(wrench over a step)/∂(pose at its end) of a joint's frames, in their axes at t_n, when `at` has them at its
-/// end: what is elastic or damped, and what stems from forces that act at t_n, which turn with the joint.
-Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, const std::vector<Frame>& at) const {
-    const Joint& joint = mechanism.joints[j];
-    const FrameView from = at[as_size(joint.from())], to = at[as_size(joint.to())];
-    const JointPose pose = joint.pose(from, to);
-    const Vector3 acting = mechanism.pose(j).axes.transpose() * mechanism.states[j].elastic.force;
-    return blocks(mechanism, j, {from, to}, pose, joint.deformation(pose, from, to), pose.axes * acting, rigid_);
-}
-
-/// The same with the joint elsewhere, deformed, under the elastic force `acting`, its rigid directions carrying q.
-Interior::Blocks Interior::blocks(const Mechanism& mechanism, size_t j, Ends at, const JointPose& pose,
-                                  const Vector6& deformation, Vector3 acting, const std::vector<double>& q) const {
-    const Joint& joint = mechanism.joints[j];
-    if (joint.rigid().any()) acting += pose.axes * head(rigid_values(mechanism, j, q));
-    const double h = mechanism.scheme.step_size();
-    const Matrix3 R[2] = {mechanism.frame(joint.from()).axes(), mechanism.frame(joint.to()).axes()};
-    const auto in_frames = [&](EndBlocks K) {
-        for (int i : {0, 1})
-            for (int k : {0, 1})
-                for (int row : {0, 3})
-                    for (int column : {0, 3}) {
-                        auto block = K.at[i][k].block<3, 3>(row, column);
-                        block = (h * h * R[i].transpose() * block * R[k]).eval();
-                    }
-        return K;
+    const std::vector<Twist> acceleration = start.set_inertias(inside_, wrenches);
+    const auto acceleration_of = [&](int frame) {
+        if (inside_.is_inner(frame)) return acceleration[inside_.at(frame)];
+        if (frame >= inside_.ports) return Twist{};
+        const double* a = accelerations + 6 * ports.bodies[frame];
+        return Twist{Eigen::Map<const Vector3>(a), Eigen::Map<const Vector3>(a + 3)};
     };
-    return {in_frames(joint.stiffness(
-                pose, joint.gain(mechanism.scheme, mechanism.states[j].deformation(), deformation, mechanism.memory(j)))),
-            in_frames(joint.acting_stiffness(pose, at.from, at.to, mechanism.scheme.elastic_weight(0) * acting))};
+    mechanism_.start_joints([&](int frame) { return start.velocity(frame); }, acceleration_of);
+    for (int p = 0; p < inside_.ports; ++p) instant_.set_port_acceleration(p, acceleration_of(p));
+    mechanism_.before = mechanism_.frames;
+    loads_.start_elastic();
 }
 
-/// Adds a joint to the matrix.
-void Interior::add_joint(const Mechanism& mechanism, size_t j, const Blocks& K) {
-    const Joint& joint = mechanism.joints[j];
-    const int frames[2] = {joint.from(), joint.to()};
-    for (int end : {0, 1}) {
-        if (!is_inner(frames[end])) continue;
-        matrix_.factor.add_diagonal(frames[end] - layout_.driven, K.own.at[end][end]);
-        matrix_.factor.add_acting(frames[end] - layout_.driven, K.acting.at[end][end]);
+void Interior::refactor() {
+    motion_.predict();
+    motion_.move_to_trial();
+    matrix_.form(inside_.trial);
+    forces_.look_at_joints();
+}
+
+// ---- A step -------------------------------------------------------------------------------------------------------------
+
+void Interior::begin_step(const double* loads) {
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) mechanism_.joints[j].refuse_large_rotation(mechanism_.states[j]);
+    if (matrix_.is_stale()) refactor();
+    loads_.read(loads);
+    motion_.predict();
+    motion_.open();
+}
+
+void Interior::iterate(Ports ports, dttmm_progress& progress) {
+    double way = motion_.take_port_change(ports);
+    if (!motion_.is_begun() && motion_.is_rounding(way)) {  // where they were foreseen
+        motion_.forget_port_change();
+        way = 0;
     }
-    if (is_inner(frames[0]) && is_inner(frames[1])) matrix_.factor.add_coupling(as_int(j), K.between(0, 1));
-    if (layout_.near_index[j] < 0) return;
-    const auto k = as_size(layout_.near_index[j]);
-    for (int row : {0, 1})
-        for (int column : {0, 1}) matrix_.near_blocks[k].at[row][column] = K.between(row, column);
-    for (int end : {0, 1}) matrix_.near_columns[k].at[end] = local_columns(mechanism, j, end);
+    progress.previous = motion_.is_begun() ? motion_.correction + way : 0;
+    try {
+        motion_.go_on(ports);
+        pass(progress);
+    } catch (...) {
+        motion_.predict();
+        motion_.open();
+        throw;
+    }
+    motion_.set_begun();
 }
 
-/// at: the frames at the end of the step, as far as they are known.
-void Interior::assemble(const Mechanism& mechanism, const std::vector<Frame>& at) {
-    matrix_.factor.set_zero();
-    for (int i = 0; i < layout_.count; ++i) matrix_.factor.add_diagonal(i, mass_matrix(as_size(i)));
-    for (size_t j = 0; j < mechanism.joints.size(); ++j) add_joint(mechanism, j, blocks(mechanism, j, at));
-    for (size_t j : layout_.rigid_joints)
-        set_rigid_rows(mechanism, j, mechanism.pose(j), mechanism.theta(j), matrix_.factor);
+/// The forces of the motion, and the correction to which they lead.
+void Interior::pass(dttmm_progress& progress) {
+    motion_.move_to_trial();
+    forces_.find(motion_, loads_);
+    find_lack();
+    if (motion_.rate > kTooSlow) {
+        inside_.record.is_slow = 1;
+        matrix_.form_at_trial();
+    }
+    const double residual = largest_size(motion_.change, inside_.spin_weight);
+    matrix_.solve(motion_.change, motion_.q_change, motion_.laws);
+    motion_.correction = largest_size(motion_.change, inside_.turn_weight);
+    if (!std::isfinite(motion_.correction + motion_.floor))
+        throw Error(DTTMM_ERROR_NUMERIC, "the motion inside the network was not found; try a smaller step",
+                    inside_.fastest_element(motion_.u));
+    const bool has_rate = progress.previous > 0 && motion_.correction > motion_.floor;
+    motion_.rate = has_rate ? motion_.correction / progress.previous : 0;
+    report(residual, progress);
 }
 
-/// K + s C + s² M in the frames' axes, s a rate [1/s], with the frames where they are in `at`: springs, dampers and masses
-/// under motions that grow like exp(s t). Forces that act already have no stiffness in it.
-void Interior::form_dynamic_stiffness(const Mechanism& mechanism, const std::vector<Frame>& at, double rate,
-                                      Elimination& matrix) const {
-    matrix.set_zero();
-    for (int i = 0; i < layout_.count; ++i) matrix.add_diagonal(i, rate * rate * mass_matrix(as_size(i)));
-    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
-        const Joint& joint = mechanism.joints[j];
-        const EndBlocks K = dynamic_stiffness(mechanism, j, at, rate);
-        const int frames[2] = {joint.from(), joint.to()};
-        for (int end : {0, 1})
-            if (is_inner(frames[end])) matrix.add_diagonal(frames[end] - layout_.driven, K.at[end][end]);
-        if (is_inner(frames[0]) && is_inner(frames[1])) matrix.add_coupling(as_int(j), K.at[0][1]);
-        if (joint.rigid().any()) set_rigid_rows(mechanism, j, at, matrix);
+/// What the equations lack where the motion is, into `change` (in the frames' axes) and `q_change`.
+void Interior::find_lack() {
+    const double h = inside_.step_size();
+    loads_.add_over_step();
+    find_imbalance(h, inside_.gravity, inside_.inertias, inside_.momenta, inside_.inner(mechanism_.frames),
+                   inside_.inner(inside_.wrench), motion_.u, motion_.change);
+    loads_.balance_massless(motion_.change);
+    for (size_t j : inside_.rigid_joints) {
+        const Joint& joint = mechanism_.joints[j];
+        const auto [from, to] = ends(joint, inside_.trial);
+        const Vector6 d = joint.deformation(joint.pose(from, to), from, to);
+        for_each_rigid(joint, [&](int i, int direction) { motion_.q_change[inside_.rigid_row(j, i)] = -d(direction) / h; });
     }
 }
 
-/// Of one joint, in the axes of its frames.
-EndBlocks Interior::dynamic_stiffness(const Mechanism& mechanism, size_t j, const std::vector<Frame>& at,
-                                      double rate) const {
-    const Joint& joint = mechanism.joints[j];
-    const auto [from, to] = ends(joint, at);
-    const JointPose pose = joint.pose(from, to);
-    const Vector6 x = joint.deformation(pose, from, to);
-    EndBlocks K = joint.stiffness(pose, joint.stiffness_tangent(x, mechanism.memory(j)) + rate * joint.damping_tangent(x));
-    const Matrix3 R[2] = {from.axes(), to.axes()};
-    for (int i : {0, 1})
-        for (int k : {0, 1})
-            for (int row : {0, 3})
-                for (int column : {0, 3}) {
-                    auto block = K.at[i][k].block<3, 3>(row, column);
-                    block = (R[i].transpose() * block * R[k]).eval();
-                }
-    return K;
+void Interior::report(double residual, dttmm_progress& progress) const {
+    progress.correction = motion_.correction;
+    progress.motion = motion_.scale;
+    progress.enough = motion_.floor;
+    // Stiff joints make momentum of the rounding of places
+    progress.residual = std::max(residual - kRoundingOfPlace * motion_.size / inside_.step_size() * matrix_.stiffest(), 0.0);
+    progress.impulse = motion_.impulse;
+    progress.is_new = matrix_.is_new();
+    progress.element = motion_.rate > kTooSlow ? inside_.fastest_element(motion_.change) : -1;
 }
 
-/// Adds to every inertia so much that it shows beside the stiffness that holds its frame: in a slow motion it may otherwise
-/// vanish in rounding, and a motion that nothing else resists be undetermined.
-void Interior::make_heavier(Elimination& matrix) const {
-    constexpr double kLeastShare = 1e-9;  // with 1e-11 rigid directions are lost to 1e-3 in rods of a centimetre
-    for (int i = 0; i < layout_.count; ++i) {
-        const Matrix6 own = matrix.diagonal(i);
-        const double shift = own.topLeftCorner<3, 3>().trace(), arm = layout_.reach[as_size(i)];
-        const double held[2] = {shift, std::max(own.bottomRightCorner<3, 3>().trace(), arm * arm * shift)};
-        Vector6 more = Vector6::Zero();
+void Interior::refuse_unstarted() const {
+    if (!motion_.is_begun()) throw Error(DTTMM_ERROR_PHASE, "there was no iteration in this step yet");
+}
+
+void Interior::evaluate(Ports ports) {
+    refuse_unstarted();
+    motion_.take_port_change(ports);
+    motion_.find_rigid_forces();
+    for (int frame : inside_.port_frames) inside_.wrench[as_size(frame)].setZero();
+    for (size_t k = 0; k < inside_.near_joints.size(); ++k) {
+        const Joint& joint = mechanism_.joints[inside_.near_joints[k]];
+        Joint::add_wrench(motion_.near_force(k), inside_.wrench[as_size(joint.from())].data(),
+                          inside_.wrench[as_size(joint.to())].data());
+    }
+    for (int frame : inside_.port_frames) {
+        if (!inside_.is_inner(frame)) continue;
+        const size_t i = inside_.at(frame);
+        inside_.place(i, motion_.motion_of(i));
+        inside_.wrench[as_size(inside_.receivers[i])] += loads_.left_over(i, inside_.trial[as_size(frame)]);
+    }
+}
+
+void Interior::commit(Ports ports) {
+    refuse_unstarted();
+    motion_.take_port_change(ports);
+    motion_.find_rigid_forces();
+    find_end();
+    inside_.rigid = inside_.trial_q;
+    inside_.record.scale = 0.98 * motion_.scale;
+    for (size_t p = 0; p < inside_.port_u.size(); ++p) inside_.trial[p] = ports[p].copy();
+    forces_.take_step(mechanism_, motion_);
+    loads_.take_elastic();
+    take_momenta();
+    loads_.take_step();
+    take_motion();
+    matrix_.take_step();
+    if (!matrix_.is_stale()) forces_.look_at_joints();
+    if (mechanism_.steps > 0) instant_.forget_first_balance();  // the first row is written
+}
+
+/// The frames where the step ends and what moves them there. Changes no state: here a step may still be refused.
+void Interior::find_end() {
+    const double fastest_turning = std::min(kFastest, M_PI / inside_.step_size());
+    motion_.find_motion(inside_.motion);
+    inside_.place(inside_.motion);
+    for (size_t i = 0; i < inside_.inertias.size(); ++i) {
+        Frame& end = inside_.trial[inside_.frame_of(i)];
+        const Vector6& u = inside_.motion[i];
+        if (mechanism_.steps % kStepsBetweenNormalisations == 0) {  // by one step of Newton
+            Eigen::Map<RowMajor3> next(end.rotation);
+            next += (0.5 * next * (RowMajor3::Identity() - next.transpose() * next)).eval();
+        }
+        const bool is_sane = FrameView(end).origin().squaredNorm() <= kFarthest * kFarthest &&
+                             u.head<3>().squaredNorm() <= kFastest * kFastest &&
+                             u.tail<3>().squaredNorm() <= fastest_turning * fastest_turning;  // false for NaN
+        if (!is_sane) [[unlikely]]
+            refuse_divergence(i);
+    }
+}
+
+void Interior::refuse_divergence(size_t i) const {
+    const FrameSpec& frame = mechanism_.assembly.frames[inside_.frame_of(i)];
+    const Vector3 x = FrameView(inside_.trial[inside_.frame_of(i)]).origin(),
+                  v = inside_.now(i).axes() * head(inside_.motion[i]);
+    throw Error(DTTMM_ERROR_NUMERIC,
+                fmt::format("{} has diverged, or turns more than half a turn a step: position ({:.4g}, {:.4g}, {:.4g}) m, "
+                            "velocity ({:.4g}, {:.4g}, {:.4g}) m/s, turning at {:.4g} rad/s; try a smaller step",
+                            frame.name(), x.x(), x.y(), x.z(), v.x(), v.y(), v.z(), tail(inside_.motion[i]).norm()),
+                frame.element);
+}
+
+/// Moves the momenta on by the forces over the step and gives to the receivers what massless frames leave; the motion with
+/// its memory likewise.
+void Interior::take_momenta() {
+    loads_.pass_momenta_on();
+    loads_.add_over_step();
+    for (size_t i : inside_.massless.frames())
         for (int half : {0, 1})
-            if (!massless_.is_massless(as_size(i), half)) more.segment<3>(3 * half).setConstant(kLeastShare * held[half]);
-        matrix.add_diagonal(i, more.asDiagonal());
-    }
-}
-
-void Interior::set_rigid_rows(const Mechanism& mechanism, size_t j, const JointPose& pose, const Vector3& theta,
-                              Elimination& matrix) const {
-    const Matrix6 rows[2] = {rigid_rows(theta, local_columns(mechanism, j, pose, 0)),
-                             rigid_rows(theta, local_columns(mechanism, j, pose, 1))};
-    for_each_rigid(mechanism.joints[j], [&](int i, int d) {
-        matrix.set_rigid(as_int(j), i, rows[0].row(d).transpose(), rows[1].row(d).transpose());
-    });
-}
-
-/// The same in the axes of the frames where they are in `at`.
-void Interior::set_rigid_rows(const Mechanism& mechanism, size_t j, const std::vector<Frame>& at,
-                              Elimination& matrix) const {
-    const Joint& joint = mechanism.joints[j];
-    const auto [from, to] = ends(joint, at);
-    const JointPose pose = joint.pose(from, to);
-    const Vector3 theta = joint.rotation(from, to);
-    const Matrix6 rows[2] = {rigid_rows(theta, local_columns(joint, pose, 0, from)),
-                             rigid_rows(theta, local_columns(joint, pose, 1, to))};
-    for_each_rigid(joint, [&](int i, int d) {
-        matrix.set_rigid(as_int(j), i, rows[0].row(d).transpose(), rows[1].row(d).transpose());
-    });
-}
-
-/// The matrix where the last iteration has brought everything, under the forces there; if that is singular, where the step
-/// began. It serves for this step.
-void Interior::form_at_trial(const Mechanism& mechanism) {
-    matrix_.is_own = true;
-    matrix_.is_stale = true;
-    matrix_.factor.set_zero();
-    for (int i = 0; i < layout_.count; ++i) matrix_.factor.add_diagonal(i, mass_matrix(as_size(i)));
-    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
-        const Joint& joint = mechanism.joints[j];
-        const FrameView from = work_.trial[as_size(joint.from())], to = work_.trial[as_size(joint.to())];
-        const JointPose pose = joint.pose(from, to);
-        const Joint::Strained strained =
-            joint.strain(mechanism.scheme, {from, to}, pose, mechanism.states[j], mechanism.memory(j));
-        add_joint(mechanism, j,
-                  blocks(mechanism, j, {from, to}, pose, strained.deformation(), strained.elastic.force, work_.q));
-        if (joint.rigid().any()) set_rigid_rows(mechanism, j, pose, strained.theta, matrix_.factor);
-    }
-    find_stiffest();
-    ++work_.factorisations;
-    if (matrix_.factor.factor()) return form_matrix(mechanism, mechanism.frames);
-    take_factor(mechanism, work_.trial);
-}
-
-void Interior::factor(const Mechanism& mechanism, Elimination& matrix, dttmm_status status) const {
-    ++work_.factorisations;
-    if (const auto fault = matrix.factor()) refuse_singular(mechanism, *fault, status);
-}
-
-void Interior::refactor(const Mechanism& mechanism) {
-    predict(mechanism);
-    std::copy(open_.solution.ports.begin(), open_.solution.ports.end(), work_.trial.begin());
-    place(mechanism, open_.solution.u);
-    form_matrix(mechanism, work_.trial);
-    look_at_joints(mechanism);
-    matrix_.is_stale = matrix_.is_own = false;
-    matrix_.is_fresh = true;
-}
-
-void Interior::form_matrix(const Mechanism& mechanism, const std::vector<Frame>& at) {
-    matrix_.is_stale = true;
-    assemble(mechanism, at);
-    find_stiffest();
-    factor(mechanism, matrix_.factor, DTTMM_ERROR_SINGULAR);
-    take_factor(mechanism, at);
-}
-
-void Interior::find_stiffest() {
-    matrix_.stiffest = 0;
-    for (int i = 0; i < layout_.count; ++i)
-        matrix_.stiffest = std::max(matrix_.stiffest, matrix_.factor.diagonal(i).diagonal().head<3>().maxCoeff());
-}
-
-/// What follows from the factor.
-void Interior::take_factor(const Mechanism& mechanism, const std::vector<Frame>& at) {
-    find_responses(mechanism);
-    if (!work_.laws.are_wanted(record_.is_slow != 0)) return;
-    work_.laws.form(mechanism, at);
-    work_.laws.find_responses(matrix_.factor, mechanism.scheme.step_size(), work_.motion, work_.column_q);
-}
-
-/// How the inside follows a unit motion of each port.
-void Interior::find_responses(const Mechanism& mechanism) {
-    std::vector<Vector6>& r = work_.motion;
-    std::vector<double>& g = work_.column_q;
-    for (int column = 0; column < 6 * layout_.ports; ++column) {
-        const int port = column / 6, c = column % 6;
-        std::fill(r.begin(), r.end(), Vector6::Zero());
-        std::fill(g.begin(), g.end(), 0.0);
-        for (size_t j : layout_.port_joints) {
-            const Joint& joint = mechanism.joints[j];
-            if (joint.from() != port && joint.to() != port) continue;
-            const int end = joint.from() == port ? 0 : 1;
-            const int other = end == 0 ? joint.to() : joint.from();
-            const EndBlocks& K = matrix_.near_blocks[as_size(layout_.near_index[j])];
-            if (is_inner(other)) r[at(other)] -= K.at[1 - end][end].col(c);
-            for_each_rigid(joint, [&](int i, int) { g[rigid_row(j, i)] = -matrix_.factor.rigid(as_int(j), i, end)(c); });
-        }
-        matrix_.factor.solve(r, g);
-        for (size_t i = 0; i < r.size(); ++i) {
-            Eigen::Map<Vector6>{&matrix_.responses[36 * i * as_size(layout_.ports) + 6 * as_size(column)]} = r[i];
-        }
-        matrix_.rigid_responses.col(column) = Eigen::Map<const Eigen::VectorXd>(g.data(), as_row(g.size()));
-    }
-}
-
-void Interior::write_stiffness(const Mechanism& mechanism, double* stiffness) const {
-    // −δ(h W_p) = Σ K δu + Jᵀ q over the ends of the joints of port p
-    const double h = mechanism.scheme.step_size();
-    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    Eigen::Map<RowMajor> S(stiffness, 6 * layout_.ports, 6 * layout_.ports);
-    S.setZero();
-    for (size_t j : layout_.port_joints) {
-        const Joint& joint = mechanism.joints[j];
-        const EndBlocks& K = matrix_.near_blocks[as_size(layout_.near_index[j])];
-        const int frames[2] = {joint.from(), joint.to()};
-        for (int row : {0, 1}) {
-            if (frames[row] >= layout_.ports) continue;
-            for (int column = 0; column < layout_.ports; ++column) {
-                auto block = S.block<6, 6>(6 * frames[row], 6 * column);
-                for (int end : {0, 1}) {
-                    if (is_inner(frames[end])) block += K.at[row][end] * response(at(frames[end])).middleCols<6>(6 * column);
-                    if (frames[end] == column) block += K.at[row][end];
-                }
-                for_each_rigid(joint, [&](int i, int) {
-                    block += matrix_.factor.rigid(as_int(j), i, row) *
-                             matrix_.rigid_responses.block<1, 6>(as_row(rigid_row(j, i)), 6 * column);
-                });
+            if (inside_.massless.is_massless(i, half)) {
+                inside_.momenta[i].segment<3>(3 * half).setZero();
+                inside_.wrench[inside_.frame_of(i)].segment<3>(3 * half).setZero();
             }
-        }
+    PastMotion& past = inside_.past;
+    past.velocity.swap(past.velocity_before);
+    take_step(inside_.step_size(), inside_.gravity, inside_.inertias, inside_.inner(mechanism_.frames),
+              inside_.inner(inside_.wrench), inside_.motion, inside_.momenta, past.velocity);
+    past.u.swap(past.u_before);
+    past.u.swap(inside_.motion);
+    if (mechanism_.steps > 0) return;
+    past.u_before = past.u;
+    for (size_t i = 0; i < past.velocity.size(); ++i) {  // the initial velocities are the mean of both
+        Twist &before = past.velocity_before[i], &now = past.velocity[i];
+        before.linear = 2 * before.linear - now.linear;
+        before.angular = 2 * before.angular - now.angular;
     }
-    for (int row = 0; row < 2 * layout_.ports; ++row)
-        for (int column = 0; column < 2 * layout_.ports; ++column) {
-            auto block = S.block<3, 3>(3 * row, 3 * column);
-            block =
-                (mechanism.frame(row / 2).axes() * block * mechanism.frame(column / 2).axes().transpose() / (h * h)).eval();
-        }
+}
+
+/// Moves the frames to the end of the step.
+void Interior::take_motion() {
+    const double h = inside_.step_size();
+    for (size_t p = 0; p < inside_.port_u.size(); ++p) {
+        const FrameView now = mechanism_.frames[p], next = inside_.trial[p];
+        Vector6 u;
+        u << next.origin() - now.origin(), rotation_vector(next.axes() * now.axes().transpose());
+        inside_.port_u_before[p] = mechanism_.steps == 0 ? Vector6(u / h) : inside_.port_u[p];
+        inside_.port_u[p] = u / h;
+    }
+    mechanism_.before.swap(mechanism_.frames);
+    mechanism_.frames.swap(inside_.trial);  // the ground is in all three
 }
 
 // ---- Results ------------------------------------------------------------------------------------------------------------
 
-double Interior::work(const Mechanism& mechanism) const {
-    double work = record_.load_work;
-    for (size_t i = 0; i < layout_.inertias.size(); ++i) {
-        const Vector3& start = mechanism.assembly.frames[as_size(layout_.driven) + i].pose.position;
-        work += layout_.inertias[i].mass *
-                layout_.gravity.dot(mechanism.frame_before(layout_.driven + as_int(i)).origin() - start);
+double Interior::work() const {
+    double work = inside_.record.load_work;
+    for (size_t i = 0; i < inside_.inertias.size(); ++i) {
+        const FrameView before = mechanism_.before[inside_.frame_of(i)];
+        const Vector3& start = mechanism_.assembly.frames[inside_.frame_of(i)].pose.position;
+        work += inside_.inertias[i].mass * inside_.gravity.dot(before.origin() - start);
     }
     return work;
 }
 
-Twist Interior::momentum(const Mechanism& mechanism) const {
+Twist Interior::momentum() const {
     // x_n × p = x_{n−1} × p, for p is along what leads from one to the other
     Twist total;
-    for (size_t i = 0; i < layout_.inertias.size(); ++i) {
-        const Vector3 p = head(momenta_[i]);
+    for (size_t i = 0; i < inside_.inertias.size(); ++i) {
+        const Vector3 p = head(inside_.momenta[i]);
         total.linear += p;
-        total.angular += mechanism.frame(layout_.driven + as_int(i)).origin().cross(p) + tail(momenta_[i]);
+        total.angular += inside_.now(i).origin().cross(p) + tail(inside_.momenta[i]);
     }
     return total;
 }
 
-Twist Interior::newmark_momentum(const Mechanism& mechanism) const {
+Twist Interior::newmark_momentum() const {
     // With F the elastic force on a frame, y = x − β h² F/m and P − β h (F_n − F_{n−1}) move in leap-frog by F_n alone.
     // Their moment does not change: y × F = x × F.
-    const Scheme& scheme = mechanism.scheme;
-    std::vector<Vector6> now(mechanism.frames.size(), Vector6::Zero()), before = now;
-    for (size_t j = 0; j < mechanism.joints.size(); ++j) {
-        const auto a = as_size(mechanism.joints[j].from()), b = as_size(mechanism.joints[j].to());
-        Joint::add_wrench(mechanism.states[j].elastic, now[a].data(), now[b].data());
-        JointForce force = mechanism.states[j].known;  // without a damper (1 − 2s) F_n + s F_{n−1}
-        force.add(-scheme.elastic_weight(1), mechanism.states[j].elastic);
+    const Scheme& scheme = mechanism_.scheme;
+    const MasslessFrames& massless = inside_.massless;
+    std::vector<Vector6> now(mechanism_.frames.size(), Vector6::Zero()), before = now;
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const auto a = as_size(mechanism_.joints[j].from()), b = as_size(mechanism_.joints[j].to());
+        Joint::add_wrench(mechanism_.states[j].elastic, now[a].data(), now[b].data());
+        JointForce force = mechanism_.states[j].known;  // without a damper (1 − 2s) F_n + s F_{n−1}
+        force.add(-scheme.elastic_weight(1), mechanism_.states[j].elastic);
         JointForce earlier;
         earlier.add(1 / scheme.elastic_weight(2), force);
         Joint::add_wrench(earlier, before[a].data(), before[b].data());
     }
-    for (size_t i : massless_.frames()) {
-        if (!is_inner(layout_.receivers[i])) continue;
-        const auto f = as_size(layout_.driven) + i, receiver = as_size(layout_.receivers[i]);
-        now[receiver] += passed_on(mechanism.frames, i, massless_part(i, now[f]));
-        before[receiver] += passed_on(mechanism.before, i, massless_part(i, before[f]));
+    for (size_t i : massless.frames()) {
+        if (!inside_.is_inner(inside_.receivers[i])) continue;
+        const size_t f = inside_.frame_of(i);
+        const auto receiver = as_size(inside_.receivers[i]);
+        now[receiver] += loads_.passed_on(mechanism_.frames, i, loads_.massless_part(i, now[f]));
+        before[receiver] += loads_.passed_on(mechanism_.before, i, loads_.massless_part(i, before[f]));
     }
-    const double h = mechanism.scheme.step_size(), beta = mechanism.scheme.elastic_weight(0);
+    const double h = inside_.step_size(), beta = scheme.elastic_weight(0);
     Twist total;
-    for (size_t i = 0; i < layout_.inertias.size(); ++i) {
-        if (massless_.is_massless(i, 0)) continue;
-        const auto f = as_size(layout_.driven) + i;
-        Vector6 P = momenta_[i] - beta * h * (now[f] - before[f]);
-        if (massless_.is_massless(i, 1)) P.tail<3>().setZero();
-        const Vector3 y = FrameView(mechanism.frames[f]).origin() - beta * h * h / layout_.inertias[i].mass * head(now[f]);
+    for (size_t i = 0; i < inside_.inertias.size(); ++i) {
+        if (massless.is_massless(i, 0)) continue;
+        const size_t f = inside_.frame_of(i);
+        Vector6 P = inside_.momenta[i] - beta * h * (now[f] - before[f]);
+        if (massless.is_massless(i, 1)) P.tail<3>().setZero();
+        const Vector3 y = inside_.now(i).origin() - beta * h * h / inside_.inertias[i].mass * head(now[f]);
         total.linear += head(P);
         total.angular += y.cross(head(P)) + tail(P);
     }
     return total;
-}
-
-/// Forces of a joint's rigid directions out of those of all, joint axes.
-Vector6 Interior::rigid_values(const Mechanism& mechanism, size_t j, const std::vector<double>& q) const {
-    Vector6 f = Vector6::Zero();
-    for_each_rigid(mechanism.joints[j], [&](int i, int d) { f(d) = q[rigid_row(j, i)]; });
-    return f;
 }
 
 }  // namespace dttmm::plugin

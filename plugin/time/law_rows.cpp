@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/index.h"
-#include "time/interior_parts.h"
+#include "time/inside_math.h"
 
 namespace dttmm::plugin {
 
@@ -39,7 +39,7 @@ void LawRows::form(const Mechanism& mechanism, const std::vector<Frame>& at) {
         const JointPose pose = joint.pose(from, to);
         const Vector6 x = joint.deformation(pose, from, to);
         for (int end : {0, 1})
-            row.G[end] = rigid_rows(x.tail<3>(), local_columns(mechanism, row.joint, pose, end)).row(row.direction);
+            row.G[end] = rigid_rows(x.tail<3>(), local_columns(joint, pose, end, mechanism.frame(joint.frame(end)))).row(row.direction);
         row.gain = joint
                        .on_path(mechanism.scheme, row.direction, mechanism.states[row.joint].deformation()(row.direction),
                                 x(row.direction), mechanism.memory(row.joint))

@@ -176,11 +176,10 @@ Machine::Machine(const dttmm_network& description)
     for (uint32_t n = 0; n < description.node_count; ++n)
         if (description.nodes[n].kind == DTTMM_NODE_INNER) number_of[n] = inner_count++;
     load_count_ = inner_count + description.line_load_count;
-    networks_.reserve(parts.size());
     for (const std::vector<uint32_t>& part : parts) {
         if (part.empty()) continue;
         const Extract extract(supports_, part);
-        in_whole(extract.places(), [&] { networks_.push_back({Network(extract.description(), extract.places()), {}, {}}); });
+        in_whole(extract.places(), [&] { networks_.emplace_back(extract.description(), extract.places()); });
         Part& made = networks_.back();
         for (uint32_t n : extract.places().nodes)
             if (supports_.description().nodes[n].kind == DTTMM_NODE_INNER) made.loaded.push_back(number_of[n]);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <deque>
 #include <span>
 #include <vector>
 
@@ -63,6 +64,7 @@ public:
 
 private:
     struct Part {
+        Part(const dttmm_network& description, const Places& places) : network(description, places) {}
         Network network;
         std::vector<uint32_t> loaded;  ///< its inner nodes, then its line loads, among both of the whole
         std::vector<double> loads;     ///< on them, working memory
@@ -85,7 +87,7 @@ private:
     uint32_t body_count_, element_count_;
     size_t load_count_ = 0;  ///< on inner nodes, and line loads
     bool is_implicit_ = false;
-    std::vector<Part> networks_;
+    std::deque<Part> networks_;  ///< they stay where they are
     std::vector<dttmm_block> blocks_;
     size_t seen_blocks_ = 0;  ///< by the host; those of supports stand behind
     std::vector<dttmm_channel> channels_;

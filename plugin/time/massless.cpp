@@ -7,7 +7,7 @@
 
 #include "core/index.h"
 #include "core/rotation.h"
-#include "time/interior_parts.h"
+#include "time/inside_math.h"
 
 namespace dttmm::plugin {
 

@@ -36,6 +36,8 @@ public:
     /// Whether the forces of a joint are wanted at the end of the step; those of its damper half way.
     bool is_settling(size_t joint) const { return settling_[joint]; }
     bool is_half_way(size_t joint) const { return half_way_[joint]; }
+    /// Of a joint, its first rigid direction among those of all.
+    size_t rigid_begin(size_t joint) const { return rigid_begin_[joint]; }
     /// τ [s]
     double relaxation(size_t i) const { return clusters_[as_size(cluster_of_[i])].relaxation; }
 

@@ -223,7 +223,7 @@ void Network::add_dense(const double* matrix, double* stiffness) const {
 void Network::linearise(const dttmm_motion* bodies, double* wrench, double* stiffness, double* damping) const {
     if (!interior_) return linearise_joints(bodies, wrench, stiffness, damping);
     std::vector<double> own(stiffness ? blocks_.dense.size() : 0);
-    interior_->linearise(mechanism_, ports(bodies), wrench, stiffness ? own.data() : nullptr);
+    interior_->linearise(ports(bodies), wrench, stiffness ? own.data() : nullptr);
     if (stiffness) add_dense(own.data(), stiffness);
 }
 
@@ -248,7 +248,7 @@ void Network::take_up(const double* motion, double* elastic, double* damped) con
     for (int p = 0; p < port_count(); ++p)
         u.emplace_back(Eigen::Map<const Vector6>(motion + 6 * places_.bodies[as_size(p)]));
     u.resize(mechanism_.frames.size(), Vector6::Zero());
-    if (interior_) interior_->follow(mechanism_, u);
+    if (interior_) interior_->follow(u);
     std::vector<Frame> at;
     for (const FrameSpec& frame : mechanism_.assembly.frames) at.push_back(make_frame(frame.pose));
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
@@ -339,7 +339,7 @@ void Network::begin(const dttmm_step& step, const dttmm_motion* bodies, const do
     mechanism_.scheme.set_step_size(step.size);
     for (Joint& joint : mechanism_.joints) joint.set_scheme(mechanism_.scheme);
     if (interior_) {
-        interior_->start(mechanism_, ports(bodies), accelerations, loads, at_rest);
+        interior_->start(ports(bodies), accelerations, loads, at_rest);
     } else {
         start_joints(bodies, accelerations);
     }
@@ -350,12 +350,8 @@ void Network::begin(const dttmm_step& step, const dttmm_motion* bodies, const do
 
 void Network::start_joints(const dttmm_motion* bodies, const double* accelerations) {
     for (int p = 0; p < port_count(); ++p) mechanism_.frames[as_size(p)] = seen(p, bodies).copy();
-    const auto acceleration = [&](int frame) {
-        if (frame >= port_count()) return Twist{};
-        const double* a = accelerations + 6 * places_.bodies[as_size(frame)];
-        return Twist{Eigen::Map<const Vector3>(a), Eigen::Map<const Vector3>(a + 3)};
-    };
-    mechanism_.start_joints([&](int frame) { return velocity(frame, bodies); }, acceleration);
+    mechanism_.start_joints([&](int frame) { return velocity(frame, bodies); },
+                            [&](int frame) { return acceleration(frame, accelerations); });
 }
 
 void Network::begin_step(const dttmm_step& step, const double* loads) {
@@ -363,7 +359,7 @@ void Network::begin_step(const dttmm_step& step, const double* loads) {
     if (is_open_) throw Error(DTTMM_ERROR_PHASE, "begin_step: the step before is still open");
     if (step.size != mechanism_.scheme.step_size())
         throw Error(DTTMM_ERROR_ARGUMENT, "begin_step: a new step size wants a new start");
-    if (interior_) interior_->begin_step(mechanism_, loads);
+    if (interior_) interior_->begin_step(loads);
     is_open_ = true;
 }
 
@@ -371,7 +367,7 @@ void Network::iterate(const dttmm_motion* trial, dttmm_progress& progress) {
     if (!is_open_) throw Error(DTTMM_ERROR_PHASE, "iterate: no step is open");
     progress = {};
     if (interior_) {
-        interior_->iterate(mechanism_, ports(trial), progress);
+        interior_->iterate(ports(trial), progress);
     } else {
         constexpr double kPredicted = 1e-6;  // of the force; 1e-4 to 1e-9 find the same ends in the tests of kinks
         progress.correction = find_worst_prediction(trial);
@@ -405,10 +401,10 @@ double Network::find_worst_prediction(const dttmm_motion* bodies) {
 void Network::evaluate(const dttmm_motion* bodies, double* wrench, double* stiffness) const {
     if (!is_open_) throw Error(DTTMM_ERROR_PHASE, "evaluate: no step is open");
     if (!interior_) return evaluate_joints(bodies, wrench, stiffness);
-    interior_->evaluate(mechanism_, ports(bodies));
+    interior_->evaluate(ports(bodies));
     for (int p = 0; p < port_count(); ++p) Eigen::Map<Vector6>{on_body(p, wrench)} += interior_->wrench(p);
     if (!stiffness) return;
-    interior_->write_stiffness(mechanism_, blocks_.dense.data());
+    interior_->write_stiffness(blocks_.dense.data());
     add_dense(blocks_.dense.data(), stiffness);
 }
 
@@ -464,7 +460,7 @@ void Network::commit_step(const dttmm_motion* bodies) {
     if (!is_open_) throw Error(DTTMM_ERROR_PHASE, "commit_step: no step is open");
     if (interior_) {
         std::copy_n(mechanism_.before.begin(), port_count(), earlier_.begin());
-        interior_->commit(mechanism_, ports(bodies));
+        interior_->commit(ports(bodies));
     } else {
         commit_joints(bodies);
     }
@@ -496,7 +492,7 @@ void Network::discard_step() {
 
 Twist Network::velocity_at_start(int frame) const {
     if (frame < port_count()) return instant_.port_velocities[as_size(frame)];
-    return interior_ ? interior_->velocity(frame) : Twist{};
+    return interior_ ? interior_->instant().velocity(frame) : Twist{};
 }
 
 /// Of a joint's deformation. Where rigid directions act, whose forces are known over the step only, velocities of the
@@ -512,7 +508,7 @@ Vector6 Network::rate_at_start(size_t j) const {
     const bool is_by_increments = instant_.by_increments || (interior_ && interior_->has_rigid_directions());
     if (!is_by_increments || mechanism_.steps == 1)
         return rate_of(velocity_at_start(joint.from()), velocity_at_start(joint.to()));
-    const auto correction = [&](int frame) { return interior_ ? interior_->correction(frame) : Twist{}; };
+    const auto correction = [&](int frame) { return interior_ ? interior_->instant().correction(frame) : Twist{}; };
     Vector6 rate = rate_of(correction(joint.from()), correction(joint.to()));
     const double per_step = 0.5 / mechanism_.scheme.step_size();
     if (const DamperState* damper = mechanism_.damper(j))
@@ -541,13 +537,13 @@ void Network::find_mean_wrenches() const {
         }
         Vector6 f = joint.force(x, rate, mechanism_.memory_before(j), 0.5);
         if (joint.has_laws()) f += joint.beyond_mean(mechanism_.scheme, x, state.deformation(), mechanism_.memory_before(j));
-        if (joint.rigid().any()) f += interior_->rigid_force(mechanism_, j);
+        if (joint.rigid().any()) f += interior_->instant().rigid_force_over_step(j);
         const auto from = as_size(joint.from()), to = as_size(joint.to());
         JointForce force = joint.pose(mechanism_.before[from], mechanism_.before[to]).act(f);
         force.add(0.5, state.elastic);
         Joint::add_wrench(force, instant_.wrenches[from].data(), instant_.wrenches[to].data());
     }
-    if (interior_) interior_->find_velocities(mechanism_, instant_.wrenches);
+    if (interior_) interior_->instant().find_velocities(instant_.wrenches);
 }
 
 void Network::mean_wrench(double* wrench) const {
@@ -562,7 +558,7 @@ void Network::add_rigid_wrenches(double* wrench) const {
         const Joint& joint = mechanism_.joints[j];
         if (joint.rigid().none() || std::min(joint.from(), joint.to()) >= port_count()) continue;
         const JointPose pose = joint.pose(mechanism_.frame_before(joint.from()), mechanism_.frame_before(joint.to()));
-        add_wrench(joint, pose.act(interior_->rigid_force(mechanism_, j)), wrench);
+        add_wrench(joint, pose.act(interior_->instant().rigid_force_over_step(j)), wrench);
     }
 }
 
@@ -570,8 +566,7 @@ void Network::stand(const dttmm_motion* bodies, const double* accelerations, dou
     if (mechanism_.steps == 0 || is_open_) throw Error(DTTMM_ERROR_PHASE, "stand: only after a commit");
     for (int p = 0; p < port_count(); ++p) instant_.port_velocities[as_size(p)] = ports(bodies).twist(p);
     if (accelerations && interior_)
-        for (int p = 0; p < port_count(); ++p)
-            interior_->set_port_acceleration(p, accelerations + 6 * ports(bodies).bodies[p]);
+        for (int p = 0; p < port_count(); ++p) interior_->instant().set_port_acceleration(p, acceleration(p, accelerations));
     stand_by_port_velocities();
     add_wrenches(wrench);
 }
@@ -605,7 +600,7 @@ void Network::find_forces() const {
         Vector6& f = instant_.forces[j] =
             joint.force(state.deformation_before(), mechanism_.damper(j) ? rate_at_start(j) : Vector6(Vector6::Zero()),
                         mechanism_.memory_before(j));
-        if (joint.rigid().any()) f += interior_->rigid_force_at_start(mechanism_, j);
+        if (joint.rigid().any()) f += interior_->instant().rigid_force(j);
         const JointForce force = joint.pose(mechanism_.before[from], mechanism_.before[to]).act(f);
         Joint::add_wrench(force, instant_.wrenches[from].data(), instant_.wrenches[to].data());
     }
@@ -613,15 +608,15 @@ void Network::find_forces() const {
 
 void Network::stand_by_port_velocities() const {
     const auto velocity = [&](int frame) { return velocity_at_start(frame); };
-    if (interior_) interior_->find_massless_velocities(mechanism_, [&](size_t j) { return rate_at_start(j); });
+    if (interior_) interior_->instant().find_massless_velocities([&](size_t j) { return rate_at_start(j); });
     find_forces();
-    if (interior_ && interior_->is_to_balance_rigid(mechanism_)) {
-        interior_->balance_rigid(mechanism_, instant_.wrenches, velocity);
+    if (interior_ && interior_->instant().is_to_balance_rigid()) {
+        interior_->instant().balance_rigid(instant_.wrenches, velocity);
         find_forces();
     }
     if (interior_)
-        interior_->find_accelerations(mechanism_, instant_.wrenches, velocity,
-                                      [&](size_t j) -> const Vector6& { return instant_.forces[j]; });
+        interior_->instant().find_accelerations(instant_.wrenches, velocity,
+                                                [&](size_t j) -> const Vector6& { return instant_.forces[j]; });
     instant_.is_known = true;
 }
 
@@ -664,7 +659,7 @@ void Network::save_state(void* buffer, size_t size) const {
         if (!piece.empty()) std::memcpy(out, piece.data(), piece.size_bytes());
         out += piece.size_bytes();
     });
-    if (interior_) interior_->refactor(mechanism_);  // as a restored one does: both futures are then the same to the bit
+    if (interior_) interior_->refactor();  // as a restored one does: both futures are then the same to the bit
 }
 
 void Network::restore_state(const void* buffer, size_t size) {
@@ -682,8 +677,8 @@ void Network::restore_state(const void* buffer, size_t size) {
         in += piece.size_bytes();
     });
     if (interior_) {
-        interior_->refactor(mechanism_);
-        interior_->form_first_balance(mechanism_);
+        interior_->refactor();
+        interior_->instant().form_first_balance();
     }
     instant_.is_known = false;
 }
@@ -828,8 +823,8 @@ double* Network::write_node(double* out, size_t node) const {
     const NodeSpec& spec = mechanism_.assembly.nodes[node];
     const FrameView before = mechanism_.frame_before(spec.frame);
     const Matrix3& start = mechanism_.assembly.frames[as_size(spec.frame)].pose.rotation;
-    const Twist v = interior_->velocity(mechanism_, spec.frame, spec.offset);
-    const Twist a = interior_->acceleration(mechanism_, spec.frame, spec.offset);
+    const Twist v = interior_->instant().velocity(spec.frame, spec.offset);
+    const Twist a = interior_->instant().acceleration(spec.frame, spec.offset);
     const Vector3 turned = rotation_vector(before.axes() * start.transpose());
     for (const Vector3& vector :
          {Vector3(before.origin() + before.axes() * spec.offset), v.linear, a.linear, turned, v.angular}) {
@@ -879,8 +874,8 @@ void Network::outputs(double* values) const {
     double* out = values + results_.places[elements];
     if (interior_) {
         for (int node : results_.nodes) out = write_node(out, as_size(node));
-        *out++ = interior_->kinetic_energy(mechanism_);
-        *out++ = interior_->work(mechanism_);
+        *out++ = interior_->instant().kinetic_energy();
+        *out++ = interior_->work();
     }
     for (const ReactionView& reaction : results_.reactions) out = write_reaction(out, reaction);
 }

@@ -41,6 +41,8 @@ public:
     /// Of all bodies, or of those at the places given.
     explicit Network(const dttmm_network& description);
     Network(const dttmm_network& description, Places places);
+    Network(const Network&) = delete;  // what is inside keeps its mechanism
+    Network& operator=(const Network&) = delete;
 
     int port_count() const { return mechanism_.assembly.port_count; }
     const Places& places() const { return places_; }
@@ -122,6 +124,11 @@ private:
     }
     Twist velocity(int frame, const dttmm_motion* bodies) const {
         return frame < port_count() ? ports(bodies).twist(frame) : Twist{};
+    }
+    Twist acceleration(int frame, const double* of_bodies) const {
+        if (frame >= port_count()) return {};
+        const double* a = of_bodies + 6 * places_.bodies[as_size(frame)];
+        return {Eigen::Map<const Vector3>(a), Eigen::Map<const Vector3>(a + 3)};
     }
     double* on_body(int frame, double* wrench) const {
         return frame < port_count() ? wrench + 6 * places_.bodies[as_size(frame)] : nullptr;

@@ -15,7 +15,7 @@ namespace {
 TEST(Fourier, EveryLengthIsTheSum) {
     std::mt19937 random(5);
     std::normal_distribution<> normal;
-    for (const size_t size : {1, 2, 3, 45, 64, 31, 127, 136, 211}) {
+    for (const size_t size : {1u, 2u, 3u, 45u, 64u, 31u, 127u, 136u, 211u}) {
         std::vector<double> x(size);
         for (double& value : x) value = normal(random);
         const auto found = fourier_transform(x);

@@ -26,7 +26,7 @@ std::vector<double> noise(size_t size, double deviation, unsigned seed = 7) {
 
 // Oracle: Parseval's identity. One-sided density times resolution adds up to the mean square about the mean, odd and even.
 TEST(Spectra, DensityAddsUpToTheMeanSquare) {
-    for (const size_t size : {512, 701, 1500}) {
+    for (const size_t size : {512u, 701u, 1500u}) {
         std::vector<double> x = noise(size, 3.7);
         for (double& value : x) value += 11;
         const double interval = 0.0013;
@@ -104,8 +104,8 @@ TEST(Spectra, LevelsAreThoseOfTheRows) {
 
 // Oracle: counting. So many segments as were asked for fit, each half over its neighbour.
 TEST(Spectra, SegmentsAreAsManyAsAskedFor) {
-    for (const size_t samples : {1000, 1001, 2003})
-        for (const size_t segments : {1, 2, 3, 7, 20}) {
+    for (const size_t samples : {1000u, 1001u, 2003u})
+        for (const size_t segments : {1u, 2u, 3u, 7u, 20u}) {
             const size_t size = segment_size(samples, segments);
             EXPECT_EQ(segment_count(samples, size), segments) << samples << " " << segments << " " << size;
         }

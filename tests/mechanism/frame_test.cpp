@@ -26,7 +26,7 @@ TEST(Frame, FramesMoveByTheirVelocities) {
         one << any(20), any(20);
     }
     u[2].tail<3>() *= 500;
-    for (size_t count : {0, 1, 4, 5, 6, 7}) {
+    for (size_t count : {0u, 1u, 4u, 5u, 6u, 7u}) {
         std::vector<Frame> to(count);
         move_frames(h, std::span(from).first(count), std::span(u).first(count), to);
         for (size_t i = 0; i < count; ++i) {

@@ -25,7 +25,7 @@ TEST(WriteAtomically, AFullDiskLeavesTheOldFileAndNoPart) {
     const TemporaryFolder folder;
     write_atomically(folder / "summary.json", "old");
     const std::string text(10'000, 'x');
-    for (const rlim_t bytes : {0, 1, 4096, 9'999})
+    for (const rlim_t bytes : {0u, 1u, 4096u, 9'999u})
         EXPECT_EQ(run_in_child([&] {
                       limit_file_size(bytes);
                       write_atomically(folder / "summary.json", text);

@@ -365,7 +365,7 @@ struct DoublePendulum {
     double force(const State& s) const {
         const std::array<double, 2> a = accelerations(s);
         double x = 0, z = g;
-        const auto add = [&](double r, int i) {  // r e'' with e = (cos, −sin)
+        const auto add = [&](double r, size_t i) {  // r e'' with e = (cos, −sin)
             x += r * (-a[i] * std::sin(s.angle[i]) - s.speed[i] * s.speed[i] * std::cos(s.angle[i]));
             z += r * (-a[i] * std::cos(s.angle[i]) + s.speed[i] * s.speed[i] * std::sin(s.angle[i]));
         };

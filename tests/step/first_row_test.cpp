@@ -350,7 +350,7 @@ TEST(FirstRow, ABodyOnAHingeAtAMassAcceleratesWithIt) { expect_first_row(true); 
 // than the step, the first row goes on to the second. n2 of the first changes by 0.08 m/s^2 in a microsecond at the start:
 // at 6.80 then, it is at 3.68 after 0.1 ms, with steps of 1 us. So the steps are shorter than that.
 TEST(FirstRow, NodesOnRigidMassesGoOnToTheSecondRow) {
-    for (const uint64_t seed : {5, 46, 56}) {
+    for (const uint64_t seed : {5u, 46u, 56u}) {
         const std::string text =
             std::regex_replace(test::RandomMachine(seed, 5).text(), std::regex("\nduration = [^\n]*"), "\nduration = 5e-5");
         const RecordedRun rows(std::regex_replace(text, std::regex("\nstep = [^\n]*"), "\nstep = 1e-5"));

@@ -42,7 +42,7 @@ inline std::vector<BodyState> shake(const std::vector<Body>& bodies, const std::
             const Eigen::Index first = J.rows();
             J.conservativeResize(first + rows, Eigen::NoChange);
             J.bottomRows(rows).setZero();
-            for (const size_t side : {0, 1})
+            for (const size_t side : {0u, 1u})
                 if (const int body = joint.bodies()[side]; body >= 0)
                     J.block(first, 6 * body, rows, 6) = jacobian[side].topRows(rows);
             lacking.conservativeResize(first + rows);

@@ -395,10 +395,10 @@ TEST(Interior, AThrownBeamKeepsMomentumAndAngularMomentumToRounding) {
         Journey run(make_thrown_beam(E), 1e-4);
         run.start();
         run.step();
-        const Twist start = run.network().interior()->newmark_momentum(run.network().mechanism());
+        const Twist start = run.network().interior()->newmark_momentum();
         const double energy = run.energy();
         for (int n = 0; n < 5000; ++n) run.step();
-        const Twist end = run.network().interior()->newmark_momentum(run.network().mechanism());
+        const Twist end = run.network().interior()->newmark_momentum();
         EXPECT_LT((end.linear - start.linear).norm(), 2e-12 * start.linear.norm()) << E;
         EXPECT_LT((end.angular - start.angular).norm(), 2e-12 * start.angular.norm()) << E;
         EXPECT_NEAR(run.energy(), energy, 2e-4 * energy) << E;
@@ -421,11 +421,11 @@ TEST(Interior, AThrownChainWithDampersKeepsAngularMomentumToSecondOrder) {
         Journey run(model, h);
         run.start();
         run.step();
-        const Vector3 start = run.network().interior()->momentum(run.network().mechanism()).angular;
+        const Vector3 start = run.network().interior()->momentum().angular;
         double largest = 0;
         while (run.time() < 1) {
             run.step();
-            const Vector3 now = run.network().interior()->momentum(run.network().mechanism()).angular;
+            const Vector3 now = run.network().interior()->momentum().angular;
             largest = std::max(largest, (now - start).norm() / start.norm());
         }
         return largest;
@@ -688,10 +688,10 @@ TEST(Interior, AThrownBeamOfLongStepsIsFollowed) {
     Journey run(make_thrown_beam(204e9), 2e-3);
     run.start();
     run.step();
-    const Twist start = run.network().interior()->newmark_momentum(run.network().mechanism());
+    const Twist start = run.network().interior()->newmark_momentum();
     const double energy = run.energy();
     for (int n = 0; n < 300; ++n) run.step();
-    const Twist end = run.network().interior()->newmark_momentum(run.network().mechanism());
+    const Twist end = run.network().interior()->newmark_momentum();
     EXPECT_LT((end.angular - start.angular).norm(), 1e-6 * start.angular.norm());
     EXPECT_NEAR(run.energy(), energy, 0.02 * energy);
 }
@@ -1070,12 +1070,12 @@ TEST(Interior, ThePortsFeelWhatTheInsideLoses) {
     for (int n = 0; n < 10; ++n) bridge.step();
     for (const double extra : {0.0, 1e-9, 1e-6, 1e-4}) {
         const auto trial = bridge.motions(bridge.n + 1, extra * Vector6::Ones());
-        const Twist before = bridge.network.interior()->momentum(bridge.network.mechanism());
+        const Twist before = bridge.network.interior()->momentum();
         Vector3 x[2];
         for (int p : {0, 1}) x[p] = bridge.network.mechanism().frame(p).origin();
         const auto w = bridge.wrench(trial);
         bridge.network.commit_step(trial.data());
-        const Twist after = bridge.network.interior()->momentum(bridge.network.mechanism());
+        const Twist after = bridge.network.interior()->momentum();
         Vector3 force = Vector3::Zero(), moment = Vector3::Zero();
         for (int p : {0, 1}) {
             const Eigen::Map<const Vector3> F(&w[static_cast<size_t>(6 * p)]), M(&w[static_cast<size_t>(6 * p + 3)]);
@@ -1135,10 +1135,10 @@ TEST(Interior, ThePortsFeelWhatTheInsideLosesAfterAnyIteration) {
             const auto trial = bridge.motions(bridge.n + 1, 1e-6 * std::sin(0.7 * n) * Vector6::Ones());
             dttmm_progress progress{};
             for (int i = 0; i < every; ++i) bridge.network.iterate(trial.data(), progress);
-            const Twist before = bridge.network.interior()->momentum(bridge.network.mechanism());
+            const Twist before = bridge.network.interior()->momentum();
             const auto w = bridge.answer(trial);
             bridge.network.commit_step(trial.data());
-            const Twist after = bridge.network.interior()->momentum(bridge.network.mechanism());
+            const Twist after = bridge.network.interior()->momentum();
             Vector3 force = Vector3::Zero();
             for (size_t p : {0, 1}) force += Eigen::Map<const Vector3>(&w[6 * p]);
             const double size = Bridge::h * Eigen::Map<const Eigen::VectorXd>(w.data(), 12).norm();

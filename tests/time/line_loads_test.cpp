@@ -78,8 +78,8 @@ TEST(LineLoadsInside, EveryRowIsInBalance) {
                 const FrameSpec& spec = mechanism.assembly.frames[as_size(f)];
                 const FrameView at = mechanism.frame_before(f);
                 const Matrix3 R = at.axes();
-                const Twist a = network.interior()->acceleration(mechanism, f, Vector3::Zero());
-                const Vector3 w = R.transpose() * network.interior()->velocity(f).angular;
+                const Twist a = network.interior()->instant().acceleration(f, Vector3::Zero());
+                const Vector3 w = R.transpose() * network.interior()->instant().velocity(f).angular;
                 const Vector3 push = spec.mass * (a.linear - kPull);
                 left.head<3>() += push;
                 left.tail<3>() +=
@@ -128,7 +128,7 @@ TEST(LineLoadsInside, AFreeLineTakesUpTheirImpulse) {
     for (uint64_t n = 0; n < 500; ++n) {
         network.begin_step({n, static_cast<double>(n) * h, h}, loads.data());
         network.commit_settled(nullptr);
-        const Twist momentum = network.interior()->momentum(network.mechanism());  // half a step before the end
+        const Twist momentum = network.interior()->momentum();  // half a step before the end
         const double t = (static_cast<double>(n) + 0.5) * h;
         EXPECT_LT((momentum.linear - t * rate).norm(), 1e-12 * rate.norm()) << n;
     }

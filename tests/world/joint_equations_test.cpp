@@ -89,7 +89,7 @@ TEST_P(AllJoints, JacobianIsTheRateOfTheEquations) {
     const std::vector<BodyState> at = off();
     const JointEquations::Jacobian J = joint.jacobian(at);
     Eigen::VectorXd rate = Eigen::VectorXd::Zero(joint.count());
-    for (const size_t side : {0, 1}) {
+    for (const size_t side : {0u, 1u}) {
         const int body = joint.bodies()[side];
         if (body < 0) continue;
         Eigen::Matrix<double, 6, 1> u;

@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "time/interior_layout.h"
+#include "time/inside.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
+#include <utility>
+
+#include "core/rotation.h"
+#include "statics/frame_links.h"
 
 namespace dttmm::plugin {
 
@@ -21,27 +27,41 @@ Matrix3 inverse_of(const Matrix3& moments) {
     return principal.eigenvectors() * inverse.asDiagonal() * principal.eigenvectors().transpose();
 }
 
+/// Radius of gyration below which a mass is a point [m].
+constexpr double kSmallestGyration = 1e-7;
+
+/// Translation and rotation of every inner frame: whether it has no mass, no inertia.
+std::vector<std::array<bool, 2>> massless_halves(const Mechanism& mechanism) {
+    std::vector<std::array<bool, 2>> halves;
+    for (auto f = as_size(mechanism.assembly.driven_count); f < mechanism.assembly.frames.size(); ++f) {
+        const FrameSpec& frame = mechanism.assembly.frames[f];
+        halves.push_back({frame.mass == 0, frame.inertia.trace() <= kSmallestGyration * kSmallestGyration * frame.mass});
+    }
+    return halves;
+}
+
 }  // namespace
 
-InteriorLayout::InteriorLayout(const Mechanism& mechanism, const dttmm_network& description, const MasslessFrames& massless,
-                               const Loading& loading)
-    : ports(mechanism.assembly.port_count),
-      driven(mechanism.assembly.driven_count),
-      count(mechanism.assembly.inner_count()),
+Inside::Inside(const Mechanism& whole, const dttmm_network& description, Loading all_loads)
+    : mechanism(whole),
+      massless(whole, massless_halves(whole)),
+      loading(std::move(all_loads)),
+      ports(whole.assembly.port_count),
+      driven(whole.assembly.driven_count),
+      count(whole.assembly.inner_count()),
       gravity(Eigen::Map<const Vector3>(description.gravity)) {
     read_nodes(description);
     inertias.reserve(as_size(count));
     inverse_moments.reserve(as_size(count));
-    for (int f = 0; f < count; ++f) {
-        const FrameSpec& frame = mechanism.assembly.frames[as_size(driven + f)];
+    for (size_t i = 0; i < as_size(count); ++i) {
+        const FrameSpec& frame = mechanism.assembly.frames[frame_of(i)];
         inertias.push_back({frame.mass, frame.inertia});
-        inverse_moments.push_back(massless.is_massless(as_size(f), 1) ? Matrix3(Matrix3::Zero())
-                                                                      : inverse_of(frame.inertia));
+        inverse_moments.push_back(massless.is_massless(i, 1) ? Matrix3(Matrix3::Zero()) : inverse_of(frame.inertia));
     }
-    set_reaches(mechanism);
-    choose_receivers(mechanism, massless);
-    choose_near(mechanism);
-    choose_loaded(loading, massless);
+    set_reaches();
+    choose_receivers();
+    choose_near();
+    choose_loaded();
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Joint& joint = mechanism.joints[j];
         if (joint.from() < ports || joint.to() < ports) port_joints.push_back(j);
@@ -49,9 +69,50 @@ InteriorLayout::InteriorLayout(const Mechanism& mechanism, const dttmm_network& 
         if (joint.rigid().any()) rigid_joints.push_back(j);
         if (massless.is_settling(j)) settling_joints.push_back(j);
     }
+    make_room();
 }
 
-void InteriorLayout::read_nodes(const dttmm_network& description) {
+/// Of what is kept from step to step, and of what is small.
+void Inside::make_room() {
+    for (auto* list : {&past.u, &past.u_before, &momenta}) list->assign(as_size(count), Vector6::Zero());
+    for (auto* list : {&past.velocity, &past.velocity_before}) list->resize(as_size(count));
+    frame_loads.resize(loaded.size());
+    const auto rows_of = [](const Joint& joint) { return joint.rigid().count(); };
+    for (auto* list : {&rigid, &trial_q, &motion_q})
+        list->assign(
+            std::transform_reduce(mechanism.joints.begin(), mechanism.joints.end(), size_t{0}, std::plus(), rows_of), 0.0);
+    for (auto* list : {&port_u, &port_u_before}) list->assign(as_size(ports), Vector6::Zero());
+}
+
+/// Of all frames: not before the start, as statics and slow motions take much memory for a while.
+void Inside::make_room_for_steps() {
+    motion.assign(as_size(count), Vector6::Zero());
+    wrench.assign(mechanism.frames.size(), Vector6::Zero());
+    trial = mechanism.frames;
+}
+
+Vector6 Inside::rigid_values(size_t j, const std::vector<double>& q) const {
+    Vector6 f = Vector6::Zero();
+    for_each_rigid(mechanism.joints[j], [&](int i, int d) { f(d) = q[rigid_row(j, i)]; });
+    return f;
+}
+
+void Inside::place(std::span<const Vector6> u) { move_frames(step_size(), inner(mechanism.frames), u, inner(trial)); }
+
+void Inside::place(size_t i, const Vector6& u) {
+    const size_t f = frame_of(i);
+    move_frames(step_size(), {&mechanism.frames[f], 1}, {&u, 1}, {&trial[f], 1});
+}
+
+int Inside::fastest_element(std::span<const Vector6> u) const {
+    const auto size = [&](size_t i) { return u[i].head<3>().squaredNorm() + turn_weight[i] * u[i].tail<3>().squaredNorm(); };
+    size_t worst = 0;
+    for (size_t i = 1; i < inertias.size(); ++i)
+        if (!(size(i) <= size(worst))) worst = i;
+    return mechanism.assembly.frames[frame_of(worst)].element;
+}
+
+void Inside::read_nodes(const dttmm_network& description) {
     for (uint32_t i = 0; i < description.node_count; ++i) {
         const dttmm_node& node = description.nodes[i];
         if (node.kind != DTTMM_NODE_INNER) continue;
@@ -61,7 +122,7 @@ void InteriorLayout::read_nodes(const dttmm_network& description) {
     }
 }
 
-void InteriorLayout::set_reaches(const Mechanism& mechanism) {
+void Inside::set_reaches() {
     port_reach.assign(as_size(ports), 0);
     for (const Inertia& inertia : inertias)
         reach.push_back(inertia.mass > 0 ? std::sqrt(inertia.moment.trace() / inertia.mass) : 0);
@@ -81,7 +142,7 @@ void InteriorLayout::set_reaches(const Mechanism& mechanism) {
     }
 }
 
-void InteriorLayout::choose_loaded(const Loading& loading, const MasslessFrames& massless) {
+void Inside::choose_loaded() {
     load_of.assign(inertias.size(), -1);
     for (size_t i = 0; i < inertias.size(); ++i) {
         if (!loading.is_on(driven + as_int(i)) && massless.index_of(i) < 0) continue;
@@ -91,7 +152,7 @@ void InteriorLayout::choose_loaded(const Loading& loading, const MasslessFrames&
 }
 
 /// The nearest frame over joints that has mass and inertia, or a body of the host.
-void InteriorLayout::choose_receivers(const Mechanism& mechanism, const MasslessFrames& massless) {
+void Inside::choose_receivers() {
     const auto receives = [&](int frame) {
         if (!is_inner(frame)) return frame < ports;
         return massless.index_of(at(frame)) < 0;
@@ -112,7 +173,7 @@ void InteriorLayout::choose_receivers(const Mechanism& mechanism, const Massless
 }
 
 /// What the ports feel: their own joints, and those of the frames whose receivers they are.
-void InteriorLayout::choose_near(const Mechanism& mechanism) {
+void Inside::choose_near() {
     std::vector<bool> at_port(mechanism.frames.size(), false);
     for (int f = 0; f < as_int(at_port.size()); ++f) {
         const bool is_received = is_inner(f) && receivers[at(f)] >= 0 && receivers[at(f)] < ports;

@@ -39,7 +39,8 @@ void LawRows::form(const Mechanism& mechanism, const std::vector<Frame>& at) {
         const JointPose pose = joint.pose(from, to);
         const Vector6 x = joint.deformation(pose, from, to);
         for (int end : {0, 1})
-            row.G[end] = rigid_rows(x.tail<3>(), local_columns(joint, pose, end, mechanism.frame(joint.frame(end)))).row(row.direction);
+            row.G[end] = rigid_rows(x.tail<3>(), local_columns(joint, pose, end, mechanism.frame(joint.frame(end))))
+                             .row(row.direction);
         row.gain = joint
                        .on_path(mechanism.scheme, row.direction, mechanism.states[row.joint].deformation()(row.direction),
                                 x(row.direction), mechanism.memory(row.joint))

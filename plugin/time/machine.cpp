@@ -197,12 +197,12 @@ void Machine::place_blocks() {
     const auto is_seen = [&](const dttmm_block& block) { return std::max(block.row, block.column) < body_count_; };
     for (const bool wants_seen : {true, false}) {
         for (Part& part : networks_)
-            for (size_t b = 0; b < part.network.blocks().size(); ++b) {
-                const dttmm_block& block = part.network.blocks()[b];
+            for (size_t b = 0; b < part.network.blocks().list().size(); ++b) {
+                const dttmm_block& block = part.network.blocks().list()[b];
                 if (is_seen(block) != wants_seen) continue;
                 const auto [place, is_new] = places.try_emplace({block.row, block.column}, blocks_.size());
                 if (is_new) blocks_.push_back(block);
-                part.network.place_block(b, place->second);
+                part.network.blocks().place(b, place->second);
             }
         if (wants_seen) seen_blocks_ = blocks_.size();
     }
@@ -220,8 +220,8 @@ void Machine::place_channels(std::span<const std::vector<uint32_t>> units) {
         for (size_t e = 0; e < part.network.places().elements.size(); ++e)
             piece_of[part.network.places().elements[e]] = {&part.network, e};
     const auto place = [&](Network& network, size_t piece) {
-        network.place_outputs(piece, channels_.size());
-        const auto channels = network.piece(piece);
+        network.results().place(piece, channels_.size());
+        const auto channels = network.results().piece(piece);
         channels_.insert(channels_.end(), channels.begin(), channels.end());
     };
     size_t count = 0;
@@ -230,12 +230,12 @@ void Machine::place_channels(std::span<const std::vector<uint32_t>> units) {
     for (const std::vector<uint32_t>& unit : units) {
         for (uint32_t e : unit) place(*piece_of[e].first, piece_of[e].second);
         Network& network = *piece_of[unit.front()].first;
-        const size_t others = network.piece_count() - 1;
-        if (!network.piece(others).empty()) place(network, others);
+        const size_t others = network.results().piece_count() - 1;
+        if (!network.results().piece(others).empty()) place(network, others);
     }
     if (!supports_.empty()) channels_.push_back({"work_of_supports", "J", DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_WORK});
-    for (Part& part : networks_) part.network.forget_channels();
-    for (const Part& part : networks_) std::ranges::copy(part.network.lines(), std::back_inserter(lines_));
+    for (Part& part : networks_) part.network.results().forget_channels();
+    for (const Part& part : networks_) std::ranges::copy(part.network.results().lines(), std::back_inserter(lines_));
 }
 
 // ---- Phases -------------------------------------------------------------------------------------------------------------

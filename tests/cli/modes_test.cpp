@@ -769,9 +769,9 @@ TEST(ModesCases, ShapesOfMultipleFrequenciesDoNotDependOnTheQuestion) {
 // Oracle: the tube lies along x: its translations come first, its bending pairs move along y, then along z.
 TEST(ModesCases, ShapesOfMultipleFrequenciesLieAlongTheAxes) {
     const nlohmann::json modes = modes_of_file(modes_model("free_tube"), {"--count", "8"});
-    for (const auto& [mode, direction] : {std::pair{0, 0}, {1, 1}, {2, 2}, {6, 1}, {7, 2}})
+    for (const auto& [mode, direction] : {std::pair{0u, 0u}, {1u, 1u}, {2u, 2u}, {6u, 1u}, {7u, 2u}})
         for (const auto& [place, motion] : modes["modes"][mode]["shape"].items())
-            for (int d = 0; d < 3; ++d) {
+            for (unsigned d = 0; d < 3; ++d) {
                 if (d == direction)
                     EXPECT_GT(std::abs(motion[d].get<double>()), 0.1) << mode << place;
                 else

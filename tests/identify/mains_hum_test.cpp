@@ -115,7 +115,7 @@ TEST(MainsHum, AVibrationIsNoHum) {
     EXPECT_THAT(fault(record(1e-3, 6000, 0.01, [](double t) { return std::exp(-t) * std::cos(kTwoPi * 50.4 * t); })),
                 HasSubstr("a vibration, or hum in a part"));
     // A damping ratio of 0.2 % over 100 and 400 periods
-    for (const size_t rows : {2000, 8000})
+    for (const size_t rows : {2000u, 8000u})
         EXPECT_THAT(
             fault(record(1e-3, rows, 0.01,
                          [](double t) { return std::exp(-0.002 * kTwoPi * 48.5 * t) * std::cos(kTwoPi * 48.5 * t); })),

@@ -61,7 +61,7 @@ TEST(GltfFile, TheWorldStandsUprightAndBodiesAreTheirBoxes) {
     write_scene_run(folder);
     const GlbReader file = exported_film(folder);
     const auto& nodes = file.json["nodes"];
-    EXPECT_EQ(file.json["scenes"][0]["nodes"], nlohmann::json({0}));
+    EXPECT_EQ(file.json["scenes"][0]["nodes"], nlohmann::json::array({0}));
     const std::vector<double> q = nodes[0]["rotation"];
     EXPECT_NEAR(q[0], -std::sqrt(0.5), 1e-12);
     EXPECT_NEAR(q[3], std::sqrt(0.5), 1e-12);

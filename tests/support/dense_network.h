@@ -15,7 +15,7 @@ public:
     using Network::Network;
 
     void linearise(const dttmm_motion* bodies, double* wrench, double* stiffness, double* damping) const {
-        std::vector<double> K(36 * blocks().size()), C(K.size());
+        std::vector<double> K(36 * blocks().list().size()), C(K.size());
         Network::linearise(bodies, cleared(wrench), K.data(), C.data());
         spread(K, stiffness);
         spread(C, damping);
@@ -42,7 +42,7 @@ public:
     }
     /// The answer from where it has come to.
     void answer(const dttmm_motion* trial, double* wrench, double* stiffness) const {
-        std::vector<double> K(36 * blocks().size());
+        std::vector<double> K(36 * blocks().list().size());
         Network::evaluate(trial, cleared(wrench), stiffness ? K.data() : nullptr);
         spread(K, stiffness);
     }
@@ -56,8 +56,8 @@ private:
         using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
         Eigen::Map<RowMajor> M(matrix, 6 * port_count(), 6 * port_count());
         M.setZero();
-        for (size_t b = 0; b < blocks().size(); ++b)
-            M.block<6, 6>(6 * blocks()[b].row, 6 * blocks()[b].column) =
+        for (size_t b = 0; b < blocks().list().size(); ++b)
+            M.block<6, 6>(6 * blocks().list()[b].row, 6 * blocks().list()[b].column) =
                 Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(&list[36 * b]);
     }
 };

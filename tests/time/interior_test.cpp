@@ -1114,7 +1114,7 @@ TEST(Interior, PortsThatAreNoNumbersAreRefusedAndForgotten) {
     Bridge told, twin;
     for (int n = 0; n < 10; ++n) told.step(), twin.step();
     for (const bool knows_better : {false, true})
-        for (const size_t port : {0, 1})
+        for (const size_t port : {0u, 1u})
             for (const int at : {0, 1, 2}) {
                 if (knows_better) told.network.settle(told.motions(11, 1e-5 * Vector6::Ones()).data());
                 std::vector<dttmm_motion> bad = told.motions(11);
@@ -1140,7 +1140,7 @@ TEST(Interior, ThePortsFeelWhatTheInsideLosesAfterAnyIteration) {
             bridge.network.commit_step(trial.data());
             const Twist after = bridge.network.interior()->momentum();
             Vector3 force = Vector3::Zero();
-            for (size_t p : {0, 1}) force += Eigen::Map<const Vector3>(&w[6 * p]);
+            for (size_t p : {0u, 1u}) force += Eigen::Map<const Vector3>(&w[6 * p]);
             const double size = Bridge::h * Eigen::Map<const Eigen::VectorXd>(w.data(), 12).norm();
             EXPECT_LT((after.linear - before.linear + Bridge::h * force).norm(), 1e-11 * size) << every << ", step " << n;
             ++bridge.n;

@@ -124,7 +124,7 @@ TEST(Machine, EqualsItsElementsAsOneNetwork) {
     const auto names = channel_names(network, machine.channels()), whole_names = channel_names(network, whole.channels());
     for (uint64_t n = 0; n < 12; ++n) {
         const Answer found = take_step(machine, network, n, machine.blocks().size()),
-                     expected = take_step(whole, network, n, whole.blocks().size());
+                     expected = take_step(whole, network, n, whole.blocks().list().size());
         const auto expect_near = [&](const std::vector<double>& x, const std::vector<double>& y, const char* what) {
             double largest = 0;
             for (double value : y) largest = std::max(largest, std::abs(value));
@@ -135,8 +135,8 @@ TEST(Machine, EqualsItsElementsAsOneNetwork) {
         expect_near(found.mean, expected.mean, "mean wrench");
         expect_near(found.standing, expected.standing, "wrench that stands");
         std::map<std::pair<uint32_t, uint32_t>, const double*> block_of;
-        for (size_t b = 0; b < whole.blocks().size(); ++b)
-            block_of[{whole.blocks()[b].row, whole.blocks()[b].column}] = &expected.stiffness[36 * b];
+        for (size_t b = 0; b < whole.blocks().list().size(); ++b)
+            block_of[{whole.blocks().list()[b].row, whole.blocks().list()[b].column}] = &expected.stiffness[36 * b];
         for (size_t b = 0; b < machine.blocks().size() && n == 0; ++b) {  // later each network has it from a step of its own
             const double* own = block_of.at({machine.blocks()[b].row, machine.blocks()[b].column});
             for (size_t i = 0; i < 36; ++i) EXPECT_NEAR(found.stiffness[36 * b + i], own[i], 1) << b << ", " << i;
@@ -209,7 +209,7 @@ TEST(Machine, TellsWhatElementsTakeUp) {
             }
     EXPECT_NEAR(elastic[0] + elastic[1] + elastic[2] + elastic[3] + elastic[4], sum, 1e-6 * sum);
     EXPECT_NEAR(damped[0], damping, 1e-9 * damping) << "of the springs between bodies only one has a damper";
-    for (size_t e : {0, 1, 2, 3, 4}) EXPECT_GT(elastic[e], 0) << e;
+    for (size_t e : {0u, 1u, 2u, 3u, 4u}) EXPECT_GT(elastic[e], 0) << e;
     EXPECT_EQ(elastic[5], 0) << "a mass";
     EXPECT_LT(elastic[6], 1e-9 * sum) << "nothing moves it";
 }

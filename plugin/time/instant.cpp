@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "time/instant.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "core/rotation.h"
+
+namespace dttmm::plugin {
+
+Instant::Instant(const PortBodies& bodies, Interior* interior)
+    : bodies_(bodies),
+      mechanism_(bodies.mechanism),
+      interior_(interior),
+      port_velocities_(bodies.bodies.size()),
+      forces_(mechanism_.joints.size(), Vector6::Zero()),
+      wrenches_(mechanism_.frames.size(), Vector6::Zero()) {}
+
+Twist Instant::velocity(int frame) const {
+    if (frame < bodies_.count()) return port_velocities_[as_size(frame)];
+    return interior_ ? interior_->instant().velocity(frame) : Twist{};
+}
+
+/// Of a joint's deformation. Where rigid directions act, whose forces are known over the step only, velocities of the
+/// instant differ from each other by what these lack, of which a stiff damper would make forces: there the increments tell
+/// the rate.
+Vector6 Instant::deformation_rate(size_t j) const {
+    const Joint& joint = mechanism_.joints[j];
+    const FrameView from = mechanism_.frame_before(joint.from()), to = mechanism_.frame_before(joint.to());
+    const auto rate_of = [&](const Twist& v_from, const Twist& v_to) {
+        if (!joint.is_line()) return joint.rate(from, v_from, to, v_to);
+        return joint.rate(from, v_from, to, v_to, mechanism_.states[j].deformation_before());
+    };
+    const bool is_by_increments = by_increments_ || (interior_ && interior_->has_rigid_directions());
+    if (!is_by_increments || mechanism_.steps == 1) return rate_of(velocity(joint.from()), velocity(joint.to()));
+    const auto correction = [&](int frame) { return interior_ ? interior_->instant().correction(frame) : Twist{}; };
+    Vector6 total = rate_of(correction(joint.from()), correction(joint.to()));
+    const double per_step = 0.5 / mechanism_.scheme.step_size();
+    if (const DamperState* damper = mechanism_.damper(j))
+        for (int half : {0, 1})
+            total.segment<3>(3 * half) += per_step * (damper->halves[half].delta[0] + damper->halves[half].delta[1]);
+    return total;
+}
+
+/// Newmark's rule has (a_n + a_{n+1})/2 as the acceleration over a step, so elastic forces are means of its two ends and
+/// dampers have the mean rate.
+void Instant::find_mean_wrenches() {
+    const double h = mechanism_.scheme.step_size();
+    std::fill(wrenches_.begin(), wrenches_.end(), Vector6::Zero());
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const Joint& joint = mechanism_.joints[j];
+        const JointState& state = mechanism_.states[j];  // d_before is that at t_n
+        const Vector6 x = state.deformation_before();
+        Vector6 rate = Vector6::Zero();
+        if (const DamperState* damper = mechanism_.damper(j)) {
+            rate << damper->halves[0].delta[0], damper->halves[1].delta[0];
+            rate /= h;
+        }
+        Vector6 f = joint.force(x, rate, mechanism_.memory_before(j), 0.5);
+        if (joint.has_laws()) f += joint.beyond_mean(mechanism_.scheme, x, state.deformation(), mechanism_.memory_before(j));
+        if (joint.rigid().any()) f += interior_->instant().rigid_force_over_step(j);
+        const auto from = as_size(joint.from()), to = as_size(joint.to());
+        JointForce force = joint.pose(mechanism_.before[from], mechanism_.before[to]).act(f);
+        force.add(0.5, state.elastic);
+        Joint::add_wrench(force, wrenches_[from].data(), wrenches_[to].data());
+    }
+    if (interior_) interior_->instant().find_velocities(wrenches_);
+}
+
+/// Forces of the joints and wrenches on the frames, as velocities and rigid directions are known.
+void Instant::find_forces() {
+    std::fill(wrenches_.begin(), wrenches_.end(), Vector6::Zero());
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const Joint& joint = mechanism_.joints[j];
+        const JointState& state = mechanism_.states[j];
+        const auto from = as_size(joint.from()), to = as_size(joint.to());
+        Vector6& f = forces_[j] =
+            joint.force(state.deformation_before(), mechanism_.damper(j) ? deformation_rate(j) : Vector6(Vector6::Zero()),
+                        mechanism_.memory_before(j));
+        if (joint.rigid().any()) f += interior_->instant().rigid_force(j);
+        const JointForce force = joint.pose(mechanism_.before[from], mechanism_.before[to]).act(f);
+        Joint::add_wrench(force, wrenches_[from].data(), wrenches_[to].data());
+    }
+}
+
+void Instant::find_by_port_velocities() {
+    const auto velocity_of = [&](int frame) { return velocity(frame); };
+    if (interior_) interior_->instant().find_massless_velocities([&](size_t j) { return deformation_rate(j); });
+    find_forces();
+    if (interior_ && interior_->instant().is_to_balance_rigid()) {
+        interior_->instant().balance_rigid(wrenches_, velocity_of);
+        find_forces();
+    }
+    if (interior_)
+        interior_->instant().find_accelerations(wrenches_, velocity_of,
+                                                [&](size_t j) -> const Vector6& { return forces_[j]; });
+    is_known_ = true;
+}
+
+void Instant::find(const dttmm_motion* motions, const double* accelerations) {
+    for (int p = 0; p < bodies_.count(); ++p) port_velocities_[as_size(p)] = bodies_.velocity(p, motions);
+    if (accelerations && interior_)
+        for (int p = 0; p < bodies_.count(); ++p)
+            interior_->instant().set_port_acceleration(p, bodies_.acceleration(p, accelerations));
+    find_by_port_velocities();
+}
+
+void Instant::find_by_centred_velocities(const std::vector<Frame>& earlier_frames, const std::vector<Twist>& start) {
+    find_mean_wrenches();
+    const double per_step = 0.5 / mechanism_.scheme.step_size();
+    for (size_t p = 0; p < port_velocities_.size(); ++p) {
+        if (mechanism_.steps == 1) {
+            port_velocities_[p] = start[p];
+            continue;
+        }
+        const FrameView earlier = earlier_frames[p], at = mechanism_.before[p], later = mechanism_.frames[p];
+        port_velocities_[p] = {per_step * (later.origin() - earlier.origin()),
+                               per_step * (rotation_vector(later.axes() * at.axes().transpose()) +
+                                           rotation_vector(at.axes() * earlier.axes().transpose()))};
+    }
+    by_increments_ = true;
+    find_by_port_velocities();
+    by_increments_ = false;
+}
+
+void Instant::add_wrenches(double* wrench) const {
+    for (int p = 0; p < bodies_.count(); ++p) bodies_.add_wrench(p, wrenches_[as_size(p)], wrench);
+}
+
+void Instant::add_rigid_wrenches(double* wrench) const {
+    if (!interior_ || !interior_->has_rigid_directions()) return;
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const Joint& joint = mechanism_.joints[j];
+        if (joint.rigid().none() || std::min(joint.from(), joint.to()) >= bodies_.count()) continue;
+        const JointPose pose = joint.pose(mechanism_.frame_before(joint.from()), mechanism_.frame_before(joint.to()));
+        bodies_.add_wrench(joint, pose.act(interior_->instant().rigid_force_over_step(j)), wrench);
+    }
+}
+
+}  // namespace dttmm::plugin

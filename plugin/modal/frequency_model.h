@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
-#include <map>
 #include <memory>
-#include <optional>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "core/index.h"
@@ -101,9 +97,9 @@ struct LineModel {
 /// A machine in small vibrations about its start, as data: frames (bodies of the host, then masses and nodes of the network)
 /// that bonds and lines join. Directions that the model leaves out do not move, neither in joints nor along lines.
 struct FrequencyModel {
-    /// rest: of the elements of model.rest; else null. Throws Error naming body or element: what assemble() refuses, numbers
-    /// of a body that are not finite or a mass that is not positive, lines at an angle to the directions left, a stiffness
-    /// of a section that is needed and not given, nothing that moves.
+    /// See FrequencyAssembly. rest: of the elements of model.rest; else null. Throws Error naming body or element: what
+    /// assemble() refuses, numbers of a body that are not finite or a mass that is not positive, lines at an angle to the
+    /// directions left, a stiffness of a section that is needed and not given, nothing that moves.
     explicit FrequencyModel(const dttmm_modal_model& model, const AtRest* rest = nullptr);
 
     struct Frame {
@@ -178,29 +174,6 @@ struct FrequencyModel {
     Vector6 node_motion(size_t node, const FrameVector& u) const;
     /// Whether a line is a bar that its frames turn: a rod where no direction is left out.
     bool is_bar(const LineModel& line) const { return line.line.stretches_only && directions.all(); }
-
-private:
-    void add_bodies(const dttmm_network& network, const dttmm_rest* rest);
-    std::vector<int> add_inner_frames(const Assembly& assembly);
-    void refer_to_nodes();
-    void find_resting_lines(const dttmm_modal_model& model, const AtRest& rest);
-    std::vector<const AtRest::Link*> place_at_rest(const AtRest& rest, Assembly& assembly);
-    void add_joint_at_rest(const dttmm::plugin::Joint& joint, const AtRest::Link& link, int from, int to);
-    void turn_constraint(const double* stiffness, double factor);
-    void add_loads_at_rest(const dttmm_modal_model& model, const AtRest& rest);
-    void add_bar_force(const LineModel& line, const LineForces& forces);
-    void add_deviation(const LineModel& line, const LineForces& forces, double start, const LineShapes& shapes);
-    void add_lever(int element, int frame, const Vector3& point, const Vector3& force);
-    void add_joint(int element, int from, int to, const JointLaw& law, const Pose& pose);
-    void add_lines(const std::vector<LineSpec>& specs, const std::vector<int>& frame_of);
-    void add_line(const LineSpec& spec, int from, int to, const std::optional<LineForces>& forces);
-    size_t find_kind(const LineSpec& spec, double length, double axial);
-    Directions active_axes(const LineSpec& spec) const;
-    void add_pin(const LineModel& line);
-
-    /// What lines of one kind share, to the bit: section, length, whether it is a rod, active directions, axial force.
-    using Key = std::tuple<std::array<uint64_t, sizeof(Section) / sizeof(double)>, double, bool, unsigned long, double>;
-    std::map<Key, size_t> known_kinds_;
 };
 
 /// Mass of a rod of a length [m] as a rigid body but for its axis x, about its middle, local axes: by [velocity; angular

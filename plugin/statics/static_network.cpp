@@ -11,6 +11,7 @@
 #include "core/index.h"
 #include "core/rotation.h"
 #include "statics/frame_links.h"
+#include "statics/resting_joint.h"
 
 namespace dttmm::plugin {
 
@@ -87,7 +88,7 @@ AtRest::Link StaticNetwork::link(size_t j) const {
     const Joint& joint = mechanism_.joints[j];
     const Ends at_ends = ends(joint);
     const Vector6 x = joint.deformation(joint.pose(at_ends), at_ends.from, at_ends.to);
-    return {at_ends.from.copy(), at_ends.to.copy(), joint.at_rest(x).force, rigid_force(j)};
+    return {at_ends.from.copy(), at_ends.to.copy(), resting_force(joint, x).force, rigid_force(j)};
 }
 
 // ---- What lacks ---------------------------------------------------------------------------------------------------------
@@ -101,7 +102,7 @@ void StaticNetwork::find_residuals() {
         const Ends at_ends = ends(joint);
         const JointPose pose = joint.pose(at_ends);
         const Vector6 x = joint.deformation(pose, at_ends.from, at_ends.to);
-        const JointForce force = joint.carry(at_ends, joint.at_rest(x).force, rigid_force(j));
+        const JointForce force = carried_force(joint, at_ends, resting_force(joint, x).force, rigid_force(j));
         Joint::add_wrench(force, residual_[as_size(joint.from())].data(), residual_[as_size(joint.to())].data());
         force_ = std::max(force_, force.force.norm());
         const double stiffest = joint.law().stiffness.head<3>().maxCoeff();
@@ -157,8 +158,8 @@ void StaticNetwork::predict_forces(double share) {
         const Ends at_ends{base_[as_size(joint.from())], base_[as_size(joint.to())]};
         const JointPose pose = joint.pose(at_ends);
         const Vector6 x = joint.deformation(pose, at_ends.from, at_ends.to);
-        const Vector6 change = joint.change(pose, x, motion_of(joint.from()), motion_of(joint.to()));
-        const Joint::AtRest rest = joint.at_rest(x);
+        const Vector6 change = change_of_deformation(joint, pose, x, motion_of(joint.from()), motion_of(joint.to()));
+        const RestingForce rest = resting_force(joint, x);
         predicted_[j] = rest.force + share * rest.tangent.cwiseProduct(change);
     }
     is_predicted_ = true;
@@ -172,9 +173,9 @@ void StaticNetwork::add_joint(size_t j) {
     const Ends at_ends = ends(joint);
     const JointPose pose = joint.pose(at_ends);
     const Vector6 x = joint.deformation(pose, at_ends.from, at_ends.to);
-    const Joint::AtRest rest = joint.at_rest(x);
-    const EndBlocks own = joint.stiffness(pose, joint.rest_tangent(x, rest.tangent)),
-                    turning = joint.turning_stiffness(at_ends, is_predicted_ ? predicted_[j] : rest.force, rigid_force(j));
+    const RestingForce rest = resting_force(joint, x);
+    const EndBlocks own = joint.stiffness(pose, joint.along(x, rest.tangent)),
+                    turning = turning_stiffness(joint, at_ends, is_predicted_ ? predicted_[j] : rest.force, rigid_force(j));
     for (int end : {0, 1}) {
         if (!is_inner(joint.frame(end))) continue;
         matrix_.add_diagonal(joint.frame(end) - driven_, own.at[end][end]);

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mechanism/joint_geometry.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <utility>
+
+#include "core/driven_ends.h"
+#include "core/error.h"
+#include "core/index.h"
+#include "core/rotation.h"
+
+namespace dttmm::plugin {
+
+JointKind::JointKind(std::shared_ptr<const JointLaw> of)
+    : law(std::move(of)),
+      is_damped(!law->damping.isZero(0)),
+      is_axial(law->axial.has_value()),
+      has_laws(law->has_laws() || is_axial) {
+    for (int half : {0, 1}) {
+        springs.halves[half].stiffness = law->stiffness.segment<3>(3 * half);
+        springs.halves[half].damping = law->damping.segment<3>(3 * half);
+    }
+    springs.turns = (law->carried() >> 3).any();
+    springs.line = law->line;
+    springs.is_line = law->line.mixed != 0;
+}
+
+void JointKind::set_scheme(const Scheme& scheme) {
+    if (step_size == scheme.step_size()) return;
+    // The unknown of the transfer equations is the increment over the open step, or, explicit, the one that ends at t_n.
+    const StepCoefficients step =
+        scheme.is_implicit() ? StepCoefficients{scheme.weight(0), scheme.rate(0)} : StepCoefficients{1, scheme.rate(1)};
+    // f = [−q; m] of the input end against d = x_O − x_I: −∂q/∂x_O for forces, ∂m/∂θ_O for moments
+    const EndForces ends = solve_driven_ends(law->transfer(step, Vector6::Zero()), law->resisting());
+    for (int i = 0; i < 3; ++i) {
+        solved[0](i) = -ends.S(i, 6 + i);
+        solved[1](i) = ends.S(3 + i, 9 + i);
+    }
+    step_size = scheme.step_size();
+}
+
+JointGeometry::JointGeometry(const JointSpec& spec, const Assembly& assembly, std::shared_ptr<JointKind> kind)
+    : kind_(std::move(kind)), element_(spec.element), from_(spec.from), to_(spec.to) {
+    const Pose& from = assembly.frames[as_size(from_)].pose;
+    const Pose& to = assembly.frames[as_size(to_)].pose;
+    seat_.from_axes = from.rotation.transpose() * spec.pose.rotation;
+    seat_.to_axes = to.rotation.transpose() * spec.pose.rotation;
+    seat_.rest = spec.pose.rotation.transpose() * (spec.pose.position - from.position);
+    seat_.to_point = to.rotation.transpose() * (spec.pose.position - to.position);
+    seat_.is_aligned = from.rotation == spec.pose.rotation;
+    seat_.is_straight = to.rotation == spec.pose.rotation;
+    seat_.has_lever = spec.pose.position != to.position;
+    if (!is_axial()) return;
+    const Vector3 start = spec.pose.position - law().axial->length * spec.pose.rotation.col(0);
+    from_point_ = from.rotation.transpose() * (start - from.position);
+}
+
+// ---- Kinematics ---------------------------------------------------------------------------------------------------------
+
+/// Its x along the line; where the others point is of no account.
+JointPose JointGeometry::axial_pose(FrameView from, FrameView to) const {
+    const Vector3 line = way(from, to);
+    const double length = line.norm();
+    if (!(length > 0)) throw Error(DTTMM_ERROR_NUMERIC, "its ends have met: its force has no direction there", element_);
+    JointPose pose{Matrix3(), seat_.arm(from, to), seat_.lever(to)};
+    pose.axes.col(0) = line / length;
+    pose.axes.col(1) = pose.axes.col(0).unitOrthogonal();
+    pose.axes.col(2) = pose.axes.col(0).cross(pose.axes.col(1));
+    return pose;
+}
+
+Vector6 JointGeometry::rate(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity) const {
+    const Vector6 x = kind_->springs.is_line ? deformation(pose(from, to), from, to) : Vector6(Vector6::Zero());
+    return rate(from, from_velocity, to, to_velocity, x);
+}
+
+Vector6 JointGeometry::rate(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity,
+                            const Vector6& x) const {
+    // r = R_fromᵀ p,  p = p_to − p_from  =>  r' = R_fromᵀ (p' − ω_from × p)
+    const auto& [R, arm, lever] = pose(from, to);
+    Vector6 rate;
+    rate << R.transpose() * (to_velocity.linear + to_velocity.angular.cross(lever) - from_velocity.linear -
+                             from_velocity.angular.cross(arm)),
+        R.transpose() * (to_velocity.angular - from_velocity.angular);
+    if (kind_->springs.is_line) rate(0) = stretch(x).dot(rate);
+    if (is_axial()) rate.tail<5>().setZero();
+    return rate;
+}
+
+Vector6 JointGeometry::acceleration(FrameView from, const Twist& from_velocity, const Twist& from_acceleration, FrameView to,
+                                    const Twist& to_velocity, const Twist& to_acceleration) const {
+    // r'' = R_fromᵀ (p'' − α × p − ω × (ω × p) − 2 ω × (p' − ω × p)),   ω and α of the `from` end
+    const auto& [R, p, l] = pose(from, to);
+    const Vector3 &w = from_velocity.angular, &w_to = to_velocity.angular;
+    const Vector3 p_rate = to_velocity.linear + w_to.cross(l) - from_velocity.linear;
+    const Vector3 a = to_acceleration.linear + to_acceleration.angular.cross(l) + w_to.cross(w_to.cross(l)) -
+                      (from_acceleration.linear + from_acceleration.angular.cross(p) + w.cross(w.cross(p)) +
+                       2 * w.cross(p_rate - w.cross(p)));
+    const Vector3 alpha = to_acceleration.angular - (from_acceleration.angular + w.cross(w_to));
+    Vector6 acceleration;
+    if (is_axial()) {  // L'' = n · r'' + |r' across the line|²/L,   r from point to point
+        const Vector3 o = arm_of_line(from), r_rate = p_rate - w.cross(o);
+        const Vector3 across = r_rate - R.col(0) * R.col(0).dot(r_rate);
+        const Vector3 r_second = to_acceleration.linear + to_acceleration.angular.cross(l) + w_to.cross(w_to.cross(l)) -
+                                 (from_acceleration.linear + from_acceleration.angular.cross(o) + w.cross(w.cross(o)));
+        acceleration << R.col(0).dot(r_second) + across.squaredNorm() / way(from, to).norm(), 0, 0, 0, 0, 0;
+        return acceleration;
+    }
+    acceleration << R.transpose() * a, R.transpose() * alpha;
+    if (kind_->springs.is_line) {  // of second degree: its second rate has twice its value for the rates
+        const Vector3 slide = R.transpose() * (p_rate - w.cross(p)), turn = R.transpose() * (w_to - w);
+        acceleration(0) = stretch(deformation(pose(from, to), from, to)).dot(acceleration) +
+                          2 * kind_->springs.drawn(slide, turn).elongation;
+    }
+    return acceleration;
+}
+
+Vector3 JointGeometry::turning(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity) const {
+    const auto& [R, arm, lever] = pose(from, to);
+    if (!is_axial()) return R.transpose() * from_velocity.angular;
+    const Vector3 line = way(from, to);
+    const Vector3 rate = to_velocity.linear + to_velocity.angular.cross(lever) - from_velocity.linear -
+                         from_velocity.angular.cross(arm_of_line(from));
+    return R.transpose() * line.cross(rate) / line.squaredNorm();
+}
+
+Matrix6 JointGeometry::by_from(const JointPose& pose) const {
+    Matrix6 G = Matrix6::Zero();
+    G.topLeftCorner<3, 3>() = G.bottomRightCorner<3, 3>() = -pose.axes.transpose();
+    G.topRightCorner<3, 3>() = pose.axes.transpose() * skew(pose.arm);
+    return G;
+}
+
+Matrix6 JointGeometry::by_to(const JointPose& pose) const {
+    Matrix6 G = Matrix6::Zero();
+    G.topLeftCorner<3, 3>() = G.bottomRightCorner<3, 3>() = pose.axes.transpose();
+    if (seat_.has_lever) G.topRightCorner<3, 3>() = -pose.axes.transpose() * skew(pose.lever);
+    return G;
+}
+
+Vector6 JointGeometry::deformation(const JointPose& pose, FrameView from, FrameView to) const {
+    Vector6 x;
+    if (is_axial()) {
+        x << way(from, to).norm() - kind_->law->axial->natural, 0, 0, 0, 0, 0;
+        return x;
+    }
+    x << pose.axes.transpose() * pose.arm - seat_.rest, Vector3::Zero();
+    if (turns()) x.tail<3>() = rotation_vector(Matrix3(pose.axes.transpose() * seat_.axes_at_to(to)));
+    if (kind_->springs.is_line) x(0) += kind_->springs.drawn(x.head<3>(), x.tail<3>()).elongation;
+    return x;
+}
+
+Vector6 JointGeometry::stretch(const Vector6& x) const {
+    Vector6 columns = Vector6::UnitX();
+    if (!kind_->springs.is_line) return columns;
+    const SpringsOf<double>::Drawn e = kind_->springs.drawn(x.head<3>(), x.tail<3>());
+    columns << 1, e.by_y, e.by_z, moment_of_gradient(x.tail<3>(), Vector3(0, e.by_turn_y, e.by_turn_z));
+    return columns;
+}
+
+// ---- What forces do to the frames ---------------------------------------------------------------------------------------
+
+EndBlocks JointGeometry::stiffness(const JointPose& pose, const Matrix6& answer) const {
+    const Matrix6 G[2] = {by_from(pose), by_to(pose)};
+    EndBlocks K;
+    for (int i : {0, 1})
+        for (int j : {0, 1}) K.at[i][j].noalias() = G[i].transpose() * answer * G[j];
+    return K;
+}
+
+/// A force of a line turns with it, and its points with the frames: F = n f, δF = f/L (δr − n (n·δr)).
+EndBlocks JointGeometry::axial_stiffness(FrameView from, FrameView to, const Vector3& force) const {
+    const Vector3 line = way(from, to), n = line.normalized();
+    const Vector3 arms[2] = {arm_of_line(from), seat_.lever(to)};
+    const Matrix3 across = force.dot(line) / line.squaredNorm() * (Matrix3::Identity() - n * n.transpose());
+    Eigen::Matrix<double, 3, 6> G[2];
+    for (int end : {0, 1}) {
+        const double sign = end == 0 ? -1 : 1;
+        G[end] << sign * Matrix3::Identity(), -sign * skew(arms[end]);
+    }
+    EndBlocks K;
+    for (int i : {0, 1}) {
+        for (int j : {0, 1}) K.at[i][j] = G[i].transpose() * across * G[j];
+        const Matrix3 aF = skew(arms[i]) * skew(force);
+        K.at[i][i].bottomRightCorner<3, 3>() += (i == 0 ? -0.5 : 0.5) * (aF + aF.transpose());
+    }
+    return K;
+}
+
+EndBlocks JointGeometry::acting_stiffness(const JointPose& pose, FrameView from, FrameView to, const Vector3& force) const {
+    if (is_axial()) return axial_stiffness(from, to, force);
+    // F goes with the axes of `from`, its point with `to`: δF = δθ_from × F, δp = δx_to + δθ_to × l
+    const Matrix3 F = skew(force), aF = skew(pose.arm) * F, lF = skew(pose.lever) * F;
+    EndBlocks K;
+    for (auto& row : K.at)
+        for (Matrix6& block : row) block.setZero();
+    K.at[0][0].topRightCorner<3, 3>() = F;
+    K.at[0][0].bottomLeftCorner<3, 3>() = -F;
+    K.at[0][0].bottomRightCorner<3, 3>() = 0.5 * (aF + aF.transpose());
+    K.at[0][1].bottomLeftCorner<3, 3>() = F;
+    K.at[0][1].bottomRightCorner<3, 3>() = -lF.transpose();
+    K.at[1][0].topRightCorner<3, 3>() = -F;
+    K.at[1][0].bottomRightCorner<3, 3>() = -lF;
+    K.at[1][1].bottomRightCorner<3, 3>() = 0.5 * (lF + lF.transpose());
+    if (!kind_->springs.is_line) return K;
+    // A pull along a line stretches it as it bends and shears
+    const Foreshortening& line = kind_->springs.line;
+    Matrix6 curvature = Matrix6::Zero();  // of the elongation, by d and θ
+    curvature.diagonal() << 0, 2 * line.sway_y, 2 * line.sway_z, 0, -2 * line.bow, -2 * line.bow;
+    curvature(1, 5) = curvature(5, 1) = line.mixed;
+    curvature(2, 4) = curvature(4, 2) = -line.mixed;
+    const EndBlocks stretched = stiffness(pose, pose.axes.col(0).dot(force) * curvature);
+    for (int i : {0, 1})
+        for (int j : {0, 1}) K.at[i][j] += stretched.at[i][j];
+    return K;
+}
+
+void JointGeometry::refuse_large_rotation(FrameView from, FrameView to) const {
+    if (turns() && !kind_->springs.halves[1].stiffness.isZero(0)) refuse_rotation(rotation(from, to).norm());
+}
+
+void JointGeometry::refuse_rotation(double angle) const {
+    if (angle <= kLargestRotation || kind_->springs.halves[1].stiffness.isZero(0)) return;
+    throw Error(
+        DTTMM_ERROR_NUMERIC,
+        fmt::format("its ends have turned {:.3g} rad against each other; a rotational stiffness holds up to {:g} rad", angle,
+                    kLargestRotation),
+        element_);
+}
+
+}  // namespace dttmm::plugin

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modal/resting_parts.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "core/error.h"
+#include "core/rotation.h"
+#include "element/parameters.h"
+#include "statics/frame_links.h"
+#include "statics/resting_joint.h"
+
+namespace dttmm::plugin {
+
+namespace {
+
+/// Of a line that counts as straight: how far it may be bent, as share of its radius of gyration. An arch that rises by r
+/// times that radius is stiffer along by a share of r².
+constexpr double kStraight = 0.05;
+
+}  // namespace
+
+void RestingParts::find_lines() {
+    model_.resting.resize(model_.element_count);
+    const Assembly exact = assemble(*description_.network, Waves::exact), lumps = assemble(*description_.network);
+    for (const LineSpec& line : exact.lines) {
+        const auto e = as_size(line.element);
+        FrequencyModel::RestingLine& own = model_.resting[e];
+        const std::vector<AtRest::Link>& links = rest_.elements[e];
+        if (links.size() < 2) continue;
+        std::vector<Vector3> points;
+        for (size_t k = 0; k < links.size(); ++k) {
+            const JointSpec& spec = lumps.joints[as_size(lumps.first_joint[e]) + k];
+            const Joint joint(spec, lumps, std::make_shared<JointKind>(spec.law));
+            const JointPose pose = joint.pose({links[k].from, links[k].to});
+            points.push_back(FrameView(links[k].from).origin() + pose.arm);
+            own.forces.push_back(both(pose.axes) * (links[k].force + links[k].rigid));
+            if (k == 0) own.axes = pose.axes;
+            if (k + 1 == links.size())
+                own.turned = rotation_vector(Matrix3(own.axes.transpose() * joint.seat().axes_at_to(links[k].to)));
+        }
+        // The first joint lies a quarter of a segment from the end
+        own.at_from = both(own.axes.transpose()) * own.forces.front();
+        const double quarter = (line.finish - line.start).norm() / (4 * static_cast<double>(links.size() - 1));
+        own.at_from.tail<3>() += quarter * Vector3::UnitX().cross(Vector3(own.at_from.head<3>()));
+        if (description_.lumped_beams || line.line.stretches_only) continue;
+        const Vector3 chord = (points.back() - points.front()).normalized();
+        double away = 0;
+        for (const Vector3& point : points) away = std::max(away, (point - points.front()).cross(chord).norm());
+        const Section& section = line.line.section;
+        const double bending = is_given(section.EIy) && is_given(section.EIz) ? std::min(section.EIy, section.EIz)
+                               : is_given(section.EIy)                        ? section.EIy
+                                                                              : section.EIz;
+        own.share = away / std::sqrt(bending / section.EA);
+        own.is_lumped = own.share > kStraight;
+    }
+}
+
+namespace {
+
+/// What a section has per length at the start, per length at rest; stretch: of these. A run strains it per length at the
+/// start.
+void scale_to(Section& section, double stretch) {
+    for (double* stiffness : {&section.EA, &section.EIy, &section.EIz, &section.GJ, &section.GAy, &section.GAz})
+        *stiffness *= stretch;
+    for (double* inertia : {&section.mass, &section.inertia, &section.rotary_y, &section.rotary_z}) *inertia /= stretch;
+}
+
+}  // namespace
+
+std::vector<const AtRest::Link*> RestingParts::place(Assembly& assembly) const {
+    std::vector<const AtRest::Link*> links;
+    std::vector<Pose> start;
+    for (const FrameSpec& frame : assembly.frames) start.push_back(frame.pose);
+    const auto place_frame = [&](int frame, const Frame& at) {
+        assembly.frames[as_size(frame)].pose = {Eigen::Map<const Vector3>(at.position),
+                                                Eigen::Map<const RowMajor3>(at.rotation)};
+    };
+    for (size_t j = 0; j < assembly.joints.size(); ++j) {
+        const JointSpec& joint = assembly.joints[j];
+        const bool is_held = as_int(j) >= assembly.first_joint.back();
+        if (is_held) {
+            const auto found = std::ranges::find_if(
+                rest_.held, [&](const AtRest::Held& held) { return held.position == joint.pose.position; });
+            if (found == rest_.held.end()) throw Error(DTTMM_ERROR_INTERNAL, "a fixed node is not at rest", joint.element);
+            links.push_back(&found->link);
+        } else {
+            links.push_back(
+                &rest_.elements[as_size(joint.element)][j - as_size(assembly.first_joint[as_size(joint.element)])]);
+        }
+        place_frame(joint.from, links.back()->from);
+        place_frame(joint.to, links.back()->to);
+    }
+    for (LineSpec& line : assembly.lines) {
+        const std::vector<AtRest::Link>& own = rest_.elements[as_size(line.element)];
+        const auto carried = [&](int frame, const Frame& at, const Vector3& v) {
+            return Vector3(FrameView(at).axes() * (start[as_size(frame)].rotation.transpose() * v));
+        };
+        const auto carry = [&](int frame, const Frame& at, Vector3& point) {
+            point = FrameView(at).origin() + carried(frame, at, point - start[as_size(frame)].position);
+        };
+        const double length = (line.finish - line.start).norm();
+        carry(line.from, own.front().from, line.start);
+        carry(line.to, own.back().to, line.finish);
+        place_frame(line.from, own.front().from);  // what lines alone join
+        place_frame(line.to, own.back().to);
+        const double stretched = (line.finish - line.start).norm();
+        scale_to(line.line.section, stretched / length);
+        const Vector3 x = (line.finish - line.start) / stretched,
+                      y = carried(line.from, own.front().from, line.line.axes.col(1)), z = x.cross(y).normalized();
+        line.line.axes << x, z.cross(x), z;
+    }
+    return links;
+}
+
+void RestingParts::add_joint(const Joint& joint, const AtRest::Link& link, int from, int to) {
+    if (from < 0 && to < 0) return;
+    const Ends at{link.from, link.to};
+    const JointPose pose = joint.pose(at);
+    const Vector6 x = joint.deformation(pose, at.from, at.to);
+    const Vector3 point = at.from.origin() + pose.arm;
+    Bond bond;
+    bond.element = joint.element();
+    bond.from = from;
+    bond.to = to;
+    bond.points[0] = bond.points[1] = point;
+    bond.by_from = FrequencyModel::at_point(point, model_.origin(from));
+    bond.by_to = FrequencyModel::at_point(point, model_.origin(to));
+    bond.axes = both(pose.axes);
+    Vector6 tangent = unloading_tangent(joint, x);
+    for (size_t d = 0; d < 6; ++d)
+        if (joint.rigid()[d]) tangent(as_row(d)) = 0;
+    const Matrix6 damping = joint.damping_tangent(x);
+    bond.springs = tangent;
+    bond.stiffness = bond.axes * joint.along(x, tangent) * bond.axes.transpose();
+    bond.damping = bond.axes * damping * bond.axes.transpose();
+    const Matrix6 rows[2] = {rigid_rows(x.tail<3>(), joint.by_from(pose)), rigid_rows(x.tail<3>(), joint.by_to(pose))};
+    for_each_rigid(joint, [&](int, int d) {
+        bond.held.push_back(bond.axes.col(d));
+        bond.hold(rows[0].row(d).transpose(), rows[1].row(d).transpose());
+    });
+    EndBlocks turning = turning_stiffness(joint, at, link.force, link.rigid), both_ways;
+    for (int i : {0, 1})
+        for (int k : {0, 1}) both_ways.at[i][k] = 0.5 * (turning.at[i][k] + turning.at[k][i].transpose());
+    bond.turning = std::make_shared<const EndBlocks>(both_ways);
+    bond.spread = spread_tangent(joint, at, link.force, link.rigid);
+    bond.turned = joint.turns() ? Vector3(x.tail<3>()) : rotation_vector(joint.attitude(at.from, at.to));
+    model_.bonds.push_back(std::move(bond));
+}
+
+/// What the forces of the constraint last added do as they turn with its bodies.
+void RestingParts::turn_constraint(const double* stiffness, double factor) {
+    EndBlocks turning;
+    const Eigen::Map<const Eigen::Matrix<double, 12, 12, Eigen::RowMajor>> K(stiffness);
+    for (int i : {0, 1})
+        for (int k : {0, 1}) turning.at[i][k] = factor * K.block<6, 6>(6 * i, 6 * k);
+    model_.bonds.back().turning = std::make_shared<const EndBlocks>(turning);
+}
+
+void RestingParts::add_loads() {
+    for (uint32_t b = 0; b < description_.network->body_count; ++b)
+        model_.levers.push_back(
+            {-1, as_int(b),
+             description_.rest->factor * Eigen::Map<const Matrix6>(description_.rest->loads + 36 * size_t{b})});
+    size_t inner = 0;
+    for (size_t n = 0; n < model_.nodes.size(); ++n) {
+        if (description_.network->nodes[n].kind != DTTMM_NODE_INNER) continue;
+        const size_t load = inner++;
+        if (model_.nodes[n].frame >= 0 && load < rest_.loads.size())
+            add_lever(-1, model_.nodes[n].frame, model_.nodes[n].position, rest_.loads[load].head<3>());
+    }
+}
+
+void RestingParts::add_lever(int element, int frame, const Vector3& point, const Vector3& force) {
+    const Matrix3 aF = skew(point - model_.origin(frame)) * skew(force);
+    Matrix6 stiffness = Matrix6::Zero();
+    stiffness.bottomRightCorner<3, 3>() = -0.5 * (aF + aF.transpose());
+    model_.levers.push_back({element, frame, model_.mask * stiffness * model_.mask});
+}
+
+void RestingParts::add_bar_force(const LineModel& line, const LineForces& forces) {
+    const int frame = line.from >= 0 ? line.from : line.to;
+    if (frame < 0) return;
+    const Vector3 f = line.axes * forces.mean_force(), e = line.axes.col(0);
+    Matrix6 stiffness = Matrix6::Zero();
+    stiffness.bottomRightCorner<3, 3>() =
+        forces.length() * (f.dot(e) * Matrix3::Identity() - 0.5 * (e * f.transpose() + f * e.transpose()));
+    model_.levers.push_back({line.element, frame, stiffness, true});
+}
+
+void RestingParts::add_deviation(const LineModel& line, const LineForces& forces, double start, const LineShapes& shapes) {
+    const Matrix12 K = forces.stiffness(start, line.length(), line.axial, line.line.section.GJ, shapes);
+    Bond turning;
+    turning.element = line.element;
+    turning.from = line.from;
+    turning.to = line.to;
+    turning.points[0] = line.start;
+    turning.points[1] = line.finish;
+    turning.by_from = FrequencyModel::at_point(line.start, model_.origin(line.from));
+    turning.by_to = FrequencyModel::at_point(line.finish, model_.origin(line.to));
+    turning.axes = both(line.axes);
+    turning.springs.setZero();
+    turning.stiffness.setZero();
+    turning.damping.setZero();
+    const Matrix6 by[2] = {turning.axes.transpose() * turning.by_from, turning.axes.transpose() * turning.by_to};
+    EndBlocks blocks;
+    for (int i : {0, 1})
+        for (int k : {0, 1}) blocks.at[i][k] = by[i].transpose() * K.block<6, 6>(6 * i, 6 * k) * by[k];
+    turning.turning = std::make_shared<const EndBlocks>(blocks);
+    model_.bonds.push_back(std::move(turning));
+}
+
+}  // namespace dttmm::plugin

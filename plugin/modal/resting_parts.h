@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "mechanism/joint.h"
+#include "modal/frequency_model.h"
+#include "modal/line_forces.h"
+#include "statics/at_rest.h"
+
+namespace dttmm::plugin {
+
+/// What a machine at rest adds to a FrequencyModel: where its frames are, the tangents of its joints there, and what the
+/// forces there do as they turn with what they act on.
+class RestingParts {
+public:
+    /// Keeps all.
+    RestingParts(FrequencyModel& model, const dttmm_modal_model& description, const AtRest& rest)
+        : model_(model), description_(description), rest_(rest) {}
+
+    /// How far lines are bent, and their forces. Their joints are those of the lumps of the network that came to rest.
+    void find_lines();
+    /// Moves the frames of the assembly to where they rest; the link of every joint there.
+    std::vector<const AtRest::Link*> place(Assembly& assembly) const;
+    /// from, to: its frames in the model.
+    void add_joint(const Joint& joint, const AtRest::Link& link, int from, int to);
+    /// What the forces of a constraint add to the bond that was added last, 12 × 12.
+    void turn_constraint(const double* stiffness, double factor);
+    /// What loads add whose lever arms turn with the frames that they act on.
+    void add_loads();
+    /// What the forces of a bar do as it turns with a frame.
+    void add_bar_force(const LineModel& line, const LineForces& forces);
+    /// What forces of a line but the axial one of its waves do from `start` of it on, where this segment of it begins.
+    void add_deviation(const LineModel& line, const LineForces& forces, double start, const LineShapes& shapes);
+    /// What a force that keeps its direction adds as its lever arm turns with a frame: symmetric part.
+    void add_lever(int element, int frame, const Vector3& point, const Vector3& force);
+
+private:
+    FrequencyModel& model_;
+    const dttmm_modal_model& description_;
+    const AtRest& rest_;
+};
+
+}  // namespace dttmm::plugin

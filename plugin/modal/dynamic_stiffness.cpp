@@ -352,8 +352,8 @@ double DynamicStiffness::stiffest() const {
     return model_.total_mass > 0 ? largest / model_.total_mass : 0;
 }
 
-void DynamicStiffness::refuse_growing(double lambda) {
-    const std::optional<int> growing = factor(lambda, false);
+void refuse_growing(DynamicStiffness& stiffness, double lambda) {
+    const std::optional<int> growing = stiffness.factor(lambda, false);
     if (growing && *growing > 0)
         throw Error(DTTMM_ERROR_MODEL,
                     fmt::format("{} of its motions would grow, not vibrate: the forces of its springs at the start drive it "

@@ -88,8 +88,6 @@ public:
 
     /// Largest stiffness over the whole mass [1/s²]; 0: nothing is stiff, or has a mass.
     double stiffest() const;
-    /// Throws Error(DTTMM_ERROR_MODEL) if motions grow faster than λ < 0 allows [1/s²].
-    void refuse_growing(double lambda);
 
 private:
     /// A point between pieces.
@@ -124,5 +122,8 @@ private:
     std::optional<Elimination> elimination_;
     double lambda_ = 0;
 };
+
+/// Factors D(λ), λ < 0 [1/s²]. Throws Error(DTTMM_ERROR_MODEL) if motions grow faster than that allows.
+void refuse_growing(DynamicStiffness& stiffness, double lambda);
 
 }  // namespace dttmm::plugin

@@ -307,7 +307,7 @@ void ModalAnalysis::respond(double frequency, std::span<const std::span<const dt
     if (moves_supports && damping_ && damping_->followed.empty()) follow_supports();
     at_ = -1;
     if ((!model_.levers.empty() || model_.is_at_rest) && !is_stable_)
-        stiffness_.refuse_growing(-1e-11 * stiffness_.stiffest());
+        refuse_growing(stiffness_, -1e-11 * stiffness_.stiffest());
     is_stable_ = true;
     if (free > 0) {
         const std::vector<Response> responses = respond_at_rest(free, loads);
@@ -335,13 +335,14 @@ void ModalAnalysis::write(const Response& response, size_t index, const dttmm_ha
         write(f < 0 ? held : Complex6(model_.by_node(n).cast<Complex>() * response.motion[as_size(f)]), result.nodes,
               model_.nodes.size(), n);
     }
+    const CarriedForces forces = harmonic_.forces(response);
     for (size_t e = 0; result.elements && e < model_.element_count; ++e) {
-        const Carried carried = harmonic_.carried(e, response);
+        const Carried carried = forces.of_element(e);
         write(carried.force, result.elements, model_.element_count, e, 0, 2);
         write(carried.deflection, result.elements, model_.element_count, e, 1, 2);
     }
     for (size_t c = 0; result.constraints && c < model_.constraints.size(); ++c)
-        write(harmonic_.on_first(c, response), result.constraints, model_.constraints.size(), c);
+        write(forces.on_first(c), result.constraints, model_.constraints.size(), c);
 }
 
 }  // namespace dttmm::plugin

@@ -243,7 +243,7 @@ void ModeFinder::find_rigid(int count, double lowest) {
     if (count == 0) return;
     std::vector<FrameVector> shapes = random_shapes(as_size(count));
     const double shift = -kWiden * lowest * lowest;  // all is fixed there
-    if (!stiffness_.model().levers.empty() && !stiffness_.model().is_at_rest) stiffness_.refuse_growing(shift);
+    if (!stiffness_.model().levers.empty() && !stiffness_.model().is_at_rest) refuse_growing(stiffness_, shift);
     // What slow modes leave in the shapes falls by shift/(shift + λ) per round: until what is strained is rounding
     double strained = std::numeric_limits<double>::infinity(), before = strained;
     bool grows = false;

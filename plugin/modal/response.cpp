@@ -16,25 +16,10 @@ namespace dttmm::plugin {
 
 namespace {
 
-using Block = Eigen::Matrix<Complex, 6, 6>;
+using Block = ComplexBlock;
 using Sparse = Eigen::SparseMatrix<Complex>;
 
 Block complex(const Matrix6& block) { return block.cast<Complex>(); }
-
-/// K (1 + iη) + s C, K at rest.
-Block stiffness_at_rest(const Bond& bond, Complex s) {
-    return Complex(1, bond.loss_factor) * complex(bond.stiffness) + s * complex(bond.damping);
-}
-
-/// The same in a vibration, materials by their rows.
-Block stiffness_of(const Bond& bond, double omega) {
-    Block K = stiffness_at_rest(bond, {0, omega});
-    for (const auto& [direction, law] : bond.materials) {
-        const Vector6 axis = bond.axes.col(direction);
-        K += (law->stiffness_at(omega) - law->series().spring) * complex(axis * axis.transpose());
-    }
-    return K;
-}
 
 /// K + iω C − ω² M, 6 rows per frame, and the rows of rigid directions behind it, entry by entry.
 class Entries {
@@ -116,14 +101,6 @@ bool is_alike(const Sparse& a, const Sparse& b) {
 
 }  // namespace
 
-Response Response::mixed(double factor, double other_factor, const Response& other) const {
-    Response sum = *this;
-    for (size_t f = 0; f < motion.size(); ++f) sum.motion[f] = factor * motion[f] + other_factor * other.motion[f];
-    for (size_t r = 0; r < reactions.size(); ++r)
-        sum.reactions[r] = factor * reactions[r] + other_factor * other.reactions[r];
-    return sum;
-}
-
 // ---- Equations ----------------------------------------------------------------------------------------------------------
 
 Eigen::SparseMatrix<Complex> HarmonicSolver::assemble(Complex s, Form form) {
@@ -201,7 +178,7 @@ Eigen::Index HarmonicSolver::series_rows() const {
 void HarmonicSolver::factor(double omega) {
     omega_ = omega;
     middle_ = nullptr;
-    find_parts();
+    parts_.emplace(D_);
     refuse_beyond_rows();
     factor_matrix(assemble({0, omega}, Form::steady));
 }
@@ -209,7 +186,7 @@ void HarmonicSolver::factor(double omega) {
 void HarmonicSolver::lean_on(const HarmonicSolver& middle) {
     omega_ = middle.omega_;
     middle_ = &middle;
-    find_parts();
+    parts_.emplace(D_);
     refuse_beyond_rows();
     leaning_ = assemble({0, omega_}, Form::steady);
     if (of_modes_ || middle.of_modes_ || leaning_.rows() != middle.pattern_.rows() || rigid_rows() != middle.rigid_rows())
@@ -255,44 +232,6 @@ void HarmonicSolver::factor_matrix(const Sparse& matrix) {
                                 omega_ / (2 * M_PI)));
 }
 
-/// Where bonds and pieces of the elements stand.
-void HarmonicSolver::find_parts() {
-    const FrequencyModel& model = D_.model();
-    parts_.assign(model.element_count, Parts{});
-    first_row_.clear();
-    size_t row = 0;
-    for (size_t b = 0; b < model.bonds.size(); ++b) {
-        const Bond& bond = model.bonds[b];
-        first_row_.push_back(row);
-        row += bond.rigid.size();
-        if (bond.element < 0 || bond.held_node >= 0) continue;
-        Parts& own = parts_[as_size(bond.element)];
-        if (own.bonds++ == 0) own.bond = as_int(b);
-    }
-    for (size_t k = 0; k < D_.pieces().size(); ++k) {
-        Parts& own = parts_[as_size(D_.pieces()[k].element)];
-        if (own.piece < 0) {
-            own.piece = as_int(k);
-            own.row = row;
-        }
-        row += D_.pieces()[k].rigid.size();
-    }
-}
-
-/// Motion of the ground at an end of what is joined to it, about the world's origin.
-Complex6 HarmonicSolver::ground_at(const Joined& joined, int held_node, bool is_to, const Response& response) const {
-    const FrequencyModel& model = D_.model();
-    if (response.supports.empty()) return Complex6::Zero();
-    int node = held_node;
-    if (node < 0 && joined.element >= 0) {
-        const auto [from, to] = model.ends[as_size(joined.element)];
-        node = is_to ? to : from;
-    }
-    if (node < 0) return Complex6::Zero();
-    return complex(FrequencyModel::at_point(Vector3::Zero(), model.nodes[as_size(node)].position)) *
-           response.supports[as_size(node)];
-}
-
 /// What moving supports do to what is joined to them.
 void HarmonicSolver::add_supports(const Response& response, Eigen::VectorXcd& r) const {
     const FrequencyModel& model = D_.model();
@@ -301,7 +240,7 @@ void HarmonicSolver::add_supports(const Response& response, Eigen::VectorXcd& r)
     const auto add = [&](const Joined& at, int held_node, const Block& across) {
         const bool is_to = at.to < 0;
         const Complex6 ground =
-            at.from < 0 || at.to < 0 ? ground_at(at, held_node, is_to, response) : Complex6(Complex6::Zero());
+            at.from < 0 || at.to < 0 ? ground_at(model, at, held_node, is_to, response) : Complex6(Complex6::Zero());
         if (at.from >= 0 && is_to)
             r.segment<6>(6 * at.from) -= complex(at.by_from.transpose()) * across * complex(at.by_to) * ground;
         if (at.to >= 0 && !is_to && at.from < 0)
@@ -343,163 +282,6 @@ Response HarmonicSolver::solve(const Drive& drive) const {
     const Eigen::VectorXcd q = x.segment(6 * D_.frame_count(), rigid_rows());
     response.reactions.assign(q.begin(), q.end());
     return response;
-}
-
-// ---- Forces -------------------------------------------------------------------------------------------------------------
-
-Complex6 HarmonicSolver::motion_of(int frame, const Response& response) const {
-    return frame < 0 ? Complex6(Complex6::Zero()) : response.motion[as_size(frame)];
-}
-
-/// Displacement of its end at `to` against that at `from`.
-Complex6 HarmonicSolver::relative(const Bond& bond, const Response& response) const {
-    const auto end = [&](int frame, bool is_to) {
-        return frame < 0 ? ground_at(bond, bond.held_node, is_to, response) : motion_of(frame, response);
-    };
-    return complex(bond.by_to) * end(bond.to, true) - complex(bond.by_from) * end(bond.from, false);
-}
-
-/// With which it holds its `to` end back, its own point, world axes.
-Complex6 HarmonicSolver::wrench_of(const Bond& bond, const Response& response) const {
-    Complex6 wrench = stiffness_of(bond, omega_) * relative(bond, response);
-    size_t row = first_row_[as_size(as_int(&bond - D_.model().bonds.data()))];
-    Complex6 on_frame = Complex6::Zero();
-    for (const Rigid& rigid : bond.rigid)
-        on_frame += response.reactions[row++] * (bond.to >= 0 ? rigid.by_to : Vector6(-rigid.by_from)).cast<Complex>();
-    const int end = bond.to >= 0 ? 1 : 0;
-    const Matrix6 by = FrequencyModel::at_point(bond.points[end], D_.model().origin(end == 1 ? bond.to : bond.from));
-    return wrench + complex(by.transpose().inverse()) * on_frame;
-}
-
-/// The same in its own axes, which turn with its `from` end as a run has them.
-Complex6 HarmonicSolver::own_wrench_of(const Bond& bond, const Response& response) const {
-    const Block to_own = complex(bond.axes.transpose());
-    return to_own * wrench_of(bond, response) + complex(bond.spread) * (to_own * relative(bond, response));
-}
-
-Carried HarmonicSolver::carried(size_t element, const Response& response) const {
-    const FrequencyModel& model = D_.model();
-    const Parts& parts = parts_[element];
-    if (parts.piece >= 0) return carried_by_line(element, response);
-    if (parts.bond < 0) return {};
-    if (parts.bonds > 1) return carried_by_chain(element, response);
-    const Bond& bond = model.bonds[as_size(parts.bond)];
-    Carried carried{own_wrench_of(bond, response), complex(bond.axes.transpose()) * relative(bond, response)};
-    carried.deflection.tail<3>() = (rotation_vector_rate(bond.turned).cast<Complex>() * carried.deflection.tail<3>()).eval();
-    return carried;
-}
-
-/// Motion of an end of what is joined, in its axes.
-Complex6 HarmonicSolver::motion_at(const Joined& joined, bool is_to, const Response& response) const {
-    const int frame = is_to ? joined.to : joined.from;
-    return complex(is_to ? joined.by_to : joined.by_from) *
-           (frame < 0 ? ground_at(joined, -1, is_to, response) : motion_of(frame, response));
-}
-
-/// Force and moment at the `from` end.
-Carried HarmonicSolver::carried_by_line(size_t element, const Response& response) const {
-    const FrequencyModel& model = D_.model();
-    const DynamicStiffness::Piece& piece = D_.pieces()[as_size(parts_[element].piece)];
-    const LineModel& line = D_.line(piece);
-    Eigen::Matrix<Complex, 12, 1> ends;
-    ends << motion_at(piece, false, response), motion_at(piece, true, response);
-    Complex6 force = held_by_line(element, response) - waves_[line.kind]->topRows<6>() * ends;
-    if (line.waves->pinned().any())
-        for (const Pin& pin : model.pins)
-            if (pin.element == as_int(element))
-                force += omega_ * omega_ / 6 * complex(pin.mass) *
-                         (2 * motion_at(pin, false, response) + motion_at(pin, true, response));
-    Carried carried = between_ends(element, model.is_at_rest ? model.resting[element].axes : line.axes, response);
-    carried.force = model.is_at_rest ? turned_with_line(element, force, response) : force;
-    return carried;
-}
-
-/// On the `from` end of a line by its first piece, local axes: in rigid directions, and of a bar by the mass that goes with
-/// that end.
-Complex6 HarmonicSolver::held_by_line(size_t element, const Response& response) const {
-    const FrequencyModel& model = D_.model();
-    const DynamicStiffness::Piece& piece = D_.pieces()[as_size(parts_[element].piece)];
-    const LineModel& line = D_.line(piece);
-    Complex6 on_frame = Complex6::Zero();
-    size_t row = parts_[element].row;
-    for (const Rigid& rigid : piece.rigid)
-        on_frame -= response.reactions[row++] * (piece.from < 0 ? rigid.by_ground : rigid.by_from).cast<Complex>();
-    if (model.is_bar(line) && piece.from >= 0) {
-        const double length = D_.piece_length(line);
-        const Vector3 middle = line.start + 0.5 * length * line.axes.col(0);
-        const Matrix6 by = both(line.axes.transpose()) * model.masked_at(middle, model.origin(piece.from));
-        on_frame += omega_ * omega_ * complex(by.transpose() * bar_mass(line.line.section, length) * by) *
-                    motion_of(piece.from, response);
-        for (const FrequencyModel::Lever& lever : model.levers)
-            if (lever.is_bar && lever.element == as_int(element))
-                on_frame -= complex(lever.stiffness) * motion_of(piece.from, response);
-    }
-    if (on_frame.isZero(0)) return on_frame;
-    const Matrix6 by_from = both(line.axes.transpose()) * FrequencyModel::at_point(line.start, model.origin(piece.from));
-    return complex(by_from.transpose().inverse()) * on_frame;
-}
-
-/// The force of the waves on the `from` end of a line at rest, local axes, with what its other forces there add; in the axes
-/// of that end, which turn with it. The moment of the equations does work on a rotation vector: half its turn is in it.
-Complex6 HarmonicSolver::turned_with_line(size_t element, const Complex6& force, const Response& response) const {
-    const FrequencyModel& model = D_.model();
-    const FrequencyModel::RestingLine& resting = model.resting[element];
-    const DynamicStiffness::Piece& piece = D_.pieces()[as_size(parts_[element].piece)];
-    const LineModel& line = D_.line(piece);
-    Complex6 all = force;
-    if (line.deviation >= 0) {
-        const Bond& bond = model.bonds[as_size(line.deviation)];
-        const auto motion = [&](int frame, bool is_to) {
-            return frame < 0 ? ground_at(bond, -1, is_to, response) : motion_of(frame, response);
-        };
-        const Complex6 on_frame = complex(bond.turning->at[0][0]) * motion(bond.from, false) +
-                                  complex(bond.turning->at[0][1]) * motion(bond.to, true);
-        all -= complex(bond.axes.transpose() * bond.by_from.transpose().inverse()) * on_frame;
-    }
-    const Block to_end = complex(both(resting.axes.transpose() * line.axes));
-    const Complex6 end = to_end * motion_at(piece, false, response);
-    all = (to_end * all).eval();
-    const Eigen::Vector3cd turn = end.tail<3>();
-    all.head<3>() += skew(resting.at_from.head<3>()).cast<Complex>() * turn;
-    all.tail<3>() += 0.5 * skew(resting.at_from.tail<3>()).cast<Complex>() * turn;
-    return all;
-}
-
-/// Of lumps: its first joint lies a quarter of a segment behind the `from` end.
-Carried HarmonicSolver::carried_by_chain(size_t element, const Response& response) const {
-    const FrequencyModel& model = D_.model();
-    const Bond& first = model.bonds[as_size(parts_[element].bond)];
-    const Matrix3 axes = first.axes.topLeftCorner<3, 3>();
-    Carried carried = between_ends(element, axes, response);
-    carried.force = own_wrench_of(first, response);
-    const Vector3 lever = axes.transpose() * (first.points[0] - model.nodes[as_size(model.ends[element].from)].position);
-    const Eigen::Vector3cd force = carried.force.head<3>();
-    carried.force.tail<3>() += skew(lever).cast<Complex>() * force;  // cross() of Eigen conjugates
-    return carried;
-}
-
-/// The motion of the `to` end as seen from the `from` end.
-Carried HarmonicSolver::between_ends(size_t element, const Matrix3& axes, const Response& response) const {
-    const FrequencyModel& model = D_.model();
-    const auto [from, to] = model.ends[element];
-    const auto motion = [&](int node) {
-        const int frame = model.nodes[as_size(node)].frame;
-        return frame < 0 ? (response.supports.empty() ? Complex6(Complex6::Zero()) : response.supports[as_size(node)])
-                         : Complex6(complex(model.by_node(as_size(node))) * response.motion[as_size(frame)]);
-    };
-    const Vector3 way = model.nodes[as_size(to)].position - model.nodes[as_size(from)].position;
-    const Complex6 seen = complex(FrequencyModel::at_point(way, Vector3::Zero())) * motion(from);
-    Carried carried;
-    carried.deflection = complex(both(axes.transpose())) * (motion(to) - seen);
-    if (model.is_at_rest)
-        carried.deflection.tail<3>() =
-            (rotation_vector_rate(model.resting[element].turned).cast<Complex>() * carried.deflection.tail<3>()).eval();
-    return carried;
-}
-
-Complex6 HarmonicSolver::on_first(size_t constraint, const Response& response) const {
-    const int bond = D_.model().constraints[constraint];
-    return bond < 0 ? Complex6(Complex6::Zero()) : wrench_of(D_.model().bonds[as_size(bond)], response);
 }
 
 }  // namespace dttmm::plugin

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "modal/carried_forces.h"
 #include "modal/dynamic_stiffness.h"
 #include "modal/modal_damping.h"
 
@@ -29,21 +30,6 @@ struct SupportMotion {
 struct Drive {
     std::vector<PointWrench> loads;
     std::vector<SupportMotion> supports;
-};
-
-/// Complex amplitudes under harmonic loads.
-struct Response {
-    std::vector<Complex6> motion;    ///< of all frames [m, rad]
-    std::vector<Complex> reactions;  ///< in the rigid directions of bonds, then of pieces
-    std::vector<Complex6> supports;  ///< motion of every node of the network in its fixed directions; empty: none moves
-
-    /// factor * this + other_factor * other.
-    Response mixed(double factor, double other_factor, const Response& other) const;
-};
-
-/// What an element carries, in its axes: see dttmm_response.h.
-struct Carried {
-    Complex6 force = Complex6::Zero(), deflection = Complex6::Zero();
 };
 
 /// K + iω C − ω² M of a machine with its damping, and its solutions; the lines in the pieces in which D has them.
@@ -85,44 +71,22 @@ public:
     void lean_on(const HarmonicSolver& middle);
     /// At the frequency last factored, and so for what follows.
     Response solve(const Drive& drive) const;
-    Carried carried(size_t element, const Response& response) const;
-    /// Force and moment on the first body of a constraint at its point, world axes.
-    Complex6 on_first(size_t constraint, const Response& response) const;
+    CarriedForces forces(const Response& response) const { return {D_, omega_, waves_, *parts_, response}; }
 
 private:
-    using Block = Eigen::Matrix<Complex, 6, 6>;
     using Sparse = Eigen::SparseMatrix<Complex>;
 
     void factor_matrix(const Sparse& matrix);
     void refuse_beyond_rows() const;
-    void find_parts();
-    Complex6 relative(const Bond& bond, const Response& response) const;
-    Complex6 wrench_of(const Bond& bond, const Response& response) const;
-    Complex6 own_wrench_of(const Bond& bond, const Response& response) const;
-    Complex6 held_by_line(size_t element, const Response& response) const;
-    Complex6 turned_with_line(size_t element, const Complex6& end, const Response& response) const;
-    Carried carried_by_line(size_t element, const Response& response) const;
-    Carried carried_by_chain(size_t element, const Response& response) const;
-    Carried between_ends(size_t element, const Matrix3& axes, const Response& response) const;
-    Complex6 motion_at(const Joined& joined, bool is_to, const Response& response) const;
-    Complex6 motion_of(int frame, const Response& response) const;
-    Complex6 ground_at(const Joined& joined, int held_node, bool is_to, const Response& response) const;
     void add_supports(const Response& response, Eigen::VectorXcd& right_hand_side) const;
 
     const DynamicStiffness& D_;
     double mass_rate_ = 0;
     const ModalDamping* of_modes_ = nullptr;
     double omega_ = 0;
-    std::vector<std::optional<LineWaves::Square<Complex>>> waves_;
-    std::vector<size_t> first_row_;  ///< of every bond, among the reactions
-    /// Of an element: where its bonds begin and how many they are, or its first piece and where that begins among the
-    /// reactions; −1: it has none.
-    struct Parts {
-        int bond = -1, bonds = 0, piece = -1;
-        size_t row = 0;
-    };
-    std::vector<Parts> parts_;
-    Sparse pattern_;  ///< the matrix whose order of elimination lu_ knows
+    CarriedForces::Waves waves_;
+    std::optional<ElementParts> parts_;  ///< as D is cut
+    Sparse pattern_;                     ///< the matrix whose order of elimination lu_ knows
     Eigen::SparseLU<Sparse> lu_;
     const HarmonicSolver* middle_ = nullptr;  ///< that this one leans on; null: none
     Sparse leaning_;                          ///< then the matrix of this one

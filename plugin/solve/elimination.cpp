@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solve/elimination.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -33,20 +30,6 @@ void choose_independent(Matrix rows, double threshold, std::vector<int>& choice,
         rows.row(next) /= length;
         for (int k : rest) rows.row(k) -= rows.row(k).dot(rows.row(next)) * rows.row(next);
     }
-}
-
-/// Of the least pivot of a Cholesky factor, of the largest: eigenvalues are then above 1e-6/4⁶ of the largest, far from any
-/// limit asked for.
-constexpr double kClearPivot = 1e-6, kFarFromSingular = 1e-11;
-
-/// Whether no eigenvalue is negative, or near it; quicker than to find them.
-template <class Square>
-bool is_clearly_positive(const Square& block) {
-    const Eigen::LLT<Square> factor(block);
-    if (factor.info() != Eigen::Success) return false;
-    const auto pivots = factor.matrixLLT().diagonal();
-    const double least = pivots.minCoeff(), largest = pivots.maxCoeff();
-    return least * least > kClearPivot * largest * largest;
 }
 
 }  // namespace
@@ -203,37 +186,18 @@ Vector6 Elimination::scale_with_rows(const Pivot& pivot) const {
 /// eigenvalues, where they are counted, as share of the largest; less is at fault.
 template <class Square>
 bool Elimination::decompose(const Pivot& pivot, const Square& block, std::span<const int> rows, double smallest,
-                            Decomposed<Square>& result, Fault& fault) {
-    constexpr double kSmallestCondition = 1e-13;
-    const Eigen::Index n = block.rows();
-    const Square scaled = result.scale.asDiagonal() * block * result.scale.asDiagonal();
-    result.lu.setThreshold(0);
-    result.lu.compute(scaled);
-    if (counts_ && smallest <= kFarFromSingular && is_clearly_positive(scaled)) {
-        result.scaled_inverse = result.substitute(Square(Square::Identity(n, n)));
+                            PivotBlock<Square>& result, Fault& fault) {
+    const std::optional<int> weakest = result.decompose(block, counts_ ? std::optional(smallest) : std::nullopt);
+    if (!weakest) {
+        negatives_ += result.negatives();
         return true;
     }
-    if (counts_ && scaled.allFinite()) {
-        const auto eigenvalues = Eigen::SelfAdjointEigenSolver<Square>(scaled, Eigen::EigenvaluesOnly).eigenvalues().eval();
-        const auto sizes = eigenvalues.cwiseAbs().eval();
-        if (sizes.minCoeff() > smallest * sizes.maxCoeff()) {
-            negatives_ += as_int((eigenvalues.array() < 0).count());
-            result.scaled_inverse = result.substitute(Square(Square::Identity(n, n)));
-            return true;
-        }
-    } else if (scaled.allFinite() && result.lu.matrixLU()(n - 1, n - 1) != 0) {
-        // The condition from the inverse, which is wanted anyway: the library's estimate allocates
-        result.scaled_inverse = result.substitute(Square(Square::Identity(n, n)));
-        const auto norm = [](const Square& matrix) { return matrix.cwiseAbs().colwise().sum().maxCoeff(); };
-        if (norm(scaled) * norm(result.scaled_inverse) < 1 / kSmallestCondition) return true;
-    }
-    const auto weakest = as_int(result.lu.permutationQ().indices()(n - 1));
     fault = {};
     fault.frame = pivot.frame;
-    if (weakest < 6) {
-        fault.direction = weakest;
+    if (*weakest < 6) {
+        fault.direction = *weakest;
     } else {
-        const EliminationOrder::Row& row = order_->rows()[as_size(rows[as_size(weakest - 6)])];
+        const EliminationOrder::Row& row = order_->rows()[as_size(rows[as_size(*weakest - 6)])];
         fault.link = row.link;
         fault.rigid = row.index;
     }
@@ -242,7 +206,8 @@ bool Elimination::decompose(const Pivot& pivot, const Square& block, std::span<c
 
 bool Elimination::factor_elastic(const Pivot& pivot, Fault& fault) {
     Matrix6& own = diagonal_[as_size(pivot.frame)];
-    Decomposed<Matrix6> block{motion_scale(pivot), {}, {}};
+    PivotBlock<Matrix6> block;
+    block.scale = motion_scale(pivot);
     if (!decompose(pivot, own, {}, smallest_ratio_, block, fault)) return false;
     own = block.inverse();
     for (size_t i = 0; i < pivot.neighbours.size(); ++i) {

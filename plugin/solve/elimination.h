@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/LU>
 #include <memory>
 #include <optional>
 #include <span>
@@ -10,6 +9,7 @@
 #include "core/index.h"
 #include "core/types.h"
 #include "solve/elimination_order.h"
+#include "solve/pivot_block.h"
 
 namespace dttmm::plugin {
 
@@ -94,46 +94,6 @@ private:
         std::vector<Rows> gains;  ///< of each neighbour
         std::vector<int> kept;    ///< rows of J eliminated here, below the frame in the block
     };
-    /// The block of a pivot after full-pivot elimination, in units that balance it. An elastic one has its own size at
-    /// compile time: there are many.
-    template <class Square>
-    struct Decomposed {
-        static constexpr int kSize = Square::RowsAtCompileTime, kMost = Square::MaxRowsAtCompileTime;
-        Eigen::Matrix<double, kSize, 1, 0, kMost, 1> scale;
-        Eigen::FullPivLU<Square> lu;
-        Square scaled_inverse;
-
-        Square inverse() const {
-            return scale.asDiagonal() * (0.5 * (scaled_inverse + scaled_inverse.transpose())) * scale.asDiagonal();
-        }
-        /// Not by its inverse: where a block is stiff in one direction and soft in another, what the inverse owes to the
-        /// soft one would swamp what is handed on of the stiff one.
-        template <class Columns>
-        Columns solve(const Columns& B) const {
-            return scale.asDiagonal() * substitute(Columns(scale.asDiagonal() * B));
-        }
-        /// By the factor in its units. Rows of the right-hand sides stand in columns, so each operation is one vector
-        /// instruction or two. Eigen's own solver is made for large matrices.
-        template <class Columns>
-        Columns substitute(const Columns& B) const {
-            const auto& LU = lu.matrixLU();
-            const auto& from = lu.permutationP().indices();
-            const auto& to = lu.permutationQ().indices();
-            const Eigen::Index n = B.rows();
-            Eigen::Matrix<double, Columns::ColsAtCompileTime, kSize, 0, Columns::MaxColsAtCompileTime, kMost> rows(B.cols(),
-                                                                                                                   n);
-            for (Eigen::Index i = 0; i < n; ++i) rows.col(from(i)) = B.row(i).transpose();
-            for (Eigen::Index i = 1; i < n; ++i)
-                for (Eigen::Index k = 0; k < i; ++k) rows.col(i) -= LU(i, k) * rows.col(k);
-            for (Eigen::Index i = n; i-- > 0;) {
-                for (Eigen::Index k = i + 1; k < n; ++k) rows.col(i) -= LU(i, k) * rows.col(k);
-                rows.col(i) /= LU(i, i);
-            }
-            Columns x(n, B.cols());
-            for (Eigen::Index i = 0; i < n; ++i) x.row(to(i)) = rows.col(i).transpose();
-            return x;
-        }
-    };
     /// What a pivot passes on to the next: rows by the motion of its neighbours, and their gains, one column each.
     struct Passed {
         OpenRows open;
@@ -145,7 +105,7 @@ private:
     Vector6 scale_with_rows(const Pivot& pivot) const;
     template <class Square>
     bool decompose(const Pivot& pivot, const Square& block, std::span<const int> rows, double smallest,
-                   Decomposed<Square>& result, Fault& fault);
+                   PivotBlock<Square>& result, Fault& fault);
     bool factor_elastic(const Pivot& pivot, Fault& fault);
     void fill_in(const Pivot& pivot, int coupling, size_t i, const Matrix6& update);
     bool factor_general(const Pivot& pivot, Fault& fault);
@@ -179,7 +139,7 @@ private:
     int negatives_ = 0;
     // Of the pivot at hand
     std::vector<Matrix6> met_;  ///< couplings with its neighbours before their gains take their place
-    Decomposed<Block> block_;
+    PivotBlock<Block> block_;
     OpenRows open_;
     std::vector<int> choice_, rest_;
     Block passed_columns_;

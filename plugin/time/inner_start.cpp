@@ -113,13 +113,13 @@ void InnerStart::refuse_forbidden_velocities() const {
 }
 
 void InnerStart::balance(double h) {
-    if (!inside_.massless.has_balances()) return;
+    if (!inside_.balances.exist()) return;
     const Mechanism& mechanism = inside_.mechanism;
     const std::span<Twist> inner = inside_.inner(velocities_);
     const std::vector<Twist> before(inner.begin(), inner.end());
     std::vector<Twist> velocities = before, corrections(before.size());
     std::vector<double> rigid(inside_.rigid.size());
-    inside_.massless.find_instant(
+    inside_.balances.find_instant(
         mechanism, h, frames_,
         [&](size_t j) {
             const Joint& joint = mechanism.joints[j];
@@ -128,8 +128,8 @@ void InnerStart::balance(double h) {
                 return inside_.is_inner(frame) ? velocities[inside_.at(frame)] : velocity(frame);
             };
             const Vector6 deformation = joint.deformation(joint.pose(from, to), from, to);
-            return MasslessFrames::Acting{deformation, joint.rate(from, now(joint.from()), to, now(joint.to())),
-                                          joint.elastic(deformation, mechanism.memory(j))};
+            return InstantBalances::Acting{deformation, joint.rate(from, now(joint.from()), to, now(joint.to())),
+                                           joint.elastic(deformation, mechanism.memory(j))};
         },
         [&](size_t i) { return inside_.frame_load(i).load[1]; }, velocities, corrections, rigid);
     for (size_t i = 0; i < inside_.given.size(); ++i) {

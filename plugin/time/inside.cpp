@@ -45,6 +45,7 @@ std::vector<std::array<bool, 2>> massless_halves(const Mechanism& mechanism) {
 Inside::Inside(const Mechanism& whole, const dttmm_network& description, Loading all_loads)
     : mechanism(whole),
       massless(whole, massless_halves(whole)),
+      balances(whole, massless),
       loading(std::move(all_loads)),
       ports(whole.assembly.port_count),
       driven(whole.assembly.driven_count),

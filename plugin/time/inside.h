@@ -9,6 +9,7 @@
 #include "mechanism/loading.h"
 #include "mechanism/mechanism.h"
 #include "mechanism/momentum.h"
+#include "time/instant_balances.h"
 #include "time/massless.h"
 
 namespace dttmm::plugin {
@@ -39,6 +40,7 @@ struct Inside {
 
     const Mechanism& mechanism;
     MasslessFrames massless;
+    InstantBalances balances;  ///< of these
     Loading loading;
 
     int ports, driven, count;  ///< frames that are ports, ports and ground, and inner ones

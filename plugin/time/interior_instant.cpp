@@ -16,7 +16,7 @@ InteriorInstant::InteriorInstant(const Inside& inside, const Elimination& patter
 
 void InteriorInstant::make_room_for_steps() {
     for (auto* list : {&velocities_, &accelerations_}) list->resize(inside_.inertias.size());
-    if (!inside_.massless.has_balances()) return;
+    if (!inside_.balances.exist()) return;
     corrections_.resize(inside_.inertias.size());
     wrench_rates_.resize(inside_.inertias.size());
 }
@@ -171,8 +171,8 @@ void InteriorInstant::add_arm_rates(size_t j, const Twist& from, const Twist& to
 }
 
 /// Rate of a joint's force at the start, where it is at rest but for its rate: f' + ω × f in its axes, and what makes it.
-MasslessFrames::Acting InteriorInstant::rate_of_force(size_t j, const Twist& from_velocity, const Twist& to_velocity,
-                                                      const Vector6& f) const {
+InstantBalances::Acting InteriorInstant::rate_of_force(size_t j, const Twist& from_velocity, const Twist& to_velocity,
+                                                       const Vector6& f) const {
     const Joint& joint = inside_.mechanism.joints[j];
     const FrameView from = inside_.mechanism.frame_before(joint.from()), to = inside_.mechanism.frame_before(joint.to());
     const Vector6 rate = joint.rate(from, from_velocity, to, to_velocity);

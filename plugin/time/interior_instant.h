@@ -29,13 +29,13 @@ public:
     template <class Rate>
     void find_massless_velocities(const Rate& rate) {
         std::ranges::fill(corrections_, Twist{});
-        if (!inside_.massless.has_balances()) return;
+        if (!inside_.balances.exist()) return;
         const Mechanism& mechanism = inside_.mechanism;
-        inside_.massless.find_instant(
+        inside_.balances.find_instant(
             mechanism, inside_.step_size(), mechanism.before,
             [&](size_t j) {
                 const JointState& state = mechanism.states[j];
-                return MasslessFrames::Acting{
+                return InstantBalances::Acting{
                     state.deformation_before(), rate(j),
                     mechanism.joints[j].elastic(state.deformation_before(), mechanism.memory_before(j))};
             },
@@ -74,7 +74,7 @@ public:
     void find_accelerations(std::span<const Vector6> wrenches, const Velocity& velocity, const Force& force) {
         find_accelerations(wrenches);
         const Mechanism& mechanism = inside_.mechanism;
-        if (mechanism.steps > 1 || !inside_.massless.has_balances()) return;
+        if (mechanism.steps > 1 || !inside_.balances.exist()) return;
         take_load_rates();
         const auto ends = [&](size_t j) {
             return std::pair{velocity(mechanism.joints[j].from()), velocity(mechanism.joints[j].to())};
@@ -83,7 +83,7 @@ public:
             const auto [from, to] = ends(j);
             add_arm_rates(j, from, to, force(j));
         }
-        inside_.massless.find_instant(
+        inside_.balances.find_instant(
             mechanism, inside_.step_size(), mechanism.before,
             [&](size_t j) {
                 const auto [from, to] = ends(j);
@@ -116,8 +116,8 @@ private:
     Vector6 acceleration_of_deformation(size_t joint, const Twist& from, const Twist& to) const;
     void take_load_rates();
     void add_arm_rates(size_t joint, const Twist& from, const Twist& to, const Vector6& f);
-    MasslessFrames::Acting rate_of_force(size_t joint, const Twist& from_velocity, const Twist& to_velocity,
-                                         const Vector6& f) const;
+    InstantBalances::Acting rate_of_force(size_t joint, const Twist& from_velocity, const Twist& to_velocity,
+                                          const Vector6& f) const;
 
     const Inside& inside_;
     const Elimination& pattern_;

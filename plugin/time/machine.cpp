@@ -206,11 +206,7 @@ void Machine::place_blocks() {
             }
         if (wants_seen) seen_blocks_ = blocks_.size();
     }
-    if (supports_.empty()) return;
-    const size_t bodies = body_count_ + supports_.count();
-    joined_.motions.resize(bodies);
-    for (auto* list : {&joined_.numbers, &joined_.wrenches, &joined_.changes}) list->assign(6 * bodies, 0.0);
-    for (auto* list : {&joined_.stiffness, &joined_.damping}) list->assign(36 * blocks_.size(), 0.0);
+    joined_.emplace(supports_, body_count_, blocks_.size(), seen_blocks_);
 }
 
 /// In the order of the elements; what nodes have comes after the elements that they join.
@@ -246,72 +242,29 @@ const double* Machine::gather_loads(Part& part, const double* loads) const {
     return part.loads.data();
 }
 
-/// The motions of the bodies with those of the supports behind.
-const dttmm_motion* Machine::with_supports(const dttmm_motion* bodies,
-                                           void (Supports::*write)(std::span<dttmm_motion>) const) const {
-    if (supports_.empty()) return bodies;
-    std::copy_n(bodies, body_count_, joined_.motions.begin());
-    (supports_.*write)(std::span(joined_.motions).subspan(body_count_));
-    return joined_.motions.data();
-}
-
-/// Six numbers per body with those of the supports behind; these: null: zero.
-const double* Machine::with_supports(const double* numbers, const double* of_supports) const {
-    if (supports_.empty()) return numbers;
-    const auto behind = std::copy_n(numbers, 6 * size_t{body_count_}, joined_.numbers.begin());
-    if (of_supports)
-        std::copy_n(of_supports, 6 * supports_.count(), behind);
-    else
-        std::fill(behind, joined_.numbers.end(), 0.0);
-    return joined_.numbers.data();
-}
-
-/// Where the networks are to add wrenches, cleared; then hand_out() gives the host those of its bodies.
-double* Machine::wrenches_for(double* wrench) const {
-    if (supports_.empty()) return std::fill_n(wrench, 6 * size_t{body_count_}, 0.0), wrench;
-    std::ranges::fill(joined_.wrenches, 0.0);
-    return joined_.wrenches.data();
-}
-
-void Machine::hand_out(double* wrench) const {
-    if (!supports_.empty()) std::copy_n(joined_.wrenches.begin(), 6 * size_t{body_count_}, wrench);
-}
-
-/// The same of a matrix; null: not wanted.
-double* Machine::blocks_for(double* matrix, std::vector<double>& own) const {
-    if (!matrix) return nullptr;
-    if (supports_.empty()) return std::fill_n(matrix, 36 * blocks_.size(), 0.0), matrix;
-    std::ranges::fill(own, 0.0);
-    return own.data();
-}
-
-void Machine::hand_out(double* matrix, const std::vector<double>& own) const {
-    if (matrix && !supports_.empty()) std::copy_n(own.begin(), 36 * seen_blocks_, matrix);
-}
-
 void Machine::linearise(const dttmm_motion* bodies, double* wrench, double* stiffness, double* damping) const {
-    const dttmm_motion* const all = with_supports(bodies, &Supports::write_start);
-    double *const w = wrenches_for(wrench), *const k = blocks_for(stiffness, joined_.stiffness),
-                  *const c = blocks_for(damping, joined_.damping);
+    const dttmm_motion* const all = joined_->with_supports(bodies, &Supports::write_start);
+    double *const w = joined_->wrenches_for(wrench), *const k = joined_->blocks_for(stiffness, joined_->stiffness),
+                  *const c = joined_->blocks_for(damping, joined_->damping);
     for_each(*this, [&](const Part& part) { part.network.linearise(all, w, k, c); });
-    hand_out(wrench);
-    hand_out(stiffness, joined_.stiffness);
-    hand_out(damping, joined_.damping);
+    joined_->hand_out(wrench);
+    joined_->hand_out(stiffness, joined_->stiffness);
+    joined_->hand_out(damping, joined_->damping);
 }
 
 void Machine::take_up(const double* motion, double* elastic, double* damped) const {
     std::fill_n(elastic, element_count_, 0.0);
     std::fill_n(damped, element_count_, 0.0);
-    const double* const all = with_supports(motion, nullptr);
+    const double* const all = joined_->with_supports(motion, nullptr);
     for_each(*this, [&](const Part& part) { part.network.take_up(all, elastic, damped); });
 }
 
 void Machine::start(const dttmm_step& step, const dttmm_motion* bodies, const double* accelerations, const double* loads) {
     supports_.start();
-    const dttmm_motion* const all = with_supports(bodies, &Supports::write_start);
+    const dttmm_motion* const all = joined_->with_supports(bodies, &Supports::write_start);
     std::vector<double> of_supports(6 * supports_.count());
     supports_.write_accelerations(of_supports.data());
-    const double* const a = with_supports(accelerations, of_supports.data());
+    const double* const a = joined_->with_supports(accelerations, of_supports.data());
     for_each(*this, [&](Part& part) { part.network.start(step, all, a, gather_loads(part, loads)); });
 }
 
@@ -334,7 +287,7 @@ uint32_t Machine::part_count() const {
 }
 
 void Machine::iterate(const dttmm_motion* trial, dttmm_progress* progress) {
-    const dttmm_motion* const all = with_supports(trial, &Supports::write_end);
+    const dttmm_motion* const all = joined_->with_supports(trial, &Supports::write_end);
     for_each(*this, [&](Part& part) {
         if (!part.network.iterates()) return;
         part.network.iterate(all, *progress);
@@ -345,23 +298,23 @@ void Machine::iterate(const dttmm_motion* trial, dttmm_progress* progress) {
 }
 
 void Machine::evaluate(const dttmm_motion* trial, double* wrench, double* stiffness) const {
-    const dttmm_motion* const all = with_supports(trial, &Supports::write_end);
-    double *const w = wrenches_for(wrench), *const k = blocks_for(stiffness, joined_.stiffness);
+    const dttmm_motion* const all = joined_->with_supports(trial, &Supports::write_end);
+    double *const w = joined_->wrenches_for(wrench), *const k = joined_->blocks_for(stiffness, joined_->stiffness);
     for_each(*this, [&](const Part& part) { part.network.evaluate(all, w, k); });
-    hand_out(wrench);
-    hand_out(stiffness, joined_.stiffness);
+    joined_->hand_out(wrench);
+    joined_->hand_out(stiffness, joined_->stiffness);
 }
 
 void Machine::commit_step(const dttmm_motion* accepted) {
-    const dttmm_motion* const all = with_supports(accepted, &Supports::write_end);
+    const dttmm_motion* const all = joined_->with_supports(accepted, &Supports::write_end);
     for_each(*this, [&](Part& part) { part.network.commit_step(all); });
     if (supports_.empty()) return;
     supports_.commit_step();
-    std::ranges::fill(joined_.wrenches, 0.0);
-    for_each(*this, [&](const Part& part) { part.network.mean_wrench(joined_.wrenches.data()); });
-    std::ranges::fill(joined_.numbers, 0.0);
-    for_each(*this, [&](const Part& part) { part.network.add_rigid_wrenches(joined_.numbers.data()); });
-    supports_.add_work(&joined_.wrenches[6 * size_t{body_count_}], &joined_.numbers[6 * size_t{body_count_}]);
+    std::ranges::fill(joined_->wrenches, 0.0);
+    for_each(*this, [&](const Part& part) { part.network.mean_wrench(joined_->wrenches.data()); });
+    std::ranges::fill(joined_->numbers, 0.0);
+    for_each(*this, [&](const Part& part) { part.network.add_rigid_wrenches(joined_->numbers.data()); });
+    supports_.add_work(&joined_->wrenches[6 * size_t{body_count_}], &joined_->numbers[6 * size_t{body_count_}]);
 }
 
 void Machine::discard_step() {
@@ -369,18 +322,18 @@ void Machine::discard_step() {
 }
 
 void Machine::mean_wrench(double* wrench) const {
-    double* const w = wrenches_for(wrench);
+    double* const w = joined_->wrenches_for(wrench);
     for_each(*this, [&](const Part& part) { part.network.mean_wrench(w); });
-    hand_out(wrench);
+    joined_->hand_out(wrench);
 }
 
 void Machine::stand(const dttmm_motion* bodies, const double* accelerations, double* wrench) const {
-    const dttmm_motion* const all = with_supports(bodies, &Supports::write_instant);
-    if (!supports_.empty()) supports_.write_accelerations(joined_.changes.data());
-    const double* const a = accelerations ? with_supports(accelerations, joined_.changes.data()) : nullptr;
-    double* const w = wrenches_for(wrench);
+    const dttmm_motion* const all = joined_->with_supports(bodies, &Supports::write_instant);
+    if (!supports_.empty()) supports_.write_accelerations(joined_->changes.data());
+    const double* const a = accelerations ? joined_->with_supports(accelerations, joined_->changes.data()) : nullptr;
+    double* const w = joined_->wrenches_for(wrench);
     for_each(*this, [&](const Part& part) { part.network.stand(all, a, w); });
-    hand_out(wrench);
+    joined_->hand_out(wrench);
 }
 
 // ---- At rest ------------------------------------------------------------------------------------------------------------
@@ -408,21 +361,21 @@ void Machine::set_static_loads(const double* gravity, const double* loads) {
 
 void Machine::form_static(const dttmm_motion* bodies, double resistance, double* wrench, double* stiffness) {
     supports_.form_statics();
-    const dttmm_motion* const all = with_supports(bodies, &Supports::write_at);
-    double *const w = wrenches_for(wrench), *const k = blocks_for(stiffness, joined_.stiffness);
+    const dttmm_motion* const all = joined_->with_supports(bodies, &Supports::write_at);
+    double *const w = joined_->wrenches_for(wrench), *const k = joined_->blocks_for(stiffness, joined_->stiffness);
     for_each(*this, [&](Part& part) { part.network.form_static(all, resistance, w, k); });
     if (supports_.empty()) return;
     // What supports are to do is known: it is a wrench on the bodies
     using RowMajor6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
-    double* const change = joined_.changes.data();
+    double* const change = joined_->changes.data();
     supports_.write_change(change);
     for (size_t b = seen_blocks_; b < blocks_.size(); ++b)
         if (blocks_[b].row < body_count_)
             Eigen::Map<Vector6>(w + 6 * blocks_[b].row) -=
                 Eigen::Map<const RowMajor6>(k + 36 * b) *
                 Eigen::Map<const Vector6>(change + 6 * (blocks_[b].column - body_count_));
-    hand_out(wrench);
-    hand_out(stiffness, joined_.stiffness);
+    joined_->hand_out(wrench);
+    joined_->hand_out(stiffness, joined_->stiffness);
 }
 
 /// Of all networks what finds asks of each.
@@ -445,8 +398,8 @@ dttmm_static_measure Machine::measure_static(const Find& find) {
 }
 
 void Machine::correct_static(const double* change, dttmm_static_measure* measure) {
-    const bool moves = supports_.write_change(joined_.changes.data());
-    const double* const all = with_supports(change, joined_.changes.data());
+    const bool moves = supports_.write_change(joined_->changes.data());
+    const double* const all = joined_->with_supports(change, joined_->changes.data());
     *measure = measure_static([&](Network& network) { return network.correct_static(all); });
     // Supports that move do work of their own, which does not tell uphill from downhill
     if (moves) measure->work = std::abs(measure->work);
@@ -454,10 +407,10 @@ void Machine::correct_static(const double* change, dttmm_static_measure* measure
 
 void Machine::move_static(const dttmm_motion* bodies, double share, double* wrench, dttmm_static_measure* measure) {
     supports_.move_statics(share);
-    const dttmm_motion* const all = with_supports(bodies, &Supports::write_at);
-    double* const w = wrenches_for(wrench);
+    const dttmm_motion* const all = joined_->with_supports(bodies, &Supports::write_at);
+    double* const w = joined_->wrenches_for(wrench);
     *measure = measure_static([&](Network& network) { return network.move_static(all, share, w); });
-    hand_out(wrench);
+    joined_->hand_out(wrench);
 }
 
 AtRest Machine::at_rest() const {
@@ -475,7 +428,7 @@ AtRest Machine::at_rest() const {
 
 void Machine::start_at_rest(const dttmm_step& step, const dttmm_motion* bodies, const double* loads) {
     supports_.start_at_rest();
-    const dttmm_motion* const all = with_supports(bodies, &Supports::write_start);
+    const dttmm_motion* const all = joined_->with_supports(bodies, &Supports::write_start);
     for_each(*this, [&](Part& part) { part.network.start_at_rest(step, all, gather_loads(part, loads)); });
 }
 

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "dttmm_plugin.h"
 #include "dttmm_static.h"
+#include "time/joined_numbers.h"
 #include "time/network.h"
 #include "time/supports.h"
 
@@ -21,6 +23,8 @@ namespace dttmm::plugin {
 class Machine {
 public:
     explicit Machine(const dttmm_network& description);
+    Machine(const Machine&) = delete;  // its parts keep each other
+    Machine& operator=(const Machine&) = delete;
 
     bool is_implicit() const { return is_implicit_; }
     void load_weights(double weights[3]) const { networks_.front().network.load_weights(weights); }
@@ -76,13 +80,6 @@ private:
     void place_blocks();
     void place_channels(std::span<const std::vector<uint32_t>> units);
     const double* gather_loads(Part& part, const double* loads) const;
-    const dttmm_motion* with_supports(const dttmm_motion* bodies,
-                                      void (Supports::*write)(std::span<dttmm_motion>) const) const;
-    const double* with_supports(const double* numbers, const double* of_supports) const;
-    double* wrenches_for(double* wrench) const;
-    void hand_out(double* wrench) const;
-    double* blocks_for(double* matrix, std::vector<double>& own) const;
-    void hand_out(double* matrix, const std::vector<double>& own) const;
 
     uint32_t body_count_, element_count_;
     size_t load_count_ = 0;  ///< on inner nodes, and line loads
@@ -93,12 +90,7 @@ private:
     std::vector<dttmm_channel> channels_;
     std::vector<uint32_t> lines_;
     Supports supports_;
-    /// Of all bodies, those of the supports behind: where the host's numbers and theirs come together.
-    struct Joined {
-        std::vector<dttmm_motion> motions;
-        std::vector<double> numbers, wrenches, stiffness, damping, changes;
-    };
-    mutable Joined joined_;
+    mutable std::optional<JoinedNumbers> joined_;  ///< working memory, so mutable
 };
 
 }  // namespace dttmm::plugin

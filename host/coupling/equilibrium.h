@@ -6,12 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "coupling/drives.h"
 #include "coupling/loads.h"
+#include "coupling/machine_size.h"
 #include "coupling/networks.h"
+#include "coupling/resting_joints.h"
 #include "model/model.h"
-#include "world/inertia.h"
-#include "world/joint_system.h"
 
 namespace dttmm::host {
 
@@ -43,11 +42,11 @@ public:
     // Of the machine at rest: what its loads add to the stiffness as their lever arms turn, 36 per body; and the forces of
     // ideal joints, 144 per joint by the motion of [first; second body], row-major.
     std::vector<double> load_stiffness() const;
-    std::vector<double> joint_stiffness();
+    std::vector<double> joint_stiffness() { return joints_.stiffness(state_.at); }
     /// How the force and moment of a joint on its first body, in the axes of that body, change while its reactions keep
     /// their size: by small motions of [first; second] body at their centres of mass, world axes.
-    Eigen::Matrix<double, 6, 12> joint_turning(size_t joint) const;
-    const std::vector<Stop>& stops() const { return stops_; }
+    Eigen::Matrix<double, 6, 12> joint_turning(size_t joint) const { return joints_.turning(joint, state_.at); }
+    const std::vector<Stop>& stops() const { return joints_.stops(); }
 
 private:
     using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -64,45 +63,30 @@ private:
         double rounding = 0;  ///< of the work [J]
         double share = 1;     ///< to be taken of it
     };
-    void find_size();
     Attempt iterate(double factor);
     Correction correct(double factor);
     Correction try_resistance(double factor);
     void solve(double factor);
     void form(double factor);
+    void set_least_resistance(const Eigen::VectorXd& held);
     void add_loads(double factor, const std::vector<BodyState>& at, std::vector<double>& wrenches) const;
     void add_load_stiffness(double factor, Triplets& entries) const;
-    void add_joints(double factor, Triplets& entries);
-    void add_joint_stiffness(size_t joint, Triplets& entries);
-    Eigen::VectorXd reactions(size_t joint) const;
-    Vector6 joint_wrench(size_t joint, const std::vector<BodyState>& at) const;
     bool has_same_pattern() const;
     double lacking(double factor, double share);
-    bool reach_stops();
-    bool release_stops();
-    int joint_row(size_t joint) const { return first_row_[joint]; }
-    double reach(size_t body) const { return reaches_[body]; }
+    double reach(size_t body) const { return size_.reach[body]; }
     /// Added to the inertia of a body in the resistance [kg m²]. The motion of a chain follows from how its links turn. By
     /// inertia alone the links at its ends would turn first, as in a fall, and the next after them; with this all turn at
     /// once: a moment of weight over the machine's length turns each by about as much.
-    double turning_mass(size_t body) const { return total_mass_ * span_ * reach(body); }
+    double turning_mass(size_t body) const { return size_.mass * size_.span * reach(body); }
 
     const Model& model_;
     Networks& networks_;
     Loads& loads_;
-    JointSystem joints_;
-    std::vector<Inertia> inertias_;
-    std::vector<double> reaches_;  ///< of forces on each body from its centre of mass [m]
-    std::vector<int> first_row_;   ///< of every joint's equations
-    int rows_;
-    double span_ = 0;    ///< of the machine and the ways of its sliders [m]
-    double extent_ = 0;  ///< that and its distance from the origin [m]
-    double total_mass_ = 0;
+    RestingJoints joints_;
+    MachineSize size_;
 
     RestState state_;
     std::vector<BodyState> kept_;
-    std::vector<Stop> stops_, kept_stops_;
-    Eigen::VectorXd q_, kept_q_;
     std::vector<double> wrenches_;
     Eigen::VectorXd right_hand_side_, solution_;
     std::vector<double> change_;                    ///< 6 per body

@@ -4,9 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "coupling/network_description.h"
-#include "loader/guarded_array.h"
-#include "loader/network_instance.h"
+#include "coupling/network_exchange.h"
 #include "loader/plugins.h"
 #include "model/model.h"
 #include "world/world.h"
@@ -91,7 +89,7 @@ public:
     /// then of that instant. accelerations: of the bodies there, 6 each; null: not known. Only if stand().
     void stand_at(const std::vector<BodyState>& at, const double* accelerations, double* wrenches);
 
-    const std::vector<NetworkInstance>& instances() const { return instances_; }
+    const std::vector<NetworkInstance>& instances() const { return exchange_.instances(); }
     /// Results of all elements, plugin after plugin, at the start of the step last committed. Throws Error(plugin_failure)
     /// for one that is not finite, and as refuse_changed_arithmetic() does.
     void outputs(double* values) const;
@@ -103,51 +101,22 @@ public:
     double* positions(double* values) const;
 
 private:
-    /// What the host keeps of an instance.
-    struct Slot {
-        std::vector<std::string> places;  ///< in the model file, of its elements
-        std::vector<size_t> loaded;       ///< its inner nodes, then its forces per length, among the loads on all networks
-        bool is_loaded = false;           ///< a load acts on one of these
-        std::vector<size_t> supported;    ///< its nodes that supports move, as where their numbers begin in the same array
-        std::vector<int> first_on_body;   ///< its first element on each body; −1: none
-    };
-
-    void add_instance(const Model& model, const NetworkDescription& description, const std::vector<size_t>& elements);
     void take_weights();
     void add_measure(size_t instance, const dttmm_static_measure& own, StaticMeasure& sum) const;
-    template <class Action>
-    void tell_place(size_t instance, Action&& action) const;
-    template <class Action>
-    static void tell_time(double time, Action&& action);
-    const double* gather_loads(size_t instance, const double* loads);
-    void move_supports(size_t instance, const double* loads);
-    void gather(const std::vector<BodyState>& motion);
-    void scatter(size_t instance, double* wrenches) const;
-    void check_guards(size_t instance, const GuardedArray& array, const char* name) const;
-    double* make_room(size_t instance, GuardedArray& matrix) const;
-    void check_matrix(size_t instance, const GuardedArray& matrix, const char* name, const char* when = "") const;
-    [[noreturn]] void refuse_wrench(size_t instance, size_t body) const;
 
-    std::vector<NetworkInstance> instances_;
-    std::vector<Slot> slots_;
-    std::string path_;  ///< of the model file
-    std::vector<std::string> body_names_;
+    NetworkExchange exchange_;
     std::vector<std::pair<int, int>> neighbours_;
     double weights_[3] = {0, 1, 0};
     bool is_implicit_ = false, stand_ = true;
     std::vector<dttmm_progress> progress_;
     std::vector<size_t> first_part_;  ///< of every instance
 
-    double time_ = 0, step_size_ = 0;
-    std::vector<dttmm_motion> motions_;  ///< of every body, as last gathered
+    double step_size_ = 0;
     // Written by plugins:
-    GuardedArray wrenches_;                        ///< of every body
     GuardedArray stiffness_;                       ///< blocks of the instance at hand
     mutable std::vector<GuardedArray> outputs_;    ///< of every instance
     mutable std::vector<GuardedArray> positions_;  ///< of every instance, where lines are watched
     uint32_t stations_ = 0;
-    std::vector<double> loads_;
-    std::vector<dttmm_support_motion> supports_;
 };
 
 }  // namespace dttmm::host

@@ -25,11 +25,6 @@ namespace dttmm::host {
 namespace {
 
 /// Elements that --suspects names.
-struct Suspects {
-    std::vector<std::string> names;
-    std::vector<bool> are_damped;
-};
-
 Suspects find_suspects(const Request& request, const Model& model, const ElementCatalogue& catalogue) {
     if (request.suspects.empty())
         throw Error(ExitCode::usage, "which elements may be loose? Name them with --suspects, e.g. --suspects 'bolt*'");
@@ -180,7 +175,7 @@ ExitCode diagnose(const Request& request) {
     const Observations observations = read_observations(request, model, plugins, warnings);
     const Unknowns common(request, model, plugins.catalogue(), observations.channel_names());
     Comparison comparison(request, observations, plugins);
-    const Diagnosis found = Diagnostician(comparison, common, suspects.names, suspects.are_damped, request.jobs).diagnose();
+    const Diagnosis found = Diagnostician(comparison, common, suspects, request.jobs).diagnose();
     const std::vector<std::string> verdict = make_verdict(found);
 
     const ResultsFolder folder(results_path(request, "-diagnose"));

@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "identify/forked_map.h"
+#include "identify/intervals.h"
 #include "identify/verdict.h"
 #include "model/error.h"
 #include "model/index.h"
@@ -19,63 +20,23 @@ namespace dttmm::host {
 
 namespace {
 
-constexpr double kLowestFactor = 0.01, kHighestFactor = 100;  // of a suspect
-constexpr size_t kFewestFitted = 3;                           // suspects that promise most
-constexpr double kDoubtful = 0.05;  // chance of a chi2 as large with the noise that was assumed: pairs are tried below it
-constexpr size_t kMostPaired = 8;   // suspects that pairs are made of
-constexpr size_t kMostPairs = 6;    // pairs that are fitted
-constexpr double kScreened = 0.25;  // share of a history by which suspects are chosen
+constexpr size_t kFewestFitted = 3;  // suspects that promise most
+constexpr double kDoubtful = 0.05;   // chance of a chi2 as large with the noise that was assumed: pairs are tried below it
+constexpr double kScreened = 0.25;   // share of a history by which suspects are chosen
 // Times the gain that slopes promise: a descent that would need more is given up. Of 981 points of descents on the stack of
 // examples/stack 1 % gained more than that; at 2 every tenth.
 constexpr double kReach = 20;
 // The same where a damping is freed at a minimum of the stiffness: a gain as small as an unknown costs is nearly linear.
 constexpr double kReachOfDamping = 2;
-constexpr double kUnseen = 1e-6;  // share of the strongest fault's effect
-
-Unknown factor_of(Unknown::Of of, const std::string& element) {
-    Unknown unknown{
-        of, element + (of == Unknown::Of::stiffness ? ".stiffness" : ".damping"), "1", 1, kLowestFactor, kHighestFactor};
-    unknown.element = element;
-    return unknown;
-}
-
-/// What of the columns is not a mixture of the basis.
-Eigen::MatrixXd without(const Eigen::MatrixXd& columns, const Eigen::MatrixXd& basis) {
-    if (basis.cols() == 0) return columns;
-    return columns - basis * basis.colPivHouseholderQr().solve(columns);
-}
 
 }  // namespace
 
-Diagnostician::Diagnostician(Comparison& comparison, const Unknowns& common, std::vector<std::string> suspects,
-                             std::vector<bool> are_damped, int jobs)
+Diagnostician::Diagnostician(Comparison& comparison, const Unknowns& common, Suspects suspects, int jobs)
     : comparison_(comparison),
       common_(common),
       suspects_(std::move(suspects)),
-      are_damped_(std::move(are_damped)),
-      jobs_(jobs) {}
-
-/// The common unknowns first. Elements that change alike share a factor.
-Unknowns Diagnostician::unknowns_of(const Hypothesis& hypothesis, bool with_damping) const {
-    Unknowns unknowns = common_;
-    for (const std::string& element : hypothesis.elements) {
-        Unknown stiffness = factor_of(Unknown::Of::stiffness, element);
-        if (hypothesis.are_alike) stiffness.shared = hypothesis.elements;
-        unknowns.add(stiffness);
-        if (hypothesis.are_alike) break;
-    }
-    std::vector<std::string> damped;
-    for (const std::string& element : hypothesis.elements)
-        if (are_damped_[as_size(std::ranges::find(suspects_, element) - suspects_.begin())]) damped.push_back(element);
-    for (const std::string& element : damped) {
-        if (!with_damping) break;
-        Unknown damping = factor_of(Unknown::Of::damping, element);
-        if (hypothesis.are_alike) damping.shared = damped;
-        unknowns.add(damping);
-        if (hypothesis.are_alike) break;
-    }
-    return unknowns;
-}
+      jobs_(jobs),
+      slopes_(comparison, common, suspects_, jobs) {}
 
 /// Schwarz' criterion: chi2 where the noise is known, N ln(sum of squares/N) where it is not.
 double Diagnostician::score(const Eigen::VectorXd& predicted, size_t unknowns) const {
@@ -221,7 +182,7 @@ double Diagnostician::reach_by_damping(const Trial& plain) const {
     std::vector<size_t> all(damped.size());
     std::iota(all.begin(), all.end(), size_t{0});
     const Eigen::VectorXd residual = comparison_.residual(plain.predicted, false);
-    return reach(residual, Identifier(comparison_, damped, {}, 1).differentiate_quickly(x, residual, all), kReachOfDamping);
+    return reach(residual, Residuals(comparison_, damped, {}, 1).differentiate_quickly(x, residual, all), kReachOfDamping);
 }
 
 /// Of the score: trials below it are near the best. The margin grows with chi2 per row of the best, where that exceeds 1.
@@ -250,8 +211,8 @@ std::vector<Diagnostician::Trial> Diagnostician::fit_singles(const Trial& null,
         const double margin = kDistinct + 2 * (1 - kTied * kTied) * explained;
         if (one.hypothesis.chi2 > trials.front().hypothesis.chi2 + margin) continue;
         for (const std::vector<size_t>& tied : classes) {
-            if (suspects_[tied.front()] != one.hypothesis.elements.front()) continue;
-            for (size_t t = 1; t < tied.size(); ++t) starts.push_back({{{suspects_[tied[t]]}}, start_of(one)});
+            if (suspects_.names[tied.front()] != one.hypothesis.elements.front()) continue;
+            for (size_t t = 1; t < tied.size(); ++t) starts.push_back({{{suspects_.names[tied[t]]}}, start_of(one)});
         }
     }
     for (Trial& one : fit_all(starts)) trials.push_back(std::move(one));
@@ -307,148 +268,46 @@ void Diagnostician::choose_factors(const Trial& null, std::vector<Start>& starts
 /// The common unknowns and the stiffness.
 Eigen::VectorXd Diagnostician::start_of(const Trial& trial) const { return trial.x.head(as_row(common_.size() + 1)); }
 
-/// What faults do to the data where nothing has changed, by one-sided differences: as many runs as columns that are not
-/// known yet. columns: the common unknowns, the stiffness of every suspect, the damping of those that have one.
-void Diagnostician::find_slopes(const Trial& null, std::vector<size_t> columns) {
-    Hypothesis all;
-    all.elements = suspects_;
-    const Unknowns unknowns = unknowns_of(all, true);
-    if (is_found_.empty()) {
-        is_found_.assign(unknowns.size(), false);
-        changes_.setZero(comparison_.rows(), as_row(unknowns.size()));
-    }
-    std::erase_if(columns, [&](size_t column) { return is_found_[column]; });
-    Eigen::VectorXd x = unknowns.start();
-    x.head(null.x.size()) = null.x;
-    const Eigen::MatrixXd slopes = Identifier(comparison_, unknowns, {}, jobs_)
-                                       .differentiate_quickly(x, comparison_.residual(null.predicted, false), columns);
-    for (size_t i = 0; i < columns.size(); ++i) {
-        changes_.col(as_row(columns[i])) = slopes.col(as_row(i)).cwiseProduct(comparison_.deviations());
-        is_found_[columns[i]] = true;
-    }
-    scale_slopes();
-}
-
-/// Of its damping among slopes_.
-std::optional<size_t> Diagnostician::damping_column(size_t suspect) const {
-    if (!are_damped_[suspect]) return std::nullopt;
-    return suspects_.size() + as_size(std::count(are_damped_.begin(), are_damped_.begin() + as_row(suspect), true));
-}
-
-/// The same per standard deviation of the data, without what the common unknowns do.
-void Diagnostician::scale_slopes() {
-    const Eigen::MatrixXd scaled = comparison_.deviations().cwiseInverse().asDiagonal() * changes_;
-    const auto count = as_row(common_.size());
-    slopes_ = without(scaled.rightCols(scaled.cols() - count), scaled.leftCols(count));
-}
-
-/// How far chi2 would fall by stiffness and damping of these suspects if all were linear.
-double Diagnostician::gain(const std::vector<size_t>& suspects, const Eigen::VectorXd& residual) const {
-    std::vector<Eigen::Index> columns;
-    for (const size_t s : suspects) {
-        columns.push_back(as_row(s));
-        const auto damping = damping_column(s);
-        if (damping && is_found_[common_.size() + *damping]) columns.push_back(as_row(*damping));
-    }
-    Eigen::MatrixXd own(slopes_.rows(), as_row(columns.size()));
-    for (size_t c = 0; c < columns.size(); ++c) own.col(as_row(c)) = slopes_.col(columns[c]);
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-    qr.setThreshold(kUnseen);
-    qr.compute(own);
-    return residual.squaredNorm() - (residual - own * qr.solve(residual)).squaredNorm();
-}
-
-/// Suspects in classes whose faults the data show alike to first order.
-std::vector<std::vector<size_t>> Diagnostician::tied_suspects() const {
-    const double strongest = slopes_.leftCols(as_row(suspects_.size())).colwise().norm().maxCoeff();
-    std::vector<std::vector<size_t>> classes;
-    for (size_t s = 0; s < suspects_.size(); ++s) {
-        const auto own = slopes_.col(as_row(s));
-        const double norm = own.norm();
-        const auto is_like = [&](const std::vector<size_t>& one) {
-            const auto first = slopes_.col(as_row(one.front()));
-            return first.norm() > kUnseen * strongest && std::abs(own.dot(first)) >= kTied * norm * first.norm();
-        };
-        const auto found = norm > kUnseen * strongest ? std::ranges::find_if(classes, is_like) : classes.end();
-        if (found != classes.end())
-            found->push_back(s);
-        else
-            classes.push_back({s});
-    }
-    return classes;
-}
-
 /// The first of every class in the order of what they promise, and all alike. Where no change explains the data too, only
 /// those that promise as much as an unknown costs: where none does, slopes say little of what is far away.
 std::vector<Hypothesis> Diagnostician::singles(const Trial& null, const std::vector<std::vector<size_t>>& classes,
                                                const Eigen::VectorXd& residual) const {
     const bool is_explained = judge(null).is_explained();
     std::vector<std::pair<double, size_t>> order;
-    for (const std::vector<size_t>& tied : classes) order.emplace_back(gain({tied.front()}, residual), tied.front());
+    for (const std::vector<size_t>& tied : classes) order.emplace_back(slopes_.gain({tied.front()}, residual), tied.front());
     std::ranges::stable_sort(order, std::ranges::greater(), &std::pair<double, size_t>::first);
     const double cost = std::log(static_cast<double>(comparison_.rows()));  // of one unknown, by the criterion
     std::vector<Hypothesis> all;
     for (const auto& [gain, suspect] : order)
-        if (!is_explained || all.size() < kFewestFitted || gain > cost) all.push_back({{suspects_[suspect]}});
-    if (suspects_.size() > 1) all.push_back({suspects_, true});
+        if (!is_explained || all.size() < kFewestFitted || gain > cost) all.push_back({{suspects_.names[suspect]}});
+    if (suspects_.size() > 1) all.push_back({suspects_.names, true});
     return all;
-}
-
-/// Those that promise most.
-std::vector<size_t> Diagnostician::strongest(const Eigen::VectorXd& residual) const {
-    std::vector<size_t> order(suspects_.size());
-    std::iota(order.begin(), order.end(), size_t{0});
-    std::vector<double> gains;
-    for (size_t s = 0; s < suspects_.size(); ++s) gains.push_back(gain({s}, residual));
-    std::ranges::stable_sort(order, [&](size_t a, size_t b) { return gains[a] > gains[b]; });
-    order.resize(std::min(order.size(), kMostPaired));
-    return order;
-}
-
-std::vector<Hypothesis> Diagnostician::promising_pairs(const std::vector<size_t>& order,
-                                                       const Eigen::VectorXd& residual) const {
-    struct Pair {
-        size_t a, b;
-        double gain;
-    };
-    std::vector<Pair> pairs;
-    for (size_t i = 0; i < order.size(); ++i)
-        for (size_t j = i + 1; j < order.size(); ++j)
-            pairs.push_back(
-                {std::min(order[i], order[j]), std::max(order[i], order[j]), gain({order[i], order[j]}, residual)});
-    std::ranges::stable_sort(pairs, std::ranges::greater(), &Pair::gain);
-    pairs.resize(std::min(pairs.size(), kMostPairs));
-    std::vector<Hypothesis> chosen;
-    for (const Pair& pair : pairs) chosen.push_back({{suspects_[pair.a], suspects_[pair.b]}});
-    return chosen;
 }
 
 /// Those of the strongest suspects that promise most.
 std::vector<Diagnostician::Trial> Diagnostician::fit_pairs(const Trial& null, const Eigen::VectorXd& residual) {
-    std::vector<size_t> dampings(as_size(std::ranges::count(are_damped_, true)));
+    std::vector<size_t> dampings(suspects_.damped_count());
     std::iota(dampings.begin(), dampings.end(), common_.size() + suspects_.size());
-    find_slopes(null, dampings);
+    slopes_.find(null.x, null.predicted, dampings);
     std::vector<Start> starts;
-    for (Hypothesis& one : promising_pairs(strongest(residual), residual)) starts.push_back({std::move(one), null.x});
+    for (const auto& [a, b] : slopes_.promising_pairs(residual))
+        starts.push_back({{{suspects_.names[a], suspects_.names[b]}}, null.x});
     return fit_all(starts);
 }
 
 void Diagnostician::find_limits(Diagnosis& diagnosis) const {
-    const auto count = as_row(suspects_.size());
-    double strongest = 0;
-    for (Eigen::Index s = 0; s < count; ++s) strongest = std::max(strongest, slopes_.col(s).norm());
     const double needed = kDistinct + std::log(static_cast<double>(comparison_.rows()));
-    for (Eigen::Index s = 0; s < count; ++s) {
-        const double norm = slopes_.col(s).norm();
-        if (norm > kUnseen * strongest)
-            diagnosis.least_seen = std::max(diagnosis.least_seen, 1 - std::exp(-std::sqrt(needed) / norm));
+    const std::vector<double> effects = slopes_.effects();
+    for (size_t s = 0; s < effects.size(); ++s) {
+        if (effects[s] > 0)
+            diagnosis.least_seen = std::max(diagnosis.least_seen, 1 - std::exp(-std::sqrt(needed) / effects[s]));
         else
-            diagnosis.unseen.push_back(suspects_[as_size(s)]);
+            diagnosis.unseen.push_back(suspects_.names[s]);
     }
-    for (const std::vector<size_t>& tied : tied_suspects()) {
+    for (const std::vector<size_t>& tied : slopes_.ties()) {
         if (tied.size() < 2) continue;
         std::vector<std::string>& names = diagnosis.ties.emplace_back();
-        for (const size_t suspect : tied) names.push_back(suspects_[suspect]);
+        for (const size_t suspect : tied) names.push_back(suspects_.names[suspect]);
     }
 }
 
@@ -486,16 +345,16 @@ void Diagnostician::add_intervals(std::span<Trial> trials) const {
 
 Fit Diagnostician::judge(const Trial& trial) const {
     const Identifier identifier(comparison_, trial.unknowns, {}, jobs_);
-    return identifier.judge(identifier.describe(trial.x));
+    return judge_fit(comparison_, identifier.describe(trial.x));
 }
 
 /// How well it explains the data, and what the time step does to it.
 void Diagnostician::judge_best(const Trial& best, Diagnosis& diagnosis) const {
     const Identifier identifier(comparison_, best.unknowns, {}, jobs_);
     const Solution at = identifier.describe(best.x);
-    diagnosis.fit = identifier.judge(at);
+    diagnosis.fit = judge_fit(comparison_, at);
     if (!comparison_.has_histories() || best.unknowns.size() == 0) return;
-    diagnosis.step = describe_step(identifier.find_step_bias(at), at, best.unknowns, comparison_.time_step());
+    diagnosis.step = describe_step(find_step_bias(identifier.residuals(), at), at, best.unknowns, comparison_.time_step());
 }
 
 Diagnosis Diagnostician::diagnose() {
@@ -506,8 +365,8 @@ Diagnosis Diagnostician::diagnose() {
     take_factors(null);
     std::vector<size_t> columns(common_.size() + suspects_.size());
     std::iota(columns.begin(), columns.end(), size_t{0});
-    find_slopes(null, columns);
-    const std::vector<std::vector<size_t>> classes = tied_suspects();
+    slopes_.find(null.x, null.predicted, columns);
+    const std::vector<std::vector<size_t>> classes = slopes_.ties();
     const auto residual_of_null = [&] { return Eigen::VectorXd(-comparison_.residual(null.predicted, false)); };
     std::vector<Trial> trials = fit_singles(null, classes, residual_of_null());
     if (trials.empty())
@@ -520,7 +379,7 @@ Diagnosis Diagnostician::diagnose() {
         descend_each(std::span(trials).first(std::min(kFewestFitted, trials.size())));
         for (Trial& one : trials) one.hypothesis.score = score(one.predicted, one.unknowns.size());
         sort_by_score(trials);
-        scale_slopes();
+        slopes_.scale();
     };
     sharpen();
     const Fit single = judge(trials.front());

@@ -9,7 +9,9 @@
 
 #include "analysis/request.h"
 #include "identify/comparison.h"
+#include "identify/fault_slopes.h"
 #include "identify/identification.h"
+#include "identify/suspects.h"
 #include "identify/unknowns.h"
 
 namespace dttmm::host {
@@ -47,8 +49,7 @@ inline constexpr double kDistinct = 10;
 /// common: unknowns that every hypothesis has. All must outlive it.
 class Diagnostician {
 public:
-    Diagnostician(Comparison& comparison, const Unknowns& common, std::vector<std::string> suspects,
-                  std::vector<bool> are_damped, int jobs);
+    Diagnostician(Comparison& comparison, const Unknowns& common, Suspects suspects, int jobs);
     Diagnosis diagnose();
 
 private:
@@ -60,7 +61,9 @@ private:
         Eigen::VectorXd x, predicted;
         bool is_given_up = false;  ///< it cannot come near the best: x is no minimum
     };
-    Unknowns unknowns_of(const Hypothesis& hypothesis, bool with_damping) const;
+    Unknowns unknowns_of(const Hypothesis& hypothesis, bool with_damping) const {
+        return suspects_.unknowns(common_, hypothesis.elements, hypothesis.are_alike, with_damping);
+    }
     /// What is fitted, from where: the first of its unknowns.
     struct Start {
         Hypothesis hypothesis;
@@ -83,15 +86,8 @@ private:
     Eigen::VectorXd start_of(const Trial& trial) const;
     static void sort_by_score(std::vector<Trial>& trials);
     double score(const Eigen::VectorXd& predicted, size_t unknowns) const;
-    void find_slopes(const Trial& null, std::vector<size_t> columns);
-    std::optional<size_t> damping_column(size_t suspect) const;
-    std::vector<size_t> strongest(const Eigen::VectorXd& residual) const;
-    void scale_slopes();
-    double gain(const std::vector<size_t>& suspects, const Eigen::VectorXd& residual) const;
-    std::vector<std::vector<size_t>> tied_suspects() const;
     std::vector<Hypothesis> singles(const Trial& null, const std::vector<std::vector<size_t>>& classes,
                                     const Eigen::VectorXd& residual) const;
-    std::vector<Hypothesis> promising_pairs(const std::vector<size_t>& order, const Eigen::VectorXd& residual) const;
     std::vector<Trial> fit_pairs(const Trial& null, const Eigen::VectorXd& residual);
     Fit judge(const Trial& trial) const;
     void judge_best(const Trial& best, Diagnosis& diagnosis) const;
@@ -100,13 +96,9 @@ private:
 
     Comparison& comparison_;
     const Unknowns& common_;
-    std::vector<std::string> suspects_;
-    std::vector<bool> are_damped_;
+    Suspects suspects_;
     int jobs_;
-    Eigen::MatrixXd
-        changes_;  ///< of predictions by the common unknowns, the logarithms of the suspects' stiffness, of damping
-    std::vector<bool> is_found_;  ///< of the columns of changes_
-    Eigen::MatrixXd slopes_;      ///< the suspects' columns per standard deviation, without what the common unknowns do
+    FaultSlopes slopes_;
 };
 
 }  // namespace dttmm::host

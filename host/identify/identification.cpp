@@ -5,18 +5,16 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 #include <numeric>
 
 #include "analysis/stop_signals.h"
 #include "identify/forked_map.h"
+#include "identify/intervals.h"
 #include "model/error.h"
 #include "model/index.h"
 #include "model/wording.h"
 #include "study/design.h"
-#include "study/distribution.h"
 
 namespace dttmm::host {
 
@@ -30,175 +28,33 @@ constexpr double kFarWorse = 4;        // times the least chi2 of a short window
 constexpr double kFirstWindow = 0.25;  // share of a history: a short one has fewer side minima
 constexpr int kDescended = 4;          // of the starting points of histories and responses: those with the least residual
 constexpr int kNoiseRounds = 2;        // estimates of noise from residuals, each followed by a fit
-constexpr double kUnlikely = 1e-3;     // chance below which a statement is rejected
-constexpr double kAssumedWithin = 3;   // usual noise may be this many times larger or smaller in a given test
-
-/// Solves J d = r for the columns that are not at `fixed`, in the sense of least squares.
-Eigen::VectorXd solve_others(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& right, const std::vector<bool>& fixed) {
-    std::vector<Eigen::Index> free;
-    for (size_t i = 0; i < fixed.size(); ++i)
-        if (!fixed[i]) free.push_back(as_row(i));
-    Eigen::VectorXd d = Eigen::VectorXd::Zero(jacobian.cols());
-    if (free.empty()) return d;
-    Eigen::MatrixXd own(jacobian.rows(), as_row(free.size()));
-    for (size_t i = 0; i < free.size(); ++i) own.col(as_row(i)) = jacobian.col(free[i]);
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-    solver.setThreshold(1e-6);
-    const Eigen::VectorXd part = solver.compute(own).solve(right);
-    for (size_t i = 0; i < free.size(); ++i) d(free[i]) = part(as_row(i));
-    return d;
-}
-
-/// The residuals of a task that changed an unknown.
-Eigen::VectorXd column_of(const TaskResult& result, const Unknown& unknown, Eigen::Index rows) {
-    if (!result.reason.empty())
-        throw Error(ExitCode::numerical_failure, fmt::format("with {} changed by 1 %: {}", unknown.name, result.reason));
-    return Eigen::Map<const Eigen::VectorXd>(result.numbers.data(), rows);
-}
-
-/// Autocorrelations at lags 1 … count.
-std::vector<double> correlations(const Eigen::VectorXd& values, Eigen::Index count) {
-    const Eigen::VectorXd own = values.array() - values.mean();
-    const double square = own.squaredNorm();
-    std::vector<double> result;
-    for (Eigen::Index k = 1; k <= count && square > 0; ++k)
-        result.push_back(own.head(own.size() - k).dot(own.tail(own.size() - k)) / square);
-    return result;
-}
-
-/// The chance that a sum of `freedom` squares of normal numbers is larger. Far from its mean it is 0 or 1 to rounding.
-double chance_beyond(double chi2, Eigen::Index freedom) {
-    const auto n = static_cast<double>(freedom);
-    constexpr double kFar = 40;  // standard deviations
-    if (!(std::abs(chi2 - n) < kFar * std::sqrt(2 * n))) return chi2 > n ? 0 : 1;
-    return boost::math::cdf(complement(boost::math::chi_squared(n), chi2));
-}
 
 }  // namespace
 
-bool Fit::is_explained() const {
-    const bool is_small = chance > kUnlikely || (is_noise_assumed && noise_factor() < kAssumedWithin);
-    return (!is_noise_independent || is_small) && whiteness > kUnlikely && offsets.empty();
-}
-
-std::vector<Prior> read_priors(const std::vector<std::string>& texts, const Unknowns& unknowns,
-                               const std::vector<Parameter>& parameters) {
-    std::vector<Prior> priors;
-    for (const std::string& text : texts) {
-        const Variation variation = [&] {
-            try {
-                return parse_variation(text, parameters);
-            } catch (const Error& error) {
-                std::string why = error.what();
-                if (const size_t at = why.find("--vary"); at != why.npos) why.replace(at, 6, "--prior");
-                throw Error(error.code(), why);
-            }
-        }();
-        const Distribution& own = variation.distribution;
-        if (own.kind != Distribution::Kind::normal && own.kind != Distribution::Kind::lognormal)
-            throw Error(ExitCode::usage,
-                        fmt::format("--prior {}: it is normal(mean, deviation) or lognormal(mean, deviation); "
-                                    "--bounds has ranges",
-                                    quote(text)));
-        for (const std::string& name : variation.names) {
-            const auto found = std::ranges::find(unknowns.all(), name, &Unknown::name);
-            if (found == unknowns.all().end())
-                throw Error(ExitCode::usage, fmt::format("--prior {}: {} is not free", quote(text), quote(name)));
-            Prior prior{as_size(found - unknowns.all().begin()), own.mean, own.deviation};
-            if (own.kind == Distribution::Kind::lognormal) {
-                const double share = own.deviation / own.mean;
-                prior.deviation = std::sqrt(std::log1p(share * share));
-                prior.mean = std::log(own.mean) - 0.5 * prior.deviation * prior.deviation;
-                prior.is_of_logarithm = true;
-            }
-            priors.push_back(prior);
-        }
-    }
-    return priors;
-}
-
 Identifier::Identifier(Comparison& comparison, const Unknowns& unknowns, std::vector<Prior> priors, int jobs)
-    : comparison_(comparison), unknowns_(unknowns), priors_(std::move(priors)), jobs_(jobs) {}
-
-Eigen::VectorXd Identifier::residual(const Eigen::VectorXd& x, bool are_logarithmic) const {
-    return residual_of(comparison_.predict(unknowns_, x), x, are_logarithmic);
-}
-
-Eigen::VectorXd Identifier::residual_of(const Eigen::VectorXd& predicted, const Eigen::VectorXd& x,
-                                        bool are_logarithmic) const {
-    Eigen::VectorXd residual(comparison_.rows() + as_row(priors_.size()));
-    residual.head(comparison_.rows()) = comparison_.residual(predicted, are_logarithmic);
-    for (size_t i = 0; i < priors_.size(); ++i) {
-        const double value = unknowns_[priors_[i].unknown].value(x(as_row(priors_[i].unknown)));
-        residual(comparison_.rows() + as_row(i)) =
-            ((priors_[i].is_of_logarithm ? std::log(value) : value) - priors_[i].mean) / priors_[i].deviation;
-    }
-    return residual;
-}
-
-/// By central differences of the residuals: one formula for all kinds of data.
-Eigen::MatrixXd Identifier::jacobian(const Eigen::VectorXd& x, bool are_logarithmic, int jobs) const {
-    const auto point = [&](size_t task) {
-        Eigen::VectorXd at = x;
-        at(as_row(task / 2)) += task % 2 == 0 ? kDifference : -kDifference;
-        return at;
-    };
-    const std::vector<TaskResult> results = map_in_processes(2 * unknowns_.size(), jobs, [&](size_t task) {
-        const Eigen::VectorXd own = residual(point(task), are_logarithmic);
-        return std::vector<double>(own.begin(), own.end());
-    });
-    const auto rows = comparison_.rows() + as_row(priors_.size());
-    Eigen::MatrixXd jacobian(rows, x.size());
-    for (size_t i = 0; i < unknowns_.size(); ++i)
-        jacobian.col(as_row(i)) =
-            (column_of(results[2 * i], unknowns_[i], rows) - column_of(results[2 * i + 1], unknowns_[i], rows)) /
-            (2 * kDifference);
-    return jacobian;
-}
-
-LeastSquares Identifier::problem(bool are_logarithmic, int jobs) const {
-    return {[this, are_logarithmic](const Eigen::VectorXd& x) { return residual(x, are_logarithmic); },
-            [this, are_logarithmic, jobs](const Eigen::VectorXd& x, const Eigen::VectorXd&) {
-                return jacobian(x, are_logarithmic, jobs);
-            },
-            unknowns_.low(), unknowns_.high()};
-}
-
-Eigen::MatrixXd Identifier::differentiate_quickly(const Eigen::VectorXd& x, const Eigen::VectorXd& here,
-                                                  const std::vector<size_t>& coordinates) const {
-    const std::vector<TaskResult> results = map_in_processes(coordinates.size(), jobs_, [&](size_t task) {
-        Eigen::VectorXd at = x;
-        at(as_row(coordinates[task])) += kDifference;
-        const Eigen::VectorXd own = residual(at, false);
-        return std::vector<double>(own.begin(), own.end());
-    });
-    Eigen::MatrixXd jacobian(here.size(), as_row(coordinates.size()));
-    for (size_t i = 0; i < coordinates.size(); ++i)
-        jacobian.col(as_row(i)) = (column_of(results[i], unknowns_[coordinates[i]], here.size()) - here) / kDifference;
-    return jacobian;
-}
+    : residuals_(comparison, unknowns, std::move(priors), jobs), comparison_(comparison), unknowns_(unknowns), jobs_(jobs) {}
 
 Minimum Identifier::descend(const Eigen::VectorXd& start, double enough,
                             decltype(LeastSquares::is_hopeless) is_hopeless) const {
-    LeastSquares quick = problem(false, jobs_);
+    LeastSquares quick = residuals_.problem();
     quick.is_hopeless = std::move(is_hopeless);
     std::vector<size_t> all(unknowns_.size());
     std::iota(all.begin(), all.end(), size_t{0});
     quick.jacobian = [this, all](const Eigen::VectorXd& x, const Eigen::VectorXd& here) {
-        return differentiate_quickly(x, here, all);
+        return residuals_.differentiate_quickly(x, here, all);
     };
     return minimise(quick, start, {kMostEvaluations, enough});
 }
 
 Minimum Identifier::search_from(const Eigen::VectorXd& start, int jobs) const {
-    if (!comparison_.has_responses()) return minimise(problem(false, jobs), start, {most_evaluations_});
-    const Minimum by_logarithms = minimise(problem(true, jobs), start);
-    return minimise(problem(false, jobs), by_logarithms.x);
+    if (!comparison_.has_responses()) return minimise(residuals_.problem(false, jobs), start, {most_evaluations_});
+    const Minimum by_logarithms = minimise(residuals_.problem(true, jobs), start);
+    return minimise(residuals_.problem(false, jobs), by_logarithms.x);
 }
 
 bool Identifier::is_underdetermined(const Identifiability& judged) const {
     const auto live = std::ranges::count(judged.is_dead, false);
-    return comparison_.rows() + as_row(priors_.size()) - comparison_.scales() <= live && !judged.flat.empty();
+    return residuals_.rows() - comparison_.scales() <= live && !judged.flat.empty();
 }
 
 /// The file's values first.
@@ -228,8 +84,9 @@ std::vector<Minimum> Identifier::search(const std::vector<Start>& points, Identi
     std::iota(chosen.begin(), chosen.end(), size_t{0});
     const bool is_by_residual = !comparison_.has_modes();
     if (is_by_residual && points.size() > kDescended) {
-        const std::vector<TaskResult> sums = map_in_processes(
-            points.size(), jobs_, [&](size_t p) { return std::vector<double>{residual(points[p].x, true).squaredNorm()}; });
+        const std::vector<TaskResult> sums = map_in_processes(points.size(), jobs_, [&](size_t p) {
+            return std::vector<double>{residuals_.at(points[p].x, true).squaredNorm()};
+        });
         const auto sum_of = [&](size_t p) {
             return sums[p].reason.empty() ? sums[p].numbers.front() : std::numeric_limits<double>::infinity();
         };
@@ -269,10 +126,10 @@ std::vector<Minimum> Identifier::search(const std::vector<Start>& points, Identi
 /// Near each other, or joined by a straight valley.
 bool Identifier::is_same(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
     if ((a - b).cwiseAbs().maxCoeff() < kSame) return true;
-    const double highest = std::max(residual(a, false).squaredNorm(), residual(b, false).squaredNorm());
+    const double highest = std::max(residuals_.at(a).squaredNorm(), residuals_.at(b).squaredNorm());
     for (const double share : {0.5, 0.25, 0.75}) {
         try {
-            if (residual(a + share * (b - a), false).squaredNorm() > highest + 1) return false;
+            if (residuals_.at(a + share * (b - a)).squaredNorm() > highest + 1) return false;
         } catch (const Error&) {
             return false;
         }
@@ -286,7 +143,7 @@ Solution Identifier::make_solution(const Minimum& minimum) const {
     solution.at_bound = minimum.at_bound;
     solution.predicted = comparison_.predict(unknowns_, minimum.x);
     solution.chi2 = comparison_.residual(solution.predicted, false).squaredNorm();
-    solution.slopes = jacobian(minimum.x, false, jobs_);
+    solution.slopes = residuals_.jacobian(minimum.x);
     const Eigen::MatrixXd& slopes = solution.slopes;
     // A combination that the data do not fix may have ended at a bound, which makes none of its unknowns known
     solution.judged = judge_identifiability(slopes, unknowns_, std::vector<bool>(unknowns_.size(), false));
@@ -297,14 +154,14 @@ Solution Identifier::make_solution(const Minimum& minimum) const {
 }
 
 Solution Identifier::polish(const Eigen::VectorXd& start) const {
-    Solution solution = make_solution(minimise(problem(false, jobs_), start));
-    find_intervals(solution, 1);
+    Solution solution = make_solution(minimise(residuals_.problem(), start));
+    find_intervals(residuals_, solution, 1);
     return solution;
 }
 
 /// The direction of the unknowns that the data fix least: derivatives by differences may hide that it is open.
 Eigen::VectorXd Identifier::weakest_direction(const Solution& solution, double& share) const {
-    const Eigen::MatrixXd slopes = jacobian(solution.x, false, jobs_);
+    const Eigen::MatrixXd slopes = residuals_.jacobian(solution.x);
     std::vector<Eigen::Index> live;
     for (size_t i = 0; i < unknowns_.size(); ++i)
         if (!solution.judged.is_dead[i]) live.push_back(as_row(i));
@@ -336,12 +193,12 @@ std::optional<Eigen::VectorXd> Identifier::find_valley(const Solution& solution)
         start = start.cwiseMax(unknowns_.low()).cwiseMin(unknowns_.high());
         if ((start - solution.x).norm() < kBack) continue;
         try {
-            const Minimum there = minimise(problem(false, jobs_), start);
+            const Minimum there = minimise(residuals_.problem(), start);
             const Eigen::VectorXd way = there.x - solution.x;
-            const double here = residual(solution.x, false).squaredNorm();
+            const double here = residuals_.at(solution.x).squaredNorm();
             if (way.norm() > kBack && there.chi2() < here + 1) {
                 // Half way it must be as good: else there are two minima
-                const Minimum middle = minimise(problem(false, jobs_), solution.x + 0.5 * way);
+                const Minimum middle = minimise(residuals_.problem(), solution.x + 0.5 * way);
                 const double gone = (middle.x - solution.x).norm() / way.norm();
                 if (middle.chi2() < here + 1 && gone > 0.25 && gone < 0.75) return way.normalized();
             }
@@ -362,7 +219,7 @@ Solution Identifier::describe(const Eigen::VectorXd& x) const {
 
 Solution Identifier::estimate(const Eigen::VectorXd& x) const {
     Solution solution = describe(x);
-    find_intervals(solution, 1);
+    find_intervals(residuals_, solution, 1);
     return solution;
 }
 
@@ -395,8 +252,8 @@ void Identifier::settle_noise(std::vector<Minimum>& minima) const {
         });
         if (is_known) break;
         comparison_.estimate_noise(comparison_.predict(unknowns_, minima.front().x), unknowns_.size());
-        minima.front() = minimise(problem(false, jobs_), minima.front().x);
-        for (size_t m = 1; m < minima.size(); ++m) minima[m].residual = residual(minima[m].x, false);
+        minima.front() = minimise(residuals_.problem(), minima.front().x);
+        for (size_t m = 1; m < minima.size(); ++m) minima[m].residual = residuals_.at(minima[m].x);
     }
     std::ranges::stable_sort(minima, [](const Minimum& a, const Minimum& b) { return a.chi2() < b.chi2(); });
 }
@@ -427,7 +284,7 @@ Identification Identifier::identify(int starts, int seed) {
     if (count > 0) {
         const std::vector<bool> none(as_size(count), false);
         const Eigen::VectorXd x = unknowns_.start();
-        const Identifiability judged = judge_identifiability(jacobian(x, false, jobs_), unknowns_, none);
+        const Identifiability judged = judge_identifiability(residuals_.jacobian(x), unknowns_, none);
         found.is_underdetermined = is_underdetermined(judged);
         found.flat_in_file = judged.flat;
     }
@@ -454,176 +311,12 @@ Identification Identifier::identify(int starts, int seed) {
             found.solutions.resize(1);
         }
     }
-    found.fit = judge_fit(found.solutions.front());
+    found.fit = judge_fit(comparison_, found.solutions.front());
     found.is_underdetermined = found.is_underdetermined || is_underdetermined(found.solutions.front().judged);
     for (Solution& solution : found.solutions)
-        if (!found.is_underdetermined) find_intervals(solution, found.fit.inflation);
-    if (comparison_.has_histories()) found.step_bias = find_step_bias(found.solutions.front());
+        if (!found.is_underdetermined) find_intervals(residuals_, solution, found.fit.inflation);
+    if (comparison_.has_histories()) found.step_bias = find_step_bias(residuals_, found.solutions.front());
     return found;
-}
-
-namespace {
-
-constexpr Eigen::Index kFewestCorrelated = 20, kMostLags = 20;  // samples; lags
-
-/// Of residuals.
-struct Correlation {
-    double chance = 1;  ///< that noise has as much
-    double memory = 1;  ///< samples that tell no more than one
-};
-
-/// Source: Ljung and Box (1978), Biometrika 65, 297-303.
-Correlation judge_correlation(const Eigen::VectorXd& residual) {
-    const std::vector<double> rho = correlations(residual, std::min(kMostLags, residual.size() / 5));
-    const auto n = static_cast<double>(residual.size());
-    Correlation found;
-    double Q = 0;
-    bool is_open = true;
-    for (size_t k = 0; k < rho.size(); ++k) {
-        Q += n * (n + 2) * rho[k] * rho[k] / (n - static_cast<double>(k + 1));
-        is_open = is_open && rho[k] > 2 / std::sqrt(n);
-        if (is_open) found.memory += 2 * rho[k];
-    }
-    if (!rho.empty()) found.chance = chance_beyond(Q, as_row(rho.size()));
-    return found;
-}
-
-}  // namespace
-
-Fit Identifier::judge_fit(const Solution& solution) const {
-    Fit fit;
-    fit.chi2 = solution.chi2;
-    fit.points = comparison_.rows();
-    Eigen::Index sought = comparison_.scales();
-    for (size_t i = 0; i < unknowns_.size(); ++i) sought += !solution.judged.is_dead[i] && !solution.at_bound[i];
-    sought -= as_row(solution.judged.flat.size());
-    fit.freedom = fit.points - sought;
-    fit.is_noise_independent = std::ranges::none_of(
-        comparison_.groups(), [](const DataGroup& group) { return group.noise_from == DataGroup::NoiseFrom::residuals; });
-    fit.is_noise_assumed = std::ranges::any_of(
-        comparison_.groups(), [](const DataGroup& group) { return group.noise_from == DataGroup::NoiseFrom::assumed; });
-    if (fit.freedom > 0) fit.chance = chance_beyond(fit.chi2, fit.freedom);
-    size_t samples = 0;
-    for (const DataGroup& group : comparison_.groups()) samples += group.noise_samples;
-    if (samples > 0 && fit.freedom > 0)  // the noise itself is an estimate
-        fit.chance = boost::math::cdf(
-            complement(boost::math::fisher_f(static_cast<double>(fit.freedom), static_cast<double>(samples)),
-                       fit.chi2 / static_cast<double>(fit.freedom)));
-    const Eigen::VectorXd residual = comparison_.residual(solution.predicted, false);
-    for (const DataGroup& group : comparison_.groups()) {
-        if (group.kind == DataGroup::Kind::frequency || group.kind == DataGroup::Kind::shape) continue;
-        const double squares = (solution.predicted - comparison_.data()).segment(group.first, group.count).squaredNorm();
-        fit.misfit = std::max(fit.misfit, std::sqrt(squares / static_cast<double>(group.count)) / group.largest);
-    }
-    double sum = 0;
-    int looked_at = 0;
-    for (const DataGroup& group : comparison_.groups()) {
-        const bool is_curve = group.kind == DataGroup::Kind::history || group.kind == DataGroup::Kind::response;
-        if (!is_curve || group.count < kFewestCorrelated || group.noise <= kLeastNoise * group.largest) continue;
-        const Eigen::Index stride = group.kind == DataGroup::Kind::response ? 2 : 1;
-        const Eigen::VectorXd own = Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<>>(
-            residual.data() + group.first, group.count / stride, Eigen::InnerStride<>(stride));
-        const Correlation found = judge_correlation(own);
-        fit.whiteness = std::min(fit.whiteness, found.chance);
-        // A mean that noise does not explain is an offset of the sensor
-        constexpr double kOffset = 5;  // standard deviations of the mean
-        if (group.kind == DataGroup::Kind::history && std::abs(own.sum()) > kOffset * own.norm())
-            fit.offsets.push_back(group.name);
-        sum += found.memory;
-        ++looked_at;
-    }
-    fit.whiteness = std::min(1.0, fit.whiteness * std::max(1, looked_at));
-    constexpr double kExact = 1e-7;  // share of the largest value: data that the model made itself leave rounding
-    fit.can_be_judged = fit.is_noise_independent || looked_at > 0 || fit.misfit < kExact;
-    if (looked_at > 0 && fit.whiteness < kUnlikely) fit.inflation = std::sqrt(sum / looked_at);
-    if (fit.is_noise_assumed && fit.chance < kUnlikely) fit.inflation = std::max(fit.inflation, fit.noise_factor());
-    return fit;
-}
-
-/// How far chi2 rises when one unknown is moved and the others follow.
-double Identifier::rise(const Solution& solution, size_t unknown, double distance, double base) const {
-    const Eigen::MatrixXd& jacobian = solution.slopes;
-    constexpr int kRounds = 2;  // the first is exact for a linear model
-    std::vector<bool> fixed = solution.at_bound;
-    for (size_t i = 0; i < fixed.size(); ++i) fixed[i] = fixed[i] || solution.judged.is_dead[i] || i == unknown;
-    Eigen::VectorXd x = solution.x;
-    x(as_row(unknown)) += distance;
-    Eigen::VectorXd step = distance * jacobian.col(as_row(unknown));
-    x -= solve_others(jacobian, step, fixed);
-    double least = std::numeric_limits<double>::infinity();
-    for (int round = 0; round < kRounds; ++round) {
-        x = x.cwiseMax(unknowns_.low()).cwiseMin(unknowns_.high());
-        const Eigen::VectorXd own = residual(x, false);
-        least = std::min(least, own.squaredNorm());
-        const Eigen::VectorXd before = x;
-        if (round + 1 < kRounds) x -= solve_others(jacobian, own, fixed);
-        if (x == before) break;  // there are no others
-    }
-    return std::max(0.0, least - base);
-}
-
-/// Of chi2, at the ends of an interval of 95 %. Where the noise is an estimate, by the fewest differences behind it.
-double Identifier::allowed_rise() const {
-    Eigen::Index freedom = std::numeric_limits<Eigen::Index>::max();
-    for (const DataGroup& group : comparison_.groups()) {
-        if (group.noise_from == DataGroup::NoiseFrom::residuals)
-            freedom = std::min(freedom, comparison_.rows() - comparison_.scales() - as_row(unknowns_.size()));
-        if (group.noise_samples > 0) freedom = std::min(freedom, as_row(group.noise_samples));
-    }
-    if (freedom <= 0 || freedom == std::numeric_limits<Eigen::Index>::max())
-        return boost::math::quantile(boost::math::chi_squared(1), 0.95);
-    return boost::math::quantile(boost::math::fisher_f(1, static_cast<double>(freedom)), 0.95);
-}
-
-/// Where chi2 has risen by what 95 % allow: from the curvature first, then by the profile of chi2 itself.
-void Identifier::find_intervals(Solution& solution, double inflation) const {
-    const double allowed = inflation * inflation * allowed_rise();
-    const double base = residual_of(solution.predicted, solution.x, false).squaredNorm();
-    const auto limit = [&](size_t unknown, double sign) -> std::optional<double> {
-        const Unknown& one = unknowns_[unknown];
-        const double deviation = solution.judged.deviations(as_row(unknown)), x = solution.x(as_row(unknown));
-        const double bound = one.coordinate(sign > 0 ? one.high : one.low), reach = std::abs(bound - x);
-        if (solution.judged.is_dead[unknown] || !std::isfinite(deviation)) return std::nullopt;
-        double distance = deviation > 0 ? std::sqrt(allowed) * deviation : 0.1 * reach;
-        constexpr int kMostTries = 8;
-        for (int round = 0; round < kMostTries; ++round) {
-            distance = std::min(distance, reach);
-            double risen = 0;
-            try {
-                risen = rise(solution, unknown, sign * distance, base);
-            } catch (const Error&) {
-                return std::nullopt;
-            }
-            constexpr double kEnough = 0.1;  // of what is allowed: 5 % of the interval
-            if (std::abs(risen - allowed) < kEnough * allowed) return x + sign * distance;
-            if (distance >= reach && risen < allowed) return std::nullopt;
-            // chi2 is nearly a parabola; far from one no step is trusted beyond a factor of three
-            distance *= std::clamp(std::sqrt(allowed / std::max(risen, 1e-12)), 1.0 / 3, 3.0);
-        }
-        return x + sign * distance;
-    };
-    const std::vector<TaskResult> limits = map_in_processes(2 * unknowns_.size(), jobs_, [&](size_t task) {
-        const std::optional<double> found = limit(task / 2, task % 2 == 0 ? -1 : 1);
-        return found ? std::vector<double>{*found} : std::vector<double>();
-    });
-    for (size_t i = 0; i < unknowns_.size(); ++i) {
-        if (!limits[2 * i].numbers.empty()) solution.low[i] = limits[2 * i].numbers.front();
-        if (!limits[2 * i + 1].numbers.empty()) solution.high[i] = limits[2 * i + 1].numbers.front();
-        if (solution.at_bound[i]) {
-            const bool is_low = solution.x(as_row(i)) <= unknowns_.low()(as_row(i));
-            (is_low ? solution.low : solution.high)[i].reset();
-        }
-    }
-}
-
-/// The scheme is of second order: what halving the step changes is three quarters of the error.
-Eigen::VectorXd Identifier::find_step_bias(const Solution& solution) const {
-    const Eigen::VectorXd finer = comparison_.predict(unknowns_, solution.x, 2);
-    Eigen::VectorXd error = Eigen::VectorXd::Zero(comparison_.rows() + as_row(priors_.size()));
-    error.head(comparison_.rows()) = 4.0 / 3 * (finer - solution.predicted).cwiseQuotient(comparison_.deviations());
-    std::vector<bool> fixed = solution.at_bound;
-    for (size_t i = 0; i < fixed.size(); ++i) fixed[i] = fixed[i] || solution.judged.is_dead[i];
-    return solve_others(solution.slopes, error, fixed);
 }
 
 }  // namespace dttmm::host

@@ -53,13 +53,13 @@ Simulation::Simulation(const Model& model, const Plugins& plugins)
       now_(read_states(world_, model.bodies.size())),
       after_(model.bodies.size()),
       fastest_(find_fastest_mode(model, networks_, now_)),
-      observer_(model, networks_, end_of_step_.equations().joint_system()),
-      stops_(model.joints.size()),
-      held_(model.bodies.size()) {
-    for (const Joint& joint : model.joints) has_stops_ = has_stops_ || joint.limits;
+      observer_(model, networks_, end_of_step_.equations().joint_system()) {
+    engine_.stops.resize(model.joints.size());
+    turning_.held.resize(model.bodies.size());
+    for (const Joint& joint : model.joints) engine_.has_stops = engine_.has_stops || joint.limits;
     for (const Element& element : model.elements)
         for (const Attachment& end : element.ends)
-            if (end.body >= 0) held_[as_size(end.body)] = true;
+            if (end.body >= 0) turning_.held[as_size(end.body)] = true;
     if (!networks_.is_implicit()) limit_ = find_explicit_limit(model, networks_, now_, step_size_, model.simulation.scheme);
     const Instant& start = this->start();
     first_after_ = now_;
@@ -146,8 +146,8 @@ void Simulation::begin_step() {
 
 void Simulation::observe_rest() {
     begin_step();
-    world_.find_stops(step_size_, stops_);
-    end_of_step_.solve(now_, networks_, stops_);
+    world_.find_stops(step_size_, engine_.stops);
+    end_of_step_.solve(now_, networks_, engine_.stops);
     after_ = end_of_step_.predicted();
     networks_.commit_step(after_);
     observe();
@@ -175,26 +175,27 @@ void Simulation::centre(Simulation& above, Simulation& below, const Simulation& 
     middle.networks_.centre(above.networks_, below.networks_);
     for (size_t b = 0; b < middle.now_.size(); ++b) centre_body(above.now_[b], below.now_[b], middle.now_[b]);
     for (Simulation* one : {&above, &below})
-        if (one->asks_ode_) one->world_.set_states(one->now_);
+        if (one->engine_.is_asked) one->world_.set_states(one->now_);
 }
 
 /// Finds the end of the step and has ODE move the bodies there. ODE decides which stops act: where it differs, the step is
 /// done again with its choice.
 void Simulation::move_bodies() {
-    if (!asks_ode_) {
-        end_of_step_.solve(now_, networks_, stops_);
+    if (!engine_.is_asked) {
+        end_of_step_.solve(now_, networks_, engine_.stops);
         return end_of_step_.write_end(now_, after_);
     }
-    world_.find_stops(step_size_, stops_);
-    if (has_stops_) world_.save(saved_);
+    world_.find_stops(step_size_, engine_.stops);
+    if (engine_.has_stops) world_.save(engine_.saved);
     for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
-        world_.apply(end_of_step_.solve(now_, networks_, stops_));  // calls evaluate at will
+        world_.apply(end_of_step_.solve(now_, networks_, engine_.stops));  // calls evaluate at will
         world_.advance(step_size_, end_of_step_.predicted(), end_of_step_.singular_position().let_go());
-        ++engine_steps_;
+        ++engine_.steps;
         world_.read_states(after_);
-        if (std::ranges::equal(world_.stops(), stops_, {}, &Stop::acts, &Stop::acts)) return end_of_step_.confirm(after_);
-        stops_ = world_.stops();
-        world_.restore(saved_);
+        if (std::ranges::equal(world_.stops(), engine_.stops, {}, &Stop::acts, &Stop::acts))
+            return end_of_step_.confirm(after_);
+        engine_.stops = world_.stops();
+        world_.restore(engine_.saved);
     }
     throw Error(
         ExitCode::numerical_failure,
@@ -225,16 +226,16 @@ std::string Simulation::describe_speed() const {
 void Simulation::follow_turning() {
     for (size_t b = 0; b < after_.size(); ++b) {
         const double squared = after_[b].angular_velocity.squaredNorm();
-        if (squared <= fastest_turning_squared_ || !held_[b]) [[likely]]
+        if (squared <= turning_.squared || !turning_.held[b]) [[likely]]
             continue;
-        fastest_turning_squared_ = squared;
-        fastest_turning_body_ = b;
+        turning_.squared = squared;
+        turning_.body = b;
     }
 }
 
 Turning Simulation::fastest_turning() const {
-    if (fastest_turning_squared_ == 0) return {};
-    return {std::sqrt(fastest_turning_squared_) * step_size_, model_.bodies[fastest_turning_body_].name};
+    if (turning_.squared == 0) return {};
+    return {std::sqrt(turning_.squared) * step_size_, model_.bodies[turning_.body].name};
 }
 
 void Simulation::refuse_divergence() const {

@@ -55,7 +55,7 @@ public:
 
     /// From now on bodies move as predicted and ODE is not asked, unless joints have stops, on which it has the last word:
     /// for a run whose difference from another counts.
-    void leave_ode() { asks_ode_ = has_stops_; }
+    void leave_ode() { engine_.is_asked = engine_.has_stops; }
     /// Moves the states of two runs, of models that differ from that of `middle` in numbers only, to equal distances from
     /// its own. All three are at the start of the same step. Throws as Networks::centre() does.
     static void centre(Simulation& above, Simulation& below, const Simulation& middle);
@@ -90,7 +90,7 @@ public:
     const std::optional<ExplicitLimit>& explicit_limit() const { return limit_; }
 
     /// Steps that ODE has done, those done again because other stops acted than predicted included.
-    uint64_t engine_steps() const { return engine_steps_; }
+    uint64_t engine_steps() const { return engine_.steps; }
 
 private:
     const Instant& start();
@@ -119,16 +119,24 @@ private:
     Observer observer_;  ///< made last: finding the fastest vibration takes much memory
     RowSink sink_;
     TraceSink trace_;
-    World::Saved saved_;       ///< now_ as ODE has it
-    std::vector<Stop> stops_;  ///< that are thought to act over the step
-    bool has_stops_ = false, asks_ode_ = true;
-    uint64_t engine_steps_ = 0;
+    /// What ODE is asked for, and has been.
+    struct Engine {
+        World::Saved saved;       ///< now_ as ODE has it
+        std::vector<Stop> stops;  ///< that are thought to act over the step
+        bool has_stops = false, is_asked = true;
+        uint64_t steps = 0;
+    };
+    Engine engine_;
     std::vector<BodyState>
         first_after_;  ///< velocities half a step after the start that have the initial ones as their mean
 
-    std::vector<bool> held_;              ///< by an element
-    double fastest_turning_squared_ = 0;  ///< of them [rad²/s²]
-    size_t fastest_turning_body_ = 0;
+    /// Of the bodies that an element holds.
+    struct Fastest {
+        std::vector<bool> held;
+        double squared = 0;  ///< [rad²/s²]
+        size_t body = 0;
+    };
+    Fastest turning_;
 };
 
 }  // namespace dttmm::host

@@ -124,7 +124,7 @@ void measure_scatter(PlateTest& test) {
         Comparison comparison(test.request(), data, test.plugins());
         const Identifier identifier(comparison, test.unknowns(), {}, 0);
         if (draw == 0) {
-            const Eigen::MatrixXd J = identifier.differentiate(test.truth());
+            const Eigen::MatrixXd J = identifier.residuals().jacobian(test.truth());
             bound = (J.transpose() * J).inverse();
         }
         const Solution found = identifier.polish(test.unknowns().start());
@@ -155,7 +155,7 @@ void measure_faults(PlateTest& test, double factor) {
         const Observations data = test.draw(1000 + draw);
         Comparison comparison(test.request(), data, test.plugins());
         const Diagnosis found =
-            Diagnostician(comparison, none, {"bolt1", "bolt2", "bolt3", "bolt4"}, {true, true, true, true}, 0).diagnose();
+            Diagnostician(comparison, none, {{"bolt1", "bolt2", "bolt3", "bolt4"}, {true, true, true, true}}, 0).diagnose();
         unseen += found.candidates.empty();
         const bool is_first = !found.candidates.empty() && found.candidates[0].elements == std::vector<std::string>{"bolt1"};
         first += is_first;

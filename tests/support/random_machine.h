@@ -21,7 +21,8 @@ struct Placement {
 
 /// A model file drawn from a seed: bodies light and heavy in a tree, held by springs, ideal joints, beams, rods and chains
 /// of these through nodes with and without masses; loops; parts stiff and soft beside the step (ωh from 0.01 to 100); loads
-/// and gravity. The same seed gives the same machine wherever it stands.
+/// and gravity. The same seed gives the same machine wherever it stands, and by every compiler: no two numbers are drawn in
+/// one expression, whose parts have no order.
 class RandomMachine {
 public:
     /// steps: of the run.
@@ -68,6 +69,14 @@ private:
             if (v.norm() > 0.1 && v.norm() < 1) return v.normalized();
         }
     }
+    Eigen::Vector3d direction(double low, double high) {
+        const Eigen::Vector3d along = direction();
+        return uniform(low, high) * along;
+    }
+    Eigen::Quaterniond rotation() {
+        const Eigen::Vector3d axis = direction();
+        return Eigen::Quaterniond(Eigen::AngleAxisd(uniform(0, 3), axis));
+    }
     static std::string list(const Eigen::Vector3d& v) {
         return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x(), v.y(), v.z());
     }
@@ -83,13 +92,13 @@ private:
         Body body;
         const auto b = static_cast<double>(bodies_.size());
         body.position = Eigen::Vector3d(1.3 * b, 0.4 * std::sin(3 * b), 0.3 * b) + vector(0.3);
-        body.attitude = Eigen::Quaterniond(Eigen::AngleAxisd(uniform(0, 3), direction()));
+        body.attitude = rotation();
         body.mass = power(-1, 2);
+        const double depth = uniform(0.1, 0.5), height = uniform(0.1, 0.5), length = uniform(0.1, 0.5);
         parts_ += fmt::format(
             "[[body]]\nname = \"b{}\"\nmass = {:.17g}\nbox = [{:.17g}, {:.17g}, {:.17g}]\nposition = {}\n"
             "quaternion = {}\nmarkers = {{ ",
-            bodies_.size(), body.mass, uniform(0.1, 0.5), uniform(0.1, 0.5), uniform(0.1, 0.5), list(placed(body.position)),
-            attitude(body.attitude));
+            bodies_.size(), body.mass, length, height, depth, list(placed(body.position)), attitude(body.attitude));
         for (int m = 0; m < kMarkers; ++m) {
             markers_.push_back(vector(0.25));
             parts_ += fmt::format("{}m{} = {}", m > 0 ? ", " : "", m, list(markers_.back()));
@@ -106,8 +115,7 @@ private:
     /// A node; its name.
     std::string add_node(const Eigen::Vector3d& at, bool is_fixed) {
         const std::string name = fmt::format("n{}", node_count_++);
-        nodes_ += fmt::format("{} = {{ position = {}, quaternion = {}{} }}\n", name, list(placed(at)),
-                              attitude(Eigen::Quaterniond(Eigen::AngleAxisd(uniform(0, 3), direction()))),
+        nodes_ += fmt::format("{} = {{ position = {}, quaternion = {}{} }}\n", name, list(placed(at)), attitude(rotation()),
                               is_fixed ? ", fixed = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]" : "");
         return name;
     }
@@ -118,10 +126,13 @@ private:
     /// of that is a force of 1e-6 N.
     double stiffness(double mass) { return std::min(1e9, mass * std::pow(power(-2, 2) / step_, 2)); }
 
-    void add_spring(const std::string& from, const std::string& to, double mass) {
+    void add_spring(int from_body, int to_body) {
+        const std::string to = end(to_body, pick(kMarkers)), from = end(from_body, pick(kMarkers));
+        const double mass = bodies_[static_cast<size_t>(to_body)].mass;
         const double k = stiffness(mass), arm = uniform(0.05, 0.2), damping = chance(0.5) ? power(-5, -3) : 0;
         const auto three = [&](double size) {
-            return Eigen::Vector3d(size * uniform(0.2, 1), size * uniform(0.2, 1), size * uniform(0.2, 1));
+            const double z = uniform(0.2, 1), y = uniform(0.2, 1), x = uniform(0.2, 1);
+            return Eigen::Vector3d(size * x, size * y, size * z);
         };
         const Eigen::Vector3d way = three(k), turn = three(k * arm * arm);
         parts_ +=
@@ -133,18 +144,20 @@ private:
     void add_beam(const std::string& from, const std::string& to) {
         const double outer = power(-2.2, -1.2);
         const bool is_rod = chance(0.1);
+        const double damping = chance(0.5) ? power(-6, -4) : 0.0, density = power(3, 4), E = power(9.5, 11.5),
+                     inner = uniform(0, 0.8) * outer;
+        const int segments = 1 + pick(6);
         parts_ += element(is_rod ? "rod" : "beam") +
                   fmt::format(
                       "from = \"{}\"\nto = \"{}\"\nsegments = {}\nsection = {{ tube = [{:.17g}, {:.17g}] }}\n"
                       "material = {{ E = {:.17g}, poisson = 0.3, density = {:.17g}, stiffness_damping = {:.3g} }}\n",
-                      from, to, 1 + pick(6), outer, uniform(0, 0.8) * outer, power(9.5, 11.5), power(3, 4),
-                      chance(0.5) ? power(-6, -4) : 0.0);
+                      from, to, segments, outer, inner, E, density, damping);
         if (!is_rod) parts_ += fmt::format("up = {}\n", list(turned(direction())));
     }
     /// A chain of beams through nodes, some with masses.
     void add_chain(int from, int to) {
         const Eigen::Vector3d finish = place(to, pick(kMarkers));
-        Eigen::Vector3d at = from < 0 ? Eigen::Vector3d(finish + uniform(0.4, 1.2) * direction()) : place(from, 0);
+        Eigen::Vector3d at = from < 0 ? Eigen::Vector3d(finish + direction(0.4, 1.2)) : place(from, 0);
         std::string here = from < 0 ? add_node(at, true) : end(from, 0);
         for (int more = pick(3); more > 0; --more) {
             const Eigen::Vector3d next = 0.5 * (at + place(to, 1)) + vector(0.2);
@@ -166,10 +179,11 @@ private:
         if (chance(0.25)) {
             const std::string node = add_node(place(to, 1) + vector(0.1), false);
             add_beam(here, node);
-            parts_ += element("elastic_hinge") +
-                      fmt::format("from = \"{}\"\nto = \"{}\"\nstiffness = {{ {} = {:.17g}, {} }}\n", node, end(to, 1),
-                                  kAxes[pick(3)], stiffness(bodies_[static_cast<size_t>(to)].mass) * 0.01,
-                                  chance(0.5) ? "x = 3e6" : "y = 4e5, z = 7e6");
+            const char* const others = chance(0.5) ? "x = 3e6" : "y = 4e5, z = 7e6";
+            const double k = stiffness(bodies_[static_cast<size_t>(to)].mass) * 0.01;
+            parts_ +=
+                element("elastic_hinge") + fmt::format("from = \"{}\"\nto = \"{}\"\nstiffness = {{ {} = {:.17g}, {} }}\n",
+                                                       node, end(to, 1), kAxes[pick(3)], k, others);
         } else {
             add_beam(here, end(to, 1));
         }
@@ -186,19 +200,18 @@ private:
     }
     void add_link(int from, int to) {
         if (chance(0.6))
-            add_spring(end(from, pick(kMarkers)), end(to, pick(kMarkers)), bodies_[static_cast<size_t>(to)].mass);
+            add_spring(from, to);
         else
             add_chain(from, to);
     }
     void hold(int body, int by) {
         if (chance(0.25)) add_joint(by, body);
         if (chance(0.25)) return add_chain(by, body);
-        for (int count = 1 + pick(4); count > 0; --count)
-            add_spring(end(by, pick(kMarkers)), end(body, pick(kMarkers)), bodies_[static_cast<size_t>(body)].mass);
+        for (int count = 1 + pick(4); count > 0; --count) add_spring(by, body);
     }
     /// A beam that sticks out.
     void add_branch(int body) {
-        const std::string node = add_node(place(body, 3) + uniform(0.3, 0.8) * direction(), false);
+        const std::string node = add_node(place(body, 3) + direction(0.3, 0.8), false);
         add_beam(end(body, 3), node);
         if (chance(0.5)) parts_ += element("point_mass") + fmt::format("at = \"{}\"\nmass = {:.17g}\n", node, power(-2, 0));
     }

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "coupling/network_description.h"
+#include "loader/guarded_array.h"
+#include "loader/network_instance.h"
+#include "model/error.h"
+#include "model/index.h"
+#include "model/model.h"
+#include "world/world.h"
+
+namespace dttmm::host {
+
+/// The instances of all plugins of a model, what goes to them and what comes from them: arrays with guards, checked numbers,
+/// and errors with the place in the model file or the time.
+class NetworkExchange {
+public:
+    explicit NetworkExchange(const Model& model);
+
+    /// Creates the instance of a plugin. Throws Error with the place in the model file when it refuses an element.
+    void add(const Model& model, const NetworkDescription& description, const std::vector<size_t>& elements);
+    std::vector<NetworkInstance>& instances() { return instances_; }
+    const std::vector<NetworkInstance>& instances() const { return instances_; }
+
+    /// In messages, until the next one [s].
+    void set_time(double time) { time_ = time; }
+    double time() const { return time_; }
+    /// Puts the place of the element that a plugin blames before what it says.
+    template <class Action>
+    void tell_place(size_t instance, Action&& action) const {
+        try {
+            action();
+        } catch (const NetworkError& error) {
+            const std::vector<std::string>& places = slots_[instance].places;
+            const bool is_one = error.element() >= 0 || places.size() == 1;
+            const std::string& place = is_one ? places[as_size(std::max(error.element(), 0))] : path_;
+            throw Error(error.code(), fmt::format("{}: {}", place, error.what()));
+        }
+    }
+    /// Puts the time before what a plugin says while a step is open. A model that could be started is not invalid any more.
+    template <class Action>
+    static void tell_time(double time, Action&& action) {
+        try {
+            action();
+        } catch (const NetworkError& error) {
+            const ExitCode code = error.code() == ExitCode::model_invalid ? ExitCode::plugin_failure : error.code();
+            throw Error(code, fmt::format("t = {:.9g} s: {}", time, error.what()));
+        }
+    }
+
+    /// Takes the motion of the bodies; as last taken.
+    void gather(const std::vector<BodyState>& motion);
+    const dttmm_motion* motions() const { return motions_.data(); }
+    /// Loads on one instance, out of those on all networks; null if there are none.
+    const double* gather_loads(size_t instance, const double* loads);
+    /// Hands the motions of its supports to one instance.
+    void move_supports(size_t instance, const double* loads);
+
+    /// Where a plugin writes the wrenches on all bodies; then scatter() adds them to those given. Throws
+    /// Error(numerical_failure) naming element and body for one that is not finite or too large.
+    double* wrenches() { return wrenches_.data(); }
+    void scatter(size_t instance, double* wrenches) const;
+    /// Room for the blocks of an instance, to be written by its plugin.
+    double* make_room(size_t instance, GuardedArray& matrix) const;
+    void check_guards(size_t instance, const GuardedArray& array, const char* name) const;
+    void check_matrix(size_t instance, const GuardedArray& matrix, const char* name, const char* when = "") const;
+
+private:
+    /// What the host keeps of an instance.
+    struct Slot {
+        std::vector<std::string> places;  ///< in the model file, of its elements
+        std::vector<size_t> loaded;       ///< its inner nodes, then its forces per length, among the loads on all networks
+        bool is_loaded = false;           ///< a load acts on one of these
+        std::vector<size_t> supported;    ///< its nodes that supports move, as where their numbers begin in the same array
+        std::vector<int> first_on_body;   ///< its first element on each body; −1: none
+    };
+
+    [[noreturn]] void refuse_wrench(size_t instance, size_t body) const;
+
+    std::vector<NetworkInstance> instances_;
+    std::vector<Slot> slots_;
+    std::string path_;  ///< of the model file
+    std::vector<std::string> body_names_;
+    double time_ = 0;
+    std::vector<dttmm_motion> motions_;  ///< of every body
+    GuardedArray wrenches_;              ///< of every body, written by plugins
+    std::vector<double> loads_;
+    std::vector<dttmm_support_motion> supports_;
+};
+
+}  // namespace dttmm::host

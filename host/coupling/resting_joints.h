@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <vector>
+
+#include "model/model.h"
+#include "world/joint_system.h"
+
+namespace dttmm::host {
+
+/// A body moved a little by [shift; turn], world axes.
+BodyState moved(const BodyState& from, const Eigen::Matrix<double, 6, 1>& by);
+
+/// The ideal joints of a machine at rest: their equations and forces Jᵀ q beside those of the bodies, and their stops. Where
+/// the bodies are is told to each function.
+class RestingJoints {
+public:
+    using Vector6 = Eigen::Matrix<double, 6, 1>;
+    using Triplets = std::vector<Eigen::Triplet<double>>;
+
+    explicit RestingJoints(const Model& model);
+
+    const std::vector<JointEquations>& equations() const { return system_.joints(); }
+    const std::vector<Stop>& stops() const { return stops_; }
+    /// Of the bodies and behind them of the joints.
+    int rows() const { return rows_; }
+    /// Without forces, no stop acting, motors as they are at t0 [s].
+    void start(double t0);
+    /// For another try from here; and back to where that was called last.
+    void keep();
+    void recall();
+
+    /// Adds equations and forces of all joints under a share of what motors do. held: how stiffly bodies are held at their
+    /// centres of mass at most [N/m]. Both by row. `at` is as it was afterwards.
+    void add(std::vector<BodyState>& at, double factor, const std::vector<double>& held, Triplets& entries,
+             Eigen::VectorXd& right_hand_side) const;
+    /// Work of the forces of the joints after a solution, row by row: work(w).
+    template <class Work>
+    void for_each_work(const Eigen::VectorXd& solution, const Eigen::VectorXd& right_hand_side, const Work& work) const {
+        for (Eigen::Index row = rows_ - q_.size(); row < rows_; ++row)
+            work(-(q_(row - rows_ + q_.size()) + solution(row)) * right_hand_side(row));
+    }
+    /// Takes a share of the change of the forces in a solution.
+    void change(double share, const Eigen::VectorXd& solution) { q_ += share * solution.tail(q_.size()); }
+    /// Takes the forces off the wrenches on the bodies; the largest of them [N].
+    double take_off(const std::vector<BodyState>& at, std::vector<double>& wrenches) const;
+    /// Makes stops act that are passed; true if one more does.
+    bool reach_stops(const std::vector<BodyState>& at);
+    /// Lets go the stops that would pull; true if there is one.
+    bool release_stops();
+
+    /// What the forces add to the stiffness, 144 per joint by the motion of [first; second body], row-major.
+    std::vector<double> stiffness(std::vector<BodyState>& at) const;
+    /// How the force and moment of a joint on its first body, in the axes of that body, change while its reactions keep
+    /// their size: by small motions of [first; second] body at their centres of mass, world axes.
+    Eigen::Matrix<double, 6, 12> turning(size_t joint, const std::vector<BodyState>& start) const;
+
+private:
+    int first_row(size_t joint) const { return first_row_[joint]; }
+    int first_force(size_t joint) const { return first_row_[joint] - rows_ + static_cast<int>(q_.size()); }
+    void add_stiffness(size_t joint, std::vector<BodyState>& at, Triplets& entries) const;
+    Eigen::VectorXd reactions(size_t joint) const;
+    Vector6 wrench(size_t joint, const std::vector<BodyState>& at) const;
+
+    const Model& model_;
+    JointSystem system_;
+    std::vector<int> first_row_;  ///< of every joint's equations
+    int rows_;
+    Eigen::VectorXd q_, kept_q_;
+    std::vector<Stop> stops_, kept_stops_;
+};
+
+}  // namespace dttmm::host
